@@ -65,8 +65,6 @@ static bool start(km_simulation *run, km_cvode *c) {
       CVodeInit(c->memory, derivative, run->time, c->y) || CVodeWFtolerances(c->memory, weights) ||
       CVodeSetUserData(c->memory, run) || CVodeSetMaxNumSteps(c->memory, -1))
     return false;
-  if (isfinite(run->def.end) && CVodeSetStopTime(c->memory, run->def.end))
-    return false;
   if (run->def.max_step > 0.0 && CVodeSetMaxStep(c->memory, run->def.max_step))
     return false;
   if (bdf) {
@@ -151,6 +149,10 @@ static km_status why(const km_simulation *run, int flag, double h, km_error *err
   return km_fail(error, KM_DIVERGED, "the step fell to %g at time %g and its error is still too large", h, run->time);
 }
 
+bool km_cvode_restart(km_simulation *run) {
+  return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
+}
+
 /* One step over a pose where constraints lose their grip, whose evaluations lie before and behind it; and a new start. Of
  * several lengths the first that sees well, else the one that sees best, rather one whose end sees well. */
 static bool pass_over(km_simulation *run) {
@@ -171,7 +173,7 @@ static bool pass_over(km_simulation *run) {
   run->outcome = KM_DYNAMICS_DONE;
   run->noisy = run->noisy && !(chosen > 0.0);
   return chosen > 0.0 && km_collocation_step(run, chosen) &&
-         CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
+         km_cvode_restart(run);
 }
 
 static void accept_step(km_simulation *run, double t) {
@@ -190,7 +192,15 @@ static void accept_step(km_simulation *run, double t) {
 static bool go_on_unchecked(km_simulation *run) {
   run->unchecked = UNCHECKED_STEPS;
   run->noisy = false;
-  return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
+  return km_cvode_restart(run);
+}
+
+/* A step ends where the run does, where a law in time has a corner, and where one before has passed over something. */
+static bool set_stop_time(km_simulation *run) {
+  if (run->due_time <= run->time)
+    run->due_time = HUGE_VAL;
+  double time = fmin(fmin(run->def.end, run->due_time), km_corners_next(&run->corners, run->time));
+  return !isfinite(time) || CVodeSetStopTime(run->cvode->memory, time) == CV_SUCCESS;
 }
 
 /* A step of CVODE. Where it couldn't be made, the vector is as it was. */
@@ -199,6 +209,8 @@ static int try_step(km_simulation *run) {
   run->outcome = KM_DYNAMICS_DONE;
   run->way = KM_STEP_CVODE;
   run->noisy = false;
+  if (!set_stop_time(run))
+    return CV_MEM_NULL;
   int flag = CVode(run->cvode->memory, run->time + 1.0, run->cvode->y, &t, CV_ONE_STEP);
   if (flag < 0)
     memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);

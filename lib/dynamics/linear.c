@@ -10,7 +10,7 @@
 static const double step = 1e-5;
 static const double difference_error = 1e-9; /* of the accelerations, in their differences */
 static const double alike = 1e-6;            /* sizes of eigenvalues that only rounding tells apart */
-static const double rounding = 1e-5; /* of the largest eigenvalue: what the differences leave of an eigenvalue 0 */
+static const double sure = 4.0;      /* times the error that an eigenvalue may have tell it from 0 */
 static const double rest = 1e-6;     /* the largest acceleration of a pose at rest, scaled, over s² */
 
 bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
@@ -111,10 +111,11 @@ static bool allocate(km_linear *out, int freedom, int coordinates) {
   out->A = KM_NEW(double, 4 * f * f + 1);
   out->B = KM_NEW(double, 2 * f * n + 1);
   out->N = KM_NEW(double, n *f + 1);
+  out->doubt = KM_NEW(double, 2 * f + 1);
   out->real = KM_NEW(double, 2 * f + 1);
   out->imaginary = KM_NEW(double, 2 * f + 1);
   out->modes = KM_NEW(double, 4 * f * n + 1);
-  return out->independent && out->A && out->B && out->N && out->real && out->imaginary && out->modes;
+  return out->independent && out->A && out->B && out->N && out->doubt && out->real && out->imaginary && out->modes;
 }
 
 /* N of all clusters, into rows of coordinates. */
@@ -132,23 +133,47 @@ static void take_N(const km_dynamics *d, const km_poise *p, km_linear *out) {
   memcpy(out->independent, p->independent, (size_t)p->freedom * sizeof *out->independent);
 }
 
-/* A by the independent coordinates and their rates, B by the forces: the equations are linear in these. */
-static bool fill(km_dynamics *d, km_state *s, const km_poise *p, double *work, km_linear *out) {
+/* A's columns of a coordinate and of its rate, by differences of `size` times the usual step. */
+static bool fill_columns(km_dynamics *d, km_state *s, const km_poise *p, size_t k, double size, double *work, double *A) {
+  size_t f = (size_t)p->freedom, rows = 2 * f;
+  int c = p->independent[k];
+  double by = size * step / d->mechanism->scale[c], second = d->mechanism->model->units.time->si;
+  return derivative(d, s, p, OF_POSE, c, by, work, A + k * rows + f) &&
+         derivative(d, s, p, OF_RATE, c, by * second, work, A + (f + k) * rows + f);
+}
+
+/* A by the independent coordinates and their rates, with steps of two sizes, of which `other` [4 freedom²] takes the
+ * larger ones'; B by the forces: the equations are linear in these. */
+static bool fill(km_dynamics *d, km_state *s, const km_poise *p, double *work, km_linear *out, double *other) {
   const km_mechanism *m = d->mechanism;
   size_t f = (size_t)p->freedom, rows = 2 * f;
-  double second = m->model->units.time->si;
   bool good = true;
   for (size_t k = 0; k < f && good; ++k) {
-    int c = p->independent[k];
-    double by = step / m->scale[c];
-    out->A[(f + k) * rows + k] = 1.0;
-    good = derivative(d, s, p, OF_POSE, c, by, work, out->A + k * rows + f) &&
-           derivative(d, s, p, OF_RATE, c, by * second, work, out->A + (f + k) * rows + f);
+    out->A[(f + k) * rows + k] = other[(f + k) * rows + k] = 1.0;
+    good = fill_columns(d, s, p, k, 1.0, work, out->A) && fill_columns(d, s, p, k, 2.0, work, other);
   }
   for (int c = 0; c < m->coordinate_count && good; ++c)
     if (!m->held[c])
       good = derivative(d, s, p, OF_FORCE, c, 1.0, work, out->B + (size_t)c * rows + f);
   return good;
+}
+
+/* What the entries of A may err by, in the place of those of `other`: what larger steps tell, and 1e-9 of the row's largest. */
+static void find_errors(const km_mechanism *m, const km_linear *l, double *other) {
+  size_t f = (size_t)l->freedom, rows = 2 * f;
+  double second = m->model->units.time->si;
+  for (size_t i = 0; i < rows; ++i) {
+    double largest = 0.0;
+    for (size_t k = 0; k < rows; ++k) {
+      double unit = m->scale[l->independent[k % f]] / (k < f ? 1.0 : second);
+      largest = fmax(largest, fabs(l->A[k * rows + i]) / unit);
+    }
+    for (size_t k = 0; k < rows; ++k) {
+      double unit = m->scale[l->independent[k % f]] / (k < f ? 1.0 : second);
+      double told = fabs(l->A[k * rows + i] - other[k * rows + i]);
+      other[k * rows + i] = i < f ? 0.0 : told + difference_error * unit * largest;
+    }
+  }
 }
 
 /* An eigenvector of A: its imaginary part is `sign` times a column, or 0. */
@@ -178,15 +203,15 @@ static void keep_mode(const km_mechanism *m, const km_linear *l, eigenvector v, 
 
 /* What LAPACK gives of A. */
 typedef struct eigensystem {
-  double *A, *real, *imaginary, *vectors;
+  double *A, *real, *imaginary, *left, *right;
   int *order; /* by size */
 } eigensystem;
 
-static eigenvector vector_of(const eigensystem *e, size_t size, size_t k) {
+static eigenvector vector_of(const eigensystem *e, const double *vectors, size_t size, size_t k) {
   if (e->imaginary[k] == 0.0)
-    return (eigenvector){e->vectors + k * size, NULL, 0.0};
+    return (eigenvector){vectors + k * size, NULL, 0.0};
   size_t first = e->imaginary[k] > 0.0 ? k : k - 1;
-  return (eigenvector){e->vectors + first * size, e->vectors + (first + 1) * size, e->imaginary[k] > 0.0 ? 1.0 : -1.0};
+  return (eigenvector){vectors + first * size, vectors + (first + 1) * size, e->imaginary[k] > 0.0 ? 1.0 : -1.0};
 }
 
 /* By size; of those that only rounding tells apart, what grows first. */
@@ -206,7 +231,29 @@ static void sort(const eigensystem *e, int size) {
   }
 }
 
-static km_status find_modes(const km_mechanism *m, km_linear *l, km_error *error) {
+static double part(const eigenvector *v, size_t i) {
+  return v->imaginary ? hypot(v->real[i], v->imaginary[i]) : fabs(v->real[i]);
+}
+
+/* An eigenvalue's error to first order, Σ |y_i| E_ij |x_j| / |yᴴ x| of its left and right vectors (G. Stewart, J. Sun, Matrix
+ * Perturbation Theory, 1990, IV.2.3): of a double eigenvalue 0 the size that the errors give it, but for a factor. */
+static double error_of(eigenvector y, eigenvector x, const double *E, size_t size) {
+  double sum = 0.0, re = 0.0, im = 0.0;
+  for (size_t j = 0; j < size; ++j) {
+    for (size_t i = 0; i < size; ++i)
+      sum += part(&y, i) * E[j * size + i] * part(&x, j);
+    re += y.real[j] * x.real[j];
+    if (y.imaginary) {
+      re += y.imaginary[j] * x.imaginary[j];
+      im += y.real[j] * x.imaginary[j] - y.imaginary[j] * x.real[j];
+    }
+  }
+  double along = hypot(re, im);
+  return sum > 0.0 ? sum / along : 0.0;
+}
+
+/* E: what the entries of A may err by. */
+static km_status find_modes(const km_mechanism *m, km_linear *l, const double *E, km_error *error) {
   size_t size = 2 * (size_t)l->freedom;
   if (size == 0)
     return KM_OK;
@@ -214,14 +261,15 @@ static km_status find_modes(const km_mechanism *m, km_linear *l, km_error *error
   eigensystem e = {.A = KM_ARENA_NEW(&arena, double, size *size),
                    .real = KM_ARENA_NEW(&arena, double, size),
                    .imaginary = KM_ARENA_NEW(&arena, double, size),
-                   .vectors = KM_ARENA_NEW(&arena, double, size *size),
+                   .left = KM_ARENA_NEW(&arena, double, size *size),
+                   .right = KM_ARENA_NEW(&arena, double, size *size),
                    .order = KM_ARENA_NEW(&arena, int, size)};
   km_status status = KM_OK;
   if (arena.failed) {
     status = km_fail(error, KM_MEMORY, "out of memory for the linearised equations");
   } else {
     memcpy(e.A, l->A, size * size * sizeof *e.A);
-    status = km_eigen((int)size, e.A, e.real, e.imaginary, e.vectors, error);
+    status = km_eigen((int)size, e.A, e.real, e.imaginary, e.left, e.right, error);
   }
   if (!status)
     sort(&e, (int)size);
@@ -229,7 +277,9 @@ static km_status find_modes(const km_mechanism *m, km_linear *l, km_error *error
     size_t from = (size_t)e.order[k];
     l->real[k] = e.real[from];
     l->imaginary[k] = e.imaginary[from];
-    keep_mode(m, l, vector_of(&e, size, from), l->modes + k * 2 * (size_t)l->coordinate_count);
+    eigenvector left = vector_of(&e, e.left, size, from), right = vector_of(&e, e.right, size, from);
+    l->doubt[k] = fmax(l->noise, sure * error_of(left, right, E, size));
+    keep_mode(m, l, right, l->modes + k * 2 * (size_t)l->coordinate_count);
   }
   km_arena_free(&arena);
   return status;
@@ -246,8 +296,9 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
     return status;
   km_poise poise = {0};
   bool memory = km_poise_take(d, s, &poise);
-  double *work = KM_NEW(double, 2 * (size_t)poise.freedom + 1);
-  memory = memory && work && allocate(out, poise.freedom, d->mechanism->coordinate_count);
+  size_t f = (size_t)poise.freedom;
+  double *work = KM_NEW(double, 2 * f + 1), *other = KM_NEW(double, 4 * f * f + 1);
+  memory = memory && work && other && allocate(out, poise.freedom, d->mechanism->coordinate_count);
   double second = d->mechanism->model->units.time->si;
   bool good = memory;
   if (good) {
@@ -257,15 +308,18 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
     }
     out->noise = second * sqrt(difference_error * out->residual);
     take_N(d, &poise, out);
-    good = fill(d, s, &poise, work, out);
+    good = fill(d, s, &poise, work, out, other);
   }
-  if (good)
-    status = find_modes(d->mechanism, out, error);
+  if (good) {
+    find_errors(d->mechanism, out, other);
+    status = find_modes(d->mechanism, out, other, error);
+  }
   if (poise.acceleration) {
     km_poise_restore(&poise, d->mechanism, s);
     km_dynamics_evaluate(d, s, true);
   }
   km_free(work);
+  km_free(other);
   km_poise_free(&poise);
   if (!memory)
     return km_fail(error, KM_MEMORY, "out of memory for the linearised equations");
@@ -279,6 +333,7 @@ void km_linear_free(km_linear *l) {
   km_free(l->A);
   km_free(l->B);
   km_free(l->N);
+  km_free(l->doubt);
   km_free(l->real);
   km_free(l->imaginary);
   km_free(l->modes);
@@ -290,30 +345,16 @@ const char *km_stability_name(km_stability stability) {
   return (size_t)stability < sizeof names / sizeof *names ? names[stability] : "";
 }
 
-static double largest_of(const km_linear *l) {
-  double largest = 0.0;
-  for (int k = 0; k < 2 * l->freedom; ++k)
-    largest = fmax(largest, hypot(l->real[k], l->imaginary[k]));
-  return largest;
-}
-
-double km_linear_zero(const km_linear *l) {
-  return fmax(rounding * largest_of(l), l->noise);
-}
-
 km_stability km_linear_stability(const km_linear *l) {
-  double real = -HUGE_VAL, least = HUGE_VAL;
+  bool still = false;
   if (!l)
     return KM_INDIFFERENT;
   if (!(l->residual <= rest))
     return KM_NOT_AT_REST;
   for (int k = 0; k < 2 * l->freedom; ++k) {
-    least = fmin(least, hypot(l->real[k], l->imaginary[k]));
-    real = fmax(real, l->real[k]);
+    if (l->real[k] > l->doubt[k])
+      return KM_UNSTABLE;
+    still = still || hypot(l->real[k], l->imaginary[k]) <= l->doubt[k];
   }
-  /* A double eigenvalue 0 comes out of differences as ± the root of their error. */
-  double zero = fmax(1e-3 * largest_of(l), l->noise);
-  if (real > zero)
-    return KM_UNSTABLE;
-  return l->freedom == 0 || least > zero ? KM_STABLE : KM_INDIFFERENT;
+  return still ? KM_INDIFFERENT : KM_STABLE;
 }

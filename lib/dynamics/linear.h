@@ -28,7 +28,4 @@ void km_nudge(const km_mechanism *mechanism, km_state *state, int coordinate, do
 bool km_stiffness_of_accelerations(km_dynamics *dynamics, km_state *state, const km_poise *poise, double *work,
                                    double *K);
 
-/* An eigenvalue up to this size is 0 but for the differences. */
-double km_linear_zero(const km_linear *linear);
-
 #endif

@@ -24,7 +24,7 @@ typedef struct shaking {
 km_linear_kind km_linear_kind_of(const km_linear *l, int k) {
   if (!l || k < 0 || k >= 2 * l->freedom)
     return KM_LINEAR_STILL;
-  if (hypot(l->real[k], l->imaginary[k]) <= km_linear_zero(l))
+  if (hypot(l->real[k], l->imaginary[k]) <= l->doubt[k])
     return KM_LINEAR_STILL;
   if (l->imaginary[k] != 0.0)
     return KM_LINEAR_SWINGS;

@@ -62,13 +62,15 @@ static bool lay_out(km_simulation *run) {
   run->before = KM_ARENA_NEW(&run->arena, double, n);
   run->slope = KM_ARENA_NEW(&run->arena, double, n);
   run->good = KM_ARENA_NEW(&run->arena, double, n);
+  run->good_shift = KM_ARENA_NEW(&run->arena, double, n);
   run->tolerance = KM_ARENA_NEW(&run->arena, double, n);
   run->stage = KM_ARENA_NEW(&run->arena, double, (KM_STAGES + 2) * n);
   run->kept = KM_ARENA_NEW(&run->arena, double, KM_STAGES *n);
   run->crossings = KM_ARENA_NEW(&run->arena, km_crossing, crossings);
   run->side = KM_ARENA_NEW(&run->arena, double, crossings);
+  bool listed = km_corners_list(run->dynamics, &run->arena, &run->corners);
   bool adams = run->def.integrator == KM_INTEGRATOR_ADAMS;
-  return km_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
+  return listed && km_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
 }
 
 /* Errors are compared in radians and characteristic lengths, rates per second; works by works.c. */
@@ -84,12 +86,6 @@ static void set_tolerances(km_simulation *run) {
   }
   for (int i = run->work_start; i < run->size; ++i)
     run->tolerance[i] = HUGE_VAL;
-}
-
-static double side_of(const km_simulation *run, int crossing, const double *y) {
-  const km_crossing *def = &run->crossings[crossing];
-  int place = run->place[def->coordinate];
-  return y[place] + run->shift[place] - def->value;
 }
 
 static km_status begin(km_simulation *run, km_error *error) {
@@ -111,8 +107,7 @@ static km_status begin(km_simulation *run, km_error *error) {
   if (status)
     return status;
   km_simulation_pack(run, run->y);
-  for (int i = 0; i < def->crossing_count; ++i)
-    run->side[i] = side_of(run, i, run->y);
+  km_crossings_begin(run);
   km_dynamics_forget_repartitions(d);
   km_simulation_begin_works(run);
   return def->integrator == KM_INTEGRATOR_FIXED ? KM_OK : km_cvode_create(run, error);
@@ -133,7 +128,7 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
   km_simulation *run = KM_NEW(km_simulation, 1);
   if (!run)
     return km_fail(error, KM_MEMORY, "out of memory for the run");
-  *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stop = HUGE_VAL};
+  *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stop = HUGE_VAL, .due_time = HUGE_VAL};
   run->def.relative *= share;
   run->def.absolute *= share;
   status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
@@ -159,7 +154,7 @@ void km_simulation_free(km_simulation *run) {
   km_free(run);
 }
 
-static bool between(const km_simulation *run, double time, double *y) {
+bool km_simulation_between(const km_simulation *run, double time, double *y) {
   if (!(run->time > run->last_time))
     memcpy(y, run->y, (size_t)run->size * sizeof *y);
   else if (run->way == KM_STEP_CVODE)
@@ -171,71 +166,45 @@ static bool between(const km_simulation *run, double time, double *y) {
   return true;
 }
 
-/* Where a crossing's side changes within the last step, by bisection and secants in turn. */
-static double locate(km_simulation *run, int crossing) {
-  double a = run->last_time, b = run->time, fa = run->side[crossing], fb = side_of(run, crossing, run->y);
-  for (int i = 0; i < 100 && b - a > 1e-15 * (fabs(a) + fabs(b)); ++i) {
-    double t = i % 3 == 2 ? 0.5 * (a + b) : a - fa * (b - a) / (fb - fa);
-    if (!(t > a && t < b))
-      t = 0.5 * (a + b);
-    if (!between(run, t, run->at))
-      break;
-    double f = side_of(run, crossing, run->at);
-    if ((f > 0.0) == (fa > 0.0)) {
-      a = t;
-      fa = f;
-    } else {
-      b = t;
-      fb = f;
-    }
-  }
-  return b;
+/* From where the last step began, by steps that come to `time`, since it has passed over something there. */
+static bool go_back(km_simulation *run, double time) {
+  memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
+  memcpy(run->shift, run->good_shift, (size_t)run->size * sizeof *run->shift);
+  run->time = run->last_time;
+  run->usual = run->usual_before;
+  run->due_time = time;
+  run->rejected_over++;
+  return km_cvode_restart(run);
 }
 
-/* Tells the crossings that wait to be told, up to the first that ends the run. */
-static void tell_crossings(km_simulation *run) {
-  run->stop = HUGE_VAL;
-  while (run->told < run->met_count && run->met[run->told].time <= run->stop) {
-    const km_crossing_met *met = &run->met[run->told++];
-    if (run->crossings[met->crossing].stops)
-      run->stop = met->time;
-  }
-}
-
-/* The crossings of the last step, in order of time. False when out of memory. */
-static bool find_crossings(km_simulation *run) {
-  size_t first = run->met_count;
-  for (int i = 0; i < run->def.crossing_count; ++i) {
-    double now = side_of(run, i, run->y);
-    if ((now > 0.0) == (run->side[i] > 0.0))
-      continue;
-    double time = locate(run, i);
-    if (!km_reserve((void **)&run->met, &run->met_room, run->met_count + 1, sizeof *run->met))
-      return false;
-    size_t at = run->met_count++;
-    for (; at > first && run->met[at - 1].time > time; --at)
-      run->met[at] = run->met[at - 1];
-    run->met[at] = (km_crossing_met){i, time, now > 0.0 ? 1 : -1};
-    run->side[i] = now;
-  }
-  tell_crossings(run);
-  return true;
+/* One step, without what it may have passed over. */
+static km_status make_step(km_simulation *run, km_error *error) {
+  run->last_time = run->time;
+  run->usual_before = run->usual;
+  memcpy(run->good, run->y, (size_t)run->size * sizeof *run->y);
+  memcpy(run->good_shift, run->shift, (size_t)run->size * sizeof *run->shift);
+  if (!run->cvode)
+    return km_fixed_step(run, error);
+  km_status status = km_cvode_step(run, error);
+  double missed = status ? HUGE_VAL : km_simulation_passed_over(run);
+  if (missed == HUGE_VAL)
+    return status;
+  return go_back(run, missed) ? km_cvode_step(run, error)
+                              : km_fail(error, KM_MEMORY, "out of memory for the integrator");
 }
 
 static km_status step(km_simulation *run, km_error *error) {
-  run->last_time = run->time;
-  memcpy(run->good, run->y, (size_t)run->size * sizeof *run->y);
-  km_status status = run->cvode ? km_cvode_step(run, error) : km_fixed_step(run, error);
+  km_status status = make_step(run, error);
   if (status)
     return status;
   if (run->cvode && run->dynamics->stale && !km_simulation_settle(run, run->y, run->time, false))
     return km_dynamics_fail(run->dynamics, run->outcome, error);
-  return find_crossings(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
+  return km_crossings_find(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
 }
 
 /* The state at a time within the last step. */
 static km_status show(km_simulation *run, double time, km_error *error) {
-  if (!between(run, time, run->at))
+  if (!km_simulation_between(run, time, run->at))
     return km_fail(error, KM_INTERNAL, "time %g isn't within the last step", time);
   bool tight = !run->dynamics->feeds_back;
   double closing = run->dynamics->closing;
@@ -259,7 +228,7 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
     return km_fail(error, KM_USAGE, "time %g; expected one from %g to %g", time, run->last_time, run->def.end);
   double from = run->time;
   if (run->halted) /* the last step goes on behind the crossing that ended the run */
-    tell_crossings(run);
+    km_crossings_tell(run);
   run->halted = false;
   while (run->time < time && run->time < run->stop && !status) {
     status = step(run, error);
@@ -284,7 +253,7 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
   return (km_simulation_figures){.time = run->state->time,
                                  .steps = run->steps,
                                  .evaluations = run->evaluations,
-                                 .rejected = run->rejected,
+                                 .rejected = run->rejected + run->rejected_over,
                                  .repartitions = km_dynamics_repartitions(run->dynamics),
                                  .dissipated = run->at[run->work_start],
                                  .motor_work = run->at[run->work_start + 1],

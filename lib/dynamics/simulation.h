@@ -2,6 +2,7 @@
 #ifndef KM_DYNAMICS_SIMULATION_H
 #define KM_DYNAMICS_SIMULATION_H
 
+#include "dynamics/corners.h"
 #include "dynamics/dynamics.h"
 #include "dynamics/method.h"
 #include "kmech/simulation.h"
@@ -34,9 +35,11 @@ struct km_simulation {
   double *stage;          /* [(KM_STAGES + 2) × size] of steps that aren't CVODE's */
   double *kept;           /* [KM_STAGES × size] those of collocation that the last step was made with */
   double *before, *slope; /* [size] the vector before the last fixed step, and its derivative */
-  double *good;           /* [size] the vector before the last step */
+  double *good;           /* [size] the vector before the last step, … */
+  double *good_shift;     /* … and its shift */
   double last_time;       /* before the last step */
-  double usual;           /* length of a step that counts as usual */
+  double usual;           /* length of a step that counts as usual; and before the last step */
+  double usual_before;
   double usual_energy, largest_energy; /* what the works may err by goes by (works.c) */
   km_step_way way;                     /* how the last step was made */
   double time;
@@ -46,6 +49,9 @@ struct km_simulation {
   double operations; /* beside evaluations, so far */
   int unchecked;     /* steps to come that don't look for it */
   bool noisy;        /* CVODE has stopped before a pose where accelerations are rounding */
+  km_corners corners;
+  double due_time;    /* steps end there, since a longer one would pass over something; infinity: nowhere */
+  long rejected_over; /* steps that had passed over something */
   km_crossing_met *met;
   size_t met_count, met_room;
   size_t told;     /* of these, up to the first that ends the run; those behind it wait until the run goes on */
@@ -94,7 +100,21 @@ bool km_collocation_try(km_simulation *run, double h, double *noise, double *aft
 /* The step with the stages that were kept; false, with the vector as it was, where it fails. */
 void km_collocation_keep(km_simulation *run);
 bool km_collocation_step(km_simulation *run, double h);
+/* CVODE begins anew, at the vector and the time. */
+bool km_cvode_restart(km_simulation *run);
+
+/* The crossings of the last step, in order of time. False when out of memory. */
+bool km_crossings_find(km_simulation *run);
+/* Tells the crossings that wait to be told, up to the first that ends the run. */
+void km_crossings_tell(km_simulation *run);
+/* Before the first step. A value at which a coordinate begins isn't passed by leaving it. */
+void km_crossings_begin(km_simulation *run);
+/* A time within the last step at which a coordinate is beyond one of run->corners, though at both ends of the step it isn't:
+ * no evaluation has seen it. Infinity: there is none. O(corners) but for coordinates that came near to one. */
+double km_simulation_passed_over(km_simulation *run);
+
 /* The vector at a time within the last step. */
+bool km_simulation_between(const km_simulation *run, double time, double *y);
 bool km_cvode_between(const km_simulation *run, double time, double *y);
 void km_fixed_between(const km_simulation *run, double time, double *y);
 void km_collocation_between(const km_simulation *run, double time, double *y);

@@ -397,7 +397,8 @@ bool km_coordinate_turns(const km_mechanism *m, int c) {
 
 void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->q, from->q, (size_t)m->coordinate_count * sizeof *to->q);
-  memcpy(to->rate, from->rate, (size_t)m->coordinate_count * sizeof *to->rate);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    to->rate[c] = m->held[c] ? 0.0 : from->rate[c];
   to->time = from->time;
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
 }

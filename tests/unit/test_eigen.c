@@ -31,7 +31,7 @@ static void check_matrix(int n) {
   double A[MOST * MOST], spoilt[MOST * MOST], re[MOST], im[MOST], V[MOST * MOST], trace = 0.0;
   for (int i = 0; i < n * n; ++i)
     spoilt[i] = A[i] = uniform(&chance, -1.0, 1.0);
-  assert_int_equal(km_eigen(n, spoilt, re, im, V, NULL), KM_OK);
+  assert_int_equal(km_eigen(n, spoilt, re, im, NULL, V, NULL), KM_OK);
   for (int k = 0; k < n; ++k) {
     trace += A[k * n + k] - re[k];
     if (im[k] > 0.0) {
@@ -55,7 +55,7 @@ static void random_matrices(void **state) {
 static void known_pair(void **state) {
   (void)state;
   double A[] = {0.0, -4.0, 1.0, 0.0}, re[2], im[2], V[4];
-  assert_int_equal(km_eigen(2, A, re, im, V, NULL), KM_OK);
+  assert_int_equal(km_eigen(2, A, re, im, NULL, V, NULL), KM_OK);
   assert_near(re[0], 0.0, 1e-15);
   assert_near(im[0], 2.0, 1e-15);
   assert_near(im[1], -2.0, 1e-15);
@@ -67,7 +67,7 @@ static void not_finite(void **state) {
   for (int i = 0; i < 3; ++i) {
     double A[] = {1.0, 0.0, wrong[i], 1.0}, re[2], im[2], V[4];
     km_error error = {0};
-    assert_int_equal(km_eigen(2, A, re, im, V, &error), KM_DIVERGED);
+    assert_int_equal(km_eigen(2, A, re, im, NULL, V, &error), KM_DIVERGED);
     assert_non_null(strstr(error.text, "isn't finite"));
   }
 }

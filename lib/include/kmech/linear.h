@@ -25,11 +25,12 @@ typedef struct km_linear {
   double *modes;   /* [coordinates × 2 freedom × 2] the coordinates' parts of the eigenvectors: real, imaginary; the
                         * largest scaled entry has length 1 */
   double residual; /* largest acceleration of an independent coordinate at the pose, scaled, over s²: 0 at rest */
+  double *doubt;   /* [2 freedom] up to this size an eigenvalue may be 0 but for the errors of the differences, per time unit */
   double noise;    /* per time unit: what the errors of differences of such accelerations make of an eigenvalue 0 */
 } km_linear;
 
 /* Differences of ±1e-5 (radians, characteristic lengths, and these per second) of the accelerations, which err by about
- * 1e-9 of their size; eigenvalues by LAPACK's dgeev. The state's pose stays, and so do its rates but for
+ * 1e-9 of their size and by what differences of ±2e-5 tell; eigenvalues by LAPACK's dgeev. The state's pose stays, and so do its rates but for
  * km_dynamics_project_rates. Prescribed coordinates follow
  * their laws at the state's time. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_IO: LAPACKE isn't installed;
  * KM_MEMORY. Free `*out` in any case. O(freedom · evaluation + freedom³). */
@@ -64,7 +65,7 @@ typedef enum km_stability {
   KM_NOT_AT_REST /* the pose is none of rest or steady motion: what a push does to what happens there anyway isn't asked */
 } km_stability;
 KM_API const char *km_stability_name(km_stability stability); /* "stable" … */
-/* By the largest real part among the eigenvalues, where nothing accelerates by more than 1e-6 (km_linear.residual). */
+/* By the real parts of the eigenvalues and their doubts, where nothing accelerates by more than 1e-6 (km_linear.residual). */
 KM_API km_stability km_linear_stability(const km_linear *linear);
 
 /* Moves the state to a pose where nothing accelerates: Newton's method on the accelerations of the independent
