@@ -1,17 +1,20 @@
-/* Rest poses: Newton's method on accelerations, and settling by damping. */
+/* Rest poses: Newton's method on accelerations, and falling to a stable one. */
 #include "kmech/linear.h"
 
 #include "base/check.h"
 #include "dynamics/linear.h"
+#include "partition/eigen.h"
 
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-enum { MOST_STEPS = 60, SETTLING_STEPS = 20000 };
+enum { MOST_STEPS = 60, MOST_FALLING_STEPS = 2000, MOST_FALLS = 10 };
 static const double longest = 0.2;   /* of a step: radians or characteristic lengths */
+static const double straight = 1e-6; /* of the accelerations: what a step may miss where longer ones serve as well */
 static const double at_rest = 1e-11; /* a Newton step below this ends */
 static const double unheld = 1e-6;   /* radians or characteristic lengths per second², that no motion changes */
-static const double settled = 1e-3;  /* speed per second, radians or characteristic lengths, that hardly moves */
+static const double settled = 1e-3;  /* the same, that hardly moves anything */
+static const double push = 1e-2;     /* radians or characteristic lengths, away from a pose that isn't stable */
 
 static void stop(const km_mechanism *m, km_state *s) {
   memset(s->rate, 0, (size_t)m->coordinate_count * sizeof *s->rate);
@@ -41,93 +44,226 @@ static bool newton_step(const double *K, const double *a, int f, double *x) {
   return good;
 }
 
-/* A Newton step: its length, scaled, and the largest of the accelerations that no step takes away, in radians or characteristic
- * lengths per second², with its coordinate. */
-typedef struct rest_step {
-  double size, left;
+/* A search for a rest pose, and its last step. */
+typedef struct search {
+  km_dynamics *d;
+  km_state *s;
+  km_poise poise; /* where the step began: freedom, independent coordinates, their accelerations */
+  double *K, *x, *work;
+  double reach;   /* no step is longer, scaled */
+  double foretold; /* the largest acceleration that the step should have left, scaled; 0: it wasn't shortened */
+  double size;    /* of the step before it was shortened, scaled */
+  double hardest; /* the largest acceleration before it, in radians or characteristic lengths per second² */
+  double left;    /* the same of the accelerations that no step takes away, with its coordinate */
   int coordinate;
-} rest_step;
+} search;
 
-/* a + K x, beyond what rounding makes of it. */
-static void see_left(const km_mechanism *m, const km_poise *p, const double *K, const double *x, rest_step *step) {
+static double scaled_acceleration(const search *e, int k, double acceleration) {
+  const km_mechanism *m = e->d->mechanism;
   double second = 1.0 / m->model->units.time->si;
-  int f = p->freedom;
-  step->left = 0.0;
-  for (int r = 0; r < f; ++r) {
-    double sum = p->acceleration[r], size = fabs(sum);
-    for (int c = 0; c < f; ++c) {
-      sum += K[c * f + r] * x[c];
-      size += fabs(K[c * f + r]);
-    }
-    double left = (fabs(sum) - 1e-9 * size) * m->scale[p->independent[r]] * second * second;
-    if (left > step->left)
-      *step = (rest_step){step->size, left, p->independent[r]};
-  }
+  return fabs(acceleration) * m->scale[e->poise.independent[k]] * second * second;
 }
 
-/* One step. KM_OK, KM_DIVERGED, which its caller words, KM_MODEL … */
-static km_status step_once(km_dynamics *d, km_state *s, rest_step *step, km_error *error) {
-  const km_mechanism *m = d->mechanism;
-  km_poise p = {0};
-  stop(m, s);
-  km_status status = km_dynamics_accelerate(d, s, error);
+static void forget(search *e) {
+  km_poise_free(&e->poise);
+  km_free(e->K);
+  km_free(e->x);
+  km_free(e->work);
+  e->poise = (km_poise){0};
+  e->K = e->x = e->work = NULL;
+}
+
+/* Accelerations at rest and K there. KM_OK, KM_DIVERGED, which its caller words, KM_MODEL … */
+static km_status look(search *e, km_error *error) {
+  stop(e->d->mechanism, e->s);
+  forget(e);
+  km_status status = km_dynamics_accelerate(e->d, e->s, error);
   if (status)
     return status;
-  bool memory = km_poise_take(d, s, &p);
-  size_t f = (size_t)p.freedom;
-  double *K = KM_NEW(double, f *f + 1), *work = KM_NEW(double, 2 * f + 1), *x = KM_NEW(double, f + 1);
-  memory = memory && K && work && x;
-  bool good = memory;
-  for (size_t k = 0; k < f && good; ++k)
-    p.acceleration[k] = s->acceleration[p.independent[k]];
-  good = good && km_stiffness_of_accelerations(d, s, &p, work, K) &&
-         (f == 0 || newton_step(K, p.acceleration, p.freedom, x));
-  step->size = 0.0;
-  for (size_t k = 0; k < f && good; ++k)
-    step->size = fmax(step->size, fabs(x[k]) * m->scale[p.independent[k]]);
-  if (good)
-    see_left(m, &p, K, x, step);
-  double share = step->size > longest ? longest / step->size : 1.0;
-  good = good && isfinite(step->size);
-  for (size_t k = 0; k < f && good; ++k)
-    km_nudge(m, s, p.independent[k], share * x[k]);
-  km_free(K);
-  km_free(work);
-  km_free(x);
-  km_poise_free(&p);
-  if (!memory)
+  bool memory = km_poise_take(e->d, e->s, &e->poise);
+  size_t f = (size_t)e->poise.freedom;
+  e->K = KM_NEW(double, f *f + 1);
+  e->x = KM_NEW(double, f + 1);
+  e->work = KM_NEW(double, 2 * f + 1);
+  if (!memory || !e->K || !e->x || !e->work)
     return km_fail(error, KM_MEMORY, "out of memory for a rest pose");
-  return good ? KM_OK : KM_DIVERGED;
+  e->hardest = 0.0;
+  for (int k = 0; k < e->poise.freedom; ++k) {
+    e->poise.acceleration[k] = e->s->acceleration[e->poise.independent[k]];
+    e->hardest = fmax(e->hardest, scaled_acceleration(e, k, e->poise.acceleration[k]));
+  }
+  return km_stiffness_of_accelerations(e->d, e->s, &e->poise, e->work, e->K) ? KM_OK : KM_DIVERGED;
 }
 
-/* Falls with a damping of all rates that grows with time, by steps of a part of a second. */
-static km_status settle(km_dynamics *d, km_state *s, km_progress progress, void *context, km_error *error) {
-  const km_mechanism *m = d->mechanism;
-  double second = 1.0 / m->model->units.time->si, h = 2e-3 * second;
-  stop(m, s);
-  for (int i = 0; i < SETTLING_STEPS; ++i) {
-    km_status status = km_dynamics_accelerate(d, s, error);
-    double fastest = 0.0, hardest = 0.0;
-    if (status)
-      return status;
-    for (int c = 0; c < m->coordinate_count; ++c) {
-      s->rate[c] = (s->rate[c] + h * s->acceleration[c]) * 0.98;
-      fastest = fmax(fastest, fabs(s->rate[c]) * m->scale[c] * second);
-      hardest = fmax(hardest, fabs(s->acceleration[c]) * m->scale[c] * second * second);
+/* a + K x, beyond what rounding makes of it. */
+static void see_left(search *e) {
+  int f = e->poise.freedom;
+  e->left = 0.0;
+  for (int r = 0; r < f; ++r) {
+    double sum = e->poise.acceleration[r], size = fabs(sum);
+    for (int c = 0; c < f; ++c) {
+      sum += e->K[c * f + r] * e->x[c];
+      size += fabs(e->K[c * f + r]);
     }
-    if (i > 50 && fastest < settled && hardest < settled)
-      return KM_OK;
-    for (int c = 0; c < m->coordinate_count; ++c)
-      if (m->ball_of[c] < 0)
-        s->q[c] += h * s->rate[c];
-    for (int b = 0; b < m->ball_count; ++b) {
-      const double *w = &s->rate[m->ball_coordinate[b]];
-      km_state_turn_ball(m, s, b, (km_vec3){h * w[0], h * w[1], h * w[2]});
+    double left = scaled_acceleration(e, r, fmax(fabs(sum) - 1e-9 * size, 0.0));
+    if (left > e->left) {
+      e->left = left;
+      e->coordinate = e->poise.independent[r];
     }
-    if (progress && i % 256 == 0 && !progress(context, (double)i / SETTLING_STEPS))
-      return km_fail(error, KM_CANCELLED, "cancelled while settling");
   }
-  return KM_OK;
+}
+
+/* Where a step that was shortened has left what it should have, longer ones serve as well: a spring is far from its rest. */
+static void adapt_reach(search *e) {
+  if (e->foretold > 0.0 && fabs(e->hardest - e->foretold) <= straight * e->foretold)
+    e->reach *= 4.0;
+  else
+    e->reach = fmax(longest, 0.25 * e->reach);
+}
+
+/* Goes along x as far as the reach allows. False where it isn't finite. */
+static bool move(search *e) {
+  const km_mechanism *m = e->d->mechanism;
+  int f = e->poise.freedom;
+  e->size = 0.0;
+  for (int k = 0; k < f; ++k)
+    e->size = fmax(e->size, fabs(e->x[k]) * m->scale[e->poise.independent[k]]);
+  double share = e->size > e->reach ? e->reach / e->size : 1.0;
+  e->foretold = 0.0;
+  for (int r = 0; r < f && share < 1.0; ++r) {
+    double sum = e->poise.acceleration[r];
+    for (int c = 0; c < f; ++c)
+      sum += share * e->K[c * f + r] * e->x[c];
+    e->foretold = fmax(e->foretold, scaled_acceleration(e, r, sum));
+  }
+  for (int k = 0; k < f && isfinite(e->size); ++k)
+    km_nudge(m, e->s, e->poise.independent[k], share * e->x[k]);
+  return isfinite(e->size);
+}
+
+/* A step of Newton's method. */
+static km_status step_once(search *e, km_error *error) {
+  km_status status = look(e, error);
+  if (status)
+    return status;
+  adapt_reach(e);
+  if (e->poise.freedom && !newton_step(e->K, e->poise.acceleration, e->poise.freedom, e->x))
+    return KM_DIVERGED;
+  see_left(e);
+  return move(e) ? KM_OK : KM_DIVERGED;
+}
+
+/* The largest real part of K's eigenvalues: > 0 where a deviation grows. */
+static km_status fastest_growth(const search *e, double *out, km_error *error) {
+  size_t f = (size_t)e->poise.freedom;
+  double *A = KM_NEW(double, f *f), *vectors = KM_NEW(double, f *f), *real = KM_NEW(double, 2 * f);
+  km_status status = A && vectors && real ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a rest pose");
+  if (!status) {
+    memcpy(A, e->K, f * f * sizeof *A);
+    status = km_eigen((int)f, A, real, real + f, NULL, vectors, error);
+  }
+  *out = -HUGE_VAL;
+  for (size_t k = 0; k < f && !status; ++k)
+    *out = fmax(*out, real[k]);
+  km_free(A);
+  km_free(vectors);
+  km_free(real);
+  return status;
+}
+
+/* A step of ẋ = a by Euler's implicit method, (I/δ − K) x = a, with δ so short that it leads away from a pose that isn't
+ * stable (C. Kelley, D. Keyes, Convergence analysis of pseudo-transient continuation, 1998). Stiff parts don't shorten it. `before`
+ * takes the state that it begins at. */
+static km_status fall_once(search *e, km_state *before, double *delta, km_error *error) {
+  km_status status = look(e, error);
+  double growth, shortest = 0.0;
+  if (status || e->poise.freedom == 0 || e->hardest <= settled)
+    return status;
+  km_state_copy(e->d->mechanism, before, e->s);
+  adapt_reach(e);
+  status = fastest_growth(e, &growth, error);
+  if (status)
+    return status;
+  for (int k = 0; k < e->poise.freedom; ++k)
+    shortest = fmax(shortest, fabs(e->poise.acceleration[k]) * e->d->mechanism->scale[e->poise.independent[k]]);
+  *delta = *delta > 0.0 ? 2.0 * *delta : longest / shortest;
+  if (growth > 0.0)
+    *delta = fmin(*delta, 0.5 / growth);
+  int f = e->poise.freedom;
+  for (int k = 0; k < f; ++k)
+    e->K[k * f + k] -= 1.0 / *delta;
+  bool solved = newton_step(e->K, e->poise.acceleration, f, e->x);
+  for (int k = 0; k < f; ++k)
+    e->K[k * f + k] += 1.0 / *delta;
+  return solved && move(e) ? KM_OK : KM_DIVERGED;
+}
+
+/* Falls until hardly anything accelerates. Where the loops can't be closed behind a step, a shorter one is made. */
+static km_status fall(search *e, km_progress progress, void *context, km_error *error) {
+  enum { MOST_RETRIES = 30 };
+  km_state *before = NULL;
+  double delta = 0.0;
+  int retries = 0;
+  km_status status = km_state_create(e->d->mechanism, &before, error);
+  e->hardest = HUGE_VAL;
+  for (int i = 0; i < MOST_FALLING_STEPS && !status && e->hardest > settled; ++i) {
+    status = fall_once(e, before, &delta, error);
+    retries = status == KM_DIVERGED ? retries + 1 : 0;
+    if (status == KM_DIVERGED && delta > 0.0 && retries < MOST_RETRIES) {
+      km_state_copy(e->d->mechanism, e->s, before);
+      delta *= 0.1;
+      status = KM_OK;
+    }
+    if (!status && progress && !progress(context, (double)i / MOST_FALLING_STEPS))
+      status = km_fail(error, KM_CANCELLED, "cancelled while settling");
+  }
+  km_state_free(before);
+  return status;
+}
+
+static km_status find(search *e, km_error *error) {
+  km_status status = KM_OK;
+  e->size = HUGE_VAL;
+  for (int i = 0; i < MOST_STEPS && !status && !(e->size <= at_rest); ++i)
+    status = step_once(e, error);
+  if (!status && !(e->size <= 1e3 * at_rest))
+    status = km_fail(error, KM_NO_RESULT, "no rest pose was found from here");
+  if (!status && e->left > unheld)
+    status = km_fail(error, KM_NO_RESULT,
+                     "no rest pose was found: nothing near here holds joint \"%s\" against what acts on it",
+                     e->d->mechanism->model->coordinates[e->coordinate].label);
+  return status;
+}
+
+/* Goes a little along the mode that grows fastest. `left`: it is at rest in a pose that isn't stable. */
+static km_status push_away(search *e, bool *left, km_error *error) {
+  const km_mechanism *m = e->d->mechanism;
+  km_linear l;
+  km_status status = km_linearise(e->d, e->s, &l, error);
+  *left = !status && km_linear_stability(&l) == KM_UNSTABLE;
+  int fastest = 0;
+  for (int k = 1; k < 2 * l.freedom && *left; ++k)
+    fastest = l.real[k] > l.real[fastest] ? k : fastest;
+  for (int k = 0; k < l.freedom && *left; ++k) {
+    int c = l.independent[k];
+    km_nudge(m, e->s, c, push * l.modes[(size_t)fastest * 2 * (size_t)l.coordinate_count + (size_t)c]);
+  }
+  km_linear_free(&l);
+  return status;
+}
+
+/* A stable pose, by falling from every other one that it comes to. */
+static km_status find_stable(search *e, km_progress progress, void *context, km_error *error) {
+  bool left = true;
+  km_status status = KM_OK;
+  for (int i = 0; i < MOST_FALLS && left && !status; ++i) {
+    status = fall(e, progress, context, error);
+    if (!status)
+      status = find(e, error);
+    if (!status)
+      status = push_away(e, &left, error);
+  }
+  return status || !left ? status : km_fail(error, KM_NO_RESULT, "no stable rest pose was found from here");
 }
 
 km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_progress progress, void *context,
@@ -135,17 +271,11 @@ km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_prog
   km_status status = km_check_given(d != NULL, "equations of motion", error);
   if (!status)
     status = km_check_state(d->mechanism, s, error);
-  if (!status && settles)
-    status = settle(d, s, progress, context, error);
-  rest_step step = {.size = HUGE_VAL};
-  for (int i = 0; i < MOST_STEPS && !status && !(step.size <= at_rest); ++i)
-    status = step_once(d, s, &step, error);
-  if (!status && !(step.size <= 1e3 * at_rest))
-    status = km_fail(error, KM_NO_RESULT, "no rest pose was found from here");
-  if (!status && step.left > unheld)
-    status = km_fail(error, KM_NO_RESULT,
-                     "no rest pose was found: nothing near here holds joint \"%s\" against what acts on it",
-                     d->mechanism->model->coordinates[step.coordinate].label);
+  if (status)
+    return status;
+  search e = {.d = d, .s = s, .reach = longest};
+  status = settles ? find_stable(&e, progress, context, error) : find(&e, error);
+  forget(&e);
   if (status == KM_DIVERGED)
     status = km_fail(error, KM_NO_RESULT, "no rest pose was found: the loops can't be closed on the way");
   if (!status || status == KM_NO_RESULT) {

@@ -192,7 +192,7 @@ static void read_options(options *o, bool linear, int argc, char **argv) {
       KT_BASE(&o->base, "Write BASE.linear.txt or .json instead of the standard output"),
   };
   const kt_option of_rest[] = {
-      {"settle", 0, NULL, "Let the mechanism fall with damping first: the pose is then a stable one", KT_FLAG,
+      {"settle", 0, NULL, "Let the mechanism fall first, from every pose that isn't stable: the pose is then a stable one", KT_FLAG,
        &o->settle, KT_ABOUT_METHOD},
       KT_BASE(&o->base, "Write BASE.rest.txt or .json instead of the standard output"),
   };

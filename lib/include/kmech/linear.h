@@ -69,9 +69,10 @@ KM_API const char *km_stability_name(km_stability stability); /* "stable" … */
 KM_API km_stability km_linear_stability(const km_linear *linear);
 
 /* Moves the state to a pose where nothing accelerates: Newton's method on the accelerations of the independent
- * coordinates, at rest, with steps of at most 0.2 radians or characteristic lengths; `settle`: first lets it fall with
- * damping until it hardly moves, which leads to a stable pose. KM_NO_RESULT: no rest pose was found from here; KM_MODEL.
- * Rates are 0 afterwards. */
+ * coordinates, at rest, with steps of at most 0.2 radians or characteristic lengths, longer ones where forces are
+ * linear; `settle`: first lets it fall slowly, by a step of Euler's implicit method after the other, until hardly anything
+ * accelerates, and again from a rest pose that isn't stable. KM_NO_RESULT: no rest pose was found from here; KM_MODEL; KM_IO:
+ * LAPACKE isn't installed. Rates are 0 afterwards. O(steps · (freedom · evaluation + freedom³)). */
 KM_API km_status km_equilibrium_find(km_dynamics *dynamics, km_state *state, bool settle, km_progress progress,
                                      void *context, km_error *error);
 
