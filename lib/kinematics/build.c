@@ -3,7 +3,7 @@
 
 #include "base/check.h"
 
-/* The greatest distance between two joints in the assembled pose; 0 if the loops don't close. */
+/* The greatest distance between two joints in the assembled pose; 0 if that is rounding, or the loops don't close. */
 static double joints_apart(const km_mechanism *m) {
   km_state *s = NULL;
   double furthest = 0.0;
@@ -14,7 +14,7 @@ static double joints_apart(const km_mechanism *m) {
         furthest = fmax(furthest, km_vec3_norm(km_vec3_sub(km_joint_pose(m, s, j).p, km_joint_pose(m, s, k).p)));
   }
   km_state_free(s);
-  return furthest;
+  return furthest > m->grain ? furthest : 0.0;
 }
 
 km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,

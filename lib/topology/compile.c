@@ -89,7 +89,7 @@ static void set_length(km_mechanism *m, const km_compiling *how, const km_walks 
     m->length = model->characteristic_length;
     m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
   } else {
-    double link = km_longest_link(model, walks);
+    double link = km_longest_link(model, walks, m->grain);
     m->length = link > 0.0 ? link : 1.0;
     m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
   }
@@ -169,7 +169,8 @@ static double farthest(const km_model *model, const km_model_joint *a, const km_
   return largest;
 }
 
-/* The larger of the greatest distance between places of two joints on one body of a loop, and the largest pitch of a screw. */
+/* The larger of the greatest distance between places of two joints on one body of a loop, beyond rounding, and the largest pitch of a
+ * screw. */
 static double span_of(const km_mechanism *m, int s) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
@@ -183,7 +184,7 @@ static double span_of(const km_mechanism *m, int s) {
       pitch = km_larger(fabs(joint->pitch), pitch);
     }
   }
-  return km_larger(sqrt(square), pitch);
+  return km_larger(square > m->grain * m->grain ? sqrt(square) : 0.0, pitch);
 }
 
 double km_substructure_size(const km_mechanism *m, int s, const double *q) {
@@ -361,6 +362,7 @@ static void set_arcs(km_mechanism *m) {
 }
 
 void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walks) {
+  m->grain = km_place_grain(m->model);
   set_length(m, how, walks);
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);

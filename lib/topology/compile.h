@@ -25,9 +25,12 @@ double km_substructure_size(const km_mechanism *mechanism, int substructure, con
 /* Chooses how the substructure's Jacobian is stored, and tells its entries and couplings where. False when out of
  * memory. */
 bool km_compile_pattern(km_mechanism *mechanism, km_substructure *sub);
+/* A distance of places, in the model's unit, that only their rounding makes: 1e-10 of the largest coordinate of a frame, and no less than
+ * 1e-15 m, since axes that meet in the inertial origin have no larger coordinates. */
+double km_place_grain(const km_model *model);
 /* The greatest distance between the frames of two joints on one moving body, in the model's unit; bodies that rigid
- * joints tie to the inertial frame don't move. 0 where there is none. */
-double km_longest_link(const km_model *model, const km_walks *walks);
+ * joints tie to the inertial frame don't move. 0 where there is none beyond the grain. */
+double km_longest_link(const km_model *model, const km_walks *walks, double grain);
 /* The arrays of a mechanism whose topology is known, zeroed, and the workspace of its walks, in its arena. False when out
  * of memory. */
 bool km_compile_allocate(km_mechanism *mechanism, km_walks *walks);

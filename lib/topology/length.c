@@ -1,6 +1,8 @@
 /* The characteristic length of a model that states none: its longest link. */
 #include "topology/compile.h"
 
+#include "base/larger.h"
+
 #include <string.h>
 
 /* The representative of a body among those that rigid joints tie together. */
@@ -36,7 +38,15 @@ static void sort_frames(const km_model *model, int *first, int *frame) {
       frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
 }
 
-double km_longest_link(const km_model *model, const km_walks *walks) {
+double km_place_grain(const km_model *model) {
+  static const double rounding = 1e-10, smallest = 1e-15; /* of the largest coordinate; metres */
+  double square = 0.0;
+  for (int f = 0; f < model->frame_count; ++f)
+    square = km_larger(km_vec3_dot(model->frames[f].pose.p, model->frames[f].pose.p), square);
+  return km_larger(rounding * sqrt(square), smallest / model->units.length->si);
+}
+
+double km_longest_link(const km_model *model, const km_walks *walks, double grain) {
   int *parent = walks->parent, *first = walks->first, *frame = walks->frame;
   double longest = 0.0;
   memset(first, 0, ((size_t)model->body_count + 2) * sizeof *first);
@@ -47,5 +57,5 @@ double km_longest_link(const km_model *model, const km_walks *walks) {
       for (int k = first[b]; k < i; ++k)
         longest =
             fmax(longest, km_vec3_norm(km_vec3_sub(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p)));
-  return longest;
+  return longest > grain ? longest : 0.0;
 }

@@ -125,6 +125,7 @@ struct km_mechanism {
   km_topology topology;
   double length; /* the characteristic length, in the model's unit */
   km_length_source length_source;
+  double grain;                 /* a distance up to this is 0 but for the rounding of places (km_place_grain) */
   double closure_tolerance;     /* of secondary rows, scaled */
   bool closure_tolerance_given; /* by the file or the caller: pivots and motion spaces then follow it */
   int coordinate_count, ball_count;
