@@ -104,7 +104,9 @@ bool km_many_tangents_all_real(km_many_tangents *many, double *length) {
     if (!km_many_tangents_any(many) || is_refuted(many))
       return false;
     km_followed found = km_tangents_try(many->f, many->x);
-    if (found.reality < many->f->enough || (many->f->conditions.redundant && km_tangents_are_fewer(many->f)))
+    if (found.reality < many->f->enough)
+      return false;
+    if (many->f->conditions.redundant && (!km_tangents_are_kept(many->f, many->x) || km_tangents_are_fewer(many->f)))
       return false;
     *length = fmin(*length, found.length);
   }

@@ -76,9 +76,20 @@ km_followed km_tangents_try(km_tangents *f, const double *direction) {
   return both;
 }
 
+/* Do unit direction and way agree, up to what bends the way? */
+static bool agree(const km_tangents *f, const double *direction, const double *way) {
+  static const double most = 1e-4; /* of 1 − cos */
+  double length = km_step_length(f->m, f->sub, way);
+  return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, way, direction)) / length <= most;
+}
+
+bool km_tangents_are_kept(const km_tangents *f, const double *direction) {
+  return agree(f, direction, f->secant);
+}
+
 bool km_tangents_is_real(km_tangents *f, const double *a) {
   km_tangents_direction(f, a, f->direction);
-  return km_tangents_try(f, f->direction).reality >= f->enough;
+  return km_tangents_try(f, f->direction).reality >= f->enough && km_tangents_are_kept(f, f->direction);
 }
 
 void km_tangents_normalise(double *a, int k) {
@@ -98,7 +109,7 @@ bool km_tangents_all_real(km_tangents *f) {
     km_tangents_normalise(f->a, k);
     km_tangents_direction(f, f->a, f->direction);
     km_followed found = km_tangents_try(f, f->direction);
-    if (found.reality < f->enough || (trial >= k && km_tangents_are_fewer(f)))
+    if (found.reality < f->enough || !km_tangents_are_kept(f, f->direction) || (trial >= k && km_tangents_are_fewer(f)))
       return false;
     if (trial < k)
       f->length[trial] = found.length;
@@ -114,7 +125,14 @@ bool km_tangents_are_regular(km_tangents *f) {
     f->a[i] = km_uniform(&random);
   km_tangents_normalise(f->a, f->conditions.freedom);
   km_tangents_direction(f, f->a, f->direction);
-  return km_tangents_follow(f, f->direction, 1.0).reality == KM_REAL && !km_tangents_are_fewer(f);
+  if (km_tangents_follow(f, f->direction, 1.0).reality != KM_REAL || km_tangents_are_fewer(f))
+    return false;
+  if (agree(f, f->direction, f->chord))
+    return true;
+  add_chord(f, 1);
+  km_tangents_follow(f, f->direction, -1.0);
+  add_chord(f, -1);
+  return km_tangents_are_kept(f, f->direction);
 }
 
 /* The conditions of second order, found when they are first asked for; the state is then at the pose. */

@@ -69,6 +69,9 @@ bool km_tangents_are_fewer(km_tangents *tangents);
 /* The shorter of the ways ahead and back; 0 where the first of the two shows that the direction isn't real. `doubtful`
  * remembers answers that are undecided. */
 km_followed km_tangents_try(km_tangents *tangents, const double *direction);
+/* Has the direction that was tried last been followed, and not a motion beside it, onto which closing the loops has led? On such a
+ * motion there can be as many tangents as at the pose, of which no more are real. */
+bool km_tangents_are_kept(const km_tangents *tangents, const double *direction);
 /* Can it be followed ahead and back? */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);
 /* Are the basis vectors real, and a random combination of them, or, of data that aren't exact, as many combinations? */
