@@ -2,6 +2,7 @@
 #include "kinematics/poses.h"
 
 #include "base/check.h"
+#include "topology/compile.h"
 
 /* The greatest distance between two joints in the assembled pose; 0 if that is rounding, or the loops don't close. */
 static double joints_apart(const km_mechanism *m) {
@@ -11,10 +12,10 @@ static double joints_apart(const km_mechanism *m) {
     km_poses_update(m, s);
     for (int j = 0; j < m->model->joint_count; ++j)
       for (int k = 0; k < j; ++k)
-        furthest = fmax(furthest, km_vec3_norm(km_vec3_sub(km_joint_pose(m, s, j).p, km_joint_pose(m, s, k).p)));
+        furthest = fmax(furthest, km_square_apart(km_joint_pose(m, s, j).p, km_joint_pose(m, s, k).p, m->grain));
   }
   km_state_free(s);
-  return furthest > m->grain ? furthest : 0.0;
+  return sqrt(furthest);
 }
 
 km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,

@@ -78,13 +78,13 @@ km_followed km_tangents_try(km_tangents *f, const double *direction) {
 
 /* Do unit direction and way agree, up to what bends the way? */
 static bool agree(const km_tangents *f, const double *direction, const double *way) {
-  static const double most = 1e-4; /* of 1 − cos */
+  static const double most = 1e-3; /* of 1 − cos */
   double length = km_step_length(f->m, f->sub, way);
   return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, way, direction)) / length <= most;
 }
 
 bool km_tangents_are_kept(const km_tangents *f, const double *direction) {
-  return agree(f, direction, f->secant);
+  return f->conditions.freedom == 1 || agree(f, direction, f->secant);
 }
 
 bool km_tangents_is_real(km_tangents *f, const double *a) {
@@ -127,7 +127,7 @@ bool km_tangents_are_regular(km_tangents *f) {
   km_tangents_direction(f, f->a, f->direction);
   if (km_tangents_follow(f, f->direction, 1.0).reality != KM_REAL || km_tangents_are_fewer(f))
     return false;
-  if (agree(f, f->direction, f->chord))
+  if (f->conditions.freedom == 1 || agree(f, f->direction, f->chord))
     return true;
   add_chord(f, 1);
   km_tangents_follow(f, f->direction, -1.0);

@@ -70,7 +70,7 @@ bool km_tangents_are_fewer(km_tangents *tangents);
  * remembers answers that are undecided. */
 km_followed km_tangents_try(km_tangents *tangents, const double *direction);
 /* Has the direction that was tried last been followed, and not a motion beside it, onto which closing the loops has led? On such a
- * motion there can be as many tangents as at the pose, of which no more are real. */
+ * motion there can be as many tangents as at the pose, of which no more are real. A single tangent has none beside it. */
 bool km_tangents_are_kept(const km_tangents *tangents, const double *direction);
 /* Can it be followed ahead and back? */
 bool km_tangents_is_real(km_tangents *tangents, const double *a);

@@ -155,22 +155,20 @@ static void number_balls(km_mechanism *m) {
 }
 
 /* The square of the greatest distance between places of two joints on one body; `largest` where there is none greater. */
-static double farthest(const km_model *model, const km_model_joint *a, const km_model_joint *b, double largest) {
+static double farthest(const km_mechanism *m, const km_model_joint *a, const km_model_joint *b, double largest) {
+  const km_model_frame *frames = m->model->frames;
   for (int e = 0; e < 2; ++e) {
-    const km_model_frame *one = &model->frames[a->frame[e]];
+    const km_model_frame *one = &frames[a->frame[e]];
     for (int f = 0; f < 2; ++f) {
-      const km_model_frame *other = &model->frames[b->frame[f]];
-      if (one->body != other->body)
-        continue;
-      km_vec3 way = km_vec3_sub(one->pose.p, other->pose.p);
-      largest = km_larger(km_vec3_dot(way, way), largest);
+      const km_model_frame *other = &frames[b->frame[f]];
+      if (one->body == other->body)
+        largest = km_larger(km_square_apart(one->pose.p, other->pose.p, m->grain), largest);
     }
   }
   return largest;
 }
 
-/* The larger of the greatest distance between places of two joints on one body of a loop, beyond rounding, and the largest pitch of a
- * screw. */
+/* The larger of the greatest distance between places of two joints on one body of a loop, and the largest pitch of a screw. */
 static double span_of(const km_mechanism *m, int s) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
@@ -180,11 +178,11 @@ static double span_of(const km_mechanism *m, int s) {
     for (int k = first; k < end; ++k) {
       const km_model_joint *joint = &model->joints[t->member[k].joint];
       for (int o = first; o < k; ++o)
-        square = farthest(model, joint, &model->joints[t->member[o].joint], square);
+        square = farthest(m, joint, &model->joints[t->member[o].joint], square);
       pitch = km_larger(fabs(joint->pitch), pitch);
     }
   }
-  return km_larger(square > m->grain * m->grain ? sqrt(square) : 0.0, pitch);
+  return km_larger(sqrt(square), pitch);
 }
 
 double km_substructure_size(const km_mechanism *m, int s, const double *q) {

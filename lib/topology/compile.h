@@ -25,11 +25,14 @@ double km_substructure_size(const km_mechanism *mechanism, int substructure, con
 /* Chooses how the substructure's Jacobian is stored, and tells its entries and couplings where. False when out of
  * memory. */
 bool km_compile_pattern(km_mechanism *mechanism, km_substructure *sub);
-/* A distance of places, in the model's unit, that only their rounding makes: 1e-10 of the largest coordinate of a frame, and no less than
- * 1e-15 m, since axes that meet in the inertial origin have no larger coordinates. */
+/* A distance, in the model's unit, that rounding makes of places that are computed from others: 1e-14 of the largest coordinate of a
+ * frame, and no less than 1e-15 m, since axes that meet in the inertial origin have no larger coordinates. */
 double km_place_grain(const km_model *model);
+/* The square of the distance between two places; 0 where that is no more than the grain, or 1e-10 of the places' own size, to
+ * which coordinates in a file are written. */
+double km_square_apart(km_vec3 a, km_vec3 b, double grain);
 /* The greatest distance between the frames of two joints on one moving body, in the model's unit; bodies that rigid
- * joints tie to the inertial frame don't move. 0 where there is none beyond the grain. */
+ * joints tie to the inertial frame don't move. 0 where there is none. */
 double km_longest_link(const km_model *model, const km_walks *walks, double grain);
 /* The arrays of a mechanism whose topology is known, zeroed, and the workspace of its walks, in its arena. False when out
  * of memory. */

@@ -39,11 +39,18 @@ static void sort_frames(const km_model *model, int *first, int *frame) {
 }
 
 double km_place_grain(const km_model *model) {
-  static const double rounding = 1e-10, smallest = 1e-15; /* of the largest coordinate; metres */
+  static const double rounding = 1e-14, smallest = 1e-15; /* of the largest coordinate; metres */
   double square = 0.0;
   for (int f = 0; f < model->frame_count; ++f)
     square = km_larger(km_vec3_dot(model->frames[f].pose.p, model->frames[f].pose.p), square);
   return km_larger(rounding * sqrt(square), smallest / model->units.length->si);
+}
+
+double km_square_apart(km_vec3 a, km_vec3 b, double grain) {
+  static const double rounding = 1e-10; /* of the places */
+  km_vec3 way = km_vec3_sub(a, b);
+  double square = km_vec3_dot(way, way), sizes = km_vec3_dot(a, a) + km_vec3_dot(b, b);
+  return square > grain * grain && square > rounding * rounding * sizes ? square : 0.0;
 }
 
 double km_longest_link(const km_model *model, const km_walks *walks, double grain) {
@@ -55,7 +62,7 @@ double km_longest_link(const km_model *model, const km_walks *walks, double grai
   for (int b = 1; b < model->body_count; ++b)
     for (int i = first[b]; i < first[b + 1] && find(parent, b) != find(parent, 0); ++i)
       for (int k = first[b]; k < i; ++k)
-        longest =
-            fmax(longest, km_vec3_norm(km_vec3_sub(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p)));
-  return longest > grain ? longest : 0.0;
+        longest = km_larger(
+            km_square_apart(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, grain), longest);
+  return sqrt(longest);
 }

@@ -37,7 +37,12 @@ static void tell(kt_sweep_job *j, bool partial) {
   km_sweep_stop_text(j->pose.mechanism, plan, motion, &j->stopped_by);
   if (partial && j->stopped_by.size)
     kt_say(common, KM_ERROR, "%s: %s", j->name, j->stopped_by.data);
-  if (motion->start_branches > 0)
+  if (motion->start_branches == 1)
+    kt_say(common, KM_NOTE,
+           "%s: of the motions that first order allows at the starting pose, one is real; where the sweep ends early, "
+           "hold a joint that stands in it (--hold)",
+           j->name);
+  else if (motion->start_branches > 0)
     kt_say(common, KM_NOTE,
            "%s: the starting pose is a branch point; of %d motions the one %s "
            "is taken (--set starts from another pose)",

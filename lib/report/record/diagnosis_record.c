@@ -111,7 +111,9 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
                    ": the loops stay within the closure tolerance for an arc of %.2g, and what opens them there tells "
                    "neither a motion nor a structure",
                    followed);
-  if (branches)
+  if (branches == 1 && !finite->truncated)
+    km_text_add(out, ": of the motions that first order allows, one is real");
+  else if (branches)
     km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
   if (shaky)
     km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
