@@ -62,9 +62,14 @@ static kt_exit set_method(const kredund_request *r, const setting *settings, kre
     if (!word && !kt_number(s->text, &value))
       return kt_usage(&r->common, s->option, s->text, "a number");
     if (word ? km_method_set_leaf(method, s->text, &error) : km_method_set(method, s->key, value, &error))
-      result = fault(&open->def, messages, index, s->key, &error);
+      result = kredund_fault(messages, true, s->option, &error);
   }
-  return km_method_check(method, &key, &error) ? fault(&open->def, messages, index, key, &error) : result;
+  if (result != KT_DONE || !km_method_check(method, &key, &error))
+    return result;
+  for (int i = 0; i < SETTINGS; ++i)
+    if (settings[i].text && strcmp(settings[i].key, key) == 0)
+      return kredund_fault(messages, true, settings[i].option, &error);
+  return fault(&open->def, messages, index, key, &error);
 }
 
 /* An option that none of the methods has. */

@@ -1,6 +1,7 @@
 """Serial arms, and the paths that they follow."""
 from __future__ import annotations
 
+from numbers import Integral
 from pathlib import Path
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
@@ -27,6 +28,12 @@ def _pose(value: Any) -> Any:
     return ffi.new("km_frame_pose *", {"R": numbers(numpy.ravel(value[0]), 9, "R"), "p": numbers(numpy.ravel(value[1]), 3, "p")})
 
 
+def _check_current(made: Any, model: Model, what: str) -> None:
+    """Arms and studies are made of numbers, which stay when the model's change."""
+    if made._changes != model._changes:
+        raise UsageError(f"the model has changed since the {what} was made; expected a new one")
+
+
 class Arm:
     """A chain of joints from the inertial frame to an effector frame."""
 
@@ -37,7 +44,12 @@ class Arm:
         with mechanism.model._reading(), mechanism.state._using():
             check(lib.km_arm_create(mechanism._c, mechanism.state._c, mechanism.model._frame(effector), TASKS[task], out,
                                     error), error)
-        self._c = ffi.gc(out[0], lib.km_arm_free)
+        self._c, self._changes = ffi.gc(out[0], lib.km_arm_free), mechanism.model._changes
+
+    def _current(self) -> Any:
+        """The arm, if it still is that of its model."""
+        _check_current(self, self.mechanism.model, "arm")
+        return self._c
 
     @property
     def coordinates(self) -> list[str]:
@@ -56,20 +68,20 @@ class Arm:
     def place(self, q: Sequence[float]) -> Pose:
         """The effector's pose at q."""
         out, error = ffi.new("km_frame_pose *"), new_error()
-        check(lib.km_arm_place(self._c, self._q(q), out, error), error)
+        check(lib.km_arm_place(self._current(), self._q(q), out, error), error)
         return Pose(numpy.array(list(out.R)).reshape(3, 3), numpy.array(list(out.p)))
 
     def jacobian(self, q: Sequence[float]) -> numpy.ndarray:
         """rows × coordinates, of the effector's origin along the inertial axes."""
         J, error = numpy.zeros((lib.km_arm_rows(self._c), lib.km_arm_coordinates(self._c)), order="F"), new_error()
-        check(lib.km_arm_jacobian(self._c, self._q(q), ffi.cast("double *", J.ctypes.data), error), error)
+        check(lib.km_arm_jacobian(self._current(), self._q(q), ffi.cast("double *", J.ctypes.data), error), error)
         return J
 
     def solve(self, pose: Any, near: Sequence[float], seed: int = 1, progress: Progress = None) -> numpy.ndarray:
         """Inverse kinematics: the joints that reach a pose, nearest to `near`. Raises NoResult out of reach."""
         watch, error = Watch(progress), new_error()
         q = numpy.empty(lib.km_arm_coordinates(self._c))
-        status = lib.km_arm_solve(self._c, _pose(pose), self._q(near), _seed(seed), watch.call, watch.context,
+        status = lib.km_arm_solve(self._current(), _pose(pose), self._q(near), _seed(seed), watch.call, watch.context,
                                   ffi.from_buffer("double[]", q), error)
         watch.finish()
         check(status, error)
@@ -77,9 +89,9 @@ class Arm:
 
 
 def _seed(seed: Any) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2 ** 63:
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or not 0 <= seed < 2 ** 63:
         raise UsageError(f"seed: found {seed!r}; expected a whole number of at least 0")
-    return seed
+    return int(seed)
 
 
 class Summary(NamedTuple):
@@ -148,7 +160,7 @@ class Study:
         with model._reading(), self.mechanism.state._using():
             check(lib.km_study_bind(self.mechanism._c, self.mechanism.state._c, definition, _seed(seed), messages, out,
                                     error), error)
-        self._c = ffi.gc(out[0], lib.km_study_free)
+        self._c, self._changes = ffi.gc(out[0], lib.km_study_free), model._changes
         self.messages = messages_of(messages)
 
     @property
@@ -158,14 +170,15 @@ class Study:
 
     def track(self, method: int = 0, *, jobs: int = 1, seed: int = 1, progress: Progress = None) -> Track:
         """Follows the path by one of the study's methods."""
-        if isinstance(method, bool) or not isinstance(method, int) or not 0 <= method < lib.km_study_methods(self._c):
+        if isinstance(method, bool) or not isinstance(method, Integral) or not 0 <= method < lib.km_study_methods(self._c):
             raise UsageError(f"method: found {method!r}; expected 0 to {lib.km_study_methods(self._c) - 1}")
-        if isinstance(jobs, bool) or not isinstance(jobs, int) or not 1 <= jobs <= 1024:
+        if isinstance(jobs, bool) or not isinstance(jobs, Integral) or not 1 <= jobs <= 1024:
             raise UsageError(f"jobs: found {jobs!r}; expected 1 to 1024")
         watch, error, out = Watch(progress), new_error(), ffi.new("km_track **")
         plan = ffi.new("km_track_plan *", lib.km_study_plan(self._c, method))
         plan.jobs, plan.seed, plan.progress, plan.context = jobs, _seed(seed), watch.call, watch.context
         with self.model._reading():
+            _check_current(self, self.model, "study")
             status = lib.km_track_run(lib.km_study_arm(self._c), plan, out, error)
         try:
             watch.finish()

@@ -4,6 +4,8 @@ from __future__ import annotations
 import sys
 from typing import Any, Callable, Optional, Union
 
+import numpy
+
 from ._kmech import ffi, lib
 
 Progress = Union[None, bool, Callable[[float], Any]]
@@ -26,7 +28,8 @@ class Watch:
         if self.shown:
             sys.stderr.write(f"\r{100 * done:3.0f} %")
             sys.stderr.flush()
-        return True if self.function is None else self.function(done) is not False
+        found = None if self.function is None else self.function(done)
+        return not isinstance(found, (bool, numpy.bool_)) or bool(found)
 
     def finish(self) -> None:
         """After the call: what ended it is raised again."""

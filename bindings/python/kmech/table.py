@@ -4,6 +4,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy
+from numpy.lib.recfunctions import structured_to_unstructured
 
 from ._kmech import ffi, lib
 from .errors import text_of
@@ -24,9 +25,14 @@ class Table(numpy.ndarray):
         """The columns' names."""
         return self.dtype.names or ()
 
+    def __getitem__(self, key: Any) -> Any:
+        """Rows, or several columns, as a Table; one column as a plain array."""
+        found = super().__getitem__(key)
+        return numpy.asarray(found) if isinstance(found, Table) and found.dtype.names is None else found
+
     def matrix(self) -> numpy.ndarray:
-        """The same numbers as rows and columns, without a copy."""
-        return numpy.asarray(self).view(numpy.float64).reshape(len(self), -1)
+        """The same numbers as rows and columns, without a copy where NumPy can do that."""
+        return structured_to_unstructured(numpy.asarray(self))
 
     def frame(self) -> Any:
         """A pandas.DataFrame, where pandas is installed."""

@@ -262,3 +262,28 @@ def test_couplings_by_calls():
 def test_documentation():
     assert "closes every loop" in kmech.documentation("km_assemble").lower()
     assert "km_assemble" in kmech.State.assemble.__doc__
+
+
+def test_parts_of_tables(fourbar):
+    table = fourbar.sweep("A", 60, 70, 10).table
+    some = table[["q.B", "q.C"]]
+    assert some.columns == ("q.B", "q.C")
+    assert some.matrix().shape == (11, 2) and (some.matrix()[:, 1] == table["q.C"]).all()
+    assert (table[::-2].matrix()[:, table.columns.index("q.B")] == table["q.B"][::-2]).all()
+    assert type(table["q.B"]) is numpy.ndarray and float(table["q.B"].min()) <= float(table["q.B"].max())
+    assert numpy.shares_memory(table.matrix(), table)
+
+
+def test_arms_and_studies_of_a_model_that_has_changed(source):
+    model = kmech.load(source / "models/panda.json")
+    mechanism = model.mechanism()
+    arm = mechanism.arm("flange/tool")
+    study = kmech.Study('{"effector": "flange/tool", "path": {"segments": [{"type": "line", "to": [0.4, 0, 0.5], "steps": 5}]}}',
+                        model=model)
+    q = [0, -0.7, 0, -2.3, 0, 1.5, 0.7]
+    before = arm.place(q).p
+    model.set_frame("flange/tool", [0, 0, 1.0])
+    for stale in (lambda: arm.place(q), lambda: arm.jacobian(q), lambda: study.track(0)):
+        with pytest.raises(kmech.UsageError, match="the model has changed"):
+            stale()
+    assert model.mechanism().arm("flange/tool").place(q).p != pytest.approx(before)

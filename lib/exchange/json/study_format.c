@@ -46,7 +46,7 @@ static const km_field path_fields[] = {
      "vector rx, ry, rz, and if it likes times t; a header may name the columns.",
      STRING},
     {"speed", "Speed of the effector's origin.", NUMBER, UNIT(.length = 1, .time = -1),
-     UNSTATED("1 m a second, or the characteristic length that the model states")},
+     UNSTATED("a characteristic length a second")},
     {"turn_speed", "Speed at which the effector turns.", NUMBER, UNIT(.angle = 1, .time = -1),
      UNSTATED("turns take no time but where the origin stands still")},
     {0}};

@@ -32,6 +32,13 @@ void km_tracks_label(const km_tracks *t, int index, char separator, char *out, s
     snprintf(out, size, "%s", word);
 }
 
+/* +1: one track ends further along the path than the other, -1: the other way round; 0: where a limit ends both, it is found to
+ * rounding. */
+static int goes_further(const km_track *one, const km_track *other) {
+  double way = one->end.s - other->end.s, same = 1e-6 * fmax(one->end.s, other->end.s);
+  return way > same ? 1 : way < -same ? -1 : 0;
+}
+
 int km_tracks_best(const km_tracks *t) {
   int best = -1;
   double best_score = 0.0;
@@ -42,7 +49,7 @@ int km_tracks_best(const km_tracks *t) {
       continue;
     const km_track_summary *s = &t->items[i]->summary;
     double score = km_objective_by_mean(&t->items[i]->plan.objective) ? s->objective_mean : s->objective_min;
-    int further = best < 0 ? 1 : t->items[i]->end.sample - t->items[best]->end.sample;
+    int further = best < 0 ? 1 : goes_further(t->items[i], t->items[best]);
     if (further > 0 || (further == 0 && score >= best_score - 1e-9 * fabs(best_score))) {
       best = i;
       best_score = score;
