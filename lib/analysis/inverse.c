@@ -49,6 +49,8 @@ static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error
   for (int c = 0; c < w->m->coordinate_count; ++c)
     s->rate[c] = 0.0;
   if (!status)
+    status = km_dynamics_bring(w->dynamics, s, error);
+  if (!status)
     status = km_dynamics_accelerate(w->dynamics, s, error);
   if (!status)
     status = no_freedom_left(w, error);

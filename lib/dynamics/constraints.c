@@ -41,7 +41,12 @@ static bool search_pivots(km_dynamics *d, km_state *s, int index) {
     s->forced[k] = d->driven[coordinate[k]];
   s->pivoted[index] = KM_PRESCRIBED;
   d->renewed[index]++;
-  return factor(d->mechanism, s, index);
+  bool found = factor(d->mechanism, s, index);
+  const km_partition *p = &s->partition[index];
+  for (int i = 0; i < p->rank && !found && p->forced_dependent; ++i)
+    if (d->driven[coordinate[p->column[i]]])
+      d->overdriven = coordinate[p->column[i]];
+  return found;
 }
 
 /* Pivots in another order for the partition at hand, where that one is good and only pivots have become small. */
@@ -317,6 +322,7 @@ static bool update(km_dynamics *d, km_state *s, bool search) {
   d->residual = 0.0;
   d->weakness = 1.0;
   d->stale = d->repivoted = false;
+  d->overdriven = -1;
   for (int i = 0; i < t->substructure_count; ++i)
     if (!close_loops(d, s, i, search))
       return false;

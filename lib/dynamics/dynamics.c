@@ -2,6 +2,7 @@
 #include "dynamics/dynamics.h"
 
 #include "base/check.h"
+#include "kmech/sweep.h"
 
 #include <gsl/gsl_errno.h>
 #include <string.h>
@@ -108,6 +109,25 @@ void km_dynamics_drive(km_dynamics *d, km_state *s, bool position) {
   }
 }
 
+km_status km_dynamics_bring(km_dynamics *d, km_state *s, km_error *error) {
+  static const double near = 1e-3; /* radians or characteristic lengths: loops close from there at once */
+  const km_mechanism *m = d->mechanism;
+  int count = km_prescribed_count(d->prescribed);
+  km_hold *goals = KM_NEW(km_hold, (size_t)count + 1);
+  bool away = false;
+  if (!goals)
+    return km_fail(error, KM_MEMORY, "out of memory for the prescribed motions");
+  for (int i = 0; i < count; ++i) {
+    double motion[3];
+    int c = km_prescribed_at(d->prescribed, i, s->time, motion);
+    goals[i] = (km_hold){c, km_in_other_unit(motion[0], m->factor[c])};
+    away = away || !(fabs(motion[0] - s->q[c]) * m->scale[c] <= near);
+  }
+  km_status status = away ? km_state_reach(m, s, goals, count, error) : KM_OK;
+  km_free(goals);
+  return status;
+}
+
 /* Keeps the origin near the mechanism: far from it the moments of its weights would lose digits. False where it is near
  * enough already. */
 static bool choose_origin(km_dynamics *d) {
@@ -180,6 +200,11 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
   if (outcome == KM_DYNAMICS_INFINITE)
     return km_fail(error, KM_DIVERGED,
                    "rates or accelerations grow beyond all numbers; expected shorter steps, or weaker forces");
+  if (d->overdriven >= 0)
+    return km_fail(error, KM_DIVERGED,
+                   "the prescribed motions depend on each other: joint \"%s\" can't move otherwise than the others make it; "
+                   "expected one motion less",
+                   model->coordinates[d->overdriven].label);
   return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->open);
 }
 

@@ -72,6 +72,7 @@ struct km_dynamics {
   void *press_context;
   int massless; /* coordinate of the last evaluation that ended as KM_DYNAMICS_MASSLESS: nothing with mass moves on it */
   double open;  /* residual of the last one that ended as KM_DYNAMICS_OPEN */
+  int overdriven; /* at the last evaluation: a prescribed coordinate that the other prescribed ones move already; -1: none */
 };
 
 /* Accelerations at the state's time, coordinates and rates. `search`: the pose is one that the motion goes through, where
@@ -80,6 +81,9 @@ km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state,
 /* Forces and accelerations once more, after one that is set from outside has changed. */
 km_dynamics_outcome km_dynamics_resolve(km_dynamics *dynamics, km_state *state);
 km_status km_dynamics_fail(const km_dynamics *dynamics, km_dynamics_outcome outcome, km_error *error);
+/* Moves the state along its branch to where the prescribed motions are at its time, if that is further than closing the loops goes:
+ * the statuses of km_state_reach. */
+km_status km_dynamics_bring(km_dynamics *dynamics, km_state *state, km_error *error);
 /* Puts prescribed coordinates to their rates at the state's time, and to their values. */
 void km_dynamics_drive(km_dynamics *dynamics, km_state *state, bool position);
 

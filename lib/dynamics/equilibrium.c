@@ -273,6 +273,9 @@ km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_prog
     status = km_check_state(d->mechanism, s, error);
   if (status)
     return status;
+  status = km_dynamics_bring(d, s, error);
+  if (status)
+    return status;
   search e = {.d = d, .s = s, .reach = longest};
   status = settles ? find_stable(&e, progress, context, error) : find(&e, error);
   forget(&e);

@@ -75,6 +75,9 @@ km_status km_dynamics_project_rates(km_dynamics *d, km_state *s, double *change,
   if (status)
     return status;
   double changed = 0.0, size = 0.0;
+  status = km_dynamics_bring(d, s, error);
+  if (status)
+    return status;
   km_dynamics_drive(d, s, true);
   double *kept = KM_NEW(double, (size_t)s->mechanism->coordinate_count);
   if (!kept)
