@@ -285,13 +285,9 @@ static km_status find_modes(const km_mechanism *m, km_linear *l, const double *E
   return status;
 }
 
-km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *error) {
-  if (!out)
-    return km_check_given(false, "place for the result", error);
-  *out = (km_linear){0};
-  km_status status = km_dynamics_project_rates(d, s, NULL, error);
-  if (!status)
-    status = km_dynamics_accelerate(d, s, error);
+/* At the state's rates. */
+static km_status linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *error) {
+  km_status status = km_dynamics_accelerate(d, s, error);
   if (status)
     return status;
   km_poise poise = {0};
@@ -324,6 +320,26 @@ km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *er
   if (!memory)
     return km_fail(error, KM_MEMORY, "out of memory for the linearised equations");
   return good ? status : km_fail(error, KM_DIVERGED, "the loops can't be closed beside the pose; is it a dead point?");
+}
+
+static bool stands(const km_state *s) {
+  bool all = true;
+  for (int c = 0; c < s->mechanism->coordinate_count; ++c)
+    all = all && s->rate[c] == 0.0;
+  return all;
+}
+
+km_status km_linearise(km_dynamics *d, km_state *s, km_linear *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_linear){0};
+  km_status status = km_dynamics_project_rates(d, s, NULL, error);
+  if (status)
+    return status;
+  d->forces->moving->frictionless = stands(s);
+  status = linearise(d, s, out, error);
+  d->forces->moving->frictionless = false;
+  return status;
 }
 
 void km_linear_free(km_linear *l) {

@@ -207,7 +207,7 @@ static double sticking_rate(const km_mechanism *m, int c) {
 
 /* Constant friction. */
 static void add_friction(const km_mechanism *m, const km_state *s, km_forces *f) {
-  for (int i = 0; i < f->moving->rubbing_count; ++i) {
+  for (int i = 0; i < f->moving->rubbing_count && !f->moving->frictionless; ++i) {
     int c = f->moving->rubbing[i];
     double force = -m->model->coordinates[c].friction * km_slip_share(s->rate[c], sticking_rate(m, c));
     f->joint[c] += force;
@@ -253,6 +253,8 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   switch (module->type) {
   case KM_MODULE_DAMPING:
   case KM_MODULE_FRICTION: {
+    if (module->type == KM_MODULE_FRICTION && moving->frictionless)
+      break;
     km_module_input(m, s, f, module, &rate);
     double force = km_law_resistance(&module->law, rate, sticking_rate(m, module->input.coordinate));
     moving->dissipation -= force * km_module_push(m, s, f, module, force);

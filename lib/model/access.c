@@ -155,8 +155,17 @@ km_units km_model_units(const km_model *model) {
   return model ? model->units : km_units_default();
 }
 
-double km_model_joint_friction(const km_model *model, int joint) {
-  return model && joint >= 0 && joint < model->joint_count ? model->joints[joint].friction.coefficient : (double)NAN;
+const char *km_model_first_friction(const km_model *m) {
+  for (int j = 0; m && j < m->joint_count; ++j)
+    if (m->joints[j].friction.coefficient > 0.0)
+      return m->joints[j].label;
+  for (int c = 0; m && c < m->coordinate_count; ++c)
+    if (m->coordinates[c].friction > 0.0)
+      return m->coordinates[c].label;
+  for (int i = 0; m && i < m->module_count; ++i)
+    if (m->modules[i].type == KM_MODULE_FRICTION)
+      return m->modules[i].name;
+  return NULL;
 }
 
 void km_model_simulated(const km_model *model, double *span, double *step) {

@@ -30,15 +30,12 @@ typedef struct work {
 
 /* Friction has no slope to linearise where nothing slides. */
 static void tell_friction(const kt_common *common, const char *path, const km_model *model) {
-  for (int j = 0; j < km_model_joint_count(model); ++j) {
-    if (!(km_model_joint_friction(model, j) > 0.0))
-      continue;
+  const char *first = km_model_first_friction(model);
+  if (first)
     kt_say(common, KM_NOTE,
-           "%s: the coefficient of friction of joint \"%s\" doesn't count at rest and in small motions; it does in "
-           "ksim run and ksim inverse",
-           path, km_model_joint_label(model, j));
-    return;
-  }
+           "%s: friction, such as that of \"%s\", doesn't count at rest and in small motions; it does in ksim run and ksim "
+           "inverse",
+           path, first);
 }
 
 static kt_exit open_work(work *w) {

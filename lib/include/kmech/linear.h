@@ -32,7 +32,7 @@ typedef struct km_linear {
 /* Differences of ±1e-5 (radians, characteristic lengths, and these per second) of the accelerations, which err by about
  * 1e-9 of their size and by what differences of ±2e-5 tell; eigenvalues by LAPACK's dgeev. The state's pose stays, and so do its rates but for
  * km_dynamics_project_rates. Prescribed coordinates follow
- * their laws at the state's time. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_IO: LAPACKE isn't installed;
+ * their laws at the state's time. Where nothing moves friction is left out: it holds whatever it can, and has no slope. KM_MODEL, KM_DIVERGED: as km_dynamics_accelerate; KM_IO: LAPACKE isn't installed;
  * KM_MEMORY. Free `*out` in any case. O(freedom · evaluation + freedom³). */
 KM_API km_status km_linearise(km_dynamics *dynamics, km_state *state, km_linear *out, km_error *error);
 KM_API void km_linear_free(km_linear *linear);

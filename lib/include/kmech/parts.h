@@ -31,8 +31,8 @@ KM_API km_status km_model_frame_pose(const km_model *model, int frame, double R[
 /* Do the joints of this one's assembly state where they are in one drawn pose ("at"), instead of by frames? */
 KM_API bool km_model_joint_is_drawn(const km_model *model, int joint);
 
-/* Coefficient of friction in a joint; 0: it has none, NaN: there is no such joint. */
-KM_API double km_model_joint_friction(const km_model *model, int joint);
+/* The first joint or force module with friction, a coefficient or a constant one: its label or name, borrowed; NULL: there is none. */
+KM_API const char *km_model_first_friction(const km_model *model);
 /* What the model states of its simulation (model_parameters.simulation), in its time unit: the `*span` of it, and the `*step`
  * between rows; 0: it doesn't. Each place may be NULL. */
 KM_API void km_model_simulated(const km_model *model, double *span, double *step);
