@@ -281,11 +281,78 @@ static bool turns_back(const km_drive *d, double left) {
          km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
 }
 
+/* At a toggle the rates of others grow without bound: by so much, in radians or sizes of the substructure for each of the driver's, at the
+ * distance at which an end is located. Where they don't, the mechanism is singular, but not there that it turns back. */
+static bool is_toggle(const km_drive *d) {
+  static const double beyond_bounds = 1e3;
+  double fastest = 0.0;
+  for (int k = 0; k < km_drive_driven(d)->columns; ++k)
+    fastest = km_larger_or_nan(fabs(d->c.course.t[k]), fastest);
+  return !(fastest < beyond_bounds);
+}
+
+/* Where a step of a length that tells poses apart is refused, the present pose may still be away from what refuses it. */
+static void remember_place(km_drive *d, double h) {
+  static const double long_enough = 5e-3;
+  const km_course *course = &d->c.course;
+  if (fabs(h) < long_enough)
+    return;
+  km_state_save(d->c.state, km_drive_driven(d), d->regular.pose);
+  d->regular.s = d->here.s;
+  d->regular.h = course->last_h;
+  memcpy(d->regular.move, course->last_move, (size_t)km_drive_driven(d)->columns * sizeof *course->last_move);
+}
+
+/* Back to the place that was remembered, or to the one a step before it. */
+static bool go_back(km_drive *d, bool before) {
+  const km_substructure *sub = km_drive_driven(d);
+  const km_drive_regular *r = &d->regular;
+  km_state_restore(d->c.state, sub, r->pose);
+  d->here.s = r->s;
+  if (before) {
+    for (int k = 0; k < sub->columns; ++k)
+      d->c.move[k] = -r->move[k];
+    km_state_move(d->c.mechanism, d->c.state, sub, d->c.move);
+    d->here.s -= r->h;
+    km_continuation_place(&d->c, d->here.s);
+  }
+  return start(d);
+}
+
+/* Over a singular pose at `s`, as far behind it as it is away. */
+static bool leap(km_drive *d, double s, double target, int *limit) {
+  double way = 2.0 * (s - d->here.s);
+  way = fabs(way) < fabs(target - d->here.s) ? way : target - d->here.s;
+  d->passing = true;
+  bool over = way * (target - s) > 0.0 && advance(d, way, km_drive_crossing_tightness, limit) == ACCEPTED && start(d);
+  d->passing = false;
+  return over;
+}
+
+/* Steps have become too short at a singular pose that is no toggle: many motions may meet there, between which short steps can't tell.
+ * False, with the state where it was, if no step from a place before it leads over it. */
+static bool leap_over(km_drive *d, double target, int *limit) {
+  const km_drive_place here = d->here;
+  if (is_toggle(d) || d->regular.s == d->here.s || !isfinite(d->regular.s))
+    return false;
+  km_state_save(d->c.state, km_drive_driven(d), d->near);
+  for (int before = 0; before < (d->regular.h != 0.0 ? 2 : 1); ++before)
+    if (go_back(d, before) && leap(d, here.s, target, limit)) {
+      d->here.crossings++;
+      return true;
+    }
+  km_state_restore(d->c.state, km_drive_driven(d), d->near);
+  d->here = here;
+  d->here.known = false;
+  return false;
+}
+
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
 static attempt walk(km_drive *d, double target, int *limit) {
   double step = d->here.largest;
   bool may_cross = true;
   d->bent = 0;
+  d->regular.s = HUGE_VAL;
   int most = fabs(target - d->here.s) > MOST_STEPS * km_drive_longest ? MOST_STEPS_ASTRAY : MOST_STEPS;
   for (int steps = 0, crept = 0; d->here.s != target; ++steps, ++crept) {
     if (steps == most || crept == MOST_CREEPING)
@@ -302,7 +369,7 @@ static attempt walk(km_drive *d, double target, int *limit) {
       if (arrives) { /* s + (target - s) may be the next number */
         d->here.s = target;
         km_continuation_place(&d->c, target);
-      } else {
+      } else if (fabs(h) > branch_width) { /* nearer to where many motions meet their tangents are mixed */
         km_drive_tell(d, d->here.s, d->c.course.t, 1);
       }
       continue;
@@ -310,10 +377,15 @@ static attempt walk(km_drive *d, double target, int *limit) {
     if (result == OPEN && arrives && may_cross && cross(d, target, limit))
       continue;
     may_cross = may_cross && !arrives;
+    remember_place(d, h);
     step = 0.5 * fabs(h);
     double least = d->here.stopped * left < 0.0 ? leaving : shortest;
     if (step >= least * fmax(1.0, fabs(d->here.s)))
       continue;
+    if ((result == OPEN || result == BENT) && leap_over(d, target, limit)) {
+      step = crossing;
+      continue;
+    }
     if (result != OPEN || !turns_back(d, left)) {
       d->here.stopped = copysign(1.0, left);
       return result;

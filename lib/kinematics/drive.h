@@ -41,6 +41,12 @@ typedef struct km_drive_kept {
   bool is_one;
 } km_drive_kept;
 
+/* Where a step was refused last that was long enough for the place to be away from a singular pose; and the step that led there. */
+typedef struct km_drive_regular {
+  double s, h;         /* the driver, infinite: there is no such place; the step's length, 0: there was none */
+  double *pose, *move; /* of the state, saved; the step */
+} km_drive_regular;
+
 struct km_drive {
   km_arena arena;
   km_continuation c;
@@ -48,6 +54,7 @@ struct km_drive {
   km_drive_kept mark, passed[2]; /* the latest first */
   bool passing;                  /* this step goes over a singular pose on purpose */
   double *near, *far;            /* poses to come back to */
+  km_drive_regular regular;
   km_least_path path;            /* where other freedoms are left */
   km_closest *closest;           /* the same where the path is stiff; NULL: not yet */
   int bent;                      /* steps refused one after the other */
