@@ -2,6 +2,7 @@
 #include "kmech/finite_mobility.h"
 
 #include "analysis/each_substructure.h"
+#include "analysis/idle_tangents.h"
 
 #include "base/check.h"
 #include "base/random.h"
@@ -50,18 +51,23 @@ static int common_span(km_tangents *f, double *basis) {
 }
 
 /* The dimension of the motion through the state's present pose, assumed to be one where just one family passes. */
-static int dimension_here(const km_mechanism *m, km_state *s, int index, km_arena *arena, bool *doubtful) {
+static int dimension_here(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
+                          bool *doubtful) {
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena) || !km_tangents_make_basis(&f))
     return 0;
-  int k = f.conditions.freedom, dimension = k;
+  int k = f.conditions.freedom, dimension = k, apart = 0;
   if (k > 1 && !km_tangents_are_regular(&f) && !km_tangents_all_real(&f)) {
-    double *basis = KM_ARENA_NEW(arena, double, (size_t)((k + 1) * k));
-    dimension = basis ? common_span(&f, basis) : 0;
+    apart = km_idle_tangents_leave(&f, idle, NULL);
+    k = dimension = f.conditions.freedom;
+    if (k > 1 && (apart == 0 || !km_tangents_all_real(&f))) {
+      double *basis = KM_ARENA_NEW(arena, double, (size_t)((k + 1) * k));
+      dimension = basis ? common_span(&f, basis) : 0;
+    }
   }
   *doubtful = *doubtful || (f.doubtful && dimension < k);
   km_state_restore(s, f.sub, f.pose);
-  return dimension;
+  return dimension + apart;
 }
 
 /* A direction, scaled. */
@@ -97,10 +103,9 @@ static void list_new(const km_tangents *f, const double *x, int first, double le
   list_direction(f, x, KM_MOTION_BRANCH, length, out);
 }
 
-static double confirmed(km_tangents *f, const double *a) {
-  km_tangents_direction(f, a, f->direction);
-  double back = km_tangents_follow(f, f->direction, -1.0).length; /* the state is left at the end of the way ahead */
-  return fmin(back, km_tangents_follow(f, f->direction, 1.0).length);
+static double confirmed(km_tangents *f, const double *direction) {
+  double back = km_tangents_follow(f, direction, -1.0).length; /* the state is left at the end of the way ahead */
+  return fmin(back, km_tangents_follow(f, direction, 1.0).length);
 }
 
 /* What finds no place in the list isn't followed. */
@@ -111,13 +116,14 @@ static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *
   for (int i = 0; i < k && i < room; ++i) {
     for (int r = 0; r < k; ++r)
       f->a[r] = r == i;
-    double length = kind == KM_MOTION_SHAKY ? 0.0 : f->length[i] >= 0.0 ? f->length[i] : confirmed(f, f->a);
+    km_tangents_direction(f, f->a, f->direction);
+    double length = kind == KM_MOTION_SHAKY ? 0.0 : f->length[i] >= 0.0 ? f->length[i] : confirmed(f, f->direction);
     list_motion(f, f->a, kind, length, out);
   }
 }
 
 /* Collects the different real motions; their largest dimension is the finite mobility. */
-static int find_branches(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
+static int find_branches(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   int k = f->conditions.freedom, best = 0, found = 0;
   double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MOST_MOTIONS * k));
   double length;
@@ -126,7 +132,7 @@ static int find_branches(km_tangents *f, km_arena *arena, km_finite_mobility *ou
     if (km_second_order_dimension(&f->conditions, f->a) > best) {
       km_arena scratch = {0};
       km_state_restore(f->s, f->sub, f->ahead);
-      int dimension = dimension_here(f->m, f->s, f->index, &scratch, &f->doubtful);
+      int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &f->doubtful) - f->conditions.idle;
       km_arena_free(&scratch);
       best = dimension > best ? dimension : best;
     }
@@ -183,28 +189,51 @@ static int find_in_many(km_tangents *f, km_finite_mobility *out) {
   return mobility;
 }
 
-static int find_in_few(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
-  int k = f->conditions.freedom;
-  if (k == 0 || !km_tangents_make_basis(f))
+/* Idle motions are listed by themselves; returns how many there are. */
+static int list_idle(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+  double *directions = KM_ARENA_NEW(arena, double, (size_t)f->conditions.freedom *(size_t)f->sub->columns);
+  int count = directions ? km_idle_tangents_leave(f, idle, directions) : 0;
+  for (int i = 0; i < count; ++i) {
+    const double *direction = directions + (size_t)i * (size_t)f->sub->columns;
+    list_direction(f, direction, KM_MOTION_REGULAR, confirmed(f, direction), out);
+  }
+  return count;
+}
+
+static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+  if (f->conditions.freedom == 0 || !km_tangents_make_basis(f))
     return 0;
-  if (!f->conditions.redundant || km_tangents_all_real(f)) {
+  bool regular = !f->conditions.redundant || km_tangents_all_real(f);
+  int apart = regular ? 0 : list_idle(f, idle, arena, out), k = f->conditions.freedom;
+  regular = regular || k == 0 || (apart > 0 && km_tangents_all_real(f));
+  if (regular) {
     list_basis(f, KM_MOTION_REGULAR, out);
-    return k;
+    return apart + k;
   }
   f->doubtful = f->doubtful && k == 1; /* of several directions tried, most need not be real */
-  int mobility = find_branches(f, arena, out);
+  int mobility = find_branches(f, idle, arena, out);
   bool undecided = f->doubtful && mobility < k;
   if (mobility == 0)
     list_basis(f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
   out->undecided = out->undecided || undecided;
-  return mobility;
+  return apart + mobility;
 }
 
-static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_finite_mobility *out) {
+/* Are so many tangents idle that few are left? */
+static bool are_few_beside(const km_tangents *f, const km_idle_freedoms *idle) {
+  int apart = 0;
+  for (int i = 0; i < idle->count; ++i)
+    apart += idle->items[i].substructure == f->index ? idle->items[i].freedoms : 0;
+  return f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.freedom - apart <= KM_MOST_BASIS_TRIED;
+}
+
+static int find_in(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
+                   km_finite_mobility *out) {
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
-  int mobility = km_tangents_are_many(&f) ? find_in_many(&f, out) : find_in_few(&f, arena, out);
+  bool few = !km_tangents_are_many(&f) || are_few_beside(&f, idle);
+  int mobility = few ? find_in_few(&f, idle, arena, out) : find_in_many(&f, out);
   km_loops_return(m, s, index, f.pose);
   return mobility;
 }
@@ -213,13 +242,14 @@ static int find_in(const km_mechanism *m, km_state *s, int index, km_arena *aren
 typedef struct search {
   const km_mechanism *m;
   km_state *s;
+  km_idle_freedoms idle;
   km_finite_mobility *out;
 } search;
 
 static km_status look(void *self, int index, km_arena *arena, km_error *error) {
   const search *f = self;
   (void)error;
-  f->out->mobility += find_in(f->m, f->s, index, arena, f->out);
+  f->out->mobility += find_in(f->m, f->s, index, &f->idle, arena, f->out);
   return KM_OK;
 }
 
@@ -236,8 +266,12 @@ km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progres
     return km_fail(error, KM_MEMORY, "out of memory for the finite mobility");
   for (int c = 0; c < m->coordinate_count; ++c)
     out->mobility += m->substructure_of[c] < 0 && !m->held[c];
-  search f = {m, s, out};
-  return km_each_substructure(m, look, &f, progress, context, "the finite mobility", error);
+  search f = {m, s, {0}, out};
+  km_status status = km_idle_freedoms_find(m, s, NULL, NULL, &f.idle, error);
+  if (!status)
+    status = km_each_substructure(m, look, &f, progress, context, "the finite mobility", error);
+  km_idle_freedoms_free(&f.idle);
+  return status;
 }
 
 void km_finite_mobility_free(km_finite_mobility *mobility) {

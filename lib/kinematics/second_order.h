@@ -17,6 +17,7 @@ static inline bool km_is_same_tangent(double cosine) {
  * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
 typedef struct km_second_order {
   int columns, freedom, conditions;
+  int idle;       /* freedoms that were taken out of Z, and don't count in `freedom` */
   bool redundant; /* some constraint is: then conditions may stand between a tangent and a motion */
   bool built;     /* Q is */
   double tolerance;
