@@ -221,11 +221,24 @@ static km_status fall(search *e, km_progress progress, void *context, km_error *
   return status;
 }
 
+/* Newton's method. From a step that was too long for the loops it goes back, and on by short ones. */
 static km_status find(search *e, km_error *error) {
-  km_status status = KM_OK;
+  km_state *before = NULL;
+  km_status status = km_state_create(e->d->mechanism, &before, error);
   e->size = HUGE_VAL;
-  for (int i = 0; i < MOST_STEPS && !status && !(e->size <= at_rest); ++i)
+  for (int i = 0; i < MOST_STEPS && !status && !(e->size <= at_rest); ++i) {
+    bool far = e->reach > longest;
+    if (!far)
+      km_state_copy(e->d->mechanism, before, e->s);
     status = step_once(e, error);
+    if (status == KM_DIVERGED && far) {
+      km_state_copy(e->d->mechanism, e->s, before);
+      e->reach = longest;
+      e->foretold = 0.0;
+      status = KM_OK;
+    }
+  }
+  km_state_free(before);
   if (!status && !(e->size <= 1e3 * at_rest))
     status = km_fail(error, KM_NO_RESULT, "no rest pose was found from here");
   if (!status && e->left > unheld)
