@@ -2,22 +2,16 @@
 #include "arm/track.h"
 
 #include "arm/check.h"
+#include "base/clock.h"
 #include "base/table.h"
 #include "base/text.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 static const km_method_run methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
                                                   km_method_dls,    km_method_gradient,  km_method_dp,
                                                   km_method_global};
-
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* One row's numbers, before they go into the table. */
 typedef struct row {
@@ -293,9 +287,9 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
     km_track_free(t);
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   }
-  double start = now();
+  double start = km_clock();
   km_status status = starts(t, &run) ? methods[plan->method.kind](&run, error) : KM_PARTIAL;
-  t->summary.seconds = now() - start;
+  t->summary.seconds = km_clock() - start;
   t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
   t->summary.greedy_instead = run.greedy_instead;
   t->summary.converged = run.converged;

@@ -172,8 +172,7 @@ static bool pass_over(km_simulation *run) {
   }
   run->outcome = KM_DYNAMICS_DONE;
   run->noisy = run->noisy && !(chosen > 0.0);
-  return chosen > 0.0 && km_collocation_step(run, chosen) &&
-         km_cvode_restart(run);
+  return chosen > 0.0 && km_collocation_step(run, chosen) && km_cvode_restart(run);
 }
 
 static void accept_step(km_simulation *run, double t) {

@@ -201,10 +201,11 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
     return km_fail(error, KM_DIVERGED,
                    "rates or accelerations grow beyond all numbers; expected shorter steps, or weaker forces");
   if (d->overdriven >= 0)
-    return km_fail(error, KM_DIVERGED,
-                   "the prescribed motions depend on each other: joint \"%s\" can't move otherwise than the others make it; "
-                   "expected one motion less",
-                   model->coordinates[d->overdriven].label);
+    return km_fail(
+        error, KM_DIVERGED,
+        "the prescribed motions depend on each other: joint \"%s\" can't move otherwise than the others make it; "
+        "expected one motion less",
+        model->coordinates[d->overdriven].label);
   return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->open);
 }
 

@@ -70,9 +70,10 @@ struct km_dynamics {
   /* Forces by the accelerations: called once these are known; goes on by km_dynamics_resolve. NULL: none. */
   km_dynamics_outcome (*press)(void *context, km_state *state);
   void *press_context;
-  int massless; /* coordinate of the last evaluation that ended as KM_DYNAMICS_MASSLESS: nothing with mass moves on it */
-  double open;  /* residual of the last one that ended as KM_DYNAMICS_OPEN */
-  int overdriven; /* at the last evaluation: a prescribed coordinate that the other prescribed ones move already; -1: none */
+  /* Of evaluations that fail, for the message. */
+  int massless;   /* of the last that ended as KM_DYNAMICS_MASSLESS: the coordinate on which nothing with mass moves */
+  double open;    /* of the last that ended as KM_DYNAMICS_OPEN: the residual */
+  int overdriven; /* of the last one: a prescribed coordinate that other prescribed ones move already; -1: none */
 };
 
 /* Accelerations at the state's time, coordinates and rates. `search`: the pose is one that the motion goes through, where

@@ -50,11 +50,11 @@ typedef struct search {
   km_state *s;
   km_poise poise; /* where the step began: freedom, independent coordinates, their accelerations */
   double *K, *x, *work;
-  double reach;   /* no step is longer, scaled */
+  double reach;    /* no step is longer, scaled */
   double foretold; /* the largest acceleration that the step should have left, scaled; 0: it wasn't shortened */
-  double size;    /* of the step before it was shortened, scaled */
-  double hardest; /* the largest acceleration before it, in radians or characteristic lengths per second² */
-  double left;    /* the same of the accelerations that no step takes away, with its coordinate */
+  double size;     /* of the step before it was shortened, scaled */
+  double hardest;  /* the largest acceleration before it, in radians or characteristic lengths per second² */
+  double left;     /* the same of the accelerations that no step takes away, with its coordinate */
   int coordinate;
 } search;
 

@@ -10,8 +10,8 @@
 static const double step = 1e-5;
 static const double difference_error = 1e-9; /* of the accelerations, in their differences */
 static const double alike = 1e-6;            /* sizes of eigenvalues that only rounding tells apart */
-static const double sure = 4.0;      /* times the error that an eigenvalue may have tell it from 0 */
-static const double rest = 1e-6;     /* the largest acceleration of a pose at rest, scaled, over s² */
+static const double sure = 4.0;              /* times the error that an eigenvalue may have tell it from 0 */
+static const double rest = 1e-6;             /* the largest acceleration of a pose at rest, scaled, over s² */
 
 bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   const km_mechanism *m = d->mechanism;
@@ -134,7 +134,8 @@ static void take_N(const km_dynamics *d, const km_poise *p, km_linear *out) {
 }
 
 /* A's columns of a coordinate and of its rate, by differences of `size` times the usual step. */
-static bool fill_columns(km_dynamics *d, km_state *s, const km_poise *p, size_t k, double size, double *work, double *A) {
+static bool fill_columns(km_dynamics *d, km_state *s, const km_poise *p, size_t k, double size, double *work,
+                         double *A) {
   size_t f = (size_t)p->freedom, rows = 2 * f;
   int c = p->independent[k];
   double by = size * step / d->mechanism->scale[c], second = d->mechanism->model->units.time->si;

@@ -13,7 +13,7 @@ typedef struct km_moving_forces {
   double *memory;     /* [memory_count] internal states: ∫e of a controller, the slips of a tyre */
   double *rate;       /* [memory_count] their rates at the last update */
   double *drive;      /* [coordinate] what motors and controllers gave in joints at the last update */
-  bool frictionless;  /* friction that stands holds whatever it can, and has no slope: it is left out where slopes are asked for */
+  bool frictionless;  /* slopes are asked for: friction that stands has none, and is left out */
   double *pressed;    /* [coordinate] friction by what presses, which an analysis sets; NULL: none */
   double dissipation; /* power that dampers, friction and stops took at the last update: positive */
   double motor_power; /* power that motors, controllers, loads, and springs that act where they don't measure gave */

@@ -55,11 +55,11 @@ struct km_drive {
   bool passing;                  /* this step goes over a singular pose on purpose */
   double *near, *far;            /* poses to come back to */
   km_drive_regular regular;
-  km_least_path path;            /* where other freedoms are left */
-  km_closest *closest;           /* the same where the path is stiff; NULL: not yet */
-  int bent;                      /* steps refused one after the other */
-  bool drawn;                    /* the last prediction was */
-  double strain;                 /* of the last prediction by it: at 1 its error is all that is allowed */
+  km_least_path path;  /* where other freedoms are left */
+  km_closest *closest; /* the same where the path is stiff; NULL: not yet */
+  int bent;            /* steps refused one after the other */
+  bool drawn;          /* the last prediction was */
+  double strain;       /* of the last prediction by it: at 1 its error is all that is allowed */
   km_step_watch watch;
   struct km_drive_lanes *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
   int lane;

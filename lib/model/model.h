@@ -198,7 +198,7 @@ struct km_model {
   const struct km_origin
       *origin; /* what the room of exchange/ that read it needs to write it again; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
-  const char *source;        /* where the model is from, in words; NULL: not told */
+  const char *source; /* where the model is from, in words; NULL: not told */
   km_folders folders;
   km_units units;
   km_vec3 gravity;

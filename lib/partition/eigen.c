@@ -21,8 +21,7 @@ static km_status load(solver **out, km_error *error) {
              : KM_OK;
 }
 
-km_status km_eigen(int n, double *A, double *real, double *imaginary, double *left, double *right,
-                   km_error *error) {
+km_status km_eigen(int n, double *A, double *real, double *imaginary, double *left, double *right, km_error *error) {
   for (size_t i = 0; i < (size_t)n * (size_t)n; ++i)
     if (!isfinite(A[i])) /* dgeev may go on for ever */
       return km_fail(error, KM_DIVERGED, "eigenvalues can't be computed: a number of the matrix isn't finite");
@@ -34,8 +33,8 @@ km_status km_eigen(int n, double *A, double *real, double *imaginary, double *le
   double *work = KM_NEW(double, size);
   if (!work)
     return km_fail(error, KM_MEMORY, "out of memory for eigenvalues");
-  lapack_int info =
-      solve(LAPACK_COL_MAJOR, left ? 'V' : 'N', 'V', n, A, n, real, imaginary, left, n, right, n, work, (lapack_int)size);
+  lapack_int info = solve(LAPACK_COL_MAJOR, left ? 'V' : 'N', 'V', n, A, n, real, imaginary, left, n, right, n, work,
+                          (lapack_int)size);
   km_free(work);
   return info == 0 ? KM_OK : km_fail(error, KM_DIVERGED, "the iteration for eigenvalues doesn't end");
 }

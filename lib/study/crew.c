@@ -3,10 +3,10 @@
 #include "study/crew.h"
 
 #include "base/check.h"
+#include "base/clock.h"
 #include "study/ask.h"
 
 #include <string.h>
-#include <time.h>
 
 enum { MOST_PIECE = 4096 };
 static const double piece_seconds = 0.5;
@@ -26,12 +26,6 @@ struct km_crew {
   km_arena arena;
   km_design_answer *answers; /* of one design, while it is read or looked up */
 };
-
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 km_status km_crew_check(const km_design_crew *c, km_error *error) {
   km_status status = km_check_given(c && c->send && c->receive, "crew with its ways of sending and receiving", error);
@@ -215,7 +209,7 @@ void km_design_crew_dismiss(const km_design_crew *c) {
 /* The designs of a piece, answered on the member's threads. */
 static km_status answer_piece(km_batch *b, reading *r, km_text *reply, km_error *error) {
   const km_design_study *s = b->study;
-  double values[KM_MOST_DESIGN_PARAMETERS], begin = now(), seconds;
+  double values[KM_MOST_DESIGN_PARAMETERS], begin = km_clock(), seconds;
   int designs[MOST_PIECE], wanted[MOST_PIECE], questions = s->def->question_count;
   km_status status = KM_OK;
   km_batch_clear(b);
@@ -230,7 +224,7 @@ static km_status answer_piece(km_batch *b, reading *r, km_text *reply, km_error 
   }
   if (!status)
     km_batch_compute(b);
-  seconds = now() - begin;
+  seconds = km_clock() - begin;
   add_whole(reply, WORD_ANSWERS);
   km_text_bytes(reply, &seconds, sizeof seconds);
   for (int i = 0; i < b->count && !status; ++i) {

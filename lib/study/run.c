@@ -1,12 +1,12 @@
 /* Runs a study's designs in their order, batch by batch, with or without a crew, and stops a sample whose mean is known
  * well enough. */
 #include "base/check.h"
+#include "base/clock.h"
 #include "study/ask.h"
 #include "study/crew.h"
 #include "study/optimise.h"
 
 #include <math.h>
-#include <time.h>
 
 enum { LEAST_ROOM = 768, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
 
@@ -37,12 +37,6 @@ typedef struct run {
   void *context;
   double committed; /* when the store was last safe */
 } run;
-
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* The places where accuracy is looked at depend on nothing but the count. */
 static int next_check(int check) {
@@ -87,9 +81,9 @@ static km_status run_batch(run *r, int end, km_error *error) {
 /* Between batches: what is there is made safe, and the caller may stop. */
 static km_status breathe(run *r, km_error *error) {
   km_status status = KM_OK;
-  if (now() - r->committed > batch_seconds) {
+  if (km_clock() - r->committed > batch_seconds) {
     status = km_store_commit(r->study->store, error);
-    r->committed = now();
+    r->committed = km_clock();
   }
   if (!status && r->progress && !r->progress(r->context, (double)r->next / r->total))
     status =
@@ -101,14 +95,14 @@ static km_status breathe(run *r, km_error *error) {
 static km_status run_part(run *r, int end, km_error *error) {
   km_status status = KM_OK;
   while (!status && r->next < end) {
-    double begin = now();
+    double begin = km_clock();
     if (r->crew)
       status = km_crew_give(r->crew, &r->next, end, error);
     if (!status && r->next < end)
       status = run_batch(r, end, error);
     if (!status && r->crew)
       status = km_crew_take(r->crew, false, error);
-    r->size = km_batch_next_size(r->size, now() - begin, batch_seconds, r->batch.jobs, r->batch.room);
+    r->size = km_batch_next_size(r->size, km_clock() - begin, batch_seconds, r->batch.jobs, r->batch.room);
     if (!status)
       status = breathe(r, error);
   }
@@ -119,7 +113,7 @@ static km_status run_part(run *r, int end, km_error *error) {
 static km_status go(run *r, km_error *error) {
   km_status status = KM_OK;
   int end = r->figure >= 0 && FIRST_CHECK < r->total ? FIRST_CHECK : r->total;
-  r->committed = now();
+  r->committed = km_clock();
   for (int begin = 0; !status && begin < r->total; begin = r->next) {
     status = run_part(r, end, error);
     if (!status && r->figure >= 0)

@@ -62,7 +62,7 @@ double km_longest_link(const km_model *model, const km_walks *walks, double grai
   for (int b = 1; b < model->body_count; ++b)
     for (int i = first[b]; i < first[b + 1] && find(parent, b) != find(parent, 0); ++i)
       for (int k = first[b]; k < i; ++k)
-        longest = km_larger(
-            km_square_apart(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, grain), longest);
+        longest =
+            km_larger(km_square_apart(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, grain), longest);
   return sqrt(longest);
 }

@@ -60,6 +60,9 @@ kt_exit kt_usage(const kt_common *common, const char *option, const char *found,
 /* Writes the gathered messages to the standard error. */
 void kt_flush(kt_common *common);
 
+/* Seconds since some moment, by a clock that nobody sets. */
+double kt_clock(void);
+
 /* A progress bar on the standard error: on a terminal only, and only after one second. */
 typedef struct kt_progress {
   bool shown, drawn;

@@ -5,7 +5,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static double now(void) {
+double kt_clock(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -13,12 +13,12 @@ static double now(void) {
 
 kt_progress kt_progress_start(const kt_common *common) {
   return (kt_progress){
-      .shown = !common->quiet && common->jobs == 1 && isatty(STDERR_FILENO), .start = now(), .last = now()};
+      .shown = !common->quiet && common->jobs == 1 && isatty(STDERR_FILENO), .start = kt_clock(), .last = kt_clock()};
 }
 
 bool kt_progress_show(void *context, double done) {
   kt_progress *p = context;
-  double time = p->shown ? now() : 0.0;
+  double time = p->shown ? kt_clock() : 0.0;
   if (!p->shown || time - p->start < 1.0 || time - p->last < 0.1)
     return true;
   p->last = time;

@@ -65,6 +65,9 @@ static kt_exit read_rates(work *w) {
       result = kt_usage(&o->common, "--rate", o->rates.items[i], "JOINT=RATE, as A=60rpm or A=2.5");
     else
       result = kt_coordinate(&o->common, w->pose.model, "--rate", label.text, &rate->coordinate);
+    for (int k = 0; k < w->def.rate_count && result == KT_DONE; ++k)
+      if (w->rates[k].coordinate == rate->coordinate)
+        result = kt_usage(&o->common, "--rate", o->rates.items[i], "one rate for each joint");
     if (result == KT_DONE && !read_rate(w->pose.model, rate->coordinate, rest, &rate->rate))
       result = kt_usage(&o->common, "--rate", o->rates.items[i],
                         "a rate other than 0 in the model's unit per time unit, or of an angle in rpm");

@@ -32,10 +32,11 @@ typedef struct work {
 static void tell_friction(const kt_common *common, const char *path, const km_model *model) {
   const char *first = km_model_first_friction(model);
   if (first)
-    kt_say(common, KM_NOTE,
-           "%s: friction, such as that of \"%s\", doesn't count at rest and in small motions; it does in ksim run and ksim "
-           "inverse",
-           path, first);
+    kt_say(
+        common, KM_NOTE,
+        "%s: friction, such as that of \"%s\", doesn't count at rest and in small motions; it does in ksim run and ksim "
+        "inverse",
+        path, first);
 }
 
 static kt_exit open_work(work *w) {
@@ -189,7 +190,8 @@ static void read_options(options *o, bool linear, int argc, char **argv) {
       KT_BASE(&o->base, "Write BASE.linear.txt or .json instead of the standard output"),
   };
   const kt_option of_rest[] = {
-      {"settle", 0, NULL, "Let the mechanism fall first, from every pose that isn't stable: the pose is then a stable one", KT_FLAG,
+      {"settle", 0, NULL,
+       "Let the mechanism fall first, from every pose that isn't stable: the pose is then a stable one", KT_FLAG,
        &o->settle, KT_ABOUT_METHOD},
       KT_BASE(&o->base, "Write BASE.rest.txt or .json instead of the standard output"),
   };

@@ -5,13 +5,6 @@
 
 #include <math.h>
 #include <sys/resource.h>
-#include <time.h>
-
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 typedef struct pilot {
   double start, seconds;
@@ -21,7 +14,7 @@ typedef struct pilot {
 static bool go_on(void *context, double done) {
   const pilot *p = context;
   (void)done;
-  return now() - p->start < p->seconds;
+  return kt_clock() - p->start < p->seconds;
 }
 
 static int planned(const kstudy_open *o) {
@@ -64,7 +57,7 @@ static void print(const kstudy_open *o, double each, int piloted, int ranks, int
 
 /* The pilot's results go to a store of its own, in memory. */
 static kt_exit measure(const kstudy_request *r, kstudy_open *o, double seconds, int ranks) {
-  pilot p = {.start = now(), .seconds = seconds};
+  pilot p = {.start = kt_clock(), .seconds = seconds};
   km_error error;
   km_status status = km_design_study_run(o->study, 1, go_on, &p, &error);
   int computed = km_design_study_computed(o->study);
@@ -73,7 +66,7 @@ static kt_exit measure(const kstudy_request *r, kstudy_open *o, double seconds, 
     return kt_exit_of(status);
   }
   km_text out = {0};
-  print(o, (now() - p.start) / (computed > 0 ? computed : 1), computed, ranks, r->common.jobs, &out);
+  print(o, (kt_clock() - p.start) / (computed > 0 ? computed : 1), computed, ranks, r->common.jobs, &out);
   kt_exit result = kt_print(&r->common, &out);
   km_text_free(&out);
   return result;

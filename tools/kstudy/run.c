@@ -4,7 +4,6 @@
 
 #include <signal.h>
 #include <stdio.h>
-#include <time.h>
 #include <unistd.h>
 
 static volatile sig_atomic_t interrupted;
@@ -19,12 +18,6 @@ typedef struct watch {
   bool terminal, drawn;
   double start, last;
 } watch;
-
-static double now(void) {
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void tell(watch *w, double done, double time) {
   double spent = time - w->start, left = done > 0.0 ? spent * (1.0 - done) / done : 0.0;
@@ -41,7 +34,7 @@ static void tell(watch *w, double done, double time) {
 
 static bool show(void *context, double done) {
   watch *w = context;
-  double time = now();
+  double time = kt_clock();
   double wait = w->terminal ? 0.1 : 60.0, first = w->terminal ? 1.0 : 60.0;
   if (!w->common->quiet && time - w->start > first && time - w->last > wait)
     tell(w, done, time);
@@ -54,7 +47,7 @@ static void watch_end(const watch *w) {
 }
 
 static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_ranks *ranks) {
-  watch w = {.common = &r->common, .terminal = isatty(STDERR_FILENO), .start = now()};
+  watch w = {.common = &r->common, .terminal = isatty(STDERR_FILENO), .start = kt_clock()};
   w.last = w.start;
   struct sigaction action = {.sa_handler = interrupt}, before[2];
   sigaction(SIGINT, &action, &before[0]);
@@ -71,7 +64,7 @@ static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_r
            status == KM_CANCELLED ? " (kstudy resume goes on)" : "");
   else
     kt_say(&r->common, KM_NOTE, "%s: %d design%s computed in %.3g s, %d %s in the store", o->name, computed,
-           computed == 1 ? "" : "s", now() - w.start, found, found == 1 ? "was" : "were");
+           computed == 1 ? "" : "s", kt_clock() - w.start, found, found == 1 ? "was" : "were");
   return status == KM_CANCELLED ? KT_PARTIAL : kt_exit_of(status);
 }
 

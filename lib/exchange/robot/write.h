@@ -37,10 +37,10 @@ typedef struct km_written {
   double *reference;             /* [coordinate] that the file's own pose stands for */
   km_pose *world;                /* [body] at `reference` */
   const char **bodies, **joints; /* names, unique in the file */
-  const char **frames;           /* [frame] names of those that no joint is held by, such as a tool's; NULL: of others */
-  int *arc;                      /* [body] joint to its parent in the tree, -1: the inertial frame */
-  bool *in_tree;                 /* [joint] */
-  int *order;                    /* bodies, parents first; without the inertial frame */
+  const char **frames; /* [frame] names of those that no joint is held by, such as a tool's; NULL: of others */
+  int *arc;            /* [body] joint to its parent in the tree, -1: the inertial frame */
+  bool *in_tree;       /* [joint] */
+  int *order;          /* bodies, parents first; without the inertial frame */
   int ordered;
   km_omissions omissions;
   double length, mass, force, time; /* SI per unit of the model */

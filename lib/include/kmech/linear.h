@@ -25,7 +25,7 @@ typedef struct km_linear {
   double *modes;   /* [coordinates × 2 freedom × 2] the coordinates' parts of the eigenvectors: real, imaginary; the
                         * largest scaled entry has length 1 */
   double residual; /* largest acceleration of an independent coordinate at the pose, scaled, over s²: 0 at rest */
-  double *doubt;   /* [2 freedom] up to this size an eigenvalue may be 0 but for the errors of the differences, per time unit */
+  double *doubt;   /* [2 freedom] per time unit: up to this size an eigenvalue may be 0, by the differences' errors */
   double noise;    /* per time unit: what the errors of differences of such accelerations make of an eigenvalue 0 */
 } km_linear;
 
