@@ -333,7 +333,7 @@ static bool leap(km_drive *d, double s, double target, int *limit) {
  * False, with the state where it was, if no step from a place before it leads over it. */
 static bool leap_over(km_drive *d, double target, int *limit) {
   const km_drive_place here = d->here;
-  if (is_toggle(d) || d->regular.s == d->here.s || !isfinite(d->regular.s))
+  if (is_toggle(d) || d->regular.s == d->here.s || !(fabs(d->regular.s - d->here.s) <= km_drive_longest))
     return false;
   km_state_save(d->c.state, km_drive_driven(d), d->near);
   for (int before = 0; before < (d->regular.h != 0.0 ? 2 : 1); ++before)
