@@ -230,6 +230,13 @@ void km_partition_wait(km_partition *p) {
   p->edition++;
 }
 
+/* Were the pivots searched near a singular pose that is far away by now? Of many rows in an order that was good there the entries can grow
+ * until no digits are left, which neither |B| nor the smallest pivot tells. */
+static bool are_outgrown(const km_partition *p, double inverse) {
+  static const double most_growth = 1e3; /* of the smallest pivot */
+  return p->sparse && p->rank > 0 && most_growth * inverse * p->smallest_pivot < 1.0;
+}
+
 static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole) {
   p->waits = false;
   p->stride = stride_of(p->rows);
@@ -242,7 +249,7 @@ static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole
     finite = finish(p) && finite;
   }
   double inverse = largest_inverse(p), smallest = p->rank == 0 ? 0.0 : p->smallest_pivot;
-  return finite && km_pivots_serve(p->largest_b, p->pivoted_b, inverse, smallest);
+  return finite && km_pivots_serve(p->largest_b, p->pivoted_b, inverse, smallest) && !are_outgrown(p, inverse);
 }
 
 bool km_partition_refactor(km_partition *p, const double *matrix) {
