@@ -1,7 +1,6 @@
 /* Values that coordinates pass within a step: those that are asked for, and those at which forces change. */
 #include "dynamics/simulation.h"
 
-#include <float.h>
 #include <string.h>
 
 /* How far a coordinate is beyond a value. */
@@ -103,11 +102,8 @@ double km_simulation_passed_over(km_simulation *run) {
 }
 
 void km_crossings_begin(km_simulation *run) {
-  for (int i = 0; i < run->def.crossing_count; ++i) {
-    int c = run->crossings[i].coordinate;
-    double side = beyond(run, run->y, c, run->crossings[i].value), rate = run->y[run->rate_start + c];
-    run->side[i] = side != 0.0 ? side : copysign(DBL_MIN, rate != 0.0 ? rate : run->state->acceleration[c]);
-  }
+  for (int i = 0; i < run->def.crossing_count; ++i)
+    run->side[i] = beyond(run, run->y, run->crossings[i].coordinate, run->crossings[i].value);
 }
 
 void km_crossings_tell(km_simulation *run) {
@@ -149,6 +145,10 @@ bool km_crossings_find(km_simulation *run) {
   for (int i = 0; i < run->def.crossing_count && whole; ++i) {
     const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
     double now = beyond(run, run->y, at.coordinate, at.value);
+    if (run->side[i] == 0.0) /* it began there, and hadn't left */
+      run->side[i] = now;
+    if (now == 0.0 || run->side[i] == now) /* it hasn't passed yet */
+      continue;
     if ((now > 0.0) == (run->side[i] > 0.0)) {
       whole = add_pair(run, first, i, &at, now);
     } else {

@@ -2,6 +2,7 @@
 #include "kmech/linear.h"
 
 #include "base/check.h"
+#include "base/larger.h"
 #include "dynamics/linear.h"
 #include "partition/eigen.h"
 
@@ -121,16 +122,21 @@ static void adapt_reach(search *e) {
     e->reach = fmax(longest, 0.25 * e->reach);
 }
 
-/* Goes along x as far as the reach allows. False where it isn't finite. */
-static bool move(search *e) {
+static double size_of(const search *e) {
+  double size = 0.0;
+  for (int k = 0; k < e->poise.freedom; ++k)
+    size = km_larger_or_nan(fabs(e->x[k]) * e->d->mechanism->scale[e->poise.independent[k]], size);
+  return size;
+}
+
+/* Goes along x as far as the reach allows. `shortened`: it is shorter already than it might be. False where it isn't finite. */
+static bool move(search *e, bool shortened) {
   const km_mechanism *m = e->d->mechanism;
   int f = e->poise.freedom;
-  e->size = 0.0;
-  for (int k = 0; k < f; ++k)
-    e->size = fmax(e->size, fabs(e->x[k]) * m->scale[e->poise.independent[k]]);
+  e->size = size_of(e);
   double share = e->size > e->reach ? e->reach / e->size : 1.0;
   e->foretold = 0.0;
-  for (int r = 0; r < f && share < 1.0; ++r) {
+  for (int r = 0; r < f && (shortened || share < 1.0); ++r) {
     double sum = e->poise.acceleration[r];
     for (int c = 0; c < f; ++c)
       sum += share * e->K[c * f + r] * e->x[c];
@@ -150,7 +156,7 @@ static km_status step_once(search *e, km_error *error) {
   if (e->poise.freedom && !newton_step(e->K, e->poise.acceleration, e->poise.freedom, e->x))
     return KM_DIVERGED;
   see_left(e);
-  return move(e) ? KM_OK : KM_DIVERGED;
+  return move(e, false) ? KM_OK : KM_DIVERGED;
 }
 
 /* The largest real part of K's eigenvalues: > 0 where a deviation grows. */
@@ -171,53 +177,84 @@ static km_status fastest_growth(const search *e, double *out, km_error *error) {
   return status;
 }
 
-/* A step of ẋ = a by Euler's implicit method, (I/δ − K) x = a, with δ so short that it leads away from a pose that isn't
- * stable (C. Kelley, D. Keyes, Convergence analysis of pseudo-transient continuation, 1998). Stiff parts don't shorten it. `before`
- * takes the state that it begins at. */
-static km_status fall_once(search *e, km_state *before, double *delta, km_error *error) {
-  km_status status = look(e, error);
-  double growth, shortest = 0.0;
-  if (status || e->poise.freedom == 0 || e->hardest <= settled)
-    return status;
-  km_state_copy(e->d->mechanism, before, e->s);
-  adapt_reach(e);
-  status = fastest_growth(e, &growth, error);
+/* Falling: steps of ẋ = a by Euler's implicit method, (I/δ − K) x = a. Stiff parts don't shorten them. */
+typedef struct falling {
+  double delta;     /* time², 0: not yet chosen */
+  double last;      /* `hardest` before the last step */
+  km_state *before; /* where the last step began */
+} falling;
+
+/* δ grows while the accelerations don't (C. Kelley, D. Keyes, Convergence analysis of pseudo-transient continuation, 1998), but stays so
+ * short that steps lead away from a pose that isn't stable. */
+static km_status choose_delta(const search *e, falling *f, km_error *error) {
+  double growth, fastest = 0.0;
+  km_status status = fastest_growth(e, &growth, error);
   if (status)
     return status;
   for (int k = 0; k < e->poise.freedom; ++k)
-    shortest = fmax(shortest, fabs(e->poise.acceleration[k]) * e->d->mechanism->scale[e->poise.independent[k]]);
-  *delta = *delta > 0.0 ? 2.0 * *delta : longest / shortest;
+    fastest = fmax(fastest, fabs(e->poise.acceleration[k]) * e->d->mechanism->scale[e->poise.independent[k]]);
+  f->delta *= e->hardest < 1.1 * f->last ? 2.0 : f->last / e->hardest;
+  f->delta = f->delta > 0.0 ? f->delta : longest / fastest;
   if (growth > 0.0)
-    *delta = fmin(*delta, 0.5 / growth);
-  int f = e->poise.freedom;
-  for (int k = 0; k < f; ++k)
-    e->K[k * f + k] -= 1.0 / *delta;
-  bool solved = newton_step(e->K, e->poise.acceleration, f, e->x);
-  for (int k = 0; k < f; ++k)
-    e->K[k * f + k] += 1.0 / *delta;
-  return solved && move(e) ? KM_OK : KM_DIVERGED;
+    f->delta = fmin(f->delta, 0.5 / growth);
+  return KM_OK;
 }
 
-/* Falls until hardly anything accelerates. Where the loops can't be closed behind a step, a shorter one is made. */
+/* x = (I/δ − K)⁻¹ a */
+static bool solve_implicit(search *e, double delta) {
+  int f = e->poise.freedom;
+  for (int k = 0; k < f; ++k)
+    e->K[k * f + k] -= 1.0 / delta;
+  bool solved = newton_step(e->K, e->poise.acceleration, f, e->x);
+  for (int k = 0; k < f; ++k)
+    e->K[k * f + k] += 1.0 / delta;
+  return solved;
+}
+
+/* KM_DIVERGED: no step can be made from here, or the last one has led to far greater accelerations, as deep in a stop. */
+static km_status fall_once(search *e, falling *f, km_error *error) {
+  static const double far_greater = 10.0;
+  km_status status = look(e, error);
+  if (status || e->poise.freedom == 0 || e->hardest <= settled)
+    return status;
+  if (e->hardest > far_greater * f->last)
+    return KM_DIVERGED;
+  adapt_reach(e);
+  status = choose_delta(e, f, error);
+  if (status)
+    return status;
+  km_state_copy(e->d->mechanism, f->before, e->s);
+  f->last = e->hardest;
+  bool shortened = false;
+  bool solved = solve_implicit(e, f->delta);
+  for (double size = size_of(e); solved && size > e->reach; size = size_of(e)) { /* soft parts then don't hold up stiff ones */
+    f->delta *= fmax(0.9 * e->reach / size, 0.1);
+    solved = solve_implicit(e, f->delta);
+    shortened = true;
+  }
+  return solved && move(e, shortened) ? KM_OK : KM_DIVERGED;
+}
+
+/* Falls until hardly anything accelerates. Behind a step that was too long a shorter one is made. */
 static km_status fall(search *e, km_progress progress, void *context, km_error *error) {
   enum { MOST_RETRIES = 30 };
-  km_state *before = NULL;
-  double delta = 0.0;
+  falling f = {.last = HUGE_VAL};
   int retries = 0;
-  km_status status = km_state_create(e->d->mechanism, &before, error);
+  km_status status = km_state_create(e->d->mechanism, &f.before, error);
   e->hardest = HUGE_VAL;
   for (int i = 0; i < MOST_FALLING_STEPS && !status && e->hardest > settled; ++i) {
-    status = fall_once(e, before, &delta, error);
+    status = fall_once(e, &f, error);
     retries = status == KM_DIVERGED ? retries + 1 : 0;
-    if (status == KM_DIVERGED && delta > 0.0 && retries < MOST_RETRIES) {
-      km_state_copy(e->d->mechanism, e->s, before);
-      delta *= 0.1;
+    if (status == KM_DIVERGED && f.delta > 0.0 && retries < MOST_RETRIES) {
+      km_state_copy(e->d->mechanism, e->s, f.before);
+      f.delta *= 0.1;
+      e->hardest = HUGE_VAL;
       status = KM_OK;
     }
     if (!status && progress && !progress(context, (double)i / MOST_FALLING_STEPS))
       status = km_fail(error, KM_CANCELLED, "cancelled while settling");
   }
-  km_state_free(before);
+  km_state_free(f.before);
   return status;
 }
 

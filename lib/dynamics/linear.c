@@ -2,16 +2,33 @@
 #include "kmech/linear.h"
 
 #include "base/check.h"
+#include "dynamics/corners.h"
 #include "dynamics/linear.h"
 #include "partition/eigen.h"
 
 #include <string.h>
 
-static const double step = 1e-5;
+static const double usual_step = 1e-5, least_step = 1e-8;
 static const double difference_error = 1e-9; /* of the accelerations, in their differences */
 static const double alike = 1e-6;            /* sizes of eigenvalues that only rounding tells apart */
 static const double sure = 4.0;              /* times the error that an eigenvalue may have tell it from 0 */
 static const double rest = 1e-6;             /* the largest acceleration of a pose at rest, scaled, over s² */
+
+/* How far differences reach: not beyond a corner of a force, where its slope is another one. */
+static double choose_step(const km_dynamics *d, const km_state *s, km_arena *arena) {
+  static const double share = 0.2; /* of the way to the corner: other coordinates go further than the one that is moved */
+  km_corners corners;
+  double step = usual_step;
+  if (!km_corners_list(d, arena, &corners))
+    return step;
+  for (int i = 0; i < corners.count; ++i) {
+    int c = corners.corners[i].coordinate;
+    double way = share * d->mechanism->scale[c] * fabs(s->q[c] - corners.corners[i].value);
+    if (way > 0.0)
+      step = fmin(step, way);
+  }
+  return fmax(step, least_step);
+}
 
 bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   const km_mechanism *m = d->mechanism;
@@ -23,6 +40,7 @@ bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   out->ball = KM_ARENA_NEW(&out->arena, km_quaternion, (size_t)m->ball_count);
   out->independent = KM_ARENA_NEW(&out->arena, int, n);
   out->acceleration = KM_ARENA_NEW(&out->arena, double, n);
+  out->step = choose_step(d, s, &out->arena);
   if (out->arena.failed)
     return false;
   memcpy(out->q, s->q, n * sizeof *s->q);
@@ -97,7 +115,7 @@ static bool derivative(km_dynamics *d, km_state *s, const km_poise *p, change wh
 
 bool km_stiffness_of_accelerations(km_dynamics *d, km_state *s, const km_poise *p, double *work, double *K) {
   for (int k = 0; k < p->freedom; ++k)
-    if (!derivative(d, s, p, OF_POSE, p->independent[k], step / d->mechanism->scale[p->independent[k]], work,
+    if (!derivative(d, s, p, OF_POSE, p->independent[k], p->step / d->mechanism->scale[p->independent[k]], work,
                     K + (size_t)k * (size_t)p->freedom))
       return false;
   return true;
@@ -138,7 +156,7 @@ static bool fill_columns(km_dynamics *d, km_state *s, const km_poise *p, size_t 
                          double *A) {
   size_t f = (size_t)p->freedom, rows = 2 * f;
   int c = p->independent[k];
-  double by = size * step / d->mechanism->scale[c], second = d->mechanism->model->units.time->si;
+  double by = size * p->step / d->mechanism->scale[c], second = d->mechanism->model->units.time->si;
   return derivative(d, s, p, OF_POSE, c, by, work, A + k * rows + f) &&
          derivative(d, s, p, OF_RATE, c, by * second, work, A + (f + k) * rows + f);
 }

@@ -71,7 +71,7 @@ static const char *between(const char *destination, const char *path, km_arena *
 
 const char *km_written_mesh(const km_folders *folders, const char *destination, const char *name, km_arena *arena) {
   km_text found = {0};
-  if (!destination || name[0] == '/')
+  if (!destination || name[0] == '/' || name[0] == '\0')
     return name;
   char *path = km_find_mesh(folders, name, &found) ? realpath(found.data, NULL) : NULL;
   const char *out = path ? between(destination, path, arena) : name;
