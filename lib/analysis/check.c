@@ -112,7 +112,8 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
   if (branches == 1 && !finite->truncated)
     add(f, KM_FINDING_FAULT, "shaky",
         "change a length or an angle so that the parts don't line up, or hold the joint that shakes (--hold)",
-        "the mechanism shakes: first order allows mobility %d, but one motion alone is real", mobility->mobility);
+        "the mechanism shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
+        finite->mobility);
   else if (branches)
     add(f, KM_FINDING_WARNING, "branch",
         "start from another pose, or follow one motion through it with kmob sweep --arclength",

@@ -219,21 +219,27 @@ static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *a
   return apart + mobility;
 }
 
-/* Are so many tangents idle that few are left? */
-static bool are_few_beside(const km_tangents *f, const km_idle_freedoms *idle) {
-  int apart = 0;
+/* Of the substructure. */
+static int count_idle(const km_tangents *f, const km_idle_freedoms *idle) {
+  int count = 0;
   for (int i = 0; i < idle->count; ++i)
-    apart += idle->items[i].substructure == f->index ? idle->items[i].freedoms : 0;
-  return f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.freedom - apart <= KM_MOST_BASIS_TRIED;
+    count += idle->items[i].substructure == f->index ? idle->items[i].freedoms : 0;
+  return count;
 }
 
 static int find_in(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
                    km_finite_mobility *out) {
+  enum { VERY_FEW = 3 }; /* more of them have families of branches, each of which would be followed */
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
-  bool few = !km_tangents_are_many(&f) || are_few_beside(&f, idle);
-  int mobility = few ? find_in_few(&f, idle, arena, out) : find_in_many(&f, out);
+  int freedom = f.conditions.freedom, apart = count_idle(&f, idle), mobility;
+  if (!km_tangents_are_many(&f) || (freedom <= KM_MANY_VECTORS && freedom - apart <= VERY_FEW)) {
+    mobility = find_in_few(&f, idle, arena, out);
+  } else {
+    mobility = find_in_many(&f, out);
+    mobility = mobility > apart ? mobility : apart;
+  }
   km_loops_return(m, s, index, f.pose);
   return mobility;
 }

@@ -12,6 +12,12 @@ static void add_value(const km_mechanism *m, km_corners *out, int coordinate, do
     out->corners[out->count++] = (km_corner){coordinate, value};
 }
 
+static int by_coordinate(const void *a, const void *b) {
+  const km_corner *x = a, *y = b;
+  return x->coordinate != y->coordinate ? (x->coordinate > y->coordinate) - (x->coordinate < y->coordinate)
+                                        : (x->value > y->value) - (x->value < y->value);
+}
+
 static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) {
   const km_mechanism *m = d->mechanism;
   const km_forces *f = d->forces;
@@ -26,6 +32,8 @@ static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) 
   for (int i = 0; i < f->spring_count && out->corners; ++i)
     for (int k = 0; k < f->springs[i]->law.knot_count && f->springs[i]->input.coordinate >= 0; ++k)
       add_value(m, out, f->springs[i]->input.coordinate, f->springs[i]->law.knots[k]);
+  if (out->corners)
+    qsort(out->corners, (size_t)out->count, sizeof *out->corners, by_coordinate);
   return out->corners != NULL;
 }
 
@@ -69,6 +77,19 @@ bool km_corners_list(const km_dynamics *d, km_arena *arena, km_corners *out) {
   list_times(d, out);
   qsort(out->times, count, sizeof *out->times, ascending);
   return true;
+}
+
+int km_corners_above(const km_corners *c, int coordinate, double value) {
+  const km_corner wanted = {coordinate, value};
+  int low = 0, high = c->count;
+  while (low < high) {
+    int middle = low + (high - low) / 2;
+    if (by_coordinate(&c->corners[middle], &wanted) > 0)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
 }
 
 double km_corners_next(const km_corners *c, double time) {

@@ -13,12 +13,15 @@ typedef struct km_corner {
 
 typedef struct km_corners {
   int count, time_count;
-  km_corner *corners; /* limits with a stop, knots of springs; not of balls, and not of distances between frames */
-  double *times;      /* ascending: rows of tables, knots of motors */
+  /* Limits with a stop, knots of springs, by coordinate and value; not of balls, and not of distances between frames. */
+  km_corner *corners;
+  double *times; /* ascending: rows of tables, knots of motors */
 } km_corners;
 
 /* False when out of memory. O(corners log corners). */
 bool km_corners_list(const km_dynamics *dynamics, km_arena *arena, km_corners *out);
+/* The first corner of the coordinate above a value, or where it would stand. O(log corners). */
+int km_corners_above(const km_corners *corners, int coordinate, double value);
 /* The first time after `time`, infinity where there is none. */
 double km_corners_next(const km_corners *corners, double time);
 

@@ -90,13 +90,25 @@ static bool may_have_passed(const km_simulation *run, const km_corner *at) {
   return one * other >= 0.0 && fmin(fabs(one), fabs(other)) <= way + fabs(other - one);
 }
 
+/* Of a corner that the coordinate has come back to the same side of. */
+static double passed_over(km_simulation *run, int corner, int coordinate) {
+  if (corner < 0 || corner >= run->corners.count || run->corners.corners[corner].coordinate != coordinate)
+    return HUGE_VAL;
+  const km_corner *at = &run->corners.corners[corner];
+  double error = run->tolerance[run->place[coordinate]]; /* how deep it is isn't known any better */
+  return may_have_passed(run, at) ? excursion(run, at, error) : HUGE_VAL;
+}
+
+/* Whatever passes a corner and comes back has passed the nearest one beyond both ends of the step, or at one of them. */
 double km_simulation_passed_over(km_simulation *run) {
+  const km_corners *all = &run->corners;
   double first = HUGE_VAL;
-  for (int i = 0; i < run->corners.count; ++i) {
-    const km_corner *at = &run->corners.corners[i];
-    double error = run->tolerance[run->place[at->coordinate]]; /* how deep it is isn't known any better */
-    if (may_have_passed(run, at))
-      first = fmin(first, excursion(run, at, error));
+  for (int i = 0; i < all->count; i = km_corners_above(all, all->corners[i].coordinate, HUGE_VAL)) {
+    int c = all->corners[i].coordinate;
+    double one = beyond(run, run->good, c, 0.0), other = beyond(run, run->y, c, 0.0);
+    int above = km_corners_above(all, c, nextafter(fmax(one, other), -HUGE_VAL));
+    int below = km_corners_above(all, c, fmin(one, other)) - 1;
+    first = fmin(first, fmin(passed_over(run, above, c), passed_over(run, below, c)));
   }
   return first;
 }

@@ -227,7 +227,8 @@ static km_status fall_once(search *e, falling *f, km_error *error) {
   f->last = e->hardest;
   bool shortened = false;
   bool solved = solve_implicit(e, f->delta);
-  for (double size = size_of(e); solved && size > e->reach; size = size_of(e)) { /* soft parts then don't hold up stiff ones */
+  for (double size = size_of(e); solved && size > e->reach;
+       size = size_of(e)) { /* soft parts then don't hold up stiff ones */
     f->delta *= fmax(0.9 * e->reach / size, 0.1);
     solved = solve_implicit(e, f->delta);
     shortened = true;

@@ -16,7 +16,8 @@ static const double rest = 1e-6;             /* the largest acceleration of a po
 
 /* How far differences reach: not beyond a corner of a force, where its slope is another one. */
 static double choose_step(const km_dynamics *d, const km_state *s, km_arena *arena) {
-  static const double share = 0.2; /* of the way to the corner: other coordinates go further than the one that is moved */
+  static const double share =
+      0.2; /* of the way to the corner: other coordinates go further than the one that is moved */
   km_corners corners;
   double step = usual_step;
   if (!km_corners_list(d, arena, &corners))

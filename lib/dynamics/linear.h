@@ -9,7 +9,7 @@
 typedef struct km_poise {
   km_arena arena;
   int freedom;
-  double step; /* of differences, radians or characteristic lengths */
+  double step;          /* of differences, radians or characteristic lengths */
   int *independent;     /* [freedom] coordinates */
   double *q, *rate;     /* [coordinate] */
   double *acceleration; /* [coordinate] workspace */

@@ -319,6 +319,23 @@ static bool go_back(km_drive *d, bool before) {
   return start(d);
 }
 
+/* Does the motion behind a singular pose at `s` come back to it? Else there is a gap between two toggles. The drive stays behind. */
+static bool comes_back(km_drive *d, double s, int *limit) {
+  static const double near_enough = 1e-5, no_step = 1e-7;
+  const km_drive_place behind = d->here;
+  km_state_save(d->c.state, km_drive_driven(d), d->far);
+  double step = fabs(s - d->here.s), left = step;
+  while (left > near_enough && step > no_step) {
+    step = km_smaller(step, 0.5 * left);
+    bool taken = advance(d, copysign(step, s - d->here.s), km_drive_tightness, limit) == ACCEPTED;
+    step *= taken ? 2.0 : 0.5;
+    left = fabs(s - d->here.s);
+  }
+  km_state_restore(d->c.state, km_drive_driven(d), d->far);
+  d->here = behind;
+  return left <= near_enough && start(d);
+}
+
 /* Over a singular pose at `s`, as far behind it as it is away. */
 static bool leap(km_drive *d, double s, double target, int *limit) {
   double way = 2.0 * (s - d->here.s);
@@ -337,7 +354,7 @@ static bool leap_over(km_drive *d, double target, int *limit) {
     return false;
   km_state_save(d->c.state, km_drive_driven(d), d->near);
   for (int before = 0; before < (d->regular.h != 0.0 ? 2 : 1); ++before)
-    if (go_back(d, before) && leap(d, here.s, target, limit)) {
+    if (go_back(d, before) && leap(d, here.s, target, limit) && comes_back(d, here.s, limit)) {
       d->here.crossings++;
       return true;
     }

@@ -38,10 +38,11 @@ static void tell(kt_sweep_job *j, bool partial) {
   if (partial && j->stopped_by.size)
     kt_say(common, KM_ERROR, "%s: %s", j->name, j->stopped_by.data);
   if (motion->start_branches == 1)
-    kt_say(common, KM_NOTE,
-           "%s: of the motions that first order allows at the starting pose, one is real; where the sweep ends early, "
-           "hold a joint that stands in it (--hold)",
-           j->name);
+    kt_say(
+        common, KM_NOTE,
+        "%s: not all motions that first order allows at the starting pose are real; where the sweep ends early, hold a "
+        "joint that stands in those that are (--hold)",
+        j->name);
   else if (motion->start_branches > 0)
     kt_say(common, KM_NOTE,
            "%s: the starting pose is a branch point; of %d motions the one %s "

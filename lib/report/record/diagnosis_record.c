@@ -112,7 +112,7 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
                    "neither a motion nor a structure",
                    followed);
   if (branches == 1 && !finite->truncated)
-    km_text_add(out, ": of the motions that first order allows, one is real");
+    km_text_add(out, ": not all motions that first order allows are real");
   else if (branches)
     km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
   if (shaky)
