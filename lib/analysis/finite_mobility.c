@@ -118,7 +118,7 @@ static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *
       f->a[r] = r == i;
     km_tangents_direction(f, f->a, f->direction);
     double length = kind == KM_MOTION_SHAKY ? 0.0 : f->length[i] >= 0.0 ? f->length[i] : confirmed(f, f->direction);
-    list_motion(f, f->a, kind, length, out);
+    list_direction(f, f->direction, kind, length, out);
   }
 }
 

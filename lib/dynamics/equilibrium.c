@@ -187,14 +187,12 @@ typedef struct falling {
 /* δ grows while the accelerations don't (C. Kelley, D. Keyes, Convergence analysis of pseudo-transient continuation, 1998), but stays so
  * short that steps lead away from a pose that isn't stable. */
 static km_status choose_delta(const search *e, falling *f, km_error *error) {
-  double growth, fastest = 0.0;
+  double growth, time = e->d->mechanism->model->units.time->si;
   km_status status = fastest_growth(e, &growth, error);
   if (status)
     return status;
-  for (int k = 0; k < e->poise.freedom; ++k)
-    fastest = fmax(fastest, fabs(e->poise.acceleration[k]) * e->d->mechanism->scale[e->poise.independent[k]]);
   f->delta *= e->hardest < 1.1 * f->last ? 2.0 : f->last / e->hardest;
-  f->delta = f->delta > 0.0 ? f->delta : longest / fastest;
+  f->delta = f->delta > 0.0 ? f->delta : longest / (e->hardest * time * time);
   if (growth > 0.0)
     f->delta = fmin(f->delta, 0.5 / growth);
   return KM_OK;

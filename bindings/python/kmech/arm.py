@@ -88,10 +88,14 @@ class Arm:
         return q
 
 
+def _whole(value: Any, what: str, least: int, most: int, expected: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value <= most:
+        raise UsageError(f"{what}: found {value!r}; expected {expected}")
+    return int(value)
+
+
 def _seed(seed: Any) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, Integral) or not 0 <= seed < 2 ** 63:
-        raise UsageError(f"seed: found {seed!r}; expected a whole number of at least 0")
-    return int(seed)
+    return _whole(seed, "seed", 0, 2 ** 63 - 1, "a whole number of at least 0")
 
 
 class Summary(NamedTuple):
@@ -170,10 +174,9 @@ class Study:
 
     def track(self, method: int = 0, *, jobs: int = 1, seed: int = 1, progress: Progress = None) -> Track:
         """Follows the path by one of the study's methods."""
-        if isinstance(method, bool) or not isinstance(method, Integral) or not 0 <= method < lib.km_study_methods(self._c):
-            raise UsageError(f"method: found {method!r}; expected 0 to {lib.km_study_methods(self._c) - 1}")
-        if isinstance(jobs, bool) or not isinstance(jobs, Integral) or not 1 <= jobs <= 1024:
-            raise UsageError(f"jobs: found {jobs!r}; expected 1 to 1024")
+        last = lib.km_study_methods(self._c) - 1
+        method = _whole(method, "method", 0, last, f"0 to {last}")
+        jobs = _whole(jobs, "jobs", 1, 1024, "1 to 1024")
         watch, error, out = Watch(progress), new_error(), ffi.new("km_track **")
         plan = ffi.new("km_track_plan *", lib.km_study_plan(self._c, method))
         plan.jobs, plan.seed, plan.progress, plan.context = jobs, _seed(seed), watch.call, watch.context

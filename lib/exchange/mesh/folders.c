@@ -27,22 +27,15 @@ static bool is_folder_itself(const km_folders *folders, const char *destination)
 
 km_status km_find_destination(const km_folders *folders, const char *file, km_arena *arena, const char **destination,
                               km_error *error) {
-  km_text folder = {0};
+  km_folders other;
   *destination = NULL;
   if (!file || strcmp(file, "-") == 0)
     return KM_OK;
-  const char *slash = strrchr(file, '/');
-  if (slash)
-    km_text_bytes(&folder, file, (size_t)(slash - file) + 1);
-  else
-    km_text_add(&folder, ".");
-  char *there = folder.failed ? NULL : realpath(folder.data, NULL);
+  char *there = km_folders_begin(&other, file, arena) ? realpath(other.folder, NULL) : NULL;
   if (there && !is_folder_itself(folders, there))
     *destination = km_arena_string(arena, there);
-  bool failed = folder.failed || arena->failed;
   free(there);
-  km_text_free(&folder);
-  return failed ? km_fail(error, KM_MEMORY, "out of memory for the folder of a model") : KM_OK;
+  return arena->failed ? km_fail(error, KM_MEMORY, "out of memory for the folder of a model") : KM_OK;
 }
 
 /* How many bytes of two whole paths are the folders that both are in, with the last slash. */
