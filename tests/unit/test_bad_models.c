@@ -122,7 +122,7 @@ static void files_of_poses_are_refused(void **state) {
   } files[] = {{"", 0, "is empty; expected poses"},
                {"x,y,z\0,rx,ry,rz\n", 16, "holds a NUL byte; expected text"},
                {"x,y,z,rx,ry,rz,w\n1,2,3,0,0,0,1\n2,2,3,0,0,0,1\n", 45, "expected x,y,z and a quaternion"},
-               {"x,y,z,rx,ry,rz\n1,2,3,0,0,0\n", 27, "holds 1 poses; expected at least 2"}};
+               {"x,y,z,rx,ry,rz\n1,2,3,0,0,0\n", 27, "holds 1 pose; expected at least 2"}};
   for (size_t i = 0; i < COUNT(files); ++i) {
     char path[] = "/tmp/poses-XXXXXX";
     km_study_def def = km_study_def_default();

@@ -78,6 +78,15 @@ static kt_exit read_options(kmob_draw_options *o, int *poses) {
   return o->size ? read_size(o) : KT_DONE;
 }
 
+/* Options of a motion that the picture doesn't show. */
+static void note_unused(const kmob_draw_options *o) {
+  static const char *const of_motion[] = {"joint", "range", "arclength", "direction", "steps"};
+  bool moves = o->animate || o->poses || o->traces.count > 0;
+  for (size_t i = 0; i < sizeof of_motion / sizeof *of_motion && !moves; ++i)
+    if (kt_asked_given(&o->asked, of_motion[i]))
+      kt_say(&o->common, KM_NOTE, "--%s doesn't count without --poses, --trace or --animate", of_motion[i]);
+}
+
 static kt_exit write_picture(const kmob_shots *shots, const char *base, kt_format format) {
   const kmob_draw_options *o = shots->options;
   const km_drawing_look look = kmob_shots_look(shots);
@@ -150,8 +159,10 @@ kt_exit kmob_draw(int argc, char **argv) {
   o.path = o.models.items[0];
   kmob_shots shots = {.options = &o};
   kt_exit result = read_options(&o, &shots.asked);
-  if (result == KT_DONE)
+  if (result == KT_DONE) {
+    note_unused(&o);
     result = kmob_shots_take(&shots);
+  }
   if (result == KT_DONE && o.animate) {
     result = kmob_animate(&shots);
   } else if (result == KT_DONE || (result == KT_PARTIAL && km_drawing_poses(shots.drawing))) {

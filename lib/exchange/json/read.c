@@ -100,6 +100,22 @@ static void read_units(km_reader *reader, const km_value *parameters, const km_p
   }
 }
 
+static double read_setting(km_reader *reader, const km_value *simulation, const char *key, const km_place *place) {
+  km_place at = {place, key, 0};
+  double value = km_reader_number(simulation, key, 0.0);
+  if (km_value_get(simulation, key) && !(value > 0.0))
+    km_reader_warning(reader, &at, "found %s; expected a positive number: it doesn't count", KM_SHOWN(value));
+  return value;
+}
+
+static void read_simulation(km_reader *reader, const km_value *parameters, const km_place *place) {
+  const km_value *simulation = km_value_get(parameters, "simulation");
+  km_place at = {place, "simulation", 0};
+  reader->model->simulation = (km_simulation_settings){
+      read_setting(reader, simulation, "time_span", &at), read_setting(reader, simulation, "time_step", &at),
+      read_setting(reader, simulation, "relative_error", &at), read_setting(reader, simulation, "absolute_error", &at)};
+}
+
 static void read_parameters(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *parameters = km_value_get(root, "model_parameters");
@@ -114,10 +130,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   read_units(reader, parameters, &place);
   km_read_folders(km_value_get(parameters, "include_dir"), &reader->model->arena, &reader->model->folders);
   model->gravity = km_reader_vector(parameters, "gravity");
-  const km_value *simulation = km_value_get(parameters, "simulation");
-  model->simulation = (km_simulation_settings){
-      km_reader_number(simulation, "time_span", 0.0), km_reader_number(simulation, "time_step", 0.0),
-      km_reader_number(simulation, "relative_error", 0.0), km_reader_number(simulation, "absolute_error", 0.0)};
+  read_simulation(reader, parameters, &place);
   model->characteristic_length = km_reader_number(parameters, "characteristic_length", 0.0);
   if (km_value_get(parameters, "characteristic_length"))
     km_reader_positive(reader, &place, "characteristic_length", model->characteristic_length);

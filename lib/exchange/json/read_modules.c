@@ -129,6 +129,19 @@ static void check_law(km_reader *reader, const km_value *module, const char *typ
   }
 }
 
+/* Of several laws of one module only one counts: a motor's table before pieces, these before a polynomial. */
+static void warn_unused_laws(km_reader *reader, const km_value *module, bool is_motor, const km_place *place) {
+  km_place table = {place, "table", 0}, pieces = {place, "coefficients", 0}, polynomial = {place, "polynomial", 0};
+  bool table_given = km_value_get(module, "table"), has_table = table_given && is_motor,
+       has_pieces = km_value_get(module, "coefficients");
+  if (table_given && !is_motor)
+    km_reader_warning(reader, &table, "doesn't count: only motors have a table");
+  if (has_table && has_pieces)
+    km_reader_warning(reader, &pieces, "doesn't count: the motor has a table");
+  if (km_value_get(module, "polynomial") && (has_table || has_pieces))
+    km_reader_warning(reader, &polynomial, "doesn't count: the module has %s", has_table ? "a table" : "coefficients");
+}
+
 static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
   static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", NULL};
   if (!km_reader_active(module))
@@ -169,6 +182,7 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
     km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
   check_law(reader, module, type, place);
   check_pieces(reader, module, place);
+  warn_unused_laws(reader, module, def.type == KM_MODULE_MOTOR, place);
 }
 
 static void modules_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {

@@ -206,7 +206,8 @@ static void read_lines(sheet *s, char *text) {
     fine = read_line(s, line, text);
   }
   if (s->count < 2 && km_messages_errors(s->s->reader.messages) == errors)
-    km_reader_error(&s->s->reader, s->place, "%s holds %d poses; expected at least 2", s->file, s->count);
+    km_reader_error(&s->s->reader, s->place, "%s holds %d pose%s; expected at least 2", s->file, s->count,
+                    s->count == 1 ? "" : "s");
 }
 
 /* One spline whose samples are the poses. */
