@@ -12,24 +12,27 @@
 /* Central differences: the cube root of the rounding, over the bounds. */
 static const double difference = 6e-6;
 
-int km_optimise_limits(const km_design_study *s) {
-  int count = 0;
+int km_attempt_limits(const km_attempt *a) {
+  const km_design_study *s = a->o->study;
+  int count = a->between;
   for (int f = 0; f < s->figure_count; ++f)
     count += isfinite(s->figures[f]->low) + isfinite(s->figures[f]->high);
   return count;
 }
 
-/* What is to be least. Of two goals Tchebycheff's scalarisation (Bowman 1976): it reaches every point of a front, also of
- * one that isn't convex. NaN: the design has no answer. */
+/* A goal, from 0 at the end of the front where it is best to 1 at the other one. */
+static double on_front(const km_attempt *a, int goal, const km_design_result *r) {
+  return (km_design_goal_value(a->o->study, goal, r) - a->ideal[goal]) / a->range[goal];
+}
+
+/* What is to be least. NaN: the design has no answer. Between the ends of a front the second goal is, and the first one may be above it by
+ * a limit that rises from point to point (Pascoletti and Serafini 1984): all is smooth, and every point of a front is reached, also of one
+ * that isn't convex. A little of the first goal decides where the second is the same. */
 static double objective(const km_attempt *a, const km_design_result *r) {
   const km_design_study *s = a->o->study;
   if (!km_design_has_answer(s, r))
     return nan("");
-  if (a->weight < 0.0)
-    return km_design_goal_value(s, a->goal, r);
-  double f = (km_design_goal_value(s, 0, r) - a->ideal[0]) / a->range[0],
-         g = (km_design_goal_value(s, 1, r) - a->ideal[1]) / a->range[1];
-  return fmax(a->weight * f, (1.0 - a->weight) * g) + 1e-3 * (f + g);
+  return a->between ? on_front(a, 1, r) + 1e-3 * on_front(a, 0, r) : km_design_goal_value(s, a->goal, r);
 }
 
 bool km_attempt_knows(const km_attempt *a) {
@@ -142,6 +145,8 @@ static double value_of(km_attempt *a, int i, double *slacks) {
     if (isfinite(limits->high))
       slacks[k++] = isfinite(x) ? (x - limits->high) / size : 1.0;
   }
+  if (a->between)
+    slacks[k++] = isfinite(value) ? on_front(a, 0, &r) - on_front(a, 1, &r) - a->apart : 1.0;
   if (isfinite(value))
     a->worst = fmax(a->worst, value);
   else
@@ -159,7 +164,7 @@ double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *
   if (!gradient && is_last(a, n, x))
     return a->last_value;
   enum { MOST = 2 * KM_MOST_DESIGN_PARAMETERS + 1 };
-  double points[MOST * KM_MOST_DESIGN_PARAMETERS], slacks[2 * KM_MOST_DESIGN_FIGURES];
+  double points[MOST * KM_MOST_DESIGN_PARAMETERS], slacks[KM_MOST_ATTEMPT_LIMITS];
   int count = gradient ? 2 * (int)n + 1 : 1;
   for (int i = 0; i < count; ++i)
     memcpy(points + i * (int)n, x, n * sizeof *x);
@@ -183,7 +188,7 @@ double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *
 /* NLopt asks for the constraints where it has just asked for the objective, or has not yet. */
 void km_attempt_constrain(unsigned m, double *result, unsigned n, const double *x, double *gradient, void *context) {
   km_attempt *a = context;
-  double low[2 * KM_MOST_DESIGN_FIGURES], high[2 * KM_MOST_DESIGN_FIGURES], points[3 * KM_MOST_DESIGN_PARAMETERS];
+  double low[KM_MOST_ATTEMPT_LIMITS], high[KM_MOST_ATTEMPT_LIMITS], points[3 * KM_MOST_DESIGN_PARAMETERS];
   if (!is_last(a, n, x))
     km_attempt_evaluate(n, x, NULL, a);
   memcpy(result, a->slack, m * sizeof *result);

@@ -21,29 +21,32 @@ typedef struct km_optimisation {
   int total;
 } km_optimisation;
 
+enum { KM_MOST_ATTEMPT_LIMITS = 2 * KM_MOST_DESIGN_FIGURES + 1 };
+
 /* One start. */
 typedef struct km_attempt {
   km_optimisation *o;
   int number;
-  double weight; /* of the first of two goals; < 0: the goal `goal` alone */
-  int goal;
+  int goal;     /* that is to be least */
+  bool between; /* for a point between the ends of a front: the second goal, with a limit that ties it to the first */
   double ideal[2], range[2]; /* of the front's ends */
+  double apart; /* so much the first goal may be above the second, both counted from 0 to 1 from end to end */
   km_batch batch;
   nlopt_opt optimiser;
   double *values; /* [count × parameters] what was asked for */
   size_t room;
   int count;
-  double worst;                             /* objective so far; a design that fails is worse than that */
-  double slack[2 * KM_MOST_DESIGN_FIGURES]; /* of the point that was asked last */
-  double last[KM_MOST_DESIGN_PARAMETERS];   /* that point, scaled */
+  double worst;                           /* objective so far; a design that fails is worse than that */
+  double slack[KM_MOST_ATTEMPT_LIMITS];   /* of the point that was asked last */
+  double last[KM_MOST_DESIGN_PARAMETERS]; /* that point, scaled */
   double last_value;
   bool has_last;
   km_status status;
   km_error error;
 } km_attempt;
 
-/* How many limits the figures have, which are constraints. */
-int km_optimise_limits(const km_design_study *study);
+/* How many limits the figures have, which are constraints, and the attempt itself. */
+int km_attempt_limits(const km_attempt *attempt);
 /* Has some point had an answer? */
 bool km_attempt_knows(const km_attempt *attempt);
 /* NLopt's functions, with an attempt as their context: the objective and the limits of the point x, scaled to 0 … 1 by the

@@ -12,8 +12,8 @@
 #include <string.h>
 
 static bool configure(km_attempt *a, nlopt_opt o) {
-  unsigned limits = (unsigned)km_optimise_limits(a->o->study);
-  double tolerances[2 * KM_MOST_DESIGN_FIGURES];
+  unsigned limits = (unsigned)km_attempt_limits(a);
+  double tolerances[KM_MOST_ATTEMPT_LIMITS];
   for (unsigned k = 0; k < limits; ++k)
     tolerances[k] = 1e-9;
   return nlopt_set_min_objective(o, km_attempt_evaluate, a) > 0 && nlopt_set_lower_bounds1(o, 0.0) > 0 &&
@@ -52,7 +52,7 @@ static nlopt_opt make_algorithm(const km_attempt *a, nlopt_opt o) {
 static nlopt_opt make_optimiser(km_attempt *a) {
   const km_algorithm *algorithm = a->o->algorithm;
   unsigned n = (unsigned)a->o->def->variable_count;
-  bool wrapped = !algorithm->constraints && km_optimise_limits(a->o->study) > 0;
+  bool wrapped = !algorithm->constraints && km_attempt_limits(a) > 0;
   nlopt_opt o = wrapped ? nlopt_create(NLOPT_AUGLAG, n) : make_algorithm(a, nlopt_create(algorithm->id, n));
   if (o && configure(a, o) && (!wrapped || put_inside(o, make_algorithm(a, make_inner(a, algorithm->id)))))
     return o;
@@ -180,7 +180,6 @@ static km_status run_front(km_optimisation *o, int jobs, km_error *error) {
   for (int g = 0; g < 2; ++g) {
     ends[g].number = g;
     ends[g].goal = g;
-    ends[g].weight = -1.0;
   }
   km_status status = run_attempts(o, ends, 2, jobs, error);
   status = finish(o->study, ends, 2, status, error);
@@ -193,7 +192,8 @@ static km_status run_front(km_optimisation *o, int jobs, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for an optimisation");
   for (int i = 0; i < count; ++i) {
     between[i].number = i + 2;
-    between[i].weight = (i + 1.0) / (count + 1.0);
+    between[i].between = true;
+    between[i].apart = 2.0 * (i + 1.0) / (count + 1.0) - 1.0;
     between[i].ideal[0] = first[0];
     between[i].ideal[1] = second[1];
     between[i].range[0] = fmax(second[0] - first[0], 1e-300);
@@ -210,7 +210,6 @@ static km_status run_starts(km_optimisation *o, int jobs, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for an optimisation");
   for (int i = 0; i < count; ++i) {
     attempts[i].number = i;
-    attempts[i].weight = -1.0;
   }
   km_status status = run_attempts(o, attempts, count, jobs, error);
   return finish(o->study, attempts, count, status, error);

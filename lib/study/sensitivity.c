@@ -1,5 +1,6 @@
 /* Which parameter matters: rank correlations, Sobol's indices, and quantiles along a motion. */
 #include "base/check.h"
+#include "base/student.h"
 #include "study/ask.h"
 #include "study/sampler.h"
 
@@ -8,7 +9,6 @@
 #include <string.h>
 
 enum { MOST_BANDED = 10000 };
-static const double z = 1.959963984540054;
 
 typedef struct ranked {
   double value;
@@ -207,7 +207,8 @@ static void set_index(const sums *s, const index_sums *all, double *index, doubl
   double i = s->term / all->rows / variance;
   double squares = fmax(0.0, s->terms - 2.0 * i * s->both + i * i * all->variances);
   *index = tells ? i : nan("");
-  *half_width = tells ? z * sqrt(squares / all->rows / (all->rows - 1.0)) / variance : nan("");
+  double error = sqrt(squares / all->rows / (all->rows - 1.0)) / variance;
+  *half_width = tells ? km_student(all->rows - 1.0) * error : nan("");
 }
 
 km_status km_design_study_indices(km_design_study *s, int figure, double *first, double *first_half_width,

@@ -1,5 +1,6 @@
 /* What the results of a study come to: one pass over the store, kept until the next run. */
 #include "base/check.h"
+#include "base/student.h"
 #include "study/ask.h"
 #include "study/goals.h"
 #include "study/rows.h"
@@ -110,7 +111,8 @@ static void finish_figure(km_collected *c, int f, double *sorted) {
   km_quantiles_of(sorted, count, st->quantiles);
   st->deviation = st->count > 1 ? sqrt(c->squares[f] / (st->count - 1)) : nan("");
   double effect = km_rows_effect(&c->rows[f], c->squares[f]);
-  st->mean_half_width = st->count > 1 ? z * st->deviation * sqrt(effect) / sqrt(st->count) : nan("");
+  double independent = st->count / effect;
+  st->mean_half_width = st->count > 1 ? km_student(independent - 1.0) * st->deviation / sqrt(independent) : nan("");
   if (st->count == 0)
     st->mean = st->least = st->greatest = nan("");
 }

@@ -236,6 +236,18 @@ static void key_of(const double *values, int count, double *out) {
     out[i] = isnan(values[i]) ? nan("") : values[i] == 0.0 ? 0.0 : values[i];
 }
 
+/* False where a damaged store has something else there: that is asked again. */
+static bool read_answer(sqlite3_stmt *row, const km_store_shape *shape, km_design_answer *out) {
+  const unsigned char *reason = sqlite3_column_text(row, 1);
+  int outcome = sqlite3_column_int(row, 0);
+  if (outcome < 0 || outcome >= KM_DESIGN_MISSING || !copy_numbers(row, 2, out->figures, shape->figures))
+    return false;
+  out->outcome = (km_design_outcome)outcome;
+  snprintf(out->reason, sizeof out->reason, "%s", reason ? (const char *)reason : "");
+  bool has_bands = out->bands && shape->band_numbers && out->outcome <= KM_DESIGN_SHORT;
+  return !has_bands || copy_numbers(row, 3, out->bands, shape->band_numbers);
+}
+
 km_status km_store_get(km_store *s, const km_store_shape *shape, const double *values, km_design_answer *out,
                        bool *found, km_error *error) {
   double key[KM_MOST_DESIGN_PARAMETERS];
@@ -247,17 +259,9 @@ km_status km_store_get(km_store *s, const km_store_shape *shape, const double *v
   sqlite3_bind_int(s->get, 1, shape->question);
   bind_numbers(s->get, 2, key, shape->parameters);
   int code = sqlite3_step(s->get);
-  *found = code == SQLITE_ROW;
-  if (*found) {
-    const unsigned char *reason = sqlite3_column_text(s->get, 1);
-    int outcome = sqlite3_column_int(s->get, 0);
-    bool known = outcome >= 0 && outcome < KM_DESIGN_MISSING; /* what else a damaged store has is asked again */
-    out->outcome = known ? (km_design_outcome)outcome : KM_DESIGN_MISSING;
-    snprintf(out->reason, sizeof out->reason, "%s", reason ? (const char *)reason : "");
-    *found = known && copy_numbers(s->get, 2, out->figures, shape->figures);
-    if (*found && out->bands && shape->band_numbers && out->outcome <= KM_DESIGN_SHORT)
-      *found = copy_numbers(s->get, 3, out->bands, shape->band_numbers);
-  }
+  *found = code == SQLITE_ROW && read_answer(s->get, shape, out);
+  if (!*found)
+    out->outcome = KM_DESIGN_MISSING;
   sqlite3_reset(s->get);
   return code == SQLITE_ROW || code == SQLITE_DONE ? KM_OK : fail(s, error);
 }

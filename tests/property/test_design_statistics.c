@@ -92,6 +92,34 @@ static void intervals_of_rows(void **state) {
     assert_true(held[i] >= SEEDS * 0.95 - 4.0 * sqrt(SEEDS * 0.95 * 0.05));
 }
 
+static km_status itself(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = x[0];
+  return KM_OK;
+}
+
+/* Of three normal numbers too the interval holds the mean in 95 % of all samples; that of a known deviation would in 81 %. */
+static void intervals_of_few(void **state) {
+  (void)state;
+  enum { SEEDS = 600 };
+  int held = 0;
+  for (int seed = 1; seed <= SEEDS; ++seed) {
+    designs d;
+    km_design_statistics st;
+    designs_of_function(&d, itself, 1, 1);
+    spread_evenly(&d, 3, 0.0, 0.0);
+    d.spreads[0] = (km_design_spread){0, KM_NORMAL, .mean = 2.0, .deviation = 0.5};
+    d.sample.method = KM_SAMPLING_RANDOM;
+    d.sample.seed = (unsigned long)seed;
+    km_design_study *s = designs_run(&d, NULL, 1);
+    assert_int_equal(km_design_study_statistics(s, 0, &st, NULL), KM_OK);
+    held += fabs(st.mean - 2.0) <= st.mean_half_width;
+    km_design_study_free(s);
+  }
+  double spread = 4.0 * sqrt(SEEDS * 0.95 * 0.05);
+  assert_near(held, SEEDS * 0.95, spread);
+}
+
 /* No design of 2 in each of 10 independent rows is good, or all are. */
 static void no_good_row(void **state) {
   (void)state;
@@ -337,6 +365,56 @@ static void front_of_schaffer(void **state) {
   km_design_study_free(s);
 }
 
+/* The square of a point's distance from the origin, least, and the sum of its coordinates, greatest. */
+static km_status disc(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = x[0] * x[0] + x[1] * x[1];
+  f[1] = x[0] + x[1];
+  return KM_OK;
+}
+
+/* In −2 … 2 by −1 … 3 the front is the diagonal, and from (2, 2) the edge up to (2, 3). t is 0 … 1 along it. */
+static void on_disc(double t, double out[2]) {
+  const double x = fmin(3.0 * t, 2.0), y = 3.0 * t;
+  disc(NULL, (const double[]){x, y}, out, NULL);
+}
+
+/* Where both goals count from 0 to 1 from end to end, the points that are looked for differ by 2 / 10 in what the first is above the
+ * second. One whose limit is kept to 1e-3 is as near to the front. */
+static void points_of_front(void **state) {
+  (void)state;
+  enum { POINTS = 9 };
+  static const char *const algorithms[] = {"cobyla", "subplex", "nelder-mead", "bobyqa"};
+  for (size_t a = 0; a < sizeof algorithms / sizeof *algorithms; ++a) {
+    designs d;
+    int front[4400];
+    optimise_bowl(&d, algorithms[a]);
+    d.def.function = disc;
+    d.variables[0] = (km_design_variable){0, -2.0, 2.0, nan("")};
+    d.variables[1] = (km_design_variable){1, -1.0, 3.0, nan("")};
+    d.optimise.goals[1] = (km_design_goal){"f1", true};
+    d.optimise.goal_count = 2;
+    d.optimise.starts = POINTS;
+    d.optimise.evaluations = 400;
+    km_design_study *s = designs_run(&d, NULL, 2);
+    int count = km_design_study_front(s, front, 4400);
+    for (int i = 1; i <= POINTS; ++i) {
+      double low = 0.0, high = 1.0, f[2], nearest = HUGE_VAL;
+      for (int step = 0; step < 50; ++step) {
+        double t = 0.5 * (low + high);
+        on_disc(t, f);
+        *(f[0] / 13.0 - (1.0 - f[1] / 5.0) < 2.0 * i / (POINTS + 1) - 1.0 ? &low : &high) = t;
+      }
+      for (int k = 0; k < count; ++k) {
+        km_design_result r = designs_result(s, front[k]);
+        nearest = fmin(nearest, fmax(fabs(r.figures[0] - f[0]) / 13.0, fabs(r.figures[1] - f[1]) / 5.0));
+      }
+      assert_true(nearest < 1e-3);
+    }
+    km_design_study_free(s);
+  }
+}
+
 static void bad_definitions(void **state) {
   (void)state;
   designs d;
@@ -382,6 +460,7 @@ int main(void) {
           "Sobol's indices of Ishigami's function, first order and total (Ishigami and Homma, 1990)",
           "an error of 0.01 from 4096 low-discrepancy samples, well below a random sample's confidence interval"),
       cmocka_unit_test(intervals_of_rows),
+      cmocka_unit_test(intervals_of_few),
       cmocka_unit_test(no_good_row),
       cmocka_unit_test(ranks),
       cmocka_unit_test(ranks_of_all_designs),
@@ -392,6 +471,7 @@ int main(void) {
       cmocka_unit_test(limits_are_constraints),
       cmocka_unit_test(starts_on_threads),
       cmocka_unit_test(front_of_schaffer),
+      cmocka_unit_test(points_of_front),
       cmocka_unit_test(bad_definitions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

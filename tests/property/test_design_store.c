@@ -251,22 +251,31 @@ static void a_table_of_poses_belongs_to_the_answer(void **state) {
   unlink(path);
 }
 
-/* What a damaged store says of a design's outcome counts only where there is such a one. */
-static void unknown_outcomes_are_asked_again(void **state) {
+/* What a damaged store has in place of an answer is none: no number of it is told, and it is asked again. */
+static void damaged_answers_are_asked_again(void **state) {
   (void)state;
-  static const int damage[] = {-5, 99, 1000000, (int)KM_DESIGN_MISSING};
+  static const char *const damage[] = {"outcome = -5", "outcome = 99", "outcome = 1000000", "outcome = 6",
+                                       "figures = x'00'", "figures = zeroblob(8000)"};
   for (size_t i = 0; i < sizeof damage / sizeof *damage; ++i) {
     char path[64], sql[80];
     designs d;
     sqlite3 *db;
+    km_design_study *s;
     store_path(path);
     designs_of_cranks(&d, 8);
     km_design_study_free(designs_run(&d, path, 1));
-    snprintf(sql, sizeof sql, "UPDATE results SET outcome = %d", damage[i]);
+    snprintf(sql, sizeof sql, "UPDATE results SET %s", damage[i]);
     assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
     assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
     sqlite3_close(db);
-    km_design_study *s = designs_run(&d, path, 1);
+    assert_int_equal(km_design_study_open(&d.def, path, false, &s, NULL), KM_OK);
+    for (int design = 0; design < 8; ++design) {
+      km_design_result r = designs_result(s, design);
+      assert_int_equal(r.outcome, KM_DESIGN_MISSING);
+      assert_true(isnan(r.figures[0]));
+    }
+    km_design_study_free(s);
+    s = designs_run(&d, path, 1);
     assert_int_equal(km_design_study_computed(s), 8);
     km_design_study_free(s);
     unlink(path);
@@ -365,7 +374,7 @@ int main(void) {
       cmocka_unit_test(earlier_versions_had_fewer_tables),
       cmocka_unit_test(a_mesh_belongs_to_the_answer),
       cmocka_unit_test(a_table_of_poses_belongs_to_the_answer),
-      cmocka_unit_test(unknown_outcomes_are_asked_again),
+      cmocka_unit_test(damaged_answers_are_asked_again),
       cmocka_unit_test(many_designs_are_sorted),
       cmocka_unit_test(killed_runs_are_sorted_when_they_go_on),
   };

@@ -77,6 +77,19 @@ static kt_exit deliver(const kstudy_request *r, kstudy_open *o, const kt_formats
   return kt_worse(result, kstudy_write_models(r, o));
 }
 
+/* Has a design an answer, and a value of every figure that can have one? */
+static bool has_full_answer(const kstudy_open *o, int design) {
+  km_design_result r;
+  return !km_design_study_result(o->study, design, &r, NULL) && r.outcome == KM_DESIGN_DONE && !r.reason[0];
+}
+
+static kt_exit judge_variants(const kstudy_open *o) {
+  bool full = true;
+  for (int i = 0; i < km_design_study_designs(o->study); ++i)
+    full = full && has_full_answer(o, i);
+  return full ? KT_DONE : KT_PARTIAL;
+}
+
 /* 1: some variant has no full answer, none of a sample has any, or none is good enough. */
 static kt_exit judge(kstudy_open *o) {
   km_design_yield y;
@@ -84,8 +97,9 @@ static kt_exit judge(kstudy_open *o) {
     return KT_DONE;
   if (o->def.optimise)
     return km_design_study_best(o->study) < 0 ? KT_PARTIAL : KT_DONE;
-  int answered = y.outcomes[KM_DESIGN_DONE] + (o->def.sample ? y.outcomes[KM_DESIGN_SHORT] : 0);
-  return answered == y.count || (o->def.sample && answered > 0) ? KT_DONE : KT_PARTIAL;
+  if (!o->def.sample)
+    return judge_variants(o);
+  return y.outcomes[KM_DESIGN_DONE] + y.outcomes[KM_DESIGN_SHORT] > 0 ? KT_DONE : KT_PARTIAL;
 }
 
 /* What the reader remarks on the model as its file has it; where that is none, the designs tell. */

@@ -305,7 +305,7 @@ KM_API double km_design_quantile(int k);
  * don't. Intervals are those of 95 % confidence of random designs; of a low-discrepancy sample the errors are smaller. */
 typedef struct km_design_statistics {
   int count;                             /* designs with a value */
-  double mean, mean_half_width;          /* 1.96 s/√n; n counts less where designs share parameters (`indices`) */
+  double mean, mean_half_width;          /* t s/√n by Student's t; n counts less where designs share parameters (`indices`) */
   double deviation;                      /* s, with n − 1 */
   double least, greatest;                /* extreme values */
   int least_design, greatest_design;     /* -1: none */

@@ -2,6 +2,7 @@
 #include "report/plot/designs_plot.h"
 
 #include "base/memory.h"
+#include "base/student.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -206,7 +207,7 @@ static size_t running_mean(const double *values, int count, double *x, double *m
         i >= 9 && (i + 1 == count || (long long)(i + 1) * MOST_POINTS / count != (long long)i * MOST_POINTS / count);
     if (!shown)
       continue;
-    double half = 1.96 * sqrt(squares / i / (i + 1));
+    double half = km_student(i) * sqrt(squares / i / (i + 1));
     x[used] = i + 1;
     mean[used] = m;
     low[used] = m - half;
