@@ -105,16 +105,15 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
         "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
         "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
         mobility->mobility);
-  if (shaky)
-    add(f, KM_FINDING_FAULT, "shaky", "change a length or an angle so that the parts don't line up",
-        "the structure shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
-        finite->mobility);
-  if (branches == 1 && !finite->truncated)
+  bool one = branches == 1 && !finite->truncated;
+  if (shaky || one)
     add(f, KM_FINDING_FAULT, "shaky",
-        "change a length or an angle so that the parts don't line up, or hold the joint that shakes (--hold)",
-        "the mechanism shakes: first order allows mobility %d, but only %d is real", mobility->mobility,
-        finite->mobility);
-  else if (branches)
+        finite->mobility
+            ? "change a length or an angle so that the parts don't line up, or hold the joint that shakes (--hold)"
+            : "change a length or an angle so that the parts don't line up",
+        "the %s shakes: first order allows mobility %d, but only %d is real",
+        finite->mobility ? "mechanism" : "structure", mobility->mobility, finite->mobility);
+  if (branches && !one)
     add(f, KM_FINDING_WARNING, "branch",
         "start from another pose, or follow one motion through it with kmob sweep --arclength",
         "the pose is a branch point: %s%d motions meet, mobility %d there", finite->truncated ? "at least " : "",

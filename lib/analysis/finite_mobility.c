@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
+#include "kinematics/steady.h"
 
 #include <string.h>
 
@@ -50,6 +51,15 @@ static int common_span(km_tangents *f, double *basis) {
   return found;
 }
 
+/* Do conditions of second order show that not all tangents are real? One that nearly is could be taken for all. False too where asking
+ * takes longer than following a few. */
+static bool rank_changes(km_tangents *f) {
+  static const double most_work = 1e7;
+  double work = (double)f->sub->rows * f->sub->rows * f->sub->columns;
+  return work < most_work && km_tangents_need_conditions(f) && f->conditions.conditions > 0 &&
+         f->conditions.size > f->conditions.noise;
+}
+
 /* The dimension of the motion through the state's present pose, assumed to be one where just one family passes. */
 static int dimension_here(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
                           bool *doubtful) {
@@ -57,10 +67,15 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, const k
   if (!km_tangents_make(&f, m, s, index, arena) || !km_tangents_make_basis(&f))
     return 0;
   int k = f.conditions.freedom, dimension = k, apart = 0;
-  if (k > 1 && !km_tangents_are_regular(&f) && !km_tangents_all_real(&f)) {
+  if (k > 1 && (rank_changes(&f) || !km_tangents_are_regular(&f)) && !km_tangents_all_real(&f)) {
     apart = km_idle_tangents_leave(&f, idle, NULL);
     k = dimension = f.conditions.freedom;
-    if (k > 1 && (apart == 0 || !km_tangents_all_real(&f))) {
+    bool real = k <= 1 || (apart > 0 && km_tangents_all_real(&f));
+    if (!real && km_tangents_keep_steady(&f, NULL) > 0) {
+      k = dimension = f.conditions.freedom;
+      real = km_tangents_all_real(&f);
+    }
+    if (!real) {
       double *basis = KM_ARENA_NEW(arena, double, (size_t)((k + 1) * k));
       dimension = basis ? common_span(&f, basis) : 0;
     }
@@ -122,18 +137,27 @@ static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *
   }
 }
 
-/* Collects the different real motions; their largest dimension is the finite mobility. */
-static int find_branches(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+static int smaller(int a, int b) {
+  return a < b ? a : b;
+}
+
+/* Collects the different real motions; their largest dimension, `most` at most, is the finite mobility. */
+static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most, km_arena *arena,
+                         km_finite_mobility *out) {
   int k = f->conditions.freedom, best = 0, found = 0;
   double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MOST_MOTIONS * k));
   double length;
   while (lines && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found, &length)) {
     memcpy(lines + (size_t)found++ * (size_t)k, f->a, (size_t)k * sizeof *lines);
-    if (km_second_order_dimension(&f->conditions, f->a) > best) {
+    int most_here = smaller(km_second_order_dimension(&f->conditions, f->a), most);
+    if (most_here > best) {
       km_arena scratch = {0};
+      bool doubtful = false;
       km_state_restore(f->s, f->sub, f->ahead);
-      int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &f->doubtful) - f->conditions.idle;
+      int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.idle;
       km_arena_free(&scratch);
+      dimension = smaller(dimension, most_here);
+      f->doubtful_dimension = doubtful && most_here > f->doubtful_dimension ? most_here : f->doubtful_dimension;
       best = dimension > best ? dimension : best;
     }
     list_motion(f, f->a, KM_MOTION_BRANCH, length, out);
@@ -200,19 +224,32 @@ static int list_idle(km_tangents *f, const km_idle_freedoms *idle, km_arena *are
   return count;
 }
 
+/* Where all motions go along tangents that keep the rank, the others shake. Returns how many these are. */
+static int list_unsteady(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
+  double *directions = KM_ARENA_NEW(arena, double, (size_t)f->conditions.freedom *(size_t)f->sub->columns);
+  int count = directions && f->conditions.freedom > 1 ? km_tangents_keep_steady(f, directions) : 0;
+  for (int i = 0; i < count; ++i)
+    list_direction(f, directions + (size_t)i * (size_t)f->sub->columns, KM_MOTION_SHAKY, 0.0, out);
+  return count;
+}
+
 static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   if (f->conditions.freedom == 0 || !km_tangents_make_basis(f))
     return 0;
   bool regular = !f->conditions.redundant || km_tangents_all_real(f);
-  int apart = regular ? 0 : list_idle(f, idle, arena, out), k = f->conditions.freedom;
-  regular = regular || k == 0 || (apart > 0 && km_tangents_all_real(f));
+  int apart = regular ? 0 : list_idle(f, idle, arena, out);
+  regular = regular || f->conditions.freedom == 0 || (apart > 0 && km_tangents_all_real(f));
+  if (!regular && list_unsteady(f, arena, out) > 0)
+    regular = km_tangents_all_real(f);
+  int k = f->conditions.freedom;
   if (regular) {
     list_basis(f, KM_MOTION_REGULAR, out);
     return apart + k;
   }
-  f->doubtful = f->doubtful && k == 1; /* of several directions tried, most need not be real */
-  int mobility = find_branches(f, idle, arena, out);
-  bool undecided = f->doubtful && mobility < k;
+  bool alone = f->doubtful && k == 1; /* of several directions tried, most need not be real */
+  /* Where some tangents are refuted, not all are real near by either: the misfit is analytic on the manifold of the primary equations. */
+  int most = !f->doubtful && k > 1 ? k - 1 : k, mobility = find_branches(f, idle, most, arena, out);
+  bool undecided = (alone && mobility < k) || mobility < smaller(f->doubtful_dimension, most);
   if (mobility == 0)
     list_basis(f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
   out->undecided = out->undecided || undecided;

@@ -3,10 +3,13 @@
 #include "kmech/idle.h"
 
 #include "analysis/each_substructure.h"
+#include "analysis/idle_tangents.h"
 #include "analysis/mobility.h"
 #include "analysis/nearby.h"
 #include "analysis/whole_jacobian.h"
 #include "base/check.h"
+#include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kinematics/poses.h"
 
 #include <string.h>
@@ -247,18 +250,44 @@ static bool find_in(const groups *g, km_idle_freedoms *out, size_t *capacity) {
   return true;
 }
 
-/* Keeps of the groups found from `first` on what they also have a short way along the motion. */
+/* How many of a group's freedoms a motion follows, where the pose has none that would show it. */
+static int count_real(const groups *g, const km_idle_freedom *group) {
+  km_arena arena = {0};
+  km_tangents f;
+  km_idle_freedom item = *group;
+  const km_idle_freedoms alone = {1, group->freedoms, &item};
+  int count = group->freedoms;
+  if (km_tangents_make(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
+    count = km_tangents_make_basis(&f) ? km_idle_tangents_leave(&f, &alone, NULL) : -1;
+    km_loops_return(g->m, g->s, g->index, f.pose);
+  }
+  count = arena.failed ? -1 : count;
+  km_arena_free(&arena);
+  return count;
+}
+
+/* Closing the loops may have led back to where the move began. way[columns] is the move. */
+static bool has_moved(const groups *g, const double *saved, double *way) {
+  const km_substructure *sub = &g->m->substructures[g->index];
+  double tried = km_step_length(g->m, sub, way);
+  km_state_difference(g->s, sub, saved, way);
+  return km_step_length(g->m, sub, way) > 0.5 * tried;
+}
+
+/* Keeps of the groups found from `first` on what they also have a short way along the motion, or what is real where there is none. */
 static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_freedoms *out) {
   size_t columns = (size_t)g->m->substructures[g->index].columns;
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns),
          *move = KM_ARENA_NEW(arena, double, columns);
   if (arena->failed)
     return false;
-  bool moved = km_nearby_go(g->m, g->s, g->index, saved, move), whole = true;
+  bool moved = km_nearby_go(g->m, g->s, g->index, saved, move) && has_moved(g, saved, move), whole = true;
+  if (!moved)
+    km_nearby_return(g->m, g->s, g->index, saved);
   int kept = first;
   for (int i = first; i < out->count; ++i) {
     km_idle_freedom item = out->items[i];
-    int there = moved ? freedoms(g, find(g, item.bodies[0]), item.body_count) : item.freedoms;
+    int there = moved ? freedoms(g, find(g, item.bodies[0]), item.body_count) : count_real(g, &item);
     whole = whole && there >= 0;
     item.freedoms = there < item.freedoms ? there : item.freedoms;
     out->mobility += item.freedoms > 0 ? item.freedoms : 0;
@@ -266,7 +295,8 @@ static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_fr
       out->items[kept++] = item;
   }
   out->count = kept;
-  km_nearby_return(g->m, g->s, g->index, saved);
+  if (moved)
+    km_nearby_return(g->m, g->s, g->index, saved);
   return whole;
 }
 

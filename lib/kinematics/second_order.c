@@ -214,6 +214,42 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   return leave_independent(out);
 }
 
+bool km_second_order_restrict(const km_second_order *c, const double *shares, int count, km_arena *arena,
+                              km_second_order *out) {
+  const int k = c->freedom;
+  *out = (km_second_order){.columns = c->columns,
+                           .freedom = count,
+                           .conditions = c->conditions,
+                           .redundant = c->redundant,
+                           .built = true,
+                           .tolerance = c->tolerance,
+                           .noise = c->noise};
+  double *part = KM_ARENA_NEW(arena, double, (size_t)(count * k));
+  double *work = KM_ARENA_NEW(arena, double, (size_t)(count * count));
+  out->Q = KM_ARENA_NEW(arena, double, (size_t)c->conditions *(size_t)(count * count));
+  for (int i = 0; i < c->conditions && !arena->failed; ++i) {
+    const double *Q = c->Q + (size_t)i * (size_t)(k * k);
+    for (int a = 0; a < count; ++a)
+      for (int r = 0; r < k; ++r) {
+        part[a * k + r] = 0.0;
+        for (int o = 0; o < k; ++o)
+          part[a * k + r] += shares[a * k + o] * Q[o * k + r];
+      }
+    for (int a = 0; a < count; ++a)
+      for (int b = 0; b < count; ++b) {
+        double sum = 0.0;
+        for (int r = 0; r < k; ++r)
+          sum += part[a * k + r] * shares[b * k + r];
+        out->Q[(i * count + a) * count + b] = sum;
+      }
+  }
+  if (arena->failed)
+    return false;
+  out->size = largest_entry(out);
+  out->definite = any_definite(out, work);
+  return true;
+}
+
 static double condition(const km_second_order *c, int i, const double *a, double *slope) {
   int k = c->freedom;
   const double *Q = c->Q + (size_t)i * (size_t)(k * k);

@@ -38,6 +38,11 @@ bool km_second_order_basis(const km_mechanism *mechanism, const km_state *state,
 bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
 
+/* The conditions on those tangents alone that are spanned by orthonormal shares[count × freedom] of the basis. False when out of memory.
+ * O(conditions · freedom² · count). */
+bool km_second_order_restrict(const km_second_order *conditions, const double *shares, int count, km_arena *arena,
+                              km_second_order *out);
+
 /* Starting from the unit vector a, goes to a nearby one that meets all conditions (Gauss-Newton on the sphere);
  * false if there is none. work[freedom² + 3 · freedom]. */
 bool km_second_order_solve(const km_second_order *conditions, double *a, double *work);

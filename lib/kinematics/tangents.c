@@ -135,8 +135,7 @@ bool km_tangents_are_regular(km_tangents *f) {
   return km_tangents_are_kept(f, f->direction);
 }
 
-/* The conditions of second order, found when they are first asked for; the state is then at the pose. */
-static bool need_conditions(km_tangents *f) {
+bool km_tangents_need_conditions(km_tangents *f) {
   if (f->conditions.built)
     return !f->arena->failed;
   km_state_restore(f->s, f->sub, f->pose);
@@ -146,7 +145,7 @@ static bool need_conditions(km_tangents *f) {
 /* A random tangent that meets the second order. */
 static bool seek(km_tangents *f) {
   int k = f->conditions.freedom;
-  if (k == 1 || !need_conditions(f)) /* the only tangent has been tried as it is */
+  if (k == 1 || !km_tangents_need_conditions(f)) /* the only tangent has been tried as it is */
     return false;
   for (int i = 0; i < k; ++i)
     f->a[i] = km_uniform(&f->random);
@@ -210,7 +209,12 @@ bool km_tangents_next(km_tangents *f, const double *known, int count, double *le
     f->starts++;
     if (!seek(f) || is_known(f, known, count))
       continue;
+    const bool before = f->doubtful;
+    f->doubtful = false;
     km_followed found = settle(f);
+    int dimension = f->doubtful ? km_second_order_dimension(&f->conditions, f->a) : 0;
+    f->doubtful_dimension = dimension > f->doubtful_dimension ? dimension : f->doubtful_dimension;
+    f->doubtful = f->doubtful || before;
     *length = found.length;
     if (found.reality >= f->enough && !is_known(f, known, count))
       return true;

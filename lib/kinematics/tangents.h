@@ -29,10 +29,11 @@ typedef struct km_tangents {
   double residual;            /* of the pose's worst loop */
   double *pose, *last;        /* saved coordinates */
   double *ahead;              /* those at the end of the way ahead of the tangent tried last */
-  double *chord;     /* [columns] of the way that was followed last: the scaled step to a place near its begin */
-  double *secant;    /* [columns] of the tangent that was tried last: unit direction between such places */
-  bool doubtful;     /* some tangent was neither confirmed nor refuted */
-  km_reality enough; /* to count as real; KM_REAL */
+  double *chord;          /* [columns] of the way that was followed last: the scaled step to a place near its begin */
+  double *secant;         /* [columns] of the tangent that was tried last: unit direction between such places */
+  bool doubtful;          /* some tangent was neither confirmed nor refuted */
+  int doubtful_dimension; /* by km_tangents_next: the most that a motion along such a one can have */
+  km_reality enough;      /* to count as real; KM_REAL */
   double *x, *move, *work;
   double *direction; /* of the tangent that is tried */
   double *a;         /* [freedom] a tangent by its share of each column of Z */
@@ -50,6 +51,14 @@ bool km_tangents_make_basis(km_tangents *tangents);
 void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
+
+/* Adds what of the shares a[freedom] lies outside the first `count` rows of V[freedom × freedom], which are orthonormal, as one more of
+ * them; false where that is next to nothing. */
+bool km_tangents_add(double *V, int count, int freedom, const double *a);
+/* Takes the first `count` rows of V[freedom × freedom] out, orthonormal shares of the basis: what is left stands at right angles to them.
+ * Fills the other rows of V with its shares of the basis that was. Before conditions of second order are asked for, or where none is
+ * left. False when out of memory. */
+bool km_tangents_take_out(km_tangents *tangents, double *V, int count);
 
 typedef struct km_followed {
   double length; /* arc length to which the loops were closed */
@@ -79,6 +88,8 @@ bool km_tangents_all_real(km_tangents *tangents);
 /* Are all tangents real, by a single one? True is certain, of exact data: the primary equations leave a manifold, on which the
  * errors of the others are analytic. They are 0 along a random way on it only where they are 0 everywhere. */
 bool km_tangents_are_regular(km_tangents *tangents);
+/* The conditions of second order, found when they are first asked for; the state is then at the pose. False when out of memory. */
+bool km_tangents_need_conditions(km_tangents *tangents);
 /* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
  * after km_tangents_all_real: the tangent of a single freedom isn't tried again. */
 bool km_tangents_random(km_tangents *tangents);

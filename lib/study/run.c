@@ -1,8 +1,8 @@
 /* Runs a study's designs in their order, batch by batch, with or without a crew, and stops a sample whose mean is known
  * well enough. */
+#include "analysis/student.h"
 #include "base/check.h"
 #include "base/clock.h"
-#include "base/student.h"
 #include "study/ask.h"
 #include "study/crew.h"
 #include "study/optimise.h"
@@ -49,8 +49,7 @@ static int next_check(int check) {
 
 static bool is_accurate(const run *r) {
   double n = r->moments.count;
-  return n > 1.0 &&
-         km_student(n - 1.0) * sqrt(r->moments.squares / (n - 1.0) / n) <= r->study->def->sample->accuracy;
+  return n > 1.0 && km_student(n - 1.0) * sqrt(r->moments.squares / (n - 1.0) / n) <= r->study->def->sample->accuracy;
 }
 
 static km_status take_figures(run *r, int begin, int end, km_error *error) {

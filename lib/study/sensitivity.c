@@ -1,6 +1,6 @@
 /* Which parameter matters: rank correlations, Sobol's indices, and quantiles along a motion. */
+#include "analysis/student.h"
 #include "base/check.h"
-#include "base/student.h"
 #include "study/ask.h"
 #include "study/sampler.h"
 

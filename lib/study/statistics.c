@@ -1,6 +1,6 @@
 /* What the results of a study come to: one pass over the store, kept until the next run. */
+#include "analysis/student.h"
 #include "base/check.h"
-#include "base/student.h"
 #include "study/ask.h"
 #include "study/goals.h"
 #include "study/rows.h"

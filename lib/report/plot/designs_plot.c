@@ -1,8 +1,8 @@
 /* Pictures of samples: histograms, scatter, convergence, quantiles along a motion. */
 #include "report/plot/designs_plot.h"
 
+#include "analysis/student.h"
 #include "base/memory.h"
-#include "base/student.h"
 
 #include <math.h>
 #include <stdarg.h>

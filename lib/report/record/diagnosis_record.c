@@ -117,7 +117,7 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
     km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
   if (shaky)
     km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
-                   branches ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
+                   branches || isfinite(followed) ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
   if (finite->undecided && finite->truncated)
     km_text_add(out, "; only some of the directions that first order allows were tried");
   km_text_add(out, "\n");

@@ -1,4 +1,4 @@
-#include "base/student.h"
+#include "analysis/student.h"
 
 #include <gsl/gsl_cdf.h>
 

@@ -1,0 +1,60 @@
+/* Bases of a part of the tangents. */
+#include "kinematics/tangents.h"
+
+#include <string.h>
+
+bool km_tangents_add(double *V, int count, int k, const double *a) {
+  static const double least = 1e-3;
+  double *v = V + (size_t)count * (size_t)k, square = 0.0;
+  memcpy(v, a, (size_t)k * sizeof *v);
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < count; ++i) {
+      double dot = 0.0;
+      for (int r = 0; r < k; ++r)
+        dot += V[i * k + r] * v[r];
+      for (int r = 0; r < k; ++r)
+        v[r] -= dot * V[i * k + r];
+    }
+  for (int r = 0; r < k; ++r)
+    square += v[r] * v[r];
+  if (!(square > least * least))
+    return false;
+  km_tangents_normalise(v, k);
+  return true;
+}
+
+/* Rows of V behind the first `count`, of unit vectors. Returns how many there are then. */
+static int complete(double *V, int count, int k, double *unit) {
+  for (int i = 0; i < k && count < k; ++i) {
+    memset(unit, 0, (size_t)k * sizeof *unit);
+    unit[i] = 1.0;
+    count += km_tangents_add(V, count, k, unit);
+  }
+  return count;
+}
+
+bool km_tangents_take_out(km_tangents *f, double *V, int count) {
+  km_second_order *conditions = &f->conditions;
+  km_arena arena = {0};
+  int k = conditions->freedom, n = f->sub->columns;
+  if (count == 0)
+    return true;
+  double *unit = KM_ARENA_NEW(&arena, double, (size_t)k);
+  double *rest = KM_ARENA_NEW(f->arena, double, (size_t)(k - count) * (size_t)n + 1);
+  bool whole = unit && rest && complete(V, count, k, unit) == k;
+  for (int i = count; i < k && whole; ++i)
+    for (int c = 0; c < n; ++c) {
+      double sum = 0.0;
+      for (int r = 0; r < k; ++r)
+        sum += V[i * k + r] * conditions->Z[(size_t)r * (size_t)n + (size_t)c];
+      rest[(size_t)(i - count) * (size_t)n + (size_t)c] = sum;
+    }
+  km_arena_free(&arena);
+  if (!whole)
+    return false;
+  conditions->Z = rest;
+  conditions->freedom = k - count;
+  for (int i = 0; i < k - count; ++i)
+    f->length[i] = -1.0;
+  return true;
+}
