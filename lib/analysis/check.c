@@ -142,8 +142,9 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Frames a thousand times further out than most: some lengths are in another unit. */
+/* Frames a thousand times further out than most: some lengths are in another unit. What is next to nothing is the rounding of 0. */
 static void check_lengths(const km_model *model, km_findings *f) {
+  static const double nothing = 1e-9;
   double *sizes = KM_ARENA_NEW(&f->store->arena, double, (size_t)model->frame_count);
   size_t count = 0;
   for (int i = 0; sizes && i < model->frame_count; ++i)
@@ -155,7 +156,7 @@ static void check_lengths(const km_model *model, km_findings *f) {
   double middle = sizes[count / 2];
   for (int i = 0; i < model->frame_count; ++i) {
     double size = km_vec3_norm(model->frames[i].pose.p);
-    if (model->frames[i].body != 0 && size > 0.0 && (size > 300.0 * middle || size < middle / 300.0))
+    if (model->frames[i].body != 0 && size > nothing * middle && (size > 300.0 * middle || size < middle / 300.0))
       add(f, KM_FINDING_WARNING, "units", "check its unit",
           "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g", model->frames[i].name,
           model->bodies[model->frames[i].body].name, size, model->units.length->suffix, middle);

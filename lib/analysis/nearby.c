@@ -6,14 +6,14 @@
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
 #include "kinematics/poses.h"
+#include "kinematics/steady.h"
 
 #include <string.h>
 
-/* All motions at once, each by another amount, so that none hides another. */
-static void choose_move(const km_mechanism *m, const km_state *s, int index, double *move) {
+/* All motions Z[count × columns] at once, each by another amount, so that none hides another. */
+static void choose_move(const km_mechanism *m, int index, const double *Z, int freedom, double *move) {
   const km_substructure *sub = &m->substructures[index];
-  const double *Z = km_state_basis(s, index), *weight = m->column_weight + sub->column_start;
-  int freedom = km_partition_freedom(&s->partition[index]);
+  const double *weight = m->column_weight + sub->column_start;
   memset(move, 0, (size_t)sub->columns * sizeof *move);
   for (int c = 0; c < sub->columns; ++c)
     for (int i = 0; i < freedom; ++i)
@@ -38,14 +38,41 @@ static void choose_of_many(const km_mechanism *m, km_state *s, int index, double
   km_arena_free(&arena);
 }
 
+/* Of a mechanism that shakes all along its motion. False: it doesn't, and nothing has happened. */
+static bool go_steadily(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
+  const km_substructure *sub = &m->substructures[index];
+  km_arena arena = {0};
+  km_steady steady = {0};
+  km_closure evidence;
+  km_state_save(s, sub, saved);
+  km_steady_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
+  if (steady.on) {
+    choose_move(m, index, steady.Z, steady.count, move);
+    km_state_move(m, s, sub, move);
+    km_state_forget_pivots(s, index);
+    steady.on = km_steady_close(&steady, m, s, index, KM_NO_DRIVER, &evidence);
+    if (steady.on) {
+      km_poses_update_in(m, s, index);
+      km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
+    } else {
+      km_loops_return(m, s, index, saved);
+      km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
+    }
+  }
+  km_arena_free(&arena);
+  return steady.on;
+}
+
 bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   bool moves = km_partition_freedom(p) > 0, many = km_partition_freedom(p) > KM_MANY_VECTORS;
   km_closure evidence;
   if (!many)
-    choose_move(m, s, index, move);
+    choose_move(m, index, km_state_basis(s, index), km_partition_freedom(p), move);
   km_state_set_aside(s, index);
+  if (!many && moves && go_steadily(m, s, index, saved, move))
+    return true;
   s->partition[index].rows_only = p->sparse && many;
   if (many)
     choose_of_many(m, s, index, move);

@@ -27,13 +27,21 @@ size_t km_text_distance(const char *a, const char *b) {
   return row[k];
 }
 
-/* A name that differs in its capitals alone is nearest; one that holds what is wanted, or is held by it, is near
- * however long the rest is. */
+static size_t smaller(size_t a, size_t b) {
+  return a < b ? a : b;
+}
+
+/* In halves of an edit. A name that differs in its capitals alone is nearest, then one that is an edit away; one that holds what is wanted,
+ * or is held by it, is near however long the rest is, and nearer where that is the shorter part. */
 static size_t distance_to(const char *wanted, const char *name) {
+  enum { HALF_HELD = 3, HELD = 5 };
+  size_t edits = km_text_distance(wanted, name), n = strlen(wanted), k = strlen(name);
   if (strcasecmp(wanted, name) == 0)
     return 0;
-  bool holds = *wanted && *name && (strstr(name, wanted) || strstr(wanted, name));
-  return holds ? 1 : km_text_distance(wanted, name);
+  edits = edits < SIZE_MAX / 2 ? 2 * edits : edits;
+  bool holds = n && k && (strstr(name, wanted) || strstr(wanted, name)),
+       half = 2 * smaller(n, k) >= n + k - smaller(n, k);
+  return holds ? smaller(edits, half ? HALF_HELD : HELD) : edits;
 }
 
 void km_nearest_offer(km_nearest *nearest, const char *name) {

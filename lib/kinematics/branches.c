@@ -5,6 +5,7 @@
 #include "kinematics/closure.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
+#include "kinematics/steady.h"
 
 #include <string.h>
 
@@ -48,6 +49,15 @@ static int find_in_many(km_tangents *f, double *directions) {
 static bool is_regular(const km_mechanism *m, km_state *s, int index) {
   km_second_order conditions;
   return km_second_order_start(m, s, index, &conditions) && !conditions.redundant;
+}
+
+/* Does the mechanism shake at the pose as it does all along its motion? That isn't a branch point. */
+static bool shakes_along(const km_mechanism *m, km_state *s, int index) {
+  km_arena arena = {0};
+  km_steady steady = {0};
+  km_steady_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
+  km_arena_free(&arena);
+  return steady.on;
 }
 
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
@@ -194,8 +204,8 @@ static void take_shortest(departure *d, const double *directions, int count, int
 km_branch_exit km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double way) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
-  if (index < 0 || km_state_holds(s, coordinate) || is_regular(m, s, index)) /* a held one leads nowhere */
-    return out;
+  if (index < 0 || km_state_holds(s, coordinate) || is_regular(m, s, index) || shakes_along(m, s, index))
+    return out; /* a held one leads nowhere */
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
   departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};

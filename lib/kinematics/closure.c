@@ -39,6 +39,7 @@ static void remember_search(km_state *s, int index, int driver, double tolerance
 
 void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
+  tolerance = km_larger(tolerance, s->partition[index].blunt);
   if (are_searched(s, index, driver, tolerance)) {
     s->pivoted[index] = driver;
     return;

@@ -92,6 +92,8 @@ static bool project(km_continuation *c, const double *from, double *t) {
 
 bool km_continuation_tangent(km_continuation *c, const double *along, double *t) {
   const km_partition *p = &c->state->partition[c->substructure];
+  if (c->steady.on)
+    return km_steady_tangent(&c->steady, c->mechanism, c->substructure, c->column, along, t);
   if (c->column < 0)
     return project(c, along, t);
   if (p->forced_dependent)
@@ -146,14 +148,20 @@ void km_continuation_place(km_continuation *c, double parameter) {
   c->state->q[c->coordinate] = parameter * c->mechanism->unit[c->coordinate];
 }
 
+/* Closes the loops where the step has led. */
+static bool close(km_continuation *c, km_closure *evidence) {
+  if (c->steady.on)
+    return km_steady_close(&c->steady, c->mechanism, c->state, c->substructure, c->column, evidence);
+  return km_loops_close(c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
+}
+
 km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *terms) {
   const double *t = c->course.t, *next = c->next_t;
   km_closure evidence;
   km_state_move(c->mechanism, c->state, km_continuation_sub(c), c->move);
   if (c->column >= 0)
     km_continuation_place(c, terms->parameter);
-  if (km_loops_close(c->mechanism, c->state, c->substructure, c->column, &evidence) != KM_CLOSED ||
-      !km_continuation_tangent(c, t, c->next_t))
+  if (!close(c, &evidence) || !km_continuation_tangent(c, t, c->next_t))
     return KM_STEP_OPEN;
   memcpy(c->next_rest, evidence.left, (size_t)km_continuation_sub(c)->columns * sizeof *c->next_rest);
   const km_partition *p = &c->state->partition[c->substructure];

@@ -5,6 +5,7 @@
 
 #include "kinematics/curve.h"
 #include "kinematics/state.h"
+#include "kinematics/steady.h"
 
 /* So close to a singular pose, by its last pivot, that the tangent is noise. */
 static inline bool km_continuation_is_singular(const km_partition *p) {
@@ -48,6 +49,7 @@ typedef struct km_continuation {
   double *next_t, *move; /* [columns] tangent of the pose that was tried last, and the way to it */
   double *next_rest;     /* [columns] Newton's step that was left undone there */
   double *from;          /* saved pose where the step begins */
+  km_steady steady;      /* where the mechanism shakes all along the motion */
   double *work;          /* [columns] */
 } km_continuation;
 
@@ -76,6 +78,11 @@ static inline const km_substructure *km_continuation_sub(const km_continuation *
 }
 /* (D a)·(D b) of scaled steps. */
 double km_continuation_dot(const km_continuation *continuation, const double *a, const double *b);
+
+/* How many freedoms the motion has, of which those that shake aren't. */
+static inline int km_continuation_freedom(const km_continuation *c) {
+  return c->steady.on ? c->steady.count : km_partition_freedom(&c->state->partition[c->substructure]);
+}
 
 /* The tangent at the state's pose from its partition. A driver's: its rate is 1 and the others move least; false at its
  * toggle. By arc length: the part of `along` that the loops allow, at unit length |D t|; false if hardly anything is

@@ -16,8 +16,8 @@ static bool has_freedoms_for_lanes(const km_drive *d, int freedom) {
 static bool may_ride(const km_drive *d) {
   const km_state *s = d->c.state;
   const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
-  return d->here.known && s->pivoted[d->c.substructure] == d->c.column && !p->forced_dependent && !p->locked &&
-         has_freedoms_for_lanes(d, km_partition_freedom(p)) && reference->rank == p->rank &&
+  return d->here.known && !d->c.steady.on && s->pivoted[d->c.substructure] == d->c.column && !p->forced_dependent &&
+         !p->locked && has_freedoms_for_lanes(d, km_partition_freedom(p)) && reference->rank == p->rank &&
          reference->searches == p->searches && !km_continuation_is_singular(p);
 }
 

@@ -17,6 +17,7 @@ bool km_drive_start(km_drive *d) {
   double residual = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
   km_pivot_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
                      km_rank_tolerance(d->c.mechanism, sub, residual));
+  km_steady_begin(&d->c.steady, d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &d->arena);
   d->here.known = km_continuation_tangent(&d->c, NULL, d->c.course.t);
   remember_pivots(d);
   km_course_begin(&d->c.course, km_drive_driven(d)->columns);
@@ -39,7 +40,7 @@ static bool sign_changed(km_drive *d) {
 }
 
 static bool is_alone(const km_drive *d) {
-  return km_partition_freedom(&d->c.course.reference) <= 1;
+  return d->c.steady.on ? d->c.steady.count == 1 : km_partition_freedom(&d->c.course.reference) <= 1;
 }
 
 /* So many refusals in a row show that the path may be stiff. */
@@ -113,8 +114,8 @@ static bool predict(km_drive *d, double h) {
   bool reaches = true;
   d->drawn = false;
   d->strain = 0.0;
-  if (is_alone(d))
-    km_continuation_predict(&d->c, h, true);
+  if (is_alone(d) || d->c.steady.on)
+    km_continuation_predict(&d->c, h, is_alone(d));
   else
     reaches = follow_path(d, h);
   for (int k = 0; k < sub->columns; ++k)
@@ -125,7 +126,8 @@ static bool predict(km_drive *d, double h) {
 
 /* Where other freedoms are left, too few rows of a singular pose tell what they do. */
 static bool may_be_singular(const km_drive *d) {
-  return !is_alone(d) && d->c.course.last_h == 0.0 && d->c.course.reference.rank < km_drive_driven(d)->rows;
+  return !d->c.steady.on && !is_alone(d) && d->c.course.last_h == 0.0 &&
+         d->c.course.reference.rank < km_drive_driven(d)->rows;
 }
 
 /* Does the way that these follow open the loops by far more than it errs? */

@@ -25,7 +25,7 @@ static const double narrow = 4e-3;        /* width to which a branch point is br
 static bool step(km_follow *f, double h, double *length) {
   const km_substructure *sub = km_follow_sub(f);
   const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
-  km_continuation_predict(&f->c, h, f->freedom == 1);
+  km_continuation_predict(&f->c, h, km_continuation_freedom(&f->c) == 1);
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_TAKEN ||
       km_partition_freedom(&f->c.state->partition[f->c.substructure]) != f->freedom) {
@@ -187,6 +187,8 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   km_pivot(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
   f->freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
   int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
+  if (!km_steady_begin(&f->c.steady, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
+    return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   if (f->freedom == 0 || !first_tangent(f, column, sign))
     return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a dead point"
@@ -238,7 +240,7 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
                    .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)
-    status = leave_branch(f, error);
+    status = f->c.steady.on ? KM_OK : leave_branch(f, error);
   if (status)
     km_follow_free(f);
   else

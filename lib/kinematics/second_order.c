@@ -61,7 +61,8 @@ bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_sec
   const km_substructure *sub = &m->substructures[index];
   int worst;
   km_loops_update(m, s, sub);
-  double residual = km_loops_residual(m, s, sub, &worst), tolerance = km_rank_tolerance(m, sub, residual);
+  double residual = km_loops_residual(m, s, sub, &worst),
+         tolerance = fmax(km_rank_tolerance(m, sub, residual), s->partition[index].blunt);
   km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
   const km_partition *p = &s->partition[index];
   *out = (km_second_order){.columns = sub->columns,
@@ -187,31 +188,61 @@ static bool leave_independent(km_second_order *c) {
   return made;
 }
 
-bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+bool km_second_order_build_all(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
   out->built = true;
   if (!out->redundant)
     return true;
-  double *W, *x = KM_ARENA_NEW(arena, double, n *k), *J = KM_ARENA_NEW(arena, double, n *rows);
+  double *x = KM_ARENA_NEW(arena, double, n *k), *J = KM_ARENA_NEW(arena, double, n *rows);
   double *rate = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
   double *gamma = KM_ARENA_NEW(arena, double, (k + 1) * rows), *work = KM_ARENA_NEW(arena, double, k *k);
   if (arena->failed)
     return false;
   km_loops_update(m, s, sub);
   km_state_jacobian_dense(s, sub, J);
-  if (!left_null(sub, J, out->tolerance, arena, &W, &out->conditions))
+  if (!left_null(sub, J, out->tolerance, arena, &out->W, &out->conditions))
     return false;
   out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions *k *k);
   if (arena->failed)
     return false;
   for (size_t i = 0; i < n * k; ++i)
     x[i] = out->Z[i] / weight[i % n];
-  fill_conditions(m, s, sub, W, x, rate, gamma, out);
+  fill_conditions(m, s, sub, out->W, x, rate, gamma, out);
   out->size = largest_entry(out);
   out->definite = any_definite(out, work);
-  return leave_independent(out);
+  return true;
+}
+
+bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+  return km_second_order_build_all(m, s, index, arena, out) && leave_independent(out);
+}
+
+bool km_second_order_changes(const km_mechanism *m, const km_state *s, int index, const km_second_order *c,
+                             double *changes) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  int n = sub->columns, rows = sub->rows;
+  double *J = KM_NEW(double, (size_t)n *(size_t)rows), *moved = KM_NEW(double, (size_t)rows);
+  bool made = J && moved;
+  if (made)
+    km_state_jacobian_dense(s, sub, J);
+  for (int v = 0; v < c->freedom && made; ++v) {
+    memset(moved, 0, (size_t)rows * sizeof *moved);
+    for (int k = 0; k < n; ++k)
+      for (int r = 0; r < rows; ++r)
+        moved[r] += J[k * rows + r] * c->Z[v * n + k] / weight[k];
+    for (int i = 0; i < c->conditions; ++i) {
+      double sum = 0.0;
+      for (int r = 0; r < rows; ++r)
+        sum += c->W[i * rows + r] * moved[r];
+      changes[i * c->freedom + v] = sum;
+    }
+  }
+  km_free(J);
+  km_free(moved);
+  return made;
 }
 
 bool km_second_order_restrict(const km_second_order *c, const double *shares, int count, km_arena *arena,

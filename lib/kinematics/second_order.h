@@ -23,6 +23,7 @@ typedef struct km_second_order {
   double tolerance;
   double *Z;     /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
   double *Q;     /* [conditions × freedom × freedom] symmetric */
+  double *W;     /* [conditions × rows] the left null vectors, where all conditions are kept */
   double size;   /* largest entry of Q: what a condition is compared with */
   double noise;  /* what the pose's misfit may have made of 0: Q below it says nothing */
   bool definite; /* some Q_i is: then no direction meets its condition */
@@ -34,9 +35,16 @@ bool km_second_order_start(const km_mechanism *mechanism, km_state *state, int s
 /* The basis, right after that. False when out of memory. */
 bool km_second_order_basis(const km_mechanism *mechanism, const km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
-/* The conditions at the same pose. Dense: O(rows² · columns), so only where first order leaves a choice. */
+/* The conditions at the same pose, all of them, or no more than are independent. Dense: O(rows² · columns), so only where first order leaves
+ * a choice. False when out of memory. */
+bool km_second_order_build_all(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
+                               km_second_order *out);
 bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
+/* What pivots that count as 0 leave of J: changes[conditions × freedom] = wᵢᵀ J z of the null vectors w and z, 0 where J has their rank.
+ * For conditions that are all kept. False when out of memory. */
+bool km_second_order_changes(const km_mechanism *mechanism, const km_state *state, int substructure,
+                             const km_second_order *conditions, double *changes);
 
 /* The conditions on those tangents alone that are spanned by orthonormal shares[count × freedom] of the basis. False when out of memory.
  * O(conditions · freedom² · count). */

@@ -2,13 +2,17 @@
 #include "kinematics/steady.h"
 
 #include "base/random.h"
+#include "kinematics/loops.h"
 #include "partition/partition.h"
 
 #include <string.h>
 
-/* The common null space of all Q_i, as orthonormal shares of the basis. Returns how many there are. */
-static int find_steady(const km_second_order *c, km_arena *arena, double **shares) {
-  static const double still = 1e-6; /* over the largest entry: what changes no rank */
+static const double still =
+    1e-6; /* over the largest entry of the conditions: what changes no rank at a pose on the motion */
+
+/* The common null space of all Q_i, to within a part of their largest entry, as orthonormal shares of the basis. Returns how many there
+ * are. */
+static int find_steady(const km_second_order *c, double within, km_arena *arena, double **shares) {
   int k = c->freedom, rows = c->conditions * k;
   double *M = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)k), *one = KM_ARENA_NEW(arena, double, (size_t)k);
   km_partition p;
@@ -19,7 +23,7 @@ static int find_steady(const km_second_order *c, km_arena *arena, double **share
     for (int i = 0; i < rows; ++i)
       M[a * rows + i] = c->Q[i * k + a];
   }
-  km_partition_factor(&p, M, rows, k, NULL, fmax(still, c->noise / c->size));
+  km_partition_factor(&p, M, rows, k, NULL, fmax(within, c->noise / c->size));
   int count = km_partition_freedom(&p);
   *shares = KM_ARENA_NEW(arena, double, (size_t)(count * k) + 1);
   if (arena->failed)
@@ -63,7 +67,7 @@ int km_tangents_keep_steady(km_tangents *f, double *directions) {
   int k = c->freedom, others = 0;
   double *steady = NULL, *V = KM_ARENA_NEW(&arena, double, (size_t)(k * k) + 1);
   if (V && km_tangents_need_conditions(f) && c->conditions > 0 && c->size > c->noise) {
-    int count = find_steady(c, &arena, &steady);
+    int count = find_steady(c, still, &arena, &steady);
     for (int i = 0; i < count * k; ++i)
       V[i] = steady[i];
     bool found = count > 0 && count < k && find_others(V, count, k, &arena);
@@ -82,4 +86,227 @@ int km_tangents_keep_steady(km_tangents *f, double *directions) {
   f->arena->failed = f->arena->failed || arena.failed;
   km_arena_free(&arena);
   return out ? others : 0;
+}
+
+bool km_steady_tangent(const km_steady *st, const km_mechanism *m, int index, int driver, const double *along,
+                       double *t) {
+  static const double hardly = 1e-6;
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  int n = sub->columns;
+  memset(t, 0, (size_t)n * sizeof *t);
+  for (int i = 0; i < st->count; ++i) {
+    const double *z = st->Z + (size_t)i * (size_t)n;
+    double dot = driver >= 0 ? z[driver] : 0.0;
+    for (int c = 0; c < n && driver < 0; ++c)
+      dot += z[c] * weight[c] * along[c];
+    for (int c = 0; c < n; ++c)
+      t[c] += dot * z[c];
+  }
+  for (int c = 0; c < n; ++c)
+    t[c] /= weight[c];
+  double size = km_step_length(m, sub, t), unit = driver >= 0 ? t[driver] : size;
+  for (int c = 0; c < n; ++c)
+    t[c] /= unit;
+  return size > hardly;
+}
+
+/* What the null space of a pose consists of. */
+typedef struct split {
+  km_second_order c;
+  double *V; /* [freedom × freedom] shares: the steady ones, and the others behind them */
+  int steady;
+} split;
+
+/* `count`: how many tangents are steady on the motion, near which no more than nearly that many are; 0: that is not known. */
+static bool find_split(split *p, const km_mechanism *m, km_state *s, int index, int count, km_arena *arena) {
+  static const double most_within = 1e-2;
+  double *shares = NULL;
+  if (!km_second_order_start(m, s, index, &p->c) || p->c.freedom < 1 ||
+      !km_second_order_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c) ||
+      p->c.conditions == 0 || p->c.size < p->c.noise)
+    return false;
+  int k = p->c.freedom;
+  p->steady = find_steady(&p->c, still, arena, &shares);
+  for (double within = 10.0 * still; p->steady < count && within <= most_within; within *= 10.0)
+    p->steady = find_steady(&p->c, within, arena, &shares);
+  p->V = KM_ARENA_NEW(arena, double, (size_t)(k * k));
+  if (arena->failed || p->steady == 0 || p->steady == k || (count > 0 && p->steady != count))
+    return false;
+  memcpy(p->V, shares, (size_t)(p->steady * k) * sizeof *shares);
+  return find_others(p->V, p->steady, k, arena);
+}
+
+static bool keep_tangents(km_steady *st, const split *p, int columns) {
+  if (p->steady > st->room)
+    return false;
+  st->count = p->steady;
+  memset(st->Z, 0, (size_t)(st->count * columns) * sizeof *st->Z);
+  for (int i = 0; i < st->count; ++i)
+    for (int r = 0; r < p->c.freedom; ++r)
+      for (int c = 0; c < columns; ++c)
+        st->Z[i * columns + c] += p->V[i * p->c.freedom + r] * p->c.Z[r * columns + c];
+  return true;
+}
+
+/* Newton's step: shares y of the others with Σ Q_i(v, others y) = −w_iᵀ J z_v for all i and v, by least squares. */
+static bool find_shares(const split *p, const double *changes, km_arena *arena, double *y) {
+  int k = p->c.freedom, others = k - p->steady, rows = p->c.conditions * k;
+  double *A = KM_ARENA_NEW(arena, double, (size_t)(rows * others));
+  double *square = KM_ARENA_NEW(arena, double, (size_t)(others * others)),
+         *b = KM_ARENA_NEW(arena, double, (size_t)others);
+  km_partition normal;
+  if (arena->failed || !km_partition_reserve(&normal, others, others, arena))
+    return false;
+  for (int o = 0; o < others; ++o)
+    for (int i = 0; i < rows; ++i)
+      for (int r = 0; r < k; ++r)
+        A[o * rows + i] += p->c.Q[i * k + r] * p->V[(p->steady + o) * k + r];
+  for (int o = 0; o < others; ++o)
+    for (int i = 0; i < rows; ++i) {
+      b[o] -= A[o * rows + i] * changes[i];
+      for (int q = 0; q < others; ++q)
+        square[q * others + o] += A[o * rows + i] * A[q * rows + i];
+    }
+  km_partition_factor(&normal, square, others, others, NULL, 1e-12);
+  km_partition_solve(&normal, b, y);
+  return normal.rank == others;
+}
+
+/* That step as one of the coordinates, with the driver where it is; returns its largest entry, infinite: there is none. */
+static double find_step(km_steady *st, const split *p, const km_mechanism *m, km_state *s, int index, int driver,
+                        km_arena *arena, double *x) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  int k = p->c.freedom, n = sub->columns;
+  double *changes = KM_ARENA_NEW(arena, double, (size_t)(p->c.conditions * k)), largest = 0.0;
+  double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
+  if (arena->failed || !km_second_order_changes(m, s, index, &p->c, changes) || !find_shares(p, changes, arena, y) ||
+      (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, t)))
+    return HUGE_VAL;
+  memset(x, 0, (size_t)n * sizeof *x);
+  for (int o = 0; o < k - p->steady; ++o)
+    for (int r = 0; r < k; ++r)
+      for (int c = 0; c < n; ++c)
+        x[c] += y[o] * p->V[(p->steady + o) * k + r] * p->c.Z[r * n + c] / weight[c];
+  double back = driver >= 0 ? x[driver] : 0.0;
+  for (int c = 0; c < n; ++c) {
+    x[c] -= back * t[c];
+    largest = fmax(largest, fabs(x[c]));
+  }
+  return largest;
+}
+
+/* One step towards the motion; returns its size, infinite: there is no motion near by. */
+static double settle_once(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver) {
+  static const double most = 0.05, found = 1e-13;
+  const km_substructure *sub = &m->substructures[index];
+  km_arena arena = {0};
+  split p = {0};
+  double *x = KM_ARENA_NEW(&arena, double, (size_t)sub->columns), size = HUGE_VAL;
+  if (x && find_split(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
+      keep_tangents(st, &p, sub->columns))
+    size = find_step(st, &p, m, s, index, driver, &arena, x);
+  if (size > found && size < most)
+    km_state_move(m, s, sub, x);
+  km_arena_free(&arena);
+  return size <= found ? 0.0 : size < most ? size : HUGE_VAL;
+}
+
+static bool settle(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  enum { MOST_STEPS = 8 };
+  static const double settled = 1e-9;
+  double size = HUGE_VAL;
+  for (int i = 0; i < MOST_STEPS && size != 0.0; ++i) {
+    double last = size;
+    size = settle_once(st, m, s, index, driver);
+    if (size >= last) /* rounding is left, or it leads nowhere */
+      return last < settled;
+    if (size != 0.0 && km_loops_close(m, s, index, driver, evidence) == KM_OPEN)
+      return false;
+  }
+  return size < settled;
+}
+
+bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  const km_substructure *sub = &m->substructures[index];
+  km_partition *p = &s->partition[index];
+  int worst;
+  p->blunt = st->blunt;
+  bool found = km_loops_close(m, s, index, driver, evidence) != KM_OPEN;
+  double correction = evidence->correction;
+  found = found && settle(st, m, s, index, driver, evidence);
+  km_loops_update(m, s, sub);
+  evidence->residual = km_loops_residual(m, s, sub, &worst);
+  evidence->correction = correction;
+  km_pivot(m, s, index, driver, st->blunt);
+  p->blunt = 0.0;
+  return found && p->rank == st->rank && evidence->residual <= fmax(m->closure_tolerance, km_closed);
+}
+
+/* Does a short way along the steady tangents lead to a pose where as much shakes? */
+static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved, double *x) {
+  static const double way = 0.01;
+  const km_substructure *sub = &m->substructures[index];
+  km_partition *p = &s->partition[index];
+  km_closure evidence;
+  double fastest = 0.0;
+  for (int c = 0; c < sub->columns && driver < 0; ++c)
+    x[c] = st->Z[c]; /* the first tangent is as good as any */
+  if (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, x))
+    return false;
+  for (int c = 0; c < sub->columns; ++c)
+    fastest = fmax(fastest, fabs(x[c]));
+  for (int c = 0; c < sub->columns; ++c)
+    x[c] *= way / fastest;
+  km_state_save(s, sub, saved);
+  km_state_move(m, s, sub, x);
+  km_state_forget_pivots(s, index);
+  bool closed = km_steady_close(st, m, s, index, driver, &evidence);
+  if (closed)
+    km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
+  closed = closed && p->rank == st->rank;
+  km_loops_return(m, s, index, saved);
+  return closed;
+}
+
+/* What is looked at, by its dense work. */
+static bool is_small(const km_substructure *sub) {
+  static const double most_work = 1e7;
+  return (double)sub->rows * sub->rows * sub->columns < most_work;
+}
+
+static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
+  static const double margin = 0.1;
+  const km_substructure *sub = &m->substructures[index];
+  km_partition *p = &s->partition[index];
+  size_t n = (size_t)sub->columns;
+  split here = {0};
+  if (!find_split(&here, m, s, index, 0, arena) ||
+      others_may_move(&here.c, here.V + here.steady * here.c.freedom, here.c.freedom - here.steady, arena))
+    return false;
+  st->rank = p->rank;
+  st->blunt = margin * p->last_pivot / p->scale;
+  double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n), *x = KM_ARENA_NEW(arena, double, n);
+  return !arena->failed && keep_tangents(st, &here, sub->columns) && lasts(st, m, s, index, driver, saved, x) &&
+         keep_tangents(st, &here, sub->columns);
+}
+
+bool km_steady_begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
+  const km_substructure *sub = &m->substructures[index];
+  km_partition *p = &s->partition[index];
+  km_arena scratch = {0};
+  int freedom = km_partition_freedom(p);
+  st->on = false;
+  if (freedom < 2 || freedom > KM_MOST_BASIS_TRIED || p->rank == sub->rows || !is_small(sub))
+    return true;
+  if (st->room < freedom) {
+    st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);
+    st->room = st->Z ? freedom : 0;
+  }
+  st->on = st->room >= freedom && begin(st, m, s, index, driver, &scratch);
+  bool whole = st->room >= freedom && !scratch.failed;
+  km_arena_free(&scratch);
+  km_pivot_here(m, s, index, driver, 0.0);
+  return whole;
 }

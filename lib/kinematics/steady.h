@@ -2,6 +2,7 @@
 #ifndef KM_KINEMATICS_STEADY_H
 #define KM_KINEMATICS_STEADY_H
 
+#include "kinematics/closure.h"
 #include "kinematics/tangents.h"
 
 /* Some mechanisms shake all along their motion: at every pose first order allows more than moves, such as platforms on parallel rods, four
@@ -13,5 +14,30 @@
  * of unit length, are then in directions[freedom × columns] (may be NULL). 0: there are none, the others may be part of motions too,
  * or (by the arena's flag) memory is out. O(conditions · freedom³). */
 int km_tangents_keep_steady(km_tangents *tangents, double *directions);
+
+/* A motion along which a mechanism shakes: its tangents at the present pose. */
+typedef struct km_steady {
+  bool on;  /* the mechanism shakes all along */
+  int rank; /* of J all along */
+  double
+      blunt; /* pivots that are 0 all along the motion, where closing the loops leaves them next to 0; see km_partition */
+  int count; /* how many tangents are steady, */
+  double *Z; /* [count × columns] and they: D q̇, orthonormal */
+  int room;  /* for tangents */
+} km_steady;
+
+/* Does the mechanism shake all along the motions through the state's pose, and does the driver (a column, KM_NO_DRIVER: any) move in them?
+ * Then steady tangents are found at the pose, which the state keeps; its pivots are the driver's. Small and middle-sized mechanisms alone
+ * are looked at. False when out of memory. */
+bool km_steady_begin(km_steady *steady, const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                     km_arena *arena);
+/* Closes the loops at a pose near the motion, and finds the steady tangents there; the driver stands. Closing alone leaves what shakes by the
+ * root of the error; Newton's method on wᵀ J z = 0 takes it away. False: no pose of the motion is near by. */
+bool km_steady_close(km_steady *steady, const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                     km_closure *evidence);
+/* D⁻¹ times the part of D `along` that is steady, of unit length |D t|; of a driver (`along` is then not read) its rate is 1. False: there is
+ * hardly any. */
+bool km_steady_tangent(const km_steady *steady, const km_mechanism *mechanism, int substructure, int driver,
+                       const double *along, double *t);
 
 #endif

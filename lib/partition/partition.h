@@ -57,6 +57,7 @@ typedef struct km_partition {
                        * they are independent to this tolerance, however loose the search's own is, by which the others depend on
                        * them; 0: they aren't tried */
   bool rows_stayed;   /* the last search of the sparse engine found the rows of `kept_rows` to be good ones */
+  double blunt;       /* set by the caller: pivots up to this share of the largest entry count as 0, whatever a search asks for */
   bool unwatched;     /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
                        * sparse engine takes any then, and a refactor doesn't measure B */
   bool waits;         /* by km_partition_wait */

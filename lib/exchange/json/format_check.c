@@ -221,7 +221,7 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
     check_strings(m, place, value, path_words);
     break;
   case KM_SHAPE_PATHS:
-    check_paths(m, place, value, 0, "a list of joints");
+    check_paths(m, place, value, 0, "a list of names, each one name or a list of names from the root");
     break;
   case KM_SHAPE_PATH_PAIR:
     check_paths(m, place, value, 2, "two paths [[parent…, frame], [child…, frame]]");
