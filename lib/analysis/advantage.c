@@ -132,6 +132,8 @@ static bool allocate(const km_mechanism *m, km_lever *l) {
   l->rates = KM_ARENA_NEW(&l->arena, double, coordinates);
   l->moves = KM_ARENA_NEW(&l->arena, bool, coordinates);
   l->pose = KM_ARENA_NEW(&l->arena, km_pose, (size_t)m->topology.body_count);
+  l->steady = KM_ARENA_NEW(&l->arena, km_steady, (size_t)m->topology.substructure_count + 1);
+  l->asked = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
   return !l->arena.failed;
 }
 
@@ -210,10 +212,29 @@ static void add_motion(const km_mechanism *m, km_lever *l, const double *z, cons
     l->rates[coordinate[j]] += (alone ? 1.0 : a) * z[j] / m->scale[coordinate[j]];
 }
 
+/* Does the substructure shake all along its motion? Whether it does is found at the first pose that leaves several freedoms. */
+static bool is_steady(const km_mechanism *m, km_state *s, int index, km_lever *l) {
+  km_steady *steady = &l->steady[index];
+  if (km_partition_freedom(&s->partition[index]) < 2)
+    return false;
+  if (!l->asked[index])
+    l->asked[index] = km_steady_begin(steady, m, s, index, KM_NO_DRIVER, &l->arena);
+  return steady->on && km_steady_find(steady, m, s, index);
+}
+
+static int freedom_of(const km_mechanism *m, km_state *s, int index, km_lever *l) {
+  return is_steady(m, s, index, l) ? l->steady[index].count : km_partition_freedom(&s->partition[index]);
+}
+
 /* The same of all free motions of a substructure. */
 static void add_motions(const km_mechanism *m, km_state *s, int index, km_lever *l, bool alone) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
+  if (is_steady(m, s, index, l)) {
+    for (int k = 0; k < l->steady[index].count; ++k)
+      add_motion(m, l, l->steady[index].Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
+    return;
+  }
   if (km_state_along_many(m, s, index, l->input.row, s->work)) {
     for (int j = 0; j < sub->columns; ++j)
       l->rates[coordinate[j]] += s->work[j] / m->scale[coordinate[j]];
@@ -241,7 +262,7 @@ static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
     for (int i = 0; i < m->topology.substructure_count; ++i) {
       if (!l->moves[m->column_coordinate[m->substructures[i].column_start]])
         continue;
-      freedom += pass == 0 ? km_partition_freedom(&s->partition[i]) : 0;
+      freedom += pass == 0 ? freedom_of(m, s, i, l) : 0;
       if (pass)
         add_motions(m, s, i, l, alone);
     }
@@ -332,6 +353,8 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   for (int c = 0; c < m->coordinate_count && index < 0; ++c)
     index = l->moves[c] ? m->substructure_of[c] : -1;
   if (index < 0 || km_partition_freedom(&s->partition[index]) < 2)
+    return 0;
+  if (is_steady(m, s, index, l))
     return 0;
   const km_substructure *sub = &m->substructures[index];
   double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub->columns);

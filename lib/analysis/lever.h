@@ -2,7 +2,7 @@
 #ifndef KM_ANALYSIS_LEVER_H
 #define KM_ANALYSIS_LEVER_H
 
-#include "kinematics/state.h"
+#include "kinematics/steady.h"
 #include "kmech/advantage.h"
 
 /* How an end moves with the coordinates: its rate is Σ row[c] q̇_c. */
@@ -18,9 +18,11 @@ struct km_lever {
   km_arena arena;
   const km_mechanism *mechanism;
   km_lever_end input, output;
-  bool *moves;   /* [coordinate] the input's rate depends on it, or on its substructure */
-  double *rates; /* [coordinate] */
-  km_pose *pose; /* [body] about a point near the mechanism */
+  bool *moves;       /* [coordinate] the input's rate depends on it, or on its substructure */
+  double *rates;     /* [coordinate] */
+  km_pose *pose;     /* [body] about a point near the mechanism */
+  km_steady *steady; /* [substructure] where the mechanism shakes all along */
+  bool *asked;       /* [substructure] for that */
 };
 
 /* "input", "output". */

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "kinematics/loops.h"
 #include "kinematics/poses.h"
+#include "kinematics/steady.h"
 #include "kmech/idle.h"
 
 #include <stdio.h>
@@ -261,6 +262,15 @@ static km_status find_idle(km_sweeper *r, km_error *error) {
   return status;
 }
 
+static km_status find_shaking(const km_sweeper *r, km_error *error) {
+  km_arena arena = {0};
+  km_steady steady = {0};
+  bool done = km_steady_begin(&steady, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
+  r->out->shaking = steady.on ? r->out->freedom - steady.count : 0;
+  km_arena_free(&arena);
+  return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the tangents");
+}
+
 km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
   km_mobility_update(r->m, r->s, &r->out->first);
   r->other_mobility = r->out->first.mobility;
@@ -273,5 +283,8 @@ km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
     if (i != r->substructure)
       r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
   }
-  return r->out->freedom > 1 ? find_idle(r, error) : KM_OK;
+  if (r->out->freedom <= 1)
+    return KM_OK;
+  km_status shaking = find_shaking(r, error);
+  return shaking ? shaking : find_idle(r, error);
 }

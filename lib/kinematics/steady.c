@@ -244,6 +244,15 @@ bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int inde
   return found && p->rank == st->rank && evidence->residual <= fmax(m->closure_tolerance, km_closed);
 }
 
+bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index) {
+  km_arena arena = {0};
+  split here = {0};
+  bool found = find_split(&here, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
+               keep_tangents(st, &here, m->substructures[index].columns);
+  km_arena_free(&arena);
+  return found;
+}
+
 /* Does a short way along the steady tangents lead to a pose where as much shakes? */
 static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved, double *x) {
   static const double way = 0.01;

@@ -31,6 +31,8 @@ typedef struct km_steady {
  * are looked at. False when out of memory. */
 bool km_steady_begin(km_steady *steady, const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                      km_arena *arena);
+/* The steady tangents at the state's pose, which is on the motion. False: it isn't, or memory is out. */
+bool km_steady_find(km_steady *steady, const km_mechanism *mechanism, km_state *state, int substructure);
 /* Closes the loops at a pose near the motion, and finds the steady tangents there; the driver stands. Closing alone leaves what shakes by the
  * root of the error; Newton's method on wᵀ J z = 0 takes it away. False: no pose of the motion is near by. */
 bool km_steady_close(km_steady *steady, const km_mechanism *mechanism, km_state *state, int substructure, int driver,

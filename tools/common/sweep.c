@@ -49,7 +49,7 @@ static void tell(kt_sweep_job *j, bool partial) {
            "is taken (--set starts from another pose)",
            j->name, motion->start_branches,
            plan->arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most");
-  else if (motion->freedom - motion->idle > 1 && plan->arclength <= 0.0)
+  else if (motion->freedom - motion->idle - motion->shaking > 1 && plan->arclength <= 0.0)
     kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->name);
 }
 

@@ -24,10 +24,11 @@ enum {
 
 /* What to sweep. Start from km_sweep_plan_default(). */
 typedef struct km_sweep_plan {
-  int coordinate;     /* the driver; -1: the model's analysis.sweep */
-  double from, to;    /* model's unit */
-  int steps;          /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
-  double arclength;   /* > 0: by arc length instead, `steps` times this much (more than 1e-8, at most 1000); coordinate, from, to don't
+  int coordinate;  /* the driver; -1: the model's analysis.sweep */
+  double from, to; /* model's unit */
+  int steps;       /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
+  double
+      arclength; /* > 0: by arc length instead, `steps` times this much (more than 1e-8, at most 1000); coordinate, from, to don't
                        * count */
   int direction;      /* the coordinate that starts the motion, -1: the one with the largest mobility number */
   double sign;        /* +1 or -1 */
@@ -51,6 +52,7 @@ typedef struct km_sweep {
   int substructure;          /* the one that moves, -1: a joint in no loop */
   int freedom;               /* of the driven substructure there: above 1 the others move least */
   int idle;                  /* how many of them are idle (kmech/idle.h): nothing else feels them */
+  int shaking;               /* how many of them no motion follows, though first order allows them all along */
   bool *idle_coordinates;    /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
   int start_branches;        /* motions that meet at the starting pose, where it is a branch point; else 0 */
   km_reach start, end;       /* how FROM and TO were reached */

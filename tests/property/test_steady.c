@@ -1,0 +1,173 @@
+/* Mechanisms that shake all along their motion: at every pose first order allows more than moves. */
+#include "support/random_mechanism.h"
+#include "support/support.h"
+
+#include "kmech/advantage.h"
+#include "kmech/finite_mobility.h"
+#include "kmech/follow.h"
+#include "kmech/sweep.h"
+
+#include <stdio.h>
+
+enum { MOST_RODS = 6 };
+
+/* A platform on equal parallel rods, each with a universal joint on the ground and a ball on the platform, at poses where they lean: it
+ * moves across itself, all rods turning alike. With four rods and more it can't turn, but first order allows that. */
+static fixture platform(randomness *r, int rods) {
+  km_text text = {0};
+  double lean[3] = {uniform(r, 0.2, 0.5), uniform(r, 0.1, 0.4), uniform(r, 0.7, 1.1)}, base[MOST_RODS][2];
+  for (int i = 0; i < rods; ++i) {
+    base[i][0] = cos(6.283 * i / rods + 0.3) + uniform(r, -0.2, 0.2);
+    base[i][1] = sin(6.283 * i / rods + 0.3) + uniform(r, -0.2, 0.2);
+  }
+  km_text_add(&text, "{\"fixed\": {\"frames\": [");
+  for (int i = 0; i < rods; ++i)
+    km_text_format(&text, "%s{\"name\": \"u%d\", \"T\": [%.17g, %.17g, 0]}", i ? ", " : "", i, base[i][0], base[i][1]);
+  km_text_add(&text, "]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"p\", \"frames\": [");
+  for (int i = 0; i < rods; ++i)
+    km_text_format(&text, "%s{\"name\": \"s%d\", \"T\": [%.17g, %.17g, %.17g]}", i ? ", " : "", i, base[i][0] + lean[0],
+                   base[i][1] + lean[1], lean[2]);
+  km_text_add(&text, "]}");
+  for (int i = 0; i < rods; ++i)
+    km_text_format(&text, ", {\"name\": \"r%d\", \"frames\": [{\"name\": \"s\", \"T\": [%.17g, %.17g, %.17g]}]}", i,
+                   lean[0], lean[1], lean[2]);
+  km_text_add(&text, "], \"joints\": [");
+  for (int i = 0; i < rods; ++i)
+    km_text_format(
+        &text,
+        "%s{\"name\": \"U%d\", \"type\": \"universal\", \"body_frame_pairs\": [[\"fixed\", \"u%d\"], \"r%d\"]}, "
+        "{\"name\": \"S%d\", \"type\": \"spherical\", \"body_frame_pairs\": [[\"r%d\", \"s\"], [\"p\", \"s%d\"]]}",
+        i ? ", " : "", i, i, i, i, i, i);
+  km_text_add(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+static int coordinate(const fixture *f, const char *name) {
+  int found = -1;
+  assert_int_equal(km_model_find_coordinate(f->model, name, &found, NULL), KM_OK);
+  return found;
+}
+
+static void assert_moves(fixture *f, int mobility, int finite) {
+  km_finite_mobility found;
+  km_mobility at;
+  km_mobility_update(f->mechanism, f->state, &at);
+  assert_int_equal(at.mobility, mobility);
+  assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
+  assert_int_equal(found.mobility, finite);
+  assert_false(found.undecided);
+  for (int i = 0; i < found.motion_count; ++i)
+    assert_int_equal(found.motions[i].kind, i < mobility - finite ? KM_MOTION_SHAKY : KM_MOTION_REGULAR);
+  km_finite_mobility_free(&found);
+  km_mobility_update(f->mechanism, f->state, &at);
+}
+
+/* To within what a driven pose is closed to. */
+static void assert_alike(const fixture *f, int rods) {
+  for (int i = 1; i < rods; ++i)
+    for (int k = 0; k < 2; ++k) {
+      char name[16], first[16];
+      snprintf(name, sizeof name, "U%d[%d]", i, k);
+      snprintf(first, sizeof first, "U0[%d]", k);
+      assert_near(km_state_coordinate(f->state, coordinate(f, name)),
+                  km_state_coordinate(f->state, coordinate(f, first)), 1e-10);
+    }
+}
+
+static void platforms(void **state) {
+  (void)state;
+  randomness r = {11};
+  for (int i = 0; i < 24; ++i) {
+    int rods = 4 + i % 3;
+    fixture f = platform(&r, rods);
+    km_drive *drive;
+    assert_moves(&f, 3, 2);
+    assert_int_equal(km_drive_create(f.mechanism, f.state, coordinate(&f, "U0[0]"), true, &drive, NULL), KM_OK);
+    for (int step = 1; step <= 3; ++step) {
+      assert_int_equal(km_drive_to(drive, (i % 2 ? -0.2 : 0.2) * step).stop, KM_STOP_NONE);
+      assert_alike(&f, rods);
+    }
+    km_drive_free(drive);
+    assert_moves(&f, 3, 2);
+    fixture_close(&f);
+  }
+}
+
+static void platforms_by_arc_length(void **state) {
+  (void)state;
+  randomness r = {12};
+  for (int i = 0; i < 9; ++i) {
+    int rods = 4 + i % 3;
+    fixture f = platform(&r, rods);
+    km_follow *follow;
+    assert_int_equal(km_follow_create(f.mechanism, f.state, coordinate(&f, "U1[1]"), 1.0, true, &follow, NULL), KM_OK);
+    assert_int_equal(km_follow_start_branches(follow), 0);
+    for (int step = 0; step < 5; ++step) {
+      assert_int_equal(km_follow_advance(follow, 0.1), KM_OK);
+      assert_alike(&f, rods);
+    }
+    km_follow_free(follow);
+    fixture_close(&f);
+  }
+}
+
+/* A parallelogram, and a stretched chain of two bars between points of its cranks, on a line parallel to its coupler. */
+static fixture chain_between_cranks(randomness *r) {
+  char text[2048];
+  double x = uniform(r, 0.2, 0.8), y = uniform(r, 0.8, 1.4), width = uniform(r, 1.5, 2.5), part = uniform(r, 0.2, 0.8);
+  double middle = uniform(r, 0.2, 0.8);
+  snprintf(
+      text, sizeof text,
+      "{\"assemblies\": [{\"name\": \"m\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"l\"}, {\"name\": \"c\"}, "
+      "{\"name\": \"r\"}, {\"name\": \"x\"}, {\"name\": \"y\"}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"l\"], \"at\": [0, 0]},"
+      "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"l\", \"c\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"c\", \"r\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"r\"], \"at\": [%.17g, 0]},"
+      "{\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"l\", \"x\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"F\", \"type\": \"revolute\", \"bodies\": [\"x\", \"y\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"G\", \"type\": \"revolute\", \"bodies\": [\"y\", \"r\"], \"at\": [%.17g, %.17g]}]}]}",
+      x, y, x + width, y, width, part * x, part * y, part * x + middle * width, part * y, part * x + width, part * y);
+  return fixture_read(text);
+}
+
+static void stretched_chains(void **state) {
+  (void)state;
+  randomness r = {13};
+  for (int i = 0; i < 20; ++i) {
+    fixture f = chain_between_cranks(&r);
+    km_drive *drive;
+    km_lever *lever;
+    km_advantage a;
+    km_error error;
+    const km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate(&f, "A")},
+                    output = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate(&f, "G")};
+    assert_moves(&f, 2, 1);
+    assert_int_equal(km_lever_create(f.mechanism, &input, &output, &lever, &error), KM_OK);
+    assert_int_equal(km_drive_create(f.mechanism, f.state, input.coordinate, true, &drive, NULL), KM_OK);
+    for (int step = 1; step <= 4; ++step) {
+      km_mobility at;
+      assert_int_equal(km_drive_to(drive, (i % 2 ? -0.2 : 0.2) * step).stop, KM_STOP_NONE);
+      assert_near(km_state_coordinate(f.state, coordinate(&f, "F")), 0.0, 1e-10);
+      km_mobility_update(f.mechanism, f.state, &at);
+      assert_int_equal(at.mobility, 2);
+      km_lever_update(f.mechanism, f.state, lever, &a);
+      assert_int_equal(a.method, KM_ADVANTAGE_SINGLE_FREEDOM);
+      assert_near(fabs(a.value), 1.0, 1e-9);
+    }
+    km_drive_free(drive);
+    km_lever_free(lever);
+    fixture_close(&f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(platforms),
+      cmocka_unit_test(platforms_by_arc_length),
+      cmocka_unit_test(stretched_chains),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
