@@ -112,7 +112,7 @@ static const char *advice(const km_error *error, bool must_exist) {
 static kt_exit open_store(const kstudy_request *r, bool must_exist, kstudy_open *out) {
   struct stat there;
   km_error error;
-  if (must_exist && stat(out->store, &there) != 0) {
+  if (must_exist && (stat(out->store, &there) != 0 || there.st_size == 0)) {
     kt_say(&r->common, KM_ERROR, "%s: there is no such store; expected kstudy run before it", out->store);
     return KT_USAGE;
   }

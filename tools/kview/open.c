@@ -2,6 +2,7 @@
 #include "kview/kview.h"
 #include "kview/server.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -91,6 +92,10 @@ kt_exit kview_open(int argc, char **argv) {
     return KT_USAGE;
   if (strcmp(o.model, "-") == 0)
     return kt_usage(&o.common, "MODEL", "-", "a file, which is read again when it changes");
+  if (o.study && access(o.study, R_OK) != 0) {
+    kt_say(&o.common, KM_ERROR, "%s: can't be opened: %s", o.study, strerror(errno));
+    return KT_USAGE;
+  }
   kt_exit result = try_model(&o);
   km_error error;
   if (result == KT_DONE && kv_serve(&def, &error)) {

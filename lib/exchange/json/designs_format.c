@@ -58,7 +58,7 @@ static const km_object_format optimise_format = {"optimise", optimise_fields};
 static const km_field figure_fields[] = {
     {"figure",
      "\"min\", \"max\", \"span\", \"mean\", \"at\", \"where min\", \"where max\" of a column; \"reached\", \"toggles\"; "
-     "\"distance\" of given points from a traced one.",
+     "\"distance\" of given points from a traced one. A mean is that over the driver or the arc length, by the trapezoidal rule.",
      STRING, REQUIRED},
     {"column", "Column of the answer's table, without its unit.", STRING},
     {"at",
@@ -76,7 +76,7 @@ static const km_field question_fields[] = {
     {"name", "Of its files.", STRING, UNSTATED("the question's own word")},
     {"question", "\"mobility\", \"advantage\", \"forces\" or \"track\".", STRING, REQUIRED},
     {"options",
-     "The options of the sweep commands: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}; of a track: "
+     "The options of the sweep commands, but mode, pose and float: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}; of a track: "
      "{\"study\": a path study's file, \"method\": \"greedy\"}.",
      SHAPE(ANY)},
     {"hold", "Joints that are kept at a value.", SHAPE(COORDINATE_MAP)},
