@@ -68,7 +68,7 @@ static void assert_moves(fixture *f, int mobility, int finite) {
 static void assert_alike(const fixture *f, int rods) {
   for (int i = 1; i < rods; ++i)
     for (int k = 0; k < 2; ++k) {
-      char name[16], first[16];
+      char name[32], first[32];
       snprintf(name, sizeof name, "U%d[%d]", i, k);
       snprintf(first, sizeof first, "U0[%d]", k);
       assert_near(km_state_coordinate(f->state, coordinate(f, name)),
