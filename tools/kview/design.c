@@ -54,21 +54,92 @@ static km_status set_frames(kv_session *s, const double *T, km_error *error) {
   return status;
 }
 
-/* Changes what `T` says, at the pose next to q (NULL: the present one); where the loops don't close then, everything is
- * as before. */
-static km_status change(kv_session *s, const double *before, const double *T, const double *q, km_error *error) {
+static bool slides(const km_model *m, int joint) {
+  int type = km_model_joint_type(m, joint);
+  return type == KM_TX || type == KM_TY || type == KM_TZ;
+}
+
+static int body_at(const km_model *m, int joint, int end) {
+  return km_model_frame_body(m, km_model_joint_frame(m, joint, end));
+}
+
+/* How many joints a body has; the slide among them, -1: none. */
+static int joints_of(const km_model *m, int body, int *slide) {
+  int count = 0;
+  *slide = -1;
+  for (int j = 0; j < km_model_joint_count(m); ++j)
+    for (int end = 0; end < 2; ++end)
+      if (body_at(m, j, end) == body) {
+        ++count;
+        *slide = slides(m, j) ? j : *slide;
+      }
+  return count;
+}
+
+/* A cylinder or its rod, between which a slide is and which have a pin each: they keep their pins, and follow the one that is moved. */
+static bool is_strut_end(const km_model *m, int body) {
+  int slide, other;
+  if (body <= 0 || joints_of(m, body, &slide) != 2 || slide < 0)
+    return false;
+  int beyond = body_at(m, slide, body_at(m, slide, 0) == body);
+  return beyond > 0 && joints_of(m, beyond, &other) == 2;
+}
+
+/* Is it the slide between a cylinder and its rod, which is no part of a pin? Any other slide whose frame is a pin's moves with it. */
+static bool is_strut(const km_model *m, int joint) {
+  return slides(m, joint) && is_strut_end(m, body_at(m, joint, 0));
+}
+
+/* The holds of all joints but those of struts, and the slide (-1: none). Returns how many there are, as many as there are coordinates where
+ * nothing is to follow. */
+static int hold_others(const km_model *m, int slide, const double *q, km_hold *holds) {
+  int count = 0;
+  for (int c = 0; c < km_model_coordinate_count(m); ++c) {
+    int joint = km_model_coordinate_joint(m, c);
+    if (joint != slide && !is_strut_end(m, body_at(m, joint, 0)) && !is_strut_end(m, body_at(m, joint, 1)))
+      holds[count++] = (km_hold){c, q[c]};
+  }
+  return count;
+}
+
+/* The model's numbers have changed: brings those coordinates of q[coordinate] that are struts' or the slide's to where these close the loops
+ * while all other joints stand. Where they can't, q stays. */
+static void follow(const kv_session *s, int slide, double *q) {
+  int n = km_model_coordinate_count(s->model);
+  km_hold *holds = calloc((size_t)n + 1, sizeof *holds);
+  km_mechanism *mechanism = NULL;
+  km_state *state = NULL;
+  km_assembly evidence;
   km_error ignored;
-  double *present = kv_session_coordinates(s);
-  if (!present)
-    return km_fail(error, KM_MEMORY, "out of memory");
-  km_status status = set_frames(s, T, error);
+  int count = holds ? hold_others(s->model, slide, q, holds) : n;
+  if (count < n && !km_mechanism_compile(s->model, holds, count, &mechanism, &ignored) &&
+      !km_state_create(mechanism, &state, &ignored) && !km_state_set_coordinates(mechanism, state, q, &ignored) &&
+      !km_assemble(mechanism, state, &evidence, &ignored))
+    km_state_coordinates(mechanism, state, q, &ignored);
+  km_state_free(state);
+  km_mechanism_free(mechanism);
+  free(holds);
+}
+
+/* Changes what `T` says, at the pose next to q (NULL: the present one, which struts and the slide alone leave); where the loops don't close
+ * then, everything is as before. */
+static km_status change(kv_session *s, const double *before, const double *T, const double *q, int slide,
+                        km_error *error) {
+  km_error ignored;
+  double *present = kv_session_coordinates(s), *next = kv_session_coordinates(s);
+  km_status status = present && next ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
   if (!status)
-    status = take_over(s, q ? q : present, error);
-  if (status && !set_frames(s, before, &ignored))
+    status = set_frames(s, T, error);
+  if (!status && !q)
+    follow(s, slide, next);
+  if (!status)
+    status = take_over(s, q ? q : next, error);
+  if (status && present && !set_frames(s, before, &ignored))
     take_over(s, present, &ignored);
   if (!status)
     kv_session_note_edits(s);
   free(present);
+  free(next);
   return status;
 }
 
@@ -79,7 +150,7 @@ km_status kv_session_take_design(kv_session *s, const double *T, const double *q
     return km_fail(error, KM_MEMORY, "out of memory");
   km_status status = KM_OK;
   if (memcmp(before, T, size))
-    status = change(s, before, T, q, error);
+    status = change(s, before, T, q, -1, error);
   else if (q)
     status = s->hold_count > 0 ? kv_session_compile(s, q, error) : kv_session_place(s, q, error);
   free(before);
@@ -95,7 +166,7 @@ km_status kv_session_move_frame(kv_session *s, int frame, const double T[3], km_
     status = km_fail(error, KM_USAGE, "there is no frame %d", frame);
   if (!status) {
     memcpy(after + 3 * frame, T, 3 * sizeof *T);
-    status = change(s, before, after, NULL, error);
+    status = change(s, before, after, NULL, -1, error);
   }
   free(before);
   free(after);
@@ -116,36 +187,72 @@ static km_status turn_into_body(const kv_session *s, int body, const double way[
   return status;
 }
 
-static bool slides(const km_model *m, int joint) {
-  int type = km_model_joint_type(m, joint);
-  return type == KM_TX || type == KM_TY || type == KM_TZ;
-}
+/* What moves with a pin. */
+typedef struct pin {
+  bool *moved;     /* [frame] */
+  double shift[3]; /* in the inertial frame */
+  int slide;       /* along which alone the pin's body goes, with all its frames; -1: none */
+} pin;
 
-/* A cylinder or its rod keeps its pins, and follows the one that is moved. */
-static bool is_strut_end(const km_model *m, int body) {
-  int joints = 0;
-  bool slide = false;
-  for (int j = 0; j < km_model_joint_count(m); ++j)
-    for (int end = 0; end < 2; ++end)
-      if (km_model_frame_body(m, km_model_joint_frame(m, j, end)) == body) {
-        ++joints;
-        slide = slide || slides(m, j);
-      }
-  return body > 0 && slide && joints == 2;
-}
-
-/* The frames of a pin: those of the joint, and of others that share one with it. */
-static void mark_pin(const km_model *m, int joint, bool *moved) {
+/* The frames of a joint, and of others that share one with it; of slides where it goes `through` them. */
+static void mark_pin(const km_model *m, int joint, bool through, bool *moved) {
+  memset(moved, 0, (size_t)km_model_frame_count(m) * sizeof *moved);
   moved[km_model_joint_frame(m, joint, false)] = moved[km_model_joint_frame(m, joint, true)] = true;
   for (bool more = true; more;) {
     more = false;
     for (int j = 0; j < km_model_joint_count(m); ++j) {
       bool *parent = &moved[km_model_joint_frame(m, j, false)], *child = &moved[km_model_joint_frame(m, j, true)];
-      if (*parent == *child || slides(m, j))
+      if (*parent == *child || is_strut(m, j) || (slides(m, j) && !through))
         continue;
       *parent = *child = more = true;
     }
   }
+}
+
+/* The slide that one of the pin's frames is on; -1: none. */
+static int slide_at(const km_model *m, const bool *moved) {
+  for (int j = 0; j < km_model_joint_count(m); ++j)
+    if (slides(m, j) && !is_strut(m, j) &&
+        moved[km_model_joint_frame(m, j, false)] != moved[km_model_joint_frame(m, j, true)])
+      return j;
+  return -1;
+}
+
+/* Of the way its part along the slide is left. */
+static km_status keep_along(const kv_session *s, int slide, double way[3], km_error *error) {
+  km_frame_pose X;
+  int axis = km_model_joint_type(s->model, slide) - KM_TX;
+  km_status status = km_frame_place(s->mechanism, s->state, km_model_joint_frame(s->model, slide, false), &X, error);
+  double along = 0.0;
+  for (int k = 0; k < 3 && !status; ++k)
+    along += X.R[3 * k + axis] * way[k];
+  for (int k = 0; k < 3 && !status; ++k)
+    way[k] = along * X.R[3 * k + axis];
+  return status;
+}
+
+/* A slide moves with its pin; where that would move the inertial frame's own origin, which a file can't say, the pin goes along the
+ * slide alone. */
+static km_status find_pin(const kv_session *s, int joint, pin *p, km_error *error) {
+  mark_pin(s->model, joint, true, p->moved);
+  p->slide = -1;
+  if (!p->moved[s->origin[0]])
+    return KM_OK;
+  mark_pin(s->model, joint, false, p->moved);
+  p->slide = p->moved[s->origin[0]] ? -1 : slide_at(s->model, p->moved);
+  if (p->slide < 0)
+    return km_fail(error, KM_USAGE,
+                   "joint \"%s\" stands at the origin of the inertial frame, which can't be moved; expected one with a "
+                   "frame of its own",
+                   km_model_joint_label(s->model, joint));
+  return keep_along(s, p->slide, p->shift, error);
+}
+
+/* Cylinders and rods stay as they are and follow, as does the body that goes along a slide. */
+static bool stays_whole(const km_model *m, const pin *p, int body) {
+  if (is_strut_end(m, body))
+    return true;
+  return p->slide >= 0 && body_at(m, p->slide, p->moved[km_model_joint_frame(m, p->slide, true)]) == body;
 }
 
 /* Moves the marked frames of one body by `way`. Its own origin can't move in it: there the others go the other way. */
@@ -156,40 +263,40 @@ static void move_on_body(const km_model *m, int body, int origin, const bool *mo
       T[3 * f + k] += whole ? -way[k] : way[k];
 }
 
-static km_status shift_pin(const kv_session *s, int joint, const double shift[3], double *T, km_error *error) {
-  bool *moved = calloc((size_t)km_model_frame_count(s->model), sizeof *moved);
-  km_status status = moved ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
-  if (!status)
-    mark_pin(s->model, joint, moved);
+static km_status shift_pin(const kv_session *s, const pin *p, double *T, km_error *error) {
+  km_status status = KM_OK;
   for (int b = 0; b <= km_model_body_count(s->model) && !status; ++b) {
     double way[3];
     bool has = false;
     for (int f = 0; f < km_model_frame_count(s->model); ++f)
-      has = has || (moved[f] && km_model_frame_body(s->model, f) == b);
-    if (!has || is_strut_end(s->model, b))
+      has = has || (p->moved[f] && km_model_frame_body(s->model, f) == b);
+    if (!has || stays_whole(s->model, p, b))
       continue;
-    status = turn_into_body(s, b, shift, way, error);
+    status = turn_into_body(s, b, p->shift, way, error);
     if (!status)
-      move_on_body(s->model, b, s->origin[b], moved, way, T);
+      move_on_body(s->model, b, s->origin[b], p->moved, way, T);
   }
-  free(moved);
   return status;
 }
 
 km_status kv_session_move_pivot(kv_session *s, int joint, const double point[3], km_error *error) {
-  double *before = kv_frame_places(s->model), *after = kv_frame_places(s->model), shift[3], place[3];
-  km_status status = before && after ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
+  double *before = kv_frame_places(s->model), *after = kv_frame_places(s->model), place[3];
+  pin p = {calloc((size_t)km_model_frame_count(s->model) + 1, sizeof *p.moved), {0.0, 0.0, 0.0}, -1};
+  km_status status = before && after && p.moved ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
   if (!status && km_model_joint_frame(s->model, joint, false) < 0)
     status = km_fail(error, KM_USAGE, "there is no joint %d", joint);
   if (!status) {
     km_frame_position(s->mechanism, s->state, km_model_joint_frame(s->model, joint, true), place);
     for (int k = 0; k < 3; ++k)
-      shift[k] = point[k] - place[k];
-    status = shift_pin(s, joint, shift, after, error);
+      p.shift[k] = point[k] - place[k];
+    status = find_pin(s, joint, &p, error);
   }
   if (!status)
-    status = change(s, before, after, NULL, error);
+    status = shift_pin(s, &p, after, error);
+  if (!status)
+    status = change(s, before, after, NULL, p.slide, error);
   free(before);
   free(after);
+  free(p.moved);
   return status;
 }
