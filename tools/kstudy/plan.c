@@ -24,23 +24,54 @@ static int planned(const kstudy_open *o) {
   return optimise->evaluations * (optimise->starts + (optimise->goal_count == 2 ? 2 : 0));
 }
 
-/* Bytes of a result in the store: key, figures, bands, and what SQLite adds. */
-static double bytes_of(const kstudy_open *o) {
-  double bytes = 0.0;
-  for (int q = 0; q < o->def.question_count; ++q) {
-    int rows = 0;
-    const km_design_question *question = &o->def.questions[q];
-    if (question->band_count)
-      km_design_study_bands(o->study, q, 0, &rows, NULL, NULL, NULL);
-    bytes += 24.0 + 8.0 * (o->def.parameter_count + question->figure_count + (double)question->band_count * rows);
-  }
-  return bytes;
+/* Bytes of the pages that SQLite takes for a result of so many bytes: of one that is longer than a quarter of a page it keeps the begin in the
+ * table, and the rest goes to pages of its own. */
+static double stored(double record) {
+  static const double page = 4096.0, longest = 1002.0, begin = 489.0, on_page = 4092.0, unused = 1.2;
+  return record <= longest ? unused * record : begin + page * ceil((record - begin) / on_page);
 }
 
-/* What the pilot took at most, in bytes. Its own results are in memory; a run's go to a file. */
+static int band_rows(const kstudy_open *o, int question) {
+  int rows = 0;
+  if (o->def.questions[question].band_count)
+    km_design_study_bands(o->study, question, 0, &rows, NULL, NULL, NULL);
+  return rows;
+}
+
+/* Bytes of so many designs in the store: of results by their keys, and of those that have been appended and wait, of which more than a part
+ * never does. */
+static double store_of(const kstudy_open *o, int designs) {
+  static const double least_waiting = 1 << 20, waiting = 0.4, header = 10.0;
+  double bytes = 0.0, appended = 0.0;
+  for (int q = 0; q < o->def.question_count; ++q) {
+    const km_design_question *question = &o->def.questions[q];
+    double record = header + 8.0 * (o->def.parameter_count + question->figure_count +
+                                    (double)question->band_count * band_rows(o, q));
+    bytes += designs * stored(record);
+    appended += designs * record;
+  }
+  return bytes + fmin(appended, fmax(least_waiting, waiting * appended));
+}
+
+/* What the pilot took at most, in bytes, without its results, which are in memory; a run's go to a file. */
 static double memory_of(const kstudy_open *o, int piloted) {
   struct rusage usage;
-  return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - bytes_of(o) * piloted);
+  double results = 0.0;
+  for (int q = 0; q < o->def.question_count; ++q)
+    results += 8.0 * piloted *
+               (o->def.parameter_count + o->def.questions[q].figure_count +
+                (double)o->def.questions[q].band_count * band_rows(o, q));
+  return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - results);
+}
+
+/* What statistics take in bytes: figures and ranks of up to KM_MOST_RANKED_DESIGNS designs, and one band at a time of up to 10 000. */
+static double statistics_of(const kstudy_open *o, int designs) {
+  static const double banded = 10000.0, of_rank = 16.0;
+  double ranked = fmin(designs, KM_MOST_RANKED_DESIGNS), bands = 0.0;
+  int figures = km_design_study_figures(o->study);
+  for (int q = 0; q < o->def.question_count; ++q)
+    bands = fmax(bands, 8.0 * fmin(designs, banded) * (band_rows(o, q) + 1.0));
+  return ranked * (8.0 * (figures + 1.0) + of_rank * (figures + o->def.parameter_count)) + bands;
 }
 
 static void print(const kstudy_open *o, double each, int piloted, int ranks, int jobs, km_text *out) {
@@ -51,8 +82,9 @@ static void print(const kstudy_open *o, double each, int piloted, int ranks, int
   km_text_format(out, "  pilot: %d designs, %.4g ms each on one thread\n", piloted, 1e3 * each);
   km_text_format(out, "  time on %d rank%s of %d thread%s: about %.3g s\n", ranks, ranks == 1 ? "" : "s", jobs,
                  jobs == 1 ? "" : "s", each * designs / workers);
-  km_text_format(out, "  memory on each rank: about %.2g MB, however many designs\n", 1e-6 * memory_of(o, piloted));
-  km_text_format(out, "  store: about %.3g MB\n", 1e-6 * bytes_of(o) * designs);
+  km_text_format(out, "  memory on each rank: about %.2g MB; for statistics on the first about %.2g MB more\n",
+                 1e-6 * memory_of(o, piloted), 1e-6 * statistics_of(o, designs));
+  km_text_format(out, "  store: about %.2g MB\n", 1e-6 * store_of(o, designs));
 }
 
 /* The pilot's results go to a store of its own, in memory. */
