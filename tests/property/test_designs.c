@@ -411,6 +411,35 @@ static void records_name_the_model(void **state) {
   km_design_study_free(s);
 }
 
+static km_status reciprocal(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)x, (void)error;
+  f[0] = HUGE_VAL;
+  f[1] = -HUGE_VAL;
+  f[2] = 1.0;
+  return KM_OK;
+}
+
+/* What JSON has no number for has a word beside it. */
+static void infinite_figures_say_so(void **state) {
+  (void)state;
+  designs d;
+  km_arena arena = {0};
+  km_value *record;
+  designs_of_function(&d, reciprocal, 1, 3);
+  d.spreads[0] = (km_design_spread){0, KM_UNIFORM, .low = 0.0, .high = 1.0};
+  d.sample = (km_design_sample){.count = 2, .seed = 1, .spreads = d.spreads, .spread_count = 1};
+  d.def.sample = &d.sample;
+  km_design_study *s = designs_run(&d, NULL, 1);
+  assert_int_equal(km_designs_record(s, &d.def, "study", &arena, &record, NULL), KM_OK);
+  const km_value *design = km_value_get(record, "designs")->first, *states = km_value_get(design, "states");
+  assert_int_equal(km_value_get(km_value_get(design, "figures"), "f0")->kind, KM_NULL);
+  assert_string_equal(km_value_get(states, "f0")->string, "infinite");
+  assert_string_equal(km_value_get(states, "f1")->string, "minus infinite");
+  assert_null(km_value_get(states, "f2"));
+  km_arena_free(&arena);
+  km_design_study_free(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(as_by_hand),
                                      cmocka_unit_test(tracks_as_by_hand),
@@ -421,6 +450,7 @@ int main(void) {
                                      cmocka_unit_test(truncated_tails),
                                      cmocka_unit_test(faulty_designs_are_results),
                                      cmocka_unit_test(cancelled_runs_go_on),
-                                     cmocka_unit_test(records_name_the_model)};
+                                     cmocka_unit_test(records_name_the_model),
+                                     cmocka_unit_test(infinite_figures_say_so)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

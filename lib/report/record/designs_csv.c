@@ -104,6 +104,18 @@ static void add_number(km_arena *arena, km_value *object, const char *key, doubl
     km_value_add(arena, object, key, KM_NULL);
 }
 
+/* Why figures are null that have a value: "infinite", "minus infinite", by their names. */
+static void add_states(const km_design_study *s, const km_design_result *r, km_arena *arena, km_value *design) {
+  km_value *states = NULL;
+  for (int f = 0; f < km_design_study_figures(s) && !arena->failed; ++f) {
+    if (!isinf(r->figures[f]))
+      continue;
+    states = states ? states : km_value_add(arena, design, "states", KM_OBJECT);
+    km_value_string(arena, states, km_design_study_figure(s, f)->name,
+                    r->figures[f] > 0.0 ? "infinite" : "minus infinite");
+  }
+}
+
 static km_status add_designs(const km_design_study *s, const km_design_study_def *def, km_arena *arena,
                              km_value *record, km_error *error) {
   km_value *list = km_value_add(arena, record, "designs", KM_LIST);
@@ -130,6 +142,7 @@ static km_status add_designs(const km_design_study *s, const km_design_study_def
     km_value *figures = km_value_add(arena, design, "figures", KM_OBJECT);
     for (int f = 0; f < km_design_study_figures(s) && !arena->failed; ++f)
       add_number(arena, figures, km_design_study_figure(s, f)->name, r.figures[f]);
+    add_states(s, &r, arena, design);
   }
   return KM_OK;
 }
