@@ -79,9 +79,9 @@ static inline const km_substructure *km_continuation_sub(const km_continuation *
 /* (D a)·(D b) of scaled steps. */
 double km_continuation_dot(const km_continuation *continuation, const double *a, const double *b);
 
-/* How many freedoms the motion has, of which those that shake aren't. */
-static inline int km_continuation_freedom(const km_continuation *c) {
-  return c->steady.on ? c->steady.count : km_partition_freedom(&c->state->partition[c->substructure]);
+/* Has the motion just one freedom, of so many that first order allows? */
+static inline bool km_continuation_is_alone(const km_continuation *c, int freedom) {
+  return c->steady.on ? c->steady.count == 1 : freedom <= 1;
 }
 
 /* The tangent at the state's pose from its partition. A driver's: its rate is 1 and the others move least; false at its

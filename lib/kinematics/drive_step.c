@@ -40,7 +40,7 @@ static bool sign_changed(km_drive *d) {
 }
 
 static bool is_alone(const km_drive *d) {
-  return d->c.steady.on ? d->c.steady.count == 1 : km_partition_freedom(&d->c.course.reference) <= 1;
+  return km_continuation_is_alone(&d->c, km_partition_freedom(&d->c.course.reference));
 }
 
 /* So many refusals in a row show that the path may be stiff. */

@@ -25,7 +25,7 @@ static const double narrow = 4e-3;        /* width to which a branch point is br
 static bool step(km_follow *f, double h, double *length) {
   const km_substructure *sub = km_follow_sub(f);
   const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
-  km_continuation_predict(&f->c, h, km_continuation_freedom(&f->c) == 1);
+  km_continuation_predict(&f->c, h, km_continuation_is_alone(&f->c, f->freedom));
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_TAKEN ||
       km_partition_freedom(&f->c.state->partition[f->c.substructure]) != f->freedom) {
