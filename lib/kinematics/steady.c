@@ -1,92 +1,11 @@
-/* Finding the tangents along which the rank stays, and whether others can be real. */
+/* Following the motions of mechanisms that shake all along them. */
 #include "kinematics/steady.h"
+#include "kinematics/steady_shares.h"
 
-#include "base/random.h"
 #include "kinematics/loops.h"
 #include "partition/partition.h"
 
 #include <string.h>
-
-static const double still =
-    1e-6; /* over the largest entry of the conditions: what changes no rank at a pose on the motion */
-
-/* The common null space of all Q_i, to within a part of their largest entry, as orthonormal shares of the basis. Returns how many there
- * are. */
-static int find_steady(const km_second_order *c, double within, km_arena *arena, double **shares) {
-  int k = c->freedom, rows = c->conditions * k;
-  double *M = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)k), *one = KM_ARENA_NEW(arena, double, (size_t)k);
-  km_partition p;
-  if (arena->failed || !km_partition_reserve(&p, rows, k, arena))
-    return 0;
-  for (int a = 0; a < k; ++a) {
-    one[a] = 1.0;
-    for (int i = 0; i < rows; ++i)
-      M[a * rows + i] = c->Q[i * k + a];
-  }
-  km_partition_factor(&p, M, rows, k, NULL, fmax(within, c->noise / c->size));
-  int count = km_partition_freedom(&p);
-  *shares = KM_ARENA_NEW(arena, double, (size_t)(count * k) + 1);
-  if (arena->failed)
-    return 0;
-  km_partition_null(&p, one, count, *shares);
-  return count;
-}
-
-/* Shares at right angles to the first `count` rows of V[k × k], as the rows behind them. */
-static bool find_others(double *V, int count, int k, km_arena *arena) {
-  double *unit = KM_ARENA_NEW(arena, double, (size_t)k);
-  for (int i = 0; i < k && count < k && unit; ++i) {
-    memset(unit, 0, (size_t)k * sizeof *unit);
-    unit[i] = 1.0;
-    count += km_tangents_add(V, count, k, unit);
-  }
-  return count == k;
-}
-
-/* May one of these shares, others[count × freedom], or some of them together, meet the conditions? */
-static bool others_may_move(const km_second_order *c, const double *others, int count, km_arena *arena) {
-  km_second_order rest;
-  uint64_t random = 1;
-  double *a = KM_ARENA_NEW(arena, double, (size_t)count);
-  double *work = KM_ARENA_NEW(arena, double, 4 * (size_t)(count * count) + 8 * (size_t)count);
-  if (arena->failed || !km_second_order_restrict(c, others, count, arena, &rest))
-    return true;
-  bool met = false;
-  for (int start = 0; start < KM_STARTS_PER_FREEDOM * count && count > 1 && !met; ++start) {
-    for (int i = 0; i < count; ++i)
-      a[i] = km_uniform(&random);
-    km_tangents_normalise(a, count);
-    met = km_second_order_solve(&rest, a, work);
-  }
-  return met;
-}
-
-int km_tangents_keep_steady(km_tangents *f, double *directions) {
-  km_second_order *c = &f->conditions;
-  km_arena arena = {0};
-  int k = c->freedom, others = 0;
-  double *steady = NULL, *V = KM_ARENA_NEW(&arena, double, (size_t)(k * k) + 1);
-  if (V && km_tangents_need_conditions(f) && c->conditions > 0 && c->size > c->noise) {
-    int count = find_steady(c, still, &arena, &steady);
-    for (int i = 0; i < count * k; ++i)
-      V[i] = steady[i];
-    bool found = count > 0 && count < k && find_others(V, count, k, &arena);
-    if (found && !others_may_move(c, V + count * k, k - count, &arena))
-      others = k - count;
-  }
-  /* The steady ones are what is left when the others are taken out. */
-  double *out = others ? KM_ARENA_NEW(&arena, double, (size_t)(k * k)) : NULL;
-  if (out) {
-    memcpy(out, V + (k - others) * k, (size_t)(others * k) * sizeof *out);
-    for (int i = 0; i < others && directions; ++i)
-      km_tangents_direction(f, out + i * k, directions + (size_t)i * (size_t)f->sub->columns);
-    f->arena->failed = !km_tangents_take_out(f, out, others) || f->arena->failed;
-    c->conditions = 0;
-  }
-  f->arena->failed = f->arena->failed || arena.failed;
-  km_arena_free(&arena);
-  return out ? others : 0;
-}
 
 bool km_steady_tangent(const km_steady *st, const km_mechanism *m, int index, int driver, const double *along,
                        double *t) {
@@ -118,23 +37,13 @@ typedef struct split {
   int steady;
 } split;
 
-/* `count`: how many tangents are steady on the motion, near which no more than nearly that many are; 0: that is not known. */
+/* `count`: how many tangents are steady on the motion; 0: that is not known. */
 static bool find_split(split *p, const km_mechanism *m, km_state *s, int index, int count, km_arena *arena) {
-  static const double most_within = 1e-2;
-  double *shares = NULL;
   if (!km_second_order_start(m, s, index, &p->c) || p->c.freedom < 1 ||
-      !km_second_order_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c) ||
-      p->c.conditions == 0 || p->c.size < p->c.noise)
+      !km_second_order_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c))
     return false;
-  int k = p->c.freedom;
-  p->steady = find_steady(&p->c, still, arena, &shares);
-  for (double within = 10.0 * still; p->steady < count && within <= most_within; within *= 10.0)
-    p->steady = find_steady(&p->c, within, arena, &shares);
-  p->V = KM_ARENA_NEW(arena, double, (size_t)(k * k));
-  if (arena->failed || p->steady == 0 || p->steady == k || (count > 0 && p->steady != count))
-    return false;
-  memcpy(p->V, shares, (size_t)(p->steady * k) * sizeof *shares);
-  return find_others(p->V, p->steady, k, arena);
+  p->steady = km_steady_shares(&p->c, count, arena, &p->V);
+  return p->steady > 0 && (count == 0 || p->steady == count);
 }
 
 static bool keep_tangents(km_steady *st, const split *p, int columns) {
@@ -150,7 +59,7 @@ static bool keep_tangents(km_steady *st, const split *p, int columns) {
 }
 
 /* Newton's step: shares y of the others with Σ Q_i(v, others y) = −w_iᵀ J z_v for all i and v, by least squares. */
-static bool find_shares(const split *p, const double *changes, km_arena *arena, double *y) {
+static bool solve_shares(const split *p, const double *changes, km_arena *arena, double *y) {
   int k = p->c.freedom, others = k - p->steady, rows = p->c.conditions * k;
   double *A = KM_ARENA_NEW(arena, double, (size_t)(rows * others));
   double *square = KM_ARENA_NEW(arena, double, (size_t)(others * others)),
@@ -181,7 +90,7 @@ static double find_step(km_steady *st, const split *p, const km_mechanism *m, km
   int k = p->c.freedom, n = sub->columns;
   double *changes = KM_ARENA_NEW(arena, double, (size_t)(p->c.conditions * k)), largest = 0.0;
   double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
-  if (arena->failed || !km_second_order_changes(m, s, index, &p->c, changes) || !find_shares(p, changes, arena, y) ||
+  if (arena->failed || !km_second_order_changes(m, s, index, &p->c, changes) || !solve_shares(p, changes, arena, y) ||
       (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, t)))
     return HUGE_VAL;
   memset(x, 0, (size_t)n * sizeof *x);
@@ -261,7 +170,7 @@ static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, 
   km_closure evidence;
   double fastest = 0.0;
   for (int c = 0; c < sub->columns && driver < 0; ++c)
-    x[c] = st->Z[c]; /* the first tangent is as good as any */
+    x[c] = st->Z[c] / m->column_weight[sub->column_start + c]; /* the first tangent is as good as any */
   if (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, x))
     return false;
   for (int c = 0; c < sub->columns; ++c)
@@ -291,8 +200,7 @@ static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, 
   km_partition *p = &s->partition[index];
   size_t n = (size_t)sub->columns;
   split here = {0};
-  if (!find_split(&here, m, s, index, 0, arena) ||
-      others_may_move(&here.c, here.V + here.steady * here.c.freedom, here.c.freedom - here.steady, arena))
+  if (!find_split(&here, m, s, index, 0, arena) || km_steady_others_may_move(&here.c, here.V, here.steady, arena))
     return false;
   st->rank = p->rank;
   st->blunt = margin * p->last_pivot / p->scale;

@@ -23,25 +23,24 @@ bool km_tangents_add(double *V, int count, int k, const double *a) {
   return true;
 }
 
-/* Rows of V behind the first `count`, of unit vectors. Returns how many there are then. */
-static int complete(double *V, int count, int k, double *unit) {
-  for (int i = 0; i < k && count < k; ++i) {
+bool km_tangents_complete(double *V, int count, int k) {
+  double *unit = KM_NEW(double, (size_t)k + 1);
+  for (int i = 0; i < k && count < k && unit; ++i) {
     memset(unit, 0, (size_t)k * sizeof *unit);
     unit[i] = 1.0;
     count += km_tangents_add(V, count, k, unit);
   }
-  return count;
+  km_free(unit);
+  return count == k;
 }
 
 bool km_tangents_take_out(km_tangents *f, double *V, int count) {
   km_second_order *conditions = &f->conditions;
-  km_arena arena = {0};
   int k = conditions->freedom, n = f->sub->columns;
   if (count == 0)
     return true;
-  double *unit = KM_ARENA_NEW(&arena, double, (size_t)k);
   double *rest = KM_ARENA_NEW(f->arena, double, (size_t)(k - count) * (size_t)n + 1);
-  bool whole = unit && rest && complete(V, count, k, unit) == k;
+  bool whole = rest && km_tangents_complete(V, count, k);
   for (int i = count; i < k && whole; ++i)
     for (int c = 0; c < n; ++c) {
       double sum = 0.0;
@@ -49,7 +48,6 @@ bool km_tangents_take_out(km_tangents *f, double *V, int count) {
         sum += V[i * k + r] * conditions->Z[(size_t)r * (size_t)n + (size_t)c];
       rest[(size_t)(i - count) * (size_t)n + (size_t)c] = sum;
     }
-  km_arena_free(&arena);
   if (!whole)
     return false;
   conditions->Z = rest;

@@ -55,6 +55,8 @@ void km_tangents_direction(const km_tangents *tangents, const double *a, double 
 /* Adds what of the shares a[freedom] lies outside the first `count` rows of V[freedom × freedom], which are orthonormal, as one more of
  * them; false where that is next to nothing. */
 bool km_tangents_add(double *V, int count, int freedom, const double *a);
+/* Fills the rows behind the first `count` with others at right angles to them. False when out of memory. */
+bool km_tangents_complete(double *V, int count, int freedom);
 /* Takes the first `count` rows of V[freedom × freedom] out, orthonormal shares of the basis: what is left stands at right angles to them.
  * Fills the other rows of V with its shares of the basis that was. Before conditions of second order are asked for, or where none is
  * left. False when out of memory. */
