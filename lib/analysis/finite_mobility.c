@@ -54,10 +54,24 @@ static int common_span(km_tangents *f, double *basis) {
 /* Do conditions of second order show that not all tangents are real? One that nearly is could be taken for all. False too where asking
  * takes longer than following a few. */
 static bool rank_changes(km_tangents *f) {
-  static const double most_work = 1e7;
-  double work = (double)f->sub->rows * f->sub->rows * f->sub->columns;
-  return work < most_work && km_tangents_need_conditions(f) && f->conditions.conditions > 0 &&
+  return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && f->conditions.conditions > 0 &&
          f->conditions.size > f->conditions.noise;
+}
+
+/* Are the steady tangents all real, and no others? Then they alone are left, and directions[freedom × columns] (may be NULL) are those of
+ * the others. */
+static bool are_steady(km_tangents *f, double *directions) {
+  const bool doubtful = f->doubtful;
+  if (!km_tangents_need_conditions(f))
+    return false;
+  const km_second_order whole = f->conditions;
+  if (km_tangents_keep_steady(f, directions) > 0 && km_tangents_all_real(f))
+    return true;
+  f->conditions = whole;
+  f->doubtful = doubtful;
+  for (int i = 0; i < whole.freedom; ++i)
+    f->length[i] = -1.0;
+  return false;
 }
 
 /* The dimension of the motion through the state's present pose, assumed to be one where just one family passes. */
@@ -71,9 +85,9 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, const k
     apart = km_idle_tangents_leave(&f, idle, NULL);
     k = dimension = f.conditions.freedom;
     bool real = k <= 1 || (apart > 0 && km_tangents_all_real(&f));
-    if (!real && km_tangents_keep_steady(&f, NULL) > 0) {
+    if (!real && are_steady(&f, NULL)) {
       k = dimension = f.conditions.freedom;
-      real = km_tangents_all_real(&f);
+      real = true;
     }
     if (!real) {
       double *basis = KM_ARENA_NEW(arena, double, (size_t)((k + 1) * k));
@@ -224,13 +238,16 @@ static int list_idle(km_tangents *f, const km_idle_freedoms *idle, km_arena *are
   return count;
 }
 
-/* Where all motions go along tangents that keep the rank, the others shake. Returns how many these are. */
-static int list_unsteady(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
-  double *directions = KM_ARENA_NEW(arena, double, (size_t)f->conditions.freedom *(size_t)f->sub->columns);
-  int count = directions && f->conditions.freedom > 1 ? km_tangents_keep_steady(f, directions) : 0;
-  for (int i = 0; i < count; ++i)
-    list_direction(f, directions + (size_t)i * (size_t)f->sub->columns, KM_MOTION_SHAKY, 0.0, out);
-  return count;
+/* Where all motions go along tangents that keep the rank, the others shake. Returns how many these are, -1: that isn't so. */
+static int find_steady(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
+  int k = f->conditions.freedom, n = f->sub->columns;
+  double *directions = KM_ARENA_NEW(arena, double, (size_t)k *(size_t)n);
+  if (!directions || k < 2 || !are_steady(f, directions))
+    return -1;
+  for (int i = 0; i < k - f->conditions.freedom; ++i)
+    list_direction(f, directions + (size_t)i * (size_t)n, KM_MOTION_SHAKY, 0.0, out);
+  list_basis(f, KM_MOTION_REGULAR, out);
+  return f->conditions.freedom;
 }
 
 static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
@@ -239,9 +256,9 @@ static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *a
   bool regular = !f->conditions.redundant || km_tangents_all_real(f);
   int apart = regular ? 0 : list_idle(f, idle, arena, out);
   regular = regular || f->conditions.freedom == 0 || (apart > 0 && km_tangents_all_real(f));
-  if (!regular && list_unsteady(f, arena, out) > 0)
-    regular = km_tangents_all_real(f);
-  int k = f->conditions.freedom;
+  int k = f->conditions.freedom, steady = regular ? -1 : find_steady(f, arena, out);
+  if (steady >= 0)
+    return apart + steady;
   if (regular) {
     list_basis(f, KM_MOTION_REGULAR, out);
     return apart + k;
@@ -264,19 +281,28 @@ static int count_idle(const km_tangents *f, const km_idle_freedoms *idle) {
   return count;
 }
 
+/* The same of many, for which a basis is tried for this alone. */
+static int find_steady_of_many(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
+  bool tried = f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.redundant && km_steady_is_small(f->sub);
+  return tried && km_tangents_make_basis(f) ? find_steady(f, arena, out) : -1;
+}
+
+static int find_in_tangents(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+  enum { VERY_FEW = 3 }; /* more of them have families of branches, each of which would be followed */
+  int freedom = f->conditions.freedom, apart = count_idle(f, idle);
+  if (!km_tangents_are_many(f) || (freedom <= KM_MANY_VECTORS && freedom - apart <= VERY_FEW))
+    return find_in_few(f, idle, arena, out);
+  int mobility = find_steady_of_many(f, arena, out);
+  mobility = mobility >= 0 ? mobility : find_in_many(f, out);
+  return mobility > apart ? mobility : apart;
+}
+
 static int find_in(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
                    km_finite_mobility *out) {
-  enum { VERY_FEW = 3 }; /* more of them have families of branches, each of which would be followed */
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
-  int freedom = f.conditions.freedom, apart = count_idle(&f, idle), mobility;
-  if (!km_tangents_are_many(&f) || (freedom <= KM_MANY_VECTORS && freedom - apart <= VERY_FEW)) {
-    mobility = find_in_few(&f, idle, arena, out);
-  } else {
-    mobility = find_in_many(&f, out);
-    mobility = mobility > apart ? mobility : apart;
-  }
+  int mobility = find_in_tangents(&f, idle, arena, out);
   km_loops_return(m, s, index, f.pose);
   return mobility;
 }

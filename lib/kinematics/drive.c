@@ -19,6 +19,12 @@ enum { MOST_STEPS = 200000, MOST_STEPS_ASTRAY = 10000 };
  * km_drive_creeping are enough to know that nothing moves. */
 enum { MOST_CREEPING = 5000 };
 
+/* Several freedoms that are steady go by Adams and Bashforth's second order alone. */
+static double longest_step(const km_drive *d) {
+  static const double of_several = 0.01;
+  return d->c.steady.on && d->c.steady.count > 1 ? of_several : km_drive_longest;
+}
+
 /* After a step of h that was accepted: how long the next one may be. */
 static double lengthen(km_drive *d, double step, double h) {
   static const double easily_drawn = 0.2; /* see km_drive_easy */
@@ -26,7 +32,7 @@ static double lengthen(km_drive *d, double step, double h) {
     d->here.stopped = 0.0;
   double share = step / fabs(h), square = share * share;
   bool easily = d->here.stiff ? d->strain * square < easily_drawn : d->strain * (square * square) < km_drive_easy;
-  return easily ? km_smaller(2.0 * step, km_drive_longest) : step;
+  return easily ? km_smaller(2.0 * step, longest_step(d)) : step;
 }
 
 /* Are even the shortest steps refused that lead back where the drive came from, since it has come so close to an end that pivots found
@@ -38,7 +44,7 @@ static bool turns_back(const km_drive *d, double left) {
 
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
 static km_attempt walk(km_drive *d, double target, int *limit) {
-  double step = d->here.largest;
+  double step = km_smaller(d->here.largest, longest_step(d));
   bool may_cross = true;
   d->bent = 0;
   d->regular.s = HUGE_VAL;
@@ -80,7 +86,7 @@ static km_attempt walk(km_drive *d, double target, int *limit) {
       return result;
     }
     d->here.stopped = -copysign(1.0, left); /* the end lies the other way */
-    step = d->here.largest;
+    step = km_smaller(d->here.largest, longest_step(d));
   }
   d->here.largest = km_larger(step, km_drive_least_first);
   return KM_ATTEMPT_ACCEPTED;
@@ -162,10 +168,11 @@ void km_drive_get_ready(km_drive *d, double target) {
 
 void km_drive_begin(km_drive *d, double target) {
   km_drive_settle(d);
-  double goal = within_own_limit(d, target * km_drive_factor(d)), left = goal - d->here.s, step = d->here.largest;
+  double goal = within_own_limit(d, target * km_drive_factor(d)), left = goal - d->here.s;
   int limit;
-  if (fabs(left) <= step * km_drive_reach || !(d->here.known || km_drive_start(d)))
+  if (fabs(left) <= d->here.largest * km_drive_reach || !(d->here.known || km_drive_start(d)))
     return;
+  double step = km_smaller(d->here.largest, longest_step(d));
   double h = copysign(step, left);
   if (km_drive_advance(d, h, km_drive_tightness, &limit) != KM_ATTEMPT_ACCEPTED)
     return;

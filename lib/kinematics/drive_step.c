@@ -28,7 +28,7 @@ bool km_drive_start(km_drive *d) {
  * driver: a change over a step that should be regular is a jump to another branch. */
 static bool sign_changed(km_drive *d) {
   const km_partition *p = &d->c.state->partition[d->c.substructure];
-  if (km_partition_freedom(p) != 1 || p->rank != d->c.course.reference.rank)
+  if (!km_continuation_is_alone(&d->c, km_partition_freedom(p)) || p->rank != d->c.course.reference.rank)
     return false;
   if (p->searches == d->c.course.reference.searches)
     return p->sign != d->c.course.reference.sign;

@@ -160,7 +160,10 @@ static bool first_tangent(km_follow *f, int column, double sign) {
 static int liveliest(const km_follow *f) {
   km_state *s = f->c.state;
   int best = 0;
-  km_state_numbers(f->c.mechanism, s, f->c.substructure, s->work);
+  if (f->c.steady.on)
+    km_mobility_numbers(f->c.steady.Z, km_follow_sub(f)->columns, f->c.steady.count, s->work);
+  else
+    km_state_numbers(f->c.mechanism, s, f->c.substructure, s->work);
   for (int k = 1; k < km_follow_sub(f)->columns; ++k)
     if (s->work[k] > 1.000001 * s->work[best])
       best = k;
@@ -186,9 +189,9 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
   km_loops_update(m, f->c.state, sub);
   km_pivot(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
   f->freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
-  int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
   if (!km_steady_begin(&f->c.steady, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
+  int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
   if (f->freedom == 0 || !first_tangent(f, column, sign))
     return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a dead point"

@@ -137,6 +137,17 @@ static bool settle(km_steady *st, const km_mechanism *m, km_state *s, int index,
   return size < settled;
 }
 
+static void take_blunt(km_steady *st, const km_partition *p) {
+  static const double part = 0.1;
+  st->blunt = part * p->last_pivot / p->scale;
+}
+
+/* What closed loops of data that aren't rounded keep at most, where they are on the motion. */
+static double most_residual(const km_mechanism *m) {
+  static const double exact = 1e-11;
+  return m->closure_tolerance_given ? m->closure_tolerance : exact;
+}
+
 bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
@@ -150,7 +161,10 @@ bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int inde
   evidence->correction = correction;
   km_pivot(m, s, index, driver, st->blunt);
   p->blunt = 0.0;
-  return found && p->rank == st->rank && evidence->residual <= fmax(m->closure_tolerance, km_closed);
+  found = found && p->rank == st->rank && evidence->residual <= most_residual(m);
+  if (found)
+    take_blunt(st, p);
+  return found;
 }
 
 bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index) {
@@ -162,40 +176,53 @@ bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index
   return found;
 }
 
-/* Does a short way along the steady tangents lead to a pose where as much shakes? */
-static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved, double *x) {
-  static const double way = 0.01;
+/* A short way on along the steady tangents, with the driver or as `along` goes, which becomes the way's tangent. Is there a pose where as
+ * much shakes? */
+static bool go_on(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double sign,
+                  double *along) {
+  static const double way = 0.025;
   const km_substructure *sub = &m->substructures[index];
-  km_partition *p = &s->partition[index];
   km_closure evidence;
-  double fastest = 0.0;
-  for (int c = 0; c < sub->columns && driver < 0; ++c)
-    x[c] = st->Z[c] / m->column_weight[sub->column_start + c]; /* the first tangent is as good as any */
-  if (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, x))
+  double fastest = 0.0, *x = s->part;
+  if (!km_steady_tangent(st, m, index, driver, along, x))
     return false;
-  for (int c = 0; c < sub->columns; ++c)
+  for (int c = 0; c < sub->columns; ++c) {
+    along[c] = x[c];
     fastest = fmax(fastest, fabs(x[c]));
+  }
   for (int c = 0; c < sub->columns; ++c)
-    x[c] *= way / fastest;
-  km_state_save(s, sub, saved);
+    x[c] *= sign * way / fastest;
   km_state_move(m, s, sub, x);
   km_state_forget_pivots(s, index);
-  bool closed = km_steady_close(st, m, s, index, driver, &evidence);
-  if (closed)
-    km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
-  closed = closed && p->rank == st->rank;
-  km_loops_return(m, s, index, saved);
-  return closed;
+  if (!km_steady_close(st, m, s, index, driver, &evidence) ||
+      (!m->closure_tolerance_given && evidence.residual > km_closed))
+    return false;
+  km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
+  return s->partition[index].rank == st->rank;
 }
 
-/* What is looked at, by its dense work. */
-static bool is_small(const km_substructure *sub) {
-  static const double most_work = 1e7;
-  return (double)sub->rows * sub->rows * sub->columns < most_work;
+/* Is what shakes at the pose the same for a while, ahead or back? What ends a motion may be near on one side. */
+static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved,
+                  double *along) {
+  enum { STEPS = 4 };
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  const double blunt = st->blunt;
+  bool done = false;
+  km_state_save(s, sub, saved);
+  for (double sign = 1.0; sign >= -1.0 && !done; sign -= 2.0) {
+    done = km_steady_find(st, m, s, index);
+    for (int c = 0; c < sub->columns; ++c)
+      along[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is as good as any */
+    for (int i = 0; i < STEPS && done; ++i)
+      done = go_on(st, m, s, index, driver, sign, along);
+    km_loops_return(m, s, index, saved);
+    st->blunt = blunt;
+  }
+  return done;
 }
 
 static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
-  static const double margin = 0.1;
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   size_t n = (size_t)sub->columns;
@@ -203,7 +230,7 @@ static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, 
   if (!find_split(&here, m, s, index, 0, arena) || km_steady_others_may_move(&here.c, here.V, here.steady, arena))
     return false;
   st->rank = p->rank;
-  st->blunt = margin * p->last_pivot / p->scale;
+  take_blunt(st, p);
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n), *x = KM_ARENA_NEW(arena, double, n);
   return !arena->failed && keep_tangents(st, &here, sub->columns) && lasts(st, m, s, index, driver, saved, x) &&
          keep_tangents(st, &here, sub->columns);
@@ -215,7 +242,7 @@ bool km_steady_begin(km_steady *st, const km_mechanism *m, km_state *s, int inde
   km_arena scratch = {0};
   int freedom = km_partition_freedom(p);
   st->on = false;
-  if (freedom < 2 || freedom > KM_MOST_BASIS_TRIED || p->rank == sub->rows || !is_small(sub))
+  if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_steady_is_small(sub))
     return true;
   if (st->room < freedom) {
     st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);

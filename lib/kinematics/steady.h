@@ -15,6 +15,12 @@
  * or (by the arena's flag) memory is out. O(conditions · freedom³). */
 int km_tangents_keep_steady(km_tangents *tangents, double *directions);
 
+/* Are the conditions of so few rows and columns found in next to no time? They are dense. */
+static inline bool km_steady_is_small(const km_substructure *sub) {
+  static const double most_work = 1e7;
+  return (double)sub->rows * sub->rows * sub->columns < most_work;
+}
+
 /* A motion along which a mechanism shakes: its tangents at the present pose. */
 typedef struct km_steady {
   bool on;  /* the mechanism shakes all along */

@@ -8,6 +8,7 @@
 #include "kmech/sweep.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { MOST_RODS = 6 };
 
@@ -113,31 +114,77 @@ static void platforms_by_arc_length(void **state) {
   }
 }
 
-/* A parallelogram, and a stretched chain of two bars between points of its cranks, on a line parallel to its coupler. */
-static fixture chain_between_cranks(randomness *r) {
-  char text[2048];
-  double x = uniform(r, 0.2, 0.8), y = uniform(r, 0.8, 1.4), width = uniform(r, 1.5, 2.5), part = uniform(r, 0.2, 0.8);
-  double middle = uniform(r, 0.2, 0.8);
-  snprintf(
-      text, sizeof text,
+/* A parallelogram, and where it is asked for a stretched chain of two bars between points of its cranks, on a line parallel to its coupler;
+ * and beside it two bars from the coupler to the ground that come within `gap` of being stretched. */
+typedef struct cranks {
+  double x, y, width, part, middle, gap; /* negative: no bars beside */
+  bool chain;
+} cranks;
+
+static cranks drawn_cranks(randomness *r) {
+  return (cranks){.x = uniform(r, 0.2, 0.8),
+                  .y = uniform(r, 0.8, 1.4),
+                  .width = uniform(r, 1.5, 2.5),
+                  .part = uniform(r, 0.2, 0.8),
+                  .middle = uniform(r, 0.2, 0.8),
+                  .gap = -1.0,
+                  .chain = true};
+}
+
+static void add_pin(km_text *out, const char *name, const char *parent, const char *child, double x, double y) {
+  km_text_format(out,
+                 "%s{\"name\": \"%s\", \"type\": \"revolute\", \"bodies\": [\"%s\", \"%s\"], \"at\": [%.17g, %.17g]}",
+                 strcmp(name, "A") == 0 ? "" : ", ", name, parent, child, x, y);
+}
+
+/* The coupler's point goes on a circle about its own centre, which is furthest from the ground's point in line with that. */
+static void add_bars_beside(const cranks *c, km_text *out) {
+  const double centre[2] = {0.5 * c->width, 1.0}, point[2] = {centre[0] + c->x, centre[1] + c->y},
+               ground[2] = {4.0, -1.0};
+  double radius = hypot(c->x, c->y), furthest = hypot(ground[0] - centre[0], ground[1] - centre[1]) + radius;
+  double first = 0.55 * (furthest + c->gap), second = furthest + c->gap - first;
+  double way[2] = {ground[0] - point[0], ground[1] - point[1]}, apart = hypot(way[0], way[1]);
+  double along = (first * first - second * second + apart * apart) / (2.0 * apart),
+         aside = sqrt(first * first - along * along);
+  double elbow[2] = {point[0] + (along * way[0] - aside * way[1]) / apart,
+                     point[1] + (along * way[1] + aside * way[0]) / apart};
+  add_pin(out, "T", "c", "t", point[0], point[1]);
+  add_pin(out, "U", "t", "u", elbow[0], elbow[1]);
+  add_pin(out, "V", "u", "fixed", ground[0], ground[1]);
+}
+
+static fixture cranks_fixture(const cranks *c) {
+  km_text text = {0};
+  km_text_add(
+      &text,
       "{\"assemblies\": [{\"name\": \"m\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"l\"}, {\"name\": \"c\"}, "
-      "{\"name\": \"r\"}, {\"name\": \"x\"}, {\"name\": \"y\"}], \"joints\": ["
-      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"l\"], \"at\": [0, 0]},"
-      "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"l\", \"c\"], \"at\": [%.17g, %.17g]},"
-      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"c\", \"r\"], \"at\": [%.17g, %.17g]},"
-      "{\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"r\"], \"at\": [%.17g, 0]},"
-      "{\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"l\", \"x\"], \"at\": [%.17g, %.17g]},"
-      "{\"name\": \"F\", \"type\": \"revolute\", \"bodies\": [\"x\", \"y\"], \"at\": [%.17g, %.17g]},"
-      "{\"name\": \"G\", \"type\": \"revolute\", \"bodies\": [\"y\", \"r\"], \"at\": [%.17g, %.17g]}]}]}",
-      x, y, x + width, y, width, part * x, part * y, part * x + middle * width, part * y, part * x + width, part * y);
-  return fixture_read(text);
+      "{\"name\": \"r\"}");
+  km_text_add(&text, c->chain ? ", {\"name\": \"x\"}, {\"name\": \"y\"}" : "");
+  km_text_add(&text, c->gap > 0.0 ? ", {\"name\": \"t\"}, {\"name\": \"u\"}" : "");
+  km_text_add(&text, "], \"joints\": [");
+  add_pin(&text, "A", "fixed", "l", 0.0, 0.0);
+  add_pin(&text, "B", "l", "c", c->x, c->y);
+  add_pin(&text, "C", "c", "r", c->x + c->width, c->y);
+  add_pin(&text, "D", "fixed", "r", c->width, 0.0);
+  if (c->chain) {
+    add_pin(&text, "E", "l", "x", c->part * c->x, c->part * c->y);
+    add_pin(&text, "F", "x", "y", c->part * c->x + c->middle * c->width, c->part * c->y);
+    add_pin(&text, "G", "y", "r", c->part * c->x + c->width, c->part * c->y);
+  }
+  if (c->gap > 0.0)
+    add_bars_beside(c, &text);
+  km_text_add(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
 }
 
 static void stretched_chains(void **state) {
   (void)state;
   randomness r = {13};
   for (int i = 0; i < 20; ++i) {
-    fixture f = chain_between_cranks(&r);
+    const cranks c = drawn_cranks(&r);
+    fixture f = cranks_fixture(&c);
     km_drive *drive;
     km_lever *lever;
     km_advantage a;
@@ -163,11 +210,45 @@ static void stretched_chains(void **state) {
   }
 }
 
+/* The chain hinders nothing: all other joints go as without it, also where the bars beside come so near to being stretched that a step could
+ * lead over. */
+static void chains_hinder_nothing(void **state) {
+  (void)state;
+  static const double gaps[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5};
+  static const char *const names[] = {"A", "B", "C", "D", "T", "U", "V"};
+  randomness r = {14};
+  for (int i = 0; i < 25; ++i) {
+    cranks c = drawn_cranks(&r);
+    c.gap = gaps[i % 5];
+    fixture with = cranks_fixture(&c);
+    c.chain = false;
+    fixture without = cranks_fixture(&c);
+    km_drive *drives[2];
+    assert_int_equal(km_drive_create(with.mechanism, with.state, coordinate(&with, "A"), true, &drives[0], NULL),
+                     KM_OK);
+    assert_int_equal(
+        km_drive_create(without.mechanism, without.state, coordinate(&without, "A"), true, &drives[1], NULL), KM_OK);
+    for (int step = 1; step <= 8; ++step) {
+      const double target = 0.785 * step;
+      km_stop stop = km_drive_to(drives[1], target).stop;
+      assert_int_equal(km_drive_to(drives[0], target).stop, stop);
+      for (size_t k = 0; k < sizeof names / sizeof *names && stop == KM_STOP_NONE; ++k)
+        assert_near(km_state_coordinate(with.state, coordinate(&with, names[k])),
+                    km_state_coordinate(without.state, coordinate(&without, names[k])), 1e-7);
+    }
+    for (int k = 0; k < 2; ++k)
+      km_drive_free(drives[k]);
+    fixture_close(&with);
+    fixture_close(&without);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(platforms),
       cmocka_unit_test(platforms_by_arc_length),
       cmocka_unit_test(stretched_chains),
+      cmocka_unit_test(chains_hinder_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
