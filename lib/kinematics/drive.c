@@ -20,9 +20,13 @@ enum { MOST_STEPS = 200000, MOST_STEPS_ASTRAY = 10000 };
 enum { MOST_CREEPING = 5000 };
 
 /* Several freedoms that are steady go by Adams and Bashforth's second order alone. */
+static bool is_several_steady(const km_drive *d) {
+  return d->c.steady.on && d->c.steady.count > 1;
+}
+
 static double longest_step(const km_drive *d) {
   static const double of_several = 0.01;
-  return d->c.steady.on && d->c.steady.count > 1 ? of_several : km_drive_longest;
+  return is_several_steady(d) ? of_several : km_drive_longest;
 }
 
 /* After a step of h that was accepted: how long the next one may be. */
@@ -55,7 +59,7 @@ static km_attempt walk(km_drive *d, double target, int *limit) {
     double left = target - d->here.s;
     bool arrives = fabs(left) <= step * km_drive_reach;
     /* Of a short last step the next one would know little. */
-    bool halves = d->here.stiff && !arrives && fabs(left) < 2.0 * step;
+    bool halves = (d->here.stiff || is_several_steady(d)) && !arrives && fabs(left) < 2.0 * step;
     double h = arrives ? left : halves ? 0.5 * left : copysign(step, left);
     km_attempt result = km_drive_advance(d, h, km_drive_tightness, limit);
     if (result == KM_ATTEMPT_ACCEPTED) {

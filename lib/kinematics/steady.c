@@ -106,8 +106,8 @@ static double find_step(km_steady *st, const split *p, const km_mechanism *m, km
   return largest;
 }
 
-/* One step towards the motion; returns its size, infinite: there is no motion near by. */
-static double settle_once(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver) {
+/* One step towards the motion, if it is shorter than the last one; returns its size, infinite: there is no motion near by. */
+static double settle_once(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double last) {
   static const double most = 0.05, found = 1e-13;
   const km_substructure *sub = &m->substructures[index];
   km_arena arena = {0};
@@ -116,10 +116,18 @@ static double settle_once(km_steady *st, const km_mechanism *m, km_state *s, int
   if (x && find_split(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
       keep_tangents(st, &p, sub->columns))
     size = find_step(st, &p, m, s, index, driver, &arena, x);
-  if (size > found && size < most)
+  if (size > found && size < most && size < last)
     km_state_move(m, s, sub, x);
   km_arena_free(&arena);
   return size <= found ? 0.0 : size < most ? size : HUGE_VAL;
+}
+
+/* Closes the primary equations by all digits: the step that is too small for closing is taken too. */
+static bool close_exactly(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+  if (km_loops_close(m, s, index, driver, evidence) == KM_OPEN)
+    return false;
+  km_state_move(m, s, &m->substructures[index], evidence->left);
+  return true;
 }
 
 static bool settle(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
@@ -128,10 +136,10 @@ static bool settle(km_steady *st, const km_mechanism *m, km_state *s, int index,
   double size = HUGE_VAL;
   for (int i = 0; i < MOST_STEPS && size != 0.0; ++i) {
     double last = size;
-    size = settle_once(st, m, s, index, driver);
+    size = settle_once(st, m, s, index, driver, last);
     if (size >= last) /* rounding is left, or it leads nowhere */
       return last < settled;
-    if (size != 0.0 && km_loops_close(m, s, index, driver, evidence) == KM_OPEN)
+    if (size != 0.0 && !close_exactly(m, s, index, driver, evidence))
       return false;
   }
   return size < settled;
@@ -153,7 +161,7 @@ bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int inde
   km_partition *p = &s->partition[index];
   int worst;
   p->blunt = st->blunt;
-  bool found = km_loops_close(m, s, index, driver, evidence) != KM_OPEN;
+  bool found = close_exactly(m, s, index, driver, evidence);
   double correction = evidence->correction;
   found = found && settle(st, m, s, index, driver, evidence);
   km_loops_update(m, s, sub);
@@ -176,50 +184,54 @@ bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index
   return found;
 }
 
-/* A short way on along the steady tangents, with the driver or as `along` goes, which becomes the way's tangent. Is there a pose where as
- * much shakes? */
-static bool go_on(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double sign,
-                  double *along) {
-  static const double way = 0.025;
+/* BLOCKED: the loops don't close there. REFUTED: they nearly do, or all the way, but what shakes at the pose doesn't shake there. */
+typedef enum progress { GONE_ON, BLOCKED, REFUTED } progress;
+
+/* A step on along the steady tangents, with the driver or as `along` goes, which becomes the step's tangent. */
+static progress go_on(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double step,
+                      double *along) {
   const km_substructure *sub = &m->substructures[index];
+  static const double open = 1e-5; /* a misfit that no tangency of high order makes in a step */
   km_closure evidence;
   double fastest = 0.0, *x = s->part;
   if (!km_steady_tangent(st, m, index, driver, along, x))
-    return false;
+    return BLOCKED;
   for (int c = 0; c < sub->columns; ++c) {
     along[c] = x[c];
     fastest = fmax(fastest, fabs(x[c]));
   }
   for (int c = 0; c < sub->columns; ++c)
-    x[c] *= sign * way / fastest;
+    x[c] *= step / fastest;
   km_state_move(m, s, sub, x);
   km_state_forget_pivots(s, index);
-  if (!km_steady_close(st, m, s, index, driver, &evidence) ||
-      (!m->closure_tolerance_given && evidence.residual > km_closed))
-    return false;
+  if (!km_steady_close(st, m, s, index, driver, &evidence))
+    return evidence.residual > open ? BLOCKED : REFUTED;
   km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
-  return s->partition[index].rank == st->rank;
+  bool exact = m->closure_tolerance_given || evidence.residual <= km_closed;
+  return exact && s->partition[index].rank == st->rank ? GONE_ON : REFUTED;
 }
 
-/* Is what shakes at the pose the same for a while, ahead or back? What ends a motion may be near on one side. */
+/* Is what shakes at the pose the same for a while, ahead or back? What ends a motion may be near on one side, or on both: then short steps
+ * tell it too, though less surely. */
 static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved,
                   double *along) {
-  enum { STEPS = 4 };
+  static const double steps[] = {0.025, -0.025, 0.00625, -0.00625};
+  enum { TRIES = sizeof steps / sizeof *steps, STEPS = 4 };
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   const double blunt = st->blunt;
-  bool done = false;
+  progress end = BLOCKED;
   km_state_save(s, sub, saved);
-  for (double sign = 1.0; sign >= -1.0 && !done; sign -= 2.0) {
-    done = km_steady_find(st, m, s, index);
+  for (int try = 0; try < TRIES && end == BLOCKED; ++try) {
+    end = km_steady_find(st, m, s, index) ? GONE_ON : REFUTED;
     for (int c = 0; c < sub->columns; ++c)
       along[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is as good as any */
-    for (int i = 0; i < STEPS && done; ++i)
-      done = go_on(st, m, s, index, driver, sign, along);
+    for (int i = 0; i < STEPS && end == GONE_ON; ++i)
+      end = go_on(st, m, s, index, driver, steps[try], along);
     km_loops_return(m, s, index, saved);
     st->blunt = blunt;
   }
-  return done;
+  return end == GONE_ON;
 }
 
 static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
@@ -230,6 +242,7 @@ static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, 
   if (!find_split(&here, m, s, index, 0, arena) || km_steady_others_may_move(&here.c, here.V, here.steady, arena))
     return false;
   st->rank = p->rank;
+  km_pivot_here(m, s, index, driver, 0.0); /* near a dead point of the driver its last pivot is small */
   take_blunt(st, p);
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n), *x = KM_ARENA_NEW(arena, double, n);
   return !arena->failed && keep_tangents(st, &here, sub->columns) && lasts(st, m, s, index, driver, saved, x) &&

@@ -23,13 +23,12 @@ static inline bool km_steady_is_small(const km_substructure *sub) {
 
 /* A motion along which a mechanism shakes: its tangents at the present pose. */
 typedef struct km_steady {
-  bool on;  /* the mechanism shakes all along */
-  int rank; /* of J all along */
-  double
-      blunt; /* pivots that are 0 all along the motion, where closing the loops leaves them next to 0; see km_partition */
-  int count; /* how many tangents are steady, */
-  double *Z; /* [count × columns] and they: D q̇, orthonormal */
-  int room;  /* for tangents */
+  bool on;      /* the mechanism shakes all along */
+  int rank;     /* of J all along */
+  double blunt; /* what is 0 on the motion is less near it: a part of the last pivot */
+  int count;    /* how many tangents are steady, */
+  double *Z;    /* [count × columns] and they: D q̇, orthonormal */
+  int room;     /* for tangents */
 } km_steady;
 
 /* Does the mechanism shake all along the motions through the state's pose, and does the driver (a column, KM_NO_DRIVER: any) move in them?
