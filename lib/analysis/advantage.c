@@ -133,6 +133,7 @@ static bool allocate(const km_mechanism *m, km_lever *l) {
   l->moves = KM_ARENA_NEW(&l->arena, bool, coordinates);
   l->pose = KM_ARENA_NEW(&l->arena, km_pose, (size_t)m->topology.body_count);
   l->steady = KM_ARENA_NEW(&l->arena, km_steady, (size_t)m->topology.substructure_count + 1);
+  l->is_steady = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
   l->asked = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
   return !l->arena.failed;
 }
@@ -222,15 +223,16 @@ static bool is_steady(const km_mechanism *m, km_state *s, int index, km_lever *l
   return steady->on && km_steady_find(steady, m, s, index);
 }
 
-static int freedom_of(const km_mechanism *m, km_state *s, int index, km_lever *l) {
-  return is_steady(m, s, index, l) ? l->steady[index].count : km_partition_freedom(&s->partition[index]);
+static int find_freedom(const km_mechanism *m, km_state *s, int index, km_lever *l) {
+  l->is_steady[index] = is_steady(m, s, index, l);
+  return l->is_steady[index] ? l->steady[index].count : km_partition_freedom(&s->partition[index]);
 }
 
 /* The same of all free motions of a substructure. */
 static void add_motions(const km_mechanism *m, km_state *s, int index, km_lever *l, bool alone) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  if (is_steady(m, s, index, l)) {
+  if (l->is_steady[index]) {
     for (int k = 0; k < l->steady[index].count; ++k)
       add_motion(m, l, l->steady[index].Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
     return;
@@ -262,7 +264,7 @@ static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
     for (int i = 0; i < m->topology.substructure_count; ++i) {
       if (!l->moves[m->column_coordinate[m->substructures[i].column_start]])
         continue;
-      freedom += pass == 0 ? freedom_of(m, s, i, l) : 0;
+      freedom += pass == 0 ? find_freedom(m, s, i, l) : 0;
       if (pass)
         add_motions(m, s, i, l, alone);
     }

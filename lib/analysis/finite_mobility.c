@@ -30,23 +30,8 @@ static int common_span(km_tangents *f, double *basis) {
       km_tangents_normalise(f->a, k);
       together = km_tangents_is_real(f, f->a);
     }
-    /* A motion that the others span already adds nothing. */
-    double rest = 1.0;
-    for (int pass = 0; pass < 2; ++pass)
-      for (int i = 0; i < found; ++i) {
-        double dot = 0.0, *v = basis + (size_t)found * (size_t)k, *o = basis + (size_t)i * (size_t)k;
-        for (int r = 0; r < k; ++r)
-          dot += v[r] * o[r];
-        for (int r = 0; r < k; ++r)
-          v[r] -= dot * o[r];
-      }
-    rest = 0.0;
-    for (int r = 0; r < k; ++r)
-      rest += basis[(size_t)found * (size_t)k + (size_t)r] * basis[(size_t)found * (size_t)k + (size_t)r];
-    if (!together || rest < 1e-6)
-      continue;
-    km_tangents_normalise(basis + (size_t)found * (size_t)k, k);
-    ++found;
+    memcpy(f->tried, basis + (size_t)found * (size_t)k, (size_t)k * sizeof *basis);
+    found += together && km_tangents_add(basis, found, k, f->tried); /* what the others span already adds nothing */
   }
   return found;
 }
@@ -54,8 +39,7 @@ static int common_span(km_tangents *f, double *basis) {
 /* Do conditions of second order show that not all tangents are real? One that nearly is could be taken for all. False too where asking
  * takes longer than following a few. */
 static bool rank_changes(km_tangents *f) {
-  return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && f->conditions.conditions > 0 &&
-         f->conditions.size > f->conditions.noise;
+  return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
 }
 
 /* Are the steady tangents all real, and no others? Then they alone are left, and directions[freedom × columns] (may be NULL) are those of

@@ -23,6 +23,7 @@ struct km_lever {
   km_pose *pose;     /* [body] about a point near the mechanism */
   km_steady *steady; /* [substructure] where the mechanism shakes all along */
   bool *asked;       /* [substructure] for that */
+  bool *is_steady;   /* [substructure] so at the pose that the motion is chosen for */
 };
 
 /* "input", "output". */

@@ -82,6 +82,14 @@ bool km_second_order_basis(const km_mechanism *m, const km_state *s, int index, 
   return true;
 }
 
+void km_second_order_combine(const km_second_order *c, const double *a, double *z) {
+  for (int k = 0; k < c->columns; ++k) {
+    z[k] = 0.0;
+    for (int r = 0; r < c->freedom; ++r)
+      z[k] += c->Z[(size_t)r * (size_t)c->columns + (size_t)k] * a[r];
+  }
+}
+
 /* Cholesky of A[k × k] in place, of its lower half; false where it isn't positive definite: then what it comes to means
  * nothing there. */
 static bool factor(double *A, int k) {
@@ -316,7 +324,7 @@ static void damped_step(double *A, const double *b, int k, double damping, doubl
 bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   int k = c->freedom;
   double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
-  if (c->conditions == 0 || c->size < c->noise)
+  if (!km_second_order_binds(c))
     return true;
   if (c->definite)
     return false;
@@ -353,7 +361,7 @@ int km_second_order_dimension(const km_second_order *c, const double *a) {
   int k = c->freedom, rank = 0;
   km_arena arena = {0};
   km_partition p;
-  if (c->conditions == 0 || c->size < c->noise)
+  if (!km_second_order_binds(c))
     return k;
   double *slopes = KM_ARENA_NEW(&arena, double, (size_t)(c->conditions * k));
   if (slopes && km_partition_reserve(&p, k, c->conditions, &arena)) {

@@ -51,6 +51,14 @@ bool km_second_order_changes(const km_mechanism *mechanism, const km_state *stat
 bool km_second_order_restrict(const km_second_order *conditions, const double *shares, int count, km_arena *arena,
                               km_second_order *out);
 
+/* Do the conditions say more than the pose's misfit may have made of 0? */
+static inline bool km_second_order_binds(const km_second_order *c) {
+  return c->conditions > 0 && !(c->size < c->noise);
+}
+
+/* Z a, into z[columns]: the tangent D q̇ of these shares a[freedom] of the basis. */
+void km_second_order_combine(const km_second_order *conditions, const double *a, double *z);
+
 /* Starting from the unit vector a, goes to a nearby one that meets all conditions (Gauss-Newton on the sphere);
  * false if there is none. work[freedom² + 3 · freedom]. */
 bool km_second_order_solve(const km_second_order *conditions, double *a, double *work);

@@ -46,15 +46,12 @@ static bool find_split(split *p, const km_mechanism *m, km_state *s, int index, 
   return p->steady > 0 && (count == 0 || p->steady == count);
 }
 
-static bool keep_tangents(km_steady *st, const split *p, int columns) {
+static bool keep_tangents(km_steady *st, const split *p) {
   if (p->steady > st->room)
     return false;
   st->count = p->steady;
-  memset(st->Z, 0, (size_t)(st->count * columns) * sizeof *st->Z);
   for (int i = 0; i < st->count; ++i)
-    for (int r = 0; r < p->c.freedom; ++r)
-      for (int c = 0; c < columns; ++c)
-        st->Z[i * columns + c] += p->V[i * p->c.freedom + r] * p->c.Z[r * columns + c];
+    km_second_order_combine(&p->c, p->V + i * p->c.freedom, st->Z + (size_t)i * (size_t)p->c.columns);
   return true;
 }
 
@@ -90,14 +87,16 @@ static double find_step(km_steady *st, const split *p, const km_mechanism *m, km
   int k = p->c.freedom, n = sub->columns;
   double *changes = KM_ARENA_NEW(arena, double, (size_t)(p->c.conditions * k)), largest = 0.0;
   double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
+  double *shares = KM_ARENA_NEW(arena, double, (size_t)k);
   if (arena->failed || !km_second_order_changes(m, s, index, &p->c, changes) || !solve_shares(p, changes, arena, y) ||
       (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, t)))
     return HUGE_VAL;
-  memset(x, 0, (size_t)n * sizeof *x);
   for (int o = 0; o < k - p->steady; ++o)
     for (int r = 0; r < k; ++r)
-      for (int c = 0; c < n; ++c)
-        x[c] += y[o] * p->V[(p->steady + o) * k + r] * p->c.Z[r * n + c] / weight[c];
+      shares[r] += y[o] * p->V[(p->steady + o) * k + r];
+  km_second_order_combine(&p->c, shares, x);
+  for (int c = 0; c < n; ++c)
+    x[c] /= weight[c];
   double back = driver >= 0 ? x[driver] : 0.0;
   for (int c = 0; c < n; ++c) {
     x[c] -= back * t[c];
@@ -114,7 +113,7 @@ static double settle_once(km_steady *st, const km_mechanism *m, km_state *s, int
   split p = {0};
   double *x = KM_ARENA_NEW(&arena, double, (size_t)sub->columns), size = HUGE_VAL;
   if (x && find_split(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
-      keep_tangents(st, &p, sub->columns))
+      keep_tangents(st, &p))
     size = find_step(st, &p, m, s, index, driver, &arena, x);
   if (size > found && size < most && size < last)
     km_state_move(m, s, sub, x);
@@ -179,7 +178,7 @@ bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index
   km_arena arena = {0};
   split here = {0};
   bool found = find_split(&here, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
-               keep_tangents(st, &here, m->substructures[index].columns);
+               keep_tangents(st, &here);
   km_arena_free(&arena);
   return found;
 }
@@ -245,8 +244,8 @@ static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, 
   km_pivot_here(m, s, index, driver, 0.0); /* near a dead point of the driver its last pivot is small */
   take_blunt(st, p);
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n), *x = KM_ARENA_NEW(arena, double, n);
-  return !arena->failed && keep_tangents(st, &here, sub->columns) && lasts(st, m, s, index, driver, saved, x) &&
-         keep_tangents(st, &here, sub->columns);
+  return !arena->failed && keep_tangents(st, &here) && lasts(st, m, s, index, driver, saved, x) &&
+         keep_tangents(st, &here);
 }
 
 bool km_steady_begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {

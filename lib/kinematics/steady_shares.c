@@ -34,7 +34,7 @@ int km_steady_shares(const km_second_order *c, int count, km_arena *arena, doubl
   const int k = c->freedom;
   double *shares = NULL;
   *V = KM_ARENA_NEW(arena, double, (size_t)(k * k) + 1);
-  if (c->conditions == 0 || !(c->size > c->noise))
+  if (!km_second_order_binds(c))
     return 0;
   int steady = find_shares(c, still, arena, &shares);
   for (double within = 10.0 * still; steady < count && within <= most_within; within *= 10.0)

@@ -42,12 +42,7 @@ bool km_tangents_take_out(km_tangents *f, double *V, int count) {
   double *rest = KM_ARENA_NEW(f->arena, double, (size_t)(k - count) * (size_t)n + 1);
   bool whole = rest && km_tangents_complete(V, count, k);
   for (int i = count; i < k && whole; ++i)
-    for (int c = 0; c < n; ++c) {
-      double sum = 0.0;
-      for (int r = 0; r < k; ++r)
-        sum += V[i * k + r] * conditions->Z[(size_t)r * (size_t)n + (size_t)c];
-      rest[(size_t)(i - count) * (size_t)n + (size_t)c] = sum;
-    }
+    km_second_order_combine(conditions, V + i * k, rest + (size_t)(i - count) * (size_t)n);
   if (!whole)
     return false;
   conditions->Z = rest;

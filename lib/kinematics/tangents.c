@@ -45,13 +45,9 @@ bool km_tangents_make_basis(km_tangents *f) {
 
 void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
   const double *weight = f->m->column_weight + f->sub->column_start;
-  int n = f->sub->columns;
-  for (int c = 0; c < n; ++c) {
-    double sum = 0.0;
-    for (int k = 0; k < f->conditions.freedom; ++k)
-      sum += f->conditions.Z[(size_t)k * (size_t)n + (size_t)c] * a[k];
-    x[c] = sum / weight[c];
-  }
+  km_second_order_combine(&f->conditions, a, x);
+  for (int c = 0; c < f->sub->columns; ++c)
+    x[c] /= weight[c];
 }
 
 /* What bends the motion turns the chords ahead and back apart, and their difference by less than the square of their length. */

@@ -38,15 +38,19 @@ static int band_rows(const kstudy_open *o, int question) {
   return rows;
 }
 
+/* Numbers of a design's answer, with its key. */
+static double numbers_of(const kstudy_open *o, int question) {
+  const km_design_question *q = &o->def.questions[question];
+  return o->def.parameter_count + q->figure_count + (double)q->band_count * band_rows(o, question);
+}
+
 /* Bytes of so many designs in the store: of results by their keys, and of those that have been appended and wait, of which more than a part
  * never does. */
 static double store_of(const kstudy_open *o, int designs) {
   static const double least_waiting = 1 << 20, waiting = 0.4, header = 10.0;
   double bytes = 0.0, appended = 0.0;
   for (int q = 0; q < o->def.question_count; ++q) {
-    const km_design_question *question = &o->def.questions[q];
-    double record = header + 8.0 * (o->def.parameter_count + question->figure_count +
-                                    (double)question->band_count * band_rows(o, q));
+    double record = header + 8.0 * numbers_of(o, q);
     bytes += designs * stored(record);
     appended += designs * record;
   }
@@ -58,9 +62,7 @@ static double memory_of(const kstudy_open *o, int piloted) {
   struct rusage usage;
   double results = 0.0;
   for (int q = 0; q < o->def.question_count; ++q)
-    results += 8.0 * piloted *
-               (o->def.parameter_count + o->def.questions[q].figure_count +
-                (double)o->def.questions[q].band_count * band_rows(o, q));
+    results += 8.0 * piloted * numbers_of(o, q);
   return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - results);
 }
 
