@@ -150,8 +150,6 @@ bool km_decompose_straight(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S);
  * becomes 1. */
 double *km_direction_begin(const km_mechanism *mechanism, bool falls, km_statics *statics);
 void km_direction_end(const km_mechanism *mechanism, const km_holding *holding, double *rates);
-/* A unit vector at right angles to the `count` rows of basis[count × size], from v: false if nothing is left of it. */
-bool km_straighten(const double *basis, int count, int size, double *v);
 /* Holds a block of many freedoms and few actuators, or all, from st->least_norm; false: its basis has to be made. */
 bool km_hold_many(const km_mechanism *mechanism, const km_state *state, int block, km_statics *statics);
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau and where they don't compare from

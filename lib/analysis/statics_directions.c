@@ -20,19 +20,3 @@ void km_direction_end(const km_mechanism *m, const km_holding *h, double *rates)
   for (int j = 0; j < h->columns; ++j)
     rates[h->coordinate[j]] /= largest;
 }
-
-bool km_straighten(const double *basis, int count, int size, double *v) {
-  double left = 0.0;
-  for (int i = 0; i < count; ++i) {
-    double along = 0.0;
-    for (int k = 0; k < size; ++k)
-      along += basis[i * size + k] * v[k];
-    for (int k = 0; k < size; ++k)
-      v[k] -= along * basis[i * size + k];
-  }
-  for (int k = 0; k < size; ++k)
-    left += v[k] * v[k];
-  for (int k = 0; k < size; ++k)
-    v[k] /= sqrt(left);
-  return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
-}

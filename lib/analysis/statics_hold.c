@@ -1,5 +1,6 @@
 /* Actuators against loads: Y_Aᵀ f_A = −Yᵀ τ, block by block. */
 #include "analysis/statics.h"
+#include "kinematics/tangents.h"
 #include "partition/partition.h"
 
 #include <gsl/gsl_linalg.h>

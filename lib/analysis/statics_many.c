@@ -5,6 +5,7 @@
  * singular values of Z_A. Householder's vectors of Z_Aᵀ = Q R are here Z times those of km_decompose_wide, and so are Q's
  * columns: the directions are the same. */
 #include "analysis/statics.h"
+#include "kinematics/tangents.h"
 #include "partition/partition.h"
 
 #include <gsl/gsl_linalg.h>

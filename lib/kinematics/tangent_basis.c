@@ -3,24 +3,26 @@
 
 #include <string.h>
 
+bool km_straighten(const double *basis, int count, int size, double *v) {
+  double left = 0.0;
+  for (int i = 0; i < count; ++i) {
+    double along = 0.0;
+    for (int k = 0; k < size; ++k)
+      along += basis[i * size + k] * v[k];
+    for (int k = 0; k < size; ++k)
+      v[k] -= along * basis[i * size + k];
+  }
+  for (int k = 0; k < size; ++k)
+    left += v[k] * v[k];
+  for (int k = 0; k < size; ++k)
+    v[k] /= sqrt(left);
+  return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
+}
+
 bool km_tangents_add(double *V, int count, int k, const double *a) {
-  static const double least = 1e-3;
-  double *v = V + (size_t)count * (size_t)k, square = 0.0;
+  double *v = V + (size_t)count * (size_t)k;
   memcpy(v, a, (size_t)k * sizeof *v);
-  for (int pass = 0; pass < 2; ++pass)
-    for (int i = 0; i < count; ++i) {
-      double dot = 0.0;
-      for (int r = 0; r < k; ++r)
-        dot += V[i * k + r] * v[r];
-      for (int r = 0; r < k; ++r)
-        v[r] -= dot * V[i * k + r];
-    }
-  for (int r = 0; r < k; ++r)
-    square += v[r] * v[r];
-  if (!(square > least * least))
-    return false;
-  km_tangents_normalise(v, k);
-  return true;
+  return km_straighten(V, count, k, v) && km_straighten(V, count, k, v); /* once more takes what rounding has left */
 }
 
 bool km_tangents_complete(double *V, int count, int k) {

@@ -52,6 +52,8 @@ void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
 
+/* A unit vector at right angles to the `count` rows of basis[count × size], from v: false if nothing is left of it. */
+bool km_straighten(const double *basis, int count, int size, double *v);
 /* Adds what of the shares a[freedom] lies outside the first `count` rows of V[freedom × freedom], which are orthonormal, as one more of
  * them; false where that is next to nothing. */
 bool km_tangents_add(double *V, int count, int freedom, const double *a);

@@ -27,9 +27,8 @@ typedef struct km_sweep_plan {
   int coordinate;  /* the driver; -1: the model's analysis.sweep */
   double from, to; /* model's unit */
   int steps;       /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
-  double
-      arclength; /* > 0: by arc length instead, `steps` times this much (more than 1e-8, at most 1000); coordinate, from, to don't
-                       * count */
+  /* > 0: by arc length instead, `steps` times this much (more than 1e-8, at most 1000); coordinate, from, to don't count */
+  double arclength;
   int direction;      /* the coordinate that starts the motion, -1: the one with the largest mobility number */
   double sign;        /* +1 or -1 */
   int branch;         /* by arc length, at the first branch point: 1 (or 0) goes on smoothly; 2, 3 take the next motion
