@@ -48,6 +48,16 @@ static void check_reader(const km_messages *messages, km_findings *f) {
         "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
 }
 
+static void check_geometry(const km_mechanism *m, km_findings *f) {
+  km_messages *notes = km_messages_create();
+  f->store->failed = f->store->failed || !notes;
+  km_geometry_notes(m, notes);
+  for (size_t i = 0; i < km_messages_count(notes); ++i)
+    add(f, KM_FINDING_REMARK, "geometry", "harmless for the motion; move a frame along its axis to state one point",
+        "%s", km_messages_text(notes, i));
+  km_messages_free(notes);
+}
+
 /* A text in the findings' arena, "" when out of memory. */
 static const char *kept(km_text *text, km_findings *f) {
   const char *words = km_text_keep(text, &f->store->arena);
@@ -324,6 +334,7 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
   km_ranks_update(m, s, &mobility);
   check_reader(messages, out);
   check_start(m, s, out);
+  check_geometry(m, out);
   check_finite(&mobility, &diagnosis->finite, out);
   km_status status = check_ranks(m, s, out, error);
   check_lengths(m->model, out);

@@ -1,6 +1,8 @@
 /* Closing all loops of a model from its initial displacements. */
 #include "kinematics/assemble.h"
+#include "base/random.h"
 #include "kinematics/closure.h"
+#include "kinematics/loop_lengths.h"
 #include "kinematics/loops.h"
 #include "kinematics/relax.h"
 #include "kmech/kinematics.h"
@@ -15,25 +17,117 @@ static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int in
   return km_close_fully(km_loops_close, m, s, index, KM_NO_DRIVER, evidence);
 }
 
-/* Newton from where the state is, else damped least squares from there and Newton again. Equations that
+/* Least squares from where the state is, then Newton's method. */
+static km_closure_outcome relax_and_close(const km_mechanism *m, km_state *s, int index, km_closure *evidence,
+                                          km_status *status, km_error *error) {
+  *status = km_relax(m, s, index, error);
+  return *status ? KM_OPEN : close_fully(m, s, index, evidence);
+}
+
+/* Newton's method from where the state is, else damped least squares from there and Newton again. Equations that
  * contradict each other by rounding alone are left to the caller: least squares would wander off along the
  * motion that they hide. The other substructures' coordinates aren't touched. */
-static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, double *saved,
-                                       km_closure *evidence, km_status *status, km_error *error) {
+static km_closure_outcome close_from_here(const km_mechanism *m, km_state *s, int index, double *saved,
+                                          km_closure *evidence, km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   km_state_save(s, sub, saved);
   km_closure_outcome outcome = close_fully(m, s, index, evidence);
   if (outcome == KM_CLOSED || (outcome == KM_INCONSISTENT && evidence->residual < rounding))
     return outcome;
   km_state_restore(s, sub, saved);
-  *status = km_relax(m, s, index, error);
-  return *status ? KM_OPEN : close_fully(m, s, index, evidence);
+  return relax_and_close(m, s, index, evidence, status, error);
 }
 
 bool km_assemble_one(const km_mechanism *m, km_state *s, int substructure, double *saved) {
   km_closure evidence;
   km_status status = KM_OK;
-  return assemble_one(m, s, substructure, saved, &evidence, &status, NULL) == KM_CLOSED && !status;
+  return close_from_here(m, s, substructure, saved, &evidence, &status, NULL) == KM_CLOSED && !status;
+}
+
+/* A start with links on one line, or a symmetric one, is a stationary point of the gap |e|^2: no descent leaves it. So further
+ * starts are tried, displaced at random, by amounts that grow: the first ones find a configuration near the file's. */
+enum { STARTS = 24, FEW_STARTS = 6 };
+static const double least_displacement = 0.05, displacement_growth = 1.2; /* radians, or sizes of the substructure */
+
+typedef struct assembly {
+  double *saved, *start, *best; /* saved coordinates of a substructure; workspace */
+  int starts;                   /* how many the last substructure has taken */
+  km_long_link too_long;        /* shows that its loop `shown` can't close */
+  int shown;                    /* -1: none */
+} assembly;
+
+/* Displaces every coordinate that is free to move by a random share of `most`. */
+static void displace(const km_mechanism *m, km_state *s, const km_substructure *sub, double most, uint64_t *random) {
+  for (int k = 0; k < sub->columns; ++k) {
+    double share = km_uniform(random);
+    s->work[k] = s->locked[m->column_coordinate[sub->column_start + k]] ? 0.0 : most * share;
+  }
+  km_state_move(m, s, sub, s->work);
+}
+
+/* Further starts of a large substructure would take minutes: their number times the cost of a least squares step is bounded. */
+static int start_count(const km_substructure *sub) {
+  static const double most_work = 1e9; /* starts * rows * columns^2 */
+  double work = (double)sub->rows * sub->columns * sub->columns;
+  return work * STARTS <= most_work ? STARTS : (int)(most_work / work);
+}
+
+/* The loop that can't close, by its lengths; -1: none is known. */
+static int find_too_long(const km_mechanism *m, const km_substructure *sub, km_long_link *link) {
+  for (int i = 0; i < sub->loop_count; ++i)
+    if (km_loop_is_too_long(m, m->loop_order[sub->loop_start + i], link))
+      return m->loop_order[sub->loop_start + i];
+  return -1;
+}
+
+/* Largest scaled change of a coordinate since `saved`. */
+static double distance_from(km_state *s, const km_substructure *sub, const double *saved) {
+  double largest = 0.0;
+  km_state_difference(s, sub, saved, s->work);
+  for (int k = 0; k < sub->columns; ++k)
+    largest = fmax(largest, fabs(s->work[k]));
+  return largest;
+}
+
+/* Closes the substructure's loops from the state's configuration, else from others near it. Where none leads to a closed
+ * configuration, or lengths show that there is none, the state is left at that with the least gap. A small gap e is one of rounded data,
+ * unless the loops close at a distance of order sqrt(e), as they do beside a stationary point. */
+static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, assembly *a, km_closure *evidence,
+                                       km_status *status, km_error *error) {
+  const km_substructure *sub = &m->substructures[index];
+  uint64_t random = 1;
+  km_state_save(s, sub, a->start);
+  km_closure_outcome best = close_from_here(m, s, index, a->saved, evidence, status, error);
+  a->starts = 1;
+  a->shown = -1;
+  if (best == KM_CLOSED || *status)
+    return best;
+  a->shown = find_too_long(m, sub, &a->too_long);
+  bool is_small = best == KM_INCONSISTENT && evidence->residual < rounding;
+  double reach = is_small ? 10.0 * sqrt(evidence->residual) : HUGE_VAL;
+  km_state_save(s, sub, a->best);
+  if (is_small)
+    memcpy(a->start, a->best, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *a->start);
+  int count = a->shown >= 0 ? 0 : is_small ? FEW_STARTS : start_count(sub);
+  for (double most = least_displacement; a->starts <= count && !*status; most *= displacement_growth) {
+    km_closure found;
+    km_state_restore(s, sub, a->start);
+    displace(m, s, sub, most, &random);
+    km_closure_outcome outcome = relax_and_close(m, s, index, &found, status, error);
+    if (outcome == KM_CLOSED && distance_from(s, sub, a->start) <= reach) {
+      *evidence = found;
+      return outcome;
+    }
+    ++a->starts;
+    if (!is_small && found.residual < evidence->residual) {
+      best = outcome;
+      *evidence = found;
+      km_state_save(s, sub, a->best);
+    }
+  }
+  km_state_restore(s, sub, a->best);
+  km_loops_update(m, s, sub);
+  return best;
 }
 
 /* What a substructure would be with another tolerance. */
@@ -58,7 +152,7 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
   if (holds && saved && !km_mechanism_compile_as(m->model, &how, &other, NULL) && !km_state_create(other, &s, NULL)) {
     km_closure evidence;
     km_status status = KM_OK;
-    result.closes = assemble_one(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
+    result.closes = close_from_here(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
     result.misfit = evidence.residual;
     km_pivot_here(other, s, index, KM_NO_DRIVER, evidence.residual); /* those of the closure may be of another pose */
     result.rank = s->partition[index].rank;
@@ -90,31 +184,59 @@ static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobili
 /* Of a gap and a turn (scaled) the one below this share of the other isn't told. */
 static const double unseen = 1e-9;
 
-static void describe_loop(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
+/* "connect: loop 1 (joints A, B, connect, D)". */
+static void name_loop(const km_mechanism *m, int loop, km_text *text) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
-  const km_model_joint *closing = &model->joints[t->chord[loop]];
-  km_text_format(text, "%s: loop %d (joints", closing->where, loop + 1);
+  km_text_format(text, "%s: loop %d (joints", model->joints[t->chord[loop]].where, loop + 1);
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i)
     km_text_format(text, "%s %.80s", i > t->member_start[loop] ? "," : "", model->joints[t->member[i].joint].label);
+  km_text_add(text, ")");
+}
+
+/* "a gap of 0.12 m is left at connect". */
+static void add_gap(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
+  const km_topology *t = &m->topology;
+  const km_model *model = m->model;
   const km_twist *e = &s->misfit[loop];
   double size = m->substructures[t->substructure_of_loop[loop]].size, gap = km_vec3_norm(e->v),
          turn = km_vec3_norm(e->w);
-  km_text_add(text, "): the links can't meet: ");
   bool gaps = gap > unseen * turn, turns = turn > unseen * gap;
   if (gaps)
     km_text_format(text, "a gap of %.4g %s", size * gap, model->units.length->suffix);
   if (turns)
     km_text_format(text, "%sa turn of %.4g %s", gaps ? " and " : "", turn / model->units.angle->si,
                    model->units.angle->suffix);
-  km_text_format(text, " %s left at %.80s", gaps && turns ? "are" : "is", closing->label);
+  km_text_format(text, " %s left at %.80s", gaps && turns ? "are" : "is", model->joints[t->chord[loop]].label);
 }
 
-static km_status report_open(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
-                             km_error *error) {
+static const char *joint_of(const km_model *model, int coordinate) {
+  return model->joints[model->coordinates[coordinate].joint].label;
+}
+
+static void describe_open_loop(const km_mechanism *m, const km_state *s, int loop, const assembly *a, km_text *text) {
+  const km_model *model = m->model;
+  const km_long_link *link = &a->too_long;
+  if (a->shown >= 0) {
+    name_loop(m, a->shown, text);
+    km_text_format(
+        text, ": the links can't meet: the one between %.80s and %.80s is %.4g %s longer than the others together",
+        joint_of(model, link->coordinates[0]), joint_of(model, link->coordinates[1]),
+        link->excess * m->substructures[m->topology.substructure_of_loop[a->shown]].size, model->units.length->suffix);
+    return;
+  }
+  name_loop(m, loop, text);
+  km_text_add(text, ": the links don't meet: ");
+  add_gap(m, s, loop, text);
+  if (a->starts > 1)
+    km_text_format(text, ", the least of %d starting configurations", a->starts);
+}
+
+static km_status report_open(const km_mechanism *m, const km_state *s, int index, const assembly *a,
+                             const km_closure *evidence, km_error *error) {
   km_text text = {0};
   if (evidence->worst >= 0)
-    describe_loop(m, s, evidence->worst, &text);
+    describe_open_loop(m, s, evidence->worst, a, &text);
   else
     km_text_format(&text, "a coupling of substructure %d can't be met: %.4g is left", index + 1, evidence->residual);
   trial named;
@@ -189,16 +311,16 @@ static km_status check_scale(const km_mechanism *m, const km_state *s, int index
       m->start[farthest] / km_model_coordinate_factor(m->model, farthest), size);
 }
 
-static km_status assemble_all(const km_mechanism *m, km_state *s, double *saved, km_assembly *total, km_error *error) {
+static km_status assemble_all(const km_mechanism *m, km_state *s, assembly *a, km_assembly *total, km_error *error) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_closure evidence;
     km_status status = KM_OK;
     double first_misfit = misfit_here(m, s, i);
-    km_closure_outcome outcome = assemble_one(m, s, i, saved, &evidence, &status, error);
+    km_closure_outcome outcome = assemble_one(m, s, i, a, &evidence, &status, error);
     if (status)
       return status;
     if (outcome != KM_CLOSED)
-      return report_open(m, s, i, &evidence, error);
+      return report_open(m, s, i, a, &evidence, error);
     status = check_scale(m, s, i, &evidence, error);
     if (status)
       return status;
@@ -222,10 +344,14 @@ km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_e
   if (fits)
     return fits;
   km_assembly total = {.worst_loop = -1};
-  double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
-  km_status status =
-      saved ? assemble_all(m, s, saved, &total, error) : km_fail(error, KM_MEMORY, "out of memory while assembling");
-  km_free(saved);
+  size_t size = (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns);
+  km_arena scratch = {0};
+  assembly a = {.saved = KM_ARENA_NEW(&scratch, double, size),
+                .start = KM_ARENA_NEW(&scratch, double, size),
+                .best = KM_ARENA_NEW(&scratch, double, size)};
+  km_status status = scratch.failed ? km_fail(error, KM_MEMORY, "out of memory while assembling")
+                                    : assemble_all(m, s, &a, &total, error);
+  km_arena_free(&scratch);
   if (out)
     *out = total;
   return status;

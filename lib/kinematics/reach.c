@@ -90,6 +90,16 @@ static km_status check_ball(const journey *j, const km_hold *goals, int count, i
   return KM_OK;
 }
 
+/* Closes the loops from the start with the goals' values in place of the file's, which stay where they are. */
+static km_status assemble_at_goals(journey *j, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                                   km_error *error) {
+  km_state_restart(j->state);
+  for (int i = 0; i < hold_count + set_count; ++i)
+    lock(j, i < hold_count ? &holds[i] : &sets[i - hold_count]);
+  km_state_set(j->mechanism, j->state, j->state->q);
+  return km_assemble(j->mechanism, j->state, NULL, error);
+}
+
 static km_status go(journey *j, const km_hold *goals, int count, km_error *error) {
   for (int i = 0; i < count;) {
     bool ball = j->mechanism->ball_of[goals[i].coordinate] >= 0;
@@ -137,6 +147,10 @@ km_status km_reach_pose_again(const km_mechanism *free, km_state *there, const k
   journey j = {free->model, free, there};
   km_state_restart(there);
   km_status status = km_assemble(free, there, NULL, error);
+  km_error ignored;
+  if (status == KM_MODEL && hold_count + set_count > 0 &&
+      !assemble_at_goals(&j, holds, hold_count, sets, set_count, &ignored))
+    status = KM_OK;
   if (!status)
     status = go(&j, holds, hold_count, error);
   if (!status)

@@ -41,6 +41,8 @@ bool km_compile_allocate(km_mechanism *mechanism, km_walks *walks);
 void km_compile_numbers(km_mechanism *mechanism, const km_compiling *how, km_walks *walks);
 /* Upper bound of the steps (and entries) that the loops of the mechanism need. */
 void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
+/* True if a hinge about `axis` or a slide along it moves what it carries in planes across `normal`; false for other primitives. */
+bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal);
 /* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned
  * so that its z is the normal, else the identity. */
 bool km_find_plane(const km_mechanism *mechanism, const km_program *program, const km_walks *walks, km_rotation *plane);

@@ -203,6 +203,100 @@ static void set_point(const km_walks *w, km_loop *loop) {
   loop->point[1] = km_vec3_sub(loop->point[0], loop->apart);
 }
 
+/* The only ball joint of the loop, on side *side; NULL if there is none or there are several. */
+static km_step *only_ball(km_mechanism *m, const km_program *program, const km_loop *loop, int *side) {
+  km_step *ball = NULL;
+  for (int i = 0; i < loop->entry_count; ++i) {
+    const km_entry *entry = &m->entries[loop->entry_start + i];
+    km_step *step = &m->steps[program->step_start + entry->step];
+    if (step->primitive != KM_BALL)
+      continue;
+    if (ball)
+      return NULL;
+    ball = step;
+    *side = entry->side < 0.0;
+  }
+  return ball;
+}
+
+/* Do other loops of the program pass the step too? */
+static bool is_shared(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_step *step) {
+  for (int i = 0; i < program->loop_count; ++i) {
+    const km_loop *other = &m->loops[m->loop_order[program->loop_start + i]];
+    for (int e = 0; e < other->entry_count && other != loop; ++e)
+      if (&m->steps[program->step_start + m->entries[other->entry_start + e].step] == step)
+        return true;
+  }
+  return false;
+}
+
+/* A loop with one ball joint, cut there: the frames of all other joints when all coordinates are 0, in the base frame. What the
+ * ball joint carries hangs on the other side then. */
+typedef struct cut_loop {
+  const km_step *ball;
+  int side; /* on which the ball joint lies */
+  km_pose
+      behind; /* of what the ball joint carries, about the origin of the other side's branch; its origin is the joint's centre */
+} cut_loop;
+
+static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const km_walks *w) {
+  km_pose own = km_pose_inverse(&w->zero[ball->to]);
+  own = km_pose_product(&own, &w->zero[loop->slot[side]]);
+  own = km_pose_product(&own, &loop->close[side]);
+  km_pose end = km_pose_product(&w->zero[loop->slot[!side]], &loop->close[!side]), back = km_pose_inverse(&own);
+  return (cut_loop){ball, side, km_pose_product(&end, &back)};
+}
+
+/* The axis of a step of the loop, in the base frame. Slots are numbered along the branches. */
+static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_entry *entry, const km_walks *w) {
+  km_vec3 axis = w->zero[step->to].R.axis[step->axis];
+  if ((entry->side < 0.0) != cut->side || step->to < cut->ball->to)
+    return axis;
+  return km_rotate(&cut->behind.R, km_rotate_back(&w->zero[cut->ball->to].R, axis));
+}
+
+/* True if all joints of the loop but the ball joint move in planes across `normal`, and one of them turns. */
+static bool is_planar_beside(const km_mechanism *m, const km_program *program, const km_loop *loop, const cut_loop *cut,
+                             const km_walks *w, km_vec3 *normal) {
+  bool has_normal = false;
+  for (int pass = 0; pass < 2; ++pass)
+    for (int i = 0; i < loop->entry_count; ++i) {
+      const km_entry *entry = &m->entries[loop->entry_start + i];
+      const km_step *step = &m->steps[program->step_start + entry->step];
+      if (step == cut->ball)
+        continue;
+      km_vec3 axis = axis_beside(cut, step, entry, w);
+      if (pass == 0 && !has_normal && step->primitive == KM_REVOLUTE) {
+        *normal = axis;
+        has_normal = true;
+      }
+      if (pass == 1 && !km_moves_in_plane(step->primitive, axis, *normal))
+        return false;
+    }
+  return has_normal;
+}
+
+/* In a loop of hinges on parallel axes with one ball joint, nothing changes the height along the axes at which the sides of the ball
+ * joint meet. The hinges' frames may lie anywhere along their axes: the ball joint is moved along them by that height. */
+static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_walks *w) {
+  int side = 0;
+  km_step *ball = only_ball(m, program, loop, &side);
+  if (!ball || is_shared(m, program, loop, ball))
+    return;
+  cut_loop cut = cut_at(loop, ball, side, w);
+  km_vec3 normal;
+  if (!is_planar_beside(m, program, loop, &cut, w, &normal))
+    return;
+  km_vec3 apart = km_vec3_scale(side ? -1.0 : 1.0, loop->apart);
+  km_vec3 gap = km_vec3_sub(w->zero[ball->to].p, km_vec3_add(cut.behind.p, apart));
+  double height = km_vec3_dot(normal, gap);
+  loop->pin_offset = side ? -height : height;
+  loop->plane_normal = normal;
+  km_vec3 shift = km_rotate_back(&w->zero[ball->from].R, km_vec3_scale(-height, normal));
+  ball->before.p = km_vec3_add(ball->before.p, shift);
+  zero_poses(m, program, w);
+}
+
 static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
   const km_topology *t = &m->topology;
   int first = m->loop_order[program->loop_start];
@@ -220,6 +314,8 @@ static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
   program->planar = km_find_plane(m, program, w, &plane);
   for (int i = 0; i < program->loop_count; ++i) {
     km_loop *loop = &m->loops[m->loop_order[program->loop_start + i]];
+    if (!program->planar)
+      absorb_pin_offset(m, program, loop, w);
     set_point(w, loop);
     find_motion_space(m, program, loop, w, &plane);
   }

@@ -29,15 +29,18 @@ static bool find_normal(const km_mechanism *m, const km_program *program, const 
   return program->step_count > 0;
 }
 
+bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
+  km_vec3 across = km_vec3_cross(axis, normal);
+  double along = km_vec3_dot(axis, normal);
+  if (primitive != KM_REVOLUTE && primitive != KM_PRISMATIC)
+    return false;
+  return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= exactly * exactly;
+}
+
 static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_walks *w, km_vec3 normal) {
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
-    km_vec3 axis = axis_of(step, w);
-    km_vec3 across = km_vec3_cross(axis, normal);
-    double along = km_vec3_dot(axis, normal);
-    if (step->primitive != KM_REVOLUTE && step->primitive != KM_PRISMATIC)
-      return false;
-    if ((step->primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) > exactly * exactly)
+    if (!km_moves_in_plane(step->primitive, axis_of(step, w), normal))
       return false;
   }
   return true;
@@ -74,7 +77,17 @@ static void planar_step(const km_step *step, const km_walks *w, const km_rotatio
                           .uy = slides ? axis.y : 0.0};
 }
 
-static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *plane) {
+/* True if a joint of the loop turns: its frames may be anywhere along its axis. */
+static bool has_hinge(const km_mechanism *m, const km_program *program, const km_loop *loop) {
+  for (int i = 0; i < loop->entry_count; ++i) {
+    int step = m->entries[loop->entry_start + i].step;
+    if (m->steps[program->step_start + step].primitive == KM_REVOLUTE)
+      return true;
+  }
+  return false;
+}
+
+static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *plane, bool has_hinge) {
   km_pose end[2];
   for (int side = 0; side < 2; ++side) {
     const km_pose *slot = &w->zero[loop->slot[side]];
@@ -95,9 +108,13 @@ static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *pla
   km_vec3 z = km_rotate_back(plane, km_rotate(&turn, plane->axis[2]));
   loop->planar_turn = atan2(x.y, x.x);
   /* Out of the plane nothing moves: the height between the frames, and the tilt z × z′ (its length kept
-   * an angle, so that a frame upside down doesn't pass). */
+   * an angle, so that a frame upside down doesn't pass). The height doesn't change how a loop with hinges moves: a
+   * hinge's frames may lie anywhere along its axis. */
   double sine = hypot(z.x, z.y), s = sine > 0.0 ? atan2(sine, z.z) / sine : 0.0;
-  loop->fixed_misfit[2] = km_vec3_dot(plane->axis[2], km_vec3_sub(end[0].p, end[1].p));
+  double height = km_vec3_dot(plane->axis[2], km_vec3_sub(end[0].p, end[1].p));
+  loop->plane_normal = plane->axis[2];
+  loop->pin_offset = has_hinge ? height : 0.0;
+  loop->fixed_misfit[2] = has_hinge ? 0.0 : height;
   loop->fixed_misfit[3] = z.z < 0.0 && sine == 0.0 ? M_PI : -s * z.y;
   loop->fixed_misfit[4] = s * z.x;
 }
@@ -115,8 +132,10 @@ void km_compile_planar(km_mechanism *m, km_program *program, const km_walks *w, 
   int start = m->planar_step_count;
   for (int i = 0; i < program->step_count; ++i)
     planar_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);
-  for (int i = 0; i < program->loop_count; ++i)
-    planar_loop(&m->loops[m->loop_order[program->loop_start + i]], w, plane);
+  for (int i = 0; i < program->loop_count; ++i) {
+    km_loop *loop = &m->loops[m->loop_order[program->loop_start + i]];
+    planar_loop(loop, w, plane, has_hinge(m, program, loop));
+  }
   program->step_start = start;
   m->planar_step_count += program->step_count;
 }

@@ -115,17 +115,21 @@ static void check(const char *name, randomness *r) {
   char *text = rounded(&exact, r, 0.0);
   km_status status = fixture_try(text, &f, &error);
   km_free(text);
-  fixture_close(&f);
-  assert_int_equal(status, KM_MODEL); /* every one of them is overconstrained: without a tolerance it can't close */
-  const char *found = strstr(error.text, "\"closure_tolerance\": ");
-  if (!found)
-    fail_msg("%s: %s", name, error.text);
-  double tolerance = strtod(found + strlen("\"closure_tolerance\": "), NULL);
-  randomness again = {seed};
-  text = rounded(&exact, &again, tolerance);
-  status = fixture_try(text, &f, &error);
-  if (status)
-    fail_msg("%s with %g: %s", name, tolerance, error.text);
+  double tolerance = 1e-9;
+  if (status) { /* overconstrained: without a tolerance it can't close, unless the rounding lies along the pins of a planar loop */
+    fixture_close(&f);
+    assert_int_equal(status, KM_MODEL);
+    const char *found = strstr(error.text, "\"closure_tolerance\": ");
+    if (!found)
+      fail_msg("%s: %s", name, error.text);
+    tolerance = strtod(found + strlen("\"closure_tolerance\": "), NULL);
+    randomness again = {seed};
+    text = rounded(&exact, &again, tolerance);
+    status = fixture_try(text, &f, &error);
+    km_free(text);
+    if (status)
+      fail_msg("%s with %g: %s", name, tolerance, error.text);
+  }
   km_mobility a, b;
   km_mobility_update(exact.mechanism, exact.state, &a);
   km_mobility_update(f.mechanism, f.state, &b);
@@ -134,7 +138,6 @@ static void check(const char *name, randomness *r) {
   assert_true(b.residual <= tolerance);
   for (int c = 0; c < exact.model->coordinate_count; ++c)
     assert_near(km_mobility_number(exact.state, c), km_mobility_number(f.state, c), 1e-4);
-  km_free(text);
   fixture_close(&f);
   fixture_close(&exact);
 }

@@ -2,6 +2,7 @@
 #include "common/pose.h"
 
 #include "common/mode.h"
+#include "kmech/diagnosis.h"
 #include "kmech/memory.h"
 #include "kmech/parts.h"
 #include "kmech/sweep.h"
@@ -71,6 +72,14 @@ static kt_exit take_pose(const kt_common *common, const char *path, km_model *mo
   return kt_exit_of(status);
 }
 
+/* Notes about the compiled geometry, unless the command gathers its findings itself. */
+static void tell_geometry(const kt_common *common, const char *path, const km_mechanism *mechanism) {
+  km_messages *notes = common->found ? NULL : km_messages_create();
+  km_geometry_notes(mechanism, notes);
+  kt_tell_messages(common, path, notes, KM_OK, NULL);
+  km_messages_free(notes);
+}
+
 kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
   kt_settings held = {0}, set = {0};
   kt_exit result = common->pose ? take_pose(common, path, out->model) : KT_DONE;
@@ -82,6 +91,8 @@ kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *hold
     result = check_conflicts(common, out->model, &held, &set);
   if (result == KT_DONE)
     result = reach(common, path, &held, &set, out);
+  if (result == KT_DONE)
+    tell_geometry(common, path, out->mechanism);
   if (result == KT_DONE && common->mode > 0)
     result = kt_mode_take(common, path, sets, out);
   kt_settings_free(&held);

@@ -22,6 +22,10 @@ KM_API km_status km_diagnosis_find(const km_mechanism *mechanism, km_state *stat
                                    km_diagnosis *out, km_error *error);
 KM_API void km_diagnosis_free(km_diagnosis *diagnosis);
 
+/* Adds notes to `messages` about geometry that differs from what the file says without changing how the mechanism moves: the ends of a
+ * planar loop that are offset along its hinge axes. O(loops). */
+KM_API void km_geometry_notes(const km_mechanism *mechanism, km_messages *messages);
+
 /* How much a finding matters: a fault keeps the mechanism from working as it is described, a warning is likely to be a
  * mistake, a remark tells what a mechanism of its kind has by nature. */
 typedef enum km_finding_severity {
@@ -36,7 +40,7 @@ KM_API const char *km_finding_severity_name(km_finding_severity severity); /* "f
 typedef struct km_finding {
   km_finding_severity severity; /* how much it matters */
   const char *kind; /* "redundant", "shaky", "undecided", "branch", "doubtful-rank", "units", "angles", "massless-loop",
-                     * "unused-frame", "idle", "limits", "start", "damping", "stop", "friction", "reader" */
+                     * "unused-frame", "idle", "limits", "start", "damping", "stop", "friction", "geometry", "reader" */
   const char *statement, *advice; /* what was found; what to do */
 } km_finding;
 
