@@ -90,8 +90,18 @@ static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
   return fabs(force) <= size ? 0.0 : force;
 }
 
+/* True where the configuration has freedoms for an instant that the motion hasn't: no actuator need hold them. */
+static bool has_more_freedoms(const km_sweeper *r) {
+  return r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
+}
+
 static void values(void *self, km_sweeper *r, double *n, double *d) {
   watch *w = self;
+  if (has_more_freedoms(r)) {
+    for (int i = 0; i < w->scan.count; ++i)
+      n[i] = nan("");
+    return;
+  }
   if (!w->known || w->edition != edition_of(r)) {
     km_forces_update(r->m, r->s, w->forces);
     km_statics_hold(r->m, r->s, w->forces, w->statics);
@@ -115,11 +125,10 @@ static km_status start_at_pole(watch *w, km_error *error) {
   return status;
 }
 
-/* A branch point has freedoms for an instant that no actuator may hold: that says nothing of the forces around it. */
 static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
   if (w->statics->work->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the balance");
-  if (r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom)
+  if (has_more_freedoms(r))
     return KM_OK;
   bool second = w->scan.have > 0;
   w->grown = false;

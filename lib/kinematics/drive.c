@@ -46,8 +46,19 @@ static bool turns_back(const km_drive *d, double left) {
          km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
 }
 
+/* Over a bridge: to the target if it is on it, else to its end. False: the place is on no bridge, or the loops don't close there. */
+static bool use_bridge(km_drive *d, double target) {
+  if (d->here.bridge == 0)
+    return false;
+  if (km_drive_is_on_bridge(d, target))
+    return km_drive_place_on_bridge(d, target);
+  return d->here.bridge == d->bridge.number && km_drive_leave_bridge(d, target);
+}
+
 /* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
 static km_attempt walk(km_drive *d, double target, int *limit) {
+  use_bridge(d, target);
+  d->here.bridge = d->here.s == target ? d->here.bridge : 0;
   double step = km_smaller(d->here.largest, longest_step(d));
   bool may_cross = true;
   d->bent = 0;
@@ -73,7 +84,8 @@ static km_attempt walk(km_drive *d, double target, int *limit) {
       }
       continue;
     }
-    if (result == KM_ATTEMPT_OPEN && arrives && may_cross && km_drive_cross(d, target, limit))
+    if (result == KM_ATTEMPT_OPEN && arrives && may_cross &&
+        km_drive_build_bridge(d, target, copysign(1.0, left), 0.0) && use_bridge(d, target))
       continue;
     may_cross = may_cross && !arrives;
     km_drive_remember_place(d, h);
@@ -81,8 +93,9 @@ static km_attempt walk(km_drive *d, double target, int *limit) {
     double least = d->here.stopped * left < 0.0 ? leaving : shortest;
     if (step >= least * fmax(1.0, fabs(d->here.s)))
       continue;
-    if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_BENT) && km_drive_leap_over(d, target, limit)) {
-      step = km_drive_crossing;
+    if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_BENT) &&
+        km_drive_build_bridge(d, d->here.s, copysign(1.0, left), 0.7) && use_bridge(d, target)) {
+      step = km_drive_least_first;
       continue;
     }
     if (result != KM_ATTEMPT_OPEN || !turns_back(d, left)) {

@@ -30,6 +30,7 @@ typedef struct km_drive_place {
   int crossings;  /* singular poses passed so far */
   bool known;     /* the course's tangent belongs to the present pose */
   bool stiff;     /* the last step was drawn to the path: see km_least_path_draw */
+  int bridge;     /* the bridge that the place is on; 0: none */
   int pivoted;    /* of a mark: the state's pivots were searched for this driver column; KM_NEVER */
 } km_drive_place;
 
@@ -41,20 +42,33 @@ typedef struct km_drive_kept {
   bool is_one;
 } km_drive_kept;
 
-/* Where a step was refused last that was long enough for the place to be away from a singular pose; and the step that led there. */
+/* Where a step was refused last that was long enough for the configuration to be away from a singular one. */
 typedef struct km_drive_regular {
-  double s, h;         /* the driver, infinite: there is no such place; the step's length, 0: there was none */
-  double *pose, *move; /* of the state, saved; the step */
+  double s;     /* the driver; infinite: there is no such place */
+  double *pose; /* saved coordinates */
 } km_drive_regular;
+
+/* A stretch of the driver around a singular configuration that the motion passes smoothly: see drive_singular.c. */
+enum { KM_BRIDGE_NODES = 4 };
+typedef struct km_drive_bridge {
+  int number, count;     /* of this one, 0: there is none; of all so far */
+  double c, h;           /* its centre and the unit of its nodes' distances, signed, in the driver */
+  double smallest_pivot; /* at the nodes, relative */
+  double *nodes;         /* [KM_BRIDGE_NODES] saved coordinates */
+  double *tangents;      /* [KM_BRIDGE_NODES × columns] */
+} km_drive_bridge;
 
 struct km_drive {
   km_arena arena;
   km_continuation c;
   km_drive_place here;
   km_drive_kept mark, passed[2]; /* the latest first */
+  km_drive_kept before_bridge;   /* where a bridge is begun */
   bool passing;                  /* this step goes over a singular pose on purpose */
   double *near, *far;            /* poses to come back to */
+  double *from_bridge;           /* the same */
   km_drive_regular regular;
+  km_drive_bridge bridge;
   km_least_path path;  /* where other freedoms are left */
   km_closest *closest; /* the same where the path is stiff; NULL: not yet */
   int bent;            /* steps refused one after the other */
@@ -93,6 +107,9 @@ void km_drive_free_into(km_arena *memory, km_drive *drive);
 
 /* The rates of all coordinates per unit of the driver, by the tangent t[column · stride]. */
 void km_drive_rates(const km_drive *drive, const double *t, int stride, double *rates);
+/* Keeps the present place with all that the next step depends on, and comes back to it with the same bits. */
+void km_drive_keep(km_drive *drive, km_drive_kept *kept);
+void km_drive_come_back(km_drive *drive, const km_drive_kept *kept);
 /* Who is told of the drive's steps. */
 static inline void km_drive_watch(km_drive *d, km_step_watch watch) {
   d->watch = watch;

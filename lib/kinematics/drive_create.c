@@ -13,11 +13,13 @@ static bool reserve(km_drive *d, km_drive_kept *kept) {
 
 static bool allocate(km_drive *d) {
   size_t n = (size_t)km_drive_driven(d)->columns;
-  double **poses[] = {&d->near, &d->far, &d->regular.pose, &d->regular.move};
+  double **poses[] = {&d->near, &d->far, &d->regular.pose, &d->from_bridge};
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
+  d->bridge.nodes = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *KM_SAVED_PER_COLUMN *n);
+  d->bridge.tangents = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *n);
   return km_least_path_reserve(&d->path, (int)n, &d->arena) && km_continuation_reserve(&d->c, &d->arena) &&
-         reserve(d, &d->mark);
+         reserve(d, &d->mark) && reserve(d, &d->before_bridge);
 }
 
 static km_status check(const km_mechanism *m, const km_state *s, int coordinate, km_error *error) {
@@ -83,7 +85,7 @@ void km_drive_free(km_drive *d) {
   km_drive_free_into(NULL, d);
 }
 
-static void keep(km_drive *d, km_drive_kept *kept) {
+void km_drive_keep(km_drive *d, km_drive_kept *kept) {
   kept->is_one = true;
   kept->place = d->here;
   kept->place.pivoted = d->c.state->pivoted[d->c.substructure];
@@ -99,7 +101,7 @@ void km_drive_mark(km_drive *d) {
   if (d->c.substructure < 0)
     d->mark.place.s = d->c.state->q[d->c.coordinate];
   else
-    keep(d, &d->mark);
+    km_drive_keep(d, &d->mark);
 }
 
 /* The pivots of the place serve again. False where they were another's, or don't fit. */
@@ -114,7 +116,7 @@ static bool take_pivots_back(km_drive *d) {
   return km_partition_refactor(p, km_state_jacobian(s, km_drive_driven(d)));
 }
 
-static void go_back(km_drive *d, const km_drive_kept *kept) {
+void km_drive_come_back(km_drive *d, const km_drive_kept *kept) {
   km_drive_settle(d);
   d->here = kept->place;
   km_course_copy(&d->c.course, &kept->course, km_drive_driven(d)->columns);
@@ -130,7 +132,7 @@ void km_drive_return(km_drive *d) {
   if (d->c.substructure < 0)
     d->c.state->q[d->c.coordinate] = d->mark.place.s;
   else
-    go_back(d, &d->mark);
+    km_drive_come_back(d, &d->mark);
 }
 
 bool km_drive_pass(km_drive *d) {
@@ -144,7 +146,7 @@ bool km_drive_pass(km_drive *d) {
   if (!oldest.pose && !reserve(d, &d->passed[0]))
     return false;
   km_drive_settle(d);
-  keep(d, &d->passed[0]);
+  km_drive_keep(d, &d->passed[0]);
   return true;
 }
 
@@ -152,7 +154,7 @@ bool km_drive_return_before(km_drive *d, double s) {
   double goal = s * km_drive_factor(d);
   for (int i = 0; i < 2; ++i)
     if (d->passed[i].is_one && (goal - d->passed[i].place.s) * (d->mark.place.s - goal) > 0.0) {
-      go_back(d, &d->passed[i]);
+      km_drive_come_back(d, &d->passed[i]);
       return true;
     }
   return false;

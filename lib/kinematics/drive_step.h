@@ -15,9 +15,8 @@ typedef enum km_attempt {
   KM_ATTEMPT_EXHAUSTED /* too many steps, none of which leads on */
 } km_attempt;
 
-/* Below this length of a step almost nothing moves but what rounding lets through; and the distance from a singular pose at which it is
- * crossed. */
-static const double km_drive_creeping = 1e-5, km_drive_crossing = 1e-3;
+/* Below this length of a step almost nothing moves but what rounding lets through. */
+static const double km_drive_creeping = 1e-5;
 /* Residual that shows a pose found without Newton to be on the motion. */
 static const double km_drive_closed = 1e-12;
 /* A change of sign that stays below this step is a branch point. */
@@ -30,13 +29,18 @@ double km_drive_slid(const km_drive *drive, int column);
 /* Tries to advance by h. Restores the pose if refused; *limit is the coordinate that forbids it, where one does. */
 km_attempt km_drive_advance(km_drive *drive, double h, double tightness, int *limit);
 
-/* Passes a singular pose at `target` along the smooth branch, and stops there. False: it can't be passed so. */
-bool km_drive_cross(km_drive *drive, double target, int *limit);
-/* Where a step of h is refused that is long enough to tell poses apart, the present pose may still be away from what refuses it: it is
- * remembered for a leap. */
+/* Where a step of h is refused that is long enough to tell configurations apart, the present one may still be away from what refuses it:
+ * a bridge is begun from there. */
 void km_drive_remember_place(km_drive *drive, double h);
-/* Steps have become too short at a singular pose that is no toggle: many motions may meet there, between which short steps can't tell.
- * False, with the state where it was, if no step from a place before it leads over it. */
-bool km_drive_leap_over(km_drive *drive, double target, int *limit);
+/* Builds a bridge over the singular configuration near driver value s, which lies ahead of the drive (`side`: 1 or -1). Its centre is s +
+ * lead d: 0 where s itself is singular, less than 1 where s is the last regular value before the stretch. True: the place is on the
+ * bridge. False, with the state where it was: no smooth motion leads over it. O(100 steps). */
+bool km_drive_build_bridge(km_drive *drive, double s, double side, double lead);
+/* Puts the drive at s on its bridge, with the motion's tangent. False, with the state where it was: the loops don't close there. */
+bool km_drive_place_on_bridge(km_drive *drive, double s);
+/* From a place on the bridge to its end towards `target`. False: that end has no tangent. */
+bool km_drive_leave_bridge(km_drive *drive, double target);
+/* True if the place is on the drive's bridge and s is inside it. */
+bool km_drive_is_on_bridge(const km_drive *drive, double s);
 
 #endif
