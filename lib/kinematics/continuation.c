@@ -148,10 +148,13 @@ void km_continuation_place(km_continuation *c, double parameter) {
   c->state->q[c->coordinate] = parameter * c->mechanism->unit[c->coordinate];
 }
 
-/* Closes the loops where the step has led. */
+/* Closes the loops where the step has led. The first step by arc length may begin at a singular configuration, beside which rows that
+ * count look dependent as long as the loops are open. */
 static bool close(km_continuation *c, km_closure *evidence) {
   if (c->steady.on)
     return km_steady_close(&c->steady, c->mechanism, c->state, c->substructure, c->column, evidence);
+  if (c->column < 0 && c->course.last_h == 0.0)
+    return km_close_fully(km_loops_close, c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
   return km_loops_close(c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
 }
 

@@ -7,8 +7,7 @@
 #include <string.h>
 
 static const double aside = 1e-3; /* distance of the poses that a branch point is interpolated from */
-static const double short_step = 5e-3;
-static const double first_step = 1e-3; /* away from a branch point */
+static const double first_step = 1e-3, longest_first = 0.25; /* away from a branch point */
 
 double km_follow_g(const km_follow *f, const double *t) {
   const km_partition *p = &f->c.state->partition[f->c.substructure];
@@ -133,15 +132,31 @@ void km_follow_turn(km_follow *f, const double *direction) {
   f->closed = false;
 }
 
-/* Freedom of the motion along t, which at its branch point drowns among the others. */
-static int freedom_ahead(km_follow *f) {
+/* Freedom of the motion at a distance h along t; -1 if the configuration there is still singular. */
+static int freedom_at(km_follow *f, double h) {
   const km_substructure *sub = km_follow_sub(f);
+  const km_partition *p = &f->c.state->partition[f->c.substructure];
   km_closure evidence;
   for (int k = 0; k < sub->columns; ++k)
-    f->c.move[k] = short_step * f->c.course.t[k];
+    f->c.move[k] = h * f->c.course.t[k];
+  km_state_restore(f->c.state, sub, f->c.from);
   km_state_move(f->c.mechanism, f->c.state, sub, f->c.move);
-  km_loops_close(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, &evidence);
-  int freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
+  km_close_fully(km_loops_close, f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, &evidence);
+  return km_continuation_is_singular(p) ? -1 : km_partition_freedom(p);
+}
+
+/* Freedom of the motion along t, which at its branch point can't be told from that of the others, and the first step: the stretch on
+ * which pivots are too small is wide where branches touch. */
+static int freedom_ahead(km_follow *f) {
+  const km_substructure *sub = km_follow_sub(f);
+  int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;
+  for (double h = first_step; h <= longest_first; h *= 2.0) {
+    int here = freedom_at(f, h), next = freedom_at(f, 2.0 * h);
+    f->largest = h;
+    freedom = here > 0 ? here : freedom;
+    if (here > 0 && here == next)
+      break;
+  }
   km_state_restore(f->c.state, sub, f->c.from);
   km_loops_update(f->c.mechanism, f->c.state, sub);
   km_pivot(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(f->c.mechanism, sub, 0.0));
@@ -161,6 +176,5 @@ void km_follow_set_out(km_follow *f, const double *directions, int count) {
   }
   set_out(f, best, nearest < 0.0 ? -1.0 : 1.0);
   f->freedom = freedom_ahead(f);
-  f->largest = first_step;
   f->origin_waits = true;
 }
