@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/random.h"
+#include "kinematics/half_branches.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
 #include "kinematics/steady.h"
@@ -42,6 +43,18 @@ static bool rank_changes(km_tangents *f) {
   return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
 }
 
+/* True if the mechanism has as many idle tangents all along its motion as at the pose. Where branches touch with the same tangent it
+ * hasn't. */
+static bool keeps_rank(km_tangents *f) {
+  km_steady steady = {0};
+  km_arena scratch = {0};
+  km_state_restore(f->s, f->sub, f->pose);
+  km_pivot_here(f->m, f->s, f->index, KM_NO_DRIVER, f->residual);
+  km_steady_begin(&steady, f->m, f->s, f->index, KM_NO_DRIVER, &scratch);
+  km_arena_free(&scratch);
+  return steady.on;
+}
+
 /* Are the steady tangents all real, and no others? Then they alone are left, and directions[freedom × columns] (may be NULL) are those of
  * the others. */
 static bool are_steady(km_tangents *f, double *directions) {
@@ -49,7 +62,7 @@ static bool are_steady(km_tangents *f, double *directions) {
   if (!km_tangents_need_conditions(f))
     return false;
   const km_second_order whole = f->conditions;
-  if (km_tangents_keep_steady(f, directions) > 0 && km_tangents_all_real(f))
+  if (km_tangents_keep_steady(f, directions) > 0 && km_tangents_all_real(f) && keeps_rank(f))
     return true;
   f->conditions = whole;
   f->doubtful = doubtful;
@@ -234,6 +247,89 @@ static int find_steady(km_tangents *f, km_arena *arena, km_finite_mobility *out)
   return f->conditions.freedom;
 }
 
+/* Do conditions of second order, by more than rounded data make of 0, show that not all tangents are finite motions? */
+static bool are_refuted(km_tangents *f) {
+  static const double above = 100.0; /* times the closure tolerance */
+  double tolerance = f->m->closure_tolerance_given ? above * f->m->closure_tolerance : 0.0;
+  return km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions) && f->conditions.size > tolerance;
+}
+
+/* May motions meet at an order that conditions of second order don't decide: in a cusp, or with the same tangent? */
+static bool may_touch(const km_tangents *f, int mobility) {
+  return f->conditions.freedom > 1 && km_tangents_are_exact(f) && km_steady_is_small(f->sub) && mobility <= 1;
+}
+
+/* The index of the half-branch that makes up a motion with number i: the one that goes on most nearly opposite, else, in a cusp, in the
+ * same direction; -1: there is none. */
+static int other_half(const km_half_branches *h, int freedom, int i, const bool *is_used) {
+  static const double nearly = 0.5;
+  int best = -1;
+  double most = 0.0;
+  for (int pass = 0; pass < 2 && best < 0; ++pass)
+    for (int j = 0; j < h->count; ++j) {
+      double cosine = 0.0;
+      for (int r = 0; r < freedom; ++r)
+        cosine += h->shares[i * freedom + r] * h->shares[j * freedom + r];
+      double fit = pass ? cosine : -cosine;
+      if (j != i && !is_used[j] && fit > fmax(most, nearly)) {
+        most = fit;
+        best = j;
+      }
+    }
+  return best;
+}
+
+/* Lists the motions that half-branches make up, in place of those from `first` on; false, and nothing changes, unless they are more. */
+static bool list_half_branches(km_tangents *f, const km_half_branches *h, int first, km_finite_mobility *out) {
+  bool is_used[KM_MOST_HALF_BRANCHES] = {false};
+  int freedom = f->conditions.freedom, motions = (h->count + 1) / 2;
+  if (motions <= out->motion_count - first)
+    return false;
+  out->motion_count = first;
+  for (int i = 0; i < h->count; ++i) {
+    if (is_used[i])
+      continue;
+    is_used[i] = true;
+    int other = other_half(h, freedom, i, is_used);
+    if (other >= 0)
+      is_used[other] = true;
+    list_motion(f, h->shares + (size_t)i * (size_t)freedom, KM_MOTION_BRANCH, h->length, out);
+  }
+  out->truncated = out->truncated || h->truncated;
+  return true;
+}
+
+/* The mobility of the motions through the half-branches. */
+static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h, const km_idle_freedoms *idle) {
+  int best = 0;
+  for (int i = 0; i < h->count; ++i) {
+    km_arena scratch = {0};
+    bool doubtful = false;
+    km_state_restore(f->s, f->sub, h->pose + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns);
+    int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.idle;
+    km_arena_free(&scratch);
+    best = dimension > best ? dimension : best;
+  }
+  return best;
+}
+
+/* Motions that the second order doesn't tell from others. *mobility is that of those found so far, which begin at `first`; it stays 0 where
+ * none is found, and then says nothing if tangents meet the second order. */
+static void find_touching(km_tangents *f, const km_idle_freedoms *idle, int first, int *mobility, bool *undecided,
+                          km_finite_mobility *out) {
+  km_half_branches halves;
+  if (!may_touch(f, *mobility) || (*mobility == 0 && !km_tangents_meet_second_order(f)) ||
+      !km_half_branches_find(f, &halves))
+    return;
+  if (*mobility == 0 && halves.count > 0) {
+    *mobility = dimension_of_half_branches(f, &halves, idle);
+    *undecided = halves.truncated && *mobility <= 1; /* a family of motions meets a small sphere everywhere */
+  }
+  *undecided = *undecided || *mobility == 0;
+  if (*mobility == 1)
+    list_half_branches(f, &halves, first, out);
+}
+
 static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   if (f->conditions.freedom == 0 || !km_tangents_make_basis(f))
     return 0;
@@ -249,8 +345,10 @@ static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *a
   }
   bool alone = f->doubtful && k == 1; /* of several directions tried, most need not be real */
   /* Where some tangents are refuted, not all are real near by either: the misfit is analytic on the manifold of the primary equations. */
-  int most = !f->doubtful && k > 1 ? k - 1 : k, mobility = find_branches(f, idle, most, arena, out);
+  int first = out->motion_count, most = k > 1 && (!f->doubtful || are_refuted(f)) ? k - 1 : k;
+  int mobility = find_branches(f, idle, most, arena, out);
   bool undecided = (alone && mobility < k) || mobility < smaller(f->doubtful_dimension, most);
+  find_touching(f, idle, first, &mobility, &undecided, out);
   if (mobility == 0)
     list_basis(f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
   out->undecided = out->undecided || undecided;

@@ -105,7 +105,8 @@ bool km_tangents_all_real(km_tangents *f) {
     km_tangents_normalise(f->a, k);
     km_tangents_direction(f, f->a, f->direction);
     km_followed found = km_tangents_try(f, f->direction);
-    if (found.reality < f->enough || !km_tangents_are_kept(f, f->direction) || (trial >= k && km_tangents_are_fewer(f)))
+    if (found.reality < f->enough || !km_tangents_are_kept(f, f->direction) ||
+        (trial >= k && km_tangents_are_fewer(f)))
       return false;
     if (trial < k)
       f->length[trial] = found.length;
@@ -147,6 +148,13 @@ static bool seek(km_tangents *f) {
     f->a[i] = km_uniform(&f->random);
   km_tangents_normalise(f->a, k);
   return km_second_order_solve(&f->conditions, f->a, f->work);
+}
+
+bool km_tangents_meet_second_order(km_tangents *f) {
+  for (int start = 0; start < KM_STARTS_PER_FREEDOM; ++start)
+    if (seek(f))
+      return true;
+  return false;
 }
 
 bool km_tangents_random(km_tangents *f) {

@@ -94,6 +94,8 @@ bool km_tangents_all_real(km_tangents *tangents);
 bool km_tangents_are_regular(km_tangents *tangents);
 /* The conditions of second order, found when they are first asked for; the state is then at the pose. False when out of memory. */
 bool km_tangents_need_conditions(km_tangents *tangents);
+/* True if some tangent meets the conditions of second order, as far as random starts show. */
+bool km_tangents_meet_second_order(km_tangents *tangents);
 /* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
  * after km_tangents_all_real: the tangent of a single freedom isn't tried again. */
 bool km_tangents_random(km_tangents *tangents);
