@@ -45,7 +45,9 @@ typedef struct km_line {
   double displacement, rate;
 } km_line;
 km_line km_line_of(const km_mechanism *mechanism, const km_forces *forces, const km_port *port, km_distance distance);
-/* What a module measures: a coordinate, or a displacement between frames; and its rate. */
+/* d|q|/dq of a strut's coordinate, whose length is |q|: 1, or -1 where its ends have passed each other; 1 for other coordinates. */
+double km_length_sense(const km_mechanism *mechanism, const km_state *state, int coordinate);
+/* What a module measures: a coordinate (of a strut its length), or a displacement between frames; and its rate. */
 double km_module_input(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                        const km_model_module *module, double *rate);
 /* Adds the module's force at its output; returns the rate at which the output moves along it. */

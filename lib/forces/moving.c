@@ -242,7 +242,7 @@ static void drive(const km_mechanism *m, const km_state *s, km_forces *f, const 
   int c = module->output.coordinate;
   f->moving->motor_power += force * km_module_push(m, s, f, module, force);
   if (c >= 0)
-    f->moving->drive[c] += force;
+    f->moving->drive[c] += km_length_sense(m, s, c) * force;
 }
 
 static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {

@@ -95,12 +95,17 @@ km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_port *por
   return l;
 }
 
+double km_length_sense(const km_mechanism *m, const km_state *s, int c) {
+  return m->model->coordinates[c].is_strut && s->q[c] < 0.0 ? -1.0 : 1.0;
+}
+
 double km_module_input(const km_mechanism *m, const km_state *s, const km_forces *f, const km_model_module *module,
                        double *rate) {
   int c = module->input.coordinate;
   if (c >= 0) {
-    *rate = s->rate[c];
-    return s->q[c];
+    double sense = km_length_sense(m, s, c);
+    *rate = sense * s->rate[c];
+    return sense * s->q[c];
   }
   km_line l = km_line_of(m, f, &module->input, module->distance);
   *rate = l.rate;
@@ -114,8 +119,9 @@ double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, co
   const km_vec3 none = {0, 0, 0};
   int c = module->output.coordinate;
   if (c >= 0) {
-    km_forces_add_joint(m->model, f, c, force);
-    return s->rate[c];
+    double sense = km_length_sense(m, s, c);
+    km_forces_add_joint(m->model, f, c, sense * force);
+    return sense * s->rate[c];
   }
   km_line l = km_line_of(m, f, &module->output, module->distance);
   const int *frame = module->output.frame;

@@ -8,13 +8,14 @@ double km_state_over_turned(const km_mechanism *m, int c, const double *q) {
 }
 
 /* How far coordinate c, whose value is at q, is above (> 0) or below (< 0) its limits; 0 within them, rounding
- * included. The limit of a ball's angle counts as one of its first coordinate. */
+ * included. The limit of a ball's angle counts as one of its first coordinate; those of a strut are of its length |q|. */
 static double excess(const km_mechanism *m, int c, const double *q) {
   double slack = 1e-12 * (m->unit[c] + fabs(*q)), turned = km_state_over_turned(m, c, q);
-  return turned > slack            ? turned
-         : *q > m->high[c] + slack ? *q - m->high[c]
-         : *q < m->low[c] - slack  ? *q - m->low[c]
-                                   : 0.0;
+  double sense = m->model->coordinates[c].is_strut && *q < 0.0 ? -1.0 : 1.0, value = sense * *q;
+  return turned > slack               ? turned
+         : value > m->high[c] + slack ? sense * (value - m->high[c])
+         : value < m->low[c] - slack  ? sense * (value - m->low[c])
+                                      : 0.0;
 }
 
 bool km_state_is_outside(const km_state *s, int coordinate) {

@@ -1,23 +1,36 @@
-/* Assembly modes: the poses that close the loops with the driver held. */
+/* Assembly modes: the configurations that close the loops with the driver fixed. */
 #include "kmech/modes.h"
 
 #include "base/check.h"
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
+#include "kinematics/poses.h"
+#include "kinematics/same_mode.h"
 
 #include <stdint.h>
 #include <string.h>
 
-static const double different = 1e-6; /* of any coordinate, scaled */
+static const double different = 1e-6; /* of a body's place, lengths over the substructure's size */
+
+/* One mode, while others are looked for. */
+typedef struct mode {
+  double *saved;  /* [3 · columns] saved coordinates */
+  km_pose *place; /* [body] in the inertial frame */
+  int finds;      /* starts that led to it */
+  bool is_within; /* the joint limits */
+} mode;
 
 typedef struct search {
   const km_mechanism *m;
   km_state *s; /* with the driver locked */
-  int substructure;
-  double *saved, *found; /* [3 · columns]; [count × 3 · columns] saved coordinates of the modes */
-  double *way;           /* [columns] */
+  const km_state *original;
+  int driver, substructure;
+  km_arena arena;
+  double *saved, *way; /* [3 · columns], [columns] workspace */
+  km_body_place *places;
+  mode *modes;
   size_t capacity;
-  int count;
+  int count, closed;
   bool moves; /* something still moves in one of them */
   uint64_t random;
   km_progress progress;
@@ -37,103 +50,217 @@ static const km_substructure *sub_of(const search *f) {
   return &f->m->substructures[f->substructure];
 }
 
-/* A random start: hinges anywhere, slides within the size of the substructure around the first pose. */
+static int coordinate_of(const search *f, int column) {
+  return f->m->column_coordinate[sub_of(f)->column_start + column];
+}
+
+/* A random start from the state's configuration: hinges anywhere, slides within the size of the substructure; what is locked stays. */
 static void scatter(search *f) {
   const km_substructure *sub = sub_of(f);
-  km_state_restore(f->s, sub, f->found);
   for (int k = 0; k < sub->columns; ++k) {
-    int c = f->m->column_coordinate[sub->column_start + k];
+    int c = coordinate_of(f, k);
     f->way[k] = f->s->locked[c] ? 0.0 : uniform(f) * (f->m->unit[c] == 1.0 ? M_PI : 1.0);
   }
   km_state_move(f->m, f->s, sub, f->way);
 }
 
-static bool is_new(search *f) {
+static bool close(search *f) {
+  return km_assemble_one(f->m, f->s, f->substructure, f->saved);
+}
+
+static int body_of(const km_mechanism *m, int joint, int end) {
+  return m->model->frames[m->model->joints[joint].frame[end]].body;
+}
+
+/* Is the coordinate one of a strut's own joints: its slide, or that at either end? */
+static bool belongs_to_strut(const km_mechanism *m, int strut, int coordinate) {
+  int slide = m->model->coordinates[strut].joint, joint = m->model->coordinates[coordinate].joint;
+  return joint == slide || body_of(m, joint, 1) == body_of(m, slide, 0) || body_of(m, joint, 0) == body_of(m, slide, 1);
+}
+
+static void lock_driver(search *f) {
+  km_state_unlock(f->s);
+  if (f->driver >= 0)
+    km_state_lock(f->s, f->driver);
+}
+
+/* Turns a strut of negative length round: its length is |q|, its own joints are found anew, and all others stay. False, with the state as
+ * it was, if no start closes. */
+static bool turn_strut(search *f, int strut) {
+  enum { STARTS = 40 };
   const km_substructure *sub = sub_of(f);
-  for (int i = 0; i < f->count; ++i) {
-    double largest = 0.0;
-    km_state_difference(f->s, sub, f->found + (size_t)(i * KM_SAVED_PER_COLUMN * sub->columns), f->way);
-    for (int k = 0; k < sub->columns; ++k) {
-      bool hinge = km_coordinate_turns(f->m, f->m->column_coordinate[sub->column_start + k]);
-      double way = hinge ? remainder(f->way[k], 2.0 * M_PI) : f->way[k];
-      largest = fmax(largest, fabs(way));
-    }
-    if (largest < different)
-      return false;
+  size_t size = (size_t)(KM_SAVED_PER_COLUMN * sub->columns);
+  double *before = KM_NEW(double, 2 * size);
+  bool turned = false;
+  if (!before)
+    return false;
+  km_state_save(f->s, sub, before);
+  km_state_lock(f->s, strut);
+  for (int k = 0; k < sub->columns; ++k)
+    if (!belongs_to_strut(f->m, strut, coordinate_of(f, k)))
+      km_state_lock(f->s, coordinate_of(f, k));
+  for (int i = 0; i < STARTS && !turned; ++i) {
+    km_state_restore(f->s, sub, before);
+    f->s->q[strut] = fabs(f->s->q[strut]);
+    scatter(f);
+    turned = close(f);
   }
-  return true;
+  lock_driver(f);
+  if (!turned)
+    km_state_restore(f->s, sub, before);
+  km_free(before);
+  return turned;
+}
+
+/* Hinges come within half a turn of where the state has them, or by further turns within their limits. */
+static void choose_turns(search *f) {
+  const km_substructure *sub = sub_of(f);
+  for (int k = 0; k < sub->columns && sub->coupling_count == 0; ++k) {
+    int c = coordinate_of(f, k);
+    double *q = &f->s->q[c];
+    if (!km_coordinate_turns(f->m, c))
+      continue;
+    double turn = remainder(*q - f->original->q[c], 2.0 * M_PI);
+    *q = f->original->q[c] + (turn < different - M_PI ? turn + 2.0 * M_PI : turn);
+    if (*q > f->m->high[c])
+      *q -= 2.0 * M_PI * ceil((*q - f->m->high[c]) / (2.0 * M_PI));
+    else if (*q < f->m->low[c])
+      *q += 2.0 * M_PI * ceil((f->m->low[c] - *q) / (2.0 * M_PI));
+  }
+}
+
+/* The state's configuration as it is told: struts with lengths of at least 0, hinges by the turns that suit. */
+static void make_canonical(search *f) {
+  for (int k = 0; k < sub_of(f)->columns; ++k) {
+    int c = coordinate_of(f, k);
+    if (f->m->model->coordinates[c].is_strut && f->s->q[c] < 0.0 && c != f->driver)
+      turn_strut(f, c);
+  }
+  choose_turns(f);
+}
+
+/* The mode that the state's configuration is; -1: a new one. */
+static int find_known(const search *f) {
+  double size = sub_of(f)->size;
+  km_poses_update(f->m, f->s);
+  for (int i = 0; i < f->count; ++i)
+    if (km_is_same_mode(f->m, f->places, f->modes[i].place, f->s->pose, size, different))
+      return i;
+  return -1;
 }
 
 static bool keep(search *f) {
-  size_t each = (size_t)(KM_SAVED_PER_COLUMN * sub_of(f)->columns);
-  void *found = f->found;
-  if (!km_reserve(&found, &f->capacity, (size_t)(f->count + 1) * each, sizeof *f->found))
+  size_t bodies = (size_t)f->m->model->body_count;
+  void *modes = f->modes;
+  mode kept = {.saved = KM_ARENA_NEW(&f->arena, double, (size_t)(KM_SAVED_PER_COLUMN * sub_of(f)->columns)),
+               .place = KM_ARENA_NEW(&f->arena, km_pose, bodies),
+               .finds = 1};
+  if (f->arena.failed || !km_reserve(&modes, &f->capacity, (size_t)f->count + 1, sizeof *f->modes))
     return false;
-  f->found = found;
+  f->modes = modes;
   f->moves = f->moves || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
-  km_state_save(f->s, sub_of(f), f->found + (size_t)f->count++ * each);
+  memcpy(kept.place, f->s->pose, bodies * sizeof *kept.place);
+  if (f->count > 0)
+    make_canonical(f);
+  kept.is_within = f->count == 0 || km_state_outside(f->s, sub_of(f)) < 0;
+  km_state_save(f->s, sub_of(f), kept.saved);
+  f->modes[f->count++] = kept;
+  return true;
+}
+
+/* Counts the state's configuration. False when out of memory. */
+static bool count_find(search *f) {
+  int known = find_known(f);
+  ++f->closed;
+  if (known < 0)
+    return keep(f);
+  ++f->modes[known].finds;
   return true;
 }
 
 static bool collect(search *f, int starts) {
-  if (!keep(f))
+  if (!count_find(f))
     return false;
   for (int i = 0; i < starts; ++i) {
     f->cancelled = f->progress && !f->progress(f->context, (double)i / starts);
     if (f->cancelled)
       return false;
+    km_state_restore(f->s, sub_of(f), f->modes[0].saved);
     scatter(f);
-    if (km_assemble_one(f->m, f->s, f->substructure, f->saved) && is_new(f) && !keep(f))
+    if (close(f) && !count_find(f))
       return false;
   }
   return true;
 }
 
-/* Hinges are written within half a turn of where the state has them, just half a turn ahead of it; not where couplings
- * count the turns. What closing the loops may leave of 0 is 0. */
-static double written(const search *f, const km_state *original, int c) {
+/* What closing the loops may leave of 0 is 0. */
+static double written(const search *f, int c) {
   static const double rounding = 1e-12; /* radians, or substructure sizes */
   if (f->m->substructure_of[c] != f->substructure)
-    return km_state_coordinate(original, c);
-  double *q = &f->s->q[c];
-  if (km_coordinate_turns(f->m, c) && sub_of(f)->coupling_count == 0) {
-    double turn = remainder(*q - original->q[c], 2.0 * M_PI);
-    *q = original->q[c] + (turn < different - M_PI ? turn + 2.0 * M_PI : turn);
-  }
-  return fabs(*q) <= rounding * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
+    return km_state_coordinate(f->original, c);
+  return fabs(f->s->q[c]) <= rounding * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
 }
 
-static bool write_out(search *f, const km_state *original, km_modes *out) {
+static bool write_out(search *f, km_modes *out) {
   int n = f->m->coordinate_count;
   out->coordinates = KM_NEW(double, (size_t)f->count *(size_t)n);
   if (!out->coordinates)
     return false;
   for (int i = 0; i < f->count; ++i) {
-    km_state_restore(f->s, sub_of(f), f->found + (size_t)(i * KM_SAVED_PER_COLUMN * sub_of(f)->columns));
+    out->once += f->modes[i].finds == 1;
+    out->outside += !f->modes[i].is_within;
+    if (!f->modes[i].is_within)
+      continue;
+    km_state_restore(f->s, sub_of(f), f->modes[i].saved);
     for (int c = 0; c < n; ++c)
-      out->coordinates[i * n + c] = written(f, original, c);
+      out->coordinates[out->count * n + c] = written(f, c);
+    ++out->count;
   }
-  out->count = f->count;
+  out->closed = f->closed;
   return true;
 }
 
-static km_status search_modes(search *f, const km_state *original, int starts, km_modes *out, km_error *error) {
+static km_status search_modes(search *f, int starts, km_modes *out, km_error *error) {
   size_t columns = (size_t)sub_of(f)->columns;
-  f->saved = KM_NEW(double, KM_SAVED_PER_COLUMN *columns);
-  f->way = KM_NEW(double, columns);
-  km_state_copy(f->m, f->s, original);
-  bool done = f->saved && f->way && km_assemble_one(f->m, f->s, f->substructure, f->saved);
-  done = done && collect(f, starts) && write_out(f, original, out);
+  f->saved = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *columns);
+  f->way = KM_ARENA_NEW(&f->arena, double, columns);
+  f->places = KM_ARENA_NEW(&f->arena, km_body_place, (size_t)f->m->model->body_count);
+  bool done = !f->arena.failed, moves = false;
+  if (done) {
+    km_body_places(f->m, f->places);
+    km_state_copy(f->m, f->s, f->original);
+    done = close(f);
+    moves = done && f->driver < 0 && km_partition_freedom(&f->s->partition[f->substructure]) > 0;
+    done = done && !moves && collect(f, starts) && write_out(f, out);
+  }
   out->isolated = done && !f->moves;
-  km_free(f->saved);
-  km_free(f->way);
-  km_free(f->found);
+  km_free(f->modes);
+  km_arena_free(&f->arena);
+  if (moves)
+    return km_fail(
+        error, KM_USAGE,
+        "assembly modes need a driver, since the mechanism moves: the model has no analysis.sweep with a joint; "
+        "expected one by --set");
   if (f->cancelled)
     return km_fail(error, KM_CANCELLED, "the search for assembly modes was cancelled");
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
 }
 
+/* The substructure with most coordinates; -1: nothing is in a loop. */
+static int largest_substructure(const km_mechanism *m) {
+  int best = -1;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (m->substructures[i].loop_count > 0 &&
+        (best < 0 || m->substructures[i].columns > m->substructures[best].columns))
+      best = i;
+  return best;
+}
+
 static km_status check_driver(const km_mechanism *m, int driver, km_error *error) {
+  if (driver == -1)
+    return largest_substructure(m) >= 0
+               ? KM_OK
+               : km_fail(error, KM_USAGE, "the model has no loop; expected one that closes in different ways");
   km_status status = km_check_index(driver, m->coordinate_count, "coordinate", error);
   if (!status && (m->held[driver] || m->substructure_of[driver] < 0 || m->ball_of[driver] >= 0))
     status =
@@ -158,12 +285,14 @@ km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, in
   if (!status) {
     search f = {.m = m,
                 .s = state,
-                .substructure = m->substructure_of[driver],
+                .original = s,
+                .driver = driver,
+                .substructure = driver >= 0 ? m->substructure_of[driver] : largest_substructure(m),
                 .random = seed,
                 .progress = progress,
                 .context = context};
-    km_state_lock(state, driver);
-    status = search_modes(&f, s, starts, out, error);
+    lock_driver(&f);
+    status = search_modes(&f, starts, out, error);
   }
   km_state_free(state);
   return status;

@@ -25,6 +25,7 @@ typedef struct km_model_body {
   km_vec3 center_of_mass;
   double inertia[6]; /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass */
   double density;    /* < 0: not given */
+  bool is_strut_part; /* a half of a strut: its place is that of the strut's ends */
   const char *mesh;  /* file name of the definition, NULL: none */
   const char *where;
 } km_model_body;
@@ -81,6 +82,7 @@ typedef struct km_model_joint {
 typedef struct km_model_coordinate {
   const char *label;
   int joint, index;
+  bool is_strut; /* the length of a strut is |q|: where its ends have passed each other, q is negative */
   double position, rate, low, high, damping; /* in the file's units; no limit is ∓infinity */
   double max_rate, max_force;                /* of the drive; none is infinity */
   double armature, friction;                 /* of the drive's rotor; what resists every motion alike */

@@ -6,6 +6,7 @@
 
 enum { STARTS = 300 };
 
+/* The driver, -1 for a structure. */
 static km_status find_driver(const kt_texts *sets, const km_model *model, int *driver, km_error *error) {
   *driver = km_model_sweep_coordinate(model);
   if (sets->count > 0) {
@@ -15,11 +16,7 @@ static km_status find_driver(const kt_texts *sets, const km_model *model, int *d
     km_free(label.text);
     return status;
   }
-  return *driver < 0
-             ? km_fail(
-                   error, KM_USAGE,
-                   "assembly modes need a driver: the model has no analysis.sweep with a joint; expected one by --set")
-             : KM_OK;
+  return KM_OK;
 }
 
 km_status kt_modes_find(const kt_common *common, const kt_texts *sets, const kt_pose *pose, int *driver,
@@ -43,9 +40,10 @@ kt_exit kt_mode_take(const kt_common *common, const char *path, const kt_texts *
   int driver = -1;
   km_status status = kt_modes_find(common, sets, pose, &driver, &modes, &error);
   if (!status && common->mode > modes.count)
-    status = km_fail(&error, KM_USAGE, "--mode %d: with %s where it is there %s %d; expected %s%d", common->mode,
-                     km_model_coordinate_label(pose->model, driver), modes.count == 1 ? "is only" : "are only",
-                     modes.count, modes.count == 1 ? "" : "1 to ", modes.count);
+    status = km_fail(&error, KM_USAGE, "--mode %d: %s%s%s there %s %d; expected %s%d", common->mode,
+                     driver < 0 ? "" : "with ", driver < 0 ? "" : km_model_coordinate_label(pose->model, driver),
+                     driver < 0 ? "" : " where it is", modes.count == 1 ? "is only" : "are only", modes.count,
+                     modes.count == 1 ? "" : "1 to ", modes.count);
   if (!status)
     status = take(pose, modes.coordinates + (common->mode - 1) * km_model_coordinate_count(pose->model), &error);
   km_modes_free(&modes);

@@ -5,9 +5,18 @@
 #include "kmech/value.h"
 
 static void print_modes(const km_model *model, const km_modes *modes, int driver, km_text *out) {
-  km_text_format(out, "\n%s assembly mode%s with %s where it is%s\n", modes->count == 1 ? "one" : "different",
-                 modes->count == 1 ? "" : "s", km_model_coordinate_label(model, driver),
-                 modes->isolated ? "" : " (in some of them something still moves: those are samples)");
+  km_text_format(out, "\n%s assembly mode%s", modes->count == 1 ? "one" : "different", modes->count == 1 ? "" : "s");
+  if (driver >= 0)
+    km_text_format(out, " with %s where it is", km_model_coordinate_label(model, driver));
+  km_text_format(out, "%s; found from %d starting configuration%s",
+                 modes->isolated ? "" : " (in some of them something still moves: those are samples)", modes->closed,
+                 modes->closed == 1 ? "" : "s");
+  if (modes->isolated && modes->once > 0)
+    km_text_format(out, ", %d of them by one alone, so that there may be more", modes->once);
+  km_text_add(out, "\n");
+  if (modes->isolated && modes->outside)
+    km_text_format(out, "%d further mode%s outside the joint limits\n", modes->outside,
+                   modes->outside == 1 ? " lies" : "s lie");
   for (int i = 0; i < modes->count; ++i) {
     km_text_format(out, "  %d:", i + 1);
     for (int c = 0; c < km_model_coordinate_count(model); ++c)
@@ -18,8 +27,12 @@ static void print_modes(const km_model *model, const km_modes *modes, int driver
 }
 
 static void add_modes(const km_model *model, const km_modes *modes, int driver, km_value *record, km_arena *arena) {
-  km_value_string(arena, record, "modes_driver", km_model_coordinate_label(model, driver));
+  if (driver >= 0)
+    km_value_string(arena, record, "modes_driver", km_model_coordinate_label(model, driver));
   km_value_boolean(arena, record, "modes_isolated", modes->isolated);
+  km_value_number(arena, record, "modes_closed_starts", modes->closed);
+  km_value_number(arena, record, "modes_found_once", modes->once);
+  km_value_number(arena, record, "modes_outside_limits", modes->outside);
   km_value *list = km_value_add(arena, record, "modes", KM_LIST);
   for (int i = 0; i < modes->count && !arena->failed; ++i) {
     km_value *mode = km_value_add(arena, list, NULL, KM_OBJECT);

@@ -36,7 +36,7 @@ static int make_half(km_reader *reader, const strut *s, const char *part) {
   const char *name = part_name(reader, s, &reader->bodies, part);
   int index = model->body_count++;
   model->bodies[index] = (km_model_body){
-      .name = name, .assembly = s->assembly, .density = -1.0, .where = km_reader_where(reader, s->place)};
+      .name = name, .assembly = s->assembly, .density = -1.0, .is_strut_part = true, .where = km_reader_where(reader, s->place)};
   if (!km_names_set(&reader->bodies, s->assembly, name, index))
     model->arena.failed = true;
   km_reader_add_frame(reader, "origin", index, km_pose_identity());
@@ -112,7 +112,9 @@ static void make_joints(km_reader *reader, strut *s) {
   make_joint(reader, s, part_name(reader, s, &reader->joints, "from"), s->planar ? KM_RZ : KM_SPHERICAL, from, rod,
              NULL);
   int slide = make_joint(reader, s, s->name, KM_TX, rod, sleeve, s->value);
-  model->coordinates[model->joints[slide].first_coordinate].position = s->length;
+  km_model_coordinate *length = &model->coordinates[model->joints[slide].first_coordinate];
+  length->position = s->length;
+  length->is_strut = true;
   make_joint(reader, s, part_name(reader, s, &reader->joints, "to"), s->planar ? KM_RZ : KM_UNIVERSAL, tip, to, NULL);
   const km_value *cylinder = km_value_get(s->value, "cylinder");
   if (cylinder && cylinder->number != 0.0)
