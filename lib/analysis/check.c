@@ -115,6 +115,7 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
         "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
         "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
         mobility->mobility);
+  branches = branches ? km_finite_mobility_branches(finite) : 0;
   bool one = branches == 1 && !finite->truncated;
   if (shaky || one)
     add(f, KM_FINDING_FAULT, "shaky",

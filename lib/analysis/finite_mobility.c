@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "base/random.h"
+#include "kinematics/closure.h"
 #include "kinematics/half_branches.h"
 #include "kinematics/loops.h"
 #include "kinematics/many_tangents.h"
@@ -152,13 +153,74 @@ static int smaller(int a, int b) {
   return a < b ? a : b;
 }
 
+/* Tangent spaces of the branches that have several freedoms: every direction in one of them is a tangent of the same branch. */
+enum { MOST_SPACES = 16 };
+typedef struct branch_spaces {
+  int count, freedom;
+  int dimension[MOST_SPACES];
+  double *V; /* [MOST_SPACES × freedom × freedom] orthonormal rows, as shares of the basis */
+} branch_spaces;
+
+static double *space_of(const branch_spaces *spaces, int i) {
+  return spaces->V + (size_t)i * (size_t)(spaces->freedom * spaces->freedom);
+}
+
+static bool is_in_known_space(const branch_spaces *spaces, const double *a) {
+  static const double near = 0.1; /* sine: the spaces are those a short way along the branches */
+  for (int i = 0; i < spaces->count; ++i) {
+    double outside = 1.0;
+    for (int r = 0; r < spaces->dimension[i]; ++r) {
+      double along = 0.0;
+      for (int k = 0; k < spaces->freedom; ++k)
+        along += space_of(spaces, i)[r * spaces->freedom + k] * a[k];
+      outside -= along * along;
+    }
+    if (outside <= near * near)
+      return true;
+  }
+  return false;
+}
+
+/* Adds the tangent space of the branch that was followed last, a short way along it, if that configuration is regular and the branch has
+ * several freedoms. The state is used up. */
+static void add_space(branch_spaces *spaces, km_tangents *f, km_arena *arena) {
+  const int n = f->sub->columns, k = spaces->freedom;
+  const double *weight = f->m->column_weight + f->sub->column_start;
+  km_closure evidence;
+  km_state_restore(f->s, f->sub, f->pose);
+  km_state_move(f->m, f->s, f->sub, f->chord);
+  bool closed = km_close_fully(km_loops_close, f->m, f->s, f->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
+  const km_partition *p = &f->s->partition[f->index];
+  int freedom = km_partition_freedom(p) - f->conditions.idle;
+  if (!closed || spaces->count == MOST_SPACES || freedom < 2 || freedom >= k || f->conditions.idle > 0)
+    return;
+  double *Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)n);
+  double *share = KM_ARENA_NEW(arena, double, (size_t)k), *V = space_of(spaces, spaces->count);
+  int rows = 0;
+  if (!Z || !share)
+    return;
+  km_partition_null(p, weight, freedom, Z);
+  for (int i = 0; i < freedom; ++i) {
+    for (int r = 0; r < k; ++r) {
+      share[r] = 0.0;
+      for (int c = 0; c < n; ++c)
+        share[r] += f->conditions.Z[(size_t)r * (size_t)n + (size_t)c] * Z[(size_t)i * (size_t)n + (size_t)c];
+    }
+    rows += km_tangents_add(V, rows, k, share);
+  }
+  spaces->dimension[spaces->count++] = rows;
+}
+
 /* Collects the different real motions; their largest dimension, `most` at most, is the finite mobility. */
 static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most, km_arena *arena,
                          km_finite_mobility *out) {
   int k = f->conditions.freedom, best = 0, found = 0;
   double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MOST_MOTIONS * k));
   double length;
-  while (lines && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found, &length)) {
+  branch_spaces spaces = {.freedom = k, .V = KM_ARENA_NEW(arena, double, (size_t)(MOST_SPACES * k * k))};
+  while (lines && spaces.V && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found, &length)) {
+    if (is_in_known_space(&spaces, f->a))
+      continue;
     memcpy(lines + (size_t)found++ * (size_t)k, f->a, (size_t)k * sizeof *lines);
     int most_here = smaller(km_second_order_dimension(&f->conditions, f->a), most);
     if (most_here > best) {
@@ -172,6 +234,7 @@ static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most,
       best = dimension > best ? dimension : best;
     }
     list_motion(f, f->a, KM_MOTION_BRANCH, length, out);
+    add_space(&spaces, f, arena);
   }
   out->truncated = out->truncated || found == KM_MOST_MOTIONS;
   return best;
@@ -423,6 +486,21 @@ km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progres
     status = km_each_substructure(m, look, &f, progress, context, "the finite mobility", error);
   km_idle_freedoms_free(&f.idle);
   return status;
+}
+
+int km_finite_mobility_branches(const km_finite_mobility *finite) {
+  double product = 1.0;
+  for (int i = 0; finite && i < finite->motion_count; ++i) {
+    int here = finite->motions[i].substructure, branches = 0;
+    bool is_first = true;
+    for (int k = 0; k < finite->motion_count; ++k) {
+      bool counts = finite->motions[k].substructure == here && finite->motions[k].kind == KM_MOTION_BRANCH;
+      is_first = is_first && !(counts && k < i);
+      branches += counts;
+    }
+    product *= is_first && branches ? branches : 1;
+  }
+  return product < 1e6 ? (int)product : 1000000;
 }
 
 void km_finite_mobility_free(km_finite_mobility *mobility) {

@@ -3,7 +3,8 @@
 
 #include "topology/mechanism.h"
 
-static const double rounding = 1e-6; /* of a substructure's size: offsets of this order come from the digits of a file */
+static const double rounding =
+    1e-6; /* of a substructure's size: offsets of this order come from the digits of a file */
 
 /* The note about a loop whose ends are offset along its hinge axes. */
 static void add_pin_offset(const km_mechanism *m, int index, km_messages *messages) {

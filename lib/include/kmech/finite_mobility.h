@@ -51,6 +51,8 @@ typedef struct km_finite_mobility {
  * state keeps its pose. Free `*out` in any case. KM_MEMORY. O(a few dozen sparse factorisations) for each direction. */
 KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                          void *context, km_finite_mobility *out, km_error *error);
+/* How many motions meet at the configuration: the product over the substructures of their branches, each branch of several freedoms counted once; at most 1e6. */
+KM_API int km_finite_mobility_branches(const km_finite_mobility *mobility);
 KM_API void km_finite_mobility_free(km_finite_mobility *mobility);
 /* "regular", "branch", "shaky", "open"; "". */
 KM_API const char *km_motion_kind_name(km_motion_kind kind);

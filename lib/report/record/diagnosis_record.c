@@ -111,6 +111,8 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
                    ": the loops stay within the closure tolerance for an arc of %.2g, and what opens them there tells "
                    "neither a motion nor a structure",
                    followed);
+  if (branches)
+    branches = km_finite_mobility_branches(finite);
   if (branches == 1 && !finite->truncated)
     km_text_add(out, ": not all motions that first order allows are real");
   else if (branches)
