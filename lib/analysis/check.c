@@ -3,7 +3,6 @@
 
 #include "analysis/inertness.h"
 #include "analysis/mobility.h"
-#include "analysis/rank_evidence.h"
 #include "analysis/statements.h"
 #include "base/check.h"
 #include "kinematics/poses.h"
@@ -48,10 +47,10 @@ static void check_reader(const km_messages *messages, km_findings *f) {
         "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
 }
 
-static void check_geometry(const km_mechanism *m, km_findings *f) {
+static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
   km_messages *notes = km_messages_create();
   f->store->failed = f->store->failed || !notes;
-  km_geometry_notes(m, notes);
+  km_geometry_notes(m, s, notes);
   for (size_t i = 0; i < km_messages_count(notes); ++i)
     add(f, KM_FINDING_REMARK, "geometry", "harmless for the motion; move a frame along its axis to state one point",
         "%s", km_messages_text(notes, i));
@@ -132,20 +131,15 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
 }
 
 static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
-  km_poses_update(m, s);
-  for (int i = 0; i < m->topology.substructure_count; ++i) {
-    km_rank_evidence e;
-    km_status status = km_rank_evidence_find(m, s, i, &e, error);
-    if (status)
-      return status;
-    if (e.doubtful)
-      add(f, KM_FINDING_WARNING, "doubtful-rank",
-          "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance",
-          "the rank of substructure %d is doubtful: the smallest singular value kept is %.2g of the largest one, the "
-          "largest dropped %.2g",
-          i + 1, e.kept, e.dropped);
-  }
-  return KM_OK;
+  km_messages *doubts = km_messages_create();
+  km_status status = doubts ? km_rank_doubts(m, s, doubts, error) : KM_OK;
+  f->store->failed = f->store->failed || !doubts;
+  for (size_t i = 0; i < km_messages_count(doubts); ++i)
+    add(f, KM_FINDING_WARNING, "doubtful-rank",
+        "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance", "%s",
+        km_messages_text(doubts, i));
+  km_messages_free(doubts);
+  return status;
 }
 
 static int by_size(const void *a, const void *b) {
@@ -335,7 +329,7 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
   km_ranks_update(m, s, &mobility);
   check_reader(messages, out);
   check_start(m, s, out);
-  check_geometry(m, out);
+  check_geometry(m, s, out);
   check_finite(&mobility, &diagnosis->finite, out);
   km_status status = check_ranks(m, s, out, error);
   check_lengths(m->model, out);

@@ -1,7 +1,10 @@
-/* Notes about geometry that differs from what the file says without changing how the mechanism moves. */
+/* Notes about geometry: offset pins, ranks that rounding may have decided. */
 #include "kmech/diagnosis.h"
 
-#include "topology/mechanism.h"
+#include "analysis/rank_evidence.h"
+#include "kinematics/assemble.h"
+#include "kinematics/closure.h"
+#include "kinematics/poses.h"
 
 static const double rounding =
     1e-6; /* of a substructure's size: offsets of this order come from the digits of a file */
@@ -26,7 +29,53 @@ static void add_pin_offset(const km_mechanism *m, int index, km_messages *messag
       n.x + 0.0, n.y + 0.0, n.z + 0.0, model->bodies[base].name);
 }
 
-void km_geometry_notes(const km_mechanism *m, km_messages *messages) {
-  for (int l = 0; m && messages && l < m->topology.loop_count; ++l)
+/* The note about an overconstrained substructure that is rigid as written, by a pivot that is small for geometry. */
+static void add_rigid(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
+  static const double small = 1e-3; /* of the largest pivot: the error of three digits */
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  double tolerance;
+  int mobility;
+  if (m->closure_tolerance_given || p->sparse || sub->loop_count == 0)
+    return;
+  km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
+  double pivot = p->rank > 0 ? p->last_pivot / p->scale : 1.0;
+  if (km_partition_freedom(p) > 0 || p->rank == sub->rows || pivot > small ||
+      !km_assemble_suggest(m, index, 1, &tolerance, &mobility))
+    return;
+  km_messages_add(messages, KM_NOTE,
+                  "substructure %d (joint %.80s and others) is rigid as written, but within %.1g of its size of one of "
+                  "mobility %d; if its numbers are rounded, state \"closure_tolerance\": %g or give "
+                  "--closure-tolerance %g",
+                  index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot, mobility,
+                  tolerance, tolerance);
+}
+
+void km_geometry_notes(const km_mechanism *m, km_state *s, km_messages *messages) {
+  if (!km_state_fits(m, s) || !messages)
+    return;
+  for (int l = 0; l < m->topology.loop_count; ++l)
     add_pin_offset(m, l, messages);
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    add_rigid(m, s, i, messages);
+}
+
+km_status km_rank_doubts(const km_mechanism *m, km_state *s, km_messages *messages, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (status)
+    return status;
+  km_poses_update(m, s);
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_rank_evidence e;
+    status = km_rank_evidence_find(m, s, i, &e, error);
+    if (status)
+      return status;
+    if (e.doubtful)
+      km_messages_add(
+          messages, KM_WARNING,
+          "the rank of substructure %d is doubtful: the smallest singular value kept is %.2g of the largest "
+          "one, the largest dropped %.2g",
+          i + 1, e.kept, e.dropped);
+  }
+  return KM_OK;
 }

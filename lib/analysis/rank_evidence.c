@@ -14,7 +14,8 @@
 
 static const double surely_zero = 1e-10; /* below: what closing and rounding leave */
 static const double surely_not = 1e-5;   /* above: no pivot of rounded data */
-static const double tolerated = 100.0;   /* the same where the file states a tolerance, over it */
+static const double tolerated =
+    100.0; /* the same where the file states a tolerance, over it: a factor of 10 on either side of that of the rank */
 
 /* The columns of one substructure as twists, and how their lengths are counted. */
 typedef struct axes {
@@ -127,7 +128,7 @@ static void rescale(const axes *a, int rows, double *J) {
 }
 
 static void judge(const km_mechanism *m, const double *values, int count, int rank, km_rank_evidence *out) {
-  double low = m->closure_tolerance_given ? fmax(surely_zero, 10.0 * m->closure_tolerance) : surely_zero;
+  double low = m->closure_tolerance_given ? fmax(surely_zero, m->closure_tolerance) : surely_zero;
   double high = m->closure_tolerance_given ? fmax(surely_not, tolerated * low) : surely_not;
   double scale = count && values[0] > 0.0 ? 1.0 / values[0] : 1.0;
   out->kept = rank > 0 && rank <= count ? scale * values[rank - 1] : 1.0;

@@ -181,6 +181,15 @@ static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobili
   return false;
 }
 
+bool km_assemble_suggest(const km_mechanism *m, int index, int least_mobility, double *tolerance, int *mobility) {
+  trial named;
+  if (!fitting_tolerance(m, index, least_mobility, &named))
+    return false;
+  *tolerance = named.tolerance;
+  *mobility = named.freedom;
+  return true;
+}
+
 /* Of a gap and a turn (scaled) the one below this share of the other isn't told. */
 static const double unseen = 1e-9;
 

@@ -97,15 +97,15 @@ static double reach(const km_model *model, int frame) {
 }
 
 /* True if the pins of a planar loop lie at different heights, by which the frames of a joint then differ. */
-static bool has_offset_pins(const km_mechanism *mechanism) {
+static bool has_offset_pins(const km_mechanism *mechanism, km_state *state) {
   km_messages *notes = km_messages_create();
-  km_geometry_notes(mechanism, notes);
+  km_geometry_notes(mechanism, state, notes);
   bool has = km_messages_count(notes) > 0;
   km_messages_free(notes);
   return has;
 }
 
-void fuzz_closed(const km_model *model, const km_mechanism *mechanism, const km_state *state, double residual) {
+void fuzz_closed(const km_model *model, const km_mechanism *mechanism, km_state *state, double residual) {
   double unit = km_model_units(model).angle->si, size = 0.0, gap = 0.0, turn = 0.0, angle = 0.0;
   for (int j = 0; j < km_model_joint_count(model); ++j) {
     int first = 0, freedom = km_model_joint_freedom(model, j, &first);
@@ -133,6 +133,6 @@ void fuzz_closed(const km_model *model, const km_mechanism *mechanism, const km_
   }
   double tolerance =
       10.0 * residual + 1e-9 + 1e-14 * angle; /* lengths of loops are over their size, at most this one */
-  if ((!(gap <= tolerance * size) && !has_offset_pins(mechanism)) || !(turn <= tolerance))
+  if ((!(gap <= tolerance * size) && !has_offset_pins(mechanism, state)) || !(turn <= tolerance))
     fuzz_fail("a joint's own motion doesn't lead from one of its frames to the other");
 }

@@ -73,9 +73,9 @@ static kt_exit take_pose(const kt_common *common, const char *path, km_model *mo
 }
 
 /* Notes about the compiled geometry, unless the command gathers its findings itself. */
-static void tell_geometry(const kt_common *common, const char *path, const km_mechanism *mechanism) {
+static void tell_geometry(const kt_common *common, const char *path, const kt_pose *pose) {
   km_messages *notes = common->found ? NULL : km_messages_create();
-  km_geometry_notes(mechanism, notes);
+  km_geometry_notes(pose->mechanism, pose->state, notes);
   kt_tell_messages(common, path, notes, KM_OK, NULL);
   km_messages_free(notes);
 }
@@ -92,7 +92,7 @@ kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *hold
   if (result == KT_DONE)
     result = reach(common, path, &held, &set, out);
   if (result == KT_DONE)
-    tell_geometry(common, path, out->mechanism);
+    tell_geometry(common, path, out);
   if (result == KT_DONE && common->mode > 0)
     result = kt_mode_take(common, path, sets, out);
   kt_settings_free(&held);

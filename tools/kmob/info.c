@@ -42,6 +42,16 @@ static void add_modes(const km_model *model, const km_modes *modes, int driver, 
   }
 }
 
+/* Warnings about ranks that the data don't decide. */
+static km_status tell_doubts(const kmob_request *o, const kt_pose *pose, km_error *error) {
+  km_messages *doubts = km_messages_create();
+  km_status status = doubts ? km_rank_doubts(pose->mechanism, pose->state, doubts, error)
+                            : km_fail(error, KM_MEMORY, "out of memory for the ranks");
+  kt_tell_messages(&o->pose.common, o->pose.model, doubts, KM_OK, NULL);
+  km_messages_free(doubts);
+  return status;
+}
+
 /* The diagnosis, with a progress bar. */
 static km_status diagnose(const kmob_request *o, const kt_pose *pose, km_diagnosis *out, km_error *error) {
   kt_progress progress = kt_progress_start(&o->pose.common);
@@ -61,6 +71,8 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
   if (!status && o->modes)
     status = kt_modes_find(&o->pose.common, &o->pose.sets, pose, &driver, &modes, &error);
   km_mobility_update(pose->mechanism, pose->state, &mobility);
+  if (!status)
+    status = tell_doubts(o, pose, &error);
   if (status) {
     kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
   } else if (o->pose.json) {

@@ -22,9 +22,13 @@ KM_API km_status km_diagnosis_find(const km_mechanism *mechanism, km_state *stat
                                    km_diagnosis *out, km_error *error);
 KM_API void km_diagnosis_free(km_diagnosis *diagnosis);
 
-/* Adds notes to `messages` about geometry that differs from what the file says without changing how the mechanism moves: the ends of a
- * planar loop that are offset along its hinge axes. O(loops). */
-KM_API void km_geometry_notes(const km_mechanism *mechanism, km_messages *messages);
+/* Adds notes to `messages` about the geometry of an assembled configuration: the ends of a planar loop that are offset along its hinge axes, and
+ * overconstrained substructures that are rigid as written, but within a thousandth of their size of one that moves. The state keeps its
+ * configuration. O(loops), and for each such substructure 20 compilations of the model. */
+KM_API void km_geometry_notes(const km_mechanism *mechanism, km_state *state, km_messages *messages);
+/* Adds a warning for each substructure whose rank is doubtful: a singular value within a factor of ten of the rank tolerance or, of
+ * exact data, between what rounding leaves and what geometry makes. KM_MEMORY. O(rows · columns²) each. */
+KM_API km_status km_rank_doubts(const km_mechanism *mechanism, km_state *state, km_messages *messages, km_error *error);
 
 /* How much a finding matters: a fault keeps the mechanism from working as it is described, a warning is likely to be a
  * mistake, a remark tells what a mechanism of its kind has by nature. */
