@@ -1,11 +1,11 @@
 # Debian packages, by cpack in a build folder whose prefix is /usr (scripts/package does both).
 
 # What the library loads when it is first needed, so that dpkg-shlibdeps can't see it: the packages that own the files.
-foreach(name ASSIMP_MAJOR MUPARSER_MAJOR SPQR_MAJOR CHOLMOD_MAJOR LAPACKE_MAJOR)
+foreach(name MUPARSER_MAJOR SPQR_MAJOR CHOLMOD_MAJOR LAPACKE_MAJOR)
   get_directory_property(${name} DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/lib DEFINITION ${name})
 endforeach()
 set(loaded libharfbuzz.so.0 libfreetype.so.6 libz.so.1 libpangocairo-1.0.so.0 libcairo.so.2 libpango-1.0.so.0 libgobject-2.0.so.0 libglib-2.0.so.0
-  libassimp.so.${ASSIMP_MAJOR} libmuparser.so.${MUPARSER_MAJOR} libspqr.so.${SPQR_MAJOR} libcholmod.so.${CHOLMOD_MAJOR}
+  libmuparser.so.${MUPARSER_MAJOR} libspqr.so.${SPQR_MAJOR} libcholmod.so.${CHOLMOD_MAJOR}
   liblapacke.so.${LAPACKE_MAJOR})
 find_program(DPKG_QUERY dpkg-query)
 set(KMECH_LOADED_PACKAGES "")
@@ -38,7 +38,9 @@ set(CPACK_DEBIAN_TOOLS_DESCRIPTION "Tools for people who design mechanisms and r
  Mobility numbers, redundant constraints, mechanical advantage, holding forces,
  simulation, studies of designs, redundant arms.")
 set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS "${KMECH_LOADED_PACKAGES}, fonts-dejavu-core")
+# The tools hold the library, but not the program that reads meshes.
+set(CPACK_DEBIAN_TOOLS_PACKAGE_DEPENDS
+  "libkmech${PROJECT_VERSION_MAJOR} (= ${PROJECT_VERSION}), ${KMECH_LOADED_PACKAGES}, fonts-dejavu-core")
 
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libkmech${PROJECT_VERSION_MAJOR})
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "Library of kmech")

@@ -39,9 +39,10 @@ void km_mesh_scale(km_mesh *mesh, const double by[3]);
  * False when out of memory. */
 bool km_mesh_weld(km_mesh *mesh);
 
-/* Reads a file of any format that assimp knows, or MuJoCo's own, all of its parts where the file's scene puts them, welded.
- * Coordinates that assimp reads are rounded to single precision; those of plain OBJ and STL texts aren't. The caller
- * frees `*out`. KM_IO with the file's name and the reason. */
+/* Reads an OBJ, STL, PLY, OFF, COLLADA, glTF or 3DS file, or one of MuJoCo's own, all of its parts where the file's scene puts them, welded.
+ * Coordinates that assimp reads are rounded to single precision; those of plain OBJ and STL texts aren't. assimp runs in
+ * a process of its own (exchange/mesh/import.h): a damaged file ends that one. The caller frees `*out`. KM_IO with the
+ * file's name and the reason: it can't be read, has more than 2000000 triangles or 256 MB, or takes longer than 4 s. */
 km_status km_mesh_read(const char *path, km_mesh **out, km_error *error);
 
 #endif

@@ -228,6 +228,22 @@ def test_there_are_more_than_a_hundred():
     assert len(TEXTS + MODEL + QUESTION + STATE + BUILDER + ARM) > 100
 
 
+PLY = """ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 4
+property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"""
+
+
+@pytest.mark.parametrize("size", [len(PLY), len(PLY) - 13, len(PLY) - 30, 150, 40, 0])
+def test_damaged_meshes(size, tmp_path):
+    """assimp crashes on files that end early, and the interpreter goes on."""
+    (tmp_path / "m.json").write_text(ONE.replace('{"name": "b"}', '{"name": "b", "density": 6, "definition": "m.ply"}'))
+    (tmp_path / "m.ply").write_text(PLY[:size])
+    if size == len(PLY):
+        assert kmech.load(tmp_path / "m.json")
+    else:
+        with pytest.raises(kmech.ModelError, match="m.ply"):
+            kmech.load(tmp_path / "m.json")
+
+
 def test_errors_tell_the_place():
     with pytest.raises(kmech.ModelError) as raised:
         kmech.from_string(ONE.replace("Rz", "Rw"))

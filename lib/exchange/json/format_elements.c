@@ -38,7 +38,7 @@ static const km_field inertia_fields[] = {{"Ixx", "Moment about the x axis.", IN
 static const km_object_format inertia_format = {"moment_of_inertia", inertia_fields};
 
 static const km_field shape_fields[] = {
-    {"mesh", "Mesh file.", STRING},
+    {"mesh", "Mesh file, of a format that `definition` of a body names.", STRING},
     {"scale", "Model's length of a unit of the mesh file: one number, or one for each axis.", SHAPE(COORDINATES),
      UNIT(.length = 1), UNSTATED("1")},
     {"box", "Sides along x, y and z.", VECTOR, UNIT(.length = 1)},
@@ -61,7 +61,10 @@ static const km_field body_fields[] = {
      UNIT(.length = 1), UNSTATED("[0, 0, 0]")},
     {"moment_of_inertia", "Inertia matrix about the centre of mass, along the body's axes.", OBJECT(inertia_format),
      UNSTATED("0")},
-    {"definition", "Mesh file, in the body's frame and the model's length unit, and material file.", SHAPE(STRINGS)},
+    {"definition",
+     "Mesh file, in the body's frame and the model's length unit, and material file. A mesh is an OBJ, STL, PLY, OFF, COLLADA "
+     "(.dae), glTF (.gltf, .glb) or 3DS file, or MuJoCo's .msh, of at most 256 MB and 2000000 triangles.",
+     SHAPE(STRINGS)},
     {"density", "Density of the mesh. Mass, centre of mass and inertia then come from the mesh.", NUMBER,
      UNIT(.mass = 1, .length = -3)},
     {"shapes",

@@ -1,10 +1,10 @@
 /* MuJoCo's binary meshes: counts, vertices, normals, texture coordinates, faces, in the bytes' order of the machine. */
 #include "exchange/mesh/msh.h"
 
+#include "exchange/mesh/import/stream.h"
 #include "kmech/files.h"
 #include "model/hull.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -15,7 +15,7 @@ enum { VERTICES, NORMALS, TEXTURES, FACES, COUNTS };
 /* Does a header belong to a file of this size? */
 static bool fits(const int32_t n[COUNTS], int64_t size) {
   for (int k = 0; k < COUNTS; ++k)
-    if (n[k] < 0 || n[k] > INT_MAX / 3)
+    if (n[k] < 0 || n[k] > KM_MESH_MAX_CORNERS)
       return false;
   if (n[VERTICES] < 4 || (n[NORMALS] && n[NORMALS] != n[VERTICES]) || (n[TEXTURES] && n[TEXTURES] != n[VERTICES]))
     return false;
@@ -84,8 +84,6 @@ km_status km_msh_read(const char *path, km_mesh **out, km_error *error) {
                        path);
     else if (n[FACES] == 0)
       status = wrap(path, out, error);
-    else if (!km_mesh_weld(*out))
-      status = km_fail(error, KM_MEMORY, "%s: out of memory", path);
   }
   km_text_free(&bytes);
   if (status) {

@@ -3,15 +3,18 @@
 
 #include "base/memory.h"
 #include "base/text.h"
+#include "exchange/mesh/import/stream.h"
 #include "kmech/files.h"
 
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 #include <strings.h>
 
 void km_soup_add(km_soup *soup, km_vec3 a, km_vec3 b, km_vec3 c) {
   void *corners = soup->corners;
+  soup->too_large = soup->too_large || soup->count + 3 > KM_MESH_MAX_CORNERS;
+  if (soup->too_large)
+    return;
   if (!km_reserve(&corners, &soup->room, soup->count + 3, sizeof a))
     soup->failed = true;
   soup->corners = corners;
@@ -90,8 +93,6 @@ static bool scan_text(const km_text *bytes, bool (*read)(km_scan *, km_soup *), 
 }
 
 static km_mesh *mesh_of(const km_soup *soup) {
-  if (soup->count > INT_MAX)
-    return NULL;
   km_mesh *mesh = km_mesh_create((int)soup->count, (int)(soup->count / 3));
   if (!mesh)
     return NULL;
@@ -99,10 +100,7 @@ static km_mesh *mesh_of(const km_soup *soup) {
   for (int t = 0; t < mesh->triangle_count; ++t)
     for (int k = 0; k < 3; ++k)
       mesh->triangles[t].corner[k] = 3 * t + k;
-  if (km_mesh_weld(mesh))
-    return mesh;
-  km_mesh_free(mesh);
-  return NULL;
+  return mesh;
 }
 
 static bool ends_in(const char *path, const char *ending) {
@@ -125,9 +123,12 @@ km_status km_plain_mesh_read(const char *path, km_mesh **out, km_error *error) {
   if (!ends_in(path, ".obj") && !ends_in(path, ".stl"))
     return KM_OK;
   km_status status = km_file_read(path, &bytes, error);
-  if (!status && km_plain_mesh_scan(path, &bytes, &soup) && (*out = mesh_of(&soup)) == NULL)
-    soup.failed = true;
+  bool plain = !status && km_plain_mesh_scan(path, &bytes, &soup);
   km_text_free(&bytes);
+  if (!status && soup.too_large)
+    status = km_fail(error, KM_IO, "%s: has too many faces; expected at most %d", path, KM_MESH_MAX_TRIANGLES);
+  else if (plain && (*out = mesh_of(&soup)) == NULL)
+    soup.failed = true;
   km_free(soup.corners);
   return soup.failed ? km_fail(error, KM_MEMORY, "%s: out of memory", path) : status;
 }

@@ -1,6 +1,6 @@
 /* Plain files of the two commonest formats, OBJ and STL, read without assimp, whose start takes longer than they do.
  * Whatever isn't plain (other statements, polygons that aren't flat and convex, faults) is left to assimp, which then also
- * has the word on what is wrong. */
+ * reports what is wrong. */
 #ifndef KM_EXCHANGE_MESH_PLAIN_H
 #define KM_EXCHANGE_MESH_PLAIN_H
 
@@ -13,7 +13,8 @@
 typedef struct km_soup {
   km_vec3 *corners;
   size_t count, room;
-  bool failed; /* memory ran out */
+  bool failed;    /* memory ran out */
+  bool too_large; /* there are more than KM_MESH_MAX_TRIANGLES */
 } km_soup;
 
 void km_soup_add(km_soup *soup, km_vec3 a, km_vec3 b, km_vec3 c);
