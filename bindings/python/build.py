@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Builds the package kmech over a built library: build.py --include DIR --library DIR --to DIR [--compiler CC]
+"""Builds the package kmech over a built library: build.py --include DIR --library DIR --to DIR --installed DIR [--compiler CC]
 
 Writes DIR/kmech with the modules of this folder, the docstrings of the public headers, and cffi's module, which the
 compiler checks against the headers."""
@@ -27,7 +27,7 @@ def read_arguments():
     parser.add_argument("--library", required=True)
     parser.add_argument("--to", required=True)
     parser.add_argument("--compiler", default="cc")
-    parser.add_argument("--installed", action="store_true", help="find the library where the system does")
+    parser.add_argument("--installed", required=True, help="the library's folder, seen from the package's, after installation")
     return parser.parse_args()
 
 
@@ -48,12 +48,17 @@ def write_comments(package, folders):
         f"FUNCTIONS = {texts!r}\nHEADERS = {modules!r}\n", encoding="utf-8")
 
 
+def searched(library, package, installed):
+    """Where the library lies, seen from the package: in the build folder, then in an installation."""
+    return ["$ORIGIN/" + os.path.relpath(library, package), "$ORIGIN/" + installed]
+
+
 def compile_module(options, package):
     ffi = FFI()
     ffi.cdef(declarations.declarations(options.compiler, options.include) + OWN)
     library = str(Path(options.library).resolve())
     ffi.set_source("kmech._kmech", (HERE / "progress.c").read_text(), include_dirs=options.include, libraries=["kmech"],
-                   library_dirs=[library], runtime_library_dirs=[] if options.installed else [library],
+                   library_dirs=[library], runtime_library_dirs=searched(library, package, options.installed),
                    extra_compile_args=["-O2", "-w", "-g0"])
     os.environ["CC"] = options.compiler
     ffi.compile(tmpdir=str(package.parent), verbose=False)
