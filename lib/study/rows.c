@@ -12,6 +12,16 @@ void km_rows_add(km_rows *r, double value) {
   r->total += value - r->from;
 }
 
+void km_rows_scale(km_rows *r, double factor) {
+  if (factor == 1.0)
+    return;
+  r->from *= factor;
+  r->x *= factor;
+  r->nx *= factor;
+  r->xx *= factor * factor;
+  r->total *= factor;
+}
+
 void km_rows_next(km_rows *r) {
   r->rows += r->n > 0.0;
   r->nn += r->n * r->n;

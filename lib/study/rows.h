@@ -13,6 +13,8 @@ typedef struct km_rows {
 } km_rows;
 
 void km_rows_add(km_rows *rows, double value);
+/* The values so far are multiplied by a factor. */
+void km_rows_scale(km_rows *rows, double factor);
 /* What comes now belongs to another row. */
 void km_rows_next(km_rows *rows);
 

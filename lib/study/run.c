@@ -1,5 +1,6 @@
 /* Runs a study's designs in their order, batch by batch, with or without a crew, and stops a sample whose mean is known
  * well enough. */
+#include "analysis/moments.h"
 #include "analysis/student.h"
 #include "base/check.h"
 #include "base/clock.h"
@@ -14,24 +15,12 @@ enum { LEAST_ROOM = 768, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
 /* A batch is to take about so long, see km_batch_next_size: what a killed run loses, and how soon one stops. */
 static const double batch_seconds = 0.1;
 
-/* Mean and variance so far, by Welford's recurrence. */
-typedef struct moments {
-  double count, mean, squares;
-} moments;
-
-static void add(moments *m, double x) {
-  double before = x - m->mean;
-  m->count += 1.0;
-  m->mean += before / m->count;
-  m->squares += before * (x - m->mean);
-}
-
 typedef struct run {
   km_design_study *study;
   km_batch batch;
   int total, next, size; /* designs: in all, the first of the next batch, how many that takes */
   int figure;            /* whose accuracy stops the run, -1: none */
-  moments moments;
+  km_moments moments;
   bool compute;
   km_crew *crew; /* NULL: none */
   km_progress progress;
@@ -49,7 +38,8 @@ static int next_check(int check) {
 
 static bool is_accurate(const run *r) {
   double n = r->moments.count;
-  return n > 1.0 && km_student(n - 1.0) * sqrt(r->moments.squares / (n - 1.0) / n) <= r->study->def->sample->accuracy;
+  return n > 1.0 &&
+         km_student(n - 1.0) * (km_moments_deviation(&r->moments) / sqrt(n)) <= r->study->def->sample->accuracy;
 }
 
 static km_status take_figures(run *r, int begin, int end, km_error *error) {
@@ -58,7 +48,7 @@ static km_status take_figures(run *r, int begin, int end, km_error *error) {
     km_design_result result;
     status = km_design_study_result(r->study, i, &result, error);
     if (!status && isfinite(result.figures[r->figure]))
-      add(&r->moments, result.figures[r->figure]);
+      km_moments_add(&r->moments, result.figures[r->figure]);
   }
   return status;
 }

@@ -174,7 +174,10 @@ static void add(sums *s, double term, double variance) {
   s->both += term * variance;
 }
 
-static km_status add_row(km_design_study *s, int figure, int row, double middle, index_sums *out, km_error *error) {
+/* Values are counted from the mean and in 2^exponent, the size of the largest one: their fourth powers neither overflow nor
+ * vanish, and no index depends on the unit. */
+static km_status add_row(km_design_study *s, int figure, int row, double middle, int exponent, index_sums *out,
+                         km_error *error) {
   int spreads = s->def->sample->spread_count, width = km_sampler_width(s->def->sample);
   double f[KM_MOST_DESIGN_PARAMETERS + 2];
   km_design_result r;
@@ -182,7 +185,7 @@ static km_status add_row(km_design_study *s, int figure, int row, double middle,
     km_status status = km_design_study_result(s, row * width + k, &r, error);
     if (status)
       return status;
-    f[k] = r.figures[figure] - middle;
+    f[k] = ldexp(r.figures[figure], -exponent) - ldexp(middle, -exponent);
   }
   for (int k = 0; k < width; ++k)
     if (!isfinite(f[k]))
@@ -220,8 +223,10 @@ km_status km_design_study_indices(km_design_study *s, int figure, double *first,
     status = km_design_study_statistics(s, figure, &statistics, error);
   if (!status && (!s->def->sample || !s->def->sample->indices))
     status = km_fail(error, KM_USAGE, "the study has no sample with indices; expected \"indices\": true");
+  double size = fmax(fabs(statistics.least), fabs(statistics.greatest));
+  int exponent = size > 0.0 ? ilogb(size) : 0;
   for (int row = 0; !status && row < s->def->sample->count; ++row) /* NOLINT(*NullDereference): asked above */
-    status = add_row(s, figure, row, statistics.mean, &all, error);
+    status = add_row(s, figure, row, statistics.mean, exponent, &all, error);
   if (status)
     return status;
   for (int j = 0; j < s->def->sample->spread_count; ++j) {

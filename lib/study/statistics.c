@@ -1,4 +1,5 @@
 /* What the results of a study come to: one pass over the store, kept until the next run. */
+#include "analysis/moments.h"
 #include "analysis/student.h"
 #include "base/check.h"
 #include "study/ask.h"
@@ -16,10 +17,10 @@ static const double z = 1.959963984540054; /* quantile 0.975 of the normal distr
 struct km_collected {
   km_design_yield yield;
   km_design_statistics figures[KM_MOST_DESIGN_FIGURES];
-  double squares[KM_MOST_DESIGN_FIGURES]; /* Σ (x − mean)² so far */
-  km_rows rows[KM_MOST_DESIGN_FIGURES];   /* of the figures' values */
-  km_rows good_rows;                      /* of 1 where a design is good, else 0 */
-  double *kept;                           /* [figures × kept_count] of the designs that stand for all */
+  km_moments moments[KM_MOST_DESIGN_FIGURES];
+  km_rows rows[KM_MOST_DESIGN_FIGURES]; /* of the figures' values, as the moments scale them */
+  km_rows good_rows;                    /* of 1 where a design is good, else 0 */
+  double *kept;                         /* [figures × kept_count] of the designs that stand for all */
   int kept_count, kept_so_far;
 };
 
@@ -36,8 +37,10 @@ void km_quantiles_of(const double *sorted, int count, double out[KM_DESIGN_QUANT
   for (int k = 0; k < KM_DESIGN_QUANTILES; ++k) {
     double at = probabilities[k] * (count - 1);
     int i = (int)at;
-    double next = i + 1 < count ? sorted[i + 1] : 0.0;
-    out[k] = count == 0 ? nan("") : i + 1 < count ? sorted[i] + (at - i) * (next - sorted[i]) : sorted[count - 1];
+    double next = i + 1 < count ? sorted[i + 1] : 0.0; /* halves: the difference of two large numbers overflows */
+    out[k] = count == 0      ? nan("")
+             : i + 1 < count ? 2.0 * (0.5 * sorted[i] + (at - i) * (0.5 * next - 0.5 * sorted[i]))
+                             : sorted[count - 1];
   }
 }
 
@@ -50,16 +53,13 @@ void km_design_forget_statistics(km_design_study *s) {
   s->ranking = NULL;
 }
 
-/* Welford's recurrence. */
 static void add_value(km_collected *c, const km_design_study *s, int f, int design, double x) {
   km_design_statistics *st = &c->figures[f];
   if (!isfinite(x))
     return;
-  double before = x - st->mean;
   ++st->count;
-  km_rows_add(&c->rows[f], x);
-  st->mean += before / st->count;
-  c->squares[f] += before * (x - st->mean);
+  km_rows_scale(&c->rows[f], km_moments_add(&c->moments[f], x));
+  km_rows_add(&c->rows[f], km_moments_scaled(&c->moments[f], x));
   st->good += km_design_is_within(s->figures[f], x);
   if (st->count == 1 || x < st->least) {
     st->least = x;
@@ -109,10 +109,11 @@ static void finish_figure(km_collected *c, int f, double *sorted) {
       sorted[count++] = column[i];
   qsort(sorted, (size_t)count, sizeof *sorted, km_compare_numbers);
   km_quantiles_of(sorted, count, st->quantiles);
-  st->deviation = st->count > 1 ? sqrt(c->squares[f] / (st->count - 1)) : nan("");
-  double effect = km_rows_effect(&c->rows[f], c->squares[f]);
+  st->mean = km_moments_mean(&c->moments[f]);
+  st->deviation = km_moments_deviation(&c->moments[f]);
+  double effect = km_rows_effect(&c->rows[f], c->moments[f].squares);
   double independent = st->count / effect;
-  st->mean_half_width = st->count > 1 ? km_student(independent - 1.0) * st->deviation / sqrt(independent) : nan("");
+  st->mean_half_width = st->count > 1 ? km_student(independent - 1.0) * (st->deviation / sqrt(independent)) : nan("");
   if (st->count == 0)
     st->mean = st->least = st->greatest = nan("");
 }

@@ -1,6 +1,8 @@
 /* Statistics, sensitivity and optimisation of studies, of functions whose answers are known in closed form. */
 #include "support/designs.h"
 
+#include "kmech/design_results.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -90,6 +92,99 @@ static void intervals_of_rows(void **state) {
   count_intervals(SEEDS, held);
   for (int i = 0; i < 6; ++i)
     assert_true(held[i] >= SEEDS * 0.95 - 4.0 * sqrt(SEEDS * 0.95 * 0.05));
+}
+
+/* Ishigami's function in a unit of 2^exponent. */
+static km_status ishigami_in_a_unit(void *context, const double *x, double *f, km_error *error) {
+  km_status status = ishigami(NULL, x, f, error);
+  f[0] = ldexp(f[0], *(int *)context);
+  return status;
+}
+
+typedef struct told {
+  km_design_statistics st;
+  double first[3], first_half[3], total[3], total_half[3], ranks[3];
+} told;
+
+static told tell_in_a_unit(int exponent) {
+  designs d;
+  told t;
+  designs_of_function(&d, ishigami_in_a_unit, 3, 1);
+  d.def.context = &exponent;
+  spread_evenly(&d, 64, -M_PI, M_PI);
+  d.sample.indices = true;
+  km_design_study *s = designs_run(&d, NULL, 1);
+  assert_int_equal(km_design_study_statistics(s, 0, &t.st, NULL), KM_OK);
+  assert_int_equal(km_design_study_indices(s, 0, t.first, t.first_half, t.total, t.total_half, NULL), KM_OK);
+  assert_int_equal(km_design_study_ranks(s, 0, t.ranks, NULL), KM_OK);
+  km_design_study_free(s);
+  return t;
+}
+
+/* A figure's unit changes no digit of its statistics, and none of what has no unit: squares of numbers above 1e154 and below 1e-162
+ * aren't doubles. */
+static void no_unit_matters(void **state) {
+  (void)state;
+  const int exponents[] = {1018, 600, -600, -1000}; /* Ishigami's values are below 2^5 */
+  const told base = tell_in_a_unit(0);
+  for (int i = 0; i < 4; ++i) {
+    const told t = tell_in_a_unit(exponents[i]);
+    const double have[] = {t.st.mean,     t.st.deviation,    t.st.mean_half_width, t.st.least,
+                           t.st.greatest, t.st.quantiles[0], t.st.quantiles[3],    t.st.quantiles[6]};
+    const double want[] = {base.st.mean,     base.st.deviation,    base.st.mean_half_width, base.st.least,
+                           base.st.greatest, base.st.quantiles[0], base.st.quantiles[3],    base.st.quantiles[6]};
+    for (int k = 0; k < 8; ++k)
+      if (!(have[k] == ldexp(want[k], exponents[i])))
+        fail_msg("2^%d: number %d is %g, not %g", exponents[i], k, have[k], ldexp(want[k], exponents[i]));
+    assert_memory_equal(t.first, base.first, sizeof t.first);
+    assert_memory_equal(t.first_half, base.first_half, sizeof t.first);
+    assert_memory_equal(t.total, base.total, sizeof t.first);
+    assert_memory_equal(t.total_half, base.total_half, sizeof t.first);
+    assert_memory_equal(t.ranks, base.ranks, sizeof t.first);
+  }
+}
+
+/* Figures from one end of what a double holds to the other, the greatest ones last. */
+static km_status ends_of_doubles(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  const double t = 2.0 * x[0] - 1.0;
+  f[0] = t * 1.7e308;
+  f[1] = pow(10.0, -300.0 + 608.0 * x[0]);
+  return KM_OK;
+}
+
+static void largest_numbers_are_shown(void **state) {
+  (void)state;
+  designs d;
+  km_error error;
+  designs_of_function(&d, ends_of_doubles, 1, 2);
+  spread_evenly(&d, 200, 0.0, 1.0);
+  km_design_study *s = designs_run(&d, NULL, 1);
+  for (int f = 0; f < 2; ++f) {
+    km_design_statistics st;
+    assert_int_equal(km_design_study_statistics(s, f, &st, NULL), KM_OK);
+    const double finite[] = {st.mean,     st.deviation,    st.mean_half_width, st.least,
+                             st.greatest, st.quantiles[1], st.quantiles[5]};
+    for (int k = 0; k < 7; ++k)
+      if (!isfinite(finite[k]))
+        fail_msg("figure %d: number %d is %g", f, k, finite[k]);
+    const km_designs_plot plots[] = {KM_DESIGNS_HISTOGRAM, KM_DESIGNS_CONVERGENCE, KM_DESIGNS_SCATTER};
+    for (int k = 0; k < 3; ++k) {
+      km_text picture = {0};
+      /* Axes end at 1e300: hardly any value of the first figure can be drawn. */
+      km_status status = km_designs_picture(s, &d.def, "study", plots[k], f, 0, KM_PICTURE_SVG, &picture, &error);
+      if (status && !(f == 0 && status == KM_NO_RESULT))
+        fail_msg("picture %d of figure %d: %s", k, f, error.text);
+      assert_true(status || (!strstr(picture.data, "nan") && !strstr(picture.data, "inf")));
+      km_text_free(&picture);
+    }
+  }
+  km_text table = {0};
+  assert_int_equal(km_designs_print(s, &d.def, "study", &table, &error), KM_OK);
+  assert_null(strstr(table.data, " - "));
+  assert_null(strstr(table.data, "inf"));
+  km_text_free(&table);
+  km_design_study_free(s);
 }
 
 static km_status itself(void *context, const double *x, double *f, km_error *error) {
@@ -461,6 +556,8 @@ int main(void) {
           "an error of 0.01 from 4096 low-discrepancy samples, well below a random sample's confidence interval"),
       cmocka_unit_test(intervals_of_rows),
       cmocka_unit_test(intervals_of_few),
+      cmocka_unit_test(no_unit_matters),
+      cmocka_unit_test(largest_numbers_are_shown),
       cmocka_unit_test(no_good_row),
       cmocka_unit_test(ranks),
       cmocka_unit_test(ranks_of_all_designs),

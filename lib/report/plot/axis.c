@@ -13,6 +13,10 @@ bool km_axis_takes(double value) {
   return fabs(value) <= value_limit;
 }
 
+double km_axis_limited(double value) {
+  return fmax(-value_limit, fmin(value, value_limit));
+}
+
 void km_axis_widen(double *low, double *high) {
   if (*low > *high) {
     *low = 0;

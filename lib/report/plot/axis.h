@@ -19,6 +19,8 @@ typedef struct km_axis {
 /* Whether a value can be drawn at all: finite, and its range with another such value is finite too.
  */
 bool km_axis_takes(double value);
+/* The nearest value that can be drawn. */
+double km_axis_limited(double value);
 /* Makes a range that can be drawn: an empty one (low > high) becomes 0 to 1, one that is a single
  * value but for round-off (1e-9 of its size) gets half that value to either side. */
 void km_axis_widen(double *low, double *high);

@@ -1,8 +1,10 @@
 /* Pictures of samples: histograms, scatter, convergence, quantiles along a motion. */
 #include "report/plot/designs_plot.h"
 
+#include "analysis/moments.h"
 #include "analysis/student.h"
 #include "base/memory.h"
+#include "report/plot/axis.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -47,7 +49,7 @@ static const char *label_of(const km_designs_shown *p, int figure, km_arena *are
   return words(arena, *unit ? "%s (%s)" : "%s", km_design_study_figure(p->study, figure)->name, unit);
 }
 
-/* All values that there are; count 0: none. */
+/* All values that an axis takes; count 0: none. */
 static double *values_of(const km_designs_shown *p, int figure, km_arena *arena, int *count) {
   int room = km_design_study_column(p->study, figure, NULL, 0);
   double *values = KM_ARENA_NEW(arena, double, (size_t)room + 1);
@@ -55,7 +57,7 @@ static double *values_of(const km_designs_shown *p, int figure, km_arena *arena,
   if (values)
     km_design_study_column(p->study, figure, values, room);
   for (int i = 0; values && i < room; ++i)
-    if (isfinite(values[i]))
+    if (km_axis_takes(values[i]))
       values[(*count)++] = values[i];
   return values;
 }
@@ -105,13 +107,14 @@ km_status km_designs_histogram(const km_designs_shown *p, int figure, km_text *o
   double *values = status ? NULL : values_of(p, figure, &arena, &count);
   if (status)
     return status;
-  if (!values || count < 2 || !(st.greatest > st.least))
+  double low = km_axis_limited(st.least), high = km_axis_limited(st.greatest);
+  if (!values || count < 2 || !(high > low))
     return nothing(&arena, error);
-  bars b = make_bars(values, count, st.least, st.greatest, &arena);
+  bars b = make_bars(values, count, low, high, &arena);
   km_plot_mark marks[5];
   km_plot_series series = {.x = b.x, .y = b.y, .base = b.base, .count = b.count};
   km_plot_panel panel = {.series = &series, .series_count = 1, .marks = marks};
-  panel.mark_count = add_marks(p, figure, &st, st.least, st.greatest, marks);
+  panel.mark_count = add_marks(p, figure, &st, low, high, marks);
   km_plot plot = {.title = words(&arena, "%s of %d designs", km_design_study_figure(p->study, figure)->name, st.count),
                   .subtitle = words(&arena, "%s · mean %.6g ± %.2g, standard deviation %.3g", p->name, st.mean,
                                     st.mean_half_width, st.deviation),
@@ -197,17 +200,15 @@ km_status km_designs_scatter(const km_designs_shown *p, int figure, km_text *out
 
 /* Mean, and where its interval ends, at some of the counts. */
 static size_t running_mean(const double *values, int count, double *x, double *mean, double *low, double *high) {
-  double m = 0.0, squares = 0.0;
+  km_moments moments = {0};
   size_t used = 0;
   for (int i = 0; i < count; ++i) {
-    double before = values[i] - m;
-    m += before / (i + 1);
-    squares += before * (values[i] - m);
+    km_moments_add(&moments, values[i]);
     bool shown =
         i >= 9 && (i + 1 == count || (long long)(i + 1) * MOST_POINTS / count != (long long)i * MOST_POINTS / count);
     if (!shown)
       continue;
-    double half = km_student(i) * sqrt(squares / i / (i + 1));
+    double m = km_moments_mean(&moments), half = km_student(i) * (km_moments_deviation(&moments) / sqrt(i + 1));
     x[used] = i + 1;
     mean[used] = m;
     low[used] = m - half;
