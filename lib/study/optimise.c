@@ -123,6 +123,7 @@ static km_status run_attempts(km_optimisation *o, km_attempt *attempts, int coun
   km_parallel_for(count, count == 1 ? 1 : jobs, run_one, attempts);
   for (int i = 0; i < count; ++i) {
     km_batch_close(&attempts[i].batch);
+    o->study->ended_early = o->study->ended_early || attempts[i].status == KM_NO_RESULT;
     if (attempts[i].status && attempts[i].status != KM_NO_RESULT && !status)
       status = km_fail(error, attempts[i].status, "%s", attempts[i].error.text);
   }

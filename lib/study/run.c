@@ -144,6 +144,7 @@ static km_status start(km_design_study *s, km_error *error) {
   if (status)
     return status;
   s->computed = s->found = 0;
+  s->ended_early = false;
   km_design_forget_statistics(s);
   return KM_OK;
 }

@@ -186,6 +186,11 @@ km_status km_design_study_yield(km_design_study *s, km_design_yield *out, km_err
   return status;
 }
 
+bool km_design_study_is_complete(km_design_study *s) {
+  km_design_yield y;
+  return !km_design_study_yield(s, &y, NULL) && y.outcomes[KM_DESIGN_MISSING] == 0 && !s->ended_early;
+}
+
 int km_design_study_column(km_design_study *s, int figure, double *values, int room) {
   if (need(s, figure, NULL))
     return 0;

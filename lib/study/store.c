@@ -6,13 +6,18 @@
  * grown by a share of what was sorted before. In memory there is nothing to write, and answers go into a hash table. */
 #include "study/store.h"
 
+#include "kmech/text.h"
 #include "study/answer_map.h"
 
+#include <fcntl.h>
+#include <libgen.h>
 #include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* Bytes of what is appended before it is sorted for the first time. */
 static const double first_appended = 1 << 20;
@@ -22,6 +27,7 @@ struct km_store {
   sqlite3_stmt *get, *put, *append;
   const char *path;               /* for messages */
   bool in_memory;                 /* no file: answers are in `kept` */
+  bool read_only;                 /* the file can't be written */
   bool writing;                   /* a transaction is open */
   bool appends;                   /* what is put is appended, and sorted later */
   double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
@@ -39,6 +45,10 @@ static const char appended_schema[] =
     "CREATE TABLE IF NOT EXISTS appended(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL,"
     " reason TEXT, figures BLOB NOT NULL, bands BLOB);";
 
+static km_status fail_to_write(const km_store *s, km_error *error) {
+  return km_fail(error, KM_IO, "%s: the store can't be written, only shown and exported", s->path);
+}
+
 static km_status fail(const km_store *s, km_error *error) {
   if (s->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
@@ -50,7 +60,9 @@ static km_status fail(const km_store *s, km_error *error) {
     return km_fail(error, KM_IO,
                    "%s: another run is using this store; expected to wait until it has ended, or to stop it", s->path);
   if ((code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT)
-    return km_fail(error, KM_IO, "%s: this is no store of a study (%s)", s->path, reason);
+    return km_fail(error, KM_IO, "%s: this is no store of a study, or a damaged one (%s)", s->path, reason);
+  if ((code & 0xff) == SQLITE_READONLY)
+    return fail_to_write(s, error);
   return km_fail(error, KM_IO, "%s: the store can't be used: %s", s->path, reason);
 }
 
@@ -92,6 +104,8 @@ static km_status take(km_store *s, const char *identity, const char *what, bool 
   const char *ours = text_of(s, "SELECT value FROM study WHERE key = ?", "identity");
   if (s->arena.failed)
     return fail(s, error);
+  if (s->read_only && !ours)
+    return km_fail(error, KM_IO, "%s: this is no store of a study, or a damaged one", s->path);
   if (strcmp(tables, "0") != 0 && !ours)
     return km_fail(error, KM_IO, "%s: this is a database, but no store of a study", s->path);
   if (ours && strcmp(ours, identity) == 0)
@@ -118,6 +132,9 @@ static km_status prepare(km_store *s, km_error *error) {
   static const char get[] = "SELECT outcome, reason, figures, bands FROM results WHERE question = ? AND design = ?";
   static const char put[] = "INSERT OR REPLACE INTO results VALUES(?, ?, ?, ?, ?, ?)";
   static const char append[] = "INSERT INTO appended VALUES(?, ?, ?, ?, ?, ?)";
+  if (s->read_only)
+    return sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK ? KM_OK
+                                                                                                     : fail(s, error);
   bool good = sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK &&
               sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK &&
               sqlite3_prepare_v3(s->db, append, -1, SQLITE_PREPARE_PERSISTENT, &s->append, NULL) == SQLITE_OK;
@@ -149,6 +166,73 @@ static km_status sort_what_is_left(km_store *s, km_error *error) {
   return status ? status : km_store_commit(s, error);
 }
 
+/* The same where nothing can be written: a table in memory takes the place of the file's. */
+static km_status sort_aside(km_store *s, km_error *error) {
+  static const char sort[] =
+      "CREATE TEMP TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
+      " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;"
+      "INSERT INTO temp.results SELECT * FROM main.results;"
+      "INSERT OR REPLACE INTO temp.results SELECT * FROM main.appended ORDER BY question, design, rowid";
+  const char *left = text_of(s, "SELECT 1 FROM main.appended LIMIT 1", NULL);
+  if (s->arena.failed)
+    return fail(s, error);
+  return left ? run(s, sort, error) : KM_OK;
+}
+
+/* Can neither the file nor, beside it, the log of what is written to it be written? */
+static bool is_read_only(const char *path, const char *folder) {
+  return faccessat(AT_FDCWD, path, F_OK, AT_EACCESS) == 0 &&
+         (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0 || faccessat(AT_FDCWD, folder, W_OK, AT_EACCESS) != 0);
+}
+
+/* The name of a file as SQLite's URI, which says that nothing changes the file: its locks and its log need writing. */
+static km_status open_read_only(km_store *s, km_error *error) {
+  struct stat log;
+  km_text name = {0};
+  km_text_format(&name, "%s-wal", s->path);
+  bool pending = !name.failed && stat(name.data, &log) == 0 && log.st_size > 0;
+  name.size = 0;
+  km_text_add(&name, "file:");
+  for (const char *c = s->path; *c; ++c)
+    km_text_format(&name, strchr("%?#", *c) ? "%%%02X" : "%c", (unsigned char)*c);
+  km_text_add(&name, "?immutable=1");
+  km_status status =
+      name.failed ? km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path)
+      : pending   ? km_fail(error, KM_IO,
+                            "%s: the store can't be written, and a part of it waits in %s-wal; expected a copy of both "
+                              "in a folder that can be written",
+                            s->path, s->path)
+      : sqlite3_open_v2(name.data, &s->db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, NULL) == SQLITE_OK ? KM_OK
+                                                                                                      : fail(s, error);
+  km_text_free(&name);
+  return status;
+}
+
+/* Damage that SQLite can see: of pages, their order and their links. A changed number isn't seen. O(bytes of the file). */
+static km_status check_integrity(km_store *s, km_error *error) {
+  const char *found = s->in_memory ? "ok" : text_of(s, "PRAGMA integrity_check(1)", NULL);
+  if (!found)
+    return fail(s, error);
+  if (strcmp(found, "ok") == 0)
+    return KM_OK;
+  return km_fail(error, KM_IO,
+                 "%s: the store is damaged (%.200s); expected a copy of it, or the study run again without it", s->path,
+                 found);
+}
+
+static km_status open_file(km_store *s, const char *folder, km_error *error) {
+  s->read_only = !s->in_memory && is_read_only(s->path, folder);
+  if (s->read_only)
+    return open_read_only(s, error);
+  if (sqlite3_open(s->in_memory ? ":memory:" : s->path, &s->db) != SQLITE_OK)
+    return fail(s, error);
+  sqlite3_extended_result_codes(s->db, 1);
+  /* A write-ahead log: a commit costs no wait for the disk, and survives the end of the process at any moment. */
+  km_status status =
+      run(s, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL", error);
+  return status ? status : run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
+}
+
 km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
                         km_error *error) {
   km_store *s = *out = KM_NEW(km_store, 1);
@@ -157,22 +241,18 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
   s->in_memory = !path || strcmp(path, ":memory:") == 0;
   s->most_appended = first_appended;
-  if (!s->path)
+  char *folder = km_arena_string(&s->arena, s->path);
+  if (!folder)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
-  if (sqlite3_open(s->in_memory ? ":memory:" : path, &s->db) != SQLITE_OK)
-    return fail(s, error);
-  sqlite3_extended_result_codes(s->db, 1);
-  /* A write-ahead log: a commit costs no wait for the disk, and survives the end of the process at any moment. */
-  km_status status =
-      run(s, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL", error);
+  km_status status = open_file(s, dirname(folder), error);
   if (!status)
-    status = run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
+    status = check_integrity(s, error);
   if (!status)
     status = take(s, identity, what, replace, error);
-  if (!status)
+  if (!status && !s->read_only)
     status = run(s, appended_schema, error);
   if (!status)
-    status = sort_what_is_left(s, error);
+    status = s->read_only ? sort_aside(s, error) : sort_what_is_left(s, error);
   return status ? status : prepare(s, error);
 }
 
@@ -194,6 +274,9 @@ km_status km_store_question(km_store *s, const char *key, const char *name, int 
   static const char find[] = "SELECT id FROM questions WHERE key = ?";
   const char *text = text_of(s, find, key);
   km_status status = s->arena.failed ? fail(s, error) : KM_OK;
+  *id = 0; /* of no question: where nothing can be written, there are no answers to it */
+  if (!status && !text && s->read_only)
+    return KM_OK;
   if (!status && !text)
     status = insert(s, "INSERT INTO questions(key, name) VALUES(?, ?)", key, name, error);
   if (!status && !text)
@@ -223,7 +306,8 @@ static void bind_numbers(sqlite3_stmt *statement, int index, const double *numbe
 
 static bool copy_numbers(sqlite3_stmt *statement, int column, double *out, int count) {
   const void *blob = sqlite3_column_blob(statement, column);
-  if (sqlite3_column_bytes(statement, column) != count * (int)sizeof *out)
+  if (sqlite3_column_type(statement, column) != SQLITE_BLOB ||
+      sqlite3_column_bytes(statement, column) != count * (int)sizeof *out)
     return false;
   if (count > 0)
     memcpy(out, blob, (size_t)count * sizeof *out);
@@ -240,7 +324,8 @@ static void key_of(const double *values, int count, double *out) {
 static bool read_answer(sqlite3_stmt *row, const km_store_shape *shape, km_design_answer *out) {
   const unsigned char *reason = sqlite3_column_text(row, 1);
   int outcome = sqlite3_column_int(row, 0);
-  if (outcome < 0 || outcome >= KM_DESIGN_MISSING || !copy_numbers(row, 2, out->figures, shape->figures))
+  if (sqlite3_column_type(row, 0) != SQLITE_INTEGER || outcome < 0 || outcome >= KM_DESIGN_MISSING ||
+      !copy_numbers(row, 2, out->figures, shape->figures))
     return false;
   out->outcome = (km_design_outcome)outcome;
   snprintf(out->reason, sizeof out->reason, "%s", reason ? (const char *)reason : "");
@@ -275,7 +360,7 @@ km_status km_store_put(km_store *s, const km_store_shape *shape, const double *v
     return km_answer_map_put(&s->kept, shape, key, a)
                ? KM_OK
                : km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
-  km_status status = begin(s, error);
+  km_status status = s->read_only ? fail_to_write(s, error) : begin(s, error);
   if (status)
     return status;
   sqlite3_bind_int(put, 1, shape->question);
@@ -300,7 +385,7 @@ km_status km_store_put(km_store *s, const km_store_shape *shape, const double *v
 }
 
 void km_store_append(km_store *s) {
-  s->appends = !s->in_memory;
+  s->appends = !s->in_memory && !s->read_only;
 }
 
 km_status km_store_sort(km_store *s, km_error *error) {

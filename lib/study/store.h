@@ -5,7 +5,8 @@
 #include "study/study.h"
 
 /* Opens the file, or makes it; path NULL or ":memory:": in memory. `identity` and `what` (in words) tell whose results these are.
- * KM_USAGE: another study's; KM_IO: unreadable, unwritable, or written by another run. The caller frees `*out`. */
+ * A file that can't be written is opened for reading: what is put there then is KM_IO. KM_USAGE: another study's; KM_IO: unreadable,
+ * damaged, or written by another run. The caller frees `*out`. O(bytes of the file), of SQLite's integrity check. */
 km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
                         km_error *error);
 void km_store_free(km_store *store);

@@ -56,7 +56,8 @@ struct km_design_study {
   km_collected *collected; /* what the results come to; NULL: not looked at since the last run */
   km_ranking *ranking;     /* and the designs' ranks; NULL: not asked for since then */
   int computed, found;
-  int stopped_at; /* designs of a sample whose accuracy was reached; 0: it wasn't */
+  bool ended_early; /* an optimisation was recalled as far as the store has answers, and no further */
+  int stopped_at;   /* designs of a sample whose accuracy was reached; 0: it wasn't */
 };
 
 /* What one question said of a design. */

@@ -4,7 +4,9 @@
 #include <math.h>
 #include <sqlite3.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -254,8 +256,15 @@ static void a_table_of_poses_belongs_to_the_answer(void **state) {
 /* What a damaged store has in place of an answer is none: no number of it is told, and it is asked again. */
 static void damaged_answers_are_asked_again(void **state) {
   (void)state;
-  static const char *const damage[] = {"outcome = -5", "outcome = 99", "outcome = 1000000", "outcome = 6",
-                                       "figures = x'00'", "figures = zeroblob(8000)"};
+  static const char *const damage[] = {"outcome = -5",
+                                       "outcome = 99",
+                                       "outcome = 1000000",
+                                       "outcome = 6",
+                                       "outcome = 'done'",
+                                       "outcome = 0.5",
+                                       "figures = x'00'",
+                                       "figures = zeroblob(8000)",
+                                       "figures = hex(zeroblob(8))"};
   for (size_t i = 0; i < sizeof damage / sizeof *damage; ++i) {
     char path[64], sql[80];
     designs d;
@@ -269,6 +278,8 @@ static void damaged_answers_are_asked_again(void **state) {
     assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
     sqlite3_close(db);
     assert_int_equal(km_design_study_open(&d.def, path, false, &s, NULL), KM_OK);
+    assert_int_equal(km_design_study_recall(s, NULL), KM_OK);
+    assert_false(km_design_study_is_complete(s));
     for (int design = 0; design < 8; ++design) {
       km_design_result r = designs_result(s, design);
       assert_int_equal(r.outcome, KM_DESIGN_MISSING);
@@ -277,9 +288,17 @@ static void damaged_answers_are_asked_again(void **state) {
     km_design_study_free(s);
     s = designs_run(&d, path, 1);
     assert_int_equal(km_design_study_computed(s), 8);
+    assert_true(km_design_study_is_complete(s));
     km_design_study_free(s);
     unlink(path);
   }
+}
+
+static void change(const char *path, const char *sql) {
+  sqlite3 *db;
+  assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+  assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
+  sqlite3_close(db);
 }
 
 static km_status turned(void *context, const double *x, double *f, km_error *error) {
@@ -365,6 +384,143 @@ static void killed_runs_are_sorted_when_they_go_on(void **state) {
   unlink(path);
 }
 
+/* Pages that are lost, at the end or in the middle, are seen when the store is opened. */
+static void damaged_pages_are_seen(void **state) {
+  (void)state;
+  enum { COUNT = 2000, PAGE = 4096, PIECES = 8 };
+  char path[64];
+  designs d;
+  int seen = 0;
+  sample_of_turned(&d, COUNT);
+  for (int piece = 0; piece < 2 * PIECES; ++piece) {
+    static const char zeros[PAGE];
+    km_design_study *s;
+    km_error error;
+    struct stat there;
+    store_path(path);
+    km_design_study_free(designs_run(&d, path, 1));
+    assert_int_equal(stat(path, &there), 0);
+    off_t pages = there.st_size / PAGE, at = (1 + (piece % PIECES) * (pages - 1) / PIECES) * PAGE;
+    if (piece < PIECES) {
+      assert_int_equal(truncate(path, at), 0);
+    } else {
+      FILE *file = fopen(path, "r+b");
+      assert_true(file && fseek(file, at, SEEK_SET) == 0 && fwrite(zeros, PAGE, 1, file) == 1);
+      fclose(file);
+    }
+    km_status status = km_design_study_open(&d.def, path, false, &s, &error);
+    if (!status) /* a page that nothing uses */
+      assert_turned(s, COUNT);
+    else if (status != KM_IO || !strstr(error.text, "damaged"))
+      fail_msg("piece %d, page %ld: %s", piece, (long)(at / PAGE), error.text);
+    seen += status != KM_OK;
+    km_design_study_free(s);
+    unlink(path);
+  }
+  assert_true(seen >= PIECES);
+}
+
+/* An optimisation that is recalled from a store which lacks one of its answers ends there, and says so. */
+static km_status bowl(void *context, const double *x, double *f, km_error *error) {
+  (void)context, (void)error;
+  f[0] = x[0] * x[0];
+  return KM_OK;
+}
+
+static void optimisations_that_end_early_are_told(void **state) {
+  (void)state;
+  char path[64];
+  designs d;
+  km_design_study *s;
+  store_path(path);
+  designs_of_function(&d, bowl, 1, 1);
+  d.variables[0] = (km_design_variable){0, -1.0, 1.5, nan("")};
+  d.optimise = (km_design_optimise){.variables = d.variables,
+                                    .variable_count = 1,
+                                    .goals = {{"f0", false}},
+                                    .goal_count = 1,
+                                    .algorithm = km_design_algorithm(0),
+                                    .evaluations = 200,
+                                    .tolerance = 1e-3,
+                                    .starts = 1,
+                                    .seed = 1};
+  d.def.optimise = &d.optimise;
+  km_design_study_free(designs_run(&d, path, 1));
+  for (int lost = 0; lost < 2; ++lost) {
+    if (lost)
+      change(path, "DELETE FROM results WHERE design = (SELECT max(design) FROM results)");
+    assert_int_equal(km_design_study_open(&d.def, path, false, &s, NULL), KM_OK);
+    assert_int_equal(km_design_study_recall(s, NULL), KM_OK);
+    assert_int_equal(km_design_study_is_complete(s), !lost);
+    km_design_study_free(s);
+  }
+  unlink(path);
+}
+
+/* What a user who may not write is shown of a store: all of it, also what a killed run has left. */
+static void stores_may_be_read_only(void **state) {
+  (void)state;
+  enum { COUNT = 50, NOBODY = 65534 };
+  static const char *const before[] = {"SELECT 1", "DROP TABLE appended",
+                                       "INSERT INTO appended SELECT * FROM results; DELETE FROM results"};
+  char folder[] = "/tmp/kmech_store.XXXXXX", path[64];
+  designs d;
+  km_error error;
+  assert_non_null(mkdtemp(folder));
+  sample_of_turned(&d, COUNT);
+  for (int i = 0; i < 3; ++i) {
+    km_design_study *s;
+    snprintf(path, sizeof path, "%s/a%%?#.sqlite", folder);
+    chmod(folder, 0755);
+    km_design_study_free(designs_run(&d, path, 1));
+    change(path, before[i]);
+    chmod(path, 0444);
+    chmod(folder, 0555);
+    uid_t user = geteuid();
+    if (user == 0) /* who may write everywhere */
+      assert_int_equal(seteuid(NOBODY), 0);
+    if (km_design_study_open(&d.def, path, false, &s, &error))
+      fail_msg("%s", error.text);
+    assert_int_equal(km_design_study_recall(s, &error), KM_OK);
+    assert_true(km_design_study_is_complete(s));
+    assert_turned(s, COUNT);
+    assert_int_equal(km_design_study_run(s, 1, NULL, NULL, &error), KM_OK); /* everything is there */
+    km_design_study_free(s);
+    designs more = d;
+    more.sample.count = COUNT + 1;
+    more.def.sample = &more.sample;
+    assert_int_equal(km_design_study_open(&more.def, path, false, &s, &error), KM_OK);
+    assert_int_equal(km_design_study_recall(s, &error), KM_OK);
+    assert_false(km_design_study_is_complete(s));
+    assert_int_equal(km_design_study_run(s, 1, NULL, NULL, &error), KM_IO);
+    if (!strstr(error.text, "can't be written, only shown and exported"))
+      fail_msg("%s", error.text);
+    km_design_study_free(s);
+    assert_int_equal(seteuid(user), 0);
+    chmod(folder, 0755);
+    unlink(path);
+  }
+  /* A part that waits in the log isn't passed over. */
+  char log[80];
+  km_design_study *s;
+  km_design_study_free(designs_run(&d, path, 1));
+  snprintf(log, sizeof log, "%s-wal", path);
+  write_text(log, "something");
+  chmod(path, 0444);
+  chmod(folder, 0555);
+  uid_t user = geteuid();
+  if (user == 0)
+    assert_int_equal(seteuid(NOBODY), 0);
+  assert_int_equal(km_design_study_open(&d.def, path, false, &s, &error), KM_IO);
+  assert_non_null(strstr(error.text, "a part of it waits in"));
+  km_design_study_free(s);
+  assert_int_equal(seteuid(user), 0);
+  chmod(folder, 0755);
+  unlink(log);
+  unlink(path);
+  rmdir(folder);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_store_is_asked_first),
@@ -377,6 +533,9 @@ int main(void) {
       cmocka_unit_test(damaged_answers_are_asked_again),
       cmocka_unit_test(many_designs_are_sorted),
       cmocka_unit_test(killed_runs_are_sorted_when_they_go_on),
+      cmocka_unit_test(damaged_pages_are_seen),
+      cmocka_unit_test(optimisations_that_end_early_are_told),
+      cmocka_unit_test(stores_may_be_read_only),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,6 +37,21 @@ static kt_exit recall(const kstudy_request *r, const kstudy_open *o) {
   return kt_exit_of(status);
 }
 
+/* What is shown or exported without an answer of every design is a part. */
+static kt_exit judge_answers(const kstudy_request *r, const kstudy_open *o) {
+  km_design_yield y;
+  if (km_design_study_is_complete(o->study))
+    return KT_DONE;
+  int missing = km_design_study_yield(o->study, &y, NULL) ? 0 : y.outcomes[KM_DESIGN_MISSING];
+  if (missing)
+    kt_say(&r->common, KM_WARNING, "%s: the store has no answer of %d of %d designs; kstudy run asks for them",
+           o->store, missing, km_design_study_designs(o->study));
+  else
+    kt_say(&r->common, KM_WARNING, "%s: the store ends before the optimisation does; kstudy run goes on with it",
+           o->store);
+  return KT_PARTIAL;
+}
+
 kt_exit kstudy_show(int argc, char **argv) {
   kstudy_request r = {.common = KT_COMMON("kstudy")};
   kstudy_open o;
@@ -56,6 +71,8 @@ kt_exit kstudy_show(int argc, char **argv) {
     result = kstudy_print(&r, &o);
   if (result == KT_DONE && r.format)
     result = kstudy_plot(&r, &o, &formats);
+  if (result == KT_DONE)
+    result = judge_answers(&r, &o);
   kstudy_close(&o);
   return result;
 }
@@ -115,6 +132,8 @@ kt_exit kstudy_export(int argc, char **argv) {
     result = write_csv(&r, &o, base);
   if (result == KT_DONE && formats.wanted[KT_JSON])
     result = write_json(&r, &o, base);
+  if (result == KT_DONE)
+    result = judge_answers(&r, &o);
   kstudy_close(&o);
   return result;
 }

@@ -250,6 +250,8 @@ KM_API void km_design_crew_dismiss(const km_design_crew *crew);
 /* The same without asking anything: takes what the store has, so that designs and results are those of a run that ended
  * here. */
 KM_API km_status km_design_study_recall(km_design_study *study, km_error *error);
+/* Has every design of the last run or recall an answer? False too where the store can't be read. */
+KM_API bool km_design_study_is_complete(km_design_study *study);
 /* How many designs the last run computed, and how many it found in the store. */
 KM_API int km_design_study_computed(const km_design_study *study);
 KM_API int km_design_study_found(const km_design_study *study);
