@@ -153,6 +153,10 @@ int kt_formats_count(const kt_formats *formats);
 const char *kt_format_word(kt_format format);
 km_picture_format kt_picture_format(kt_format format);
 
+/* Remembers a file that the command reads; options and operands that are files are remembered as they are read. */
+void kt_input(const char *path);
+/* Writes a result, unless the file is one that the command reads; tells where unless quiet. */
+kt_exit kt_write_file(const kt_common *common, const char *path, const km_text *bytes);
 /* Writes BASE.RESULT.FORMAT, or the standard output for base "-"; tells where unless quiet. */
 kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
                  const km_text *bytes);

@@ -98,6 +98,10 @@ static void keep(const kt_option *o, char *text, struct argp_state *state) {
   case KT_KEEP_TEXT:
     *(const char **)o->target = text;
     break;
+  case KT_KEEP_INPUT:
+    kt_input(text);
+    *(const char **)o->target = text;
+    break;
   case KT_KEEP_TEXTS:
     keep_text(o->target, text, state);
     break;
@@ -117,6 +121,7 @@ static void keep(const kt_option *o, char *text, struct argp_state *state) {
 }
 
 static void keep_operand(const kt_operand *o, char *text, struct argp_state *state) {
+  kt_input(text);
   if (!o->noun)
     refuse(state->name, "found \"%s\"; expected no argument", text);
   else if (o->several)

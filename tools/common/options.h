@@ -16,19 +16,29 @@ typedef struct kt_texts {
 
 /* What becomes of an option's argument. */
 typedef struct kt_kind {
-  enum { KT_KEEP_FLAG, KT_KEEP_TEXT, KT_KEEP_TEXTS, KT_KEEP_WORD, KT_KEEP_COUNT, KT_KEEP_SEED, KT_KEEP_BEGIN } keep;
+  enum {
+    KT_KEEP_FLAG,
+    KT_KEEP_TEXT,
+    KT_KEEP_INPUT,
+    KT_KEEP_TEXTS,
+    KT_KEEP_WORD,
+    KT_KEEP_COUNT,
+    KT_KEEP_SEED,
+    KT_KEEP_BEGIN
+  } keep;
   const char *words; /* of a WORD; of texts what completions offer, or NULL */
 } kt_kind;
 
 #define KT_FLAG           ((kt_kind){KT_KEEP_FLAG, NULL})  /* no argument; target bool: it is given */
 #define KT_TEXT           ((kt_kind){KT_KEEP_TEXT, NULL})  /* const char *: the text, the last one counts */
 #define KT_TEXT_OF(WORDS) ((kt_kind){KT_KEEP_TEXT, WORDS}) /* the same, some of "one or another" with commas */
+#define KT_INPUT          ((kt_kind){KT_KEEP_INPUT, NULL}) /* const char *: a file that is read, which no result replaces */
 #define KT_BEGIN                                                                                                       \
   ((kt_kind){KT_KEEP_BEGIN, NULL}) /* const char *: the beginning of files' names, which isn't a folder */
-#define KT_TEXTS          ((kt_kind){KT_KEEP_TEXTS, NULL}) /* kt_texts: all texts in their order */
-#define KT_WORD(WORDS)    ((kt_kind){KT_KEEP_WORD, WORDS}) /* int: the word's place in "one or another" */
-#define KT_COUNT          ((kt_kind){KT_KEEP_COUNT, NULL}) /* int: a whole number from 1 to 1024 */
-#define KT_SEED           ((kt_kind){KT_KEEP_SEED, NULL})  /* unsigned long: a whole number of at least 0 */
+#define KT_TEXTS       ((kt_kind){KT_KEEP_TEXTS, NULL}) /* kt_texts: all texts in their order */
+#define KT_WORD(WORDS) ((kt_kind){KT_KEEP_WORD, WORDS}) /* int: the word's place in "one or another" */
+#define KT_COUNT       ((kt_kind){KT_KEEP_COUNT, NULL}) /* int: a whole number from 1 to 1024 */
+#define KT_SEED        ((kt_kind){KT_KEEP_SEED, NULL})  /* unsigned long: a whole number of at least 0 */
 
 /* In which part of --help an option stands; hidden ones are taken for old scripts and do nothing. */
 typedef enum kt_group { KT_HIDDEN, KT_ABOUT_MODEL, KT_ABOUT_METHOD, KT_ABOUT_FILES, KT_ABOUT_ALL = 90 } kt_group;

@@ -1,7 +1,6 @@
 /* Output files and their formats. */
 #include "common/common.h"
 
-#include "kmech/files.h"
 #include "kmech/memory.h"
 
 #include <string.h>
@@ -73,16 +72,12 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
   if (kt_is_piped(base))
     return kt_print(common, bytes);
   km_text path = {0};
-  km_error error;
   km_text_format(&path, "%s.%s.%s", base, result, format);
-  km_status status =
-      path.failed ? km_fail(&error, KM_MEMORY, "out of memory") : km_file_write(path.data, bytes, &error);
-  if (status)
-    kt_say(common, KM_ERROR, "%s", error.text);
-  else
-    kt_say(common, KM_NOTE, "wrote %s", path.data);
+  kt_exit written = path.failed ? KT_NO_MEMORY : kt_write_file(common, path.data, bytes);
+  if (path.failed)
+    kt_say(common, KM_ERROR, "out of memory");
   km_text_free(&path);
-  return kt_exit_of(status);
+  return written;
 }
 
 void kt_note_size(const kt_common *common, double numbers) {

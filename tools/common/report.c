@@ -38,16 +38,10 @@ static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes
   char word[64];
   const kt_common *common = &j->options->common;
   const char *base = j->options->base, *format = html ? "html" : "pdf";
-  km_error error;
   snprintf(word, sizeof word, "%s-report", km_question_kind_name(j->options->asked.kind));
   if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
     return kt_write(common, base ? base : j->base, word, format, bytes);
-  km_status status = km_file_write(base, bytes, &error);
-  if (status)
-    kt_say(common, KM_ERROR, "%s", error.text);
-  else
-    kt_say(common, KM_NOTE, "wrote %s", base);
-  return kt_exit_of(status);
+  return kt_write_file(common, base, bytes);
 }
 
 static kt_exit deliver(const kt_sweep_job *j, bool html) {

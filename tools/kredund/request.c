@@ -12,8 +12,8 @@
 
 void kredund_arm_options(kt_options *out, kredund_request *r) {
   const kt_option table[] = {
-      {"model", 0, "FILE", "The arm's model, instead of a study's", KT_TEXT, &r->model, KT_ABOUT_MODEL},
-      {"path", 0, "FILE", "The path: a study, its \"path\" object, or a CSV file of poses", KT_TEXT, &r->path,
+      {"model", 0, "FILE", "The arm's model, instead of a study's", KT_INPUT, &r->model, KT_ABOUT_MODEL},
+      {"path", 0, "FILE", "The path: a study, its \"path\" object, or a CSV file of poses", KT_INPUT, &r->path,
        KT_ABOUT_MODEL},
       {"effector", 0, "BODY/FRAME", "The frame that follows the path", KT_TEXT, &r->effector, KT_ABOUT_MODEL},
       {"q", 0, "Q1,Q2,…", "Joint values to start from, in the study's order or from the base out", KT_TEXT, &r->q,
@@ -90,6 +90,7 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
     kt_say(&r->common, KM_ERROR, "%s: model: %s: can't be opened: %s", out->name, out->model, strerror(errno));
     return KT_USAGE;
   }
+  kt_input(out->model);
   kt_base_name(out->model, out->model_name, sizeof out->model_name);
   kt_study_base(r->study, out->model, out->base, sizeof out->base);
   return KT_DONE;
@@ -134,6 +135,8 @@ static kt_exit bind(const kredund_request *r, kredund_open *out) {
   km_error error;
   km_messages *messages = km_messages_create();
   kt_exit result = kredund_set_parts(r, out, messages);
+  if (out->def.path.file)
+    kt_input(out->def.path.file);
   km_status status = KM_OK;
   if (result == KT_DONE) {
     status =

@@ -215,7 +215,7 @@ kt_exit ksim_run(int argc, char **argv) {
        KT_ABOUT_MODEL},
       {"every", 0, "DT", "Time between rows (default: the model's, else a 200th of the run)", KT_TEXT, &o.every,
        KT_ABOUT_MODEL},
-      {"from", 0, "TABLE.csv", "Go on from the last row of a run's table: its pose, its rates and its time", KT_TEXT,
+      {"from", 0, "TABLE.csv", "Go on from the last row of a run's table: its pose, its rates and its time", KT_INPUT,
        &o.from, KT_ABOUT_MODEL},
       KT_SET(&o.sets, KT_SET_FIRST),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),

@@ -32,9 +32,6 @@ typedef struct kstudy_open {
 /* Reads the study, and opens its store. `must_exist`: a store that isn't there is an error. Says what is wrong. Close in
  * any case. */
 kt_exit kstudy_bring(const kstudy_request *request, bool must_exist, kstudy_open *out);
-/* Writes BASE.WORD.FORMAT as kt_write does, but never over the study or its model: KT_USAGE. */
-kt_exit kstudy_write(const kstudy_request *request, const kstudy_open *open, const char *base, const char *word,
-                     const char *format, const km_text *bytes);
 void kstudy_close(kstudy_open *open);
 
 /* Room for a name as a part of a file's name, and for all of what follows BASE. */

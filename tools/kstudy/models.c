@@ -20,7 +20,7 @@ static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const c
     result = kt_exit_of(error.status);
   } else if (text.data && km_model_write_varied(bytes->data, bytes->size, values, count, o->def.model, to, text.data,
                                                 length + 1, &error)) {
-    result = kstudy_write(r, o, o->base, word, "json", &text);
+    result = kt_write(&r->common, o->base, word, "json", &text);
   }
   km_text_free(&text);
   return result;

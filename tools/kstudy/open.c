@@ -11,7 +11,7 @@
 
 void kstudy_options(kt_options *out, kstudy_request *r, unsigned uses) {
   const kt_option table[] = {
-      {"store", 0, "FILE", "Where results are kept (default BASE.study.sqlite)", KT_TEXT, &r->store, KT_ABOUT_FILES},
+      {"store", 0, "FILE", "Where results are kept (default BASE.study.sqlite)", KT_INPUT, &r->store, KT_ABOUT_FILES},
       KT_BASE(&r->base, "Beginning of the files' names (default: the study's name, or its folder's for study.json)"),
   };
   KT_OPTIONS_ADD(out, table);
@@ -91,6 +91,7 @@ static kt_exit read_rows(const kstudy_request *r, kstudy_open *out) {
   if (!out->def.sample_file)
     return KT_DONE;
   beside_study(r->study, out->def.sample_file, file, sizeof file);
+  kt_input(file);
   km_status status = km_file_read(file, &text, &error);
   if (!status)
     status = km_csv_read(&text, file, &table, &error);
@@ -131,6 +132,7 @@ kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out)
   if (result != KT_DONE)
     return result;
   beside_study(r->study, out->def.model, out->model, sizeof out->model);
+  kt_input(out->model);
   out->def.model = out->model;
   if (strcmp(r->study, "-") != 0)
     kt_folder_of(r->study, out->folder, sizeof out->folder);
@@ -147,23 +149,6 @@ kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out)
   if (result == KT_DONE)
     result = kstudy_check_names(r, out);
   return result == KT_DONE ? open_store(r, must_exist, out) : result;
-}
-
-static bool same_file(const char *a, const char *b) {
-  struct stat there, here;
-  return stat(a, &there) == 0 && stat(b, &here) == 0 && there.st_dev == here.st_dev && there.st_ino == here.st_ino;
-}
-
-kt_exit kstudy_write(const kstudy_request *r, const kstudy_open *o, const char *base, const char *word,
-                     const char *format, const km_text *bytes) {
-  km_text path = {0};
-  km_text_format(&path, "%s.%s.%s", base, word, format);
-  bool own = !kt_is_piped(base) && !path.failed && (same_file(path.data, r->study) || same_file(path.data, o->model));
-  if (own)
-    kt_say(&r->common, KM_ERROR, "%s would be replaced, which the study is made from; expected another --base",
-           path.data);
-  km_text_free(&path);
-  return own ? KT_USAGE : kt_write(&r->common, base, word, format, bytes);
 }
 
 void kstudy_close(kstudy_open *open) {

@@ -121,7 +121,7 @@ static kt_exit write_own(const kstudy_request *r, kstudy_open *o, const own_pict
     result = kt_exit_of(status);
   } else if (!status) {
     name_picture(p, name, sizeof name);
-    result = kstudy_write(r, o, o->base, name, kt_format_word(format), &out);
+    result = kt_write(&r->common, o->base, name, kt_format_word(format), &out);
   }
   km_text_free(&out);
   return result;

@@ -24,7 +24,7 @@ kt_exit kstudy_report(const kstudy_request *r, kstudy_open *o) {
   km_status status = km_designs_report(o->study, &o->def, slash ? slash + 1 : o->base, true, &out, &error);
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kstudy_write(r, o, o->base, "study-report", "html", &out);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, "study-report", "html", &out);
   km_text_free(&out);
   return result;
 }
@@ -83,7 +83,7 @@ static kt_exit write_csv(const kstudy_request *r, const kstudy_open *o, const ch
   km_status status = km_designs_csv(o->study, &o->def, &out, &error);
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kstudy_write(r, o, base, "study", "csv", &out);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, base, "study", "csv", &out);
   km_text_free(&out);
   return result;
 }
@@ -98,7 +98,7 @@ static kt_exit write_json(const kstudy_request *r, kstudy_open *o, const char *b
     km_json_write(record, &out);
   else
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kstudy_write(r, o, base, "study", "json", &out);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, base, "study", "json", &out);
   km_text_free(&out);
   km_arena_free(&arena);
   return result;

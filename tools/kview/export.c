@@ -147,15 +147,12 @@ static bool compose(const km_text *recording, km_text *out) {
 
 static kt_exit write_page(const options *o, const km_text *recording) {
   km_text page = {0};
-  km_error error;
-  km_status status = compose(recording, &page) ? km_file_write(o->file, &page, &error)
-                                               : km_fail(&error, KM_MEMORY, "out of memory for the page");
-  if (status)
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
-  else if (!kt_is_piped(o->file))
-    kt_say(&o->common, KM_NOTE, "wrote %s", o->file);
+  bool made = compose(recording, &page);
+  if (!made)
+    kt_say(&o->common, KM_ERROR, "out of memory for the page");
+  kt_exit written = made ? kt_write_file(&o->common, o->file, &page) : KT_NO_MEMORY;
   km_text_free(&page);
-  return kt_exit_of(status);
+  return written;
 }
 
 kt_exit kview_export(int argc, char **argv) {

@@ -73,7 +73,7 @@ kt_exit kview_open(int argc, char **argv) {
       {"port", 0, "N", "Listen on this port of 127.0.0.1 (default: a free one)", KT_TEXT, &o.port, KT_ABOUT_METHOD},
       {"no-browser", 0, NULL, "Only print the address", KT_FLAG, &o.no_browser, KT_ABOUT_METHOD},
       {"stay", 0, NULL, "Go on when the last page is closed, until Ctrl-C", KT_FLAG, &o.stay, KT_ABOUT_METHOD},
-      {"study", 0, "FILE", "Offer the question track too, along the path of this path study", KT_TEXT, &o.study,
+      {"study", 0, "FILE", "Offer the question track too, along the path of this path study", KT_INPUT, &o.study,
        KT_ABOUT_MODEL},
       {"pose", 0, "NAME", "Start from this one of the poses that the model names", KT_TEXT, &o.common.pose,
        KT_ABOUT_MODEL},
