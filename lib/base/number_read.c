@@ -1,9 +1,12 @@
 /* Numbers from text with a decimal point, whatever the process's locale is. */
 #include "base/text.h"
 
+#include <ctype.h>
 #include <locale.h>
 #include <pthread.h>
+#include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 static locale_t plain;
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -13,6 +16,12 @@ static void make_plain(void) {
 }
 
 double km_number_read(const char *text, char **end) {
+  const char *digits = text + strspn(text, "+-");
+  if (isspace((unsigned char)*text) || (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X'))) {
+    if (end)
+      *end = (char *)(uintptr_t)text; /* as strtod does where there is no number */
+    return 0.0;
+  }
   pthread_once(&once, make_plain);
   return plain ? strtod_l(text, end, plain) : strtod(text, end); /* the C locale itself takes no memory */
 }

@@ -14,7 +14,7 @@ char *km_arena_format_list(km_arena *arena, const char *format, va_list argument
 #define KM_SHOWN(x) km_number_shown((char[KM_NUMBER_TEXT]){0}, x)
 const char *km_number_shown(char out[KM_NUMBER_TEXT], double value); /* returns `out` */
 
-/* As strtod, but in the C locale whatever the process's locale is. */
+/* As strtod, but in the C locale whatever the process's locale is, of decimals and words alone: no number begins with a blank or 0x. */
 double km_number_read(const char *text, char **end);
 
 #endif

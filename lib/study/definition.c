@@ -93,7 +93,7 @@ static km_status check_axes(const km_design_study_def *def, km_error *error) {
     designs *= axis->count;
   }
   if (designs > MOST_DESIGNS)
-    return km_fail(error, KM_USAGE, "grid: found %.3g designs; expected at most %d", designs, MOST_DESIGNS);
+    return km_fail(error, KM_USAGE, "grid: found %.10g designs; expected at most %d", designs, MOST_DESIGNS);
   return status;
 }
 
@@ -120,9 +120,10 @@ static km_status check_spread(const km_design_study_def *def, const km_design_sp
 }
 
 static km_status check_sample(const km_design_study_def *def, const km_design_sample *s, km_error *error) {
-  double designs = (double)s->count * km_sampler_width(s);
-  if (s->count < 1 || designs > MOST_DESIGNS)
-    return km_fail(error, KM_USAGE, "sample.count: found %d; expected 1 to %d designs in all", s->count, MOST_DESIGNS);
+  int width = km_sampler_width(s);
+  if (s->count < 1 || s->count > MOST_DESIGNS / width)
+    return km_fail(error, KM_USAGE, "sample.count: found %d%s; expected 1 to %d", s->count,
+                   width > 1 ? ", each of several designs for the indices" : "", MOST_DESIGNS / width);
   if ((unsigned)s->method > KM_SAMPLING_LIST)
     return km_fail(error, KM_USAGE, "sample.method: there is no such method");
   if (s->method == KM_SAMPLING_LIST)

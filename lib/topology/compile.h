@@ -26,7 +26,7 @@ double km_substructure_size(const km_mechanism *mechanism, int substructure, con
  * memory. */
 bool km_compile_pattern(km_mechanism *mechanism, km_substructure *sub);
 /* A distance, in the model's unit, that rounding makes of places that are computed from others: 1e-14 of the largest coordinate of a
- * frame, and no less than 1e-15 m, since axes that meet in the inertial origin have no larger coordinates. */
+ * frame. No length of its own enters: a mechanism of any scale is what it is in metres. */
 double km_place_grain(const km_model *model);
 /* The square of the distance between two places; 0 where that is no more than the grain, or 1e-10 of the places' own size, to
  * which coordinates in a file are written. */

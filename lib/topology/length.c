@@ -39,11 +39,11 @@ static void sort_frames(const km_model *model, int *first, int *frame) {
 }
 
 double km_place_grain(const km_model *model) {
-  static const double rounding = 1e-14, smallest = 1e-15; /* of the largest coordinate; metres */
+  static const double rounding = 1e-14; /* of the largest coordinate */
   double square = 0.0;
   for (int f = 0; f < model->frame_count; ++f)
     square = km_larger(km_vec3_dot(model->frames[f].pose.p, model->frames[f].pose.p), square);
-  return km_larger(rounding * sqrt(square), smallest / model->units.length->si);
+  return rounding * sqrt(square);
 }
 
 double km_square_apart(km_vec3 a, km_vec3 b, double grain) {

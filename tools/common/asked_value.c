@@ -15,13 +15,9 @@ static kt_exit read_range(const kt_common *common, const char *name, const char 
 }
 
 static kt_exit read_whole(const kt_common *common, const km_option *o, const char *name, const char *text, int *out) {
-  double value;
   char expected[80];
   snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", o->low, o->high);
-  if (!kt_number(text, &value) || value < o->low || value > o->high || value != (double)(int)value)
-    return kt_usage(common, name, text, expected);
-  *out = (int)value;
-  return KT_DONE;
+  return kt_whole(text, (int)o->low, (int)o->high, out) ? KT_DONE : kt_usage(common, name, text, expected);
 }
 
 static kt_exit read_number(const kt_common *common, const km_option *o, const char *name, const char *text,

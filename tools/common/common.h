@@ -134,7 +134,11 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
 kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame);
 /* Each text gets columns of its own name: is each there once? Else says which isn't. */
 kt_exit kt_each_once(const kt_common *common, const char *option, char *const *texts, int count);
+/* A decimal of at most 1e60 in size, with a sign, a point and an exponent where they are wanted; nothing else around it. Every option's
+ * numbers are read by this. */
 bool kt_number(const char *text, double *out);
+/* Such a number that is whole and within bounds. */
+bool kt_whole(const char *text, int least, int most, int *out);
 /* Just so many numbers with commas between them. */
 bool kt_numbers(const char *text, int count, double *out);
 

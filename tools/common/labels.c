@@ -34,14 +34,22 @@ char *kt_plain(const char *text) {
   return kt_split(&text, "").text;
 }
 
+/* Of what strtod takes only decimals: no blanks, no hexadecimal digits, no words. The tools never leave the C locale. */
 static bool is_number(const char *text, double *out) {
   char *end = NULL;
-  *out = strtod(text, &end); /* the tools never leave the C locale */
-  return end != text && *end == '\0' && !isnan(*out);
+  *out = strtod(text, &end);
+  return end != text && *end == '\0' && text[strspn(text, "+-.0123456789eE")] == '\0';
 }
 
 bool kt_number(const char *text, double *out) {
   return is_number(text, out) && fabs(*out) <= 1e60;
+}
+
+bool kt_whole(const char *text, int least, int most, int *out) {
+  double value;
+  bool good = kt_number(text, &value) && value >= least && value <= most && value == floor(value);
+  *out = good ? (int)value : 0;
+  return good;
 }
 
 bool kt_numbers(const char *text, int count, double *out) {

@@ -65,18 +65,14 @@ static void keep_word(const kt_option *o, const char *text, struct argp_state *s
 }
 
 static void keep_count(const kt_option *o, const char *text, struct argp_state *state) {
-  char *end = NULL;
-  long count = strtol(text, &end, 10);
-  if (*end || end == text || count < 1 || count > 1024)
+  if (!kt_whole(text, 1, 1024, o->target))
     refuse(state->name, "--%s: found \"%s\"; expected a whole number from 1 to 1024", o->name, text);
-  *(int *)o->target = (int)count;
 }
 
 static void keep_seed(const kt_option *o, const char *text, struct argp_state *state) {
-  char *end = NULL;
   errno = 0;
-  unsigned long seed = strtoul(text, &end, 10);
-  if (*end || end == text || *text == '-' || errno == ERANGE)
+  unsigned long seed = strtoul(text, NULL, 10);
+  if (!*text || text[strspn(text, "0123456789")] || errno == ERANGE)
     refuse(state->name, "--%s: found \"%s\"; expected a whole number of at least 0", o->name, text);
   *(unsigned long *)o->target = seed;
 }

@@ -48,7 +48,7 @@ static kt_exit read_outlines(kmob_draw_options *o) {
 
 /* What needs no model. */
 static kt_exit read_options(kmob_draw_options *o, int *poses) {
-  double count = 0.0;
+  *poses = 0;
   if (o->models.count > 1) {
     kt_say(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
     return KT_USAGE;
@@ -67,11 +67,10 @@ static kt_exit read_options(kmob_draw_options *o, int *poses) {
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &o->look.view))
     return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
-  if (o->poses && (!kt_number(o->poses, &count) || count < 1.0 || count > KT_MOST_TEXTS || count != floor(count)))
+  if (o->poses && !kt_whole(o->poses, 1, KT_MOST_TEXTS, poses))
     return kt_usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
   if (o->poses && o->at.count)
     return kt_usage(&o->common, "--poses", o->poses, "it without --at");
-  *poses = (int)count;
   kt_exit outlines = read_outlines(o);
   if (outlines != KT_DONE)
     return outlines;

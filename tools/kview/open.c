@@ -2,7 +2,9 @@
 #include "kview/kview.h"
 #include "kview/server.h"
 
-#include <errno.h>
+#include "kmech/files.h"
+#include "kmech/path_study.h"
+
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -38,13 +40,10 @@ static void ready(void *context, const char *address) {
 }
 
 static bool read_port(const options *o, int *port) {
-  double value = 0.0;
-  if (o->port && (!kt_number(o->port, &value) || value < 1.0 || value > 65535.0 || value != (double)(int)value)) {
-    kt_usage(&o->common, "--port", o->port, "a whole number from 1 to 65535");
-    return false;
-  }
-  *port = (int)value;
-  return true;
+  if (!o->port || kt_whole(o->port, 1, 65535, port))
+    return true;
+  kt_usage(&o->common, "--port", o->port, "a whole number from 1 to 65535");
+  return false;
 }
 
 /* A file that can't be read is named by the error itself. */
@@ -63,6 +62,27 @@ static kt_exit try_model(const options *o) {
   if (status)
     kview_say(&o->common, o->model, status, &error);
   kv_session_close(&session);
+  return kt_exit_of(status);
+}
+
+/* So does what is wrong with the study, which is read when its question is asked. */
+static kt_exit try_study(const options *o) {
+  char folder[4096];
+  km_text text = {0};
+  km_error error;
+  km_messages *messages = km_messages_create();
+  km_study_def def = km_study_def_default();
+  km_status status = km_file_read(o->study, &text, &error);
+  kt_folder_of(o->study, folder, sizeof folder);
+  if (status) {
+    kt_say(&o->common, KM_ERROR, "%s", error.text);
+  } else {
+    status = km_study_read(text.data, text.size, folder, messages, &def, &error);
+    kt_tell_messages(&o->common, o->study, messages, status, error.text);
+  }
+  km_study_def_free(&def);
+  km_messages_free(messages);
+  km_text_free(&text);
   return kt_exit_of(status);
 }
 
@@ -92,11 +112,9 @@ kt_exit kview_open(int argc, char **argv) {
     return KT_USAGE;
   if (strcmp(o.model, "-") == 0)
     return kt_usage(&o.common, "MODEL", "-", "a file, which is read again when it changes");
-  if (o.study && access(o.study, R_OK) != 0) {
-    kt_say(&o.common, KM_ERROR, "%s: can't be opened: %s", o.study, strerror(errno));
-    return KT_USAGE;
-  }
   kt_exit result = try_model(&o);
+  if (result == KT_DONE && o.study)
+    result = try_study(&o);
   km_error error;
   if (result == KT_DONE && kv_serve(&def, &error)) {
     kt_say(&o.common, KM_ERROR, "%s", error.text);

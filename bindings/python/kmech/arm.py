@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, Optional, Sequence, Union
 import numpy
 
 from ._kmech import ffi, lib
-from .errors import FileError, UsageError, bytes_of, check, messages_of, new_error, text_of
+from .errors import FileError, UsageError, bytes_of, check, messages_of, new_error, read_file, text_of
 from .mechanism import Mechanism, Pose
 from .model import Model, load
 from .picture import Picture
@@ -200,7 +200,7 @@ def load_study(path: Union[str, Path], model: Optional[Model] = None) -> Study:
     """Reads a path study; its model is looked up from the study's folder."""
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        text = read_file(path).decode("utf-8")
     except OSError as bad:
         raise FileError(str(bad)) from bad
     return Study(text, folder=path.parent, model=model)

@@ -1,6 +1,7 @@
 """Failures of the library as exceptions: each tells the place, what was found and what was expected."""
 from __future__ import annotations
 
+import os
 from typing import Any
 
 from ._kmech import ffi, lib
@@ -105,6 +106,17 @@ def check(status: int, error: Any, partial: bool = False) -> bool:
     if status == lib.KM_MEMORY:
         raise MemoryError(text_of(error.text))
     raise _CLASSES.get(status, KmechError)(text_of(error.text) or "the library gave no reason")
+
+
+def read_file(path: Any) -> bytes:
+    """The bytes of a file, of at most the size that the tools take. OSError: it isn't there, can't be read or is larger."""
+    os.stat(path)
+    out, error = ffi.new("km_text *"), new_error()
+    try:
+        check(lib.km_file_read(os.fsencode(os.path.abspath(path)), out, error), error)
+        return bytes(ffi.buffer(out.data, out.size))
+    finally:
+        lib.km_text_free(out)
 
 
 def messages_of(messages: Any) -> list[Message]:

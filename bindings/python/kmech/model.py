@@ -10,7 +10,7 @@ from typing import Any, Iterator, Mapping, Optional, Sequence, Union
 import numpy
 
 from ._kmech import ffi, lib
-from .errors import (Message, ModelError, ModelWarning, UsageError, bytes_of, check, messages_of, new_error, text_of)
+from .errors import (Message, ModelError, ModelWarning, UsageError, bytes_of, check, messages_of, new_error, read_file, text_of)
 from .picture import taken
 from .question import Answer, add_methods, number, numbers
 
@@ -21,8 +21,7 @@ def load(path: Union[str, Path], *, floating: bool = False, vary: Optional[Mappi
     floating: what a robot description leaves untied is free to move. vary: other values for numbers of the file, by
     their paths ("crank.tip.x", a parameter's name); JSON only.
     Raises ModelError with the place in the file, and warns with ModelWarning."""
-    data = Path(path).read_bytes()
-    return Model(data, file=str(path), floating=floating, vary=vary)
+    return Model(read_file(path), file=str(path), floating=floating, vary=vary)
 
 
 def from_string(text: Union[str, bytes], *, floating: bool = False, vary: Optional[Mapping[str, float]] = None,

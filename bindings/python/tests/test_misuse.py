@@ -24,6 +24,9 @@ def test_texts(text):
 MODEL = [
     lambda m: kmech.load("/no/such/file"),
     lambda m: kmech.load(3),
+    lambda m: kmech.load("/dev/zero"),
+    lambda m: kmech.load_study("/dev/zero"),
+    lambda m: kmech.load("/"),
     lambda m: kmech.from_string(None),
     lambda m: kmech.from_string(ONE, vary={"J": 1}),
     lambda m: kmech.from_string(ONE, vary={"nothing": 1}),

@@ -53,7 +53,7 @@ static bool read_number(km_scan *scan, double *out) {
   if (!strchr("+-.0123456789", *scan->at) || is_end(*scan->at))
     return false;
   *out = km_number_read(scan->at, &end);
-  bool sound = end > scan->at && is_end(*end) && isfinite(*out) && !memchr(scan->at, 'x', (size_t)(end - scan->at));
+  bool sound = end > scan->at && is_end(*end) && isfinite(*out);
   scan->at = end;
   return sound;
 }

@@ -111,7 +111,8 @@ static km_status read_header(sheet *s, ending *last) {
 
 static bool read_number(const char *text, double *out) {
   char *end;
-  if (text[strspn(text, " \t")] == '\0') {
+  text += strspn(text, " \t");
+  if (*text == '\0') {
     *out = nan("");
     return true;
   }
