@@ -6,6 +6,8 @@
  * changes the value by little, the result is the optimum to about that much. */
 #include "arm/methods/dp.h"
 
+#include "arm/methods/lattice.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -73,32 +75,21 @@ static void lead_some(void *context, int worker) {
     lead(g, worker, i, count - i < KM_WALK_ABREAST ? count - i : KM_WALK_ABREAST);
 }
 
-/* So many tilts that neighbours land no further apart than the spacing. */
+/* Tilts up to the method's angle in every direction, which neighbours land no further apart by than the spacing; where that takes too
+ * many they lie wider, and no reference comes of it. */
 static bool choose_actions(km_dp_grid *g) {
-  const km_arm *a = g->run->arm;
   const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
   const km_path_point *points = g->run->plan->path->points;
   double ds = points[now->first + now->length].s - points[now->first].s, way = 0.0,
          most = tan(g->run->plan->method.angle);
   for (int i = 0; i < last->count; ++i)
     way = fmax(way, ds * most / fmax(last->states[i].node.z, 1e-3));
-  int each = (int)ceil(way / g->spacing);
-  each = a->freedom == 0 ? 0 : each < 1 ? 1 : each > 8 ? 8 : each;
-  g->actions = a->freedom <= 1 ? 2 * each + 1 : 1 + 8 * (each > 2 ? 2 : each);
-  g->tilts = KM_ARENA_NEW(&g->arena, double, (size_t)g->actions *(size_t)(a->freedom + 1));
-  if (!g->tilts)
+  km_lattice tilts;
+  if (!km_lattice_make(g->run->arm->freedom, most, ceil(way / g->spacing), &g->arena, &tilts))
     return false;
-  for (int k = 1; k < g->actions; ++k) {
-    double *tilt = g->tilts + k * a->freedom;
-    if (a->freedom == 1) {
-      int step = (k + 1) / 2;
-      tilt[0] = (k % 2 ? -1.0 : 1.0) * most * step / each;
-    } else {
-      double around = M_PI * 0.25 * ((k - 1) % 8), size = most * (k > 8 ? 0.5 : 1.0);
-      tilt[(k - 1) / 4 % a->freedom] += size * cos(around); /* NOLINT(*DivideZero): else one action */
-      tilt[((k - 1) / 4 + 1) % a->freedom] += size * sin(around);
-    }
-  }
+  g->actions = tilts.count;
+  g->tilts = tilts.points;
+  g->bounded = g->bounded || tilts.wider;
   return true;
 }
 

@@ -101,6 +101,7 @@ bool km_dp_keep_best(km_dp_grid *g, int arrived) {
     while ((count = choose_best(g, order, arrived, spacing, most, kept)) > most && !spread)
       spacing *= 2.0;
     g->bounded = g->bounded || spacing > g->spacing;
+    g->bounded = g->bounded || count > most;
     count = count > most ? most : count;
     now->states = KM_ARENA_NEW(&g->arena, km_dp_state, (size_t)count + 1);
   }

@@ -22,7 +22,7 @@ typedef struct km_run {
   bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
   bool greedy_instead;
   double converged;
-  bool bounded;              /* dp: its states were fewer than it asked for */
+  bool bounded;              /* dp: its states or tilts were fewer than the spacing asks for */
   unsigned long evaluations; /* of other workspaces than `space` */
   km_team *team;             /* km_run_team */
 } km_run;

@@ -157,7 +157,7 @@ typedef struct km_track_summary {
   double seconds;                        /* of work; not in records, which are the same for the same input */
   bool greedy_instead;                   /* look-ahead: greedy's track was better and is given */
   double converged;                      /* dp: relative change of the value at half the spacing and stage; else NaN */
-  bool bounded; /* dp: there were more states than it keeps, so they lie wider than the spacing */
+  bool bounded; /* dp: there were more states or tilts than it keeps, so they lie wider than the spacing */
 } km_track_summary;
 KM_API km_track_summary km_track_summarise(const km_track *track);
 

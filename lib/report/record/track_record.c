@@ -268,7 +268,7 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
   else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
     km_text_format(out, "  %s: %s\n", label,
                    track->end.stop          ? "stops short: no reference"
-                   : track->summary.bounded ? "more states than it keeps, so they lie wider: no reference yet"
+                   : track->summary.bounded ? "more states or tilts than it keeps, so they lie wider: no reference yet"
                                             : "stops short at one of two spacings: no reference yet");
 }
 
