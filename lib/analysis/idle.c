@@ -14,7 +14,7 @@
 
 #include <string.h>
 
-/* The bodies of one substructure in groups that single-coordinate joints tie together. */
+/* The bodies of one substructure in groups that rigid, single-coordinate and coupled joints join. */
 typedef struct groups {
   const km_mechanism *m;
   km_state *s;
@@ -52,7 +52,8 @@ static void join(const groups *g, int a, int b) {
   g->fixed[to] = g->fixed[to] || g->fixed[from];
 }
 
-/* Ties bodies by rigid, single-coordinate and coupled joints; what is tied to the inertial frame is fixed. */
+/* Joins the bodies of rigid, single-coordinate and coupled joints. A group with a body that carries the substructure, which isn't one of its
+ * own bodies, is fixed. */
 static void tie(const groups *g) {
   const km_model *model = g->m->model;
   const km_topology *t = &g->m->topology;

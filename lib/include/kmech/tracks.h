@@ -22,7 +22,9 @@ typedef struct km_tracks {
 
 /* "lookahead", or "lookahead 2" for the second of its kind, with this separator. "" if there is no such track. */
 KM_API void km_tracks_label(const km_tracks *tracks, int index, char separator, char *out, size_t size);
-/* The track that goes furthest, then the best by the objective; of equals the later one. -1: none. */
+/* The track that goes furthest; of those that go as far (to 1e-6) the best by the objective's least value, or by its mean where it is one of
+ * means; of those that are equal in this (to 1e-9) the best by the other of the two, then the one of less joint travel, then of the lower
+ * largest rate, then the first. -1: none. */
 KM_API int km_tracks_best(const km_tracks *tracks);
 /* Why and where a track ends, appended; nothing if it is complete. */
 KM_API void km_track_end_text(const km_track *track, km_text *out);

@@ -39,22 +39,34 @@ static int goes_further(const km_track *one, const km_track *other) {
   return way > same ? 1 : way < -same ? -1 : 0;
 }
 
+/* 1: x is larger by more than 1e-9 of both, -1: smaller, 0: neither. NaN is smaller than any number. */
+static int compare(double x, double y) {
+  if (isnan(x) || isnan(y))
+    return isnan(y) - isnan(x);
+  double difference = x - y;
+  return fabs(difference) <= 1e-9 * fmax(fabs(x), fabs(y)) ? 0 : difference > 0.0 ? 1 : -1;
+}
+
+/* Further along the path, then by the objective's own aggregate, then by the other one, by less travel of the joints and by a lower rate. */
+static bool is_better(const km_track *a, const km_track *b) {
+  const km_track_summary *x = &a->summary, *y = &b->summary;
+  int least = compare(x->objective_min, y->objective_min), mean = compare(x->objective_mean, y->objective_mean);
+  bool by_mean = km_objective_by_mean(&a->plan.objective);
+  const int order[] = {goes_further(a, b), by_mean ? mean : least, by_mean ? least : mean,
+                       compare(y->joint_travel, x->joint_travel), compare(y->rate, x->rate)};
+  for (size_t i = 0; i < sizeof order / sizeof *order; ++i)
+    if (order[i])
+      return order[i] > 0;
+  return false;
+}
+
 int km_tracks_best(const km_tracks *t) {
   int best = -1;
-  double best_score = 0.0;
   if (!t || !t->items)
     return -1;
-  for (int i = 0; i < t->count; ++i) {
-    if (!t->items[i])
-      continue;
-    const km_track_summary *s = &t->items[i]->summary;
-    double score = km_objective_by_mean(&t->items[i]->plan.objective) ? s->objective_mean : s->objective_min;
-    int further = best < 0 ? 1 : goes_further(t->items[i], t->items[best]);
-    if (further > 0 || (further == 0 && score >= best_score - 1e-9 * fabs(best_score))) {
+  for (int i = 0; i < t->count; ++i)
+    if (t->items[i] && (best < 0 || is_better(t->items[i], t->items[best])))
       best = i;
-      best_score = score;
-    }
-  }
   return best;
 }
 
