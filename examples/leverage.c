@@ -5,9 +5,9 @@ static void tell(const km_mechanism *mechanism, km_state *state, km_lever *lever
   km_mobility mobility;
   km_advantage advantage;
   double twist[6], rate;
-  km_mobility_update(mechanism, state, &mobility);
   km_poses_update(mechanism, state);
-  km_lever_update(mechanism, state, lever, &advantage);
+  if (km_mobility_update(mechanism, state, &mobility) || km_lever_update(mechanism, state, lever, &advantage))
+    return;
   rate = advantage.input_rate;
   printf("mobility %d, mechanical advantage %.6f (%s)\n", mobility.mobility, advantage.value,
          km_advantage_state_name(advantage.state));

@@ -20,10 +20,10 @@ static km_status leverage(double coupler, double *value, km_error *error) {
     status = km_reach_pose(model, NULL, 0, &crank, 1, &mechanism, &state, error);
   if (!status)
     status = km_lever_create(mechanism, &input, &output, &lever, error);
-  if (!status) {
-    km_mobility_update(mechanism, state, &mobility);
-    km_lever_update(mechanism, state, lever, &advantage);
-  }
+  if (!status)
+    status = km_mobility_update(mechanism, state, &mobility);
+  if (!status)
+    status = km_lever_update(mechanism, state, lever, &advantage);
   *value = advantage.value;
   km_lever_free(lever);
   km_state_free(state);

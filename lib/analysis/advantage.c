@@ -1,6 +1,7 @@
 /* Mechanical advantage at a pose: the ratio of two rates in the one motion, or in the least one. */
 
 #include "analysis/lever.h"
+#include "analysis/mobility.h"
 #include "base/check.h"
 #include "base/text.h"
 #include "kinematics/branches.h"
@@ -332,14 +333,20 @@ static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantag
   out->velocity_ratio = ratio(out->output_rate, out->input_rate);
 }
 
-void km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+km_status km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+  static const km_advantage unknown = {
+      .state = KM_ADVANTAGE_UNDEFINED, .value = (double)NAN, .velocity_ratio = (double)NAN};
   if (!out)
-    return;
-  *out = (km_advantage){.state = KM_ADVANTAGE_UNDEFINED, .value = nan(""), .velocity_ratio = nan("")};
+    return KM_USAGE;
+  *out = unknown;
   if (!l || l->mechanism != m || !km_state_knows_motion(m, s))
-    return;
+    return KM_USAGE;
   update_rows(m, s, l);
   measure(m, l, choose_motion(m, s, l), out);
+  km_status status = km_mobility_memory(m, s);
+  if (status)
+    *out = unknown;
+  return status;
 }
 
 void km_lever_along(const km_mechanism *m, const km_state *s, km_lever *l, const double *rates, km_advantage *out) {

@@ -278,8 +278,11 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
     return KM_OK;
   km_mobility mobility;
   km_state_copy(w->m, w->look, w->state);
-  km_mobility_update(w->m, w->look, &mobility);
-  km_status status = w->reactions ? write_reactions(w, &out, error) : KM_OK;
+  km_status status = km_mobility_update(w->m, w->look, &mobility)
+                         ? km_fail(error, KM_MEMORY, "out of memory for the mobility")
+                         : KM_OK;
+  if (!status && w->reactions)
+    status = write_reactions(w, &out, error);
   for (int c = 0; w->mobility && c < w->m->coordinate_count && !status; ++c)
     *out++ = km_mobility_number(w->look, c);
   if (status)

@@ -165,7 +165,9 @@ km_status km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w
     return KM_USAGE;
   km_advantage a;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan("")};
-  km_lever_update(m, s, w->lever, &a);
+  km_status status = km_lever_update(m, s, w->lever, &a);
+  if (status)
+    return status;
   if (w->lever->input.handle.kind != KM_HANDLE_JOINT || a.state != KM_ADVANTAGE_FINITE) {
     out->why = a.state != KM_ADVANTAGE_FINITE ? "the mechanical advantage isn't finite" : "the input is no joint";
     return KM_OK;

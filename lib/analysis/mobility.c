@@ -62,17 +62,32 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
   }
 }
 
-void km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
+  km_status status = KM_OK;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (s->partition[i].failed) {
+      km_state_forget_pivots(s, i);
+      status = KM_MEMORY;
+    }
+  return status;
+}
+
+km_status km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+  static const km_mobility unknown = {.residual = (double)NAN};
   if (!out)
-    return;
-  *out = (km_mobility){.residual = nan("")};
+    return KM_USAGE;
+  *out = unknown;
   if (!km_state_fits(m, s))
-    return;
+    return KM_USAGE;
   km_ranks_update(m, s, out);
   for (int c = 0; c < m->coordinate_count; ++c)
     s->numbers[c] = is_outside(m, s, c) ? 1.0 : 0.0;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     set_numbers(m, s, i);
+  km_status status = km_mobility_memory(m, s);
+  if (status)
+    *out = unknown;
+  return status;
 }
 
 int km_substructure_count(const km_mechanism *m) {

@@ -15,4 +15,8 @@ void km_numbers_update(const km_mechanism *mechanism, km_state *state, int subst
 /* km_mobility_update without the mobility numbers, which it leaves as they are. */
 void km_ranks_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
+/* KM_MEMORY: a partition of the state, or its basis, found no memory. Its pivots are forgotten then, so that the next request searches
+ * them anew. */
+km_status km_mobility_memory(const km_mechanism *mechanism, km_state *state);
+
 #endif

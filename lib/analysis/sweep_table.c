@@ -272,7 +272,8 @@ static km_status find_shaking(const km_sweeper *r, km_error *error) {
 }
 
 km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
-  km_mobility_update(r->m, r->s, &r->out->first);
+  if (km_mobility_update(r->m, r->s, &r->out->first))
+    return km_fail(error, KM_MEMORY, "out of memory for the mobility");
   r->other_mobility = r->out->first.mobility;
   if (r->substructure >= 0)
     r->out->freedom = km_partition_freedom(&r->s->partition[r->substructure]);

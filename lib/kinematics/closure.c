@@ -23,7 +23,7 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
 static bool are_searched(const km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
   const km_shown *shown = &s->shown[index];
-  return !p->sparse && shown->known && shown->searched == shown->count && shown->partition == p->edition &&
+  return !p->sparse && !p->failed && shown->known && shown->searched == shown->count && shown->partition == p->edition &&
          shown->driver == driver && shown->held == p->held && shown->tolerance == tolerance;
 }
 

@@ -1,6 +1,7 @@
 /* Every allocation of the main jobs fails once: the job ends with KM_MEMORY, nothing crashes, nothing is leaked (which
  * the build under AddressSanitizer shows). */
 #include "support/failing.h"
+#include "support/lattices.h"
 #include "support/support.h"
 
 #include "base/memory.h"
@@ -402,12 +403,89 @@ static void test_written(void **unused) {
       "\"polynomial\": [0, 1, 2]}]}]}");
 }
 
+/* What a state tells of its mobility, to the last bit. */
+typedef struct told {
+  km_mobility mobility;
+  km_advantage advantage;
+  double numbers;
+} told;
+
+static km_status tell(const fixture *f, km_lever *lever, told *out) {
+  km_status status = km_mobility_update(f->mechanism, f->state, &out->mobility);
+  if (!status)
+    status = km_lever_update(f->mechanism, f->state, lever, &out->advantage);
+  out->numbers = 0.0;
+  for (int c = 0; c < km_model_coordinate_count(f->model) && !status; ++c)
+    out->numbers += (c + 1.0) * km_mobility_number(f->state, c);
+  return status;
+}
+
+/* A state of the closed pose in which no pivots were searched yet. */
+static void open_fresh(const char *json, fixture *f, km_lever **lever) {
+  km_handle ends[2] = {{.kind = KM_HANDLE_JOINT, .coordinate = 0}, {.kind = KM_HANDLE_JOINT, .coordinate = 3}};
+  assert_int_equal(open_pose(json, f), KM_OK);
+  km_state *fresh;
+  assert_int_equal(km_state_create(f->mechanism, &fresh, NULL), KM_OK);
+  for (int c = 0; c < km_model_coordinate_count(f->model); ++c)
+    assert_int_equal(km_state_set_coordinate(f->mechanism, fresh, c, km_state_coordinate(f->state, c), NULL), KM_OK);
+  km_state_free(f->state);
+  f->state = fresh;
+  ends[0].name = km_model_coordinate_label(f->model, 0);
+  ends[1].name = km_model_coordinate_label(f->model, 3);
+  assert_int_equal(km_lever_create(f->mechanism, &ends[0], &ends[1], lever, NULL), KM_OK);
+}
+
+/* Every call for memory fails once: the request says so, gives no number, and the next one is right. */
+static long failures_leave_no_trace(const char *json) {
+  fixture f;
+  km_lever *lever;
+  told wanted, found;
+  open_fresh(json, &f, &lever);
+  failing_arm(0);
+  assert_int_equal(tell(&f, lever, &wanted), KM_OK);
+  long calls = failing_calls();
+  km_lever_free(lever);
+  fixture_close(&f);
+  for (long n = 1; n <= calls; ++n) {
+    open_fresh(json, &f, &lever);
+    failing_arm(n);
+    km_status status = tell(&f, lever, &found);
+    failing_arm(0);
+    if (status != KM_MEMORY && (status || memcmp(&found.mobility, &wanted.mobility, sizeof wanted.mobility) != 0))
+      fail_msg("call %ld: status %d, mobility %d", n, (int)status, found.mobility.mobility);
+    for (int again = 0; again < 2; ++again) {
+      assert_int_equal(tell(&f, lever, &found), KM_OK);
+      if (memcmp(&found.mobility, &wanted.mobility, sizeof wanted.mobility) != 0 || found.numbers != wanted.numbers ||
+          found.advantage.value != wanted.advantage.value)
+        fail_msg("after call %ld: mobility %d, numbers %.17g; expected %d, %.17g", n, found.mobility.mobility,
+                 found.numbers, wanted.mobility.mobility, wanted.numbers);
+    }
+    km_lever_free(lever);
+    fixture_close(&f);
+  }
+  return calls;
+}
+
+static void test_states(void **unused) {
+  (void)unused;
+  km_text json[3] = {{0}};
+  write_balls(&json[0], 20);
+  write_five_bars(&json[1], 60, 0.0);
+  write_ball_couplers(&json[2], 30);
+  long calls = 0;
+  for (int i = 0; i < 3; ++i) {
+    calls += failures_leave_no_trace(json[i].data);
+    km_text_free(&json[i]);
+  }
+  assert_true(calls > 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_mobility), cmocka_unit_test(test_advantage),  cmocka_unit_test(test_forces),
       cmocka_unit_test(test_check),    cmocka_unit_test(test_simulation), cmocka_unit_test(test_inverse),
       cmocka_unit_test(test_track),    cmocka_unit_test(test_poses),      cmocka_unit_test(test_robots),
-      cmocka_unit_test(test_designs),  cmocka_unit_test(test_written),
+      cmocka_unit_test(test_designs),  cmocka_unit_test(test_written),    cmocka_unit_test(test_states),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

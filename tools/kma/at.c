@@ -69,11 +69,16 @@ static km_status describe(const options *o, const kt_pose *pose, const ends *e, 
   km_status status = km_lever_create(pose->mechanism, &e->input, &e->output, &lever, error);
   if (status)
     return status;
-  km_mobility_update(pose->mechanism, pose->state, &mobility);
-  km_lever_update(pose->mechanism, pose->state, lever, &advantage);
-  tell_branches(o, pose, lever);
+  status = km_mobility_update(pose->mechanism, pose->state, &mobility);
+  if (!status)
+    status = km_lever_update(pose->mechanism, pose->state, lever, &advantage);
+  if (status)
+    km_fail(error, status, "out of memory for the leverage");
+  else
+    tell_branches(o, pose, lever);
   km_lever_free(lever);
-  status = transmission_at(pose, e, &transmission, error);
+  if (!status)
+    status = transmission_at(pose, e, &transmission, error);
   if (!status)
     status = losses_at(pose, e, &losses, error);
   if (status)

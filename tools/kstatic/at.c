@@ -48,8 +48,8 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   kt_exit result = kt_ask(&o->request.common, o->request.model, &o->asked, pose, &question);
   if (result == KT_DONE) {
     km_statics *statics = km_question_balance(question);
-    km_mobility_update(pose->mechanism, pose->state, &mobility);
-    if (km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics) == KM_MEMORY)
+    if (km_mobility_update(pose->mechanism, pose->state, &mobility) ||
+        km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics) == KM_MEMORY)
       result = KT_NO_MEMORY;
   }
   if (result == KT_DONE) {

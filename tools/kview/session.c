@@ -26,8 +26,7 @@ static void drop(compiled *c) {
 
 static km_status follow(const compiled *c, km_mobility *mobility) {
   km_poses_update(c->mechanism, c->state);
-  km_mobility_update(c->mechanism, c->state, mobility);
-  return KM_OK;
+  return km_mobility_update(c->mechanism, c->state, mobility);
 }
 
 /* Compiles with holds; q: where to start from, NULL: the model's own pose. */

@@ -79,7 +79,11 @@ km_status kv_diagnose(const kv_call *call, km_error *error) {
   km_mobility mobility;
   if (!status) {
     km_poses_update(s->mechanism, s->probe);
-    km_mobility_update(s->mechanism, s->probe, &mobility);
+    status = km_mobility_update(s->mechanism, s->probe, &mobility);
+    if (status)
+      km_fail(error, status, "out of memory for the mobility");
+  }
+  if (!status) {
     status = km_redundancies_find(s->mechanism, s->probe, kv_limit_goes_on, &limit, &redundancies, error);
   }
   if (!status)
@@ -198,8 +202,9 @@ km_status kv_lever(const kv_call *call, km_error *error) {
     ends[k].name = km_model_coordinate_label(s->model, coordinate);
   }
   km_status status = km_lever_create(s->mechanism, &ends[0], &ends[1], &lever, error);
+  if (!status && km_lever_update(s->mechanism, s->state, lever, &advantage) == KM_MEMORY)
+    status = km_fail(error, KM_MEMORY, "out of memory for the leverage");
   if (!status) {
-    km_lever_update(s->mechanism, s->state, lever, &advantage);
     km_text_format(&call->answer->bytes, "{\"kind\":\"lever\",\"request\":%u,\"state\":\"%s\",\"unit\":", call->request,
                    km_advantage_state_name(advantage.state));
     kv_add_string(&call->answer->bytes, km_advantage_unit(s->model, &ends[0], &ends[1]));

@@ -101,7 +101,7 @@ class State:
         model, out, closed = self.mechanism.model, ffi.new("km_mobility *"), new_error()
         with model._reading(), self._using():
             check(lib.km_assemble(self.mechanism._c, self._c, ffi.NULL, closed), closed)
-            lib.km_mobility_update(self.mechanism._c, self._c, out)
+            check(lib.km_mobility_update(self.mechanism._c, self._c, out), closed)
             found = {label: lib.km_mobility_number(self._c, c) for c, label in enumerate(model.coordinates)}
         return Mobility(out.mobility, out.kutzbach, out.kutzbach_extended, out.redundant_constraints, out.residual, found)
 

@@ -64,8 +64,9 @@ KM_API void km_lever_free(km_lever *lever);
 /* At the state's pose, whose mobility is up to date. One freedom: MA = q̇_i / q̇_k = (D_k/D_i) Z_i / Z_k; more:
  * MA = (D_k/D_i) m_i / (Z_k Z_iᵀ), the substructures that the input lies in moving, the others standing (theory 5; of
  * points: rows of the point's Jacobian). Rates below 3e-8 of the largest, each over its substructure's size, count as
- * 0. Never allocates. O(coordinates · freedoms). */
-KM_API void km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
+ * 0. KM_USAGE: a pointer is missing, or the mobility isn't known; KM_MEMORY: the mobility is to be found again. `*out` is undefined then.
+ * O(coordinates · freedoms). */
+KM_API km_status km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
 /* Where several motions meet at the state's pose (a branch point), the advantages in each of them: their number, at
  * most `most`; 0 at a regular pose. The state stays. */
 KM_API int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out,

@@ -28,8 +28,9 @@ typedef struct km_mobility {
 
 /* Searches pivots afresh at the state's pose, which must be closed, and computes every mobility number
  * m_j = Σ_k Z_jk² (278)-(279), Z the orthonormal basis of D·range(N). O(rows · columns · rank) a
- * substructure. */
-KM_API void km_mobility_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
+ * substructure. KM_USAGE: a pointer is missing, or the state is another mechanism's; KM_MEMORY: the mobility isn't known, and all is found
+ * anew by the next call. `*out` is then all 0 with a residual of NaN. */
+KM_API km_status km_mobility_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
 /* How many kinematic substructures there are. */
 KM_API int km_substructure_count(const km_mechanism *mechanism);
