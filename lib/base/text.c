@@ -9,6 +9,23 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The bytes that a control character or a mark of direction takes at the begin of a text, and its code; 0: something else stands there. */
+static size_t control_at(const unsigned char *c, size_t size, unsigned *code) {
+  *code = c[0];
+  if (c[0] < 0x20 || c[0] == 0x7F)
+    return c[0] != '\n' && c[0] != '\t';
+  if (size >= 2 && (c[0] & 0xE0) == 0xC0) {
+    *code = (c[0] & 0x1Fu) << 6 | (c[1] & 0x3Fu);
+    return (*code >= 0x80 && *code <= 0x9F) || *code == 0x61C ? 2 : 0;
+  }
+  if (size < 3 || c[0] != 0xE2)
+    return 0;
+  *code = 0x2000u | (c[1] & 0x3Fu) << 6 | (c[2] & 0x3Fu);
+  bool turns = (*code >= 0x200E && *code <= 0x200F) || (*code >= 0x202A && *code <= 0x202E) ||
+               (*code >= 0x2066 && *code <= 0x2069);
+  return turns ? 3 : 0;
+}
+
 static bool grow(km_text *text, size_t more) {
   void *data = text->data;
   if (text->failed || !km_reserve(&data, &text->capacity, text->size + more + 1, 1)) {
@@ -26,6 +43,23 @@ const char *km_text_keep(km_text *text, km_arena *arena) {
   arena->failed = arena->failed || text->failed;
   km_text_free(text);
   return kept ? kept : "";
+}
+
+void km_text_visible(km_text *text, const char *bytes, size_t size) {
+  if (!text || !bytes)
+    return;
+  size_t from = 0;
+  for (size_t i = 0; i < size;) {
+    unsigned code;
+    size_t length = control_at((const unsigned char *)bytes + i, size - i, &code);
+    if (length) {
+      km_text_bytes(text, bytes + from, i - from);
+      km_text_format(text, "\\u%04x", code);
+      from = i + length;
+    }
+    i += length ? length : 1;
+  }
+  km_text_bytes(text, bytes + from, size - from);
 }
 
 void km_text_free(km_text *text) {

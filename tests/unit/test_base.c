@@ -1,6 +1,8 @@
 /* Base services: numbers as text, names, records, JSON, tables, CSV. */
 #include "support/support.h"
 
+#include "report/document/escape.h"
+
 #include "base/memory.h"
 #include "base/names.h"
 #include "base/table.h"
@@ -205,8 +207,35 @@ static void messages_stop_at_twenty_errors(void **state) {
   km_messages_free(messages);
 }
 
+/* Controls, also those of two and three bytes, are shown; line ends, tabs, letters of any script and bytes that are no UTF-8 stay. */
+static void controls_are_shown(void **state) {
+  (void)state;
+  static const char *const texts[][2] = {{"", ""},
+                                         {"a\tb\n", "a\tb\n"},
+                                         {"\033[2J\a\r\177", "\\u001b[2J\\u0007\\u000d\\u007f"},
+                                         {"\302\233x\302\240", "\\u009bx\302\240"},
+                                         {"\342\200\256ab\342\201\251\330\234", "\\u202eab\\u2069\\u061c"},
+                                         {"\342\200\231 \303\251 \346\227\245", "\342\200\231 \303\251 \346\227\245"},
+                                         {"\342\200", "\342\200"},
+                                         {"\377", "\377"}};
+  for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
+    km_text shown = {0}, page = {0};
+    km_text_visible(&shown, texts[i][0], strlen(texts[i][0]));
+    assert_string_equal(shown.data ? shown.data : "", texts[i][1]);
+    km_html_escape(texts[i][0], &page);
+    assert_string_equal(page.data ? page.data : "", texts[i][1]);
+    km_text_free(&shown);
+    km_text_free(&page);
+  }
+  km_text page = {0};
+  km_html_escape("<a\033&\"b>", &page);
+  assert_string_equal(page.data, "&lt;a\\u001b&amp;&quot;b&gt;");
+  km_text_free(&page);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(controls_are_shown),
       cmocka_unit_test(numbers_are_shortest_and_exact),
       cmocka_unit_test(names_keep_their_scopes),
       cmocka_unit_test(json_comes_back),

@@ -198,6 +198,15 @@ void kt_folder_of(const char *path, char *out, size_t size) {
 }
 
 kt_exit kt_print(const kt_common *common, const km_text *text) {
+  km_text shown = {0};
+  km_text_visible(&shown, text->data ? text->data : "", text->size);
+  shown.failed = shown.failed || text->failed;
+  kt_exit printed = kt_print_bytes(common, &shown);
+  km_text_free(&shown);
+  return printed;
+}
+
+kt_exit kt_print_bytes(const kt_common *common, const km_text *text) {
   km_error error;
   km_status status = km_file_write("-", text, &error);
   if (status) {

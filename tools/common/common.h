@@ -169,7 +169,9 @@ void kt_note_size(const kt_common *common, double numbers);
 /* Whether a file may be written under this name: it is new, or --force is given; says so if not. Pipes and devices may
  * always be written. */
 bool kt_may_write(const kt_common *common, const char *path);
-/* Writes text to the standard output. */
+/* Writes text for people, or JSON, to the standard output; controls in names are shown (km_text_visible). */
 kt_exit kt_print(const kt_common *common, const km_text *text);
+/* Writes a file's bytes as they are. */
+kt_exit kt_print_bytes(const kt_common *common, const km_text *text);
 
 #endif

@@ -42,7 +42,8 @@ static void say(const kt_common *common, const style *how, const char *format, v
   add(out, tool, how->tool_colour);
   km_text_add(out, " ");
   add(out, how->word, how->word_colour);
-  km_text_format(out, "%s\n", text);
+  km_text_visible(out, text, strlen(text));
+  km_text_add(out, "\n");
   if (line.failed)
     fprintf(stderr, "%s %s%s\n", tool, how->word, text);
   else if (!common->log)

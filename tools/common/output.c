@@ -5,6 +5,7 @@
 
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng", "dxf"};
 
@@ -70,7 +71,7 @@ bool kt_is_piped(const char *base) {
 kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
                  const km_text *bytes) {
   if (kt_is_piped(base))
-    return kt_print(common, bytes);
+    return isatty(STDOUT_FILENO) ? kt_print(common, bytes) : kt_print_bytes(common, bytes);
   km_text path = {0};
   km_text_format(&path, "%s.%s.%s", base, result, format);
   kt_exit written = path.failed ? KT_NO_MEMORY : kt_write_file(common, path.data, bytes);

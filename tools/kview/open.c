@@ -6,6 +6,7 @@
 #include "kmech/path_study.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,15 +15,40 @@ typedef struct options {
   kt_common common;
   const char *model, *port, *study;
   bool no_browser, stay;
+  char page[4096]; /* a file that leads the browser to the address; "": none */
 } options;
 
+/* The address holds the session's token, and every user sees the arguments of a process: the browser gets the name of a file that only this
+ * user can read, and which leads on. */
+static bool write_page(options *o, const char *address) {
+  static const char ending[] = ".html";
+  const char *folder = getenv("XDG_RUNTIME_DIR");
+  if (!folder || access(folder, W_OK) != 0)
+    folder = getenv("TMPDIR");
+  snprintf(o->page, sizeof o->page, "%.4000s/kview.XXXXXX%s", folder && *folder ? folder : "/tmp", ending);
+  int descriptor = mkstemps(o->page, (int)strlen(ending));
+  FILE *file = descriptor >= 0 ? fdopen(descriptor, "w") : NULL;
+  if (!file) {
+    if (descriptor >= 0) {
+      close(descriptor);
+      unlink(o->page);
+    }
+    o->page[0] = '\0';
+    return false;
+  }
+  fprintf(file,
+          "<!doctype html><meta charset=utf-8><title>kview</title><meta http-equiv=refresh content=\"0;url=%s\">\n",
+          address);
+  return fclose(file) == 0;
+}
+
 /* By a grandchild, which nobody has to wait for. */
-static void open_browser(const char *address) {
+static void open_browser(const char *page) {
   pid_t child = fork();
   if (child == 0) {
     if (fork() == 0) {
       if (freopen("/dev/null", "w", stdout) && freopen("/dev/null", "w", stderr))
-        execlp("xdg-open", "xdg-open", address, (char *)NULL);
+        execlp("xdg-open", "xdg-open", page, (char *)NULL);
       _exit(127);
     }
     _exit(0);
@@ -32,11 +58,11 @@ static void open_browser(const char *address) {
 }
 
 static void ready(void *context, const char *address) {
-  const options *o = context;
+  options *o = context;
   printf("%s\n", address);
   fflush(stdout);
-  if (!o->no_browser)
-    open_browser(address);
+  if (!o->no_browser && write_page(o, address))
+    open_browser(o->page);
 }
 
 static bool read_port(const options *o, int *port) {
@@ -120,5 +146,7 @@ kt_exit kview_open(int argc, char **argv) {
     kt_say(&o.common, KM_ERROR, "%s", error.text);
     result = KT_USAGE;
   }
+  if (o.page[0])
+    unlink(o.page);
   return result;
 }

@@ -26,6 +26,9 @@ KM_API km_status km_text_give(km_text *text, km_bytes *out, km_error *error);
 KM_API void km_text_bytes(km_text *text, const void *bytes, size_t size);
 KM_API void km_text_add(km_text *text, const char *string);
 KM_API void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* Bytes of UTF-8 in which control characters and those that turn the direction of writing are written as \u001b: a terminal or a page then
+ * shows them and doesn't obey them. Line feeds and tabs stay. */
+KM_API void km_text_visible(km_text *text, const char *bytes, size_t size);
 /* Bytes in base64 (RFC 4648), with padding. */
 KM_API void km_text_base64(km_text *text, const void *bytes, size_t size);
 /* The shortest decimal text of a `value` that reads back to the same double, in the C locale whatever the process's locale is; inf,
