@@ -3,6 +3,8 @@
 #include "base/check.h"
 #include "kmech/sweep_plan.h"
 
+#include <string.h>
+
 static const double default_span = 10.0; /* seconds */
 enum { DEFAULT_ROWS = 200 };
 
@@ -34,6 +36,43 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
   return km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 
+/* Of stated rates, those that the loops change by more than this part of the largest one are told. */
+static const double least_change = 1e-9;
+
+/* Lists the stated rates that the start doesn't have; `stated`: as they were before the loops were kept. */
+static void list_changed_rates(const km_history_writer *w, const double *stated) {
+  const km_mechanism *m = w->m;
+  km_history *h = w->out;
+  double largest = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    largest = fmax(largest, m->scale[c] * fmax(fabs(stated[c]), fabs(w->state->rate[c])));
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    km_rate_source source = w->state->source[c];
+    if (source == KM_RATE_FOLLOWS || w->dynamics->driven[c] ||
+        !(m->scale[c] * fabs(w->state->rate[c] - stated[c]) > least_change * largest))
+      continue;
+    double factor = km_model_coordinate_factor(m->model, c);
+    h->changed_rates[h->changed_rate_count++] =
+        (km_changed_rate){c, stated[c] / factor, w->state->rate[c] / factor, source == KM_RATE_MODEL};
+  }
+}
+
+/* Rates that keep the loops, the stated ones among them. */
+static km_status start_rates(km_history_writer *w, km_error *error) {
+  size_t count = (size_t)w->m->coordinate_count;
+  double *stated = KM_NEW(double, count + 1);
+  w->out->changed_rates = KM_NEW(km_changed_rate, count + 1);
+  km_status status = stated && w->out->changed_rates ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the rates");
+  if (!status) {
+    memcpy(stated, w->state->rate, count * sizeof *stated);
+    status = km_dynamics_project_rates(w->dynamics, w->state, &w->out->rate_change, error);
+  }
+  if (!status)
+    list_changed_rates(w, stated);
+  km_free(stated);
+  return status;
+}
+
 static km_status begin(km_history_writer *w, const km_history_def *def, km_error *error) {
   km_simulation_def simulation = def->simulation;
   simulation.end = def->until;
@@ -42,7 +81,9 @@ static km_status begin(km_history_writer *w, const km_history_def *def, km_error
   if (!status)
     status = km_rubbing_create(w->dynamics, &w->rubbing, error);
   if (!status)
-    status = km_dynamics_project_rates(w->dynamics, w->state, &w->out->rate_change, error);
+    status = start_rates(w, error);
+  if (!status)
+    status = km_history_watch_limits(w, &simulation, error);
   if (!status)
     status = km_simulation_create(w->dynamics, w->state, &simulation, &w->simulation, error);
   if (!status)
@@ -71,12 +112,15 @@ static km_status go_on(km_history_writer *w, const km_history_def *def, km_error
 
 static km_status take_crossings(km_history_writer *w, km_status status, km_error *error) {
   km_history *h = w->out;
-  h->crossing_count = km_simulation_crossing_count(w->simulation);
-  h->crossings = KM_NEW(km_crossing_met, (size_t)h->crossing_count + 1);
+  int count = km_simulation_crossing_count(w->simulation);
+  h->crossings = KM_NEW(km_crossing_met, (size_t)count + 1);
   if (!h->crossings)
     return km_fail(error, KM_MEMORY, "out of memory for the crossings");
-  for (int i = 0; i < h->crossing_count; ++i)
-    h->crossings[i] = km_simulation_crossing(w->simulation, i);
+  for (int i = 0; i < count; ++i) {
+    km_crossing_met met = km_simulation_crossing(w->simulation, i);
+    if (!km_limits_crossed(&w->limits, &met))
+      h->crossings[h->crossing_count++] = met;
+  }
   return status;
 }
 
@@ -111,5 +155,8 @@ void km_history_free(km_history *h) {
   km_table_free(h->table);
   km_free(h->crossings);
   km_free(h->exceeded);
+  km_free(h->limits);
+  km_free(h->peaks);
+  km_free(h->changed_rates);
   *h = (km_history){0};
 }

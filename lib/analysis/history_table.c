@@ -262,12 +262,22 @@ static void hand_over_exceeded(km_history_writer *w) {
       h->exceeded[h->exceeded_count++] = w->watched[i];
 }
 
+km_status km_history_watch_limits(km_history_writer *w, km_simulation_def *simulation, km_error *error) {
+  km_status status = km_limits_watch(&w->limits, w->m, w->forces, simulation, error);
+  if (!status && simulation) {
+    simulation->crossings = w->limits.crossings;
+    simulation->crossing_count = w->limits.crossing_count;
+  }
+  return status;
+}
+
 km_status km_history_row(km_history_writer *w, km_error *error) {
   double *out = km_table_add_row(w->out->table);
   if (!out)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
   *out++ = w->state->time;
   watch_drives(w);
+  km_limits_row(&w->limits, w->state);
   out = write_coordinates(w, out);
   out = write_figures(w, out);
   if (w->shaking)
@@ -338,6 +348,7 @@ km_status km_history_end(km_history_writer *w, km_status status, const km_error 
     km_fail(error, status, "%s", why->text);
   }
   hand_over_exceeded(w);
+  km_limits_hand_over(&w->limits, w->out);
   km_statics_free(&w->statics);
   km_state_free(w->look);
   km_simulation_free(w->simulation);

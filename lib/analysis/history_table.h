@@ -2,6 +2,7 @@
 #ifndef KM_ANALYSIS_HISTORY_TABLE_H
 #define KM_ANALYSIS_HISTORY_TABLE_H
 
+#include "analysis/history_limits.h"
 #include "analysis/rubbing.h"
 #include "kmech/history.h"
 
@@ -21,9 +22,13 @@ typedef struct km_history_writer {
   double potential;     /* at the start */
   km_exceeded *watched; /* [watched_count] drives that have a bound, and the most that was asked of them */
   int watched_count;
+  km_limit_watch limits;
   km_history *out;
 } km_history_writer;
 
+/* Begins to watch the limits that no stop guards; `simulation` (NULL: nothing is integrated) then has their crossings beside
+ * its own. KM_MEMORY. */
+km_status km_history_watch_limits(km_history_writer *writer, km_simulation_def *simulation, km_error *error);
 /* Makes what reactions and mobility numbers need, and the table with its columns, and takes the energies at the state
  * for those of the start. KM_MEMORY. */
 km_status km_history_begin(km_history_writer *writer, km_error *error);

@@ -1,7 +1,7 @@
 /* Inverse dynamics: rows of a motion that is prescribed as a whole. */
 #include "kmech/inverse.h"
 
-#include "analysis/history_table.h"
+#include "analysis/inverse_peaks.h"
 #include "base/check.h"
 
 /* Steps of the time between two rows, at most: dependent coordinates are predicted by their rates. */
@@ -54,6 +54,8 @@ static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error
     status = km_dynamics_accelerate(w->dynamics, s, error);
   if (!status)
     status = no_freedom_left(w, error);
+  if (!status)
+    status = km_history_watch_limits(w, NULL, error);
   if (!status)
     status = km_history_begin(w, error);
   return status ? status : km_history_row(w, error);
@@ -143,5 +145,9 @@ km_status km_inverse_run(const km_mechanism *m, km_forces *forces, km_state *sta
   status = begin(&w, def, &own);
   if (!status)
     status = go_on(&w, def, &own);
+  if (out->table && km_table_rows(out->table) > 0) {
+    km_status found = km_inverse_find_peaks(&w, go_to, status ? NULL : &own);
+    status = status ? status : found;
+  }
   return km_history_end(&w, status, &own, error);
 }

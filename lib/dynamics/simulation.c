@@ -7,6 +7,8 @@
 
 /* Errors of steps add up: a step may have this part of the error that is asked for. */
 static const double share = 0.05;
+/* A step's relative error: 45 roundings of a double. With less allowed, rounding decides which steps are made. */
+static const double least_step_error = 1e-14;
 
 km_simulation_def km_simulation_default(void) {
   return (km_simulation_def){.relative = 1e-7, .absolute = 1e-7, .end = HUGE_VAL};
@@ -129,7 +131,7 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
   if (!run)
     return km_fail(error, KM_MEMORY, "out of memory for the run");
   *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stop = HUGE_VAL, .due_time = HUGE_VAL};
-  run->def.relative *= share;
+  run->def.relative = fmax(share * def->relative, least_step_error);
   run->def.absolute *= share;
   status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
   if (!status) {
@@ -258,6 +260,7 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .dissipated = run->at[run->work_start],
                                  .motor_work = run->at[run->work_start + 1],
                                  .rest_energy = km_simulation_rest_energy(run),
+                                 .relative = run->def.relative / share,
                                  .stiff = run->choice.method == KM_BDF};
 }
 

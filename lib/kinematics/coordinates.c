@@ -77,9 +77,11 @@ double km_state_acceleration(const km_state *s, int coordinate) {
 
 km_status km_state_set_rate(const km_mechanism *m, km_state *s, int coordinate, double rate, km_error *error) {
   km_status status = check_setting(m, s, coordinate, "rate ", rate, error);
-  if (!status)
-    s->rate[coordinate] = rate * km_model_coordinate_factor(m->model, coordinate);
-  return status;
+  if (status)
+    return status;
+  s->rate[coordinate] = rate * km_model_coordinate_factor(m->model, coordinate);
+  s->source[coordinate] = KM_RATE_CALLER;
+  return KM_OK;
 }
 
 double km_state_time(const km_state *s) {

@@ -18,8 +18,12 @@ static double excess(const km_mechanism *m, int c, const double *q) {
                                       : 0.0;
 }
 
+double km_state_excess(const km_state *s, int coordinate) {
+  return excess(s->mechanism, coordinate, &s->q[coordinate]);
+}
+
 bool km_state_is_outside(const km_state *s, int coordinate) {
-  return excess(s->mechanism, coordinate, &s->q[coordinate]) != 0.0;
+  return km_state_excess(s, coordinate) != 0.0;
 }
 
 int km_state_outside(const km_state *s, const km_substructure *sub) {

@@ -18,6 +18,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   size_t columns = (size_t)m->largest_columns;
   s->q = KM_ARENA_NEW(arena, double, coordinates);
   s->rate = KM_ARENA_NEW(arena, double, coordinates);
+  s->source = KM_ARENA_NEW(arena, km_rate_source, coordinates);
   s->acceleration = KM_ARENA_NEW(arena, double, coordinates);
   s->ball = KM_ARENA_NEW(arena, km_quaternion, (size_t)m->ball_count);
   s->jacobian = KM_ARENA_NEW(arena, double, m->matrix_size);
@@ -120,6 +121,8 @@ void km_state_restart(km_state *s) {
   km_state_unlock(s);
   km_state_set(m, s, m->start);
   memcpy(s->rate, m->start_rate, (size_t)m->coordinate_count * sizeof *s->rate);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    s->source[c] = m->start_stated[c] ? KM_RATE_MODEL : KM_RATE_FOLLOWS;
   memset(s->acceleration, 0, (size_t)m->coordinate_count * sizeof *s->acceleration);
   s->time = 0.0;
 }
@@ -397,8 +400,10 @@ bool km_coordinate_turns(const km_mechanism *m, int c) {
 
 void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->q, from->q, (size_t)m->coordinate_count * sizeof *to->q);
-  for (int c = 0; c < m->coordinate_count; ++c)
+  for (int c = 0; c < m->coordinate_count; ++c) {
     to->rate[c] = m->held[c] ? 0.0 : from->rate[c];
+    to->source[c] = m->held[c] ? KM_RATE_FOLLOWS : from->source[c];
+  }
   to->time = from->time;
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
 }

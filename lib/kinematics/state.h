@@ -45,11 +45,19 @@ typedef struct km_shown {
   double tolerance;
 } km_shown;
 
+/* Who states a coordinate's rate. Of rates that contradict each other, those of the caller come before the model's. */
+typedef enum km_rate_source {
+  KM_RATE_FOLLOWS, /* nobody: it follows the others */
+  KM_RATE_MODEL,   /* the model's initial rate */
+  KM_RATE_CALLER   /* km_state_set_rate */
+} km_rate_source;
+
 struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
   double *q;               /* [coordinate] radians, or the model's length unit. A ball's: rotation vector, derived */
   double *rate;            /* [coordinate] per the model's time unit; a ball's: its angular velocity's components */
+  km_rate_source *source;  /* [coordinate] who states the rate */
   double *acceleration;    /* [coordinate] the rates' rates. By km_dynamics_accelerate */
   double time;             /* the model's time unit */
   km_quaternion *ball;     /* [ball] what a ball's coordinates really are. By km_state_move, km_state_set */
@@ -165,6 +173,9 @@ void km_state_difference(const km_state *state, const km_substructure *sub, cons
 /* How far a ball whose first coordinate is c, with the rotation vector q[3], is past the limit of its angle; negative:
  * within it, -infinity where there is none. */
 double km_state_over_turned(const km_mechanism *mechanism, int c, const double *q);
+/* How far the coordinate is above (> 0) or below (< 0) its limits; 0 within them, rounding included. Of a ball's first one
+ * the turn beyond the limit of its angle. */
+double km_state_excess(const km_state *state, int coordinate);
 /* Is the coordinate outside its limits, by more than rounding? */
 bool km_state_is_outside(const km_state *state, int coordinate);
 /* The coordinate of the substructure that is outside its limits; -1 none. */

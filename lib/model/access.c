@@ -175,6 +175,10 @@ void km_model_simulated(const km_model *model, double *span, double *step) {
     *step = model ? model->simulation.step : 0.0;
 }
 
+const char *km_model_integration_type(const km_model *model) {
+  return model ? model->simulation.integration_type : NULL;
+}
+
 bool km_model_remembers(const km_model *model) {
   for (int i = 0; model && i < model->module_count; ++i) {
     const km_model_module *module = &model->modules[i];

@@ -76,11 +76,15 @@ static bool grow_coordinates(km_builder *b, int freedom) {
 }
 
 static void add_coordinates(km_model *m, const km_joint_def *def, int joint) {
+  bool stated = false;
+  for (int k = 0; k < km_model_freedom(m, joint); ++k)
+    stated = stated || def->velocity[k] != 0.0;
   for (int k = 0; k < km_model_freedom(m, joint); ++k)
     m->coordinates[m->coordinate_count++] = (km_model_coordinate){.joint = joint,
                                                                   .index = k,
                                                                   .position = def->position[k],
                                                                   .rate = def->velocity[k],
+                                                                  .rate_stated = stated,
                                                                   .low = def->low[k],
                                                                   .high = def->high[k],
                                                                   .damping = def->damping[k],

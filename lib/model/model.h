@@ -84,6 +84,7 @@ typedef struct km_model_coordinate {
   int joint, index;
   bool is_strut; /* the length of a strut is |q|: where its ends have passed each other, q is negative */
   double position, rate, low, high, damping; /* in the file's units; no limit is ∓infinity */
+  bool rate_stated;                          /* else the rate at the start follows the others' */
   double max_rate, max_force;                /* of the drive; none is infinity */
   double armature, friction;                 /* of the drive's rotor; what resists every motion alike */
 } km_model_coordinate;
@@ -178,6 +179,7 @@ typedef struct km_model_sweep {
 /* Settings of a simulation; 0: not given. */
 typedef struct km_simulation_settings {
   double span, step, relative, absolute;
+  const char *integration_type; /* NULL: not given */
 } km_simulation_settings;
 
 /* Where the meshes of a model are. */

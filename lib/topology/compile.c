@@ -47,6 +47,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   m->held = KM_ARENA_NEW(arena, bool, coordinates);
   m->start = KM_ARENA_NEW(arena, double, coordinates);
   m->start_rate = KM_ARENA_NEW(arena, double, coordinates);
+  m->start_stated = KM_ARENA_NEW(arena, bool, coordinates);
   m->low = KM_ARENA_NEW(arena, double, coordinates);
   m->high = KM_ARENA_NEW(arena, double, coordinates);
   m->most_turn = KM_ARENA_NEW(arena, double, coordinates);
@@ -118,6 +119,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     m->factor[c] = factor;
     m->start[c] = factor * def->position;
     m->start_rate[c] = factor * def->rate;
+    m->start_stated[c] = def->rate_stated;
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
     double turn = def->index == 0 ? model->joints[def->joint].most_turn : 0.0;
@@ -135,6 +137,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
   for (int h = 0; h < hold_count; ++h) {
     m->held[holds[h].coordinate] = true;
     m->start_rate[holds[h].coordinate] = 0.0;
+    m->start_stated[holds[h].coordinate] = false;
     m->start[holds[h].coordinate] = holds[h].value * km_model_coordinate_factor(model, holds[h].coordinate);
   }
 }

@@ -134,6 +134,7 @@ struct km_mechanism {
   bool *held;           /* [coordinate] */
   double *start;        /* [coordinate] initial displacement: radians, or the model's length unit */
   double *start_rate;   /* [coordinate] initial rate, per time; 0 of held ones */
+  bool *start_stated;   /* [coordinate] the model states that rate; false of held ones */
   double *low, *high;   /* [coordinate] limits, the same units */
   double *most_turn;    /* [coordinate] limit of a ball's angle, at its first one; infinity: none */
   double *max_rate;     /* [coordinate] of the drive, the same units over the model's time unit; infinity: none */

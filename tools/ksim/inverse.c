@@ -9,7 +9,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 enum { MOST_RATES = 64, DEFAULT_STEPS = 360 };
 
@@ -34,24 +33,6 @@ typedef struct work {
   int shown_count;
 } work;
 
-/* "60rpm" or a number in the model's unit per time unit. */
-static bool read_rate(const km_model *model, int coordinate, const char *text, double *out) {
-  size_t length = strlen(text);
-  char number[64];
-  bool turns = length > 3 && strcmp(text + length - 3, "rpm") == 0;
-  if (turns && km_model_coordinate_is_length(model, coordinate))
-    return false;
-  if (length >= sizeof number)
-    return false;
-  snprintf(number, sizeof number, "%.*s", (int)(turns ? length - 3 : length), text);
-  if (!kt_number(number, out) || !isfinite(*out) || *out == 0.0)
-    return false;
-  const km_units units = km_model_units(model);
-  if (turns)
-    *out *= 2.0 * M_PI / units.angle->si / (60.0 / units.time->si);
-  return true;
-}
-
 static kt_exit read_rates(work *w) {
   const options *o = w->o;
   kt_exit result = KT_DONE;
@@ -68,7 +49,8 @@ static kt_exit read_rates(work *w) {
     for (int k = 0; k < w->def.rate_count && result == KT_DONE; ++k)
       if (w->rates[k].coordinate == rate->coordinate)
         result = kt_usage(&o->common, "--rate", o->rates.items[i], "one rate for each joint");
-    if (result == KT_DONE && !read_rate(w->pose.model, rate->coordinate, rest, &rate->rate))
+    if (result == KT_DONE &&
+        (!ksim_read_rate(w->pose.model, rate->coordinate, rest, &rate->rate) || rate->rate == 0.0))
       result = kt_usage(&o->common, "--rate", o->rates.items[i],
                         "a rate other than 0 in the model's unit per time unit, or of an angle in rpm");
     km_free(label.text);
@@ -117,43 +99,23 @@ static kt_exit prepare(work *w) {
   return result == KT_DONE ? ksim_forces(&o->common, o->model, &w->pose, &w->forces) : result;
 }
 
-/* The greatest of a column by size, and when. */
-static double largest(const km_table *table, size_t column, double *when) {
-  double most = 0.0;
-  for (size_t r = 0; r < km_table_rows(table); ++r) {
-    const double *row = km_table_row(table, r);
-    if (fabs(row[column]) > fabs(most)) {
-      most = row[column];
-      *when = row[0];
-    }
-  }
-  return most;
-}
-
 static void print_summary(const work *w, km_text *out) {
-  const km_table *table = w->history.table;
+  const km_history *h = &w->history;
+  const km_table *table = h->table;
   const char *time = km_model_units(w->pose.model).time->suffix;
-  km_span driven = km_table_span(table, "f.");
   size_t rows = km_table_rows(table);
   km_text_format(out, "%s: %.6g %s, %zu rows\n", w->o->model, km_table_row(table, rows - 1)[0], time, rows);
-  for (size_t i = 0; i < driven.count; ++i) {
-    double when = 0.0, most = largest(table, driven.first + i, &when), square = 0.0;
-    for (size_t r = 0; r < rows; ++r)
-      square += pow(km_table_row(table, r)[driven.first + i], 2.0);
-    km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n",
-                   km_table_name(table, driven.first + i) + 2, most, km_table_unit(table, driven.first + i), when, time,
-                   sqrt(square / (double)rows));
+  for (int i = 0; i < h->peak_count; ++i) {
+    const km_force_peak *peak = &h->peaks[i];
+    const char *unit = km_table_unit(table, peak->column);
+    if (peak->coordinate >= 0)
+      km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n",
+                     km_model_coordinate_label(w->pose.model, peak->coordinate), peak->value, unit, peak->time, time,
+                     peak->rms);
+    else
+      km_text_format(out, "  shaking force at most %.6g %s at %.6g %s, %.6g rms\n", peak->value, unit, peak->time, time,
+                     peak->rms);
   }
-  km_span shaking = km_table_span(table, "shaking.");
-  double force = 0.0, when = 0.0;
-  for (size_t r = 0; r < rows; ++r) {
-    const double *f = km_table_row(table, r) + shaking.first;
-    double size = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-    when = size > force ? km_table_row(table, r)[0] : when;
-    force = fmax(force, size);
-  }
-  km_text_format(out, "  shaking force at most %.6g %s at %.6g %s\n", force, km_table_unit(table, shaking.first), when,
-                 time);
 }
 
 static const km_value *record(const void *context, km_arena *arena) {
@@ -176,6 +138,7 @@ static kt_exit deliver(const work *w) {
   km_text summary = {0};
   print_summary(w, &summary);
   ksim_tell_drives(&o->common, o->model, &w->pose, &w->history);
+  kt_exit result = ksim_tell_limits(&o->common, o->model, &w->pose, &w->history);
   const ksim_delivery delivery = {.common = &o->common,
                                   .formats = &o->formats,
                                   .base = o->base ? o->base : w->name,
@@ -185,7 +148,7 @@ static kt_exit deliver(const work *w) {
                                   .record = record,
                                   .chart = chart,
                                   .context = w};
-  kt_exit result = ksim_deliver(&delivery);
+  result = kt_worse(result, ksim_deliver(&delivery));
   km_text_free(&summary);
   return result;
 }

@@ -24,6 +24,11 @@ kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const k
 /* Gravity, springs and the model's own loads. The caller frees `*out`. */
 kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out);
 
+/* "60rpm" or a number in the model's unit per time unit; false where it is neither. */
+bool ksim_read_rate(const km_model *model, int coordinate, const char *text, double *out);
+
+/* Warns of joints that pass limits where no stop acts; KT_PARTIAL where there are some. */
+kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 /* Warns of drives that went beyond their joints' bounds. */
 void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 
@@ -48,7 +53,7 @@ kt_exit ksim_read_formats(const kt_common *common, const char *format, const cha
 /* What `ksim run` is asked. */
 typedef struct ksim_options {
   kt_common common;
-  kt_texts holds, sets, events, stops, frames;
+  kt_texts holds, sets, rates, events, stops, frames;
   const char *model, *base, *format, *joints;
   const char *until, *every, *rtol, *atol, *max_step, *from;
   int integrator, stabilise, axes;
@@ -70,6 +75,11 @@ typedef struct ksim_work {
   int shown_count;
   char stopped_by[KM_ERROR_TEXT]; /* "": it went to the end */
 } ksim_work;
+
+/* Sets the rates of --rate. */
+kt_exit ksim_set_rates(ksim_work *work);
+/* Names stated initial rates that the motion doesn't start with; KT_PARTIAL where they contradict each other. */
+kt_exit ksim_tell_rates(const ksim_work *work);
 
 /* The pose, the rates and the time of --from's last row, where it is given. */
 kt_exit ksim_go_on(ksim_work *work);

@@ -7,6 +7,33 @@
 #include "kmech/units.h"
 
 #include <stdio.h>
+#include <string.h>
+
+/* Words of integration_type in files: ksim's own, those of the thesis, and MATLAB's for the same methods. */
+static const struct {
+  const char *word;
+  km_integrator integrator;
+} methods[] = {{"adams", KM_INTEGRATOR_ADAMS},
+               {"ode113", KM_INTEGRATOR_ADAMS},
+               {"ode113b", KM_INTEGRATOR_ADAMS},
+               {"bdf", KM_INTEGRATOR_BDF},
+               {"ode15s", KM_INTEGRATOR_BDF}};
+
+/* The method of --integrator, else of the model. */
+static km_integrator choose_integrator(const ksim_work *w) {
+  const ksim_options *o = w->options;
+  const char *stated = km_model_integration_type(w->pose.model);
+  if (o->integrator >= 0)
+    return (km_integrator)o->integrator;
+  for (size_t i = 0; stated && i < sizeof methods / sizeof *methods; ++i)
+    if (strcmp(stated, methods[i].word) == 0)
+      return methods[i].integrator;
+  if (stated)
+    kt_say(&o->common, KM_NOTE,
+           "%s: the model's integration_type \"%.80s\" isn't a method of ksim; adams is used, --integrator chooses another",
+           o->model, stated);
+  return KM_INTEGRATOR_ADAMS;
+}
 
 static kt_exit read_numbers(ksim_work *w) {
   const ksim_options *o = w->options;
@@ -24,7 +51,7 @@ static kt_exit read_numbers(ksim_work *w) {
       result, ksim_read_number(&o->common, "--atol", o->atol, "a positive number of at most 1e60", &sim->absolute));
   result = kt_worse(result, ksim_read_number(&o->common, "--max-step", o->max_step, "a positive time of at most 1e60",
                                              &sim->max_step));
-  sim->integrator = (km_integrator)o->integrator;
+  sim->integrator = choose_integrator(w);
   sim->stabilisation = (km_stabilisation)o->stabilise;
   if (sim->integrator == KM_INTEGRATOR_FIXED && !o->max_step && result == KT_DONE)
     return kt_usage(&o->common, "--integrator", "fixed", "--max-step, the length of its steps");
@@ -73,7 +100,9 @@ static kt_exit prepare(ksim_work *w) {
   w->def.reactions = o->reactions;
   w->def.axes = (km_axes)o->axes;
   w->def.mobility = o->mobility;
-  kt_exit result = ksim_go_on(w);
+  kt_exit result = ksim_set_rates(w);
+  if (result == KT_DONE)
+    result = ksim_go_on(w);
   if (result == KT_DONE)
     result = read_numbers(w);
   if (result == KT_DONE)
@@ -88,20 +117,21 @@ static kt_exit prepare(ksim_work *w) {
 }
 
 /* What the user should know beside the files. */
-static void tell(ksim_work *w, km_status status) {
+static kt_exit tell(ksim_work *w, km_status status) {
   const ksim_options *o = w->options;
   const km_history *h = &w->history;
   const km_model *model = w->pose.model;
   const char *unit = km_model_units(model).time->suffix;
-  if (h->rate_change > 1e-9)
-    kt_say(&o->common, KM_NOTE, "%s: the initial rates would open the loops; they are changed by %.3g of their size",
-           o->model, h->rate_change);
+  if (h->figures.relative > w->def.simulation.relative * (1.0 + 1e-9))
+    kt_say(&o->common, KM_NOTE, "%s: a relative error of %.3g is less than rounding allows; steps keep to %.3g", o->model,
+           w->def.simulation.relative, h->figures.relative);
   if (h->figures.stiff && w->def.simulation.integrator == KM_INTEGRATOR_ADAMS)
     kt_say(&o->common, KM_NOTE, "%s: the motion is stiff; --integrator bdf took over", o->model);
   kt_detail(&o->common,
             "%s: an evaluation solves for accelerations by about %.0f multiplications, a dense system takes %.0f",
             o->model, h->effort.multiplications, h->effort.dense);
   ksim_tell_drives(&o->common, o->model, &w->pose, h);
+  kt_exit result = kt_worse(ksim_tell_rates(w), ksim_tell_limits(&o->common, o->model, &w->pose, h));
   double time = h->table && km_table_rows(h->table) ? km_table_row(h->table, km_table_rows(h->table) - 1)[0] : 0.0;
   if (status == KM_PARTIAL)
     snprintf(w->stopped_by, sizeof w->stopped_by, "--stop at %.9g %s", time, unit);
@@ -109,6 +139,7 @@ static void tell(ksim_work *w, km_status status) {
     snprintf(w->stopped_by, sizeof w->stopped_by, "%.900s", h->why.text);
   if (status && status != KM_PARTIAL)
     kt_say(&o->common, KM_ERROR, "%s: the run ends at %.9g %s: %s", o->model, time, unit, h->why.text);
+  return result;
 }
 
 static void print_summary(const ksim_work *w, km_text *out) {
@@ -180,9 +211,9 @@ static kt_exit simulate(ksim_work *w) {
     kt_say(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
     return kt_exit_of(status);
   }
-  tell(w, status);
+  kt_exit told = tell(w, status);
   kt_exit result = status == KM_PARTIAL ? KT_DONE : kt_exit_of(status); /* the end that was asked for */
-  return kt_worse(result, deliver(w));
+  return kt_worse(kt_worse(result, told), deliver(w));
 }
 
 static kt_exit run(ksim_options *o) {
@@ -208,7 +239,7 @@ static kt_exit check(ksim_options *o) {
 }
 
 kt_exit ksim_run(int argc, char **argv) {
-  ksim_options o = {.common = KT_COMMON("ksim")};
+  ksim_options o = {.common = KT_COMMON("ksim"), .integrator = -1};
   kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
   const kt_option table[] = {
       {"until", 0, "T", "End, in the model's time unit (default: the model's, else 10 s)", KT_TEXT, &o.until,
@@ -218,6 +249,10 @@ kt_exit ksim_run(int argc, char **argv) {
       {"from", 0, "TABLE.csv", "Go on from the last row of a run's table: its pose, its rates and its time", KT_INPUT,
        &o.from, KT_ABOUT_MODEL},
       KT_SET(&o.sets, KT_SET_FIRST),
+      {"rate", 0, "JOINT=RATE",
+       "Rate at the start, instead of the model's: A=60rpm, or in the model's unit per time unit; joints without a stated "
+       "rate follow (repeatable)",
+       KT_TEXTS, &o.rates, KT_ABOUT_MODEL},
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_MODE(o.common),
       KT_POSE(o.common),
@@ -234,7 +269,7 @@ kt_exit ksim_run(int argc, char **argv) {
       {"atol", 0, "E", "Absolute error that they may add up to, of radians and characteristic lengths (the same)",
        KT_TEXT, &o.atol, KT_ABOUT_METHOD},
       {"max-step", 0, "DT", "Longest step; of --integrator fixed its length", KT_TEXT, &o.max_step, KT_ABOUT_METHOD},
-      {"integrator", 0, "NAME", "adams (default; changes to bdf where the motion is stiff), bdf or fixed",
+      {"integrator", 0, "NAME", "adams (changes to bdf where the motion is stiff), bdf or fixed (default: the model's, else adams)",
        KT_WORD("adams or bdf or fixed"), &o.integrator, KT_ABOUT_METHOD},
       {"stabilise", 0, "HOW", "How loops stay closed: project (default) or baumgarte", KT_WORD("project or baumgarte"),
        &o.stabilise, KT_ABOUT_METHOD},
@@ -249,8 +284,8 @@ kt_exit ksim_run(int argc, char **argv) {
   kt_options_read(
       &all,
       "The motion over time from the model's pose and initial rates, under gravity, loads, springs, dampers, motors, "
-      "controllers, stops, tyres and prescribed motions. Exit status 4 if the run can't go on; what was reached is "
-      "written."
+      "controllers, stops, tyres and prescribed motions. Exit status 1 if stated initial rates contradict each other or a "
+      "joint passes a limit where no stop acts, 4 if the run can't go on; what was reached is written."
       "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint; energy_kinetic, "
       "energy_potential (0 at the start), energy_dissipated, motor_work; loop_error (rms, over the loop's size), "
       "evaluations, repartitions; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz; m.JOINT. Rates of balls are angular "

@@ -7,6 +7,7 @@
 #include "kmech/value.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 kt_exit ksim_read_number(const kt_common *common, const char *option, const char *text, const char *expected,
@@ -14,6 +15,21 @@ kt_exit ksim_read_number(const kt_common *common, const char *option, const char
   if (!text)
     return KT_DONE;
   return kt_number(text, out) && isfinite(*out) && *out > 0.0 ? KT_DONE : kt_usage(common, option, text, expected);
+}
+
+bool ksim_read_rate(const km_model *model, int coordinate, const char *text, double *out) {
+  size_t length = strlen(text);
+  char number[64];
+  bool turns = length > 3 && strcmp(text + length - 3, "rpm") == 0;
+  if ((turns && km_model_coordinate_is_length(model, coordinate)) || length >= sizeof number)
+    return false;
+  snprintf(number, sizeof number, "%.*s", (int)(turns ? length - 3 : length), text);
+  if (!kt_number(number, out) || !isfinite(*out))
+    return false;
+  const km_units units = km_model_units(model);
+  if (turns)
+    *out *= 2.0 * M_PI / units.angle->si / (60.0 / units.time->si);
+  return true;
 }
 
 kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const kt_texts *texts,
@@ -59,6 +75,25 @@ void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *
            path, label, e->most, unit.data ? unit.data : "", e->time, time, e->bound);
     km_text_free(&unit);
   }
+}
+
+kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
+  const km_model *model = pose->model;
+  const char *time = km_model_units(model).time->suffix;
+  for (int i = 0; i < h->limit_count; ++i) {
+    const km_passed_limit *limit = &h->limits[i];
+    km_text by = {0};
+    const char *unit = km_model_coordinate_unit(model, limit->coordinate);
+    if (limit->beyond > 0.0)
+      km_text_format(&by, ", by up to %.6g %s", limit->beyond, unit);
+    kt_say(common, KM_WARNING,
+           "%s: joint \"%s\" passes its %s limit of %.6g %s at %.6g %s%s; no stop acts there: state a stop for the joint, "
+           "or widen its limits",
+           path, km_model_coordinate_label(model, limit->coordinate), limit->upper ? "upper" : "lower", limit->limit, unit,
+           limit->time, time, by.data ? by.data : "");
+    km_text_free(&by);
+  }
+  return h->limit_count > 0 ? KT_PARTIAL : KT_DONE;
 }
 
 kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,

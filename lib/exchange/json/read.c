@@ -113,7 +113,8 @@ static void read_simulation(km_reader *reader, const km_value *parameters, const
   km_place at = {place, "simulation", 0};
   reader->model->simulation = (km_simulation_settings){
       read_setting(reader, simulation, "time_span", &at), read_setting(reader, simulation, "time_step", &at),
-      read_setting(reader, simulation, "relative_error", &at), read_setting(reader, simulation, "absolute_error", &at)};
+      read_setting(reader, simulation, "relative_error", &at), read_setting(reader, simulation, "absolute_error", &at),
+      km_reader_string(simulation, "integration_type")};
 }
 
 static void read_parameters(km_reader *reader, const km_value *root) {

@@ -25,9 +25,11 @@ KM_API void km_dynamics_free(km_dynamics *dynamics);
 KM_API km_status km_dynamics_prescribe(km_dynamics *dynamics, int coordinate, double value, double rate,
                                        km_error *error);
 
-/* Makes the rates keep the closed loops with the least change of them, in the scaled coordinates D q (theory 4), with
- * prescribed coordinates at their rates. `change` (may be NULL): the length of the change, over that of the rates. The
- * state's loops are closed. KM_MODEL: a prescribed rate breaks a loop. O(n³) a substructure. */
+/* Makes the rates v keep the closed loops: min |D (v - v0)| subject to J v = 0 (D q: theory 4), with prescribed coordinates at
+ * their rates and v_k = v0_k for every stated rate, of km_state_set_rate and of the model; the other joints follow. Stated
+ * rates that contradict each other are met in least squares, the caller's before the model's. `change` (may be NULL): the
+ * length of the stated rates' change, over theirs. The state's loops are closed. KM_MODEL: a prescribed rate breaks a loop;
+ * KM_MEMORY. O(n³) a substructure. */
 KM_API km_status km_dynamics_project_rates(km_dynamics *dynamics, km_state *state, double *change, km_error *error);
 
 /* The accelerations at the state's pose, rates and time, into the state: M q̈ + Jᵀλ = Q, J q̈ = γ (133), by elimination

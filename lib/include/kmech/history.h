@@ -40,6 +40,32 @@ typedef struct km_exceeded {
   double time, bound; /* when; what the drive can give */
 } km_exceeded;
 
+/* A joint that passes a limit where no stop acts (`stop` of the model): where it does so first, and how far it goes. */
+typedef struct km_passed_limit {
+  int coordinate; /* which passes; of a ball's angle its first one */
+  bool upper;     /* the upper limit */
+  double limit;   /* the coordinate's unit */
+  double time;    /* when; of a run located between rows */
+  double beyond;  /* the furthest of all rows past its limits, the coordinate's unit */
+} km_passed_limit;
+
+/* A stated initial rate that the loops, or rates that come before it, don't allow. */
+typedef struct km_changed_rate {
+  int coordinate;       /* whose */
+  double stated, start; /* as stated; as the motion starts: the coordinate's unit over the time unit */
+  bool by_model;        /* stated by the model; else by km_state_set_rate, which comes before the model */
+} km_changed_rate;
+
+/* The largest force of a prescribed motion, located between rows too, and its root mean square over the motion's time. */
+typedef struct km_force_peak {
+  int coordinate; /* whose driving force; -1: the size of the shaking force */
+  size_t column;  /* its first one in the table, */
+  int parts;      /* of so many */
+  double value;   /* as in the table; largest by size */
+  double time;    /* when */
+  double rms;     /* sqrt(1/T ∫ f² dt) by the trapezoidal rule over the rows */
+} km_force_peak;
+
 /* What a simulation gave. */
 typedef struct km_history {
   km_table *table;               /* a row for each time */
@@ -48,7 +74,13 @@ typedef struct km_history {
   int crossing_count;
   km_exceeded *exceeded; /* by coordinate; motors, controllers and prescribed motions are drives */
   int exceeded_count;
-  double rate_change;  /* share of the initial rates that had to change so that the loops stay closed */
+  km_passed_limit *limits; /* by coordinate */
+  int limit_count;
+  km_changed_rate *changed_rates; /* by coordinate; empty where the stated initial rates agree */
+  int changed_rate_count;
+  km_force_peak *peaks; /* of km_inverse_run: of every driving force, then of the shaking force */
+  int peak_count;
+  double rate_change;  /* share of the stated initial rates that had to change so that the loops stay closed */
   double worst_loop;   /* largest rms loop error of a row, scaled (235) */
   double energy_error; /* largest change of kinetic + potential + dissipated − motor work, force × length */
   double energy_scale; /* largest kinetic energy: what it is compared with */

@@ -69,7 +69,8 @@ KM_API km_status km_state_set_coordinate(const km_mechanism *mechanism, km_state
                                          km_error *error);
 
 /* Each `rate` of coordinates in the model's units per time unit, and accelerations; those of a ball joint are the components
- * of its angular velocity along its parent frame's axes. NaN: there is no such coordinate. */
+ * of its angular velocity along its parent frame's axes. NaN: there is no such coordinate. A rate that is set is stated: the
+ * start of a motion keeps it, and joints without a stated rate follow (km_dynamics_project_rates). */
 KM_API double km_state_rate(const km_state *state, int coordinate);
 KM_API double km_state_acceleration(const km_state *state, int coordinate);
 KM_API km_status km_state_set_rate(const km_mechanism *mechanism, km_state *state, int coordinate, double rate,

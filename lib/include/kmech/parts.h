@@ -36,6 +36,8 @@ KM_API const char *km_model_first_friction(const km_model *model);
 /* What the model states of its simulation (model_parameters.simulation), in its time unit: the `*span` of it, and the `*step`
  * between rows; 0: it doesn't. Each place may be NULL. */
 KM_API void km_model_simulated(const km_model *model, double *span, double *step);
+/* The integration method that the model states (integration_type), borrowed; NULL: it states none. */
+KM_API const char *km_model_integration_type(const km_model *model);
 
 /* Has it controllers with integrals, or tyres, whose state isn't in coordinates and rates? */
 KM_API bool km_model_remembers(const km_model *model);

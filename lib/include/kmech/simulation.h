@@ -35,7 +35,8 @@ typedef struct km_simulation_def {
   km_stabilisation stabilisation; /* how loops stay closed */
   /* The error to stay near; a step may have a twentieth of it. Of coordinates in radians and characteristic lengths, of
    * rates in those per second; of works the relative one goes by the largest kinetic energy so far, and the absolute one by
-   * the energy that everything has at a radian and a characteristic length per second. 1e-7 each. */
+   * the energy that everything has at a radian and a characteristic length per second. 1e-7 each; a
+   * relative one below 2e-13 counts as that, since rounding allows no less. */
   double relative, absolute;
   double max_step;              /* 0: none; of KM_INTEGRATOR_FIXED: the step */
   double end;                   /* no step goes past it; infinity: none */
@@ -71,6 +72,7 @@ typedef struct km_simulation_figures {
   double dissipated, motor_work; /* force × length, since the start: taken by dampers, friction, stops, tyres; given by
                                   * motors, controllers, loads, prescribed motions, springs that act
                                   * elsewhere than where they measure */
+  double relative;               /* the relative error that the steps keep to: the definition's, at least 2e-13 */
   double rest_energy;            /* kinetic energy of rates as small as the absolute error allowed */
   bool stiff;                    /* the last steps were BDF's */
 } km_simulation_figures;

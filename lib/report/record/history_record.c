@@ -29,6 +29,41 @@ static void add_exceeded(const km_model *model, const km_history *h, km_value *r
   }
 }
 
+static void add_limits(const km_model *model, const km_history *h, km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "limits_passed", KM_LIST);
+  for (int i = 0; i < h->limit_count && !arena->failed; ++i) {
+    const km_passed_limit *limit = &h->limits[i];
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_string(arena, item, "joint", km_model_coordinate_label(model, limit->coordinate));
+    km_value_number(arena, item, "limit", limit->limit);
+    km_value_number(arena, item, "t", limit->time);
+    km_value_number(arena, item, "beyond", limit->beyond);
+  }
+}
+
+static void add_changed_rates(const km_model *model, const km_history *h, km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "changed_initial_rates", KM_LIST);
+  for (int i = 0; i < h->changed_rate_count && !arena->failed; ++i) {
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_string(arena, item, "joint", km_model_coordinate_label(model, h->changed_rates[i].coordinate));
+    km_value_number(arena, item, "stated", h->changed_rates[i].stated);
+    km_value_number(arena, item, "start", h->changed_rates[i].start);
+  }
+}
+
+static void add_peaks(const km_model *model, const km_history *h, km_value *record, km_arena *arena) {
+  km_value *list = km_value_add(arena, record, "largest_forces", KM_LIST);
+  for (int i = 0; i < h->peak_count && !arena->failed; ++i) {
+    const km_force_peak *peak = &h->peaks[i];
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_string(arena, item, "of",
+                    peak->coordinate < 0 ? "shaking" : km_model_coordinate_label(model, peak->coordinate));
+    km_value_number(arena, item, "value", peak->value);
+    km_value_number(arena, item, "t", peak->time);
+    km_value_number(arena, item, "rms", peak->rms);
+  }
+}
+
 const km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
                                   const char *stopped_by, const char *name, km_arena *arena) {
   if (!m || !def || !h || !stopped_by || !name || !arena)
@@ -43,8 +78,10 @@ const km_value *km_history_record(const km_mechanism *m, const km_history_def *d
   km_value_number(arena, record, "energy_error", h->energy_error);
   km_value_number(arena, record, "largest_kinetic_energy", h->energy_scale);
   km_value_number(arena, record, "initial_rate_change", h->rate_change);
+  add_changed_rates(m->model, h, record, arena);
   add_events(m->model, def, h, record, arena);
   add_exceeded(m->model, h, record, arena);
+  add_limits(m->model, h, record, arena);
   km_table_record(h->table, record, arena);
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);
@@ -58,6 +95,8 @@ const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, co
   km_value *record = km_record_head(m, "ksim inverse", name, arena);
   km_value_number(arena, record, "worst_loop_error", h->worst_loop);
   add_exceeded(m->model, h, record, arena);
+  add_limits(m->model, h, record, arena);
+  add_peaks(m->model, h, record, arena);
   km_table_record(h->table, record, arena);
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);
