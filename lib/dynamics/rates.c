@@ -109,7 +109,7 @@ static bool meet(fitting *f, km_rate_source source) {
   if (stated == 0 || left == 0)
     return true;
   rows = stated > left ? stated : left; /* GSL wants at least as many rows as columns: rows of 0 change nothing */
-  double *work = KM_NEW(double, rows * left + left * left + 2 * left + rows + count + count * left);
+  double *work = KM_NEW(double, rows *left + left * left + 2 * left + rows + count + count * left);
   if (!work)
     return false;
   double *v = work + rows * left, *sigma = v + left * left, *r = sigma + 2 * left, *a = r + rows, *kept = a + count;
@@ -136,7 +136,7 @@ static bool meet(fitting *f, km_rate_source source) {
 /* The nearest rates that keep the loops, then the stated ones among them. */
 static bool fit(fitting *f) {
   size_t count = (size_t)f->count;
-  double *a = KM_NEW(double, count * (count + 1) + 1);
+  double *a = KM_NEW(double, count *(count + 1) + 1);
   if (!a)
     return false;
   for (int i = 0; i < f->count; ++i)

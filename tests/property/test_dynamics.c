@@ -141,8 +141,7 @@ static void test_contradicting_rates(void **data) {
     assert_true(opening(&m) <= 1e-8 * (1.0 + scaled_size(mech, motion)));
     for (int c = 0; c < mech->coordinate_count; ++c)
       if (s->source[c] == KM_RATE_CALLER)
-        assert_near(mech->scale[c] * s->rate[c], mech->scale[c] * motion[c],
-                    1e-8 * (1.0 + scaled_size(mech, motion)));
+        assert_near(mech->scale[c] * s->rate[c], mech->scale[c] * motion[c], 1e-8 * (1.0 + scaled_size(mech, motion)));
     judged += change > 1e-3;
     free(motion);
     free(other);
@@ -156,9 +155,10 @@ int main(void) {
       claim_test(test_dalembert,
                  "Accelerations satisfy d'Alembert's principle by momenta along the motion, on 300 random mechanisms",
                  "central differences over 1e-5 err by 1e-10 times third derivatives, and by 1e-16/1e-5"),
-      claim_test(test_stated_rates,
-                 "Stated initial rates of a part of the joints are kept where a motion has them, on 300 random mechanisms",
-                 "pivots down to 1e-3 of the largest, squared"),
+      claim_test(
+          test_stated_rates,
+          "Stated initial rates of a part of the joints are kept where a motion has them, on 300 random mechanisms",
+          "pivots down to 1e-3 of the largest, squared"),
       cmocka_unit_test(test_contradicting_rates)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

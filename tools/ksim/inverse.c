@@ -49,8 +49,7 @@ static kt_exit read_rates(work *w) {
     for (int k = 0; k < w->def.rate_count && result == KT_DONE; ++k)
       if (w->rates[k].coordinate == rate->coordinate)
         result = kt_usage(&o->common, "--rate", o->rates.items[i], "one rate for each joint");
-    if (result == KT_DONE &&
-        (!ksim_read_rate(w->pose.model, rate->coordinate, rest, &rate->rate) || rate->rate == 0.0))
+    if (result == KT_DONE && (!ksim_read_rate(w->pose.model, rate->coordinate, rest, &rate->rate) || rate->rate == 0.0))
       result = kt_usage(&o->common, "--rate", o->rates.items[i],
                         "a rate other than 0 in the model's unit per time unit, or of an angle in rpm");
     km_free(label.text);

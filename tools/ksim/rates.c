@@ -70,18 +70,20 @@ kt_exit ksim_tell_rates(const ksim_work *w) {
   const char *names = list.data ? list.data : "";
   if (replaced)
     kt_say(&o->common, KM_NOTE,
-           "%s: --rate and prescribed motions come before initial rates of the model that contradict them: %s", o->model,
-           names);
-  else if (contradict && h->changed_rate_count > 1)
-    kt_say(&o->common, KM_WARNING,
-           "%s: stated initial rates contradict each other: %s; state rates that the loops allow, or leave out those of "
-           "joints that are to follow",
+           "%s: --rate and prescribed motions come before initial rates of the model that contradict them: %s",
            o->model, names);
+  else if (contradict && h->changed_rate_count > 1)
+    kt_say(
+        &o->common, KM_WARNING,
+        "%s: stated initial rates contradict each other: %s; state rates that the loops allow, or leave out those of "
+        "joints that are to follow",
+        o->model, names);
   else if (contradict)
     kt_say(&o->common, KM_WARNING, "%s: the loops don't allow a stated initial rate: %s", o->model, names);
   else
-    kt_say(&o->common, KM_NOTE, "%s: stated initial rates would open the loops; they are changed by %.3g of their size: %s",
-           o->model, h->rate_change, names);
+    kt_say(&o->common, KM_NOTE,
+           "%s: stated initial rates would open the loops; they are changed by %.3g of their size: %s", o->model,
+           h->rate_change, names);
   km_text_free(&list);
   return contradict ? KT_PARTIAL : KT_DONE;
 }

@@ -29,9 +29,10 @@ static km_integrator choose_integrator(const ksim_work *w) {
     if (strcmp(stated, methods[i].word) == 0)
       return methods[i].integrator;
   if (stated)
-    kt_say(&o->common, KM_NOTE,
-           "%s: the model's integration_type \"%.80s\" isn't a method of ksim; adams is used, --integrator chooses another",
-           o->model, stated);
+    kt_say(
+        &o->common, KM_NOTE,
+        "%s: the model's integration_type \"%.80s\" isn't a method of ksim; adams is used, --integrator chooses another",
+        o->model, stated);
   return KM_INTEGRATOR_ADAMS;
 }
 
@@ -123,8 +124,8 @@ static kt_exit tell(ksim_work *w, km_status status) {
   const km_model *model = w->pose.model;
   const char *unit = km_model_units(model).time->suffix;
   if (h->figures.relative > w->def.simulation.relative * (1.0 + 1e-9))
-    kt_say(&o->common, KM_NOTE, "%s: a relative error of %.3g is less than rounding allows; steps keep to %.3g", o->model,
-           w->def.simulation.relative, h->figures.relative);
+    kt_say(&o->common, KM_NOTE, "%s: a relative error of %.3g is less than rounding allows; steps keep to %.3g",
+           o->model, w->def.simulation.relative, h->figures.relative);
   if (h->figures.stiff && w->def.simulation.integrator == KM_INTEGRATOR_ADAMS)
     kt_say(&o->common, KM_NOTE, "%s: the motion is stiff; --integrator bdf took over", o->model);
   kt_detail(&o->common,
@@ -269,7 +270,8 @@ kt_exit ksim_run(int argc, char **argv) {
       {"atol", 0, "E", "Absolute error that they may add up to, of radians and characteristic lengths (the same)",
        KT_TEXT, &o.atol, KT_ABOUT_METHOD},
       {"max-step", 0, "DT", "Longest step; of --integrator fixed its length", KT_TEXT, &o.max_step, KT_ABOUT_METHOD},
-      {"integrator", 0, "NAME", "adams (changes to bdf where the motion is stiff), bdf or fixed (default: the model's, else adams)",
+      {"integrator", 0, "NAME",
+       "adams (changes to bdf where the motion is stiff), bdf or fixed (default: the model's, else adams)",
        KT_WORD("adams or bdf or fixed"), &o.integrator, KT_ABOUT_METHOD},
       {"stabilise", 0, "HOW", "How loops stay closed: project (default) or baumgarte", KT_WORD("project or baumgarte"),
        &o.stabilise, KT_ABOUT_METHOD},

@@ -86,11 +86,12 @@ kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pos
     const char *unit = km_model_coordinate_unit(model, limit->coordinate);
     if (limit->beyond > 0.0)
       km_text_format(&by, ", by up to %.6g %s", limit->beyond, unit);
-    kt_say(common, KM_WARNING,
-           "%s: joint \"%s\" passes its %s limit of %.6g %s at %.6g %s%s; no stop acts there: state a stop for the joint, "
-           "or widen its limits",
-           path, km_model_coordinate_label(model, limit->coordinate), limit->upper ? "upper" : "lower", limit->limit, unit,
-           limit->time, time, by.data ? by.data : "");
+    kt_say(
+        common, KM_WARNING,
+        "%s: joint \"%s\" passes its %s limit of %.6g %s at %.6g %s%s; no stop acts there: state a stop for the joint, "
+        "or widen its limits",
+        path, km_model_coordinate_label(model, limit->coordinate), limit->upper ? "upper" : "lower", limit->limit, unit,
+        limit->time, time, by.data ? by.data : "");
     km_text_free(&by);
   }
   return h->limit_count > 0 ? KT_PARTIAL : KT_DONE;

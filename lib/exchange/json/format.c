@@ -13,7 +13,9 @@ static const km_field units_fields[] = {
 static const km_object_format units_format = {"units", units_fields};
 
 static const km_field simulation_fields[] = {
-    {"integration_type", "Integration method: adams (also ode113) or bdf (also ode15s), unless ksim run --integrator says another. Other names are kept, with a note.", STRING},
+    {"integration_type",
+     "Integration method: adams (also ode113) or bdf (also ode15s), unless ksim run --integrator says another. Other names are kept, with a note.",
+     STRING},
     {"time_span", "Duration.", NUMBER, UNIT(.time = 1)},
     {"time_step", "Time between two rows of results.", NUMBER, UNIT(.time = 1)},
     {"relative_error", "Relative error allowed in a step.", NUMBER},

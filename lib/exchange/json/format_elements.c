@@ -126,7 +126,8 @@ static const km_field joint_fields[] = {
      "Where the assembly starts from, one value for each coordinate. The loops close with the least change of these "
      "values. In a drawn assembly it is the value that the drawn pose has.",
      SHAPE(COORDINATES), BY(COORDINATE), UNSTATED("0")},
-    {"initial_velocity", "Rate at the start of a simulation. A stated rate is kept; joints without one follow, with the least rates that keep the loops.",
+    {"initial_velocity",
+     "Rate at the start of a simulation. A stated rate is kept; joints without one follow, with the least rates that keep the loops.",
      SHAPE(COORDINATES), BY(COORDINATE), UNIT(.time = -1), UNSTATED("0")},
     {"damping", "Viscous damping in a simulation.", SHAPE(COORDINATES), BY(STIFFNESS), UNIT(.time = 1), UNSTATED("0")},
     {"friction", "Friction in the joint. kma and ksim count the coefficient; mobility and statics leave friction out.",

@@ -250,13 +250,13 @@ void km_read_coordinates(km_reader *reader, const km_value *value, const km_plac
   joint->first_coordinate = model->coordinate_count;
   model->coordinate_count += freedom;
   for (int k = 0; k < freedom; ++k)
-    model->coordinates[joint->first_coordinate + k] = (km_model_coordinate){
-        .joint = index,
-        .index = k,
-        .position = position[k],
-        .rate = rate[k],
-        .rate_stated = km_value_get(value, "initial_velocity") != NULL,
-        .damping = damping[k]};
+    model->coordinates[joint->first_coordinate + k] =
+        (km_model_coordinate){.joint = index,
+                              .index = k,
+                              .position = position[k],
+                              .rate = rate[k],
+                              .rate_stated = km_value_get(value, "initial_velocity") != NULL,
+                              .damping = damping[k]};
   read_limits(reader, value, freedom, place, joint, &model->coordinates[joint->first_coordinate]);
   read_drive(reader, value, freedom, place, &model->coordinates[joint->first_coordinate]);
 }

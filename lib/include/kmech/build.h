@@ -130,14 +130,14 @@ typedef enum km_motion_law {
 /* Arrays have an entry for each coordinate of the type. */
 typedef struct km_joint_def {
   const char *name;
-  km_assembly_id assembly;                                   /* none: as for bodies */
-  km_joint_type type;                                        /* which motion it allows */
-  km_frame_id parent, child;                                 /* X_child = X_parent · motion(q) */
-  double pitch;                                              /* of a screw: travel in one turn */
-  double position[KM_MAX_FREEDOM];                           /* at the start */
+  km_assembly_id assembly;         /* none: as for bodies */
+  km_joint_type type;              /* which motion it allows */
+  km_frame_id parent, child;       /* X_child = X_parent · motion(q) */
+  double pitch;                    /* of a screw: travel in one turn */
+  double position[KM_MAX_FREEDOM]; /* at the start */
   double velocity[KM_MAX_FREEDOM]; /* at the start; a joint with 0 in all of them follows the joints that state one */
-  double damping[KM_MAX_FREEDOM];                            /* force against a unit rate */
-  double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];          /* ∓infinity by default */
+  double damping[KM_MAX_FREEDOM];  /* force against a unit rate */
+  double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM]; /* ∓infinity by default */
   double most_turn; /* of a spherical joint: limit of the angle |q| of its rotation vector; 0: none */
   double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM]; /* of the drive; infinity by default */
   double armature[KM_MAX_FREEDOM];                            /* inertia of the drive's rotor, seen by the coordinate */
