@@ -3,6 +3,7 @@
 #include "analysis/question.h"
 
 #include "base/text.h"
+#include "kmech/parts.h"
 
 #include <math.h>
 
@@ -36,6 +37,12 @@ static bool take_end(const km_question *q, int option, km_handle *out) {
 
 static km_status prepare(km_question *q, km_error *error) {
   own *o = q->own;
+  for (int j = -1; (j = km_model_next_without_radius(q->m->model, j + 1)) >= 0;)
+    km_messages_add(
+        q->notes, KM_NOTE,
+        "joint %s has a coefficient of friction but no radius: it turns without friction, under a thrust along "
+        "its axis too",
+        q->m->model->joints[j].label);
   bool have_input = take_end(q, INPUT, &o->ends[0]), have_output = take_end(q, OUTPUT, &o->ends[1]);
   if (have_input && have_output)
     return KM_OK;

@@ -6,6 +6,7 @@
 #include "analysis/statements.h"
 #include "base/check.h"
 #include "kinematics/poses.h"
+#include "kmech/parts.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -271,15 +272,6 @@ static bool has_limits(const km_model *model, int joint) {
   return limited;
 }
 
-/* Does the joint move, and by no length? */
-static bool turns_alone(const km_model *model, int joint) {
-  const int first = model->joints[joint].first_coordinate, freedom = km_model_freedom(model, joint);
-  bool alone = freedom > 0;
-  for (int c = first; c < first + freedom; ++c)
-    alone = alone && !km_model_coordinate_is_length(model, c);
-  return alone;
-}
-
 /* A damper takes energy, a stop acts past limits, and surfaces slide at a distance from a hinge's axis. */
 static void check_laws(const km_model *model, km_findings *f) {
   for (int c = 0; c < model->coordinate_count; ++c)
@@ -292,7 +284,7 @@ static void check_laws(const km_model *model, km_findings *f) {
     if ((joint->stop.stiffness > 0.0 || joint->stop.damping > 0.0) && !has_limits(model, j))
       add(f, KM_FINDING_REMARK, "stop", "give the joint limits, or remove the stop",
           "joint %s has a stop but no limits, so the stop never acts", joint->label);
-    if (joint->friction.coefficient > 0.0 && joint->friction.radius == 0.0 && turns_alone(model, j))
+    if (km_model_next_without_radius(model, j) == j)
       add(f, KM_FINDING_REMARK, "friction", "give the radius at which its surfaces slide, or remove the coefficient",
           "joint %s has a coefficient of friction but no radius, so that it turns without friction", joint->label);
   }

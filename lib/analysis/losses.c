@@ -3,7 +3,7 @@
 
 #include "analysis/friction.h"
 #include "analysis/lever.h"
-#include "analysis/statics.h"
+#include "analysis/surfaces.h"
 #include "base/check.h"
 
 #include <string.h>
@@ -16,8 +16,10 @@ struct km_losses_work {
   km_lever *lever;
   km_forces *forces;
   km_statics statics;
-  int *rubbing;    /* [friction.count] coordinates that slide or turn with friction in this motion */
-  double *resists; /* [friction.count] the friction along +q for a normal force of 1 */
+  km_surface *surface; /* [surface_count] all that can rub */
+  int surface_count;
+  km_surface *rubbing; /* [friction.count] those that slide in this motion */
+  double *resists;     /* [friction.count] the friction along +q for a normal force of 1 */
   km_friction friction;
 };
 
@@ -28,14 +30,6 @@ bool km_model_has_friction(const km_model *model) {
     if (model->joints[j].friction.coefficient != 0.0)
       return true;
   return false;
-}
-
-/* Coordinates that friction can resist. */
-static int places(const km_mechanism *m) {
-  int count = 0;
-  for (int c = 0; c < m->coordinate_count; ++c)
-    count += !m->held[c] && m->model->joints[m->model->coordinates[c].joint].friction.coefficient != 0.0;
-  return count;
 }
 
 /* A load of 1 against the output: in its joint, or at its point. */
@@ -50,10 +44,13 @@ static km_status create(const km_mechanism *m, const km_handle *input, const km_
   if (!status)
     status =
         km_statics_create(m, &input->coordinate, input->kind == KM_HANDLE_JOINT, KM_AXES_FIXED, &w->statics, error);
-  int most = places(m);
-  w->rubbing = KM_ARENA_NEW(&w->arena, int, (size_t)most);
-  w->resists = KM_ARENA_NEW(&w->arena, double, (size_t)most);
-  if (!status && !km_friction_reserve(&w->friction, most, &w->arena))
+  size_t most = 2 * (size_t)m->coordinate_count;
+  w->surface = KM_ARENA_NEW(&w->arena, km_surface, most);
+  w->rubbing = KM_ARENA_NEW(&w->arena, km_surface, most);
+  w->resists = KM_ARENA_NEW(&w->arena, double, most);
+  if (!w->arena.failed)
+    w->surface_count = km_surfaces_list(m, w->surface);
+  if (!status && (w->arena.failed || !km_friction_reserve(&w->friction, w->surface_count, &w->arena)))
     status = km_fail(error, KM_MEMORY, "out of memory for the losses");
   if (!status)
     w->forces->spring_count = 0;
@@ -92,17 +89,23 @@ void km_losses_free(km_losses_work *w) {
 /* What rubs in the motion `rates`. */
 static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double *rates) {
   w->friction.count = 0;
-  for (int c = 0; c < m->coordinate_count; ++c) {
-    const km_model_coordinate *def = &m->model->coordinates[c];
-    const km_joint_friction *friction = &m->model->joints[def->joint].friction;
-    if (m->held[c] || friction->coefficient == 0.0 || fabs(rates[c]) <= 1e-12 * m->unit[c])
+  for (int i = 0; i < w->surface_count; ++i) {
+    int c = w->surface[i].coordinate;
+    if (fabs(rates[c]) <= 1e-12 * m->unit[c])
       continue;
-    double arm = km_slip_arm(m, c);
-    if (arm == 0.0)
-      continue;
-    w->resists[w->friction.count] = -friction->coefficient * arm * (arm * rates[c] / km_slip_speed(m, rates, c));
-    w->rubbing[w->friction.count++] = c;
+    double arm = km_slip_arm(m, c), coefficient = m->model->joints[m->model->coordinates[c].joint].friction.coefficient;
+    w->resists[w->friction.count] = -coefficient * arm * (arm * rates[c] / km_slip_speed(m, rates, c));
+    w->rubbing[w->friction.count++] = w->surface[i];
   }
+}
+
+/* What a thread's own friction adds to its load, for a normal force of 1: μ tan λ along the axis, with the sense of the rate. */
+static void add_own_friction(const km_mechanism *m, km_losses_work *w, int place) {
+  int c = w->rubbing[place].coordinate;
+  double *own = w->friction.B + 3 * (place * w->friction.count + place);
+  double along = -w->resists[place] / km_slip_arm(m, c) * km_thread_slope(m, c);
+  km_vec3 sum = km_vec3_axpy(along, km_surface_axis(&w->statics, c), km_vec3_make(own));
+  memcpy(own, (double[3]){sum.x, sum.y, sum.z}, 3 * sizeof *own);
 }
 
 /* Balances the load of 1 against the output, and friction from a normal force of 1 at one place (-1: none). Returns the
@@ -113,7 +116,7 @@ static double balance(const km_mechanism *m, km_state *s, km_losses_work *w, int
   if (output >= 0)
     w->forces->extra[output] = -1.0;
   if (place >= 0)
-    w->forces->extra[w->rubbing[place]] += w->resists[place];
+    w->forces->extra[w->rubbing[place].coordinate] += w->resists[place];
   km_statics_update(m, s, w->forces, &w->statics);
   return w->statics.held ? w->statics.actuator_forces[0] : nan("");
 }
@@ -142,7 +145,7 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
   km_friction *f = &w->friction;
   double ideal = balance(m, s, w, -1), alone = largest_reaction(m, &w->statics);
   for (int c = 0; c < f->count; ++c)
-    put(km_normal_force(m, &w->statics, w->rubbing[c]), rounded * alone, f->a + 3 * c);
+    put(km_surface_load(m, &w->statics, &w->rubbing[c]), rounded * alone, f->a + 3 * c);
   for (int k = 0; k < f->count && isfinite(ideal); ++k) {
     double force = balance(m, s, w, k);
     if (isnan(force))
@@ -150,9 +153,10 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
     f->w[k] = (force - ideal) / ideal;
     double least = rounded * (largest_reaction(m, &w->statics) + fabs(1.0 + f->w[k]) * alone);
     for (int c = 0; c < f->count; ++c) {
-      km_vec3 both = km_normal_force(m, &w->statics, w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
+      km_vec3 both = km_surface_load(m, &w->statics, &w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
       put(km_vec3_axpy(-1.0 - f->w[k], a, both), least, f->B + 3 * (c * f->count + k));
     }
+    add_own_friction(m, w, k);
   }
   return isfinite(ideal);
 }

@@ -1,7 +1,7 @@
 /* Friction by what presses joints' surfaces together, in a motion. */
 #include "analysis/rubbing.h"
 
-#include "analysis/statics.h"
+#include "analysis/surfaces.h"
 
 #include <string.h>
 
@@ -10,31 +10,22 @@ struct km_rubbing {
   km_dynamics *dynamics;
   km_statics statics;
   int count;
-  int *place;      /* [count] coordinates that rub */
-  double *driving; /* [coordinate] forces of prescribed motions; 0 elsewhere */
+  km_surface *surface; /* [count] by coordinate */
+  double *sum;         /* [coordinate] the friction along it, of all its surfaces */
+  double *driving;     /* [coordinate] forces of prescribed motions; 0 elsewhere */
 };
 
 /* Iterations, and the change at which they end, over the sum of all forces. */
 enum { MOST_ROUNDS = 100 };
 static const double settled = 1e-12;
 
-/* The distance from a coordinate's axis at which its surfaces slide; 0: it doesn't rub. */
-static double arm_of(const km_mechanism *m, int c) {
-  const km_model_coordinate *def = &m->model->coordinates[c];
-  const km_model_joint *joint = &m->model->joints[def->joint];
-  if (m->held[c] || !(joint->friction.coefficient > 0.0))
-    return 0.0;
-  return km_slip_arm(m, c);
-}
-
-/* The friction along a coordinate for a normal force of 1: its part of what acts against the way in which the surfaces slide. */
-static double resistance(const km_mechanism *m, const km_state *s, int c) {
+/* The friction that acts on a surface with a normal force of 1, along its way; against it is negative. */
+static double coefficient_of(const km_mechanism *m, const km_state *s, int c) {
   const km_joint_friction *friction = &m->model->joints[m->model->coordinates[c].joint].friction;
-  double arm = arm_of(m, c), speed = km_slip_speed(m, s->rate, c);
+  double speed = km_slip_speed(m, s->rate, c), arm = km_slip_arm(m, c);
   if (!(speed > 0.0))
     return 0.0;
-  double share = km_slip_share(speed, km_stiction_speed(m, friction));
-  return -friction->coefficient * arm * share * arm * s->rate[c] / speed;
+  return friction->coefficient * km_slip_share(speed, km_stiction_speed(m, friction)) * arm * s->rate[c] / speed;
 }
 
 /* What every joint carries at the present accelerations. */
@@ -46,6 +37,21 @@ static void find_reactions(km_rubbing *w, km_state *s) {
   km_statics_bear(d->mechanism, s, d->forces, w->driving, &w->statics);
 }
 
+/* The friction along every coordinate at the present reactions; false where a thread jams. */
+static bool sum_friction(km_rubbing *w, const km_state *s) {
+  const km_mechanism *m = w->dynamics->mechanism;
+  for (int i = 0; i < w->count; ++i) {
+    int c = w->surface[i].coordinate;
+    double friction = coefficient_of(m, s, c);
+    double normal = km_surface_normal(m, &w->statics, &w->surface[i], friction);
+    if (!isfinite(normal))
+      return false;
+    bool first = i == 0 || w->surface[i - 1].coordinate != c;
+    w->sum[c] = (first ? 0.0 : w->sum[c]) - friction * km_slip_arm(m, c) * normal;
+  }
+  return true;
+}
+
 static km_dynamics_outcome press(void *context, km_state *s) {
   km_rubbing *w = context;
   km_dynamics *d = w->dynamics;
@@ -53,11 +59,12 @@ static km_dynamics_outcome press(void *context, km_state *s) {
   for (int round = 0; round < MOST_ROUNDS; ++round) {
     double change = 0.0;
     find_reactions(w, s);
+    if (!sum_friction(w, s))
+      return KM_DYNAMICS_JAMMED;
     for (int i = 0; i < w->count; ++i) {
-      int c = w->place[i];
-      double force = resistance(d->mechanism, s, c) * km_vec3_norm(km_normal_force(d->mechanism, &w->statics, c));
-      change = fmax(change, fabs(force - pressed[c]) / arm_of(d->mechanism, c));
-      pressed[c] = force;
+      int c = w->surface[i].coordinate;
+      change = fmax(change, fabs(w->sum[c] - pressed[c]) / km_slip_arm(d->mechanism, c));
+      pressed[c] = w->sum[c];
     }
     if (change <= settled * d->forces->force_size)
       return KM_DYNAMICS_DONE;
@@ -71,14 +78,13 @@ static km_dynamics_outcome press(void *context, km_state *s) {
 static bool reserve(km_rubbing *w) {
   const km_mechanism *m = w->dynamics->mechanism;
   size_t n = (size_t)m->coordinate_count;
-  w->place = KM_ARENA_NEW(&w->arena, int, n);
+  w->surface = KM_ARENA_NEW(&w->arena, km_surface, 2 * n);
   w->driving = KM_ARENA_NEW(&w->arena, double, n);
+  w->sum = KM_ARENA_NEW(&w->arena, double, n);
   double *pressed = KM_ARENA_NEW(&w->arena, double, n);
   if (w->arena.failed)
     return false;
-  for (int c = 0; c < m->coordinate_count; ++c)
-    if (arm_of(m, c) > 0.0)
-      w->place[w->count++] = c;
+  w->count = km_surfaces_list(m, w->surface);
   w->dynamics->forces->moving->pressed = pressed;
   w->dynamics->press = press;
   w->dynamics->press_context = w;
@@ -87,7 +93,8 @@ static bool reserve(km_rubbing *w) {
 
 static bool rubs(const km_mechanism *m) {
   for (int c = 0; c < m->coordinate_count; ++c)
-    if (arm_of(m, c) > 0.0)
+    if (!m->held[c] && m->model->joints[m->model->coordinates[c].joint].friction.coefficient > 0.0 &&
+        km_slip_arm(m, c) > 0.0)
       return true;
   return false;
 }

@@ -165,13 +165,6 @@ void km_statics_leave_reactions(const km_mechanism *mechanism, km_statics *stati
 /* Reactions alone, for forces that are at hand as those of a motion, with `driving` [coordinate] of what is prescribed. */
 void km_statics_bear(const km_mechanism *mechanism, km_state *state, const km_forces *forces, const double *driving,
                      km_statics *statics);
-/* The force of a joint's last reaction across a coordinate's axis (KM_AXES_FIXED); of balls and screws all of it. */
-km_vec3 km_normal_force(const km_mechanism *mechanism, const km_statics *statics, int coordinate);
-/* The distance from a coordinate's axis at which its surfaces slide; 1 of a slide. */
-double km_slip_arm(const km_mechanism *mechanism, int coordinate);
-/* How fast the surfaces slide on which a coordinate's friction acts, at rates[coordinate]: those of a ball, of both slides of a planar
- * joint and of a cylindrical joint do so in one direction, which their coordinates share. */
-double km_slip_speed(const km_mechanism *mechanism, const double *rates, int coordinate);
 /* The part of it that finds the actuators' forces; f̄ and reactions stay as they were. */
 void km_statics_hold(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                      km_statics *statics);

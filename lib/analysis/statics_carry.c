@@ -245,36 +245,3 @@ void km_statics_mark(const km_mechanism *m, km_statics *st) {
     if (!w->carrying[i].large && w->carrying[i].degree > 0)
       km_stresses_mark(&w->carrying[i], w, st->reactions);
 }
-
-double km_slip_arm(const km_mechanism *m, int c) {
-  return km_model_coordinate_is_length(m->model, c) ? 1.0
-                                                    : m->model->joints[m->model->coordinates[c].joint].friction.radius;
-}
-
-double km_slip_speed(const km_mechanism *m, const double *rates, int c) {
-  const km_model_coordinate *def = &m->model->coordinates[c];
-  const int first = m->model->joints[def->joint].first_coordinate;
-  const km_joint_type type = m->model->joints[def->joint].type;
-  if (m->ball_of[c] >= 0)
-    return km_slip_arm(m, c) * km_vec3_norm(km_vec3_make(rates + m->ball_coordinate[m->ball_of[c]]));
-  if (type == KM_CYLINDRICAL || (type == KM_PLANAR && def->index < 2))
-    return hypot(km_slip_arm(m, first) * rates[first], km_slip_arm(m, first + 1) * rates[first + 1]);
-  return km_slip_arm(m, c) * fabs(rates[c]);
-}
-
-/* What presses the surfaces of a planar joint together: along its normal, about which its last coordinate turns. */
-static km_vec3 along_normal(const km_model *model, const km_statics *st, int joint) {
-  km_vec3 normal = st->work->twist[model->joints[joint].first_coordinate + 2].w;
-  return km_vec3_scale(km_vec3_dot(km_vec3_make(st->reactions[joint].force), normal), normal);
-}
-
-km_vec3 km_normal_force(const km_mechanism *m, const km_statics *st, int c) {
-  const km_twist *h = &st->work->twist[c];
-  km_vec3 force = km_vec3_make(st->reactions[m->model->coordinates[c].joint].force);
-  if (m->model->joints[m->model->coordinates[c].joint].type == KM_PLANAR)
-    return along_normal(m->model, st, m->model->coordinates[c].joint);
-  bool turns = km_vec3_norm(h->w) > 0.5;
-  km_vec3 axis = turns ? h->w : h->v;
-  bool all = m->ball_of[c] >= 0 || m->model->joints[m->model->coordinates[c].joint].type == KM_SCREW;
-  return all ? force : km_vec3_axpy(-km_vec3_dot(force, axis), axis, force);
-}

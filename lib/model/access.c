@@ -168,6 +168,22 @@ const char *km_model_first_friction(const km_model *m) {
   return NULL;
 }
 
+/* Does the joint move, and by no length? */
+static bool turns_alone(const km_model *model, int joint) {
+  const int first = model->joints[joint].first_coordinate, freedom = km_model_freedom(model, joint);
+  bool alone = freedom > 0;
+  for (int c = first; c < first + freedom; ++c)
+    alone = alone && !km_model_coordinate_is_length(model, c);
+  return alone;
+}
+
+int km_model_next_without_radius(const km_model *m, int from) {
+  for (int j = from < 0 ? 0 : from; m && j < m->joint_count; ++j)
+    if (m->joints[j].friction.coefficient > 0.0 && m->joints[j].friction.radius == 0.0 && turns_alone(m, j))
+      return j;
+  return -1;
+}
+
 void km_model_simulated(const km_model *model, double *span, double *step) {
   if (span)
     *span = model ? model->simulation.span : 0.0;

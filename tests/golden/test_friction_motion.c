@@ -155,12 +155,63 @@ static void test_drive(void **data) {
   fixture_close(&f);
 }
 
+/* A nut of mass m on a vertical thread, turned at a constant rate up and down: m g r tan(φ ± λ). */
+static void test_thread(void **data) {
+  (void)data;
+  static const double slopes[] = {0.05, 0.3, 1.0, 2.0};
+  for (int i = 0; i < 8; ++i) {
+    double r = 0.02, slope = slopes[i / 2], mu = 0.2, sense = i % 2 ? -1.0 : 1.0, phi = atan(mu), lambda = atan(slope);
+    char text[600];
+    snprintf(
+        text, sizeof text,
+        "{\"model_parameters\": {\"gravity\": [0, 0, -9.81]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+        "[{\"name\": \"b\", \"mass\": 4, \"moment_of_inertia\": {\"Izz\": 1}}], \"joints\": [{\"name\": \"S\", \"type\": "
+        "\"screw\", \"pitch\": %.17g, \"body_frame_pairs\": [\"fixed\", \"b\"], \"friction\": {\"coefficient\": %g, "
+        "\"radius\": %g}}]}]}",
+        2.0 * M_PI * r * slope, mu, r);
+    fixture f = fixture_read(text);
+    km_forces *forces;
+    km_history h;
+    const km_constant_rate rate = {0, 5.0 * sense};
+    const km_inverse_def def = {.rates = &rate, .rate_count = 1, .until = 1.0, .steps = 4};
+    assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+    assert_int_equal(km_inverse_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
+    assert_near(at_end(&h, "f.S"), 4.0 * 9.81 * r * tan(lambda + sense * phi), 1e-11);
+    km_history_free(&h);
+    km_forces_free(forces);
+    fixture_close(&f);
+  }
+}
+
+/* A turntable under its weight on a collar: μ m g r takes it from 1 rad/s to rest in J / (μ m g r) seconds. */
+static void test_collar(void **data) {
+  (void)data;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, 0, -9.81]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
+      "[{\"name\": \"b\", \"mass\": 100, \"moment_of_inertia\": {\"Izz\": 1}}], \"joints\": [{\"name\": \"A\", \"type\": "
+      "\"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1, \"friction\": {\"coefficient\": 0.1, "
+      "\"radius\": 0.05}}]}]}");
+  km_forces *forces;
+  km_history h;
+  km_history_def def = km_history_default(f.model);
+  def.until = 0.1;
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_history_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
+  assert_near(at_end(&h, "v.A"), 1.0 - 0.1 * 0.1 * 100.0 * 9.81 * 0.05, 1e-6);
+  km_history_free(&h);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       claim_test(test_incline, "A block on a slope slides with g (sin α − μ cos α), or sticks",
                  "the speed below which friction sticks, times the time"),
       claim_test(test_journal, "A pendulum on a journal with friction by its load, against its own equation",
                  "1e-7: steps of 1e-10 add up over the run"),
-      cmocka_unit_test(test_loop), cmocka_unit_test(test_drive)};
+      cmocka_unit_test(test_loop),
+      cmocka_unit_test(test_drive),
+      cmocka_unit_test(test_thread),
+      cmocka_unit_test(test_collar)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -95,7 +95,10 @@ static kt_exit prepare(work *w) {
     result = KT_NO_MEMORY;
   if (result == KT_DONE && o->joints)
     result = kt_coordinates(&o->common, w->pose.model, "--joints", o->joints, w->shown, &w->shown_count);
-  return result == KT_DONE ? ksim_forces(&o->common, o->model, &w->pose, &w->forces) : result;
+  if (result != KT_DONE)
+    return result;
+  ksim_tell_hinges(&o->common, o->model, w->pose.model);
+  return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
 }
 
 static void print_summary(const work *w, km_text *out) {

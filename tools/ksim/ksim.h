@@ -27,6 +27,8 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
 /* "60rpm" or a number in the model's unit per time unit; false where it is neither. */
 bool ksim_read_rate(const km_model *model, int coordinate, const char *text, double *out);
 
+/* Names joints that turn without friction, since theirs has no radius. */
+void ksim_tell_hinges(const kt_common *common, const char *path, const km_model *model);
 /* Warns of joints that pass limits where no stop acts; KT_PARTIAL where there are some. */
 kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 /* Warns of drives that went beyond their joints' bounds. */

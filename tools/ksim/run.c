@@ -114,6 +114,7 @@ static kt_exit prepare(ksim_work *w) {
     result = read_shown(w);
   if (result != KT_DONE)
     return result;
+  ksim_tell_hinges(&o->common, o->model, w->pose.model);
   return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
 }
 

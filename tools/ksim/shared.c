@@ -2,6 +2,7 @@
 #include "ksim/ksim.h"
 
 #include "kmech/memory.h"
+#include "kmech/parts.h"
 #include "kmech/records.h"
 #include "kmech/units.h"
 #include "kmech/value.h"
@@ -75,6 +76,15 @@ void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *
            path, label, e->most, unit.data ? unit.data : "", e->time, time, e->bound);
     km_text_free(&unit);
   }
+}
+
+void ksim_tell_hinges(const kt_common *common, const char *path, const km_model *model) {
+  for (int j = -1; (j = km_model_next_without_radius(model, j + 1)) >= 0;)
+    kt_say(
+        common, KM_NOTE,
+        "%s: joint %s has a coefficient of friction but no radius: it turns without friction, under a thrust along its "
+        "axis too",
+        path, km_model_joint_label(model, j));
 }
 
 kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {

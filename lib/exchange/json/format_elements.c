@@ -78,7 +78,9 @@ const km_object_format km_format_body = {"body", body_fields};
 
 static const km_field friction_fields[] = {
     {"coefficient", "Coefficient of friction.", NUMBER, UNSTATED("0")},
-    {"radius", "Radius at which the pin of a hinge slides.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
+    {"radius",
+     "Radius at which a hinge's journal and collar slide; mean radius of a screw's thread. Without it nothing rubs in a turn.",
+     NUMBER, UNIT(.length = 1), UNSTATED("0")},
     {"torque", "Constant friction: a torque of joints that turn, a force of slides. Counts in a simulation.",
      SHAPE(COORDINATES), BY(FORCE), UNSTATED("0")},
     {"stiction_velocity", "Sliding speed below which a simulation counts the joint as sticking.", NUMBER,

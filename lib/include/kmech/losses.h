@@ -30,8 +30,10 @@ KM_API km_status km_losses_create(const km_mechanism *mechanism, const km_handle
 KM_API void km_losses_free(km_losses_work *work);
 
 /* At the state's pose, whose mobility is up to date. Coulomb friction (`friction`: coefficient μ, radius r): a turning
- * coordinate resists with μ r N, a sliding one with μ N, N the force of its reaction across its axis (of ball joints
- * and screws: all of it); weights, loads and springs don't count. What is statically
+ * coordinate resists with μ r N, a sliding one with μ N, N the force of its reaction across its axis (of ball joints all of
+ * it). A hinge's thrust along its axis resists at the same radius, as on a collar. A screw's thread of mean radius r resists
+ * along its helix: F r tan(λ + φ) against the load, F r tan(λ − φ) with it, tan λ = pitch / (2π r), tan φ = μ. Weights, loads
+ * and springs don't count. What is statically
  * indeterminate counts as its least-norm part. N depends on friction: Newton's method, continued from no friction to
  * all of it. A lock is told where the load that a given input force moves passes through 0 on the way; where neither a
  * motion nor a lock is found, `why` says so. KM_USAGE: mobility isn't up to date, or the work belongs to another mechanism; KM_MEMORY. */

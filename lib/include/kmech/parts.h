@@ -33,6 +33,9 @@ KM_API bool km_model_joint_is_drawn(const km_model *model, int joint);
 
 /* The first joint or force module with friction, a coefficient or a constant one: its label or name, borrowed; NULL: there is none. */
 KM_API const char *km_model_first_friction(const km_model *model);
+/* The first joint from joint `from` on that turns and has a coefficient of friction but no radius, at which nothing rubs: neither
+ * a force across its axis nor a thrust along it is resisted. -1: there is none. */
+KM_API int km_model_next_without_radius(const km_model *model, int from);
 /* What the model states of its simulation (model_parameters.simulation), in its time unit: the `*span` of it, and the `*step`
  * between rows; 0: it doesn't. Each place may be NULL. */
 KM_API void km_model_simulated(const km_model *model, double *span, double *step);
