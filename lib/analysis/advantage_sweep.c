@@ -205,6 +205,8 @@ static void widen(km_advantage_sweep *out, double value, double s) {
     out->lowest = (km_peak){value, s};
   if (!(out->highest.value >= value))
     out->highest = (km_peak){value, s};
+  if (!(fabs(out->least.value) <= fabs(value)))
+    out->least = (km_peak){value, s};
 }
 
 /* Beside a pose of infinite advantage it has no bound: which way, the nearest rows tell. */
@@ -236,6 +238,8 @@ static void take_extremes(watch *w) {
   for (size_t i = 0; i < w->out->toggle_count; ++i)
     if (w->out->toggles[i].state == KM_ADVANTAGE_INFINITE)
       open_bounds(w->out, w->out->toggles[i].s);
+    else if (w->out->toggles[i].state == KM_ADVANTAGE_ZERO)
+      widen(w->out, 0.0, w->out->toggles[i].s);
 }
 
 static km_status check_job(const km_sweep_job *job, const km_handle *input, const km_handle *output) {
@@ -336,7 +340,7 @@ static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_s
 void km_advantage_sweep_open(km_sweep_job *job, const km_handle *input, const km_handle *output, bool transmission,
                              km_advantage_sweep *out) {
   const km_peak none = {nan(""), nan("")};
-  *out = (km_advantage_sweep){.motion = {.substructure = -1}, .lowest = none, .highest = none};
+  *out = (km_advantage_sweep){.motion = {.substructure = -1}, .lowest = none, .highest = none, .least = none};
   job->out = &out->motion;
   job->status = check_job(job, input, output);
   if (job->status)

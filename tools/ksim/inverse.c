@@ -110,10 +110,13 @@ static void print_summary(const work *w, km_text *out) {
   for (int i = 0; i < h->peak_count; ++i) {
     const km_force_peak *peak = &h->peaks[i];
     const char *unit = km_table_unit(table, peak->column);
-    if (peak->coordinate >= 0)
-      km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n",
-                     km_model_coordinate_label(w->pose.model, peak->coordinate), peak->value, unit, peak->time, time,
-                     peak->rms);
+    const char *label = km_model_coordinate_label(w->pose.model, peak->coordinate);
+    if (peak->coordinate >= 0 && peak->value < 0.0)
+      km_text_format(out, "  %s is driven by at most %.6g %s in size, %.6g at %.6g %s, %.6g rms\n", label, -peak->value,
+                     unit, peak->value, peak->time, time, peak->rms);
+    else if (peak->coordinate >= 0)
+      km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n", label, peak->value, unit,
+                     peak->time, time, peak->rms);
     else
       km_text_format(out, "  shaking force at most %.6g %s at %.6g %s, %.6g rms\n", peak->value, unit, peak->time, time,
                      peak->rms);

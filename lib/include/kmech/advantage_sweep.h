@@ -31,6 +31,7 @@ typedef struct km_advantage_sweep {
   size_t toggle_count;
   km_transmission last; /* of the last row, with why metrics are undefined there; if the transmission was asked for */
   km_peak lowest, highest; /* of the advantage, between the rows too; infinite beside a toggle */
+  km_peak least;           /* its value of the least size, between the rows too */
 } km_advantage_sweep;
 
 /* Sweeps as km_mobility_sweep_run does, and looks between the rows for toggles of the advantage (to 1e-9 of the

@@ -28,32 +28,47 @@ static const char *toggle_words(km_document_maker *k, const km_plotted_advantage
   return km_document_words(k, &text, "none in the range");
 }
 
-/* One end of the advantage's range, in a sentence. */
-static const char *bound_words(km_document_maker *k, const km_plotted_advantage *p, const km_peak *peak) {
-  return isinf(peak->value) ? km_document_format(k, "no bound (beside %.6g%s)", peak->s,
-                                                 km_sweep_unit(p->swept.mechanism, p->swept.plan))
-                            : peak_words(k, p, peak);
+/* "at 82 deg, 269.7 deg", of infinite toggles. */
+static const char *pole_words(km_document_maker *k, const km_plotted_advantage *p, int *count) {
+  enum { MOST = 6 };
+  km_text text = {0};
+  *count = 0;
+  for (size_t i = 0; i < p->sweep->toggle_count; ++i)
+    if (p->sweep->toggles[i].state == KM_ADVANTAGE_INFINITE && ++*count <= MOST)
+      km_text_format(&text, "%s%.6g%s", *count > 1 ? ", " : "", p->sweep->toggles[i].s,
+                     km_sweep_unit(p->swept.mechanism, p->swept.plan));
+  if (*count > MOST)
+    km_text_format(&text, " and %d more", *count - MOST);
+  return km_document_words(k, &text, "");
 }
 
 /* What the reader wants to know first. */
 static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
   const km_advantage_sweep *sweep = p->sweep;
-  const char *stroke = km_report_stroke(k, &p->swept);
+  const char *stroke = km_report_stroke(k, &p->swept), *in = sweep->input.name, *out = sweep->output.name;
+  int count;
+  const char *poles = pole_words(k, p, &count);
+  km_peak size = {fabs(sweep->least.value), sweep->least.s};
   if (isnan(sweep->lowest.s))
-    km_document_lead(k, km_document_format(k, "The mechanical advantage of %s over %s is nowhere finite %s.",
-                                           sweep->input.name, sweep->output.name, stroke));
+    km_document_lead(
+        k, km_document_format(k, "The mechanical advantage of %s over %s is nowhere finite %s.", in, out, stroke));
+  else if (count)
+    km_document_lead(k, km_document_format(k,
+                                           "The mechanical advantage of %s over %s has a size of at least %s and grows "
+                                           "without bound at the dead point%s at %s, %s.",
+                                           in, out, peak_words(k, p, &size), count > 1 ? "s" : "", poles, stroke));
   else
-    km_document_lead(k, km_document_format(k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s",
-                                           sweep->input.name, sweep->output.name, bound_words(k, p, &sweep->lowest),
-                                           bound_words(k, p, &sweep->highest), stroke,
-                                           sweep->toggle_count ? "Its dead points are listed below."
-                                                               : "It has no dead point there."));
+    km_document_lead(k, km_document_format(
+                            k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s", in, out,
+                            peak_words(k, p, &sweep->lowest), peak_words(k, p, &sweep->highest), stroke,
+                            sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
 }
 
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
   km_report_facts facts = {.rows = 0};
   km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
   km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
+  km_report_fact(&facts, "Least size", peak_words(k, p, &p->sweep->least));
   km_report_fact(&facts, "Dead points", toggle_words(k, p));
   km_report_motion(k, &p->swept, stopped_by, &facts);
   km_report_close_facts(k, &facts);

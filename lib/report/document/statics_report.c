@@ -32,9 +32,14 @@ static void add_lead(km_document_maker *k, const km_plotted_statics *p) {
     const km_force_event *largest = &p->sweep->largest[i];
     if (isnan(largest->s))
       continue;
-    km_text_format(&text, "%s%s holds at most %s %s, at %.6g%s", named++ ? "; " : "", label_of(p, i),
-                   km_report_number(k, largest->value), unit_of(k, p->swept.mechanism->model, &p->sweep->actuators[i]),
-                   largest->s, s_unit);
+    if (isinf(largest->value))
+      km_text_format(&text, "%s%s takes a force that grows without bound at %.6g%s", named++ ? "; " : "",
+                     label_of(p, i), largest->s, s_unit);
+    else
+      km_text_format(&text, "%s%s holds at most %s %s%s, at %.6g%s", named++ ? "; " : "", label_of(p, i),
+                     km_report_number(k, fabs(largest->value)),
+                     unit_of(k, p->swept.mechanism->model, &p->sweep->actuators[i]),
+                     largest->value < 0.0 ? " in size, against its positive sense" : "", largest->s, s_unit);
   }
   km_text_add(&text, ".");
   km_document_lead(k, km_document_words(k, &text, ""));

@@ -142,6 +142,47 @@ static void fill_panel(const km_sweep_picture *p, int panel, km_arena *arena, km
           p->sweep_count > 1 ? 1 + km_palette_compared(p->marks[i].sweep, p->sweep_count, p->ordered) : 0};
 }
 
+/* How far the poles reach that lie beside a line's pole and nearer to each other than a twentieth of the line: seen from away they act
+ * as one, and nothing between them can be read. 0 for a pole alone, or for none (NaN). */
+static double spread_of_poles(const km_sweep_picture *p, const km_swept_line *line, double pole, double whole) {
+  double low = pole, high = pole;
+  for (bool grows = !isnan(pole); grows;) {
+    grows = false;
+    for (size_t i = 0; i < p->break_count; ++i) {
+      const km_swept_break *b = &p->breaks[i];
+      bool outside = b->s < low || b->s > high, beside = b->s > low - 0.05 * whole && b->s < high + 0.05 * whole;
+      if (b->sweep != line->sweep || b->column != line->column || !outside || !beside)
+        continue;
+      low = fmin(low, b->s);
+      high = fmax(high, b->s);
+      grows = true;
+    }
+  }
+  return isnan(pole) ? 0.0 : high - low;
+}
+
+/* A stretch of a line between poles or ends. */
+typedef struct stretch {
+  size_t begin, end;
+  double left, right; /* poles; NaN: an end */
+  double near[2];     /* how near to them is on the way to them */
+  bool hidden;        /* between poles that act as one */
+} stretch;
+
+static stretch stretch_of(const km_sweep_picture *p, const km_swept_line *line, const km_plot_series *series,
+                          size_t begin, size_t end) {
+  const double *x = series->x;
+  double whole = x[series->count - 1] - x[0];
+  stretch out = {.begin = begin, .end = end};
+  out.left = begin > 0 ? pole_between(p, line, x[begin - 1], x[begin - 1]) : nan("");
+  out.right = end < series->count ? pole_between(p, line, x[end], x[end]) : nan("");
+  double from = isnan(out.left) ? x[begin] : out.left, to = isnan(out.right) ? x[end - 1] : out.right;
+  out.near[0] = 0.05 * (to - from) + spread_of_poles(p, line, out.left, whole);
+  out.near[1] = 0.05 * (to - from) + spread_of_poles(p, line, out.right, whole);
+  out.hidden = out.right - out.left < 0.05 * whole;
+  return out;
+}
+
 /* What of a line must be seen: everything but its last way to a pole, a twentieth of the stretch between poles or ends;
  * there only where it turns. Widens low … high; returns whether something is left out. */
 static bool widen_seen(const km_sweep_picture *p, const km_swept_line *line, const km_plot_series *series, double *low,
@@ -153,11 +194,10 @@ static bool widen_seen(const km_sweep_picture *p, const km_swept_line *line, con
       ++end;
     if (end == begin)
       continue;
-    double left = begin > 0 ? pole_between(p, line, x[begin - 1], x[begin - 1]) : nan("");
-    double right = end < series->count ? pole_between(p, line, x[end], x[end]) : nan("");
-    double from = isnan(left) ? x[begin] : left, to = isnan(right) ? x[end - 1] : right;
-    for (size_t k = begin; k < end; ++k) {
-      bool near = x[k] - left < 0.05 * (to - from) || right - x[k] < 0.05 * (to - from);
+    stretch of = stretch_of(p, line, series, begin, end);
+    cut = cut || of.hidden;
+    for (size_t k = begin; k < end && !of.hidden; ++k) {
+      bool near = x[k] - of.left < of.near[0] || of.right - x[k] < of.near[1];
       bool turns = k > begin && k + 1 < end && isfinite(y[k - 1]) && isfinite(y[k + 1]) &&
                    (y[k] - y[k - 1]) * (y[k + 1] - y[k]) < 0.0;
       cut = cut || (near && !turns);

@@ -126,6 +126,7 @@ km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sw
   }
   add_peak(record, "minimum", &sweep->lowest, arena);
   add_peak(record, "maximum", &sweep->highest, arena);
+  add_peak(record, "least_size", &sweep->least, arena);
   km_held_record(m, record, arena);
   km_sweep_record(&sweep->motion, stopped_by, record, arena);
   return arena->failed ? NULL : record;
@@ -147,23 +148,22 @@ static int count_poles(const km_advantage_sweep *sweep) {
   return count;
 }
 
-/* Its extremes as far as there are any, and where it grows without bound. */
+/* Its extremes, or where it grows without bound its least size. */
 static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_text *out) {
-  const km_peak *low = &sweep->lowest, *high = &sweep->highest;
-  bool bounded_low = isfinite(low->value), bounded_high = isfinite(high->value);
+  const km_peak *low = &sweep->lowest, *high = &sweep->highest, *least = &sweep->least;
   int poles = count_poles(sweep);
-  if (isnan(low->s))
+  if (isnan(low->s)) {
     km_text_add(out, " nowhere finite");
-  else if (bounded_low && bounded_high)
-    km_text_format(out, " from %.6g at %.6g%s to %.6g at %.6g%s", low->value, low->s, s_unit, high->value, high->s,
+  } else if (!poles) {
+    km_text_format(out, " from %.6g at %.6g%s to %.6g at %.6g%s\n", low->value, low->s, s_unit, high->value, high->s,
                    s_unit);
-  else if (bounded_low || bounded_high)
-    km_text_format(out, " %s %.6g at %.6g%s", bounded_low ? "at least" : "at most",
-                   bounded_low ? low->value : high->value, bounded_low ? low->s : high->s, s_unit);
-  if (poles && (isnan(low->s) || bounded_low || bounded_high))
-    km_text_add(out, ",");
+    return;
+  } else {
+    km_text_format(out, " its size is at least %.6g at %.6g%s and", fabs(least->value), least->s, s_unit);
+  }
   print_state(sweep, KM_ADVANTAGE_INFINITE,
-              poles > 1 ? " unbounded at the dead points at" : " unbounded at the dead point at", s_unit, out);
+              poles > 1 ? " grows without bound at the dead points at" : " grows without bound at the dead point at",
+              s_unit, out);
   km_text_add(out, poles ? "" : "\n");
 }
 

@@ -283,8 +283,10 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
     } else if (largest->value == 0.0) {
       km_text_add(out, " has nothing to hold");
     } else if (isfinite(largest->value)) {
-      km_text_format(out, " holds at most %.6g ", largest->value);
+      km_text_format(out, " holds at most %.6g ", fabs(largest->value));
       km_push_unit(m->model, actuator, out);
+      if (largest->value < 0.0)
+        km_text_format(out, " in size, %.6g", largest->value);
       km_text_format(out, " at %.6g%s", largest->s, unit);
     }
     print_events(sweep, i, KM_FORCE_UNBOUNDED, " is unbounded at", unit, out);
