@@ -162,5 +162,7 @@ void km_sweep_free(km_sweep *sweep) {
   km_table_free(sweep->between);
   km_free(sweep->branches);
   km_free(sweep->idle_coordinates);
+  km_free(sweep->causes[0]);
+  km_free(sweep->causes[1]);
   *sweep = (km_sweep){0};
 }

@@ -1,4 +1,5 @@
 /* Sweeps by one driven coordinate. */
+#include "analysis/stop_cause.h"
 #include "analysis/sweep_walk.h"
 #include "kinematics/loops.h"
 
@@ -36,6 +37,15 @@ static bool next(km_walk *w, double *target) {
   return false;
 }
 
+/* Why the driver came no further, of the start and of the end. */
+static void note_cause(const km_walk *w, const km_reach *reach) {
+  km_sweep *out = w->r->out;
+  char **cause = &out->causes[w->step > 0];
+  if (reach->stop != KM_STOP_TOGGLE || reach->substructure < 0 || out->freedom == 0 || *cause)
+    return;
+  *cause = km_stop_cause(w->r->m, w->r->s, reach->substructure, w->r->plan->coordinate);
+}
+
 /* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
 static void write_row(km_walk *w, km_reach reach) {
   km_sweeper *r = w->r;
@@ -54,6 +64,8 @@ static void write_row(km_walk *w, km_reach reach) {
         reach.position);
   else if (!again) /* the end may be where the last row stands already */
     status = km_sweeper_row(r, w->row++, reach.position, w->job->error);
+  if (!status)
+    note_cause(w, &reach);
   w->job->status = status;
 }
 

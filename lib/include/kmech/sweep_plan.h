@@ -55,6 +55,8 @@ typedef struct km_sweep {
   bool *idle_coordinates;    /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
   int start_branches;        /* motions that meet at the starting pose, where it is a branch point; else 0 */
   km_reach start, end;       /* how FROM and TO were reached */
+  char *causes[2];           /* of start and end at a dead point: the links that are in line, or the joints whose axes are
+                              * dependent; NULL: none, or it can't be told */
   km_branch_point *branches; /* where several motions meet; s is the driver's value, or the arc length */
   size_t branch_count, branch_capacity;
   double cycle; /* by arc length: length of the closed cycle, 0 if it wasn't closed */

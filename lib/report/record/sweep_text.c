@@ -64,7 +64,7 @@ static const char *limited(const km_model *model, int c) {
 }
 
 static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const km_reach *reach,
-                        km_text *out) {
+                        const char *cause, km_text *out) {
   if (reach->stop == KM_STOP_LIMIT) {
     km_text_format(out, "joint %s is at its limit", limited(m->model, reach->coordinate));
   } else if (reach->stop == KM_STOP_AWAY) {
@@ -75,7 +75,8 @@ static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const 
     km_text_add(out, " have no freedom");
     held_words(m, reach->substructure, out);
   } else {
-    km_text_format(out, "%s is at a dead point", m->model->coordinates[plan->coordinate].label);
+    km_text_format(out, "%s is at a dead point%s%s", m->model->coordinates[plan->coordinate].label, cause ? ": " : "",
+                   cause ? cause : "");
   }
 }
 
@@ -85,21 +86,21 @@ static void print_start(const km_mechanism *m, const km_sweep_plan *plan, const 
   km_text_format(
       out, reached ? "started at %.6g%s instead of %.6g: " : "stopped at %.6g%s, on the way to the range (%.6g): ",
       sweep->start.position, km_sweep_unit(m, plan), plan->from);
-  stop_reason(m, plan, sweep, &sweep->start, out);
+  stop_reason(m, plan, sweep, &sweep->start, sweep->causes[0], out);
 }
 
 static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
   if (plan->arclength <= 0.0) {
     km_text_format(out, "stopped at %.6g%s, before the end of the range (%.6g): ", sweep->end.position,
                    km_sweep_unit(m, plan), plan->to);
-    stop_reason(m, plan, sweep, &sweep->end, out);
+    stop_reason(m, plan, sweep, &sweep->end, sweep->causes[1], out);
     return;
   }
   km_text_format(out, "the motion ends at arc length %.6g: ", sweep->end.position);
   if (sweep->end.stop == KM_STOP_TOGGLE)
     km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
   else
-    stop_reason(m, plan, sweep, &sweep->end, out);
+    stop_reason(m, plan, sweep, &sweep->end, sweep->causes[1], out);
 }
 
 /* Was the motion one of this mechanism, by all that its end names? */
