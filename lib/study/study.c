@@ -134,6 +134,8 @@ static km_status bind_model(km_design_study *s, km_error *error) {
   km_error second;
   km_status status = read_text(s, error);
   if (!status)
+    status = km_design_check_bounds(s, error);
+  if (!status)
     status = km_patch_find(s, error);
   if (status)
     return status;

@@ -81,6 +81,10 @@ void km_design_values(const km_design_study *study, int design, double *values);
  * which may have an order, one of each of so many pieces. */
 int km_design_drawn(const km_design_study *study, int k, int count);
 
+/* bounds.c: are all designs within the bounds that the model states for its parameters (of a normal distribution its mean)?
+ * KM_USAGE where they aren't, KM_MEMORY. */
+km_status km_design_check_bounds(const km_design_study *study, km_error *error);
+
 /* patch.c: finds where the parameters go, by reading the model with other values of each and comparing, and tries the
  * answer on several designs at once. KM_MEMORY, KM_MODEL. */
 km_status km_patch_find(km_design_study *study, km_error *error);

@@ -91,8 +91,8 @@ static const km_field analysis_fields[] = {
 const km_object_format km_format_analysis = {"analysis", analysis_fields};
 
 static const km_field parameter_fields[] = {{"value", "The number, or an expression.", NUMBER, REQUIRED},
-                                            {"low", "Least value, for studies.", NUMBER},
-                                            {"high", "Greatest value, for studies.", NUMBER},
+                                            {"low", "Least value. A study of designs keeps to it.", NUMBER},
+                                            {"high", "Greatest value. A study of designs keeps to it.", NUMBER},
                                             {"note", "What it is, for people.", STRING},
                                             {0}};
 const km_object_format km_format_parameter = {"parameter", parameter_fields};
