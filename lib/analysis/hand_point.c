@@ -416,7 +416,7 @@ km_status km_hand_pull_point(km_hand *h, const km_hand_grip *grip, double most, 
   if (status)
     return status;
   double left = look(&p), gone = most;
-  for (int i = 0; i < MOST_STEPS && left > arrived && gone > 0.0; ++i) {
+  for (int i = 0; i < MOST_STEPS && left > arrived && gone > settled; ++i) {
     double length = step(&p, gone);
     if (length <= 0.0) {
       out->stop = h->blocking >= 0 ? KM_HAND_LIMIT : KM_HAND_NEAREST;

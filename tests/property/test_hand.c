@@ -113,6 +113,32 @@ static void points_keep_the_loops(void **state) {
   }
 }
 
+/* Where a pull says that no motion brings the point any nearer, pulling again doesn't bring it nearer by more than a step that
+ * counts as none, but for slow convergence to the nearest point; and a pull that has used up its way doesn't say so. */
+static void nearest_points_are_nearest(void **state) {
+  (void)state;
+  int judged = 0;
+  for (const char *const *name = models; *name; ++name) {
+    held h = take_hold(*name);
+    randomness r = {11};
+    for (int i = 0; i < 25; ++i) {
+      km_hand_move move = {0}, again;
+      km_error error;
+      km_hand_grip grip = grip_of(&h.f, &r);
+      aim(&h.f, &grip, &r, i % 3 ? 0.3 : 2.0);
+      for (int k = 0; k < 400 && move.stop == KM_HAND_FREE && !move.there; ++k)
+        assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.35, &move, &error), KM_OK);
+      if (move.stop != KM_HAND_NEAREST || move.there)
+        continue;
+      assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.35, &again, &error), KM_OK);
+      assert_true(again.left >= move.left - 1e-4 * h.f.mechanism->length);
+      judged++;
+    }
+    let_go(&h);
+  }
+  assert_true(judged > 50);
+}
+
 /* A target that the mechanism has reached another way is reached, and the point is there. */
 static void reachable_points_are_reached(void **state) {
   (void)state;
@@ -293,7 +319,7 @@ static void misuse_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(points_keep_the_loops),      cmocka_unit_test(reachable_points_are_reached),
+      cmocka_unit_test(nearest_points_are_nearest), cmocka_unit_test(points_keep_the_loops),      cmocka_unit_test(reachable_points_are_reached),
       cmocka_unit_test(joints_end_where_drives_do), cmocka_unit_test(toggles_stop_softly),
       cmocka_unit_test(limits_are_named),           cmocka_unit_test(misuse_is_refused),
       cmocka_unit_test(balls_keep_their_limit),
