@@ -16,18 +16,28 @@ typedef struct journey {
   km_state *state;
 } journey;
 
-/* Gives a coordinate that is there its value to the last digit, and keeps it. */
-static void lock(journey *j, const km_hold *goal) {
-  j->state->q[goal->coordinate] = goal->value * km_model_coordinate_factor(j->model, goal->coordinate);
-  km_state_lock(j->state, goal->coordinate);
-}
-
 static double value_of(const journey *j, int coordinate) {
   return km_state_coordinate(j->state, coordinate);
 }
 
 static bool is_there(const journey *j, const km_hold *goal) {
   return fabs(value_of(j, goal->coordinate) - goal->value) <= same * (1.0 + fabs(goal->value));
+}
+
+/* Keeps a coordinate, at its value to the last digit where it is there. */
+static void lock(journey *j, const km_hold *goal) {
+  if (is_there(j, goal))
+    j->state->q[goal->coordinate] = goal->value * km_model_coordinate_factor(j->model, goal->coordinate);
+  km_state_lock(j->state, goal->coordinate);
+}
+
+/* Of a coordinate that goes no further: is its value right within the closure tolerance, as where a pose is stated as a whole, and the
+ * joints before it leave it no freedom? */
+static bool is_within_tolerance(const journey *j, const km_hold *goal) {
+  const km_mechanism *m = j->mechanism;
+  double factor = km_model_coordinate_factor(j->model, goal->coordinate);
+  double off = fabs(value_of(j, goal->coordinate) - goal->value) * factor * m->scale[goal->coordinate];
+  return off <= m->closure_tolerance * (1.0 + fabs(goal->value) * factor * m->scale[goal->coordinate]);
 }
 
 static km_status unreachable(const journey *j, const km_hold *goal, double end, km_error *error) {
@@ -52,7 +62,7 @@ static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
   if (reach.stop == KM_STOP_GAVE_OUT)
     return km_fail(error, KM_DIVERGED, "moving %s to %.9g gave out at %.9g: too many steps",
                    km_model_coordinate_label(j->model, goal->coordinate), goal->value, reach.position);
-  return reach.stop ? unreachable(j, goal, reach.position, error) : KM_OK;
+  return reach.stop && !is_within_tolerance(j, goal) ? unreachable(j, goal, reach.position, error) : KM_OK;
 }
 
 /* A ball's three components go together, as rigid values that change little by little. */
@@ -62,12 +72,13 @@ static km_status turn_ball(journey *j, const km_hold *goal, km_error *error) {
   bool there = true;
   for (int k = 0; k < 3; ++k) {
     from[k] = value_of(j, goal[k].coordinate);
-    there = there && is_there(j, &goal[k]);
+    there = there && (is_there(j, &goal[k]) || is_within_tolerance(j, &goal[k]));
   }
   for (int i = there ? PIECES : 1; i <= PIECES; ++i) {
     for (int k = 0; k < 3; ++k) {
       double value = i == PIECES ? goal[k].value : from[k] + (goal[k].value - from[k]) * i / PIECES;
-      lock(j, &(km_hold){goal[k].coordinate, value});
+      j->state->q[goal[k].coordinate] = value * km_model_coordinate_factor(j->model, goal[k].coordinate);
+      km_state_lock(j->state, goal[k].coordinate);
     }
     km_state_set(j->mechanism, j->state, j->state->q);
     for (int s = 0; s < j->mechanism->topology.substructure_count; ++s) {

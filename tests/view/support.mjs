@@ -1,17 +1,20 @@
 // What the tests of kview share: a server, a browser, and a page whose errors are gathered.
 import { spawn } from "node:child_process";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { mkdtempSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join, resolve as whole } from "node:path";
 
-/** Starts kview with a model; resolves to its address and a way to end it. */
+/** Starts kview with a model in a folder of its own, `home`; resolves to its address and a way to end it. */
 export function serve(kview, model, ...options) {
-  const child = spawn(kview, [model, "--no-browser", ...options], { stdio: ["ignore", "pipe", "pipe"] });
+  const home = mkdtempSync(join(tmpdir(), "kview-home-"));
+  const child = spawn(whole(kview), [whole(model), "--no-browser", ...options], { stdio: ["ignore", "pipe", "pipe"], cwd: home });
   return new Promise((resolve, reject) => {
     let text = "", said = "";
     child.stderr.on("data", (data) => (said += data));
     child.stdout.on("data", (data) => {
       text += data;
-      if (text.includes("\n")) resolve({ address: text.trim(), child, stop: () => child.kill("SIGTERM") });
+      if (text.includes("\n")) resolve({ address: text.trim(), child, home, stop: () => child.kill("SIGTERM") });
     });
     child.on("exit", (code) => reject(new Error(`kview ended with ${code}: ${said}`)));
   });

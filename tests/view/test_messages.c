@@ -439,9 +439,9 @@ static void parameters_and_poses_have_names(void **unused) {
   expect(&s, "4 mark", "pose");
   expect(&s, "5 frame 2 11 0 0", "model");
   expect(&s, "6 parameters 6 7", "model");
-  assert_true(reach_of(&s) == 11.0); /* dragged, it no longer follows */
+  assert_true(reach_of(&s) == 13.0); /* dragged by 1, it goes on from there */
   kv_answer answer = tell(&s, "7 write");
-  assert_non_null(strstr(answer.bytes.data, "[11, 0, 0]"));
+  assert_non_null(strstr(answer.bytes.data, "[13, 0, 0]"));
   assert_non_null(strstr(answer.bytes.data, "value\\\": 6"));
   km_text_free(&answer.bytes);
   expect(&s, "8 undo -1", "pose");
@@ -453,6 +453,54 @@ static void parameters_and_poses_have_names(void **unused) {
   assert_true(km_model_body_mass(s.model, 1, center) == 3.0);
   kv_session_close(&s);
   unlink(path);
+}
+
+/* A design is taken up by another session of the same file, and by none whose model has other parts. What is saved finds its meshes
+ * from any folder. */
+static void designs_are_kept(void **unused) {
+  (void)unused;
+  static const char meshed[] =
+      "{\"model_parameters\": {\"include_dir\": \"parts\"}, \"assemblies\": [{\"name\": \"a\", "
+      "\"bodies\": [{\"name\": \"b\", \"definition\": [\"link.stl\"]}], \"joints\": [{\"name\": \"A\", "
+      "\"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}";
+  char path[] = "/tmp/kview_kept.XXXXXX", other[] = "/tmp/kview_other.XXXXXX", folder[64];
+  int file = mkstemp(path), second = mkstemp(other);
+  assert_true(file >= 0 && write(file, by_name, sizeof by_name - 1) == (ssize_t)(sizeof by_name - 1));
+  assert_true(second >= 0 && write(second, meshed, sizeof meshed - 1) == (ssize_t)(sizeof meshed - 1));
+  close(file);
+  close(second);
+  kv_session s = {.opening = {.path = path}, .asked = {.kind = -1}}, next = s, apart = s;
+  apart.opening.path = other;
+  km_error error;
+  assert_int_equal(kv_session_load(&s, &error), KM_OK);
+  assert_null(kv_session_keep(&s)); /* the file's own */
+  expect(&s, "1 parameters 5 7", "model");
+  expect(&s, "2 frame 2 11 0 0", "model");
+  kv_design *design = kv_session_keep(&s);
+  assert_non_null(design);
+  assert_true(design->unsaved);
+  assert_non_null(strstr(design->file.data, "[11, 0, 0]"));
+  assert_int_equal(kv_session_load(&next, &error), KM_OK);
+  assert_true(kv_session_restore(&next, design));
+  assert_true(next.edited && next.unsaved && reach_of(&next) == 11.0 && next.parameters.items[0].value == 5.0);
+  expect(&next, "3 parameters 6 7", "model");
+  assert_true(reach_of(&next) == 13.0); /* dragged by 1 from 10 */
+  kv_answer answer = tell(&next, "4 write");
+  km_text_free(&answer.bytes);
+  assert_true(next.edited && !next.unsaved);
+  assert_int_equal(kv_session_load(&apart, &error), KM_OK);
+  assert_false(kv_session_restore(&apart, design));
+  answer = tell(&apart, "5 write");
+  snprintf(folder, sizeof folder, "\\\"/tmp/parts\\\"");
+  assert_non_null(strstr(answer.bytes.data, folder));
+  assert_non_null(strstr(answer.bytes.data, "\\\"/tmp\\\""));
+  km_text_free(&answer.bytes);
+  kv_design_free(design);
+  kv_session_close(&s);
+  kv_session_close(&next);
+  kv_session_close(&apart);
+  unlink(path);
+  unlink(other);
 }
 
 static void what_is_wrong_is_refused(void **unused) {
@@ -542,6 +590,7 @@ int main(void) {
       cmocka_unit_test(a_selfmotion_holds_the_effector),
       cmocka_unit_test(a_design_is_saved),
       cmocka_unit_test(columns_move_the_effector),
+      cmocka_unit_test(designs_are_kept),
       cmocka_unit_test(parameters_and_poses_have_names),
       cmocka_unit_test(what_is_wrong_is_refused),
       cmocka_unit_test(only_this_page_comes_in),

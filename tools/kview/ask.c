@@ -2,6 +2,8 @@
 #include "kview/limit.h"
 #include "kview/messages.h"
 
+#include "kmech/records.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -121,6 +123,17 @@ static int count_branches(const km_question *question) {
                                   : 0;
 }
 
+/* Why the sweep is shorter than was asked for; "": it isn't. */
+static void add_stop(const kv_session *s, const km_question *question, km_text *out) {
+  const km_sweep *motion = km_question_motion(question);
+  km_text text = {0};
+  if (motion)
+    km_sweep_stop_text(s->mechanism, km_question_plan(question), motion, &text);
+  km_text_add(out, ",\"stopped\":");
+  kv_add_string(out, text.data ? text.data : "");
+  km_text_free(&text);
+}
+
 /* The header's length, in a binary message of numbers, is a multiple of 8 with what stands before it. */
 static km_status add_table(const kv_call *call, const kv_asked *a, const km_question *question, km_error *error) {
   const km_table *table = km_question_table(question);
@@ -131,6 +144,7 @@ static km_status add_table(const kv_call *call, const kv_asked *a, const km_ques
   km_text_add(&header, "{\"question\":");
   kv_add_string(&header, km_question_kind_name(a->kind));
   km_text_format(&header, ",\"driver\":%d,\"branches\":%d", a->driver, count_branches(question));
+  add_stop(call->session, question, &header);
   add_columns(table, &header);
   add_events(question, &header);
   add_notes(km_question_notes(question), &header);

@@ -38,7 +38,9 @@ static void add_bodies(const km_model *m, km_text *out) {
   km_text_add(out, "]");
 }
 
-static void add_frames(const km_model *m, km_text *out) {
+/* `file`: where the file has it, if that is elsewhere. */
+static void add_frames(const kv_session *s, km_text *out) {
+  const km_model *m = s->model;
   km_text_add(out, ",\"frames\":[");
   for (int f = 0; f < km_model_frame_count(m); ++f) {
     double R[9], T[3];
@@ -52,6 +54,10 @@ static void add_frames(const km_model *m, km_text *out) {
     kv_add_numbers(out, R, 9);
     km_text_add(out, ",\"T\":");
     kv_add_numbers(out, T, 3);
+    if (memcmp(T, s->file_places + 3 * f, sizeof T) != 0) {
+      km_text_add(out, ",\"file\":");
+      kv_add_numbers(out, s->file_places + 3 * f, 3);
+    }
     km_text_add(out, "}");
   }
   km_text_add(out, "]");
@@ -218,7 +224,7 @@ void kv_describe(const kv_session *s, unsigned request, km_text *out) {
   }
   add_assemblies(s->model, out);
   add_bodies(s->model, out);
-  add_frames(s->model, out);
+  add_frames(s, out);
   add_joints(s->model, out);
   add_coordinates(s, out);
   add_substructures(s, out);

@@ -65,6 +65,27 @@ static void ready(void *context, const char *address) {
     open_browser(o->page);
 }
 
+/* Into a file of its own: nothing is replaced. */
+static void write_unsaved(void *context, const km_text *file) {
+  enum { MOST = 1000 };
+  const options *o = context;
+  char base[256], path[320];
+  kt_base_name(o->model, base, sizeof base);
+  for (int k = 1; k <= MOST; ++k) {
+    snprintf(path, sizeof path, k == 1 ? "%s.unsaved.json" : "%s.unsaved-%d.json", base, k);
+    FILE *out = fopen(path, "wx");
+    if (!out && errno == EEXIST)
+      continue;
+    bool written = out && fwrite(file->data, 1, file->size, out) == file->size;
+    written = out && fclose(out) == 0 && written;
+    if (written)
+      kt_say(&o->common, KM_NOTE, "a design that no page has saved was written to %s", path);
+    else
+      kt_say(&o->common, KM_WARNING, "%s: a design that no page has saved can't be written: %s", path, strerror(errno));
+    return;
+  }
+}
+
 static bool read_port(const options *o, int *port) {
   if (!o->port || kt_whole(o->port, 1, 65535, port))
     return true;
@@ -133,6 +154,7 @@ kt_exit kview_open(int argc, char **argv) {
       .opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose, .study = o.study},
       .stay = o.stay,
       .ready = ready,
+      .unsaved = write_unsaved,
       .context = &o};
   if (!read_port(&o, &def.port))
     return KT_USAGE;

@@ -75,14 +75,19 @@ static km_status load(const kv_session *s, const double *values, km_model **out,
   return status;
 }
 
-/* Frames that were dragged away from where the parameters put them stay where they are. */
+/* Frames that were dragged away from where the parameters put them stay as far from there: a parameter moves them too. */
 static km_status keep_dragged(const kv_session *s, km_model *model, km_error *error) {
-  double *present = kv_frame_places(s->model);
-  km_status status = present ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
-  for (int f = 0; f < km_model_frame_count(model) && !status; ++f)
-    if (memcmp(present + 3 * f, s->own_places + 3 * f, 3 * sizeof *present) != 0)
-      status = km_model_set_frame(model, f, present + 3 * f, NULL, error);
+  double *present = kv_frame_places(s->model), *next = kv_frame_places(model);
+  km_status status = present && next ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
+  for (int f = 0; f < km_model_frame_count(model) && !status; ++f) {
+    if (memcmp(present + 3 * f, s->own_places + 3 * f, 3 * sizeof *present) == 0)
+      continue;
+    for (int k = 3 * f; k < 3 * f + 3; ++k)
+      next[k] += present[k] - s->own_places[k];
+    status = km_model_set_frame(model, f, next + 3 * f, NULL, error);
+  }
   free(present);
+  free(next);
   return status;
 }
 

@@ -34,6 +34,8 @@ typedef struct server {
   lws_sorted_usec_list_t timer;
   int pages, idle; /* open ones; ticks since there is none */
   bool had_page, over;
+  kv_design *kept[MOST_PAGES]; /* designs of pages that were closed, the newest last */
+  int kept_count;
 } server;
 
 /* HTTP */
@@ -97,8 +99,7 @@ static bool is_welcome(const server *s, struct lws *wsi) {
   header_of(wsi, WSI_TOKEN_GET_URI, path);
   header_of(wsi, WSI_TOKEN_HOST, host);
   header_of(wsi, WSI_TOKEN_ORIGIN, origin);
-  return s->pages < MOST_PAGES && kv_guard_path(&s->guard, path, "ws") && kv_guard_host(&s->guard, host) &&
-         kv_guard_origin(&s->guard, origin);
+  return kv_guard_path(&s->guard, path, "ws") && kv_guard_host(&s->guard, host) && kv_guard_origin(&s->guard, origin);
 }
 
 /* Puts an answer in line, and reads no further message until it is gone. */
@@ -113,7 +114,33 @@ static void answer(struct lws *wsi, page *p, kv_answer *a) {
   lws_callback_on_writable(wsi);
 }
 
+/* Takes the design; the oldest one makes room. */
+static void keep(server *s, kv_design *design) {
+  if (!design)
+    return;
+  if (s->kept_count == MOST_PAGES) {
+    kv_design_free(s->kept[0]);
+    memmove(s->kept, s->kept + 1, (MOST_PAGES - 1) * sizeof *s->kept);
+    --s->kept_count;
+  }
+  s->kept[s->kept_count++] = design;
+}
+
+/* A page that is loaded again has the design that it was closed with. */
+static void restore(server *s, kv_session *session) {
+  if (s->kept_count > 0 && kv_session_restore(session, s->kept[s->kept_count - 1]))
+    kv_design_free(s->kept[--s->kept_count]);
+}
+
+static int too_many(struct lws *wsi) {
+  static const char text[] = "16 pages are open already: close one of them";
+  lws_close_reason(wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, (unsigned char *)(size_t)text, sizeof text - 1);
+  return -1;
+}
+
 static int open_page(server *s, struct lws *wsi, page *p) {
+  if (s->pages >= MOST_PAGES)
+    return too_many(wsi);
   *p = (page){.session = calloc(1, sizeof *p->session)};
   if (!p->session)
     return -1;
@@ -126,6 +153,8 @@ static int open_page(server *s, struct lws *wsi, page *p) {
     kv_answer wrong = {0};
     kv_add_error(0, &error, &wrong.bytes);
     answer(wsi, p, &wrong);
+  } else {
+    restore(s, p->session);
   }
   return 0;
 }
@@ -137,6 +166,7 @@ static void close_page(server *s, page *p) {
   s->idle = 0;
   km_text_free(&p->in);
   km_text_free(&p->answer);
+  keep(s, kv_session_keep(p->session));
   kv_session_close(p->session);
   free(p->session);
   *p = (page){0};
@@ -163,22 +193,29 @@ static int receive(struct lws *wsi, page *p, const void *bytes, size_t size) {
   return 0;
 }
 
-/* The file has changed: the page gets the model anew, or what is wrong with the file. */
-static void renew(struct lws *wsi, page *p) {
+/* The file has changed: the page gets the model anew, with its own design where that fits; or what is wrong with the file. */
+static void renew(server *s, struct lws *wsi, page *p) {
   kv_answer news = {0};
   km_error error;
+  kv_design *design = kv_session_keep(p->session);
   p->stale = false;
-  if (kv_session_load(p->session, &error))
+  if (kv_session_load(p->session, &error)) {
     kv_add_error(0, &error, &news.bytes);
-  else
+    kv_design_free(design); /* the session has kept what it had */
+  } else {
+    if (design && kv_session_restore(p->session, design))
+      kv_design_free(design);
+    else
+      keep(s, design);
     kv_describe(p->session, 0, &news.bytes);
+  }
   answer(wsi, p, &news);
 }
 
-static int write_answer(struct lws *wsi, page *p) {
+static int write_answer(server *s, struct lws *wsi, page *p) {
   if (!p->answer.size) {
     if (p->stale)
-      renew(wsi, p);
+      renew(s, wsi, p);
     return 0;
   }
   size_t size = p->answer.size - LWS_PRE;
@@ -209,7 +246,7 @@ static int on_page(struct lws *wsi, enum lws_callback_reasons reason, void *user
   case LWS_CALLBACK_RECEIVE:
     return receive(wsi, p, in, size);
   case LWS_CALLBACK_SERVER_WRITEABLE:
-    return write_answer(wsi, p);
+    return write_answer(s, wsi, p);
   case LWS_CALLBACK_CLOSED:
     close_page(s, p);
     return 0;
@@ -277,6 +314,11 @@ km_status kv_serve(const kv_server_def *def, km_error *error) {
       ;
   }
   if (s.context)
-    lws_context_destroy(s.context);
+    lws_context_destroy(s.context); /* pages that are open are closed, and leave their designs */
+  for (int i = 0; i < s.kept_count; ++i) {
+    if (s.kept[i]->unsaved)
+      def->unsaved(def->context, &s.kept[i]->file);
+    kv_design_free(s.kept[i]);
+  }
   return status;
 }

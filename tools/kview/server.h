@@ -12,6 +12,8 @@ typedef struct kv_server_def {
   bool stay; /* goes on when the last page is closed */
   /* Told the address once pages can come. */
   void (*ready)(void *context, const char *address);
+  /* Given the text of every design that no page has saved, at the end. */
+  void (*unsaved)(void *context, const km_text *file);
   void *context;
 } kv_server_def;
 

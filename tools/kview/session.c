@@ -196,7 +196,7 @@ km_status kv_session_load(kv_session *s, km_error *error) {
   s->parameters = parameters;
   s->file_length = km_mechanism_characteristic_length(s->mechanism, NULL);
   s->mobility = mobility;
-  s->edited = false;
+  s->edited = s->unsaved = false;
   s->asked.kind = -1;
   return kv_session_mark(s, error);
 }
@@ -278,6 +278,7 @@ void kv_session_note_edits(kv_session *s) {
   double *places = kv_frame_places(s->model);
   size_t size = 3 * (size_t)km_model_frame_count(s->model) * sizeof *places;
   s->edited = !places || kv_parameters_differ(&s->parameters) || memcmp(places, s->file_places, size) != 0;
+  s->unsaved = s->edited;
   free(places);
 }
 

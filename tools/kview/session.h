@@ -66,6 +66,7 @@ typedef struct kv_session {
   kv_parameters parameters;
   double file_length; /* the characteristic length of the file's design */
   bool edited;        /* a number of the design isn't the file's */
+  bool unsaved;       /* and it has changed since it was written last */
   kv_moment undo[KV_MOST_UNDO];
   int undo_count, undo_at; /* poses kept; the place of the present one */
   kv_asked asked;
@@ -114,6 +115,18 @@ double *kv_frame_places(const km_model *model);
 /* Takes the places of all frames: T[3 · frames], of a design that was kept; at the pose next to q[coordinate], NULL: the
  * present one. */
 km_status kv_session_take_design(kv_session *session, const double *T, const double *q, km_error *error);
+
+/* kept.c: a design that isn't the file's, by its numbers and as the text of a file. */
+typedef struct kv_design {
+  km_text parts, file;
+  double *values, *places; /* of the parameters; three of each frame */
+  bool unsaved;
+} kv_design;
+/* The session's design; NULL: it is the file's, or memory is out. */
+kv_design *kv_session_keep(const kv_session *session);
+/* Gives it to a session that has just been loaded; false where its model has other parts, or doesn't close with it. */
+bool kv_session_restore(kv_session *session, const kv_design *design);
+void kv_design_free(kv_design *design);
 
 /* parameters.c: those of a file's bytes; none where its format has none. KM_MEMORY. Free in any case. */
 km_status kv_parameters_read(const km_text *file, kv_parameters *out, km_error *error);

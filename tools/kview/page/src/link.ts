@@ -8,7 +8,7 @@ export interface Link {
   /** A pull: replaces one that waits. */
   pull(words: string, done: (answer: Answer) => void): void;
   onNews(told: (answer: Answer) => void): void;
-  onClosed(told: () => void): void;
+  onClosed(told: (why: string) => void): void;
   readonly roundTrip: number; // ms, of the last pulls
 }
 
@@ -23,13 +23,13 @@ export class SocketLink implements Link {
   private current: (Waiting & { id: number; sent: number; pull: boolean }) | null = null;
   private id = 0;
   private news: (answer: Answer) => void = () => {};
-  private closed: () => void = () => {};
+  private closed: (why: string) => void = () => {};
 
   constructor(address: string) {
     this.socket = new WebSocket(address, "kview");
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => this.next();
-    this.socket.onclose = () => this.closed();
+    this.socket.onclose = (event) => this.closed(event.reason);
     this.socket.onmessage = (event) => this.receive(decode(event.data));
   }
 
@@ -49,7 +49,7 @@ export class SocketLink implements Link {
     this.news = told;
   }
 
-  onClosed(told: () => void): void {
+  onClosed(told: (why: string) => void): void {
     this.closed = told;
   }
 

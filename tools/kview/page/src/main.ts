@@ -63,13 +63,22 @@ async function begin(model: Answer): Promise<void> {
 
 link.onNews((answer) => {
   if (answer.kind === "model") {
+    const edited = store.model?.edited;
     store.diagnosis = store.motions = store.forces = null;
     store.motion = -1;
-    void begin(answer).then(() => store.say("The file has changed and was read again."));
+    void begin(answer).then(() => store.say(`The file has changed and was read again.${
+      !edited ? "" : answer.edited ? " Your design was kept: \"Back to the file's\" drops it." : " Your design doesn't fit it any more; kview writes it to a file when it ends."}`, edited && !answer.edited));
   } else store.take(answer);
 });
-link.onClosed(() => store.say("The connection to kview is closed. Start kview again to go on.", true));
-void link.ask(`hello ${PROTOCOL}`).then(begin);
+link.onClosed((why) => store.say(why ? `${why}.` : `The connection to kview is closed. Start kview again to go on.${
+  store.model?.edited ? " A design that wasn't saved is in a file beside it, MODEL.unsaved.json." : ""}`, true));
+void link.ask(`hello ${PROTOCOL}`).then(async (model) => {
+  await begin(model);
+  if (!link.recorded && model.kind === "model" && model.edited) store.say("The design of the page that was closed last was taken up again. \"Back to the file's\" drops it.");
+});
+window.addEventListener("beforeunload", (event) => {
+  if (!link.recorded && store.model?.edited && !store.saved) event.preventDefault();
+});
 
 // For tests and measurements.
 Object.assign(window, { kview: { store, view, link } });

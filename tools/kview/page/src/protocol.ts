@@ -3,7 +3,7 @@
 export const PROTOCOL = 1;
 
 export interface Body { name: string; assembly: number; patches: number; mass: number; center: number[] }
-export interface Frame { name: string; body: number; R: number[]; T: number[] }
+export interface Frame { name: string; body: number; R: number[]; T: number[]; file?: number[] }
 export interface Joint { label: string; type: string; frames: [number, number]; first: number; count: number }
 export interface Coordinate {
   label: string; unit: string; push: string; joint: number; substructure: number; held: boolean; low: number | null; high: number | null;
@@ -29,7 +29,7 @@ export interface Pose {
 export interface Column { name: string; unit: string }
 export interface Event { name: string; subject: string; s: number | null; value: number | null }
 export interface Table {
-  kind: "table"; request: number; question: string; driver: number; branches: number; columns: Column[]; events: Event[]; notes: string[];
+  kind: "table"; request: number; question: string; driver: number; branches: number; stopped?: string; columns: Column[]; events: Event[]; notes: string[];
   values: Float64Array[]; // by column
 }
 export interface Patch {

@@ -10,7 +10,7 @@ export interface Variant { name: string; places: number[]; parameters: number[];
 
 const READ = 2500; // ms that an error stays at least, while poses go on
 
-type Topic = "model" | "pose" | "selection" | "table" | "look" | "why" | "variants" | "message";
+type Topic = "model" | "pose" | "settled" | "selection" | "table" | "look" | "why" | "variants" | "message";
 
 export class Store {
   model!: Model;
@@ -26,6 +26,8 @@ export class Store {
   arrows = false;
   message = "";
   alert = false;
+  saved = false; // the design as it is has been saved as a file
+  revision = 0; // of the model: holds, design; what was asked about another one is stale
   motions: Motions | null = null;
   motion = -1; // the one that swings
   diagnosis: Diagnosis | null = null;
@@ -106,7 +108,10 @@ export class Store {
 
   private takeModel(model: Model): void {
     this.model = model;
-    if (!model.edited) this.first = model.frames.flatMap((f) => f.T);
+    ++this.revision;
+    this.saved = false;
+    this.forces = this.lever = this.columns = null; // of another model
+    this.first = model.frames.flatMap((f) => f.file ?? f.T);
     if (this.selection && this.selection.index >= (this.selection.kind === "body" ? model.bodies : model.joints).length)
       this.selection = null;
     this.tell("model");
@@ -139,7 +144,9 @@ export class Store {
 
   /** Ends a gesture: undo comes back to before it. */
   async settle(): Promise<void> {
-    if (!this.link.recorded) await this.ask("mark");
+    if (this.link.recorded) return;
+    await this.ask("mark");
+    this.tell("settled");
   }
 
   select(selection: Selection): void {

@@ -25,6 +25,7 @@ export class Curves {
   private branch = el("select", { "aria-label": "At the branch point", title: "Which motion goes on where several meet", hidden: true, onchange: () => void this.ask() });
   private over = el("label", {}, "over ", this.driver);
   private dots = el("span", { text: "…" });
+  private stop = el("p", { class: "hint", role: "status", hidden: true });
   private plot: uPlot | null = null;
   private shown = new Set<string>();
   private filled = "";
@@ -36,10 +37,11 @@ export class Curves {
     const bar = el("div", { class: "tools" }, this.play, this.question, this.over, this.from, this.dots, this.to, this.ends, this.branch,
       button("CSV", "Save the table", () => this.saveTable(), { class: "small" }));
     this.ends.append(this.input, " / ", this.output);
-    this.node.append(bar, this.chips, this.place);
+    this.node.append(bar, this.chips, this.stop, this.place);
     store.on(["model"], () => this.fill());
     store.on(["table", "variants"], () => this.show());
     store.on(["pose"], () => this.plot?.redraw(false, false));
+    store.on(["settled"], () => this.renew());
     store.on(["look"], () => this.rebuild());
     new ResizeObserver(() => this.fit()).observe(this.place);
   }
@@ -125,6 +127,8 @@ export class Curves {
     const { table } = this.store;
     if (!table) return;
     this.offerBranches(table);
+    this.stop.textContent = table.stopped ? `The curve ends early: ${table.stopped}.` : "";
+    this.stop.hidden = !table.stopped;
     const columns = answers(table), shape = JSON.stringify([table.question, table.driver, columns.map((c) => table.columns[c]), this.extras().length]);
     if (!columns.length || !table.values[0]?.length) return this.empty("Nothing to show: the sweep has no row.");
     if (shape === this.shape && this.plot) {
@@ -220,7 +224,7 @@ export class Curves {
       scales: { x: { time: false }, y: numbers ? { range: [0, 1.02] } : { range: (_u, low, high) => tamed(low, high, lines) } },
       axes: [
         { ...axis, label: table.driver >= 0 ? `${model.coordinates[table.driver].label} / ${unit}` : "arc length s", labelSize: 18, labelFont: "12px system-ui", size: 34 },
-        { ...axis, size: 54 },
+        { ...axis, size: (_u: uPlot, ticks: string[] | null) => Math.max(54, 18 + 7 * Math.max(0, ...(ticks ?? []).map((tick) => tick?.length ?? 0))) }, // numbers of any length
       ],
       series: [{}, ...lines.map((l) => ({ stroke: l.colour, width: l.width, dash: l.dash, points: { show: false }, label: l.label }))],
       hooks: { draw: [(u) => this.drawOver(u, this.lines())] }, // of the table that is shown by then
@@ -235,28 +239,53 @@ export class Curves {
     const { table, pose, link } = this.store;
     if (!table) return null;
     if (link instanceof RecordedLink) return table.values[1][link.at] ?? null;
-    if (table.driver >= 0) return pose.q[table.driver];
+    if (table.driver >= 0) return this.isOn(pose.q[table.driver]) ? pose.q[table.driver] : null;
     return this.nearest();
+  }
+
+  /** How far the pose is from one of the table, in radians and characteristic lengths; full turns count as none. */
+  private distance(value: (column: Float64Array) => number | null): number {
+    const { table, pose, model } = this.store;
+    let sum = 0;
+    model.coordinates.forEach((c, i) => {
+      const column = table!.columns.findIndex((k) => k.name === `q.${c.label}`);
+      const there = column < 0 || model.joints[c.joint].count > 1 ? null : value(table!.values[column]); // balls: their vectors may differ in a turn
+      if (there === null || !Number.isFinite(there)) return;
+      const turn = c.unit === "rad" ? 2 * Math.PI : c.unit === "deg" ? 360 : 0;
+      let d = there - pose.q[i];
+      d = turn ? ((d - turn * Math.round(d / turn)) / turn) * 2 * Math.PI : d / model.length;
+      sum = Math.max(sum, Math.abs(d));
+    });
+    return sum;
+  }
+
+  /** Does the curve belong to the pose? Another mode, or another place of what moves freely beside the driver, has another curve. */
+  private isOn(s: number): boolean {
+    const { table } = this.store, rows = table!.values[1];
+    const low = Math.min(...rows), high = Math.max(...rows), step = (high - low) / Math.max(1, rows.length - 1);
+    if (!(s >= low - step && s <= high + step)) return false;
+    const inside = Math.min(high, Math.max(low, s));
+    return this.distance((column) => between(rows, column, inside)) < 0.05;
+  }
+
+  /** After a gesture the curve of another mode or configuration is asked for anew. */
+  private renew(): void {
+    const { table, pose, link } = this.store;
+    const apart = !!table && table.driver >= 0 && !link.recorded && !this.isOn(pose.q[table.driver]);
+    const low = apart ? Math.min(...table.values[1]) : 0, high = apart ? Math.max(...table.values[1]) : 0;
+    if (apart && pose.q[table.driver] >= low && pose.q[table.driver] <= high) void this.store.ask("again");
   }
 
   /** The row of the table whose coordinates are nearest to the pose; angles count full turns as none. */
   private nearest(): number | null {
-    const { table, pose, model } = this.store;
+    const { table } = this.store;
     if (!table) return null;
-    const columns = model.coordinates.map((c) => table.columns.findIndex((k) => k.name === `q.${c.label}`));
     let best = -1, least = Infinity;
     for (let r = 0; r < table.values[0].length; ++r) {
-      let sum = 0;
-      columns.forEach((c, i) => {
-        if (c < 0) return;
-        const turn = model.coordinates[i].unit === "rad" ? 2 * Math.PI : model.coordinates[i].unit === "deg" ? 360 : 0;
-        let d = table.values[c][r] - pose.q[i];
-        if (turn) d = ((d - turn * Math.round(d / turn)) / turn) * 2 * Math.PI;
-        sum += d * d;
-      });
-      if (sum < least) [best, least] = [r, sum];
+      const apart = this.distance((column) => column[r]);
+      if (apart < least) [best, least] = [r, apart];
     }
-    return best >= 0 && least < 0.05 ? table.values[1][best] : null;
+    return best >= 0 && least < 0.2 ? table.values[1][best] : null;
   }
 
   private drawOver(u: uPlot, lines: ReturnType<Curves["lines"]>): void {

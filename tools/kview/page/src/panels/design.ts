@@ -60,7 +60,10 @@ export function variants(store: Store): HTMLElement {
   };
   const write = async (): Promise<void> => {
     const answer = await store.ask("write");
-    if (answer.kind === "file") save(model.name.replace(/(\.\w+)?$/, ".changed.json"), answer.text, "application/json");
+    if (answer.kind === "file") {
+      store.saved = true;
+      save(model.name.replace(/(\.\w+)?$/, ".changed.json"), answer.text, "application/json");
+    }
   };
   return el("div", { class: "group" }, el("h2", { text: "Design" }), el("div", { class: "chips" },
     button("Keep as a variant", "Keep this design and its curve as a variant", keep, { disabled: store.variants.length >= 8 }),

@@ -124,7 +124,7 @@ export class Details {
   /** Asks again, after a move, what is shown of the pose. */
   private asking = false;
   private refreshAnswers(): void {
-    const { store } = this, stamp = Array.from(store.pose.q).join() + store.ends + store.arrows + this.arm.wanted();
+    const { store } = this, stamp = Array.from(store.pose.q).join() + store.ends + store.arrows + store.revision + this.arm.wanted();
     if (this.asking || store.link.recorded || stamp === this.stamp) return;
     const asks: string[] = [];
     if (store.arrows) asks.push("forces");
@@ -133,8 +133,12 @@ export class Details {
     if (!asks.length) return;
     this.stamp = stamp;
     this.asking = true;
-    void Promise.all(asks.map((words) => store.ask(words))).then(() => {
+    void Promise.all(asks.map((words) => store.ask(words))).then((answers) => {
       this.asking = false;
+      if (answers.some((answer, i) => answer.kind === "error" && asks[i] === "forces")) {
+        store.forces = null; // those of another pose or model aren't shown
+        store.tell("why");
+      }
       this.refreshAnswers();
     });
   }
@@ -214,15 +218,26 @@ export class Details {
   }
 
   private modeCount = 0;
+  private isolated = true;
   private modes(): HTMLElement {
     const { store } = this, driver = store.model.sweep.driver >= 0 ? store.model.sweep.driver : store.model.coordinates.findIndex((c) => c.substructure >= 0 && !c.held);
     const find = async (): Promise<void> => {
       const answer = await store.ask(`modes ${driver}`);
       this.modeCount = answer.kind === "modes" ? answer.count : 0;
+      this.isolated = answer.kind !== "modes" || answer.isolated;
       this.explain();
     };
     return el("div", { class: "group" }, el("h2", { text: "Assembly modes" }), el("div", { class: "chips" },
       driver < 0 ? el("p", { class: "hint", text: "No loops." }) : button("Find", "Find the assembly modes", () => void find()),
-      ...Array.from({ length: this.modeCount }, (_, k) => button(String(k + 1), `Take assembly mode ${k + 1}`, () => void store.ask(`mode ${k}`).then(() => store.settle()), { class: "chip" }))));
+      ...Array.from({ length: this.modeCount }, (_, k) => button(String(k + 1), `Take assembly mode ${k + 1}`, () => void this.takeMode(k), { class: "chip" }))),
+      this.modeCount && !this.isolated ? el("p", { class: "hint", text: "Freedoms are left beside this joint: the modes aren't isolated, and each is one of a continuum. Hold joints to single them out." }) : null);
+  }
+
+  /** The pose of a mode; the curve follows, since it belongs to the motion through the pose. */
+  private async takeMode(k: number): Promise<void> {
+    const { store } = this;
+    if ((await store.ask(`mode ${k}`)).kind === "error") return;
+    if (store.table) await store.ask("again");
+    await store.settle();
   }
 }

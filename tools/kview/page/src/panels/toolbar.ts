@@ -91,10 +91,36 @@ export class Toolbar {
     store.tell("selection");
   }
 
+  /** Joints whose values say the pose: pivots of the instantaneous motions, hinges and slides before balls, which are set as a whole. */
+  private async independent(): Promise<Set<number>> {
+    const { model, link } = this.store, out = new Set<number>();
+    const answer = link.recorded ? null : await link.ask("motions");
+    const rows = answer?.kind === "motions" && answer.motions.length === answer.freedom ? answer.motions.map((m) => [...m.rates]) : null;
+    if (!rows) return new Set(model.joints.keys());
+    const single = model.coordinates.map((c) => model.joints[c.joint].count === 1);
+    for (const wanted of [true, false])
+      for (;;) {
+        let best = -1, at = -1, size = 1e-6;
+        for (let r = 0; r < rows.length; ++r)
+          rows[r].forEach((x, c) => {
+            if (single[c] === wanted && Math.abs(x) > size) [best, at, size] = [r, c, Math.abs(x)];
+          });
+        if (best < 0) break;
+        const [pivot] = rows.splice(best, 1);
+        for (const row of rows) {
+          const share = row[at] / pivot[at];
+          row.forEach((_, c) => (row[c] -= share * pivot[c]));
+        }
+        out.add(model.coordinates[at].joint);
+      }
+    return out;
+  }
+
   private async copyPose(): Promise<void> {
     const { model, pose } = this.store;
     const quoted = (label: string): string => (/^[\w.-]+$/.test(label) ? label : `'${label.replace(/([,=/[\\])/g, "\\$1").replace(/'/g, "'\\''")}'`);
-    const joint = model.joints.filter((j) => j.count && !model.coordinates[j.first].held && !(j.count > 1 && /spherical|float/.test(j.type)));
+    const independent = await this.independent();
+    const joint = model.joints.filter((j, i) => j.count && !model.coordinates[j.first].held && independent.has(i));
     const words = joint.map((j) => `--set ${quoted(j.label)}=${Array.from(pose.q.subarray(j.first, j.first + j.count)).join(",")}`).join(" ");
     try {
       await navigator.clipboard.writeText(words);
