@@ -106,10 +106,13 @@ for (let k = 0; k < 200; ++k) {
   rude.end();
 }
 
-// A hundred connections: some are pages, the others are refused; all of them can go.
+// A hundred connections: some are pages, the others are told why they aren't; all of them can go.
 await wait(200);
 const before = memory(), many = await Promise.all(Array.from({ length: 100 }, () => open()));
-const pages = many.filter((c) => c.open && !c.over).length;
+for (const client of many) if (!client.over) client.say("1 hello 1");
+await wait(600);
+const holding = (text) => many.filter((c) => c.got.includes(text)).length, pages = holding('"kind":"model"'), told = holding("16 pages are open already");
+check(told === 100 - pages, `${told} of ${100 - pages} connections are told that there are 16 pages`);
 check(pages >= 8 && pages <= 16, `of 100 connections ${pages} are pages`);
 for (const client of many) client.end();
 await wait(300);
