@@ -217,7 +217,8 @@ kt_exit ksim_inverse(int argc, char **argv) {
       "moment on the ground. The motion must leave no freedom. Exit status 1 if it can't be gone to its end."
       "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint, along +q; "
       "energy_kinetic, energy_potential; loop_error; shaking.fx … tz, the sum of the inertia forces about the inertial "
-      "origin; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz, parent on child.",
+      "origin; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz, parent on child. JSON: largest_forces (of, value, t, "
+      "rms), located between rows too.",
       argc, argv);
   kt_exit result = ksim_read_formats(&o.common, o.format, o.base, false, "--format csv or json", &o.formats);
   return result == KT_DONE ? run(&o) : result;

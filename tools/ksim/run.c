@@ -292,7 +292,8 @@ kt_exit ksim_run(int argc, char **argv) {
       "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint; energy_kinetic, "
       "energy_potential (0 at the start), energy_dissipated, motor_work; loop_error (rms, over the loop's size), "
       "evaluations, repartitions; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz; m.JOINT. Rates of balls are angular "
-      "velocities along the axes of the parent frame.",
+      "velocities along the axes of the parent frame. JSON keys beside those of every record: events, beyond_max_rate, "
+      "beyond_max_force, limits_passed (joint, limit, t, beyond), changed_initial_rates (joint, stated, start).",
       argc, argv);
   kt_exit result = check(&o);
   return result == KT_DONE ? run(&o) : result;
