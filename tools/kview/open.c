@@ -5,6 +5,7 @@
 #include "kmech/files.h"
 #include "kmech/path_study.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
