@@ -69,6 +69,8 @@ km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
       km_state_forget_pivots(s, i);
       status = KM_MEMORY;
     }
+  if (status)
+    s->arena.failed = false; /* what grows there grows again; what doesn't was there when the state was made */
   return status;
 }
 

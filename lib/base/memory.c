@@ -144,12 +144,6 @@ bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, 
   return true;
 }
 
-bool km_arena_grow_later(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size) {
-  bool failed = arena->failed, grown = km_arena_grow(arena, data, capacity, need, size);
-  arena->failed = failed;
-  return grown;
-}
-
 bool km_reserve(void **data, size_t *capacity, size_t need, size_t size) {
   if (!data || !capacity)
     return false;

@@ -7,8 +7,6 @@
 /* Grows `*data`, which lies in the arena, to hold at least `need` elements; what it held stays, the old space is lost
  * until the arena goes. False when out of memory (data unchanged). */
 bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size);
-/* The same for an array that is needed again: the arena counts as failed afterwards only if it did before. */
-bool km_arena_grow_later(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size);
 /* What lives in `from`, which hasn't failed, lives on in `arena`; `from` is empty then. */
 void km_arena_join(km_arena *arena, km_arena *from);
 /* Memory that goes from one owner to the next. Takes it all, for an arena in which nothing lives yet; NULL: there is none. */

@@ -12,6 +12,8 @@
 /* The bytes that a control character or a mark of direction takes at the begin of a text, and its code; 0: something else stands there. */
 static size_t control_at(const unsigned char *c, size_t size, unsigned *code) {
   *code = c[0];
+  if (c[0] == '\r' && size >= 2 && c[1] == '\n')
+    return 0;
   if (c[0] < 0x20 || c[0] == 0x7F)
     return c[0] != '\n' && c[0] != '\t';
   if (size >= 2 && (c[0] & 0xE0) == 0xC0) {

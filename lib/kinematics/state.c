@@ -150,8 +150,8 @@ void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, doub
 }
 
 static double *basis_room(km_basis *basis, const km_substructure *sub, int count) {
-  return km_arena_grow_later(basis->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
-                             sizeof *basis->Z)
+  return km_arena_grow(basis->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
+                       sizeof *basis->Z)
              ? basis->Z
              : NULL;
 }

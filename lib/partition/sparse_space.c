@@ -100,8 +100,8 @@ bool km_sparse_grow(km_sparse *s, km_store *store, int need) {
   size_t values = store->capacity; /* both arrays of a store grow together */
   if ((size_t)need <= store->capacity && store->index)
     return true;
-  return km_arena_grow_later(s->arena, (void **)&store->value, &values, (size_t)need, sizeof(double)) &&
-         km_arena_grow_later(s->arena, (void **)&store->index, &store->capacity, (size_t)need, sizeof(int));
+  return km_arena_grow(s->arena, (void **)&store->value, &values, (size_t)need, sizeof(double)) &&
+         km_arena_grow(s->arena, (void **)&store->index, &store->capacity, (size_t)need, sizeof(int));
 }
 
 bool km_sparse_make_room(km_sparse *s, int upper, int lower) {

@@ -122,8 +122,9 @@ static km_status check_spread(const km_design_study_def *def, const km_design_sp
 static km_status check_sample(const km_design_study_def *def, const km_design_sample *s, km_error *error) {
   int width = km_sampler_width(s);
   if (s->count < 1 || s->count > MOST_DESIGNS / width)
-    return km_fail(error, KM_USAGE, "sample.count: found %d%s; expected 1 to %d", s->count,
-                   width > 1 ? ", each of several designs for the indices" : "", MOST_DESIGNS / width);
+    return km_fail(error, KM_USAGE, "sample.count: found %d%s; expected 1 to %d%s", s->count,
+                   width > 1 ? ", each of several designs for the indices" : "", MOST_DESIGNS / width,
+                   width > 1 ? "" : " designs in all");
   if ((unsigned)s->method > KM_SAMPLING_LIST)
     return km_fail(error, KM_USAGE, "sample.method: there is no such method");
   if (s->method == KM_SAMPLING_LIST)

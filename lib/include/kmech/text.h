@@ -27,7 +27,7 @@ KM_API void km_text_bytes(km_text *text, const void *bytes, size_t size);
 KM_API void km_text_add(km_text *text, const char *string);
 KM_API void km_text_format(km_text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* Bytes of UTF-8 in which control characters and those that turn the direction of writing are written as \u001b: a terminal or a page then
- * shows them and doesn't obey them. Line feeds and tabs stay. */
+ * shows them and doesn't obey them. Line ends and tabs stay. */
 KM_API void km_text_visible(km_text *text, const char *bytes, size_t size);
 /* Bytes in base64 (RFC 4648), with padding. */
 KM_API void km_text_base64(km_text *text, const void *bytes, size_t size);
