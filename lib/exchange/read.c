@@ -28,7 +28,7 @@ static km_status read_tree(km_xml *root, const km_read_def *def, km_messages *me
                            km_error *error) {
   for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
     if (strcmp(formats[i].root, root->name) == 0) {
-      km_robot_request request = {def->file, def->floating, messages};
+      km_robot_request request = {def->file, def->floating, def->closure_tolerance, messages};
       return km_robot_build(formats[i].read, root, &request, out, error);
     }
   km_fail(error, KM_MODEL, "line %d, column %d: found the root element <%.60s>; expected robot, mujoco or sdf",
@@ -72,6 +72,9 @@ km_status km_model_read_as(const char *bytes, size_t size, const km_read_def *de
     return km_check_given(false, "definition of the reading", error);
   if (def->assignment_count < 0 || (def->assignment_count > 0 && !def->assignments))
     return km_check_given(false, "assignments", error);
+  if (!(def->closure_tolerance >= 0.0 && def->closure_tolerance < 0.1))
+    return km_fail(error, KM_USAGE, "closure_tolerance: found %g; expected more than 0 and less than 0.1",
+                   def->closure_tolerance);
   km_messages *own = messages ? NULL : km_messages_create();
   km_messages *list = messages ? messages : own;
   km_error *fault = error ? error : &local;
@@ -96,7 +99,9 @@ km_status km_model_read(const char *bytes, size_t size, km_messages *messages, k
 
 km_status km_model_read_varied(const char *bytes, size_t size, const char *file, const km_assignment *assignments,
                                int count, km_messages *messages, km_model **out, km_error *error) {
-  return km_model_read_as(bytes, size, &(km_read_def){file, assignments, count, false}, messages, out, error);
+  return km_model_read_as(bytes, size,
+                          &(km_read_def){.file = file, .assignments = assignments, .assignment_count = count}, messages,
+                          out, error);
 }
 
 km_status km_model_load_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
@@ -120,7 +125,8 @@ km_status km_model_load_as(const char *path, const km_read_def *def, km_messages
 
 km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count, km_messages *messages,
                                km_model **out, km_error *error) {
-  return km_model_load_as(path, &(km_read_def){NULL, assignments, count, false}, messages, out, error);
+  return km_model_load_as(path, &(km_read_def){.assignments = assignments, .assignment_count = count}, messages, out,
+                          error);
 }
 
 km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {

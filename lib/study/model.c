@@ -28,7 +28,8 @@ static int assignments_of(const km_design_study *s, const double *values, km_ass
 
 km_status km_design_read_model(const km_design_study *s, const double *values, km_model **out, km_error *error) {
   km_assignment assignments[KM_MOST_DESIGN_PARAMETERS];
-  km_read_def how = {s->def->model, assignments, assignments_of(s, values, assignments), false};
+  km_read_def how = {
+      .file = s->def->model, .assignments = assignments, .assignment_count = assignments_of(s, values, assignments)};
   km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, out, error);
   if (!status && s->length > 0.0 && !km_design_is_reference(s, values)) {
     double unit = km_model_length_unit(*out);

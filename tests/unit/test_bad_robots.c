@@ -97,7 +97,7 @@ static const told_text sdf[] = {
     {MODEL(
          "<link name='c'/><joint name='K' type='ball'><parent>a</parent><child>c</child></joint><joint name='J' type='revolute'>" BETWEEN
          "<axis><xyz>0 0 1</xyz><mimic joint='K'><multiplier>1</multiplier></mimic></axis></joint>"),
-     "joint \"J\" imitates \"K\"; expected two joints with one coordinate each"},
+     "joint \"J\" imitates axis of \"K\"; expected two axes of joints that turn or slide"},
     {MODEL("<joint name='J' type='gearbox'>" BETWEEN
            "<gearbox_ratio>2</gearbox_ratio><gearbox_reference_body>a</gearbox_reference_body></joint>"),
      "found no joint between"},

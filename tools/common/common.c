@@ -51,8 +51,13 @@ void kt_common_options(kt_options *out, kt_common *common, unsigned uses) {
   const kt_option floating[] = {{"float", 0, NULL,
                                  "The root link of a robot description is free to move, instead of fixed to the ground",
                                  KT_FLAG, &common->floating, KT_ABOUT_MODEL}};
+  const kt_option tolerance[] = {{"closure-tolerance", 0, "X",
+                                  "Close loops and judge ranks to within X, instead of the file's closure_tolerance",
+                                  KT_TOLERANCE, &common->closure_tolerance, KT_ABOUT_MODEL}};
   KT_OPTIONS_ADD(out, all);
-  if (uses & KT_USES_FLOAT)
+  if (uses & KT_USES_MODEL)
+    KT_OPTIONS_ADD(out, tolerance);
+  if ((uses & KT_USES_FLOAT) == KT_USES_FLOAT)
     KT_OPTIONS_ADD(out, floating);
   if (uses & KT_USES_JOBS)
     KT_OPTIONS_ADD(out, jobs);
@@ -141,7 +146,10 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
   km_model *model = NULL;
   km_error error;
   km_messages *messages = km_messages_create();
-  km_read_def def = {NULL, assignments, count, common->floating};
+  km_read_def def = {.assignments = assignments,
+                     .assignment_count = count,
+                     .floating = common->floating,
+                     .closure_tolerance = common->closure_tolerance};
   km_status status = km_model_load_as(path, &def, messages, &model, &error);
   const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
   for (size_t i = 0; i < km_messages_count(messages); ++i) {

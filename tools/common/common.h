@@ -27,7 +27,8 @@ kt_exit kt_worse(kt_exit a, kt_exit b);
 typedef struct kt_common {
   const char *tool; /* how messages begin */
   bool quiet, verbose, force;
-  bool floating; /* of --float: what a robot description leaves untied is free */
+  bool floating;            /* of --float: what a robot description leaves untied is free */
+  double closure_tolerance; /* of --closure-tolerance; 0: the file's */
   int jobs;
   unsigned long seed;
   int mode;           /* of --mode: the assembly mode that poses are brought to; 0: the file's own */
@@ -39,8 +40,9 @@ typedef struct kt_common {
 /* A tool's defaults. */
 #define KT_COMMON(TOOL) ((kt_common){.tool = (TOOL), .jobs = 1, .seed = 1})
 
-/* --quiet and --verbose; and, of --jobs, --seed, --force and --float, those that the command uses. */
-enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4, KT_USES_FLOAT = 8 };
+/* --quiet and --verbose; and, of --jobs, --seed, --force and how a model is read (--closure-tolerance, and --float too where
+ * a robot description may be read), those that the command uses. */
+enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4, KT_USES_MODEL = 8, KT_USES_FLOAT = 16 | KT_USES_MODEL };
 void kt_common_options(kt_options *out, kt_common *common, unsigned uses);
 
 /* `tool: text` on the standard error, coloured on a terminal (NO_COLOR, CLICOLOR_FORCE). Notes and warnings are silent with --quiet. */

@@ -77,6 +77,13 @@ static void keep_seed(const kt_option *o, const char *text, struct argp_state *s
   *(unsigned long *)o->target = seed;
 }
 
+static void keep_tolerance(const kt_option *o, const char *text, struct argp_state *state) {
+  double value;
+  if (!kt_number(text, &value) || !(value > 0.0 && value < 0.1))
+    refuse(state->name, "--%s: found \"%s\"; expected a number above 0 and below 0.1", o->name, text);
+  *(double *)o->target = value;
+}
+
 /* A name may be that of a folder beside which the files come to lie; one that only a folder can have begins no file's. */
 static void keep_begin(const kt_option *o, const char *text, struct argp_state *state) {
   const char *slash = strrchr(text, '/'), *last = slash ? slash + 1 : text;
@@ -112,6 +119,9 @@ static void keep(const kt_option *o, char *text, struct argp_state *state) {
     break;
   case KT_KEEP_SEED:
     keep_seed(o, text, state);
+    break;
+  case KT_KEEP_TOLERANCE:
+    keep_tolerance(o, text, state);
     break;
   }
 }

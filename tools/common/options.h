@@ -24,7 +24,8 @@ typedef struct kt_kind {
     KT_KEEP_WORD,
     KT_KEEP_COUNT,
     KT_KEEP_SEED,
-    KT_KEEP_BEGIN
+    KT_KEEP_BEGIN,
+    KT_KEEP_TOLERANCE
   } keep;
   const char *words; /* of a WORD; of texts what completions offer, or NULL */
 } kt_kind;
@@ -35,10 +36,11 @@ typedef struct kt_kind {
 #define KT_INPUT          ((kt_kind){KT_KEEP_INPUT, NULL}) /* const char *: a file that is read, which no result replaces */
 #define KT_BEGIN                                                                                                       \
   ((kt_kind){KT_KEEP_BEGIN, NULL}) /* const char *: the beginning of files' names, which isn't a folder */
-#define KT_TEXTS       ((kt_kind){KT_KEEP_TEXTS, NULL}) /* kt_texts: all texts in their order */
-#define KT_WORD(WORDS) ((kt_kind){KT_KEEP_WORD, WORDS}) /* int: the word's place in "one or another" */
-#define KT_COUNT       ((kt_kind){KT_KEEP_COUNT, NULL}) /* int: a whole number from 1 to 1024 */
-#define KT_SEED        ((kt_kind){KT_KEEP_SEED, NULL})  /* unsigned long: a whole number of at least 0 */
+#define KT_TEXTS       ((kt_kind){KT_KEEP_TEXTS, NULL})     /* kt_texts: all texts in their order */
+#define KT_WORD(WORDS) ((kt_kind){KT_KEEP_WORD, WORDS})     /* int: the word's place in "one or another" */
+#define KT_COUNT       ((kt_kind){KT_KEEP_COUNT, NULL})     /* int: a whole number from 1 to 1024 */
+#define KT_SEED        ((kt_kind){KT_KEEP_SEED, NULL})      /* unsigned long: a whole number of at least 0 */
+#define KT_TOLERANCE   ((kt_kind){KT_KEEP_TOLERANCE, NULL}) /* double: above 0 and below 0.1 */
 
 /* In which part of --help an option stands; hidden ones are taken for old scripts and do nothing. */
 typedef enum kt_group { KT_HIDDEN, KT_ABOUT_MODEL, KT_ABOUT_METHOD, KT_ABOUT_FILES, KT_ABOUT_ALL = 90 } kt_group;

@@ -84,7 +84,7 @@ kt_exit kredund_ik(int argc, char **argv) {
   };
   kredund_arm_options(&all, &r);
   KT_OPTIONS_ADD(&all, table);
-  kt_common_options(&all, &r.common, KT_USES_SEED);
+  kt_common_options(&all, &r.common, KT_USES_SEED | KT_USES_MODEL);
   kt_options_hide(&all, "objective"); /* what only a track has */
   kt_options_hide(&all, "rates");
   kt_options_read(&all,

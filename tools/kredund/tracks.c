@@ -22,7 +22,7 @@ bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **ar
   kredund_arm_options(all, r);
   kredund_method_options(all, r);
   KT_OPTIONS_ADD(all, files);
-  kt_common_options(all, &r->common, KT_USES_JOBS | KT_USES_SEED);
+  kt_common_options(all, &r->common, KT_USES_JOBS | KT_USES_SEED | KT_USES_MODEL);
   kt_options_read(all, about, argc, argv);
   bool piped = kt_is_piped(r->base);
   if (!kt_formats_parse(&r->common, r->formats ? r->formats : piped ? "csv" : "csv,svg", formats))

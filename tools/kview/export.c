@@ -175,7 +175,10 @@ kt_exit kview_export(int argc, char **argv) {
     strcat(name, ".html");
     o.file = name;
   }
-  kv_session session = {.opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose}};
+  kv_session session = {.opening = {.path = o.model,
+                                    .floating = o.common.floating,
+                                    .closure_tolerance = o.common.closure_tolerance,
+                                    .pose = o.common.pose}};
   km_text recording = {0};
   km_error error;
   km_status status = record(&session, &recording, &error);

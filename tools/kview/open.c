@@ -104,7 +104,10 @@ void kview_say(const kt_common *common, const char *path, km_status status, cons
 
 /* What is wrong with the model shows here, not only in a page. */
 static kt_exit try_model(const options *o) {
-  kv_session session = {.opening = {.path = o->model, .floating = o->common.floating, .pose = o->common.pose}};
+  kv_session session = {.opening = {.path = o->model,
+                                    .floating = o->common.floating,
+                                    .closure_tolerance = o->common.closure_tolerance,
+                                    .pose = o->common.pose}};
   km_error error;
   km_status status = kv_session_load(&session, &error);
   if (status)
@@ -151,12 +154,15 @@ kt_exit kview_open(int argc, char **argv) {
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
   kt_options_read(&all, "Open a model in the browser: a page of this machine alone, which moves it by hand.", argc,
                   argv);
-  kv_server_def def = {
-      .opening = {.path = o.model, .floating = o.common.floating, .pose = o.common.pose, .study = o.study},
-      .stay = o.stay,
-      .ready = ready,
-      .unsaved = write_unsaved,
-      .context = &o};
+  kv_server_def def = {.opening = {.path = o.model,
+                                   .floating = o.common.floating,
+                                   .closure_tolerance = o.common.closure_tolerance,
+                                   .pose = o.common.pose,
+                                   .study = o.study},
+                       .stay = o.stay,
+                       .ready = ready,
+                       .unsaved = write_unsaved,
+                       .context = &o};
   if (!read_port(&o, &def.port))
     return KT_USAGE;
   if (strcmp(o.model, "-") == 0)

@@ -62,7 +62,8 @@ bool kv_parameters_differ(const kv_parameters *p) {
 static km_status load(const kv_session *s, const double *values, km_model **out, km_error *error) {
   const kv_parameters *p = &s->parameters;
   km_assignment *items = calloc((size_t)p->count + 1, sizeof *items);
-  km_read_def def = {.floating = s->opening.floating, .assignments = items};
+  km_read_def def = {
+      .floating = s->opening.floating, .closure_tolerance = s->opening.closure_tolerance, .assignments = items};
   if (!items)
     return km_fail(error, KM_MEMORY, "out of memory");
   for (int i = 0; i < p->count; ++i)

@@ -95,7 +95,8 @@ bool kv_session_is_stale(const kv_session *s) {
 /* The model of the file's bytes, in the pose that was asked for. */
 static km_status make_model(kv_session *s, const km_text *file, km_messages *messages, km_model **out,
                             km_error *error) {
-  km_read_def def = {.file = s->opening.path, .floating = s->opening.floating};
+  km_read_def def = {
+      .file = s->opening.path, .floating = s->opening.floating, .closure_tolerance = s->opening.closure_tolerance};
   km_status status = km_model_read_as(file->data ? file->data : "", file->size, &def, messages, out, error);
   int pose;
   if (!status && s->opening.pose) {

@@ -19,8 +19,9 @@ enum { KV_UNDO_BYTES = 8 << 20, KV_MOST_UNDO = 200 };
 typedef struct kv_opening {
   const char *path; /* of the model's file */
   bool floating;
-  const char *pose;  /* named in the model; NULL: its own */
-  const char *study; /* a path study for the question "track"; NULL: that isn't asked */
+  double closure_tolerance; /* 0: the file's */
+  const char *pose;         /* named in the model; NULL: its own */
+  const char *study;        /* a path study for the question "track"; NULL: that isn't asked */
 } kv_opening;
 
 /* A pose, the places of the frames and the parameters, to come back to. */

@@ -15,19 +15,20 @@ from .picture import taken
 from .question import Answer, add_methods, number, numbers
 
 
-def load(path: Union[str, Path], *, floating: bool = False, vary: Optional[Mapping[str, float]] = None) -> "Model":
+def load(path: Union[str, Path], *, floating: bool = False, vary: Optional[Mapping[str, float]] = None,
+         closure_tolerance: Optional[float] = None) -> "Model":
     """Reads a model from a file: JSON of the model format, URDF, MJCF or SDF, told by the content.
 
     floating: what a robot description leaves untied is free to move. vary: other values for numbers of the file, by
-    their paths ("crank.tip.x", a parameter's name); JSON only.
+    their paths ("crank.tip.x", a parameter's name); JSON only. closure_tolerance: instead of the file's.
     Raises ModelError with the place in the file, and warns with ModelWarning."""
-    return Model(read_file(path), file=str(path), floating=floating, vary=vary)
+    return Model(read_file(path), file=str(path), floating=floating, vary=vary, closure_tolerance=closure_tolerance)
 
 
 def from_string(text: Union[str, bytes], *, floating: bool = False, vary: Optional[Mapping[str, float]] = None,
-                file: Optional[str] = None) -> "Model":
+                file: Optional[str] = None, closure_tolerance: Optional[float] = None) -> "Model":
     """Reads a model from a text. `file`: where it is from, for meshes and files that it names."""
-    return Model(text, file=file, floating=floating, vary=vary)
+    return Model(text, file=file, floating=floating, vary=vary, closure_tolerance=closure_tolerance)
 
 
 class Model:
@@ -37,11 +38,12 @@ class Model:
     pose; Mechanism has the same ones."""
 
     def __init__(self, text: Union[str, bytes], *, file: Optional[str] = None, floating: bool = False,
-                 vary: Optional[Mapping[str, float]] = None) -> None:
+                 vary: Optional[Mapping[str, float]] = None, closure_tolerance: Optional[float] = None) -> None:
         if not isinstance(text, (str, bytes, bytearray)):
             raise TypeError(f"text: found {type(text).__name__}; expected the text of a model")
         self._source = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else bytes(text)
-        self._read_with = {"file": file, "floating": bool(floating), "vary": dict(vary or {})}
+        self._read_with = {"file": file, "floating": bool(floating), "vary": dict(vary or {}),
+                           "closure_tolerance": closure_tolerance}
         self.file = file
         messages = ffi.gc(lib.km_messages_create(), lib.km_messages_free)
         out, error = ffi.new("km_model **"), new_error()
@@ -63,9 +65,11 @@ class Model:
         paths = [ffi.new("char[]", bytes_of(path, "vary")) for path in given["vary"]]
         values = [{"path": p, "value": number(v, "vary")} for p, v in zip(paths, given["vary"].values())]
         assignments = ffi.new("km_assignment[]", values) if values else ffi.NULL
+        tolerance = given["closure_tolerance"]
+        tolerance = number(tolerance, "closure_tolerance") if tolerance is not None else 0.0
         self._kept = (file, paths, assignments)
         return ffi.new("km_read_def *", {"file": file, "assignments": assignments, "assignment_count": len(values),
-                                         "floating": given["floating"]})
+                                         "floating": given["floating"], "closure_tolerance": tolerance})
 
     def _take(self, pointer: Any) -> None:
         self._c = ffi.gc(pointer, lib.km_model_free)
@@ -172,8 +176,7 @@ class Model:
         model.vary(crank=0.3) or model.vary(**{"A.limits.1": 90})."""
         if self._source is None:
             raise UsageError("this model was built by calls: there is no text whose numbers could change")
-        given = self._read_with
-        return Model(self._source, file=given["file"], floating=given["floating"], vary={**given["vary"], **values})
+        return Model(self._source, **{**self._read_with, "vary": {**self._read_with["vary"], **values}})
 
     def set_position(self, label: str, value: float) -> None:
         """The value that a coordinate starts the assembly from."""

@@ -131,6 +131,17 @@ def test_robot_descriptions(tmp_path):
     assert '"max_force": 3' in model.to_json()
 
 
+def test_closure_tolerance_on_loading(iiwa, tmp_path):
+    notes = iiwa.save(tmp_path / "arm.json")
+    assert notes is not None
+    assert "closure_tolerance" not in kmech.load(tmp_path / "arm.json").to_json()
+    model = kmech.load(tmp_path / "arm.json", closure_tolerance=2e-5)
+    assert '"closure_tolerance": 2e-05' in model.to_json()
+    assert '"closure_tolerance": 2e-05' in model.vary(**{"model_parameters.gravity.2": -1}).to_json()
+    with pytest.raises(kmech.UsageError, match="closure_tolerance: found 2"):
+        kmech.load(tmp_path / "arm.json", closure_tolerance=2)
+
+
 @pytest.mark.parametrize("ending", ["json", "urdf", "xml", "sdf"])
 def test_models_go_out_and_come_back(ending, iiwa, tmp_path):
     notes = iiwa.save(tmp_path / f"arm.{ending}")

@@ -238,6 +238,22 @@ static void free_names(km_reader *reader) {
   km_names_free(&reader->labels);
 }
 
+/* Puts a closure tolerance in the place of the file's. */
+static void set_tolerance(km_value *root, double tolerance, km_arena *arena) {
+  km_value *parameters = (km_value *)km_value_get(root, "model_parameters");
+  if (!parameters && root->kind == KM_OBJECT)
+    parameters = km_value_add(arena, root, "model_parameters", KM_OBJECT);
+  if (!parameters || parameters->kind != KM_OBJECT) /* the check of the format tells */
+    return;
+  km_value *stated = (km_value *)km_value_get(parameters, "closure_tolerance");
+  if (!stated) {
+    km_value_number(arena, parameters, "closure_tolerance", tolerance);
+    return;
+  }
+  stated->kind = KM_NUMBER;
+  stated->number = tolerance;
+}
+
 static km_status read_model(km_model *model, const char *bytes, size_t size, const km_read_def *def,
                             km_messages *messages, km_error *error) {
   km_value *root;
@@ -252,6 +268,8 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
       km_messages_add(messages, KM_ERROR, "%s", error->text);
     return status;
   }
+  if (def->closure_tolerance > 0.0)
+    set_tolerance(root, def->closure_tolerance, &model->arena);
   km_format_check(root, messages);
   if (km_messages_errors(messages))
     return first_error(messages, error);

@@ -135,6 +135,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
   if (!robot->failed && !robot->arena.failed) {
     km_mjcf_read_constraints(&child);
     km_mjcf_read_actuators(&child);
+    km_mjcf_read_tendon_springs(&child);
     if (!own)
       km_mjcf_read_attached_keyframes(&child, part, m->joint_count);
   }
@@ -150,10 +151,11 @@ bool km_mjcf_is_here(const km_mjcf *m, const km_xml *e) {
   static const struct {
     const char *key;
     size_t names;
-  } keys[] = {{"body1", offsetof(km_mjcf, body_names)},   {"body2", offsetof(km_mjcf, body_names)},
-              {"joint1", offsetof(km_mjcf, joint_names)}, {"joint2", offsetof(km_mjcf, joint_names)},
-              {"joint", offsetof(km_mjcf, joint_names)},  {"jointinparent", offsetof(km_mjcf, joint_names)},
-              {"site1", offsetof(km_mjcf, site_names)},   {"site2", offsetof(km_mjcf, site_names)}};
+  } keys[] = {{"body1", offsetof(km_mjcf, body_names)},          {"body2", offsetof(km_mjcf, body_names)},
+              {"joint1", offsetof(km_mjcf, joint_names)},        {"joint2", offsetof(km_mjcf, joint_names)},
+              {"joint", offsetof(km_mjcf, joint_names)},         {"site", offsetof(km_mjcf, site_names)},
+              {"jointinparent", offsetof(km_mjcf, joint_names)}, {"site1", offsetof(km_mjcf, site_names)},
+              {"site2", offsetof(km_mjcf, site_names)}};
   for (size_t i = 0; i < sizeof keys / sizeof *keys && m->depth > 0; ++i) {
     const char *name = km_xml_attribute_of(e, keys[i].key);
     const km_names *names = (const km_names *)((const char *)m + keys[i].names);

@@ -88,8 +88,9 @@ static void read_site(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, i
     km_robot_error(robot, e, "site \"%.80s\": this name is used twice; expected a name of its own", name);
   else if (!km_names_set(&m->site_names, 0, name, m->site_count))
     robot->arena.failed = true;
-  m->sites[m->site_count++] = (km_mjcf_site){body, pose};
-  km_robot_frame(robot, e, m->bodies[body].id, km_robot_name_within(m->bodies[body].name, name), &pose);
+  km_frame_id frame =
+      km_robot_frame(robot, e, m->bodies[body].id, km_robot_name_within(m->bodies[body].name, name), &pose);
+  m->sites[m->site_count++] = (km_mjcf_site){body, pose, frame};
 }
 
 /* Sites and bodies inside of a body. */

@@ -91,24 +91,32 @@ static void place_connect(km_mjcf *m, const km_xml *e, bool sites, loop_ends *en
       km_robot_error(m->robot, e, "a connection without anchor; expected anchor=\"x y z\"");
     ends->pose[0].p = km_vec3_make(anchor);
   }
-  km_pose other = across(m, ends);
-  ends->pose[1].R = other.R;
   if (!sites)
-    ends->pose[1].p = other.p;
+    ends->pose[1].p = across(m, ends).p;
 }
 
-/* A rigid joint: as sites or `relpose` tell, else as the bodies stand. */
+/* Sites meet. Of bodies the point `anchor` of the second one is at the position of `relpose` in the first one, which it
+ * turns against the first one by its quaternion; without a quaternion both are as the bodies stand. */
 static void place_weld(km_mjcf *m, const km_xml *e, bool sites, loop_ends *ends) {
-  double r[7] = {0};
+  double r[7] = {0}, anchor[3] = {0};
   const char *text = km_xml_attribute_of(e, "relpose");
-  bool told = text && km_robot_parse(m->robot, e, "relpose", text, r, 7);
   if (sites)
     return;
-  if (told && (r[3] != 0.0 || r[4] != 0.0 || r[5] != 0.0 || r[6] != 0.0))
+  km_robot_numbers(m->robot, e, "anchor", anchor, 3);
+  ends->pose[1].p = km_vec3_make(anchor);
+  bool told = text && km_robot_parse(m->robot, e, "relpose", text, r, 7);
+  if (told && (r[3] != 0.0 || r[4] != 0.0 || r[5] != 0.0 || r[6] != 0.0)) {
     ends->pose[0] = (km_pose){km_quaternion_rotation(km_quaternion_normalised((km_quaternion){r[3], r[4], r[5], r[6]})),
                               km_vec3_make(r)};
-  else
-    ends->pose[1] = across(m, ends);
+  } else {
+    loop_ends other = {{ends->body[1], ends->body[0]}, {ends->pose[1], ends->pose[0]}};
+    ends->pose[0] = across(m, &other);
+  }
+}
+
+/* A weld whose torques count nothing is a connection. */
+static bool is_rigid(km_mjcf *m, const km_xml *e) {
+  return strcmp(e->name, "weld") == 0 && km_robot_number(m->robot, e, "torquescale", 1.0) != 0.0;
 }
 
 /* Sites and stated poses that almost meet are rounded; far ones meet when the loops are assembled. */
@@ -121,16 +129,18 @@ static void judge_gap(km_mjcf *m, const loop_ends *ends, bool weld) {
     m->robot->angle_rounding = fmax(m->robot->angle_rounding, angle);
 }
 
-static void read_loop(km_mjcf *m, const km_xml *e, bool weld) {
-  bool sites = km_xml_attribute_of(e, "site1") != NULL;
+static void read_loop(km_mjcf *m, const km_xml *e) {
+  bool sites = km_xml_attribute_of(e, "site1") != NULL, rigid = is_rigid(m, e);
   loop_ends ends;
   if (!(sites ? find_sites(m, e, &ends) : find_bodies(m, e, &ends)))
     return;
-  if (weld)
+  if (strcmp(e->name, "weld") == 0)
     place_weld(m, e, sites, &ends);
   else
     place_connect(m, e, sites, &ends);
-  judge_gap(m, &ends, weld);
+  if (!rigid) /* the ball stands at 0 */
+    ends.pose[1].R = across(m, &ends).R;
+  judge_gap(m, &ends, rigid);
   if (ends.body[0] == ends.body[1]) {
     km_robot_error(m->robot, e, "both ends are on the body \"%.80s\"; expected two bodies",
                    m->bodies[ends.body[0]].name);
@@ -140,7 +150,7 @@ static void read_loop(km_mjcf *m, const km_xml *e, bool weld) {
   joint.at = e;
   joint.name = constraint_name(m, e);
   joint.assembly = m->assembly;
-  joint.type = weld ? KM_RIGID : KM_SPHERICAL;
+  joint.type = rigid ? KM_RIGID : KM_SPHERICAL;
   joint.parent = m->bodies[ends.body[0]].id;
   joint.child = m->bodies[ends.body[1]].id;
   joint.in_parent = ends.pose[0];
@@ -187,7 +197,7 @@ static void read_equality(km_mjcf *m, const km_xml *e) {
   if (!is_active(e))
     km_robot_omit(m->robot, "constraints that aren't active left out", km_xml_attribute_of(e, "name"));
   else if (strcmp(e->name, "connect") == 0 || strcmp(e->name, "weld") == 0)
-    read_loop(m, e, e->name[0] == 'w');
+    read_loop(m, e);
   else if (strcmp(e->name, "joint") == 0)
     read_coupling(m, e);
   else if (strcmp(e->name, "tendon") == 0)

@@ -42,15 +42,15 @@ static double bound(double value) {
 
 static void read_limits(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, km_robot_joint *joint, double unit) {
   const char *limited = km_mjcf_get(m, e, place, "limited");
-  double range[2];
-  bool given = km_mjcf_numbers(m, e, place, "range", range, 2) == 2;
-  bool automatic = !limited || strcmp(limited, "auto") == 0;
+  double range[2] = {0.0, 0.0};
+  bool given = km_mjcf_numbers(m, e, place, "range", range, 2) == 2 && (range[0] != 0.0 || range[1] != 0.0);
+  bool automatic = !limited || strcmp(limited, "auto") == 0; /* MuJoCo then takes a range of 0 0 for none */
   if (!(automatic ? given && m->compiler.autolimits : strcmp(limited, "true") == 0))
     return;
   if (joint->type == KM_SPHERICAL)
-    km_robot_limit_turn(m->robot, joint, given ? bound(range[1]) * unit : 0.0);
+    km_robot_limit_turn(m->robot, joint, bound(range[1]) * unit);
   else
-    km_robot_limit(m->robot, joint, 0, given ? bound(range[0]) * unit : 0.0, given ? bound(range[1]) * unit : 0.0);
+    km_robot_limit(m->robot, joint, 0, bound(range[0]) * unit, bound(range[1]) * unit);
 }
 
 /* Springs and dampers that are to be found from the inertia and a time constant. */

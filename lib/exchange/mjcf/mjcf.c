@@ -11,6 +11,15 @@ static void read_option(km_mjcf *m, const km_xml *option) {
     memset(m->robot->settings.gravity, 0, sizeof m->robot->settings.gravity);
 }
 
+/* A tolerance that kmech wrote. */
+static void read_custom(km_mjcf *m, const km_xml *custom) {
+  for (const km_xml *e = km_xml_child(custom, "numeric"); e; e = km_xml_next(e)) {
+    const char *name = km_xml_attribute_of(e, "name");
+    if (name && strcmp(name, KM_MJCF_TOLERANCE) == 0)
+      m->robot->settings.closure_tolerance = km_robot_number(m->robot, e, "data", 0.0);
+  }
+}
+
 static void count_others(km_mjcf *m) {
   static const struct {
     const char *element, *kind;
@@ -33,11 +42,14 @@ void km_mjcf_read(km_robot *robot, km_xml *root) {
   km_mjcf_read_classes(&m);
   for (const km_xml *e = km_xml_child(root, "option"); e; e = km_xml_next(e))
     read_option(&m, e);
+  for (const km_xml *e = km_xml_child(root, "custom"); e; e = km_xml_next(e))
+    read_custom(&m, e);
   km_mjcf_read_forces(&m);
   km_mjcf_read_bodies(&m);
   if (!robot->failed && !robot->arena.failed) {
     km_mjcf_read_constraints(&m);
     km_mjcf_read_actuators(&m);
+    km_mjcf_read_tendon_springs(&m);
     km_mjcf_count_tendons(&m);
     km_mjcf_read_keyframes(&m);
     count_others(&m);

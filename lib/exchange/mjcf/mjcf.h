@@ -24,6 +24,7 @@ typedef struct km_mjcf_joint {
 typedef struct km_mjcf_site {
   int body;
   km_pose pose; /* in the body */
+  km_frame_id frame;
 } km_mjcf_site;
 
 /* A class of defaults; several elements may add to one. */
@@ -148,8 +149,20 @@ void km_mjcf_read_actuators(km_mjcf *m);
 void km_mjcf_couple_tendons(km_mjcf *m, const km_xml *constraint, const double c[5]);
 /* Have all joints of a fixed tendon been attached? True without a tendon. */
 bool km_mjcf_tendon_is_here(const km_mjcf *m, const char *name);
-/* Counts the tendons that no coupling tells. */
+/* Counts the tendons that neither a coupling nor a spring tells. */
 void km_mjcf_count_tendons(km_mjcf *m);
+/* The length of a fixed tendon, Σ ratio · q over hinges and slides. */
+enum { KM_MJCF_MOST_TERMS = 256 };
+typedef struct km_mjcf_sum {
+  int count, joints[KM_MJCF_MOST_TERMS];
+  double ratios[KM_MJCF_MOST_TERMS];
+} km_mjcf_sum;
+/* Adds such a length, times a factor; false: reported. */
+bool km_mjcf_add_length(km_mjcf *m, const km_xml *tendon, double factor, km_mjcf_sum *out);
+/* Springs and dampers of tendons, as forces along what changes their length. */
+void km_mjcf_read_tendon_springs(km_mjcf *m);
+/* Has a tendon a spring or a damper? */
+bool km_mjcf_is_spring(km_mjcf *m, const km_xml *tendon);
 /* Keyframes, as named poses. */
 void km_mjcf_read_keyframes(km_mjcf *m);
 /* Those of an attached model: poses of the joints that came with the part, from the index of the first one. */

@@ -3,19 +3,11 @@
 
 #include <string.h>
 
-enum { MOST_TERMS = 256 };
-
-/* Σ ratio · q over joints. */
-typedef struct sum {
-  int count, joints[MOST_TERMS];
-  double ratios[MOST_TERMS];
-} sum;
-
-static void add_term(sum *s, int joint, double ratio) {
+static void add_term(km_mjcf_sum *s, int joint, double ratio) {
   int k = 0;
   while (k < s->count && s->joints[k] != joint)
     k++;
-  if (k == MOST_TERMS)
+  if (k == KM_MJCF_MOST_TERMS)
     return;
   if (k == s->count) {
     s->joints[s->count] = joint;
@@ -46,25 +38,15 @@ static bool is_single(const km_mjcf *m, int joint) {
   return m->joints[joint].type == KM_RZ || m->joints[joint].type == KM_TZ;
 }
 
-/* Adds a tendon's length, times a factor; false: reported, or not a sum over joints of one coordinate. */
-static bool add_length(km_mjcf *m, const km_xml *constraint, const char *key, double factor, sum *out) {
-  const char *name = km_xml_attribute_of(constraint, key);
-  const km_xml *tendon = name ? find_fixed(m, name) : NULL;
+bool km_mjcf_add_length(km_mjcf *m, const km_xml *tendon, double factor, km_mjcf_sum *out) {
   int terms = 0;
-  if (!tendon) {
-    km_robot_warn(m->robot, constraint,
-                  "%s: found \"%.80s\", which is no fixed tendon; the constraint is left out, and the model moves more "
-                  "freely without it",
-                  key, name ? name : "");
-    return false;
-  }
   for (const km_xml *e = km_xml_child(tendon, "joint"); e; e = km_xml_next(e)) {
     int joint = km_mjcf_find(m, e, "joint", &m->joint_names, "joint");
     if (joint < 0)
       return false;
-    if (!is_single(m, joint) || ++terms > MOST_TERMS) {
+    if (!is_single(m, joint) || ++terms > KM_MJCF_MOST_TERMS) {
       km_robot_error(m->robot, e, "found the joint \"%.80s\"; expected at most %d hinges and slides",
-                     m->joints[joint].name, MOST_TERMS);
+                     m->joints[joint].name, KM_MJCF_MOST_TERMS);
       return false;
     }
     add_term(out, joint, factor * km_robot_number(m->robot, e, "coef", 1.0));
@@ -72,10 +54,23 @@ static bool add_length(km_mjcf *m, const km_xml *constraint, const char *key, do
   return true;
 }
 
+/* The length of the tendon that a constraint names; false: reported, or not a sum over joints of one coordinate. */
+static bool add_length(km_mjcf *m, const km_xml *constraint, const char *key, double factor, km_mjcf_sum *out) {
+  const char *name = km_xml_attribute_of(constraint, key);
+  const km_xml *tendon = name ? find_fixed(m, name) : NULL;
+  if (tendon)
+    return km_mjcf_add_length(m, tendon, factor, out);
+  km_robot_warn(m->robot, constraint,
+                "%s: found \"%.80s\", which is no fixed tendon; the constraint is left out, and the model moves more "
+                "freely without it",
+                key, name ? name : "");
+  return false;
+}
+
 /* length1 - its value at the reference values = c0 + c1 (length2 - its value there). */
 void km_mjcf_couple_tendons(km_mjcf *m, const km_xml *e, const double c[5]) {
-  sum *s = KM_ARENA_NEW(&m->robot->arena, sum, 1);
-  km_coordinate_ref *refs = KM_ARENA_NEW(&m->robot->arena, km_coordinate_ref, MOST_TERMS);
+  km_mjcf_sum *s = KM_ARENA_NEW(&m->robot->arena, km_mjcf_sum, 1);
+  km_coordinate_ref *refs = KM_ARENA_NEW(&m->robot->arena, km_coordinate_ref, KM_MJCF_MOST_TERMS);
   bool second = km_xml_attribute_of(e, "tendon2") != NULL;
   km_error error;
   if (!s || !refs || !add_length(m, e, "tendon1", 1.0, s) || (second && !add_length(m, e, "tendon2", -c[1], s)))
@@ -117,7 +112,8 @@ void km_mjcf_count_tendons(km_mjcf *m) {
   for (const km_xml *list = km_xml_child(m->root, "tendon"); list; list = km_xml_next(list))
     for (const km_xml *e = list->first; e; e = e->next) {
       const char *name = km_xml_attribute_of(e, "name");
-      if (strcmp(e->name, "fixed") != 0 || !name || !is_coupled(m, name))
+      bool coupled = strcmp(e->name, "fixed") == 0 && name && is_coupled(m, name);
+      if (!coupled && !km_mjcf_is_spring(m, e))
         km_robot_omit(m->robot, "tendons left out", name);
     }
 }

@@ -88,9 +88,9 @@ static void set_dynamics(km_written *w, const km_written_motion *motion) {
     km_xml_set_numbers(&w->xml, "stiffness", &stiffness, 1, false);
     km_xml_set_numbers(&w->xml, "springref", &rest, 1, false);
   }
-  if (km_written_is_limited(w->model, motion->coordinate)) {
-    const double range[2] = {km_written_limit(w, motion->coordinate, c->low),
-                             km_written_limit(w, motion->coordinate, c->high)};
+  if (km_written_is_limited(w->model, motion->coordinate) && !km_written_held_at(w->model, motion->coordinate)) {
+    double range[2];
+    km_written_range(w, motion->coordinate, range);
     km_xml_set(&w->xml, "limited", "true");
     km_xml_set_numbers(&w->xml, "range", range, 2, false);
   }
@@ -289,6 +289,18 @@ static void add_constraints(km_written *w) {
   km_mjcf_write_tendons(w);
 }
 
+static void add_tolerance(km_written *w) {
+  double tolerance = km_written_tolerance(w);
+  if (!(tolerance > 0.0))
+    return;
+  km_xml_begin(&w->xml, "custom");
+  km_xml_begin(&w->xml, "numeric");
+  km_xml_set(&w->xml, "name", KM_MJCF_TOLERANCE);
+  km_xml_set_numbers(&w->xml, "data", &tolerance, 1, false);
+  km_xml_end(&w->xml, "numeric");
+  km_xml_end(&w->xml, "custom");
+}
+
 static void add_actuators(km_written *w) {
   const km_model *m = w->model;
   km_xml_begin(&w->xml, "actuator");
@@ -315,6 +327,7 @@ km_status km_mjcf_write(km_written *w, km_error *error) {
   km_xml_begin(&w->xml, "option");
   km_xml_set_numbers(&w->xml, "gravity", (const double[3]){g.x, g.y, g.z}, 3, false);
   km_xml_end(&w->xml, "option");
+  add_tolerance(w);
   km_mjcf_write_assets(w);
   km_xml_begin(&w->xml, "worldbody");
   add_sites(w, 0);

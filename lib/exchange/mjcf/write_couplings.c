@@ -111,8 +111,24 @@ static void add_screws(km_written *w) {
   }
 }
 
+/* MuJoCo refuses a range without an inside: a held joint is a constraint of its own. */
+static void add_holds(km_written *w) {
+  for (int h = 0; h < w->model->hold_count; ++h) {
+    int c = w->model->holds[h].coordinate;
+    const char *label = name_of_coordinate(w, c);
+    km_joint_type type = w->model->joints[w->model->coordinates[c].joint].type;
+    double range[2];
+    if (type == KM_SPHERICAL || type == KM_FLOAT)
+      continue;
+    km_written_range(w, c, range);
+    const double line[2] = {range[0] - w->reference[c], 0.0};
+    add_equality(w, km_written_text(w, "%s:hold", label), label, NULL, line, 2);
+  }
+}
+
 void km_mjcf_write_couplings(km_written *w) {
   add_screws(w);
+  add_holds(w);
   for (int i = 0; i < w->model->coupling_count; ++i)
     add_coupling(w, &w->model->couplings[i]);
 }

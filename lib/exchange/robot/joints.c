@@ -30,6 +30,18 @@ static bool has_axis(km_joint_type type) {
   return type == KM_RZ || type == KM_TZ || type == KM_CYLINDRICAL || type == KM_PLANAR || type == KM_SCREW;
 }
 
+/* Holds the coordinates whose limits are equal. */
+static void lock(km_robot *robot, const km_robot_joint *joint, km_joint_id id) {
+  km_error error;
+  for (int k = 0; k < KM_MAX_FREEDOM && id.value; ++k) {
+    km_status status = joint->locked[k]
+                           ? km_model_add_hold(robot->builder, (km_coordinate_ref){id, k}, joint->position[k], &error)
+                           : KM_OK;
+    if (status)
+      km_robot_builder_failed(robot, joint->at, status, &error);
+  }
+}
+
 km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
   km_joint_id id = {0};
   km_error error;
@@ -61,10 +73,12 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint) {
   memcpy(def.constant_friction, joint->friction, sizeof def.constant_friction);
   km_status status =
       def.parent.value && def.child.value ? km_model_add_joint(robot->builder, &def, &id, &error) : KM_OK;
-  if (status)
+  if (status) {
     km_robot_builder_failed(robot, joint->at, status, &error);
-  else
-    km_robot_take_name(robot, &robot->joints, joint->assembly.value, km_robot_text(robot, "%s", joint->name), id.value);
+    return id;
+  }
+  km_robot_take_name(robot, &robot->joints, joint->assembly.value, km_robot_text(robot, "%s", joint->name), id.value);
+  lock(robot, joint, id);
   return id;
 }
 
@@ -136,6 +150,10 @@ void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, d
     joint->high[k] = high;
     if (joint->position[k] < low || joint->position[k] > high)
       km_robot_omit(robot, "joints that start outside of their limits", joint->name);
+  } else if (low == high && isfinite(low)) {
+    joint->locked[k] = true;
+    joint->position[k] = low;
+    km_robot_omit(robot, "joints locked at the one value that their limits allow", joint->name);
   } else {
     km_robot_omit(robot, "limits left out, as the lower one isn't below the upper one", joint->name);
   }

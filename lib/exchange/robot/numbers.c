@@ -109,6 +109,11 @@ void km_robot_judge_digits(const char *text, double period, double *worst) {
   }
 }
 
+void km_robot_judge_origin(km_robot *robot, const km_xml *element) {
+  km_robot_judge_digits(km_xml_attribute_of(element, "rpy"), M_PI / 12.0, &robot->angle_rounding);
+  km_robot_judge_digits(km_xml_attribute_of(element, "xyz"), 0.0, &robot->length_rounding);
+}
+
 km_rotation km_rotation_rpy(const double rpy[3]) {
   km_rotation R = km_rotation_identity();
   for (int k = 2; k >= 0; --k)

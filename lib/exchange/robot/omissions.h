@@ -4,6 +4,10 @@
 
 #include "kmech/status.h"
 
+/* Where MJCF (a numeric of `custom`) and SDF (an element of a model) keep a model's closure tolerance. */
+#define KM_MJCF_TOLERANCE "kmech_closure_tolerance"
+#define KM_SDF_TOLERANCE  "kmech:closure_tolerance"
+
 enum { KM_MOST_OMISSIONS = 48 };
 
 typedef struct km_omission {

@@ -43,11 +43,12 @@ void km_robot_omit(km_robot *robot, const char *kind, const char *name) {
   km_omissions_add(&robot->omissions, kind, name);
 }
 
-/* Loops that a file's rounded numbers leave almost closed, or axes almost parallel, close to within the rounding. */
+/* Loops that a file's rounded numbers leave almost closed, or axes almost parallel, close to within the rounding, where
+ * the file states no tolerance. */
 static void set_closure_tolerance(km_robot *robot) {
   double size = robot->reach > 0.0 ? robot->reach : 1.0;
   double rounding = fmax(robot->angle_rounding, robot->length_rounding / size);
-  if (!robot->closes || 2.0 * rounding <= 1e-9)
+  if (robot->settings.closure_tolerance > 0.0 || !robot->closes || 2.0 * rounding <= 1e-9)
     return;
   robot->settings.closure_tolerance = fmin(2.0 * rounding, 1e-3);
   km_messages_add(robot->request->messages, KM_NOTE,
@@ -81,6 +82,8 @@ static km_status finish(km_robot *robot, km_model **out, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory while reading the model");
   if (robot->failed)
     return first_error(robot, error);
+  if (robot->request->closure_tolerance > 0.0)
+    robot->settings.closure_tolerance = robot->request->closure_tolerance;
   set_closure_tolerance(robot);
   km_status status = km_model_set(robot->builder, &robot->settings, error);
   if (!status)

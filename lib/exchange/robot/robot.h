@@ -10,8 +10,9 @@
 
 /* What is asked of a reader, and where it puts what it finds. */
 typedef struct km_robot_request {
-  const char *file; /* where the text is from; NULL: nowhere */
-  bool floating;    /* what the file leaves untied is free, not fixed */
+  const char *file;         /* where the text is from; NULL: nowhere */
+  bool floating;            /* what the file leaves untied is free, not fixed */
+  double closure_tolerance; /* instead of the file's; 0: the file's */
   km_messages *messages;
 } km_robot_request;
 
@@ -64,6 +65,8 @@ double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const
 /* Remembers how coarsely the numbers of a pose are rounded. `period`: a multiple of it is meant where it is within
  * the rounding; 0: none. */
 void km_robot_judge_digits(const char *text, double period, double *worst);
+/* The same of the attributes `rpy` and `xyz` of an element. */
+void km_robot_judge_origin(km_robot *robot, const km_xml *element);
 
 /* R = Rz(yaw) Ry(pitch) Rx(roll). */
 km_rotation km_rotation_rpy(const double rpy[3]);
@@ -94,6 +97,7 @@ typedef struct km_robot_joint {
   double pitch, most_turn;     /* of a screw; of a ball, 0: any */
   double position[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM], low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];
   double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM], armature[KM_MAX_FREEDOM], friction[KM_MAX_FREEDOM];
+  bool locked[KM_MAX_FREEDOM]; /* held at `position`, as analysis.hold does */
 } km_robot_joint;
 km_robot_joint km_robot_joint_default(void);
 /* A name that is taken is an error. {0} if it could not be added. */
@@ -107,7 +111,7 @@ void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_ass
 /* Ties a body to the inertial frame: rigidly, or freely where that is asked; at the pose. */
 void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km_body_id body, const char *name,
                   const km_pose *pose, bool floating);
-/* Limits that are no range are dropped, and counted. */
+/* Equal limits lock the coordinate at their value, and are counted; limits that are no range are dropped, and counted. */
 void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, double high);
 /* The largest angle of a ball; one that isn't above 0 is dropped, and counted. */
 void km_robot_limit_turn(km_robot *robot, km_robot_joint *joint, double most);

@@ -77,13 +77,18 @@ double km_written_force(const km_written *w, int coordinate);
 double km_written_rate(const km_written *w, int coordinate); /* per time */
 double km_written_damping(const km_written *w, int coordinate);
 double km_written_inertia(const km_written *w, int coordinate);
-double km_written_limit(const km_written *w, int coordinate, double value); /* ∓1e30 where there is none */
-bool km_written_is_limited(const km_model *model, int coordinate);
+/* The least and greatest value, ∓1e30 where there is none; of a held coordinate (analysis.hold) both are its value. */
+void km_written_range(const km_written *w, int coordinate, double range[2]);
+/* The value at which the model holds a coordinate, in its unit; NULL: it is free. */
+const double *km_written_held_at(const km_model *model, int coordinate);
+bool km_written_is_limited(const km_model *model, int coordinate); /* held ones are */
 /* The linear springs in a coordinate as one: true with its stiffness and where it is at rest, in SI. Others count as left out. */
 bool km_written_spring(const km_written *w, int coordinate, double *stiffness, double *rest);
 /* The same of a ball's three coordinates from the first one on, if they have one stiffness and are at rest in the file's pose; else
  * their springs count as left out. */
 bool km_written_ball_spring(km_written *w, int first, double *stiffness);
+/* The model's closure tolerance; 0: it states none. */
+double km_written_tolerance(const km_written *w);
 /* What no format holds of forces and of motions. */
 void km_written_omit_forces(km_written *w);
 /* What a joint's element can hold of a coordinate. */

@@ -26,12 +26,25 @@ double km_written_inertia(const km_written *w, int c) {
 }
 
 bool km_written_is_limited(const km_model *m, int c) {
-  return isfinite(m->coordinates[c].low) || isfinite(m->coordinates[c].high);
+  return isfinite(m->coordinates[c].low) || isfinite(m->coordinates[c].high) || km_written_held_at(m, c);
 }
 
-double km_written_limit(const km_written *w, int c, double value) {
-  double si = value * (is_length(w, c) ? w->length : w->model->units.angle->si);
-  return fmax(-no_limit, fmin(no_limit, si));
+const double *km_written_held_at(const km_model *m, int c) {
+  for (int h = 0; h < m->hold_count; ++h)
+    if (m->holds[h].coordinate == c)
+      return &m->holds[h].value;
+  return NULL;
+}
+
+void km_written_range(const km_written *w, int c, double range[2]) {
+  const double *held = km_written_held_at(w->model, c);
+  double unit = is_length(w, c) ? w->length : w->model->units.angle->si;
+  range[0] = fmax(-no_limit, unit * (held ? *held : w->model->coordinates[c].low));
+  range[1] = fmin(no_limit, unit * (held ? *held : w->model->coordinates[c].high));
+}
+
+double km_written_tolerance(const km_written *w) {
+  return w->model->closure_tolerance_given ? w->model->closure_tolerance : 0.0;
 }
 
 /* A law k (rest - x), one piece of two coefficients, in a joint's coordinate. */

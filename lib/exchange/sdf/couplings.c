@@ -3,15 +3,27 @@
 
 #include <string.h>
 
-static const km_xml *mimic_of(const km_sdf *sdf, int joint) {
-  return km_xml_child(km_xml_child(sdf->entities[joint].at, "axis"), "mimic");
+static const char *const axis_names[2] = {"axis", "axis2"};
+
+/* An axis of a joint: its entity, and 0 for axis or 1 for axis2. */
+typedef struct axis_of {
+  int joint, axis;
+} axis_of;
+
+static const km_xml *mimic_of(const km_sdf *sdf, axis_of follower) {
+  return km_xml_child(km_xml_child(sdf->entities[follower.joint].at, axis_names[follower.axis]), "mimic");
 }
 
-static int mimic_leader(const km_sdf *sdf, int joint) {
-  const char *name = km_xml_attribute_of(mimic_of(sdf, joint), "joint");
-  int scope = sdf->entities[joint].scope;
-  int found = name ? km_names_get(&sdf->joints, scope, name) : -1;
-  return found >= 0 || !name ? found : km_sdf_find(sdf, sdf->entities[joint].home, name);
+/* What an axis imitates: the axis that `mimic` names, of the joint that it names; joint -1: none. */
+static axis_of leader_of(const km_sdf *sdf, axis_of follower) {
+  const km_xml *mimic = mimic_of(sdf, follower);
+  const char *name = km_xml_attribute_of(mimic, "joint"), *axis = km_xml_attribute_of(mimic, "axis");
+  const km_sdf_entity *e = &sdf->entities[follower.joint];
+  int found = name ? km_names_get(&sdf->joints, e->scope, name) : -1;
+  found = found >= 0 || !name ? found : km_sdf_find(sdf, e->home, name);
+  if (found >= 0 && sdf->entities[found].kind != KM_SDF_JOINT)
+    found = -1;
+  return (axis_of){found, axis && strcmp(axis, axis_names[1]) == 0};
 }
 
 /* A follower's value where what it imitates is at 0. */
@@ -19,46 +31,52 @@ static double mimic_constant(const km_sdf *sdf, const km_xml *mimic, double rati
   return km_sdf_number(sdf->robot, mimic, "offset", 0.0) - ratio * km_sdf_number(sdf->robot, mimic, "reference", 0.0);
 }
 
-double km_sdf_start(const km_sdf *sdf, int joint) {
+double km_sdf_start(const km_sdf *sdf, int joint, int axis) {
   double value = 0.0, factor = 1.0;
-  for (int steps = 0; steps <= sdf->entity_count; ++steps) {
-    const km_xml *mimic = mimic_of(sdf, joint);
-    int next = mimic ? mimic_leader(sdf, joint) : -1;
-    if (next < 0 || sdf->entities[next].kind != KM_SDF_JOINT)
+  axis_of at = {joint, axis};
+  for (int steps = 0; steps <= 2 * sdf->entity_count; ++steps) {
+    const km_xml *mimic = mimic_of(sdf, at);
+    axis_of next = leader_of(sdf, at);
+    if (!mimic || next.joint < 0)
       return value;
     double ratio = km_sdf_number(sdf->robot, mimic, "multiplier", 1.0);
     value += factor * mimic_constant(sdf, mimic, ratio);
     factor *= ratio;
-    joint = next;
+    at = next;
   }
   km_robot_error(sdf->robot, sdf->entities[joint].at, "joint \"%.80s\" imitates itself; expected another joint",
                  sdf->entities[joint].name);
   return 0.0;
 }
 
-static void couple(km_sdf *sdf, int joint, int follower, int other, double constant, double ratio) {
+static void couple(km_sdf *sdf, int joint, const char *name, km_coordinate_ref follower, km_coordinate_ref other,
+                   double constant, double ratio) {
   const km_sdf_entity *e = &sdf->entities[joint];
   const double line[2] = {constant, ratio};
-  km_robot_couple(sdf->robot, e->at, e->name, sdf->entities[e->scope].assembly,
-                  (km_coordinate_ref){sdf->joint_ids[follower], 0}, (km_coordinate_ref){sdf->joint_ids[other], 0}, line,
-                  2);
+  km_robot_couple(sdf->robot, e->at, name, sdf->entities[e->scope].assembly, follower, other, line, 2);
 }
 
-static void add_mimic(km_sdf *sdf, int joint) {
-  const km_xml *mimic = mimic_of(sdf, joint);
+static void add_mimic(km_sdf *sdf, axis_of follower) {
+  const km_xml *mimic = mimic_of(sdf, follower);
   if (!mimic)
     return;
-  int other = mimic_leader(sdf, joint);
-  if (other < 0 || sdf->entities[other].kind != KM_SDF_JOINT || !sdf->joint_ids[other].value ||
-      !sdf->joint_ids[joint].value) {
-    const char *name = km_xml_attribute_of(mimic, "joint");
+  axis_of leader = leader_of(sdf, follower);
+  km_coordinate_ref own = sdf->axes[follower.joint][follower.axis];
+  km_coordinate_ref other = leader.joint >= 0 ? sdf->axes[leader.joint][leader.axis] : (km_coordinate_ref){0};
+  const char *name = km_xml_attribute_of(mimic, "joint");
+  if (own.joint.value && other.joint.value) {
+    double ratio = km_sdf_number(sdf->robot, mimic, "multiplier", 1.0);
+    const char *coupling = sdf->entities[follower.joint].name;
+    couple(sdf, follower.joint, follower.axis ? km_robot_text(sdf->robot, "%s:2", coupling) : coupling, own, other,
+           mimic_constant(sdf, mimic, ratio), ratio);
+  } else if (sdf->incomplete) {
+    km_robot_omit(sdf->robot, "joints that imitate left out, as the other joint isn't there",
+                  sdf->entities[follower.joint].name);
+  } else {
     km_robot_error(sdf->robot, mimic,
-                   "joint \"%.80s\" imitates \"%.80s\"; expected two joints with one coordinate each",
-                   sdf->entities[joint].name, name ? name : "");
-    return;
+                   "joint \"%.80s\" imitates %s of \"%.80s\"; expected two axes of joints that turn or slide",
+                   sdf->entities[follower.joint].name, axis_names[leader.axis], name ? name : "");
   }
-  double ratio = km_sdf_number(sdf->robot, mimic, "multiplier", 1.0);
-  couple(sdf, joint, joint, other, mimic_constant(sdf, mimic, ratio), ratio);
 }
 
 /* The joint between two links, and whether its coordinate counts the turn of `link` against `reference` about the axis
@@ -66,7 +84,7 @@ static void add_mimic(km_sdf *sdf, int joint) {
 static int find_between(km_sdf *sdf, int reference, int link, km_vec3 axis, double *sense) {
   for (int i = 1; i < sdf->entity_count; ++i) {
     const km_sdf_entity *e = &sdf->entities[i];
-    if (e->kind != KM_SDF_JOINT || !sdf->joint_ids[i].value)
+    if (e->kind != KM_SDF_JOINT || !sdf->axes[i][0].joint.value || sdf->axes[i][1].joint.value)
       continue;
     int child = km_sdf_link_of(sdf, i);
     int parent = km_sdf_link_of(sdf, km_sdf_find(sdf, e->home, km_sdf_text(e->at, "parent")));
@@ -99,7 +117,8 @@ static void add_gear(km_sdf *sdf, int gear) {
                    "coordinate",
                    e->name, body, one < 0 ? "parent" : "child");
   else
-    couple(sdf, gear, two, one, 0.0, -km_sdf_number(sdf->robot, e->at, "gearbox_ratio", 1.0) * sense[0] * sense[1]);
+    couple(sdf, gear, e->name, sdf->axes[two][0], sdf->axes[one][0], 0.0,
+           -km_sdf_number(sdf->robot, e->at, "gearbox_ratio", 1.0) * sense[0] * sense[1]);
 }
 
 void km_sdf_add_couplings(km_sdf *sdf) {
@@ -111,6 +130,7 @@ void km_sdf_add_couplings(km_sdf *sdf) {
     if (type && strcmp(type, "gearbox") == 0)
       add_gear(sdf, i);
     else
-      add_mimic(sdf, i);
+      for (int k = 0; k < 2; ++k)
+        add_mimic(sdf, (axis_of){i, k});
   }
 }

@@ -49,8 +49,11 @@ int km_sdf_need(km_sdf *sdf, int home, const char *name, const km_xml *at, const
   for (int i = 1; i < sdf->entity_count; ++i)
     if (sdf->entities[i].scope == scope && !sdf->entities[i].is_merged)
       km_nearest_offer(&nearest, sdf->entities[i].name);
-  km_robot_error(sdf->robot, at, "found the %s \"%.80s\", which isn't there; expected one of the model; nearest: %s",
-                 kind, name, km_nearest_text(&nearest, text));
+  if (sdf->incomplete)
+    km_robot_warn(sdf->robot, at, "the %s \"%.80s\" isn't there; what uses it is left out with it", kind, name);
+  else
+    km_robot_error(sdf->robot, at, "found the %s \"%.80s\", which isn't there; expected one of the model; nearest: %s",
+                   kind, name, km_nearest_text(&nearest, text));
   return -1;
 }
 
@@ -191,11 +194,15 @@ const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **ve
   km_robot *robot = sdf->robot;
   const char *uri = km_sdf_text(include, "uri");
   *path = uri[0] ? find_file(robot, uri, include) : NULL;
-  if (!*path)
-    km_robot_error(robot, include,
-                   "the model \"%.200s\" to include isn't there; expected it beside the file or in a folder above",
-                   uri);
-  else if (is_open(sdf, *path))
+  if (!*path) {
+    sdf->incomplete = true;
+    km_robot_warn(robot, include,
+                  "the model \"%.200s\" to include isn't there and is left out; expected it beside the file or in a "
+                  "folder above",
+                  uri);
+    return NULL;
+  }
+  if (is_open(sdf, *path))
     km_robot_error(robot, include, "for the model \"%.200s\" found a file that includes it; expected another one", uri);
   else if (sdf->includes++ == MOST_INCLUDES)
     km_robot_error(robot, include, "\"%.200s\" is one include too many; expected at most a thousand", uri);

@@ -172,6 +172,27 @@ static void add_joint(km_robot *robot, km_xml *model, const km_xml *from) {
     add_axis(robot, joint, from);
 }
 
+/* An element of another program, which may close a loop: as it stands. */
+static void add_copy(km_robot *robot, km_xml *model, const km_xml *from) {
+  km_xml *to = add(robot, model, from->name, from);
+  if (!to)
+    return;
+  to->text = from->text;
+  to->attributes = from->attributes;
+  to->attribute_count = from->attribute_count;
+  to->first = from->first;
+  to->last = from->last;
+}
+
+static void add_other(km_robot *robot, km_xml *model, const km_xml *e) {
+  if (strcmp(e->name, "gazebo") != 0) {
+    add_copy(robot, model, e);
+    return;
+  }
+  for (const km_xml *m = e->first; m && !km_xml_attribute_of(e, "reference"); m = m->next)
+    add_copy(robot, model, m);
+}
+
 const km_xml *km_sdf_from_urdf(km_robot *robot, const km_xml *root) {
   const char *name = km_xml_attribute_of(root, "name");
   km_xml *model = km_robot_refuses_macros(robot, root) ? NULL : add(robot, NULL, "model", root);
@@ -184,6 +205,8 @@ const km_xml *km_sdf_from_urdf(km_robot *robot, const km_xml *root) {
       add_link(robot, model, root, e);
     else if (strcmp(e->name, "joint") == 0)
       add_joint(robot, model, e);
+    else if (strcmp(e->name, "link") != 0 && strcmp(e->name, "material") != 0)
+      add_other(robot, model, e);
   }
   return model;
 }

@@ -1,4 +1,5 @@
 /* Joints of all models, and what ties the rest to the world. */
+#include "exchange/sdf/closures.h"
 #include "exchange/sdf/sdf.h"
 
 #include <string.h>
@@ -12,6 +13,10 @@ static const struct {
 static const char *type_of(const km_sdf_entity *joint) {
   const char *word = km_xml_attribute_of(joint->at, "type");
   return word ? word : "";
+}
+
+static bool is_continuous(const km_sdf_entity *joint) {
+  return strcmp(type_of(joint), "continuous") == 0;
 }
 
 static bool find_type(km_sdf *sdf, const km_sdf_entity *joint, km_joint_type *out) {
@@ -63,23 +68,22 @@ static double most(km_robot *robot, const km_xml *limit, const char *key) {
   return value < 0.0 ? HUGE_VAL : value;
 }
 
-/* Limits, damping, friction and drive of a coordinate. */
-static void read_axis(km_sdf *sdf, const km_sdf_entity *e, const km_xml *axis, int k, km_robot_joint *joint) {
-  km_robot *robot = sdf->robot;
+void km_sdf_read_axis(km_robot *robot, const km_xml *axis, bool is_continuous, int k, km_robot_joint *joint) {
   const km_xml *limit = km_xml_child(axis, "limit"), *dynamics = km_xml_child(axis, "dynamics");
   joint->damping[k] = km_sdf_number(robot, dynamics, "damping", 0.0);
   km_robot_rotor(robot, joint, k, 0.0, km_sdf_number(robot, dynamics, "friction", 0.0));
   km_robot_drive(robot, joint, k, most(robot, limit, "effort"), most(robot, limit, "velocity"));
-  if (limit && strcmp(type_of(e), "continuous") != 0)
+  if (limit && !is_continuous)
     km_robot_limit(robot, joint, k, bound(robot, limit, "lower", -HUGE_VAL), bound(robot, limit, "upper", HUGE_VAL));
 }
 
-/* Travel in one turn. The older `thread_pitch` counts radians per metre, and the other way. */
-static double read_pitch(km_sdf *sdf, const km_sdf_entity *e) {
-  double newer = km_sdf_number(sdf->robot, e->at, "screw_thread_pitch", 0.0);
-  double older = km_sdf_number(sdf->robot, e->at, "thread_pitch", 1.0);
+/* The older `thread_pitch` counts radians per metre, and the other way. */
+double km_sdf_pitch(km_robot *robot, const km_xml *e) {
+  double newer = km_sdf_number(robot, e, "screw_thread_pitch", 0.0);
+  double older = km_sdf_number(robot, e, "thread_pitch", 1.0);
+  const char *name = km_xml_attribute_of(e, "name");
   if (newer == 0.0 && older == 0.0)
-    km_robot_error(sdf->robot, e->at, "joint \"%.80s\": its thread_pitch is 0; expected another number", e->name);
+    km_robot_error(robot, e, "joint \"%.80s\": its thread_pitch is 0; expected another number", name ? name : "");
   return newer != 0.0 ? newer : -2.0 * M_PI / (older != 0.0 ? older : 1.0);
 }
 
@@ -99,9 +103,13 @@ static void add_two_hinges(km_sdf *sdf, int index, km_robot_joint *joint) {
     km_pose turn = {km_rotation_orthonormal(&axes), {0, 0, 0}};
     joint->in_parent = km_pose_product(&joint->in_parent, &turn);
     joint->in_child = km_pose_product(&joint->in_child, &turn);
-    read_axis(sdf, e, first, 0, joint);
-    read_axis(sdf, e, second, 1, joint);
+    for (int k = 0; k < 2; ++k)
+      joint->position[k] = km_sdf_start(sdf, index, k);
+    km_sdf_read_axis(robot, first, false, 0, joint);
+    km_sdf_read_axis(robot, second, false, 1, joint);
     km_joint_id id = km_robot_add_joint(robot, joint);
+    for (int k = 0; k < 2; ++k)
+      sdf->axes[index][k] = (km_coordinate_ref){id, k};
     add_spring(sdf, e, first, joint->name, (km_coordinate_ref){id, 0});
     add_spring(sdf, e, second, joint->name, (km_coordinate_ref){id, 1});
     return;
@@ -115,10 +123,14 @@ static void add_two_hinges(km_sdf *sdf, int index, km_robot_joint *joint) {
   joint->in_child = other.in_parent = km_pose_identity();
   other.name =
       km_robot_free_name(robot, &robot->joints, joint->assembly.value, km_robot_text(robot, "%s:2", e->name), "axis");
-  read_axis(sdf, e, first, 0, joint);
-  read_axis(sdf, e, second, 0, &other);
-  add_spring(sdf, e, first, joint->name, (km_coordinate_ref){km_robot_add_joint(robot, joint), 0});
-  add_spring(sdf, e, second, other.name, (km_coordinate_ref){km_robot_add_joint(robot, &other), 0});
+  joint->position[0] = km_sdf_start(sdf, index, 0);
+  other.position[0] = km_sdf_start(sdf, index, 1);
+  km_sdf_read_axis(robot, first, false, 0, joint);
+  km_sdf_read_axis(robot, second, false, 0, &other);
+  sdf->axes[index][0] = (km_coordinate_ref){km_robot_add_joint(robot, joint), 0};
+  sdf->axes[index][1] = (km_coordinate_ref){km_robot_add_joint(robot, &other), 0};
+  add_spring(sdf, e, first, joint->name, sdf->axes[index][0]);
+  add_spring(sdf, e, second, other.name, sdf->axes[index][1]);
 }
 
 static int leader(const km_sdf *sdf, int entity) {
@@ -147,7 +159,9 @@ static bool find_ends(km_sdf *sdf, int index, int *parent, int *child) {
     km_robot_error(sdf->robot, e->at, "joint \"%.80s\" has no parent; expected <parent>", e->name);
   *parent = km_sdf_link_of(sdf, to);
   *child = km_sdf_link_of(sdf, index);
-  if (to >= 0 && (*parent < 0 || *child < 0))
+  if (sdf->incomplete && (to < 0 || *parent < 0 || *child < 0))
+    km_robot_omit(sdf->robot, "joints left out, as their links are in a model that isn't there", e->name);
+  else if (to >= 0 && (*parent < 0 || *child < 0))
     km_robot_error(sdf->robot, e->at, "joint \"%.80s\": one of its ends is no link", e->name);
   else if (to >= 0 && *parent == *child)
     km_robot_error(sdf->robot, e->at, "joint \"%.80s\": both ends are on \"%.80s\"; expected two links", e->name,
@@ -179,16 +193,16 @@ static void add_joint(km_sdf *sdf, int index) {
     return;
   }
   if (joint.type == KM_SCREW)
-    joint.pitch = read_pitch(sdf, e);
+    joint.pitch = km_sdf_pitch(robot, e->at);
   bool single = joint.type == KM_RZ || joint.type == KM_TZ || joint.type == KM_SCREW;
   if (single) {
     joint.axis = km_sdf_axis(sdf, index, axis);
-    joint.position[0] = km_sdf_start(sdf, index);
-    read_axis(sdf, e, axis, 0, &joint);
+    joint.position[0] = km_sdf_start(sdf, index, 0);
+    km_sdf_read_axis(robot, axis, is_continuous(e), 0, &joint);
   }
   km_joint_id id = robot->failed ? (km_joint_id){0} : km_robot_add_joint(robot, &joint);
   if (single && id.value) {
-    sdf->joint_ids[index] = id;
+    sdf->axes[index][0] = (km_coordinate_ref){id, 0};
     add_spring(sdf, e, axis, e->name, (km_coordinate_ref){id, 0});
   }
 }
@@ -208,10 +222,57 @@ static void tie_rest(km_sdf *sdf, bool children_too) {
   }
 }
 
+/* Where names are looked for that stand in a model or world. */
+typedef struct scope {
+  km_sdf *sdf;
+  int home;
+} scope;
+
+/* A link or frame by a name of the model around, or of the world. */
+static bool find_link(void *context, const char *name, km_closure_end *out) {
+  const scope *s = context;
+  int entity = km_sdf_find(s->sdf, s->home, name);
+  entity = entity >= 0 ? entity : km_sdf_find(s->sdf, 0, name);
+  const km_sdf_entity *e = entity >= 0 ? &s->sdf->entities[entity] : NULL;
+  int link = e && e->kind != KM_SDF_JOINT && e->kind != KM_SDF_MODEL ? km_sdf_link_of(s->sdf, entity) : -1;
+  if (link < 0)
+    return false;
+  out->link = link;
+  out->body = s->sdf->entities[link].body;
+  out->world = s->sdf->entities[link].world;
+  out->in_link = from(&out->world, &e->world);
+  return true;
+}
+
+static void tie_links(void *context, int parent, int child) {
+  const scope *s = context;
+  unite(s->sdf, parent, child);
+  s->sdf->entities[child].is_child = true;
+}
+
+/* Loops that are closed beside the joints. */
+static void add_closures(km_sdf *sdf) {
+  scope around = {.sdf = sdf};
+  km_closures c = {.robot = sdf->robot, .context = &around, .find = find_link, .tie = tie_links};
+  for (int i = 0; i < sdf->other_count; ++i) {
+    around.home = sdf->others[i].home;
+    c.assembly = sdf->entities[around.home].assembly;
+    if (!km_closures_read(&c, sdf->others[i].at))
+      km_robot_omit(sdf->robot, "elements for simulators left out", sdf->others[i].at->name);
+  }
+  for (int i = 1; i < sdf->entity_count; ++i) {
+    const km_sdf_entity *e = &sdf->entities[i];
+    around.home = e->home;
+    c.assembly = sdf->entities[e->scope].assembly;
+    if (e->kind == KM_SDF_LINK || e->kind == KM_SDF_FRAME)
+      km_closures_pair(&c, e->at, e->name);
+  }
+}
+
 void km_sdf_add_joints(km_sdf *sdf) {
-  sdf->joint_ids = KM_ARENA_NEW(&sdf->robot->arena, km_joint_id, (size_t)sdf->entity_count);
+  sdf->axes = km_arena_alloc(&sdf->robot->arena, (size_t)sdf->entity_count, sizeof *sdf->axes);
   sdf->leaders = KM_ARENA_NEW(&sdf->robot->arena, int, (size_t)sdf->entity_count);
-  if (!sdf->joint_ids || !sdf->leaders)
+  if (!sdf->axes || !sdf->leaders)
     return;
   for (int i = 0; i < sdf->entity_count; ++i)
     sdf->leaders[i] = i;
@@ -222,6 +283,7 @@ void km_sdf_add_joints(km_sdf *sdf) {
     else if (e->kind == KM_SDF_JOINT && strcmp(type_of(e), "gearbox") != 0)
       add_joint(sdf, i);
   }
+  add_closures(sdf);
   if (sdf->robot->failed)
     return;
   tie_rest(sdf, false);

@@ -153,12 +153,15 @@ static void read_members(km_sdf *sdf, const km_xml *around, int home, const char
       int index = add_entity(sdf, e->name[0] == 'j' ? KM_SDF_JOINT : KM_SDF_FRAME, e, name_of(e), home);
       if (index >= 0)
         sdf->entities[index].raw = km_sdf_pose(sdf->robot, e);
+    } else if (strcmp(e->name, KM_SDF_TOLERANCE) == 0) {
+      km_robot_parse(sdf->robot, e, e->name, e->text, &sdf->robot->settings.closure_tolerance, 1);
     } else {
       bool known = false;
       for (const char *const *s = silent; *s; ++s)
         known = known || strcmp(e->name, *s) == 0;
-      if (!known)
-        km_robot_omit(sdf->robot, "elements for simulators left out", e->name);
+      if (!known && km_arena_grow(&sdf->robot->arena, (void **)&sdf->others, &sdf->other_room,
+                                  (size_t)sdf->other_count + 1, sizeof *sdf->others))
+        sdf->others[sdf->other_count++] = (km_sdf_other){e, home};
     }
   }
 }
@@ -196,7 +199,7 @@ void km_sdf_read(km_robot *robot, km_xml *root) {
       read_world(&sdf, world, version);
     for (const km_xml *e = km_xml_child(root, "model"); e; e = km_xml_next(e))
       read_model(&sdf, e, NULL, 0, version);
-    if (!robot->failed && sdf.entity_count == 1)
+    if (!robot->failed && sdf.entity_count == 1 && !sdf.incomplete)
       km_robot_error(robot, root, "found no model; expected one in <sdf> or in a <world>");
   }
   if (!robot->failed && !robot->arena.failed)

@@ -94,9 +94,12 @@ static void add_massless(km_written *w, const char *name, const km_pose *X) {
   km_xml_end(&w->xml, "link");
 }
 
-static double shifted(const km_written *w, int c, double value) {
-  double si = km_written_limit(w, c, value);
-  return fabs(si) < 1e30 ? si - w->reference[c] : si;
+static void add_range(km_written *w, int c) {
+  static const char *const ends[2] = {"lower", "upper"};
+  double range[2];
+  km_written_range(w, c, range);
+  for (int k = 0; k < 2; ++k)
+    add_number(w, ends[k], fabs(range[k]) < 1e30 ? range[k] - w->reference[c] : range[k]);
 }
 
 /* The coupling by which a coordinate follows another one, if a line does it; counted from the file's pose. */
@@ -120,8 +123,7 @@ static void add_axis(km_written *w, const char *element, km_vec3 u, int c) {
   km_xml_begin(&w->xml, element);
   km_xml_numbers(&w->xml, "xyz", axis, 3, true);
   km_xml_begin(&w->xml, "limit");
-  add_number(w, "lower", shifted(w, c, def->low));
-  add_number(w, "upper", shifted(w, c, def->high));
+  add_range(w, c);
   if (isfinite(def->max_force))
     add_number(w, "effort", def->max_force * km_written_force(w, c));
   if (isfinite(def->max_rate))
@@ -255,11 +257,15 @@ km_status km_sdf_write(km_written *w, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory while writing the model");
   km_xml_begin(&w->xml, "sdf");
   km_xml_set(&w->xml, "version", "1.11");
+  if (km_written_tolerance(w) > 0.0)
+    km_xml_set(&w->xml, "xmlns:kmech", "urn:kmech");
   km_xml_begin(&w->xml, "world");
   km_xml_set(&w->xml, "name", "world");
   km_xml_numbers(&w->xml, "gravity", (const double[3]){g.x, g.y, g.z}, 3, false);
   km_xml_begin(&w->xml, "model");
   km_xml_set(&w->xml, "name", m->assembly_count ? m->assemblies[0].name : "model");
+  if (km_written_tolerance(w) > 0.0)
+    add_number(w, KM_SDF_TOLERANCE, km_written_tolerance(w));
   for (int i = 0; i < w->ordered; ++i)
     add_link(w, w->order[i]);
   for (int j = 0; j < m->joint_count; ++j)

@@ -99,6 +99,12 @@ static void read_limits(km_robot *robot, const km_urdf_joint *joint, km_robot_jo
   if (!limit || strcmp(km_xml_attribute_of(joint->at, "type"), "continuous") == 0)
     return;
   km_robot_limit(robot, def, 0, bound(robot, limit, "lower", 0.0), bound(robot, limit, "upper", 0.0));
+  if (def->locked[0] && !(km_xml_attribute_of(limit, "lower") && km_xml_attribute_of(limit, "upper")))
+    km_robot_warn(
+        robot, limit,
+        "joint \"%.80s\" is locked at 0, as a limit that isn't stated is 0; state lower and upper, or call its "
+        "type continuous",
+        joint->name);
 }
 
 static void add_joint(km_urdf *urdf, km_urdf_joint *joint) {
@@ -113,6 +119,8 @@ static void add_joint(km_urdf *urdf, km_urdf_joint *joint) {
   def.child = find_link(urdf, joint, "child", &child);
   def.in_parent = km_urdf_origin(robot, joint->at);
   def.axis = read_axis(robot, joint);
+  km_robot_judge_origin(robot, km_xml_child(joint->at, "origin"));
+  km_robot_judge_digits(km_xml_attribute_of(km_xml_child(joint->at, "axis"), "xyz"), 0.0, &robot->angle_rounding);
   def.position[0] = joint->position;
   read_limits(robot, joint, &def);
   if (child >= 0 && urdf->parents[child])
@@ -122,6 +130,7 @@ static void add_joint(km_urdf *urdf, km_urdf_joint *joint) {
                    km_xml_attribute_of(urdf->parents[child], "name"));
   if (child >= 0)
     urdf->parents[child] = joint->at;
+  km_urdf_tie(urdf, parent, child);
   if (!robot->failed)
     joint->id = km_robot_add_joint(robot, &def);
 }

@@ -1,5 +1,6 @@
 /* The links of a robot, and what ties them. */
 #include "exchange/urdf/urdf.h"
+#include "exchange/sdf/closures.h"
 
 #include <string.h>
 
@@ -121,7 +122,19 @@ static void read_link(km_urdf *urdf, const km_xml *root, const km_xml *link) {
   read_shapes(robot, root, link, name, urdf->bodies[index]);
 }
 
-static void count_others(km_robot *robot, const km_xml *root) {
+/* An element beside links and joints, or what `gazebo` holds. False: it closes no loop. */
+static bool reads_closures(const km_closures *closures, const km_xml *e) {
+  bool some = false;
+  if (strcmp(e->name, "gazebo") != 0)
+    return km_closures_read(closures, e);
+  for (const km_xml *m = e->first; m && !km_xml_attribute_of(e, "reference"); m = m->next)
+    some = km_closures_read(closures, m) || some;
+  return some;
+}
+
+/* Elements of other programs: some close loops. */
+static void read_others(const km_closures *closures, const km_xml *root) {
+  km_robot *robot = closures->robot;
   static const char *const known[] = {"link", "joint", "material", NULL};
   for (const km_xml *e = root->first; e; e = e->next) {
     bool is_known = false;
@@ -129,17 +142,67 @@ static void count_others(km_robot *robot, const km_xml *root) {
       is_known = is_known || strcmp(e->name, *k) == 0;
     if (strcmp(e->name, "transmission") == 0)
       km_robot_omit(robot, "transmissions left out", km_xml_attribute_of(e, "name"));
-    else if (!is_known)
+    else if (!is_known && !reads_closures(closures, e))
       km_robot_omit(robot, "elements for other programs left out", e->name);
   }
 }
 
-/* Ties the root to the inertial frame. There must be one. */
+/* The pose of a link where all joints are at 0: up the joints whose child each is, as far as they lead to a root. */
+static km_pose world_of(km_urdf *urdf, int link) {
+  km_pose X = km_pose_identity();
+  for (int steps = 0; link >= 0 && urdf->parents[link] && steps <= urdf->link_count; ++steps) {
+    km_pose origin = km_urdf_origin(urdf->robot, urdf->parents[link]);
+    X = km_pose_product(&origin, &X);
+    const char *parent = km_xml_attribute_of(km_xml_child(urdf->parents[link], "parent"), "link");
+    link = parent ? km_names_get(&urdf->links, 0, parent) : -1;
+  }
+  return X;
+}
+
+static bool find_link(void *context, const char *name, km_closure_end *out) {
+  km_urdf *urdf = context;
+  int link = km_names_get(&urdf->links, 0, name);
+  if (link < 0 && strcmp(name, "world") != 0)
+    return false;
+  out->link = link;
+  out->body = link < 0 ? km_builder_fixed(urdf->robot->builder) : urdf->bodies[link];
+  out->world = world_of(urdf, link);
+  return true;
+}
+
+static void tie_links(void *context, int parent, int child) {
+  km_urdf_tie(context, parent, child);
+}
+
+static void read_closures(km_urdf *urdf, const km_xml *root) {
+  km_closures closures = {
+      .robot = urdf->robot, .assembly = urdf->assembly, .context = urdf, .find = find_link, .tie = tie_links};
+  if (urdf->robot->failed || urdf->robot->arena.failed)
+    return;
+  read_others(&closures, root);
+  for (int i = 0; i < urdf->link_count; ++i)
+    if (urdf->elements[i])
+      km_closures_pair(&closures, urdf->elements[i], km_xml_attribute_of(urdf->elements[i], "name"));
+}
+
+static int leader_of(const km_urdf *urdf, int link) {
+  while (link >= 0 && urdf->leaders[link] != link)
+    link = urdf->leaders[link];
+  return link;
+}
+
+void km_urdf_tie(km_urdf *urdf, int parent, int child) {
+  int one = leader_of(urdf, parent), two = leader_of(urdf, child);
+  if (one >= 0 && two >= 0)
+    urdf->leaders[one > two ? one : two] = one < two ? one : two;
+}
+
+/* Ties the root to the inertial frame. There must be one; what hangs together with it by a closed loop needs no parent. */
 static void tie_root(km_urdf *urdf, const km_xml *root) {
   int top = -1;
   km_pose origin = km_pose_identity();
   for (int i = 0; i < urdf->link_count; ++i) {
-    if (urdf->parents[i] || !urdf->elements[i])
+    if (urdf->parents[i] || !urdf->elements[i] || (top >= 0 && leader_of(urdf, i) == leader_of(urdf, top)))
       continue;
     const char *name = km_xml_attribute_of(urdf->elements[i], "name");
     if (top >= 0 || urdf->world_undeclared)
@@ -174,13 +237,16 @@ void km_urdf_read(km_robot *robot, km_xml *root) {
   urdf.bodies = KM_ARENA_NEW(&robot->arena, km_body_id, links);
   urdf.parents = KM_ARENA_NEW(&robot->arena, const km_xml *, links);
   urdf.elements = KM_ARENA_NEW(&robot->arena, const km_xml *, links);
+  urdf.leaders = KM_ARENA_NEW(&robot->arena, int, links);
   urdf.list = KM_ARENA_NEW(&robot->arena, km_urdf_joint, joints);
   if (!robot->arena.failed) {
+    for (size_t i = 0; i < links; ++i)
+      urdf.leaders[i] = (int)i;
     for (const km_xml *e = km_xml_child(root, "link"); e; e = km_xml_next(e))
       read_link(&urdf, root, e);
     km_urdf_read_joints(&urdf, root);
+    read_closures(&urdf, root);
     tie_root(&urdf, root);
-    count_others(robot, root);
   }
   km_names_free(&urdf.links);
   km_names_free(&urdf.joints);

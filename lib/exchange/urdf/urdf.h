@@ -25,6 +25,7 @@ typedef struct km_urdf {
   km_body_id *bodies;      /* [link] */
   const km_xml **parents;  /* [link] the joint that it is child of, NULL: none */
   const km_xml **elements; /* [link] */
+  int *leaders;            /* [link] a link that it hangs together with, of a smaller index; itself: none */
   km_urdf_joint *list;
   int link_count, joint_count;
   bool world_undeclared; /* a joint hangs on a link "world" that isn't there */
@@ -32,6 +33,8 @@ typedef struct km_urdf {
 
 /* The joints' types and the values that they have in the file's pose, then their bodies tied. */
 void km_urdf_read_joints(km_urdf *urdf, const km_xml *root);
+/* Two links hang together; -1: the inertial frame. */
+void km_urdf_tie(km_urdf *urdf, int parent, int child);
 km_pose km_urdf_origin(km_robot *robot, const km_xml *element);
 
 #endif

@@ -116,11 +116,12 @@ static void add_dynamics(km_written *w, int c, bool limited) {
                velocity = fmin(def->max_rate * km_written_rate(w, c), 1e30),
                damping = def->damping * km_written_damping(w, c), friction = def->friction * km_written_force(w, c);
   if (limited || isfinite(def->max_force) || isfinite(def->max_rate)) {
-    const double low = km_written_limit(w, c, def->low), high = km_written_limit(w, c, def->high);
+    double range[2];
+    km_written_range(w, c, range);
     km_xml_begin(&w->xml, "limit");
     if (limited) {
-      km_xml_set_numbers(&w->xml, "lower", &low, 1, false);
-      km_xml_set_numbers(&w->xml, "upper", &high, 1, false);
+      km_xml_set_numbers(&w->xml, "lower", &range[0], 1, false);
+      km_xml_set_numbers(&w->xml, "upper", &range[1], 1, false);
     }
     km_xml_set_numbers(&w->xml, "effort", &effort, 1, false);
     km_xml_set_numbers(&w->xml, "velocity", &velocity, 1, false);

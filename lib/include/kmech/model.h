@@ -65,10 +65,11 @@ typedef struct km_read_def {
   const km_assignment *assignments; /* [assignment_count], as above; of JSON only */
   int assignment_count;
   bool floating; /* what a robot description leaves untied is free to move, instead of fixed to the inertial frame */
+  double closure_tolerance; /* instead of the file's, relative, below 0.1; 0: the file's */
 } km_read_def;
 
 /* As km_model_read and km_model_load (which knows `file` itself), with all that can be asked of a reader. KM_USAGE: also
- * assignments to the numbers of a format other than JSON. */
+ * assignments to the numbers of a format other than JSON, and a closure tolerance that is none. */
 KM_API km_status km_model_read_as(const char *bytes, size_t size, const km_read_def *def, km_messages *messages,
                                   km_model **out, km_error *error);
 KM_API km_status km_model_load_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
