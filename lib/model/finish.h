@@ -6,7 +6,7 @@
 #include "model/model.h"
 
 /* Scopes of the labels. Faulty: names of joints that an error was reported for; what names them is not judged. */
-enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_LABEL_TAKEN };
+enum { KM_LABEL_JOINT, KM_LABEL_COORDINATE, KM_LABEL_COUNT, KM_LABEL_FAULTY, KM_LABEL_LEFT_OUT, KM_LABEL_TAKEN };
 
 /* A joint's label is its name where no other joint has that name or label, else its full path; coordinate k of several
  * is `label[k]`. Enters all of them in the table. Reports two joints of one label. */

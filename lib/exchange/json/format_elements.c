@@ -23,7 +23,7 @@ static const km_object_format light_format = {"light", light_fields};
 
 static const km_field fixed_fields[] = {
     {"frames", "Frames of the inertial frame. It always has \"origin\".", OBJECTS(frame_format)},
-    {"lights", "Lights that don't move. Kept.", OBJECTS(light_format)},
+    {"lights", "Lights that don't move: kept for other programs, no drawing uses them.", OBJECTS(light_format)},
     {0}};
 const km_object_format km_format_fixed = {"fixed", fixed_fields};
 
@@ -62,7 +62,7 @@ static const km_field body_fields[] = {
     {"moment_of_inertia", "Inertia matrix about the centre of mass, along the body's axes.", OBJECT(inertia_format),
      UNSTATED("0")},
     {"definition",
-     "Mesh file, in the body's frame and the model's length unit, and material file. A mesh is an OBJ, STL, PLY, OFF, COLLADA "
+     "Mesh file, in the body's frame and the model's length unit, and a material file, which is kept and used by no drawing. A mesh is an OBJ, STL, PLY, OFF, COLLADA "
      "(.dae), glTF (.gltf, .glb) or 3DS file, or MuJoCo's .msh, of at most 256 MB and 2000000 triangles.",
      SHAPE(STRINGS)},
     {"density", "Density of the mesh. Mass, centre of mass and inertia then come from the mesh.", NUMBER,
@@ -178,7 +178,7 @@ static const km_field assembly_fields[] = {
     {"struts", "Springs, gas springs and cylinders between two points.", OBJECTS(km_format_strut)},
     {"couplings", "Gears, belts and other constraints between coordinates.", OBJECTS(km_format_coupling)},
     {"force_modules", "Force laws between frames or in joints.", OBJECTS(km_format_module)},
-    {"lights", "Lights for viewers. Kept.", OBJECTS(light_format)},
+    {"lights", "Lights for other programs: kept, no drawing uses them.", OBJECTS(light_format)},
     {"assemblies", "Assemblies inside this one.", OBJECTS(km_format_assembly)},
     {0}};
 const km_object_format km_format_assembly = {"assembly", assembly_fields};

@@ -156,18 +156,20 @@ int km_reader_add_frame(km_reader *reader, const char *name, int body, km_pose p
   return index;
 }
 
-static void read_frame(km_reader *reader, const km_value *frame, int body, const km_place *place) {
-  if (!km_reader_active(frame))
-    return;
-  const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
-  km_reader_add_frame(reader, name, body,
-                      (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
-}
-
 static void left_out(km_reader *reader, km_names *names, int scope, const km_value *element) {
   const char *name = km_reader_string(element, "name");
   if (km_names_get(names, scope, name) == KM_NOT_FOUND && !km_names_set(names, scope, name, KM_LEFT_OUT))
     reader->model->arena.failed = true;
+}
+
+static void read_frame(km_reader *reader, const km_value *frame, int body, const km_place *place) {
+  if (!km_reader_active(frame)) {
+    left_out(reader, &reader->frames, body, frame);
+    return;
+  }
+  const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
+  km_reader_add_frame(reader, name, body,
+                      (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
 }
 
 static void read_body(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
@@ -230,6 +232,31 @@ static km_status first_error(const km_messages *messages, km_error *error) {
   return KM_OK;
 }
 
+/* What a file states for viewers and no drawing uses. */
+static void count_unused(const km_value *assembly, size_t *lights, size_t *materials) {
+  const km_value *own = km_value_get(assembly, "lights"), *bodies = km_value_get(assembly, "bodies");
+  const km_value *nested = km_value_get(assembly, "assemblies");
+  *lights += own ? own->count : 0;
+  for (const km_value *b = bodies ? bodies->first : NULL; b; b = b->next) {
+    const km_value *definition = km_value_get(b, "definition");
+    *materials += definition && definition->kind == KM_LIST && definition->count > 1;
+  }
+  for (const km_value *a = nested ? nested->first : NULL; a; a = a->next)
+    count_unused(a, lights, materials);
+}
+
+static void tell_unused(const km_value *root, km_messages *messages) {
+  size_t lights = 0, materials = 0;
+  count_unused(root, &lights, &materials);
+  count_unused(km_value_get(root, "fixed"), &lights, &materials);
+  if (lights)
+    km_messages_add(messages, KM_NOTE, "lights are kept and used by no drawing: %zu", lights);
+  if (materials)
+    km_messages_add(messages, KM_NOTE,
+                    "material files of bodies are kept and used by no drawing: %zu; \"shapes\" have a \"color\"",
+                    materials);
+}
+
 static void free_names(km_reader *reader) {
   km_names_free(&reader->assemblies);
   km_names_free(&reader->bodies);
@@ -283,6 +310,7 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
   read_parameters(&reader, root);
   read_elements(&reader, root);
   free_names(&reader);
+  tell_unused(root, messages);
   model->rotation_misfit = reader.rotation_misfit;
   km_model_check_inertias(model, messages);
   if (!model->arena.failed)

@@ -5,13 +5,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A coordinate named in `analysis`; what is left out can't be driven, held or asked for. */
+/* A coordinate named in `analysis`; of what is left out nothing is asked: -1. */
 static int analysis_coordinate(km_reader *reader, const km_value *path, const km_place *place) {
   char text[KM_PLACE_TEXT];
   int coordinate = km_reader_coordinate(reader, path, KM_NO_ASSEMBLY, place);
   if (coordinate == KM_LEFT_OUT)
-    km_reader_error(reader, place, "joint \"%s\" is left out of the model; expected an active joint",
-                    km_path_text(path, text));
+    km_reader_note(reader, place, "joint \"%s\" is left out of the model, and what is asked of it with it",
+                   km_path_text(path, text));
   return coordinate < 0 ? -1 : coordinate;
 }
 
@@ -54,19 +54,6 @@ static void read_sweep(km_reader *reader, const km_value *sweep, const km_place 
   }
 }
 
-/* A frame by its path from the root, or [body, frame] where the body is unique. */
-static int analysis_frame(km_reader *reader, const km_value *path, const km_place *place) {
-  km_path_names p;
-  int frame = -1;
-  km_error problem;
-  km_path_names_gather(path, &p);
-  km_status status = km_model_find_frame(reader->model, p.names, p.count, &frame, &problem);
-  reader->model->arena.failed = reader->model->arena.failed || status == KM_MEMORY;
-  if (status)
-    km_reader_error(reader, place, "%s", problem.text);
-  return frame;
-}
-
 static void read_load(km_reader *reader, const km_value *value, int owner, const km_place *place) {
   (void)owner;
   km_model *model = reader->model;
@@ -75,7 +62,9 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
   const char *axes = km_reader_string(value, "axes");
   if (axes && strcmp(axes, "fixed") != 0 && strcmp(axes, "frame") != 0)
     km_reader_error(reader, &axes_at, "\"%.40s\" is not known; expected \"fixed\" or \"frame\"", axes);
-  int frame = analysis_frame(reader, km_value_get(value, "frame"), &at);
+  int frame = km_reader_frame_anywhere(reader, km_value_get(value, "frame"), &at, "the load");
+  if (frame == KM_LEFT_OUT)
+    return;
   model->loads[model->load_count++] = (km_applied_load){.name = km_reader_string(value, "name"),
                                                         .frame = frame < 0 ? 0 : frame,
                                                         .force = km_reader_vector(value, "force"),
@@ -121,7 +110,8 @@ static void read_actuator(km_reader *reader, const km_value *value, const km_pla
   for (int a = 0; a < model->actuator_count && coordinate >= 0; ++a)
     if (model->actuators[a] == coordinate)
       km_reader_error(reader, place, "this joint is named twice; expected each once");
-  model->actuators[model->actuator_count++] = coordinate;
+  if (coordinate >= 0)
+    model->actuators[model->actuator_count++] = coordinate;
 }
 
 /* {"frame": path, "direction": [x, y, z]}: a point of a body along a direction. */
@@ -136,10 +126,11 @@ static km_model_handle read_point(km_reader *reader, const km_value *value, cons
     km_reader_error(reader, place, "expected a joint, or a point of a body as \"frame\" and \"direction\" [x, y, z]");
     return handle;
   }
-  handle.frame = analysis_frame(reader, frame, &frame_at);
+  handle.frame = km_reader_frame_anywhere(reader, frame, &frame_at, "the end of the leverage");
   handle.direction = km_reader_vector(value, "direction");
   if (km_vec3_norm(handle.direction) == 0.0)
     km_reader_error(reader, &direction_at, "found no length; expected a direction");
+  handle.frame = handle.frame < 0 ? -1 : handle.frame;
   if (handle.frame >= 0) {
     const km_model_frame *def = &reader->model->frames[handle.frame];
     km_text name = {0};

@@ -221,7 +221,7 @@ static bool read_ends(km_reader *reader, const km_value *value, int assembly, co
   else
     found = km_read_drawn_ends(reader, value, assembly, place, joint, body);
   if (body[0] == KM_LEFT_OUT || body[1] == KM_LEFT_OUT)
-    km_reader_note(reader, place, "joint \"%.80s\" is left out with the body that it is on", joint->name);
+    km_reader_note(reader, place, "joint \"%.80s\" is left out with the body or frame that it is on", joint->name);
   else if (found && body[0] == body[1])
     km_reader_error(reader, &at, "both ends are on \"%.80s\"; expected two different bodies",
                     reader->model->bodies[body[0]].name);
@@ -276,6 +276,8 @@ static void read_joint(km_reader *reader, const km_value *value, int assembly, c
   if (faulty && !km_names_set(&reader->labels, KM_LABEL_FAULTY, name, 1))
     model->arena.failed = true;
   if (!active) {
+    if (!faulty && !km_names_set(&reader->labels, KM_LABEL_LEFT_OUT, name, 1))
+      model->arena.failed = true;
     if (km_names_get(&reader->joints, assembly, name) == KM_NOT_FOUND &&
         !km_names_set(&reader->joints, assembly, name, faulty ? KM_FAULTY : KM_LEFT_OUT))
       model->arena.failed = true;

@@ -10,7 +10,9 @@ int km_reader_values(km_reader *reader, const km_value *value, const km_place *p
   *item = value->kind == KM_LIST ? value->first : value;
   *first = -1;
   if (coordinate < 0 && joint < 0) {
-    if (km_names_get(&reader->labels, KM_LABEL_FAULTY, value->key) < 0)
+    if (km_names_get(&reader->labels, KM_LABEL_LEFT_OUT, value->key) >= 0)
+      km_reader_note(reader, place, "joint \"%.80s\" is left out of the model, and its value with it", value->key);
+    else if (km_names_get(&reader->labels, KM_LABEL_FAULTY, value->key) < 0)
       km_reader_error(reader, place, "\"%.80s\" names no joint; expected a joint's label", value->key);
     return 0;
   }

@@ -193,7 +193,7 @@ static bool read_frames(km_reader *reader, const km_value *value, int assembly, 
   frame[0] = km_reader_frame(reader, km_value_get(value, "from"), assembly, &from);
   frame[1] = km_reader_frame(reader, km_value_get(value, "to"), assembly, &to);
   if (frame[0] == KM_LEFT_OUT || frame[1] == KM_LEFT_OUT)
-    km_reader_note(reader, place, "strut \"%.80s\" is left out with the body that it is on",
+    km_reader_note(reader, place, "strut \"%.80s\" is left out with the body or frame that it is on",
                    km_reader_string(value, "name"));
   if (frame[0] < 0 || frame[1] < 0)
     return false;

@@ -73,12 +73,15 @@ int km_reader_make_frame(km_reader *reader, int body, const char *name, km_pose 
 
 /* Frame of a path seen from an assembly. KM_NOT_FOUND (reported) or KM_LEFT_OUT. */
 int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const km_place *place);
+/* Frame of a path from the root, or [body, frame] where the body's name is unique. KM_NOT_FOUND (reported), or KM_LEFT_OUT with
+ * a note that `what` is left out with it. */
+int km_reader_frame_anywhere(km_reader *reader, const km_value *path, const km_place *place, const char *what);
 /* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT and KM_FAULTY aren't. */
 int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);
 /* Coordinate of a joint path, where the joint has one, or of `label[k]`. The same results. */
 int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, const km_place *place);
-/* What a member {label: number or list} names, which is one coordinate or all of a joint: how many (0: reported), the
- * first, and the first of the values. */
+/* What a member {label: number or list} names, which is one coordinate or all of a joint: how many (0: reported, or a
+ * note that it is left out), the first, and the first of the values. */
 int km_reader_values(km_reader *reader, const km_value *value, const km_place *place, int *first,
                      const km_value **item);
 /* A path as a person reads it: `a/b/c`. */

@@ -99,6 +99,38 @@ int km_reader_frame(km_reader *reader, const km_value *value, int assembly, cons
   return frame;
 }
 
+/* Does any assembly have the body, and is it or its frame left out? */
+static bool is_left_out(const km_reader *reader, const char *const *names, size_t count) {
+  for (int a = 0; a < reader->model->assembly_count && count <= 2; ++a) {
+    int body = km_names_get(&reader->bodies, a, names[0]);
+    if (body == KM_LEFT_OUT || (count == 2 && frame_of(reader, body, names[1]) == KM_LEFT_OUT))
+      return true;
+  }
+  return find_frame(reader, names, count, KM_NO_ASSEMBLY) == KM_LEFT_OUT;
+}
+
+int km_reader_frame_anywhere(km_reader *reader, const km_value *path, const km_place *place, const char *what) {
+  km_path_names p, parts = {.count = 0};
+  int frame = KM_NOT_FOUND;
+  char text[KM_PLACE_TEXT];
+  km_error problem;
+  km_path_names_gather(path, &p);
+  km_status status = km_model_find_frame(reader->model, p.names, p.count, &frame, &problem);
+  bool out = status == KM_USAGE && p.count > 0 && is_left_out(reader, p.names, p.count);
+  if (status == KM_USAGE && !out && p.count == 1 && km_path_names_split(p.names[0], &parts)) {
+    out = is_left_out(reader, parts.names, parts.count);
+    km_path_names_free(&parts);
+  }
+  reader->model->arena.failed = reader->model->arena.failed || status == KM_MEMORY || parts.failed;
+  km_path_names_free(&p);
+  if (out)
+    km_reader_note(reader, place, "frame \"%s\" is left out of the model, and %s with it", km_path_text(path, text),
+                   what);
+  else if (status)
+    km_reader_error(reader, place, "%s", problem.text);
+  return out ? KM_LEFT_OUT : status ? KM_NOT_FOUND : frame;
+}
+
 /* A joint of this assembly, or one that a label names. */
 static int joint_named(const km_reader *reader, const char *name, int assembly) {
   int joint = km_names_get(&reader->joints, assembly, name);
@@ -106,6 +138,8 @@ static int joint_named(const km_reader *reader, const char *name, int assembly) 
     joint = km_names_get(&reader->labels, KM_LABEL_JOINT, name);
   if (joint == KM_NOT_FOUND && km_names_get(&reader->labels, KM_LABEL_FAULTY, name) >= 0)
     joint = KM_FAULTY;
+  if (joint == KM_NOT_FOUND && km_names_get(&reader->labels, KM_LABEL_LEFT_OUT, name) >= 0)
+    joint = KM_LEFT_OUT;
   return joint;
 }
 
