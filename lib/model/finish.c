@@ -94,14 +94,18 @@ km_status km_model_rotation(const double rows[9], km_rotation *out, double *misf
         *misfit = entry;
     }
   double determinant = km_vec3_dot(R.axis[0], km_vec3_cross(R.axis[1], R.axis[2]));
-  if (!(*misfit <= 1e-6))
-    return km_fail(error, KM_MODEL,
-                   "not a rotation: an entry of RᵀR differs from the identity by %.3g; expected at most 1e-6", *misfit);
   if (determinant < 0.0)
     return km_fail(error, KM_MODEL, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
                    determinant);
+  bool near = *misfit <= 10.0 * KM_ROTATION_ROUNDING; /* of less than 3.5 of it where no entry is further off */
+  km_rotation nearest = near ? km_rotation_nearest(&R) : R;
+  double distance = near ? km_rotation_distance(&R, &nearest) : *misfit;
+  if (!near || !(distance <= KM_ROTATION_ROUNDING))
+    return km_fail(error, KM_MODEL, "not a rotation: %s by %.3g; expected at most %g",
+                   near ? "an entry differs from the nearest rotation's" : "an entry of RᵀR differs from the identity",
+                   distance, KM_ROTATION_ROUNDING);
   /* Within four roundings a matrix is as good as doubles allow: it is kept, so that one written out comes back itself.
    */
-  *out = *misfit <= 4.0 * DBL_EPSILON ? R : km_rotation_orthonormal(&R);
+  *out = *misfit <= 4.0 * DBL_EPSILON ? R : nearest;
   return KM_OK;
 }

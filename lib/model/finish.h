@@ -19,8 +19,9 @@ void km_model_check_inertias(const km_model *model, km_messages *messages);
 const char *km_shape_word(km_shape_kind kind);
 /* How many sizes a kind of shape has. */
 int km_shape_sizes(km_shape_kind kind);
-/* A rotation from the rows of its matrix: |RᵀR − I| ≤ 1e-6 and det > 0, then made exactly orthonormal. `misfit` is the
- * largest entry of RᵀR − I. KM_MODEL, and the identity, for what is no rotation. */
+/* The rotation nearest to a matrix M by its rows, where no entry of M is more than KM_ROTATION_ROUNDING off. `misfit` is the
+ * largest entry of MᵀM − I. KM_MODEL, and the identity, for what is no rotation. */
+#define KM_ROTATION_ROUNDING 1e-2 /* what is further off is another mistake than rounding to two digits */
 km_status km_model_rotation(const double rows[9], km_rotation *out, double *misfit, km_error *error);
 
 #endif

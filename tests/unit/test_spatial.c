@@ -98,12 +98,29 @@ static void adjoint_respects_composition_and_bracket(void **state) {
   }
 }
 
+/* M = R S with S symmetric and positive has R as its nearest rotation. */
+static void the_nearest_rotation_is_the_polar_factor(void **state) {
+  (void)state;
+  randomness r = {23};
+  for (int i = 0; i < 500; ++i) {
+    const double size = i % 2 ? 0.3 : 1e-6;
+    km_rotation R = km_quaternion_rotation(km_quaternion_exp(random_vector(&r, 2))), M;
+    km_vec3 d = random_vector(&r, size), e = random_vector(&r, 0.3 * size);
+    const km_vec3 S[3] = {{1.0 + d.x, e.x, e.y}, {e.x, 1.0 + d.y, e.z}, {e.y, e.z, 1.0 + d.z}};
+    for (int k = 0; k < 3; ++k)
+      M.axis[k] = km_rotate(&R, S[k]);
+    km_rotation nearest = km_rotation_nearest(&M);
+    assert_true(km_rotation_distance(&nearest, &R) < 4e-15);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(quaternions_and_logarithms),
       cmocka_unit_test(small_turns_have_the_same_logarithm),
       cmocka_unit_test(rotation_vectors_are_continuous),
       cmocka_unit_test(twist_logarithm_is_the_constant_twist),
+      cmocka_unit_test(the_nearest_rotation_is_the_polar_factor),
       cmocka_unit_test(adjoint_respects_composition_and_bracket),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

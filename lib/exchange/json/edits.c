@@ -132,6 +132,23 @@ static km_status cannot(const char *what, const char *name, km_error *error) {
   return km_fail(error, KM_USAGE, "%s of \"%.80s\" was changed, which a file can't say", what, name);
 }
 
+/* Takes the ways of telling an orientation away, beside R. */
+static void drop_orientations(km_value *object) {
+  km_value *before = NULL;
+  for (km_value *v = object->first; v; v = v->next) {
+    if (!km_is_orientation(v->key) || strcmp(v->key, "R") == 0) {
+      before = v;
+      continue;
+    }
+    if (before)
+      before->next = v->next;
+    else
+      object->first = v->next;
+    object->count--;
+  }
+  object->last = before;
+}
+
 static km_status put_frame(const writer *w, int frame, km_error *error) {
   const km_model *m = w->model;
   const km_model_frame *f = &m->frames[frame];
@@ -156,6 +173,7 @@ static km_status put_frame(const writer *w, int frame, km_error *error) {
   km_rotation_rows(&f->pose.R, rows);
   if (memcmp(&f->pose.R, &m->unedited->frames[frame].pose.R, sizeof f->pose.R) == 0)
     return KM_OK;
+  drop_orientations(object);
   km_value *R = emptied(w, object, "R");
   for (int i = 0; i < 3; ++i)
     km_value_numbers(w->arena, R, NULL, &rows[3 * i], 3);

@@ -24,7 +24,7 @@ static const km_field simulation_fields[] = {
 static const km_object_format simulation_format = {"simulation", simulation_fields};
 
 static const km_field parameters_fields[] = {
-    {"version", "Version of the format: \"0.2\", \"1.0\" or \"1.1\".", STRING, UNSTATED("the newest")},
+    {"version", "Version of the format: \"0.2\", \"1.0\", \"1.1\" or \"1.2\".", STRING, UNSTATED("the newest")},
     {"units", "Units of the file.", OBJECT(units_format), UNSTATED("rad, m, kg, s, N")},
     {"gravity", "Acceleration of gravity, in the inertial frame.", POINT, UNIT(.length = 1, .time = -2),
      UNSTATED("[0, 0, 0]")},

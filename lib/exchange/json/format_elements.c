@@ -1,12 +1,23 @@
 /* The format of what a mechanism is made of: bodies and their frames, joints, couplings, assemblies. */
 #include "exchange/json/format_rows.h"
 
+static const km_field euler_fields[] = {
+    {"order",
+     "Axes of the turns in their order, as \"xyz\" or \"zxz\". Each is an axis of the frame that the turns before it gave.",
+     STRING, REQUIRED},
+    {"angles", "The three angles.", VECTOR, REQUIRED, UNIT(.angle = 1)},
+    {0}};
+const km_object_format km_format_euler = {"euler", euler_fields};
+
 static const km_field frame_fields[] = {
     {"name", "Name of the frame, unique on its body. \"origin\" is every body's own frame.", STRING, REQUIRED},
     {"T", "Origin of the frame, from the body's frame; in a drawn assembly, in the drawing.", POINT, UNIT(.length = 1),
      UNSTATED("[0, 0, 0]")},
-    {"R", "Axes of the frame as the columns of a rotation matrix, written by rows.", SHAPE(MATRIX),
-     UNSTATED("no rotation")},
+    {"R",
+     "Axes of the frame as the columns of a rotation matrix, written by rows. The nearest rotation is taken of one that is "
+     "rounded.",
+     SHAPE(MATRIX), UNSTATED("no rotation")},
+    ORIENTATION,
     ACTIVE,
     {0}};
 static const km_object_format frame_format = {"frame", frame_fields};
@@ -48,6 +59,7 @@ static const km_field shape_fields[] = {
     {"T", "Middle of the shape, or origin of the mesh, in the body's frame.", POINT, UNIT(.length = 1),
      UNSTATED("[0, 0, 0]")},
     {"R", "Its axes as the columns of a rotation matrix, written by rows.", SHAPE(MATRIX), UNSTATED("no rotation")},
+    ORIENTATION,
     {"color", "Red, green, blue and perhaps opacity, from 0 to 1. Kept.", SHAPE(NUMBERS)},
     {"density", "Density. What has one is weighed, and gives the body its mass.", NUMBER,
      UNIT(.mass = 1, .length = -3)},
@@ -62,8 +74,9 @@ static const km_field body_fields[] = {
     {"moment_of_inertia", "Inertia matrix about the centre of mass, along the body's axes.", OBJECT(inertia_format),
      UNSTATED("0")},
     {"definition",
-     "Mesh file, in the body's frame and the model's length unit, and a material file, which is kept and used by no drawing. A mesh is an OBJ, STL, PLY, OFF, COLLADA "
-     "(.dae), glTF (.gltf, .glb) or 3DS file, or MuJoCo's .msh, of at most 256 MB and 2000000 triangles.",
+     "Mesh file, in the body's frame and the model's length unit, and a material file, which is kept and used by no drawing. "
+     "A mesh is an OBJ, STL, PLY, OFF, COLLADA (.dae), glTF (.gltf, .glb) or 3DS file, or MuJoCo's .msh, of at most 256 MB "
+     "and 2000000 triangles.",
      SHAPE(STRINGS)},
     {"density", "Density of the mesh. Mass, centre of mass and inertia then come from the mesh.", NUMBER,
      UNIT(.mass = 1, .length = -3)},

@@ -22,6 +22,14 @@
 #define ACTIVE                                                                                                         \
   { "active", "Whether it takes part. False leaves it out, with what depends on it.", BOOLEAN, UNSTATED("true") }
 
+/* Other ways to write a rotation than its matrix. */
+#define ORIENTATION                                                                                                    \
+  {"quaternion", "Instead of R: its rotation as a quaternion [w, x, y, z] of length 1.", SHAPE(NUMBERS)},              \
+      {"euler", "Instead of R: its rotation by Euler angles.", OBJECT(km_format_euler)}, {                             \
+    "rotation_vector", "Instead of R: its rotation as the axis times the angle.", VECTOR, UNIT(.angle = 1)             \
+  }
+extern const km_object_format km_format_euler;
+
 extern const km_object_format km_format_parameter, km_format_analysis;
 
 #endif

@@ -71,7 +71,7 @@ static void coordinates(const schema *s, km_value *object) {
 }
 
 static void words(const schema *s, km_value *object, const km_object_format *format, const char *key) {
-  static const char *const versions[] = {"0.2", "1.0", "1.1", NULL};
+  static const char *const versions[] = {"0.2", "1.0", "1.1", "1.2", NULL};
   km_value *list_of = NULL;
   if (format == &km_format_joint && strcmp(key, "type") == 0) {
     list_of = km_value_add(s->arena, object, "enum", KM_LIST);

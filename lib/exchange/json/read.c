@@ -123,11 +123,15 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   km_place place = {NULL, "model_parameters", 0};
   const char *version = km_reader_string(parameters, "version");
   km_place at = {&place, "version", 0};
-  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0 && strcmp(version, "1.1") != 0)
-    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\", \"1.0\" or \"1.1\"", version);
+  if (version && strcmp(version, "0.2") != 0 && strcmp(version, "1.0") != 0 && strcmp(version, "1.1") != 0 &&
+      strcmp(version, "1.2") != 0)
+    km_reader_error(reader, &at, "version \"%.40s\" is not known; expected \"0.2\", \"1.0\", \"1.1\" or \"1.2\"",
+                    version);
   bool newer =
       (version && strcmp(version, "1.1") == 0) || km_value_get(root, "parameters") || km_value_get(root, "poses");
   reader->origin->version = newer || reader->strut_room ? "1.1" : "1.0";
+  if (version && strcmp(version, "1.2") == 0)
+    km_reader_needs(reader, version);
   read_units(reader, parameters, &place);
   km_read_folders(km_value_get(parameters, "include_dir"), &reader->model->arena, &reader->model->folders);
   model->gravity = km_reader_vector(parameters, "gravity");
@@ -169,7 +173,7 @@ static void read_frame(km_reader *reader, const km_value *frame, int body, const
   }
   const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
   km_reader_add_frame(reader, name, body,
-                      (km_pose){km_reader_rotation(reader, frame, "R", place), km_reader_vector(frame, "T")});
+                      (km_pose){km_reader_orientation(reader, frame, place), km_reader_vector(frame, "T")});
 }
 
 static void read_body(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
@@ -310,6 +314,7 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
   read_parameters(&reader, root);
   read_elements(&reader, root);
   free_names(&reader);
+  km_reader_tell_rotations(&reader);
   tell_unused(root, messages);
   model->rotation_misfit = reader.rotation_misfit;
   km_model_check_inertias(model, messages);

@@ -10,7 +10,7 @@ void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *
   km_place at = {place, "drawn", 0};
   out->drawn = word != NULL;
   if (word)
-    reader->origin->version = "1.1";
+    km_reader_needs(reader, "1.1");
   if (word && strcmp(word, "assembled") != 0)
     km_reader_error(reader, &at, "\"%.40s\" is not known; expected \"assembled\", or no such key", word);
 }

@@ -78,7 +78,7 @@ void km_read_shape(km_reader *reader, const km_value *value, int body, const km_
                           .kind = (km_shape_kind)kind,
                           .where = km_reader_where(reader, place),
                           .scale = {1, 1, 1},
-                          .pose = {km_reader_rotation(reader, value, "R", place), km_reader_vector(value, "T")},
+                          .pose = {km_reader_orientation(reader, value, place), km_reader_vector(value, "T")},
                           .density = km_reader_number(value, "density", -1.0),
                           .color = {0, 0, 0, -1.0}};
   read_size(reader, value, place, &shape);

@@ -70,25 +70,6 @@ km_vec3 km_reader_vector(const km_value *object, const char *key) {
   return (km_vec3){x->number, x->next->number, x->next->next ? x->next->next->number : 0.0};
 }
 
-km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const char *key, const km_place *place) {
-  const km_value *rows = km_value_get(frame, key);
-  if (!rows)
-    return km_rotation_identity();
-  double m[9]; /* by rows */
-  int n = 0;
-  for (const km_value *row = rows->first; row; row = row->next)
-    for (const km_value *entry = row->first; entry; entry = entry->next)
-      m[n++] = entry->number;
-  km_rotation R;
-  double misfit;
-  km_error error;
-  km_place at = {place, key, 0};
-  if (km_model_rotation(m, &R, &misfit, &error))
-    km_reader_error(reader, &at, "%s", error.text);
-  reader->rotation_misfit = fmax(reader->rotation_misfit, misfit);
-  return R;
-}
-
 const char *km_reader_string(const km_value *object, const char *key) {
   const km_value *value = km_value_get(object, key);
   return value ? value->string : NULL;

@@ -23,6 +23,9 @@ typedef struct km_reader {
   km_messages *messages;
   const km_arena *arena;                       /* of what is read */
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
+  int rounded_count;                           /* of rotations that are replaced by the nearest one, */
+  double rounded_most;                         /* the largest change of an entry, */
+  char rounded_first[KM_PLACE_TEXT];           /* and the first one's place */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
   km_names labels;                             /* scopes: see finish.h */
   size_t strut_room;                           /* struts in the file, left-out ones too */
@@ -47,9 +50,17 @@ const char *km_reader_where(km_reader *reader, const km_place *place); /* kept i
 bool km_reader_active(const km_value *object);
 double km_reader_number(const km_value *object, const char *key, double otherwise);
 km_vec3 km_reader_vector(const km_value *object, const char *key);
-/* R of a frame (or the member `key` that is one), made exactly orthonormal; the identity if it is absent or (reported)
- * no rotation. */
+/* The member `key`, a matrix, as the nearest rotation; the identity if it is absent or (reported) no rotation. */
 km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const char *key, const km_place *place);
+/* The orientation that an object states by its R, quaternion, euler or rotation_vector; the identity if it is absent or
+ * (reported) none. */
+km_rotation km_reader_orientation(km_reader *reader, const km_value *object, const km_place *place);
+/* Is the member one of these four? */
+bool km_is_orientation(const char *key);
+/* One note on the rotations that were replaced by the nearest one. */
+void km_reader_tell_rotations(km_reader *reader);
+/* The file uses what came with this version of the format. */
+void km_reader_needs(km_reader *reader, const char *version);
 const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
 /* Reports a value that isn't greater than 0. */
 void km_reader_positive(km_reader *reader, const km_place *place, const char *key, double value);

@@ -65,7 +65,7 @@ static void write_frame(const km_sketch *s, const km_value *object, const char *
   write_point(s, out, "T", pose->p, s->grain);
   write_rotation(s, out, &pose->R);
   for (const km_value *v = object ? object->first : NULL; v; v = v->next)
-    if (strcmp(v->key, "name") != 0 && strcmp(v->key, "T") != 0 && strcmp(v->key, "R") != 0)
+    if (strcmp(v->key, "name") != 0 && strcmp(v->key, "T") != 0 && !km_is_orientation(v->key))
       km_sketch_copy(s, v, out, v->key);
 }
 
@@ -135,26 +135,21 @@ bool km_sketch_stays(const km_sketch *s, int body) {
   return same_rotation(&s->stand[body].R, &identity) && km_vec3_norm(s->stand[body].p) <= s->grain;
 }
 
-/* `T` and `R` of a shape, in its body's frame. */
-static km_pose shape_pose(const km_value *shape) {
-  km_pose X = {km_rotation_identity(), km_reader_vector(shape, "T")};
-  const km_value *rows = km_value_get(shape, "R");
-  double m[9];
-  int n = 0;
-  for (const km_value *row = rows ? rows->first : NULL; row; row = row->next)
-    for (const km_value *entry = row->first; entry && n < 9; entry = entry->next)
-      m[n++] = entry->number;
-  for (int k = 0; k < 3 && n == 9; ++k)
-    X.R.axis[k] = (km_vec3){m[k], m[3 + k], m[6 + k]};
-  return X;
+/* Where a body's shape of that place in its list is, in the body's frame. */
+static km_pose shape_pose(const km_sketch *s, int body, int place) {
+  int count = 0;
+  for (int i = 0; i < s->model->shape_count; ++i)
+    if (s->model->shapes[i].body == body && count++ == place)
+      return s->model->shapes[i].pose;
+  return km_pose_identity();
 }
 
 /* A shape of a body, or the mesh of its definition, where the inertial frame sees it. */
-static void write_shape(const km_sketch *s, int body, const km_value *shape, km_value *list) {
+static void write_shape(const km_sketch *s, int body, const km_value *shape, km_pose own, km_value *list) {
   km_value *out = km_value_add(s->arena, list, NULL, KM_OBJECT);
-  km_pose own = shape_pose(shape), X = km_pose_product(&s->stand[body], &own);
+  km_pose X = km_pose_product(&s->stand[body], &own);
   for (const km_value *v = shape->first; v; v = v->next)
-    if (strcmp(v->key, "T") != 0 && strcmp(v->key, "R") != 0)
+    if (strcmp(v->key, "T") != 0 && !km_is_orientation(v->key))
       km_sketch_copy(s, v, out, v->key);
   write_point(s, out, "T", X.p, s->grain);
   write_rotation(s, out, &X.R);
@@ -172,10 +167,11 @@ static void write_shapes(const km_sketch *s, int body, const km_value *object, k
     if (shape && density)
       km_value_number(s->arena, shape, "density", density->number);
     if (shape)
-      write_shape(s, body, shape, list);
+      write_shape(s, body, shape, km_pose_identity(), list);
   }
+  int place = 0;
   for (const km_value *v = shapes ? shapes->first : NULL; v && list; v = v->next)
-    write_shape(s, body, v, list);
+    write_shape(s, body, v, shape_pose(s, body, place++), list);
 }
 
 /* A mesh that moves becomes a shape, with its density. */

@@ -80,7 +80,7 @@ KM_API km_settings_def km_settings_default(void); /* SI units */
 typedef struct km_frame_def {
   const char *name;
   double T[3]; /* from the body's frame; length */
-  double R[9]; /* by rows; identity by default */
+  double R[9]; /* by rows; identity by default; the nearest rotation is taken, 0.01 in an entry away at most */
 } km_frame_def;
 KM_API km_frame_def km_frame_default(void);
 
