@@ -59,7 +59,7 @@ struct km_dynamics {
   bool *driven;     /* [coordinate] its acceleration is prescribed */
   double *driven_acceleration; /* [coordinate] */
   km_twist *driven_velocity;   /* [node] workspace of km_dynamics_driving_force */
-  bool feeds_back;             /* loops aren't closed: their errors are fed back with `omega` (thesis 4.4) */
+  bool feeds_back;             /* loops aren't closed: their errors are fed back with `omega` (thesis 6.7) */
   double omega;                /* per time */
   double closing;              /* error at which loops count as closed within a step, scaled */
   double residual;             /* largest scaled loop error of the last evaluation, before it closed the loops */

@@ -19,7 +19,7 @@ typedef enum km_integrator {
 /* How a run keeps the loops closed. */
 typedef enum km_stabilisation {
   KM_STABILISE_PROJECT, /* every evaluation takes the independent coordinates and closes the loops */
-  KM_STABILISE_BAUMGARTE /* the loops' errors are fed back: J q̈ = γ − 2ω ė − ω² e, ω by order and step (thesis 4.4) */
+  KM_STABILISE_BAUMGARTE /* the loops' errors are fed back: J q̈ = γ − 2ω ė − ω² e, ω by order and step (thesis 6.7) */
 } km_stabilisation;
 
 /* A crossing to locate: where a coordinate passes a value. */
