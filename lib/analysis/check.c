@@ -169,20 +169,72 @@ static void check_lengths(const km_model *model, km_findings *f) {
   }
 }
 
-/* Large round angles in a radian file are degrees. */
+/* No angle of a drawing is 10 radians; of a file that states radians it may be, unless it is round in degrees. */
+static bool is_degrees(const km_model *model, double value) {
+  bool round_number = fabs(value - 5.0 * round(value / 5.0)) < 1e-9;
+  return isfinite(value) && fabs(value) > 10.0 && (round_number || model->angle_assumed);
+}
+
+/* Tells of the first of some values of a coordinate that looks like degrees. */
+static bool check_angle(const km_model *model, int c, const double *values, int count, const char *what,
+                        km_findings *f) {
+  const km_model_coordinate *def = &model->coordinates[c];
+  if (km_joint_is_length(model->joints[def->joint].type, def->index))
+    return false;
+  for (int k = 0; k < count; ++k)
+    if (is_degrees(model, values[k])) {
+      add(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
+          "joint %s has %s of %g rad, which looks like degrees%s", def->label, what, values[k],
+          model->angle_assumed ? "; the file states no unit of angles" : "");
+      return true;
+    }
+  return false;
+}
+
+/* Large angles in a radian file are degrees: of the joints, and of what is asked of them. */
 static void check_angles(const km_model *model, km_findings *f) {
-  for (int c = 0; c < model->coordinate_count && model->units.angle->si == 1.0; ++c) {
+  if (model->units.angle->si != 1.0)
+    return;
+  for (int c = 0; c < model->coordinate_count; ++c) {
     const km_model_coordinate *def = &model->coordinates[c];
-    if (km_joint_is_length(model->joints[def->joint].type, def->index))
-      continue;
     const double values[3] = {def->position, def->low, def->high};
-    for (int k = 0; k < 3; ++k)
-      if (isfinite(values[k]) && fabs(values[k]) > 10.0 && fabs(values[k] - 5.0 * round(values[k] / 5.0)) < 1e-9) {
-        add(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
-            "joint %s has an angle of %g rad, which looks like degrees", def->label, values[k]);
-        break;
-      }
+    bool told = check_angle(model, c, values, 3, "an angle", f);
+    if (!told && model->sweep.coordinate == c && model->sweep.arclength == 0.0)
+      told = check_angle(model, c, model->sweep.range, 2, "a sweep to an angle", f);
+    for (int h = 0; h < model->hold_count && !told; ++h)
+      told =
+          model->holds[h].coordinate == c && check_angle(model, c, &model->holds[h].value, 1, "a hold at an angle", f);
+    for (int p = 0; p < model->pose_count && !told; ++p)
+      for (int k = 0; k < model->poses[p].count && !told; ++k)
+        told = model->poses[p].coordinates[k] == c &&
+               check_angle(model, c, &model->poses[p].values[k], 1, "a named pose with an angle", f);
   }
+}
+
+/* Of a file without a unit of length, which then counts metres: the longest link is as long as a bridge. */
+static void check_length_unit(const km_mechanism *m, km_findings *f) {
+  static const double bridge = 20.0; /* m */
+  if (m->model->length_assumed && m->length > bridge)
+    add(f, KM_FINDING_WARNING, "units", "write \"length\": \"mm\", or the unit that is meant, in units",
+        "the file states no unit of length, so that its lengths are metres, and the mechanism is %.4g m long",
+        m->length);
+}
+
+/* Surface gravity is 1.6 m/s² on the Moon and 25 m/s² on Jupiter. */
+static void check_gravity(const km_model *model, km_findings *f) {
+  static const double least = 0.5, most = 50.0; /* m/s² */
+  const km_units *u = &model->units;
+  double unit = u->length->si / (u->time->si * u->time->si), size = km_vec3_norm(model->gravity);
+  bool weighs = false;
+  for (int b = 1; b < model->body_count; ++b)
+    weighs = weighs || model->bodies[b].mass > 0.0;
+  if (size > 0.0 && (size * unit < least || size * unit > most))
+    add(f, KM_FINDING_WARNING, "gravity", "write it in the model's units",
+        "gravity is %.6g %s/%s², which is %.4g m/s²; the earth's is %.6g %s/%s²", size, u->length->suffix,
+        u->time->suffix, size * unit, 9.80665 / unit, u->length->suffix, u->time->suffix);
+  if (size == 0.0 && weighs && model->gravity_assumed)
+    add(f, KM_FINDING_WARNING, "gravity", "write \"gravity\" in model_parameters; [0, 0, 0] where none is meant",
+        "bodies have masses, and the file states no gravity: they have no weight");
 }
 
 /* Has the loop no body with a mass? */
@@ -325,7 +377,9 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
   check_finite(&mobility, &diagnosis->finite, out);
   km_status status = check_ranks(m, s, out, error);
   check_lengths(m->model, out);
+  check_length_unit(m, out);
   check_angles(m->model, out);
+  check_gravity(m->model, out);
   if (!status)
     status = check_masses(m, s, out, error);
   check_laws(m->model, out);

@@ -281,5 +281,7 @@ km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km
   km_status status = km_statics_find(m, s, f, st);
   if (!status)
     km_statics_mark(m, st);
+  if (status != KM_USAGE)
+    memcpy(st->gravity, &f->stated_gravity, sizeof st->gravity);
   return status;
 }

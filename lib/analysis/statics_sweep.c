@@ -151,6 +151,7 @@ static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   if (!w->statics->held && w->out->unheld++ == 0)
     w->out->first_unheld = s;
+  memcpy(w->out->gravity, &w->forces->stated_gravity, sizeof w->out->gravity);
   w->out->loaded = w->out->loaded || w->forces->force_size > 0.0 || w->forces->couple_size > 0.0;
   for (int i = 0; i < w->statics->actuator_count; ++i) {
     double f = clear_force(w, r->m, i);

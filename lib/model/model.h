@@ -206,6 +206,7 @@ struct km_model {
   km_folders folders;
   km_units units;
   km_vec3 gravity;
+  bool gravity_assumed, angle_assumed, length_assumed; /* the file states none: the format's default counts */
   km_simulation_settings simulation;
   double characteristic_length; /* 0: the file states none */
   bool length_shared;           /* it is that of another model, which this one is compared with */

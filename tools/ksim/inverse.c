@@ -107,6 +107,7 @@ static void print_summary(const work *w, km_text *out) {
   const char *time = km_model_units(w->pose.model).time->suffix;
   size_t rows = km_table_rows(table);
   km_text_format(out, "%s: %.6g %s, %zu rows\n", w->o->model, km_table_row(table, rows - 1)[0], time, rows);
+  ksim_print_acting(w->o->reactions, w->pose.model, out);
   for (int i = 0; i < h->peak_count; ++i) {
     const km_force_peak *peak = &h->peaks[i];
     const char *unit = km_table_unit(table, peak->column);

@@ -31,6 +31,8 @@ bool ksim_read_rate(const km_model *model, int coordinate, const char *text, dou
 void ksim_tell_hinges(const kt_common *common, const char *path, const km_model *model);
 /* Warns of joints that pass limits where no stop acts; KT_PARTIAL where there are some. */
 kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
+/* The gravity that counts, and what the reactions leave out, for people. */
+void ksim_print_acting(bool reactions, const km_model *model, km_text *out);
 /* Warns of drives that went beyond their joints' bounds. */
 void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 

@@ -130,6 +130,7 @@ static kt_exit run_linearise(work *w) {
   km_text_format(&lines, "%s: %d freedom%s about this pose, %s%s\n", w->o->model, w->linear.freedom,
                  w->linear.freedom == 1 ? "" : "s", stability == KM_NOT_AT_REST ? "which is " : "",
                  km_stability_name(stability));
+  ksim_print_acting(false, w->pose.model, &lines);
   if (stability == KM_NOT_AT_REST)
     kt_say(
         &w->o->common, KM_NOTE,
@@ -163,6 +164,7 @@ static kt_exit run_equilibrium(work *w) {
   const km_model *model = w->pose.model;
   km_text lines = {0};
   km_text_format(&lines, "%s: at rest, %s\n", o->model, km_stability_name(km_linear_stability(&w->linear)));
+  ksim_print_acting(false, model, &lines);
   for (int c = 0; c < km_model_coordinate_count(model); ++c)
     km_text_format(&lines, "  %-14s %.9g %s\n", km_model_coordinate_label(model, c),
                    km_state_coordinate(w->pose.state, c), km_model_coordinate_unit(model, c));

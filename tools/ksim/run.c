@@ -152,6 +152,7 @@ static void print_summary(const ksim_work *w, km_text *out) {
   km_text_format(out, "%s: %.6g %s, %zu rows; %ld steps, %ld evaluations, %d new partition%s\n", w->options->model,
                  km_table_row(h->table, rows - 1)[0], unit, rows, h->figures.steps, h->figures.evaluations,
                  h->figures.repartitions, h->figures.repartitions == 1 ? "" : "s");
+  ksim_print_acting(w->options->reactions, model, out);
   km_text_format(out, "  loops closed to %.1e of their size; ", h->worst_loop);
   if (h->energy_scale > h->figures.rest_energy)
     km_text_format(out, "energy kept to %.1e of the largest kinetic energy\n", h->energy_error / h->energy_scale);

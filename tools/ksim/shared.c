@@ -59,6 +59,19 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
   return kt_exit_of(status);
 }
 
+void ksim_print_acting(bool reactions, const km_model *model, km_text *out) {
+  km_text meshing = {0};
+  km_text_add(out, "  ");
+  km_gravity_words(model, NULL, out);
+  km_text_add(out, "\n");
+  if (reactions)
+    km_meshing_words(model, &meshing);
+  if (meshing.size)
+    km_text_format(out, "  %s\n", meshing.data);
+  out->failed = out->failed || meshing.failed;
+  km_text_free(&meshing);
+}
+
 void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
   const km_model *model = pose->model;
   const char *time = km_model_units(model).time->suffix;

@@ -13,7 +13,7 @@ kt_exit kstatic_sweep(int argc, char **argv) {
       "max_force are warnings."
       "\vColumns beside those of every sweep: f.JOINT of the actuators (nan where they can't hold), fbar.JOINT "
       "least-norm forces, r.JOINT.fx … tz reactions of parent on child, held (1 or 0). JSON adds events [{actuator, "
-      "event (zero, peak, unbounded), s, force}], beyond_max_force [labels], degree_of_indeterminacy, rows_not_held, held_joints.",
+      "event (zero, peak, unbounded), s, force}], reactions_note, beyond_max_force [labels], degree_of_indeterminacy, rows_not_held, held_joints.",
       argc, argv);
   return kt_sweep(&o);
 }

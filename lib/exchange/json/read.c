@@ -98,6 +98,8 @@ static void read_units(km_reader *reader, const km_value *parameters, const km_p
                     known.data ? known.data : "");
     km_text_free(&known);
   }
+  reader->model->angle_assumed = !km_value_get(given, km_quantity_name(KM_ANGLE));
+  reader->model->length_assumed = !km_value_get(given, km_quantity_name(KM_LENGTH));
 }
 
 static double read_setting(km_reader *reader, const km_value *simulation, const char *key, const km_place *place) {
@@ -135,6 +137,7 @@ static void read_parameters(km_reader *reader, const km_value *root) {
   read_units(reader, parameters, &place);
   km_read_folders(km_value_get(parameters, "include_dir"), &reader->model->arena, &reader->model->folders);
   model->gravity = km_reader_vector(parameters, "gravity");
+  model->gravity_assumed = !km_value_get(parameters, "gravity");
   read_simulation(reader, parameters, &place);
   model->characteristic_length = km_reader_number(parameters, "characteristic_length", 0.0);
   if (km_value_get(parameters, "characteristic_length"))

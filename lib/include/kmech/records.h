@@ -60,6 +60,11 @@ KM_API km_value *km_statics_record(const km_mechanism *mechanism, const km_state
                                    const char *name, km_arena *arena);
 /* The same for people, appended: forces of the actuators, least-norm forces, reactions. */
 KM_API void km_statics_print(const km_mechanism *mechanism, const km_statics *statics, const char *name, km_text *out);
+/* A gravity (length / time²; NULL: the model's), appended: "gravity (0, 0, -9.81) m/s²", or "no gravity". */
+KM_API void km_gravity_words(const km_model *model, const double gravity[3], km_text *out);
+/* That couplings, such as gears, put no forces on bearings, appended where the model has some; else nothing. A record has it
+ * as `reactions_note`. */
+KM_API void km_meshing_words(const km_model *model, km_text *out);
 /* Which joints would move in a `direction` of the balance, the fastest first: "D by -1 rad, N by 0.9 m, …". */
 KM_API void km_direction_words(const km_mechanism *mechanism, const km_statics *statics, int direction, km_text *out);
 /* What a sweep's `--format json` gives (cli.md). `name`: the model's; `stopped_by`: km_sweep_stop_text. NULL when out of

@@ -45,6 +45,7 @@ typedef struct km_statics {
   km_reaction *reactions; /* [joint] */
   km_axes axes;           /* of the reactions */
   int degree;             /* of static indeterminacy: redundant constraints */
+  double gravity[3];      /* that the last balance counted, length / time² */
   km_statics_work *work;  /* of the library */
 } km_statics;
 

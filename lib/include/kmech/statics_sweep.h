@@ -35,6 +35,7 @@ typedef struct km_statics_sweep {
   size_t unheld;           /* rows that the actuators can't hold */
   double first_unheld;     /* s of the first of them */
   int degree;              /* of static indeterminacy, at the first row */
+  double gravity[3];       /* that counted, length / time² */
 } km_statics_sweep;
 
 /* Sweeps as km_mobility_sweep_run does, balances the forces at every row, and looks between the rows for where an

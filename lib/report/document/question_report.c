@@ -3,6 +3,7 @@
 #include "base/check.h"
 #include "forces/forces.h"
 #include "kmech/pictures.h"
+#include "kmech/records.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
 
@@ -19,9 +20,8 @@ static void load_words(const km_model *model, const km_forces *forces, int index
 
 /* What acts on the model. */
 static void acting_words(const km_model *model, const km_forces *forces, km_text *out) {
-  km_vec3 g = forces->stated_gravity;
-  km_text_format(out, "gravity (%g, %g, %g) %s/%s²", g.x, g.y, g.z, model->units.length->suffix,
-                 model->units.time->suffix);
+  const double g[3] = {forces->stated_gravity.x, forces->stated_gravity.y, forces->stated_gravity.z};
+  km_gravity_words(model, g, out);
   for (int i = 0; i < forces->load_count; ++i)
     load_words(model, forces, i, out);
   if (forces->spring_count)

@@ -194,6 +194,10 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
                           model->units.force->suffix, km_text_keep(&torque, &k->arena),
                           p->sweep->degree ? " ? marks what statics alone doesn't determine." : ""));
   km_document_cells(k, KM_BLOCK_TABLE, cells, joints + 1, COLUMNS);
+  km_text meshing = {0};
+  km_meshing_words(model, &meshing);
+  if (meshing.size)
+    km_document_text(k, km_document_format(k, "Note: %s.", km_text_keep(&meshing, &k->arena)));
 }
 
 void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics,

@@ -64,6 +64,11 @@ static void add_peaks(const km_model *model, const km_history *h, km_value *reco
   }
 }
 
+static void add_note(const km_model *model, const km_table *table, km_value *record, km_arena *arena) {
+  if (km_table_span(table, "r.").count > 0)
+    km_reactions_note_record(model, record, arena);
+}
+
 const km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
                                   const char *stopped_by, const char *name, km_arena *arena) {
   if (!m || !def || !h || !stopped_by || !name || !arena)
@@ -82,6 +87,7 @@ const km_value *km_history_record(const km_mechanism *m, const km_history_def *d
   add_events(m->model, def, h, record, arena);
   add_exceeded(m->model, h, record, arena);
   add_limits(m->model, h, record, arena);
+  add_note(m->model, h->table, record, arena);
   km_table_record(h->table, record, arena);
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);
@@ -97,6 +103,7 @@ const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, co
   add_exceeded(m->model, h, record, arena);
   add_limits(m->model, h, record, arena);
   add_peaks(m->model, h, record, arena);
+  add_note(m->model, h->table, record, arena);
   km_table_record(h->table, record, arena);
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);

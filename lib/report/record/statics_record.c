@@ -73,6 +73,7 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
   km_value_string(arena, record, "axes", st->axes == KM_AXES_FIXED ? "fixed" : "joint");
   km_value_string(arena, record, "reactions_with", st->held ? "actuator_forces" : "least_norm_forces");
   add_reactions(m, st, record, arena);
+  km_reactions_note_record(m->model, record, arena);
   km_value_number(arena, record, "degree_of_indeterminacy", st->degree);
   km_held_record(m, record, arena);
   km_configuration_record(m, s, record, arena);
@@ -162,6 +163,15 @@ static bool is_zero_everywhere(const km_mechanism *m, const km_statics *st, grai
   return true;
 }
 
+static void print_meshing(const km_model *model, km_text *out) {
+  km_text words = {0};
+  km_meshing_words(model, &words);
+  if (words.size || words.failed)
+    km_text_format(out, "  %s\n", words.failed ? "out of memory" : words.data);
+  out->failed = out->failed || words.failed;
+  km_text_free(&words);
+}
+
 /* Components that are 0 in every joint, as those out of the plane of a planar mechanism, have no column. */
 static void print_reactions(const km_mechanism *m, const km_statics *st, int width, km_text *out) {
   static const char *const names[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
@@ -205,6 +215,7 @@ static void print_reactions(const km_mechanism *m, const km_statics *st, int wid
     km_text_format(out,
                    "  ? statically indeterminate (%d redundant constraint%s): the least-squares sharing is shown\n",
                    st->degree, km_plural(st->degree));
+  print_meshing(model, out);
 }
 
 void km_statics_print(const km_mechanism *m, const km_statics *st, const char *name, km_text *out) {
@@ -217,6 +228,9 @@ void km_statics_print(const km_mechanism *m, const km_statics *st, const char *n
       : st->redundant
           ? "the actuators hold this pose; more actuators than freedoms, so the least-squares sharing is shown"
           : "the actuators hold this pose");
+  km_text_add(out, "  ");
+  km_gravity_words(m->model, st->gravity, out);
+  km_text_add(out, "\n");
   print_directions(m, st, out);
   if (st->actuator_count)
     km_text_add(out, "\nactuators\n");
@@ -253,6 +267,7 @@ km_value *km_statics_sweep_record(const km_mechanism *m, const km_statics_sweep 
   if (sweep->actuator_count)
     add_excess(m, sweep->actuators, &sweep->largest->value, sizeof *sweep->largest, sweep->actuator_count, record,
                arena);
+  km_reactions_note_record(m->model, record, arena);
   km_value_number(arena, record, "degree_of_indeterminacy", sweep->degree);
   km_value_number(arena, record, "rows_not_held", (double)sweep->unheld);
   km_held_record(m, record, arena);
@@ -273,6 +288,9 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
   const char *unit = km_sweep_unit(m, plan);
   int width = km_widest_label(m->model);
   km_sweep_print(m, plan, &sweep->motion, name, out);
+  km_text_add(out, "  ");
+  km_gravity_words(m->model, sweep->gravity, out);
+  km_text_add(out, "\n");
   for (int i = 0; i < sweep->actuator_count; ++i) {
     const km_force_event *largest = &sweep->largest[i];
     const km_handle *actuator = &sweep->actuators[i];
@@ -298,4 +316,5 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
   if (sweep->unheld)
     km_text_format(out, "  not held at %zu of %zu rows, first at %.6g%s\n", sweep->unheld,
                    km_table_rows(sweep->motion.table), sweep->first_unheld, unit);
+  print_meshing(m->model, out);
 }
