@@ -168,6 +168,14 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
                  const km_text *bytes);
 /* Tells before more than 100 MB are written: tables of so many numbers in all, each of some 20 bytes. */
 void kt_note_size(const kt_common *common, double numbers);
+/* The name of a file that holds one of the `kinds` ("json or urdf"), the first one by default: *file (NULL and "-" stay), with that
+ * ending in `room` where it has none and isn't a device or a pipe. KT_USAGE with a message for another ending. */
+enum { KT_FILE_ROOM = 4096 };
+kt_exit kt_file_name(const kt_common *common, const char *kinds, const char **file, char room[KT_FILE_ROOM]);
+/* The ending of the beginning of files' names where it is that of a kind of file that is in none of the `lists` (
+ * NULL behind the last); NULL: none. */
+const char *kt_foreign_ending(const char *base, const char *const *lists);
+
 /* Whether a file may be written under this name: it is new, or --force is given; says so if not. Pipes and devices may
  * always be written. */
 bool kt_may_write(const kt_common *common, const char *path);

@@ -250,6 +250,25 @@ static void print_page(const kt_options *options, const char *about, int argc, c
     exit(KT_DONE);
 }
 
+/* The ending of BASE says what the files hold, where it is that of a kind of file. */
+static void check_base(const kt_options *options, const char *command) {
+  const char *base = NULL, *words[KT_MOST_OPTIONS + 1] = {NULL};
+  int count = 0;
+  for (int i = 0; i < options->count; ++i) {
+    const kt_option *o = &options->items[i];
+    if (o->kind.keep == KT_KEEP_BEGIN)
+      base = *(const char **)o->target;
+    else if (strcmp(o->name, "format") == 0 && o->kind.words)
+      words[count++] = kt_word_place(o->kind.words, "table") < 0 ? o->kind.words : "txt or json";
+    else if (strcmp(o->name, "animate") == 0)
+      words[count++] = "html or apng";
+  }
+  const char *foreign = base ? kt_foreign_ending(base, words) : NULL;
+  if (foreign)
+    refuse(command, "--base %s: this command writes no .%s; expected some of %s, or a name without such an ending",
+           base, foreign, count ? words[0] : "its own files");
+}
+
 void kt_options_read(const kt_options *options, const char *about, int argc, char **argv) {
   print_page(options, about, argc, argv);
   check_names(options, argc, argv);
@@ -262,4 +281,5 @@ void kt_options_read(const kt_options *options, const char *about, int argc, cha
   const struct argp argp = {.options = table, .parser = parse, .args_doc = options->operand.argument, .doc = about};
   if (argp_parse(&argp, argc, argv, 0, NULL, &options))
     exit(KT_USAGE);
+  check_base(options, argv[0]);
 }

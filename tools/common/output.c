@@ -3,6 +3,8 @@
 
 #include "kmech/memory.h"
 
+#include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -79,6 +81,52 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
     kt_say(common, KM_ERROR, "out of memory");
   km_text_free(&path);
   return written;
+}
+
+/* Behind the last dot of a file's name; "" if that isn't a word. */
+static const char *ending_of(const char *path) {
+  const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+  bool word = dot && dot != name && isalpha((unsigned char)dot[1]);
+  for (const char *c = word ? dot + 1 : ""; *c; ++c)
+    word = word && isalnum((unsigned char)*c);
+  return word ? dot + 1 : "";
+}
+
+kt_exit kt_file_name(const kt_common *common, const char *kinds, const char **file, char room[KT_FILE_ROOM]) {
+  struct stat there;
+  if (!*file || strcmp(*file, "-") == 0)
+    return KT_DONE;
+  const char *ending = ending_of(*file);
+  if (kt_word_place(kinds, ending) >= 0 || (stat(*file, &there) == 0 && !S_ISREG(there.st_mode)))
+    return KT_DONE;
+  if (ending[0]) {
+    char expected[256] = "";
+    for (const char *c = kinds; *c && strlen(expected) + 8 < sizeof expected;) {
+      size_t length = strcspn(c, " ");
+      snprintf(expected + strlen(expected), sizeof expected - strlen(expected), "%s.%.*s", c == kinds ? "" : " or ",
+               (int)length, c);
+      c += length;
+      c += *c ? strlen(" or ") : 0;
+    }
+    kt_say(common, KM_ERROR, "-o %s: this command writes no .%s; expected a name that ends with %s", *file, ending,
+           expected);
+    return KT_USAGE;
+  }
+  snprintf(room, KT_FILE_ROOM, "%s.%.*s", *file, (int)strcspn(kinds, " "), kinds);
+  *file = room;
+  return KT_DONE;
+}
+
+const char *kt_foreign_ending(const char *base, const char *const *lists) {
+  static const char all[] =
+      "csv or json or svg or pdf or png or html or apng or dxf or txt or dot or xlsx or docx or odt or ods or tex or md or "
+      "xml or urdf or sdf or step or stp or iges or igs or stl or obj or ply or dae or dwg or gif or mp4 or webm or jpg or jpeg "
+      "or eps or ps or xls or doc or ppt or pptx or htm or mat or sqlite or zip";
+  const char *ending = ending_of(base);
+  bool known = ending[0] && kt_word_place(all, ending) >= 0;
+  for (; *lists && known; ++lists)
+    known = kt_word_place(*lists, ending) < 0;
+  return known ? ending : NULL;
 }
 
 void kt_note_size(const kt_common *common, double numbers) {

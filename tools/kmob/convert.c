@@ -113,6 +113,9 @@ kt_exit kmob_convert(int argc, char **argv) {
       "Write the checked model: other units, the assembled pose. A FILE that ends with .urdf, .xml (MJCF) or .sdf is "
       "written as a robot description, in SI units; what it can't hold is a note.",
       argc, argv);
+  char room[KT_FILE_ROOM];
+  if (kt_file_name(&o.common, "json or urdf or xml or sdf", &o.file, room) != KT_DONE)
+    return KT_USAGE;
   if (o.frames && o.drawn)
     return kt_usage(&o.common, "--drawn", "beside --frames", "one of them");
   if (km_model_format_of(o.file) != KM_FORMAT_JSON && (o.units || o.frames || o.drawn))

@@ -58,6 +58,9 @@ kt_exit kmob_new(int argc, char **argv) {
            o.file && o.name ? "found a name and -o; expected one of them" : "no name is given");
     return KT_USAGE;
   }
+  char room[KT_FILE_ROOM];
+  if (kt_file_name(&o.common, "json", &o.file, room) != KT_DONE)
+    return KT_USAGE;
   km_units units;
   km_text path = {0};
   kt_exit result = choose_units(&o, &units);

@@ -37,6 +37,10 @@ kt_exit kmob_schema(int argc, char **argv) {
   KT_OPTIONS_ADD(&all, table);
   kt_common_options(&all, &common, 0);
   kt_options_read(&all, "The JSON schema of the model format, or of studies.", argc, argv);
+  char room[KT_FILE_ROOM]; /* the endings of manual pages are numbers */
+  const char *words = format == JSON ? "json" : "md or markdown";
+  if (format != ROFF && kt_file_name(&common, words, &file, room) != KT_DONE)
+    return KT_USAGE;
   if (format != JSON)
     return write_keys(&common, file, (km_schema)of, format == ROFF);
   km_arena arena = {0};

@@ -175,6 +175,9 @@ kt_exit kview_export(int argc, char **argv) {
     strcat(name, ".html");
     o.file = name;
   }
+  char room[KT_FILE_ROOM];
+  if (kt_file_name(&o.common, "html", &o.file, room) != KT_DONE)
+    return KT_USAGE;
   kv_session session = {.opening = {.path = o.model,
                                     .floating = o.common.floating,
                                     .closure_tolerance = o.common.closure_tolerance,
