@@ -29,19 +29,50 @@ typedef struct work {
   km_plotted_table shown[MOST_TABLES];
 } work;
 
+/* The name of a column in the first `length` bytes, as it stands in the file: perhaps in quotes. The caller frees it. */
+static char *name_of(const char *text, size_t length) {
+  char *name = KM_NEW(char, length + 1);
+  bool quoted = length > 1 && text[0] == '"' && text[length - 1] == '"';
+  size_t used = 0;
+  for (size_t i = quoted; name && i < length - quoted; ++i) {
+    name[used++] = text[i];
+    i += quoted && text[i] == '"' && text[i + 1] == '"';
+  }
+  return name;
+}
+
+/* Takes the longest beginning that is a column of the first table, up to a comma; else what \ leaves up to the first one. */
+static char *take_name(const work *w, const char **rest, bool *more) {
+  for (size_t length = strlen(*rest); length > 0;) {
+    char *name = name_of(*rest, length);
+    if (!name || km_csv_find(w->tables[0], name) >= 0) {
+      *more = (*rest)[length] == ',';
+      *rest += length + *more;
+      return name;
+    }
+    km_free(name);
+    while (length > 0 && (*rest)[--length] != ',')
+      ;
+  }
+  kt_piece piece = kt_split(rest, ",");
+  *more = piece.separator == ',';
+  return piece.text;
+}
+
 /* COLUMN,COLUMN of every --y. */
 static kt_exit read_columns(work *w) {
   const options *o = w->options;
   for (int i = 0; i < o->y.count; ++i) {
     const char *rest = o->y.items[i];
-    for (char last = ','; last == ',';) {
-      kt_piece piece = kt_split(&rest, ",");
-      last = piece.separator;
-      if (w->columns == MOST_COLUMNS || !*piece.text) {
-        km_free(piece.text);
+    for (bool more = true; more;) {
+      char *name = take_name(w, &rest, &more);
+      if (!name)
+        return KT_NO_MEMORY;
+      if (w->columns == MOST_COLUMNS || !*name) {
+        km_free(name);
         return kt_usage(&o->common, "--y", o->y.items[i], "names of columns, at most 64");
       }
-      w->y[w->columns++] = piece.text;
+      w->y[w->columns++] = name;
     }
   }
   return KT_DONE;
@@ -133,9 +164,11 @@ static kt_exit write_plot(const work *w, kt_format format) {
 
 static kt_exit run(work *w) {
   const options *o = w->options;
-  kt_exit result = read_columns(w);
+  kt_exit result = KT_DONE;
   for (int t = 0; t < o->tables.count && result == KT_DONE; ++t)
     result = read_table(w, (size_t)t);
+  if (result == KT_DONE)
+    result = read_columns(w);
   for (int t = 0; t < o->tables.count && result == KT_DONE; ++t)
     result = choose_columns(w, (size_t)t);
   for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE; ++f)

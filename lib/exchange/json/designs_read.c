@@ -168,6 +168,9 @@ static km_status read(km_designs_reader *d, const char *bytes, size_t size, km_e
     return status;
   if (km_value_get(root, "assemblies"))
     return km_fail(error, KM_MODEL, "this is a model, not a study; expected a study, whose \"model\" names one");
+  const char *other = km_other_kind(root, &km_format_designs);
+  if (other)
+    return km_fail(error, KM_MODEL, "the file is %s; expected a study of designs", other);
   status = km_format_evaluate(root, &km_format_designs, d->messages, error);
   if (!status)
     km_format_check_as(root, &km_format_designs, NULL, d->messages);

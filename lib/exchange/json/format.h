@@ -100,6 +100,10 @@ void km_format_check(const km_value *root, km_messages *messages);
 void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
                         km_messages *messages);
 
+/* What a JSON file is that isn't the one that is expected: "a study of designs, which kstudy reads", "a path study, which kredund
+ * reads", "a model"; NULL: none of them. */
+const char *km_other_kind(const km_value *root, const km_object_format *expected);
+
 /* A field's shape and unit in words, as `[x, y, z]` and `length/time^2`; the unit is empty where there is none. */
 void km_field_shape_text(const km_field *field, km_text *out);
 void km_field_unit_text(const km_field *field, km_text *out);

@@ -4,6 +4,7 @@
 #include "base/check.h"
 #include "exchange/wide.h"
 
+#include <ctype.h>
 #include <jansson.h>
 #include <math.h>
 #include <string.h>
@@ -48,6 +49,51 @@ static bool is_blank(const char *bytes, size_t size) {
   return i == size;
 }
 
+/* The likely mistake where jansson gives up: by the last token that it read, which ends at `end`. */
+static const char *likely(const char *bytes, size_t size, size_t end) {
+  size_t at = end < size ? end : size;
+  char token = 0, before = 0;
+  while (at > 0 && strchr(" \t\r\n", bytes[at - 1]))
+    --at;
+  size_t from = at; /* of the token: back to a blank or a sign of JSON */
+  while (from > 0 && !strchr(" \t\r\n,:[]{}\"", bytes[from - 1]))
+    --from;
+  from -= from == at && from > 0;
+  token = bytes[from];
+  for (size_t i = from; i > 0 && !before; --i)
+    before = strchr(" \t\r\n", bytes[i - 1]) ? 0 : bytes[i - 1];
+  static const struct {
+    const char *begins, *words;
+  } mistakes[] = {{"/", "JSON has no comments"},
+                  {"#", "JSON has no comments"},
+                  {"'", "JSON has texts in double quotes"},
+                  {"\xE2\x80", "JSON has texts in straight double quotes"},
+                  {"True", "JSON writes true"},
+                  {"False", "JSON writes false"},
+                  {"None", "JSON writes null"},
+                  {"NaN", "JSON has no NaN"},
+                  {"Infinity", "JSON has no infinity"},
+                  {"-Infinity", "JSON has no infinity"},
+                  {"inf", "JSON has no infinity"},
+                  {"+", "JSON has no sign + before a number"},
+                  {".", "JSON has a digit before the decimal point"},
+                  {"=", "JSON has a colon between a key and its value"}};
+  for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; ++i) {
+    size_t length = strlen(mistakes[i].begins);
+    if (size - from >= length && memcmp(bytes + from, mistakes[i].begins, length) == 0)
+      return mistakes[i].words;
+  }
+  if (before == ',' && (token == '}' || token == ']'))
+    return "JSON has no comma before the closing bracket";
+  if (at > 0 && bytes[at - 1] == ';')
+    return "JSON has commas between values";
+  if (strchr("\"{[", token) && before && !strchr(",:[{", before))
+    return "a comma is missing before it";
+  if (isalpha((unsigned char)token) && (before == '{' || before == ','))
+    return "JSON has keys in double quotes";
+  return NULL;
+}
+
 km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km_value **root, km_error *error) {
   static const char mark[] = "\xEF\xBB\xBF";
   if (size >= 3 && memcmp(bytes, mark, 3) == 0) {
@@ -60,9 +106,11 @@ km_status km_json_parse_open(const char *bytes, size_t size, km_arena *arena, km
     return km_fail(error, KM_MODEL, "the text is empty; expected JSON text");
   json_error_t problem;
   json_t *json = json_loadb(bytes, size, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL | JSON_DECODE_ANY, &problem);
-  if (!json)
-    return km_fail(error, KM_MODEL, "line %d, column %d: %s; expected JSON text", problem.line, problem.column,
-                   problem.text);
+  if (!json) {
+    const char *mistake = likely(bytes, size, problem.position > 0 ? (size_t)problem.position : 0);
+    return km_fail(error, KM_MODEL, "line %d, column %d: %s%s%s%s; expected JSON text", problem.line, problem.column,
+                   problem.text, mistake ? " (" : "", mistake ? mistake : "", mistake ? ")" : "");
+  }
   *root = convert(arena, NULL, NULL, json);
   json_decref(json);
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory while reading JSON") : KM_OK;

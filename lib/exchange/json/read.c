@@ -293,6 +293,9 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
   km_value *root;
   const km_value *source;
   km_status status = km_json_parse_open(bytes, size, &model->arena, &root, error);
+  const char *other = status ? NULL : km_other_kind(root, &km_format_model);
+  if (other)
+    status = km_fail(error, KM_MODEL, "the file is %s; expected a model", other);
   if (!status)
     status = km_model_vary(root, def->assignments, def->assignment_count, &model->arena, error);
   if (!status)

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 const char *km_path_text(const km_value *value, char out[KM_PLACE_TEXT]) {
   km_path_names p;
@@ -83,6 +84,17 @@ static int find_frame(const km_reader *reader, const char *const *names, size_t 
   return better(named, frame_of(reader, body, "origin"));
 }
 
+/* What people and other programs call the inertial frame. */
+static bool means_fixed(const char *path) {
+  static const char *const names[] = {"ground",   "world",  "earth", "base", "frame",
+                                      "inertial", "origin", "fix",   "Fixed"};
+  size_t length = strcspn(path, "/");
+  for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+    if (strlen(names[i]) == length && strncasecmp(path, names[i], length) == 0)
+      return true;
+  return false;
+}
+
 int km_reader_frame(km_reader *reader, const km_value *value, int assembly, const km_place *place) {
   km_path_names p;
   char text[KM_PLACE_TEXT], near[KM_NEAREST_TEXT];
@@ -91,11 +103,13 @@ int km_reader_frame(km_reader *reader, const km_value *value, int assembly, cons
     frame = find_frame(reader, p.names, p.count, assembly);
   km_path_names_free(&p);
   reader->model->arena.failed = reader->model->arena.failed || p.failed;
+  km_path_text(value, text);
   if (frame == KM_NOT_FOUND && !p.failed)
     km_reader_error(reader, place,
                     "\"%s\" names no body or frame; expected [body, frame] of this assembly, a path from the "
-                    "root, or [\"fixed\", frame]; the nearest are %s",
-                    text, nearest_frames(reader->model, km_path_text(value, text), near));
+                    "root, or [\"fixed\", frame]%s; the nearest are %s",
+                    text, means_fixed(text) ? ", as the inertial frame is called" : "",
+                    nearest_frames(reader->model, text, near));
   return frame;
 }
 

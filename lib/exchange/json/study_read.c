@@ -120,6 +120,9 @@ km_status km_study_read(const char *bytes, size_t size, const char *folder, km_m
   if (status)
     return status;
   status = km_json_parse(bytes, size, c.s.arena, &root, error);
+  const char *other = status ? NULL : km_other_kind(root, &km_format_study);
+  if (other)
+    status = km_fail(error, KM_MODEL, "the file is %s; expected a path study", other);
   if (!status)
     km_format_check_as(root, &km_format_study, NULL, c.s.reader.messages);
   if (!status && !faulty(&c))

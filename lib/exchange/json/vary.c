@@ -308,6 +308,9 @@ static km_status locate(km_value *root, const char *path, reading *out, km_error
   km_status status = copy ? take_apart(path, copy, &s, error) : km_fail(error, KM_MEMORY, "out of memory for a path");
   if (!status) {
     km_value *parameter = parameter_of(root, &s);
+    const km_value *parameters = km_value_get(root, "parameters");
+    for (const km_value *v = parameters && !parameter ? parameters->first : NULL; v; v = v->next)
+      offer(&s, 0, v->key);
     if (parameter)
       s.readings[s.found++] = (reading){.number = parameter};
     else
