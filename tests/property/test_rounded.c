@@ -138,6 +138,7 @@ static void check(const char *name, randomness *r) {
   assert_true(b.residual <= tolerance);
   for (int c = 0; c < exact.model->coordinate_count; ++c)
     assert_near(km_mobility_number(exact.state, c), km_mobility_number(f.state, c), 1e-4);
+  km_free(text);
   fixture_close(&f);
   fixture_close(&exact);
 }
