@@ -4,6 +4,7 @@
 #include "analysis/rank_evidence.h"
 #include "kinematics/assemble.h"
 #include "kinematics/closure.h"
+#include "kinematics/loops.h"
 #include "kinematics/poses.h"
 
 static const double rounding =
@@ -29,26 +30,51 @@ static void add_pin_offset(const km_mechanism *m, int index, km_messages *messag
       n.x + 0.0, n.y + 0.0, n.z + 0.0, model->bodies[base].name);
 }
 
-/* The note about an overconstrained substructure that is rigid as written, by a pivot that is small for geometry. */
+/* Misfit of the displacements as the file states them; NaN when out of memory. */
+static double misfit_at_start(const km_mechanism *m, int index) {
+  km_state *start = NULL;
+  double misfit = nan("");
+  int worst;
+  if (!km_state_create(m, &start, NULL)) {
+    km_loops_update(m, start, &m->substructures[index]);
+    misfit = km_loops_residual(m, start, &m->substructures[index], &worst);
+  }
+  km_state_free(start);
+  return misfit;
+}
+
+/* True if rounding can have made a pivot of this size in a substructure without redundant constraints. Not where the loops close without it
+ * from the file's displacements, with less left than a hundred-thousandth of it: there the parts fit, and the pivot is geometry, such as a
+ * link a millionth as long as the others. Displacements that are poor anyway tell nothing; rotations that are none to their last digit
+ * show that the file was rounded. */
+static bool is_rounding(const km_mechanism *m, int index, double pivot, double misfit) {
+  const double fits = 1e-5 * pivot, first = misfit_at_start(m, index);
+  bool is_poor = first > 100.0 * pivot, is_rounded = m->model->rotation_misfit >= 1e-2 * pivot;
+  return is_rounded ? fmax(first, misfit) >= fits : !is_poor && misfit >= fits;
+}
+
+/* The note about a substructure that is rigid as written, by a pivot that is small for geometry. */
 static void add_rigid(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
-  static const double small = 1e-3; /* of the largest pivot: the error of three digits */
+  static const double small =
+      1e-3; /* of the largest pivot, where constraints are redundant: the error of three digits */
+  static const double very_small = 1e-4; /* the same where none is */
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  double tolerance;
-  int mobility;
+  km_suggestion named;
   if (m->closure_tolerance_given || p->sparse || sub->loop_count == 0)
     return;
   km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
   double pivot = p->rank > 0 ? p->last_pivot / p->scale : 1.0;
-  if (km_partition_freedom(p) > 0 || p->rank == sub->rows || pivot > small ||
-      !km_assemble_suggest(m, index, 1, &tolerance, &mobility))
+  bool is_redundant = p->rank < sub->rows;
+  if (km_partition_freedom(p) > 0 || pivot > (is_redundant ? small : very_small) ||
+      !km_assemble_suggest(m, index, 1, &named) || !(is_redundant || is_rounding(m, index, pivot, named.misfit)))
     return;
   km_messages_add(messages, KM_NOTE,
                   "substructure %d (joint %.80s and others) is rigid as written, but within %.1g of its size of one of "
                   "mobility %d; if its numbers are rounded, state \"closure_tolerance\": %g or give "
                   "--closure-tolerance %g",
-                  index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot, mobility,
-                  tolerance, tolerance);
+                  index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot,
+                  named.mobility, named.tolerance, named.tolerance);
 }
 
 void km_geometry_notes(const km_mechanism *m, km_state *s, km_messages *messages) {

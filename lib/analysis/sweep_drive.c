@@ -1,7 +1,10 @@
 /* Sweeps by one driven coordinate. */
+#include "analysis/rank_evidence.h"
 #include "analysis/stop_cause.h"
 #include "analysis/sweep_walk.h"
+#include "kinematics/closure.h"
 #include "kinematics/loops.h"
+#include "kinematics/poses.h"
 
 #include <math.h>
 #include <string.h>
@@ -37,13 +40,29 @@ static bool next(km_walk *w, double *target) {
   return false;
 }
 
+/* The singular value that lies within a factor of ten of the tolerance by which rounded data counts as dependent; 0: there is none. */
+static double rank_value(const km_mechanism *m, km_state *s, int substructure) {
+  static const double near = 10.0;
+  const double tolerance = km_rank_tolerance(m, &m->substructures[substructure], 0.0);
+  km_rank_evidence e;
+  if (!m->closure_tolerance_given)
+    return 0.0;
+  km_pivot_here(m, s, substructure, KM_NO_DRIVER, 0.0);
+  km_poses_update(m, s);
+  if (km_rank_evidence_find(m, s, substructure, &e, NULL))
+    return 0.0;
+  return e.dropped > tolerance / near ? e.dropped : e.kept < near * tolerance ? e.kept : 0.0;
+}
+
 /* Why the driver came no further, of the start and of the end. */
 static void note_cause(const km_walk *w, const km_reach *reach) {
   km_sweep *out = w->r->out;
   char **cause = &out->causes[w->step > 0];
   if (reach->stop != KM_STOP_TOGGLE || reach->substructure < 0 || out->freedom == 0 || *cause)
     return;
-  *cause = km_stop_cause(w->r->m, w->r->s, reach->substructure, w->r->plan->coordinate);
+  out->rank_value[w->step > 0] = rank_value(w->r->m, w->r->s, reach->substructure);
+  if (out->rank_value[w->step > 0] == 0.0)
+    *cause = km_stop_cause(w->r->m, w->r->s, reach->substructure, w->r->plan->coordinate);
 }
 
 /* The row where the drive has arrived; then what the observer wants to see near it has to follow. */

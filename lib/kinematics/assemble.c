@@ -181,12 +181,11 @@ static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobili
   return false;
 }
 
-bool km_assemble_suggest(const km_mechanism *m, int index, int least_mobility, double *tolerance, int *mobility) {
+bool km_assemble_suggest(const km_mechanism *m, int index, int least_mobility, km_suggestion *out) {
   trial named;
   if (!fitting_tolerance(m, index, least_mobility, &named))
     return false;
-  *tolerance = named.tolerance;
-  *mobility = named.freedom;
+  *out = (km_suggestion){named.tolerance, named.misfit, named.freedom};
   return true;
 }
 
@@ -261,43 +260,6 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   return status;
 }
 
-/* Can rounding have made a pivot of this size? Not where the loops close without it from the file's displacements, with
- * less left than a hundred-thousandth of it: there the parts fit, and the pivot is geometry, such as a link a millionth
- * as long as the others. Displacements that are poor anyway tell nothing. But rotations that are none to their last
- * digit show that the file was rounded. */
-static bool is_rounding(const km_mechanism *m, double pivot, double first_misfit, double misfit) {
-  const double fits = 1e-5 * pivot;
-  bool poor = first_misfit > 100.0 * pivot, rounded = m->model->rotation_misfit >= 1e-2 * pivot;
-  return rounded ? fmax(first_misfit, misfit) >= fits : !poor && misfit >= fits;
-}
-
-/* A structure whose last pivot is as small as rounding makes it, and that would move without it, is a
- * mechanism whose file was rounded: a loop of six hinges closes even then, but stands still. An explicit
- * tolerance disables this check. */
-static km_status check_rigid(const km_mechanism *m, const km_state *s, int index, double first_misfit,
-                             km_error *error) {
-  const km_partition *p = &s->partition[index];
-  trial named;
-  if (m->closure_tolerance_given || p->rank == 0 || km_partition_freedom(p) > 0 || p->last_pivot > 1e-4 * p->scale)
-    return KM_OK;
-  double pivot = p->last_pivot / p->scale;
-  if (!fitting_tolerance(m, index, 1, &named) || !is_rounding(m, pivot, first_misfit, named.misfit))
-    return KM_OK;
-  return km_fail(error, KM_MODEL,
-                 "substructure %d (joint %s and others) is rigid by a constraint of size %.2g alone, as rounded data "
-                 "makes it; expected exact data, or \"closure_tolerance\": %g in model_parameters, which gives it "
-                 "mobility %d (1e-9 keeps it rigid)",
-                 index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot,
-                 named.tolerance, named.freedom);
-}
-
-/* The misfit of the displacements as the file states them. */
-static double misfit_here(const km_mechanism *m, km_state *s, int index) {
-  int worst;
-  km_loops_update(m, s, &m->substructures[index]);
-  return km_loops_residual(m, s, &m->substructures[index], &worst);
-}
-
 /* Newton closes a loop in the scale of its slides' start. Where that is far larger than the loop that comes out, what is
  * left of the misfit may be all of the loop. */
 static km_status check_scale(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
@@ -324,16 +286,12 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, assembly *a, k
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_closure evidence;
     km_status status = KM_OK;
-    double first_misfit = misfit_here(m, s, i);
     km_closure_outcome outcome = assemble_one(m, s, i, a, &evidence, &status, error);
     if (status)
       return status;
     if (outcome != KM_CLOSED)
       return report_open(m, s, i, a, &evidence, error);
     status = check_scale(m, s, i, &evidence, error);
-    if (status)
-      return status;
-    status = evidence.iterations > 0 ? check_rigid(m, s, i, first_misfit, error) : KM_OK;
     if (status)
       return status;
     if (evidence.residual > total->residual) {

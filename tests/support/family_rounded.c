@@ -17,10 +17,10 @@ static bool may_move(fixture *f) {
   return agrees;
 }
 
-/* Does the tolerance that the words of a refusal name, if they do, give the mobility that they promise? */
+/* Does the tolerance that the words of a refusal or a note name, if they do, give the mobility that they promise? */
 static bool keeps_promise(const linkage *l, writing how, uint64_t seed, const char *words) {
-  const char *named = strstr(words, "\"closure_tolerance\": "), *promise = named ? strstr(named, "mobility ") : NULL;
-  if (!promise)
+  const char *named = strstr(words, "\"closure_tolerance\": "), *promise = strstr(words, "mobility ");
+  if (!named || !promise)
     return true;
   randomness again = {seed};
   fixture f;
@@ -51,8 +51,11 @@ bool family_rounded(uint64_t seed) {
   bool agrees = true;
   if (fixture_try(json, &f, &error)) {
     agrees = keeps_promise(&l, how, writing_seed, error.text);
-  } else if (how.digits >= 7) { /* what is let through moves, or nothing is said of it */
-    agrees = may_move(&f);
+  } else { /* what is let through moves, or a note says with which tolerance it does */
+    char *notes = fixture_notes(&f);
+    bool promises = notes && strstr(notes, "\"closure_tolerance\": ");
+    agrees = promises ? keeps_promise(&l, how, writing_seed, notes) : how.digits < 7 || may_move(&f);
+    km_free(notes);
   }
   if (!agrees)
     fprintf(stderr, "%s of seed %llu, %d digits\n", moving_names[kind], (unsigned long long)seed, how.digits);

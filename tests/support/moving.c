@@ -130,7 +130,8 @@ double dalembert(moving *m, double step) {
   momenta(mech, s, after);
   for (size_t b = 1; b < bodies; ++b) {
     const km_model_body *def = &mech->model->bodies[b];
-    km_wrench change = km_wrench_axpy(-0.5 / step, km_wrench_axpy(-1.0, before[b], after[b]), (km_wrench){{0, 0, 0}, {0, 0, 0}});
+    km_wrench change =
+        km_wrench_axpy(-0.5 / step, km_wrench_axpy(-1.0, before[b], after[b]), (km_wrench){{0, 0, 0}, {0, 0, 0}});
     km_pose X = m->f.state->pose[b];
     km_wrench weight = km_wrench_at(km_vec3_scale(def->mass, mech->model->gravity), (km_vec3){0, 0, 0},
                                     km_pose_point(&X, def->center_of_mass));

@@ -1,6 +1,8 @@
 /* Fixtures, random poses, and Jacobians independent of the library. */
 #include "support/support.h"
 
+#include "kmech/diagnosis.h"
+
 #include "kinematics/loops.h"
 #include "kmech/edit.h"
 
@@ -126,6 +128,17 @@ fixture parallelogram(double angle) {
   char buffer[2048];
   snprintf(buffer, sizeof buffer, text, angle, -angle, angle, angle);
   return fixture_read(buffer);
+}
+
+char *fixture_notes(fixture *f) {
+  km_messages *notes = km_messages_create();
+  km_text text = {0};
+  km_geometry_notes(f->mechanism, f->state, notes);
+  km_text_add(&text, "");
+  for (size_t i = 0; i < km_messages_count(notes); ++i)
+    km_text_format(&text, "%s\n", km_messages_text(notes, i));
+  km_messages_free(notes);
+  return text.data;
 }
 
 void fixture_close(fixture *f) {

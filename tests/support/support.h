@@ -39,6 +39,8 @@ fixture fixture_of(km_model *model);    /* takes the model */
 fixture fixture_written(void (*write)(km_text *out, int n), int n);
 /* Reads and assembles what may be refused; close the fixture in any case. */
 km_status fixture_try(const char *json, fixture *f, km_error *error);
+/* The notes about its geometry, one after the other; the caller frees them (km_free). */
+char *fixture_notes(fixture *f);
 void fixture_close(fixture *f);
 char *read_model_text(const char *name); /* the caller frees it (km_free) */
 /* A copy of the text where the first `from` behind `place` (NULL: anywhere) is `to`; the caller frees it (km_free). */

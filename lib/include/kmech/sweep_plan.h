@@ -45,18 +45,21 @@ typedef struct km_sweep_plan {
 
 /* The rows of a sweep, and how the mechanism moved. */
 typedef struct km_sweep {
-  km_table *table;           /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
-  km_table *between;         /* the same columns at poses between rows, where a curve grows without bound; step 0 */
-  km_mobility first;         /* at the pose from which the sweep started */
-  int substructure;          /* the one that moves, -1: a joint in no loop */
-  int freedom;               /* of the driven substructure there: above 1 the others move least */
-  int idle;                  /* how many of them are idle (kmech/idle.h): nothing else feels them */
-  int shaking;               /* how many of them no motion follows, though first order allows them all along */
-  bool *idle_coordinates;    /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
-  int start_branches;        /* motions that meet at the starting pose, where it is a branch point; else 0 */
-  km_reach start, end;       /* how FROM and TO were reached */
-  char *causes[2];           /* of start and end at a dead point: the links that are in line, or the joints whose axes are
+  km_table *table;        /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
+  km_table *between;      /* the same columns at poses between rows, where a curve grows without bound; step 0 */
+  km_mobility first;      /* at the pose from which the sweep started */
+  int substructure;       /* the one that moves, -1: a joint in no loop */
+  int freedom;            /* of the driven substructure there: above 1 the others move least */
+  int idle;               /* how many of them are idle (kmech/idle.h): nothing else feels them */
+  int shaking;            /* how many of them no motion follows, though first order allows them all along */
+  bool *idle_coordinates; /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
+  int start_branches;     /* motions that meet at the starting pose, where it is a branch point; else 0 */
+  km_reach start, end;    /* how FROM and TO were reached */
+  char *causes[2];        /* of start and end at a dead point: the links that are in line, or the joints whose axes are
                               * dependent; NULL: none, or it can't be told */
+  double rank_value
+      [2]; /* of start and end where the rank changes within the closure tolerance, which is no dead point: the
+                              * singular value that decides it, over the largest; else 0 */
   km_branch_point *branches; /* where several motions meet; s is the driver's value, or the arc length */
   size_t branch_count, branch_capacity;
   double cycle; /* by arc length: length of the closed cycle, 0 if it wasn't closed */

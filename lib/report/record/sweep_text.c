@@ -64,7 +64,7 @@ static const char *limited(const km_model *model, int c) {
 }
 
 static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const km_reach *reach,
-                        const char *cause, km_text *out) {
+                        int side, km_text *out) {
   if (reach->stop == KM_STOP_LIMIT) {
     km_text_format(out, "joint %s is at its limit", limited(m->model, reach->coordinate));
   } else if (reach->stop == KM_STOP_AWAY) {
@@ -74,7 +74,13 @@ static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const 
     km_joints_print(m, reach->substructure, out);
     km_text_add(out, " have no freedom");
     held_words(m, reach->substructure, out);
+  } else if (sweep->rank_value[side] > 0.0) {
+    km_text_format(out,
+                   "the rank of substructure %d changes within the closure tolerance %g (singular value %.2g of the "
+                   "largest one), which is no dead point; state a smaller tolerance, or more digits",
+                   reach->substructure + 1, m->closure_tolerance, sweep->rank_value[side]);
   } else {
+    const char *cause = sweep->causes[side];
     km_text_format(out, "%s is at a dead point%s%s", m->model->coordinates[plan->coordinate].label, cause ? ": " : "",
                    cause ? cause : "");
   }
@@ -86,21 +92,21 @@ static void print_start(const km_mechanism *m, const km_sweep_plan *plan, const 
   km_text_format(
       out, reached ? "started at %.6g%s instead of %.6g: " : "stopped at %.6g%s, on the way to the range (%.6g): ",
       sweep->start.position, km_sweep_unit(m, plan), plan->from);
-  stop_reason(m, plan, sweep, &sweep->start, sweep->causes[0], out);
+  stop_reason(m, plan, sweep, &sweep->start, 0, out);
 }
 
 static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
   if (plan->arclength <= 0.0) {
     km_text_format(out, "stopped at %.6g%s, before the end of the range (%.6g): ", sweep->end.position,
                    km_sweep_unit(m, plan), plan->to);
-    stop_reason(m, plan, sweep, &sweep->end, sweep->causes[1], out);
+    stop_reason(m, plan, sweep, &sweep->end, 1, out);
     return;
   }
   km_text_format(out, "the motion ends at arc length %.6g: ", sweep->end.position);
   if (sweep->end.stop == KM_STOP_TOGGLE)
     km_text_add(out, sweep->end.position > 0.0 ? "no further step can be found" : "no loop moves at this pose");
   else
-    stop_reason(m, plan, sweep, &sweep->end, sweep->causes[1], out);
+    stop_reason(m, plan, sweep, &sweep->end, 1, out);
 }
 
 /* Was the motion one of this mechanism, by all that its end names? */
