@@ -1,8 +1,10 @@
 /* Topology against its definitions by brute force, on random graphs. */
 #include "support/support.h"
 
+#include "kmech/mechanism.h"
 #include "topology/topology.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { MOST_BODIES = 9, MOST_JOINTS = 16 };
@@ -197,8 +199,54 @@ static void a_ball_is_held_as_a_whole(void **state) {
   fixture_close(&f);
 }
 
+/* Hinges on the ground: no link has a length, and the mechanism's is the greatest distance between two of them. */
+static void length_of_hinges(void **state) {
+  (void)state;
+  enum { COUNT = 60 };
+  for (int round = 0; round < 20; ++round) {
+    double p[COUNT][3], greatest = 0.0;
+    km_text bodies = {0}, joints = {0}, frames = {0}, json = {0};
+    unsigned seed = 1u + (unsigned)round;
+    for (int i = 0; i < COUNT; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        seed = seed * 1664525u + 1013904223u;
+        p[i][k] = round % 4 == 3 && k ? 0.0 : 1000.0 * (round % 2) + (seed >> 8) % 10000 / 1000.0;
+      }
+      for (int o = 0; o < i; ++o)
+        greatest =
+            fmax(greatest, sqrt(pow(p[i][0] - p[o][0], 2) + pow(p[i][1] - p[o][1], 2) + pow(p[i][2] - p[o][2], 2)));
+      const char *comma = i ? ", " : "";
+      km_text_format(&bodies, "%s{\"name\": \"b%d\"}", comma, i);
+      km_text_format(&frames, "%s{\"name\": \"f%d\", \"T\": [%.17g, %.17g, %.17g]}", comma, i, p[i][0], p[i][1],
+                     p[i][2]);
+      km_text_format(&joints, "%s{\"name\": \"J%d\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed/f%d\", \"b%d\"]}",
+                     comma, i, i, i);
+    }
+    km_text_format(
+        &json,
+        "{\"fixed\": {\"frames\": [%s]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [%s], \"joints\": [%s]}]}",
+        frames.data, bodies.data, joints.data);
+    km_model *model;
+    km_mechanism *mechanism;
+    km_error error;
+    km_length_source source;
+    if (km_model_read(json.data, json.size, NULL, &model, &error) ||
+        km_mechanism_compile(model, NULL, 0, &mechanism, &error))
+      fail_msg("%s", error.text);
+    assert_near(km_mechanism_characteristic_length(mechanism, &source), greatest, 1e-12 * greatest);
+    assert_int_equal(source, KM_LENGTH_JOINTS);
+    km_mechanism_free(mechanism);
+    km_model_free(model);
+    km_text_free(&bodies);
+    km_text_free(&joints);
+    km_text_free(&frames);
+    km_text_free(&json);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(length_of_hinges),
       cmocka_unit_test(random_graphs_agree_with_the_definition),
       cmocka_unit_test(a_late_loop_joins_two_substructures),
       cmocka_unit_test(couplings_join),
