@@ -51,7 +51,8 @@ static bool keeps_rank(km_tangents *f) {
   km_arena scratch = {0};
   km_state_restore(f->s, f->sub, f->pose);
   km_pivot_here(f->m, f->s, f->index, KM_NO_DRIVER, f->residual);
-  km_steady_begin(&steady, f->m, f->s, f->index, KM_NO_DRIVER, &scratch);
+  if (!km_steady_begin(&steady, f->m, f->s, f->index, KM_NO_DRIVER, &scratch))
+    f->arena->failed = true;
   km_arena_free(&scratch);
   return steady.on;
 }

@@ -38,10 +38,11 @@ static km_closure_outcome close_from_here(const km_mechanism *m, km_state *s, in
   return relax_and_close(m, s, index, evidence, status, error);
 }
 
-bool km_assemble_one(const km_mechanism *m, km_state *s, int substructure, double *saved) {
+km_status km_assemble_one(const km_mechanism *m, km_state *s, int substructure, double *saved, bool *closed) {
   km_closure evidence;
   km_status status = KM_OK;
-  return close_from_here(m, s, substructure, saved, &evidence, &status, NULL) == KM_CLOSED && !status;
+  *closed = close_from_here(m, s, substructure, saved, &evidence, &status, NULL) == KM_CLOSED && !status;
+  return status;
 }
 
 /* A start with links on one line, or a symmetric one, is a stationary point of the gap |e|^2: no descent leaves it. So further

@@ -4,8 +4,9 @@
 
 #include "kinematics/state.h"
 
-/* Newton, else damped least squares and Newton again; true if the loops close. saved[3 · columns] is workspace. */
-bool km_assemble_one(const km_mechanism *mechanism, km_state *state, int substructure, double *saved);
+/* Newton, else damped least squares and Newton again; *closed if the loops close then. saved[3 · columns] is workspace. KM_MEMORY. */
+km_status km_assemble_one(const km_mechanism *mechanism, km_state *state, int substructure, double *saved,
+                          bool *closed);
 
 /* A closure tolerance for rounded data. */
 typedef struct km_suggestion {

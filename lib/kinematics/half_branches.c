@@ -271,5 +271,6 @@ bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
   km_state_restore(f->s, f->sub, f->pose);
   km_loops_update(f->m, f->s, f->sub);
   km_state_forget_pivots(f->s, f->index);
+  f->arena->failed = f->arena->failed || !made;
   return made;
 }

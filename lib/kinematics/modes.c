@@ -65,7 +65,9 @@ static void scatter(search *f) {
 }
 
 static bool close(search *f) {
-  return km_assemble_one(f->m, f->s, f->substructure, f->saved);
+  bool closed;
+  f->arena.failed = km_assemble_one(f->m, f->s, f->substructure, f->saved, &closed) || f->arena.failed;
+  return closed;
 }
 
 static int body_of(const km_mechanism *m, int joint, int end) {
@@ -92,6 +94,7 @@ static bool turn_strut(search *f, int strut) {
   size_t size = (size_t)(KM_SAVED_PER_COLUMN * sub->columns);
   double *before = KM_NEW(double, 2 * size);
   bool turned = false;
+  f->arena.failed = f->arena.failed || !before;
   if (!before)
     return false;
   km_state_save(f->s, sub, before);
@@ -165,7 +168,7 @@ static bool keep(search *f) {
   kept.is_within = f->count == 0 || km_state_outside(f->s, sub_of(f)) < 0;
   km_state_save(f->s, sub_of(f), kept.saved);
   f->modes[f->count++] = kept;
-  return true;
+  return !f->arena.failed;
 }
 
 /* Counts the state's configuration. False when out of memory. */
@@ -187,7 +190,7 @@ static bool collect(search *f, int starts) {
       return false;
     km_state_restore(f->s, sub_of(f), f->modes[0].saved);
     scatter(f);
-    if (close(f) && !count_find(f))
+    if ((close(f) && !count_find(f)) || f->arena.failed)
       return false;
   }
   return true;
@@ -227,9 +230,9 @@ static km_status search_modes(search *f, int starts, km_modes *out, km_error *er
   f->places = KM_ARENA_NEW(&f->arena, km_body_place, (size_t)f->m->model->body_count);
   bool done = !f->arena.failed, moves = false;
   if (done) {
-    km_body_places(f->m, f->places);
+    f->arena.failed = !km_body_places(f->m, f->places);
     km_state_copy(f->m, f->s, f->original);
-    done = close(f);
+    done = close(f) && !f->arena.failed;
     moves = done && f->driver < 0 && km_partition_freedom(&f->s->partition[f->substructure]) > 0;
     done = done && !moves && collect(f, starts) && write_out(f, out);
   }

@@ -75,12 +75,10 @@ static bool find_lines(const km_mechanism *m, km_body_place *places) {
   return made;
 }
 
-void km_body_places(const km_mechanism *m, km_body_place *places) {
+bool km_body_places(const km_mechanism *m, km_body_place *places) {
   for (int b = 0; b < m->model->body_count; ++b)
     places[b] = (km_body_place){.identity = m->model->bodies[b].is_strut_part ? KM_BODY_PASSIVE : KM_BODY_WHOLE};
-  if (!find_lines(m, places))
-    for (int b = 0; b < m->model->body_count; ++b)
-      places[b].identity = KM_BODY_WHOLE;
+  return find_lines(m, places);
 }
 
 static bool same_vectors(km_vec3 a, km_vec3 b, double tolerance) {

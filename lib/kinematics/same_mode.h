@@ -17,8 +17,8 @@ typedef struct km_body_place {
   km_vec3 point, direction; /* of the line or the point, in the body */
 } km_body_place;
 
-/* What tells the places of a mechanism's bodies: places[body count]. O(joints). */
-void km_body_places(const km_mechanism *mechanism, km_body_place *places);
+/* What tells the places of a mechanism's bodies: places[body count]. False when out of memory. O(joints). */
+bool km_body_places(const km_mechanism *mechanism, km_body_place *places);
 /* Have all bodies the same place, to `tolerance` in radians and in lengths over `size`? a, b: [body count] poses in the inertial frame. */
 bool km_is_same_mode(const km_mechanism *mechanism, const km_body_place *places, const km_pose *a, const km_pose *b,
                      double size, double tolerance);

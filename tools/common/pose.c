@@ -72,12 +72,15 @@ static kt_exit take_pose(const kt_common *common, const char *path, km_model *mo
   return kt_exit_of(status);
 }
 
-/* Notes about the compiled geometry, unless the command gathers its findings itself. */
-static void tell_geometry(const kt_common *common, const char *path, const kt_pose *pose) {
+/* Notes about the geometry, unless the command gathers its findings itself. */
+static kt_exit tell_geometry(const kt_common *common, const char *path, const kt_pose *pose) {
   km_messages *notes = common->found ? NULL : km_messages_create();
+  if (!notes)
+    return common->found ? KT_DONE : KT_NO_MEMORY;
   km_geometry_notes(pose->mechanism, pose->state, notes);
   kt_tell_messages(common, path, notes, KM_OK, NULL);
   km_messages_free(notes);
+  return KT_DONE;
 }
 
 kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
@@ -92,7 +95,7 @@ kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *hold
   if (result == KT_DONE)
     result = reach(common, path, &held, &set, out);
   if (result == KT_DONE)
-    tell_geometry(common, path, out);
+    result = tell_geometry(common, path, out);
   if (result == KT_DONE && common->mode > 0)
     result = kt_mode_take(common, path, sets, out);
   kt_settings_free(&held);
