@@ -311,14 +311,14 @@ static int find_steady(km_tangents *f, km_arena *arena, km_finite_mobility *out)
   return f->conditions.freedom;
 }
 
-/* Do conditions of second order, by more than rounded data make of 0, show that not all tangents are finite motions? */
+/* True if conditions of second order exceed what rounded data make of 0, so that not all tangents are finite motions. */
 static bool are_refuted(km_tangents *f) {
   static const double above = 100.0; /* times the closure tolerance */
   double tolerance = f->m->closure_tolerance_given ? above * f->m->closure_tolerance : 0.0;
   return km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions) && f->conditions.size > tolerance;
 }
 
-/* May motions meet at an order that conditions of second order don't decide: in a cusp, or with the same tangent? */
+/* True if motions may meet at an order that the second one doesn't decide: in a cusp, or with the same tangent. */
 static bool may_touch(const km_tangents *f, int mobility) {
   return f->conditions.freedom > 1 && km_tangents_are_exact(f) && km_steady_is_small(f->sub) && mobility <= 1;
 }
@@ -326,7 +326,7 @@ static bool may_touch(const km_tangents *f, int mobility) {
 /* The index of the half-branch that makes up a motion with number i: the one that goes on most nearly opposite, else, in a cusp, in the
  * same direction; -1: there is none. */
 static int other_half(const km_half_branches *h, int freedom, int i, const bool *is_used) {
-  static const double nearly = 0.5;
+  static const double nearly = 0.5; /* cosine: within 60 degrees, since the ways bend up to the sphere */
   int best = -1;
   double most = 0.0;
   for (int pass = 0; pass < 2 && best < 0; ++pass)
@@ -377,7 +377,7 @@ static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h,
   return best;
 }
 
-/* Motions that the second order doesn't tell from others. *mobility is that of those found so far, which begin at `first`; it stays 0 where
+/* Finds motions that share a tangent or end in a cusp, which the second order can't separate. *mobility is that of those found so far, which begin at `first`; it stays 0 where
  * none is found, and then says nothing if tangents meet the second order. */
 static void find_touching(km_tangents *f, const km_idle_freedoms *idle, int first, int *mobility, bool *undecided,
                           km_finite_mobility *out) {
@@ -390,8 +390,9 @@ static void find_touching(km_tangents *f, const km_idle_freedoms *idle, int firs
     *undecided = halves.truncated && *mobility <= 1; /* a family of motions meets a small sphere everywhere */
   }
   *undecided = *undecided || *mobility == 0;
-  if (*mobility == 1)
+  if (*mobility > 0)
     list_half_branches(f, &halves, first, out);
+  out->truncated = out->truncated || *mobility > 1;
 }
 
 static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {

@@ -19,9 +19,7 @@ static void add_pin_offset(const km_mechanism *m, int index, km_messages *messag
   if (!(fabs(loop->pin_offset) > rounding))
     return;
   int base = t->base[index];
-  const km_member *member = &t->member[t->member_start[index]];
-  const km_model_frame *frame = &model->frames[model->joints[member->joint].frame[member->against]];
-  km_vec3 n = km_rotate(&frame->pose.R, loop->plane_normal);
+  km_vec3 n = loop->plane_normal;
   km_messages_add(
       messages, KM_NOTE,
       "loop %d: at %.80s its ends are %.4g %s apart along the hinge axes, direction (%.4g, %.4g, %.4g) of body %.80s; "
@@ -43,10 +41,12 @@ static double misfit_at_start(const km_mechanism *m, int index) {
   return misfit;
 }
 
-/* True if rounding can have made a pivot of this size in a substructure without redundant constraints. Not where the loops close without it
- * from the file's displacements, with less left than a hundred-thousandth of it: there the parts fit, and the pivot is geometry, such as a
- * link a millionth as long as the others. Displacements that are poor anyway tell nothing; rotations that are none to their last digit
- * show that the file was rounded. */
+/* True if rounding can have made a pivot of this size in a substructure without redundant constraints:
+ *
+ *   misfit >= 1e-5 pivot   the parts don't fit without it: of the closed loops, or, of a file whose rotations are rounded, of its start too
+ *   first <= 100 pivot     else the file's start is poor, and its misfit says nothing
+ *
+ * A pivot that is geometry, such as a link a millionth as long as the others, leaves parts that fit. */
 static bool is_rounding(const km_mechanism *m, int index, double pivot, double misfit) {
   const double fits = 1e-5 * pivot, first = misfit_at_start(m, index);
   bool is_poor = first > 100.0 * pivot, is_rounded = m->model->rotation_misfit >= 1e-2 * pivot;

@@ -115,6 +115,8 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
     km_state_restore(s, sub, a->start);
     displace(m, s, sub, most, &random);
     km_closure_outcome outcome = relax_and_close(m, s, index, &found, status, error);
+    if (*status)
+      break;
     if (outcome == KM_CLOSED && distance_from(s, sub, a->start) <= reach) {
       *evidence = found;
       return outcome;

@@ -1,15 +1,16 @@
 /* Bridges over singular configurations that a drive passes smoothly.
  *
- * Near a configuration where the rank drops, small pivots hide the tangent, over a stretch of the driver s that is wide where branches touch.
- * A smooth motion has regular configurations on both sides of that stretch. Four of them with their tangents, q_i and t_i at s_i = c + x_i h,
- * x = -2, -1, 1, 2, give
+ * Near a rank drop the pivots are too small to determine the tangent, over a stretch of the driver s that is wide where
+ * branches touch. A smooth motion has regular configurations on both sides of that stretch. Four of them with their tangents,
+ * q_i and t_i at s_i = c + x_i h, x = -2, -1, 1, 2, give
  *
  *   q(s) = sum_i H_i(u) q_i + h K_i(u) t_i,   u = (s - c) / h,   error q^(8) (4 h^4)^2 / 8!  at c      (Hermite)
  *   H_i = (1 - 2 l_i'(x_i) (u - x_i)) l_i^2,  K_i = (u - x_i) l_i^2,   l_i Lagrange's polynomials
  *
- * on the stretch. The loops are then closed there by the rows that stay independent, s fixed. That both sides belong to one smooth motion
- * is shown by the coefficient of u^7, of order h^7; another branch on the far side, even one with the same tangent, leaves one of order
- * h^2. */
+ * on the stretch. The loops are then closed there by the rows that stay independent, s fixed. Two tests show that both sides
+ * belong to one smooth motion: the coefficient of u^7 is of order h^7, and closing the loops at seven places of |u| < 1 moves
+ * them by less than rounding does. A branch with another tangent fails the second test by a part of h, one with the same
+ * tangent by a part of h^2. */
 #include "kinematics/drive_step.h"
 
 #include "base/larger.h"
@@ -20,7 +21,7 @@
 
 static const double place_of[KM_BRIDGE_NODES] = {-2.0, -1.0, 1.0, 2.0}; /* x_i */
 
-/* Weights of the nodes' configurations and of their tangents times h, and the same for the derivative by u. */
+/* Weights of the nodes' configurations and of their tangents times h. */
 typedef struct weights {
   double value[KM_BRIDGE_NODES], tangent[KM_BRIDGE_NODES];
 } weights;
@@ -38,6 +39,7 @@ static void lagrange(int i, double u, double *l, double *slope, double *own_slop
     }
 }
 
+/* Computes the weights of q and of dq/du at u. */
 static void weigh(double u, weights *value, weights *derivative) {
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
     double l, slope, own_slope, way = u - place_of[i];
@@ -49,7 +51,7 @@ static void weigh(double u, weights *value, weights *derivative) {
   }
 }
 
-/* Those of the coefficient of u^7. */
+/* Computes the weights that give the coefficient of u^7. */
 static void weigh_highest(weights *w) {
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
     double leading = 1.0, own_slope = 0.0;
@@ -82,7 +84,7 @@ static void rotation_vector_rate(const double *v, double *rate) {
   rate[2] = w.z;
 }
 
-/* sum_i of the weights times q_i - q and h t_i, q the saved configuration `base`; the state is used up. */
+/* Computes sum_i of the weights times q_i - q and h t_i, q the saved configuration `base`. The state is overwritten. */
 static void combine(km_drive *d, const weights *w, const double *base, double *sum) {
   const km_substructure *sub = km_drive_driven(d);
   const km_mechanism *m = d->c.mechanism;
@@ -101,8 +103,8 @@ static void combine(km_drive *d, const weights *w, const double *base, double *s
   }
 }
 
-/* How far closed configurations may lie from a smooth curve with nodes h apart: its highest derivative may be 1/h^2, and closing the loops
- * leaves the rounding of the errors over the smallest pivot. */
+/* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that closing
+ * leaves undone (km_settled, 1e-9); and the loops' error (km_closed) over the smallest pivot, times the largest weight, below 100. */
 static double allowed(const km_drive *d) {
   static const double rounding = 1e-9;
   const double h = d->bridge.h;
@@ -151,6 +153,7 @@ static bool place(km_drive *d, double s, double *correction) {
   km_continuation_place(&d->c, s);
   if (!close_independent(d, correction)) {
     km_state_restore(d->c.state, sub, d->from_bridge);
+    km_loops_update(d->c.mechanism, d->c.state, sub);
     return false;
   }
   km_state_save(d->c.state, sub, d->near);
@@ -255,8 +258,8 @@ static bool return_to_regular(km_drive *d) {
   return km_drive_start(d);
 }
 
-/* Do the loops close, where the nodes say, between those that are nearest to the singular configuration? Beside a narrow gap between
- * two dead points they close elsewhere. */
+/* True if the loops close within `allowed` of the interpolant at seven places of |u| < 1. In a narrow gap between two dead
+ * points, and on another branch, they don't. */
 static bool closes_within(km_drive *d) {
   enum { PARTS = 8 };
   double correction;
@@ -266,6 +269,13 @@ static bool closes_within(km_drive *d) {
   return true;
 }
 
+/* True if closes_within would notice a step onto a branch with the same tangent. Two such branches, k apart in curvature, have pivots of k h at the
+ * nodes, and the interpolant between them misses the motion by up to k h^2 / 80. Branches that touch to a higher order lie closer together
+ * than that: they are told apart by the longest stretch, or not at all. */
+static bool is_decisive(const km_drive *d) {
+  return allowed(d) < d->bridge.smallest_pivot * fabs(d->bridge.h) / 80.0;
+}
+
 bool km_drive_build_bridge(km_drive *d, double s, double side, double lead) {
   static const double shortest = 1e-3, longest = 0.13, growth = 2.0;
   const bool ignore_limits = d->c.ignore_limits;
@@ -273,10 +283,13 @@ bool km_drive_build_bridge(km_drive *d, double s, double side, double lead) {
   bool built = false;
   if (is_toggle(d))
     return false;
+  d->bridge.number = 0;
   km_drive_keep(d, &d->before_bridge);
   d->c.ignore_limits = true;
-  for (double h = shortest; h < longest && !built; h *= growth)
-    built = return_to_regular(d) && find_nodes(d, s + lead * side * h, side * h) && is_smooth(d) && closes_within(d);
+  for (int pass = 0; pass < 2 && !built; ++pass)
+    for (double h = shortest; h < longest && !built; h *= growth)
+      built = return_to_regular(d) && find_nodes(d, s + lead * side * h, side * h) && (pass > 0 || is_decisive(d)) &&
+              is_smooth(d) && closes_within(d);
   d->c.ignore_limits = ignore_limits;
   km_drive_come_back(d, &d->before_bridge);
   if (built) {

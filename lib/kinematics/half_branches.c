@@ -25,14 +25,14 @@ static const double radius =
     0.08; /* d: an order of contact n leaves a misfit of d^n, which must stand out from `closed` */
 static const double closed = 1e-12;         /* rms of the worst loop */
 static const double least_cosine = 0.8;     /* between the directions at d and d/2 */
-static const double least_distance = 1e-4;  /* between two half-branches, over d */
-static const double least_singular = 1e-12; /* singular values below this share of the largest are no equations */
+static const double least_distance = 1e-4;  /* over d: closer solutions are one */
+static const double least_singular = 1e-12; /* singular values below this share of the largest count as 0 */
 
 /* The system at one distance, with its workspace. */
 typedef struct sphere {
   km_tangents *f;
   double d;
-  size_t equations;    /* at least as many as unknowns, as GSL asks; those behind the sphere's are 0 */
+  size_t equations;    /* GSL requires at least as many as unknowns: the excess ones are 0 */
   double *y;           /* [columns] scaled step from q0 */
   double *J;           /* [columns × rows] */
   double *kept, *last; /* [columns] */
@@ -69,6 +69,7 @@ static int derivatives(const gsl_vector *x, void *data, gsl_matrix *out) {
   const km_substructure *sub = p->f->sub;
   const double *weight = p->f->m->column_weight + sub->column_start;
   go(p, x);
+  /* Of ball joints this is the derivative by the angular velocity, which is that by y to |y|/2: steps converge linearly there. */
   km_state_jacobian_dense(p->f->s, sub, p->J);
   gsl_matrix_set_zero(out);
   for (int k = 0; k < sub->columns; ++k) {
@@ -121,7 +122,8 @@ static bool solve(sphere *p, double d) {
   return km_loops_residual(f->m, f->s, f->sub, &worst) <= closed && fabs(length - d) <= 1e-6 * d;
 }
 
-/* Does the solution y at d = radius go on towards q0? The state and y are used up. */
+/* True if the half-branch through the solution y at d = radius goes on to d/8, with direction changes below acos(0.8) = 37 deg. y
+ * becomes the solution there; the state is overwritten. */
 static bool leads_back(sphere *p) {
   const km_tangents *f = p->f;
   const int n = f->sub->columns;
@@ -157,6 +159,7 @@ static double *pose_of(const km_half_branches *out, const km_tangents *f, int i)
   return out->pose + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns;
 }
 
+/* True if the state is at no half-branch that is listed. */
 static bool is_new(const sphere *p, const km_half_branches *out) {
   const km_tangents *f = p->f;
   for (int i = 0; i < out->count; ++i) {
@@ -171,17 +174,18 @@ static bool is_new(const sphere *p, const km_half_branches *out) {
 static bool count_new(sphere *p, km_half_branches *out) {
   km_tangents *f = p->f;
   const size_t bytes = (size_t)f->sub->columns * sizeof *p->y;
-  if (!is_new(p, out))
-    return false;
-  out->truncated = out->count == KM_MOST_HALF_BRANCHES;
-  if (out->truncated)
+  const bool is_full = out->count == KM_MOST_HALF_BRANCHES;
+  if (out->truncated || !is_new(p, out))
     return false;
   memcpy(p->kept, p->y, bytes);
-  km_state_save(f->s, f->sub, pose_of(out, f, out->count));
+  if (!is_full)
+    km_state_save(f->s, f->sub, pose_of(out, f, out->count));
   bool leads = leads_back(p);
-  memcpy(p->y, p->kept, bytes);
-  if (leads)
+  out->truncated = leads && is_full;
+  leads = leads && !is_full;
+  if (leads) /* by the solution nearest to q0 */
     take_shares(f, p->y, out->shares + (size_t)out->count++ * (size_t)f->conditions.freedom);
+  memcpy(p->y, p->kept, bytes);
   return leads;
 }
 
@@ -235,6 +239,7 @@ static bool reserve(sphere *p) {
   p->rate = KM_ARENA_NEW(arena, double, (size_t)p->f->m->coordinate_count);
   p->gamma = KM_ARENA_NEW(arena, double, rows);
   p->equations = rows + 1 > n ? rows + 1 : n;
+  /* The handler is the process's: it stays off, since putting it back would race with other threads. */
   gsl_set_error_handler_off();
   gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
   p->fit = gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, p->equations, n);

@@ -15,9 +15,9 @@ typedef struct km_half_branches {
   double *shares; /* [KM_MOST_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
 } km_half_branches;
 
-/* Finds them from random starts around the tangent space, whatever the order at which the motions meet: branches that cross, that touch with
- * the same tangent, or that end in a cusp. The basis of the tangents must be there, the configuration exact. False when out of
- * memory; a motion that no start leads to is missed. The state stays. O(starts · iterations · rows · columns²). */
+/* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the same tangent
+ * up to an order of contact of about 5, or that end in a cusp. The basis of the tangents must be there, the configuration exact.
+ * False when out of memory. A motion that no start leads to is missed. Restores the state. O(starts · iterations · rows · columns²). */
 bool km_half_branches_find(km_tangents *tangents, km_half_branches *out);
 
 #endif

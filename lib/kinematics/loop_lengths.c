@@ -77,8 +77,8 @@ static bool add_branch(const km_mechanism *m, const km_program *program, int slo
   return true;
 }
 
-/* Place of the other branch's last joint, seen from that of branch `side`, along the body that closes the loop; at closure. */
-static km_vec3 across(const km_program *program, const km_loop *loop, int side) {
+/* Vector from the last joint of branch `side` to that of the other one, fixed in the body that closes the loop. */
+static km_vec3 closing_link(const km_program *program, const km_loop *loop, int side) {
   if (!program->planar) {
     km_pose back = km_pose_inverse(&loop->close[!side]);
     return km_pose_product(&loop->close[side], &back).p;
@@ -96,11 +96,13 @@ static km_vec3 first_place(const km_mechanism *m, const km_program *program, int
     first = step;
   if (first < 0)
     return (km_vec3){0.0, 0.0, 0.0};
+  if (!program->planar)
+    return m->steps[program->step_start + first].before.p;
   const km_planar_step *p = &m->planar_steps[program->step_start + first];
-  return program->planar ? (km_vec3){p->x, p->y, 0.0} : m->steps[program->step_start + first].before.p;
+  return (km_vec3){p->x, p->y, 0.0};
 }
 
-/* From the first joint of the first branch to that of the second, along the base body. */
+/* Vector from the first joint of branch 0 to that of branch 1, fixed in the base body. */
 static km_vec3 base_link(const km_mechanism *m, const km_program *program, const km_loop *loop) {
   km_vec3 apart = program->planar ? (km_vec3){loop->planar_apart[0], loop->planar_apart[1], 0.0} : loop->apart;
   km_vec3 from = first_place(m, program, loop->slot[0]), to = first_place(m, program, loop->slot[1]);
@@ -113,16 +115,16 @@ static void add_ends(const km_mechanism *m, const km_program *program, const km_
   km_vec3 apart = base_link(m, program, loop);
   if (first[0] >= 0 && first[1] >= 0) {
     add_link(p, km_vec3_norm(apart), first[0], first[1]);
-    add_link(p, km_vec3_norm(across(program, loop, 0)), last[0], last[1]);
+    add_link(p, km_vec3_norm(closing_link(program, loop, 0)), last[0], last[1]);
     return;
   }
   int empty = first[0] < 0 ? 0 : 1;
-  km_vec3 link = km_vec3_axpy(empty ? 1.0 : -1.0, apart, across(program, loop, empty));
+  km_vec3 link = km_vec3_axpy(empty ? 1.0 : -1.0, apart, closing_link(program, loop, empty));
   add_link(p, km_vec3_norm(link), first[!empty], last[!empty]);
 }
 
 bool km_loop_is_too_long(const km_mechanism *m, int index, km_long_link *out) {
-  static const double rounding = 1e-9; /* of the longest link */
+  const double rounding = fmax(1e-9, m->closure_tolerance); /* of the longest link: what the loop may be left open by */
   const km_loop *loop = &m->loops[index];
   const km_program *program = program_of(m, index);
   polygon p = {.longest = -1.0};

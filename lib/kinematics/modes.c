@@ -31,7 +31,7 @@ typedef struct search {
   mode *modes;
   size_t capacity;
   int count, closed;
-  bool moves; /* something still moves in one of them */
+  bool moves; /* a mode has a mobility above 0 */
   uint64_t random;
   km_progress progress;
   void *context;
@@ -59,7 +59,7 @@ static void scatter(search *f) {
   const km_substructure *sub = sub_of(f);
   for (int k = 0; k < sub->columns; ++k) {
     int c = coordinate_of(f, k);
-    f->way[k] = f->s->locked[c] ? 0.0 : uniform(f) * (f->m->unit[c] == 1.0 ? M_PI : 1.0);
+    f->way[k] = f->s->locked[c] ? 0.0 : uniform(f) * (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
   }
   km_state_move(f->m, f->s, sub, f->way);
 }
@@ -74,7 +74,7 @@ static int body_of(const km_mechanism *m, int joint, int end) {
   return m->model->frames[m->model->joints[joint].frame[end]].body;
 }
 
-/* Is the coordinate one of a strut's own joints: its slide, or that at either end? */
+/* True if the coordinate belongs to the strut's slide or to the joint at either end. */
 static bool belongs_to_strut(const km_mechanism *m, int strut, int coordinate) {
   int slide = m->model->coordinates[strut].joint, joint = m->model->coordinates[coordinate].joint;
   return joint == slide || body_of(m, joint, 1) == body_of(m, slide, 0) || body_of(m, joint, 0) == body_of(m, slide, 1);
@@ -92,7 +92,7 @@ static bool turn_strut(search *f, int strut) {
   enum { STARTS = 40 };
   const km_substructure *sub = sub_of(f);
   size_t size = (size_t)(KM_SAVED_PER_COLUMN * sub->columns);
-  double *before = KM_NEW(double, 2 * size);
+  double *before = KM_NEW(double, size);
   bool turned = false;
   f->arena.failed = f->arena.failed || !before;
   if (!before)
@@ -132,14 +132,17 @@ static void choose_turns(search *f) {
   }
 }
 
-/* The state's configuration as it is told: struts with lengths of at least 0, hinges by the turns that suit. */
-static void make_canonical(search *f) {
+/* Normalises the configuration: strut lengths of at least 0, hinge turns nearest to the original ones or within limits. False: a strut
+ * can't be turned round. */
+static bool make_canonical(search *f) {
+  bool turned = true;
   for (int k = 0; k < sub_of(f)->columns; ++k) {
     int c = coordinate_of(f, k);
     if (f->m->model->coordinates[c].is_strut && f->s->q[c] < 0.0 && c != f->driver)
-      turn_strut(f, c);
+      turned = turn_strut(f, c) && turned;
   }
   choose_turns(f);
+  return turned;
 }
 
 /* The mode that the state's configuration is; -1: a new one. */
@@ -163,9 +166,8 @@ static bool keep(search *f) {
   f->modes = modes;
   f->moves = f->moves || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
   memcpy(kept.place, f->s->pose, bodies * sizeof *kept.place);
-  if (f->count > 0)
-    make_canonical(f);
-  kept.is_within = f->count == 0 || km_state_outside(f->s, sub_of(f)) < 0;
+  bool is_own = f->count == 0;
+  kept.is_within = is_own || (make_canonical(f) && km_state_outside(f->s, sub_of(f)) < 0);
   km_state_save(f->s, sub_of(f), kept.saved);
   f->modes[f->count++] = kept;
   return !f->arena.failed;
@@ -196,7 +198,7 @@ static bool collect(search *f, int starts) {
   return true;
 }
 
-/* What closing the loops may leave of 0 is 0. */
+/* Returns the coordinate for output. What closing the loops leaves of 0 is written as 0. */
 static double written(const search *f, int c) {
   static const double rounding = 1e-12; /* radians, or substructure sizes */
   if (f->m->substructure_of[c] != f->substructure)
@@ -216,7 +218,7 @@ static bool write_out(search *f, km_modes *out) {
       continue;
     km_state_restore(f->s, sub_of(f), f->modes[i].saved);
     for (int c = 0; c < n; ++c)
-      out->coordinates[out->count * n + c] = written(f, c);
+      out->coordinates[(size_t)out->count * (size_t)n + (size_t)c] = written(f, c);
     ++out->count;
   }
   out->closed = f->closed;
@@ -228,17 +230,21 @@ static km_status search_modes(search *f, int starts, km_modes *out, km_error *er
   f->saved = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *columns);
   f->way = KM_ARENA_NEW(&f->arena, double, columns);
   f->places = KM_ARENA_NEW(&f->arena, km_body_place, (size_t)f->m->model->body_count);
-  bool done = !f->arena.failed, moves = false;
+  bool done = !f->arena.failed, moves = false, is_closed = true;
   if (done) {
     f->arena.failed = !km_body_places(f->m, f->places);
     km_state_copy(f->m, f->s, f->original);
-    done = close(f) && !f->arena.failed;
+    is_closed = close(f);
+    done = is_closed && !f->arena.failed;
     moves = done && f->driver < 0 && km_partition_freedom(&f->s->partition[f->substructure]) > 0;
     done = done && !moves && collect(f, starts) && write_out(f, out);
   }
   out->isolated = done && !f->moves;
+  bool is_open = !is_closed && !f->arena.failed;
   km_free(f->modes);
   km_arena_free(&f->arena);
+  if (is_open)
+    return km_fail(error, KM_USAGE, "the loops of the state are open; expected an assembled one");
   if (moves)
     return km_fail(
         error, KM_USAGE,

@@ -1,4 +1,4 @@
-/* Identity of assembly modes: the places of bodies, without passive turns. */
+/* Compares configurations as assembly modes: by the places of bodies, without passive turns. */
 #include "kinematics/same_mode.h"
 
 static const double collinear = 1e-9; /* of the largest distance between joints */
@@ -37,7 +37,7 @@ static bool lies_along(km_vec3 way, km_vec3 direction, double size) {
   return km_vec3_norm(km_vec3_cross(way, direction)) <= collinear * size;
 }
 
-/* Calls for each end of each joint: its body, frame and slide. */
+/* One end of a joint: its body, the axis of its slide (slide_of), and its frame there. */
 typedef struct joint_end {
   int body, slide;
   const km_pose *frame;
@@ -68,7 +68,7 @@ static bool find_lines(const km_mechanism *m, km_body_place *places) {
     km_body_place *place = &places[e.body];
     bool fits = e.slide != -2 && (e.slide < 0 || lies_along(e.frame->R.axis[e.slide], place->direction, 1.0)) &&
                 lies_along(km_vec3_sub(e.frame->p, place->point), place->direction, fmax(farthest[e.body], 1e-300));
-    if (!fits && place->identity == KM_BODY_LINE)
+    if (!fits && place->identity != KM_BODY_PASSIVE)
       place->identity = KM_BODY_WHOLE;
   }
   km_arena_free(&scratch);
@@ -85,20 +85,38 @@ static bool same_vectors(km_vec3 a, km_vec3 b, double tolerance) {
   return km_vec3_norm(km_vec3_sub(a, b)) <= tolerance;
 }
 
+/* How much of a body's place is the same in two configurations. */
+typedef enum agreement { DIFFERS, SAME_POINT, SAME_LINE, SAME_PLACE } agreement;
+
+static agreement compare(const km_body_place *p, const km_pose *a, const km_pose *b, double size, double tolerance) {
+  bool is_turned = false;
+  if (p->identity == KM_BODY_PASSIVE)
+    return SAME_PLACE;
+  if (!same_vectors(km_pose_point(a, p->point), km_pose_point(b, p->point), tolerance * size))
+    return DIFFERS;
+  for (int k = 0; k < 3; ++k)
+    is_turned = is_turned || !same_vectors(a->R.axis[k], b->R.axis[k], tolerance);
+  if (!is_turned)
+    return SAME_PLACE;
+  if (p->identity == KM_BODY_POINT)
+    return SAME_POINT;
+  bool on_line = p->identity == KM_BODY_LINE &&
+                 same_vectors(km_rotate(&a->R, p->direction), km_rotate(&b->R, p->direction), tolerance);
+  return on_line ? SAME_LINE : DIFFERS;
+}
+
 bool km_is_same_mode(const km_mechanism *m, const km_body_place *places, const km_pose *a, const km_pose *b,
                      double size, double tolerance) {
-  for (int i = 1; i < m->model->body_count; ++i) {
-    const km_body_place *p = &places[i];
-    if (p->identity == KM_BODY_PASSIVE)
-      continue;
-    if (!same_vectors(km_pose_point(&a[i], p->point), km_pose_point(&b[i], p->point), tolerance * size))
+  const km_model *model = m->model;
+  for (int i = 1; i < model->body_count; ++i)
+    if (compare(&places[i], &a[i], &b[i], size, tolerance) == DIFFERS)
       return false;
-    if (p->identity == KM_BODY_LINE &&
-        !same_vectors(km_rotate(&a[i].R, p->direction), km_rotate(&b[i].R, p->direction), tolerance))
+  /* A crosspiece may be turned between bodies that aren't. The links of a spherical linkage turn together: that is another mode. */
+  for (int j = 0; j < model->joint_count; ++j) {
+    int one = model->frames[model->joints[j].frame[0]].body, other = model->frames[model->joints[j].frame[1]].body;
+    if (compare(&places[one], &a[one], &b[one], size, tolerance) == SAME_POINT &&
+        compare(&places[other], &a[other], &b[other], size, tolerance) == SAME_POINT)
       return false;
-    for (int k = 0; k < 3 && p->identity == KM_BODY_WHOLE; ++k)
-      if (!same_vectors(a[i].R.axis[k], b[i].R.axis[k], tolerance))
-        return false;
   }
   return true;
 }

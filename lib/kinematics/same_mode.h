@@ -1,4 +1,4 @@
-/* Are two configurations one assembly mode? Private to kinematics/. */
+/* Compares two configurations as assembly modes. Private to kinematics/. */
 #ifndef KM_KINEMATICS_SAME_MODE_H
 #define KM_KINEMATICS_SAME_MODE_H
 
@@ -8,7 +8,7 @@
 typedef enum km_body_identity {
   KM_BODY_WHOLE,  /* position and orientation */
   KM_BODY_LINE,   /* a rod: its joints lie on one line, about which its turn is passive */
-  KM_BODY_POINT,  /* a crosspiece: its joints lie at one point, about which its turn is passive */
+  KM_BODY_POINT,  /* its joints lie at one point: a crosspiece, whose turn between fixed neighbours is passive */
   KM_BODY_PASSIVE /* half of a strut: nothing */
 } km_body_identity;
 
@@ -19,7 +19,8 @@ typedef struct km_body_place {
 
 /* What tells the places of a mechanism's bodies: places[body count]. False when out of memory. O(joints). */
 bool km_body_places(const km_mechanism *mechanism, km_body_place *places);
-/* Have all bodies the same place, to `tolerance` in radians and in lengths over `size`? a, b: [body count] poses in the inertial frame. */
+/* True if all bodies have the same place, to `tolerance` in radians and in lengths over `size`. a, b: [body count] poses in the
+ * inertial frame. O(bodies + joints). */
 bool km_is_same_mode(const km_mechanism *mechanism, const km_body_place *places, const km_pose *a, const km_pose *b,
                      double size, double tolerance);
 

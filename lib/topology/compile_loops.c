@@ -219,7 +219,7 @@ static km_step *only_ball(km_mechanism *m, const km_program *program, const km_l
   return ball;
 }
 
-/* Do other loops of the program pass the step too? */
+/* True if another loop of the program contains the step. */
 static bool is_shared(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_step *step) {
   for (int i = 0; i < program->loop_count; ++i) {
     const km_loop *other = &m->loops[m->loop_order[program->loop_start + i]];
@@ -291,7 +291,7 @@ static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loo
   km_vec3 gap = km_vec3_sub(w->zero[ball->to].p, km_vec3_add(cut.behind.p, apart));
   double height = km_vec3_dot(normal, gap);
   loop->pin_offset = side ? -height : height;
-  loop->plane_normal = normal;
+  loop->plane_normal = km_rotate(&m->model->frames[program->base_frame].pose.R, normal);
   km_vec3 shift = km_rotate_back(&w->zero[ball->from].R, km_vec3_scale(-height, normal));
   ball->before.p = km_vec3_add(ball->before.p, shift);
   zero_poses(m, program, w);

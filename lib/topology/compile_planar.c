@@ -87,7 +87,8 @@ static bool has_hinge(const km_mechanism *m, const km_program *program, const km
   return false;
 }
 
-static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *plane, bool has_hinge) {
+static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *plane, const km_rotation *base,
+                        bool has_hinge) {
   km_pose end[2];
   for (int side = 0; side < 2; ++side) {
     const km_pose *slot = &w->zero[loop->slot[side]];
@@ -112,7 +113,7 @@ static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *pla
    * hinge's frames may lie anywhere along its axis. */
   double sine = hypot(z.x, z.y), s = sine > 0.0 ? atan2(sine, z.z) / sine : 0.0;
   double height = km_vec3_dot(plane->axis[2], km_vec3_sub(end[0].p, end[1].p));
-  loop->plane_normal = plane->axis[2];
+  loop->plane_normal = km_rotate(base, plane->axis[2]);
   loop->pin_offset = has_hinge ? height : 0.0;
   loop->fixed_misfit[2] = has_hinge ? 0.0 : height;
   loop->fixed_misfit[3] = z.z < 0.0 && sine == 0.0 ? M_PI : -s * z.y;
@@ -134,7 +135,7 @@ void km_compile_planar(km_mechanism *m, km_program *program, const km_walks *w, 
     planar_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);
   for (int i = 0; i < program->loop_count; ++i) {
     km_loop *loop = &m->loops[m->loop_order[program->loop_start + i]];
-    planar_loop(loop, w, plane, has_hinge(m, program, loop));
+    planar_loop(loop, w, plane, &m->model->frames[program->base_frame].pose.R, has_hinge(m, program, loop));
   }
   program->step_start = start;
   m->planar_step_count += program->step_count;

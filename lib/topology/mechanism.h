@@ -68,7 +68,7 @@ typedef struct km_loop {
   double planar_turn;     /* turn of the one frame against the other when all coordinates are 0 */
   double fixed_misfit[6]; /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
   double pin_offset;      /* of a loop of hinges in a plane: distance of its ends along the hinge axes, scaled; not an error */
-  km_vec3 plane_normal;   /* unit direction of that, in the base frame's axes */
+  km_vec3 plane_normal;   /* unit direction of that, in the base body's axes */
   int entry_start, entry_count;
 } km_loop;
 

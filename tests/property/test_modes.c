@@ -130,10 +130,25 @@ static void legs_as_bodies_have_the_modes_of_struts(void **state) {
   }
 }
 
+/* A spherical four-bar, all frames at its centre: open and crossed, although every link has all its joints at one point. */
+static void spherical_linkages_have_two(void **state) {
+  (void)state;
+  km_modes modes;
+  const char *const bars =
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"p\"}, {\"name\": \"q\"}, {\"name\": \"r\"}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"p\"], \"at\": [0, 0, 0], \"axis\": [0, 0, 1]},"
+      "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"p\", \"q\"], \"at\": [0, 0, 0], \"axis\": [0.5, 0.2, 1]},"
+      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"q\", \"r\"], \"at\": [0, 0, 0], \"axis\": [0.9, 0.8, 0.7]},"
+      "{\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"r\"], \"at\": [0, 0, 0], \"axis\": [1, 0.1, 0.3]}]}]}";
+  assert_int_equal(count_modes(bars, "A", 200, &modes), 2);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(known_counts), cmocka_unit_test(where_bars_swing_freely),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(known_counts),
+                                     cmocka_unit_test(where_bars_swing_freely),
                                      cmocka_unit_test(a_strut_has_one_length),
                                      cmocka_unit_test(structures_need_no_driver),
-                                     cmocka_unit_test(legs_as_bodies_have_the_modes_of_struts)};
+                                     cmocka_unit_test(legs_as_bodies_have_the_modes_of_struts),
+                                     cmocka_unit_test(spherical_linkages_have_two)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
