@@ -368,8 +368,7 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   const km_substructure *sub = &m->substructures[index];
   double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub->columns);
   double *rates = KM_NEW(double, (size_t)m->coordinate_count);
-  if (directions && rates)
-    count = km_branch_directions(m, s, index, directions);
+  count = directions && rates ? km_branch_directions(m, s, index, directions) : -1;
   for (int i = 0; i < count && i < most; ++i) {
     for (int k = 0; k < sub->columns; ++k) {
       int c = m->column_coordinate[sub->column_start + k];
@@ -379,5 +378,5 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   }
   km_free(directions);
   km_free(rates);
-  return most < 0 || count < 0 ? 0 : count < most ? count : most;
+  return most < 0 ? 0 : count < most ? count : most;
 }

@@ -124,11 +124,13 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
             : "change a length or an angle so that the parts don't line up",
         "the %s shakes: first order allows mobility %d, but only %d is real",
         finite->mobility ? "mechanism" : "structure", mobility->mobility, finite->mobility);
+  char number[16] = "several";
+  if (!finite->truncated)
+    snprintf(number, sizeof number, "%d", branches);
   if (branches && !one)
     add(f, KM_FINDING_WARNING, "branch",
         "start from another pose, or follow one motion through it with kmob sweep --arclength",
-        "the pose is a branch point: %s%d motions meet, mobility %d there", finite->truncated ? "at least " : "",
-        branches, mobility->mobility);
+        "the pose is a branch point: %s motions meet, mobility %d there", number, mobility->mobility);
 }
 
 static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {

@@ -40,7 +40,7 @@ static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, k
 }
 
 /* What is said of the pose belongs to none of the motions that meet there. */
-static void tell_branches(const options *o, const kt_pose *pose, km_lever *lever) {
+static km_status tell_branches(const options *o, const kt_pose *pose, km_lever *lever, km_error *error) {
   enum { MOST = 8 };
   km_advantage each[MOST];
   km_text words = {0};
@@ -52,11 +52,13 @@ static void tell_branches(const options *o, const kt_pose *pose, km_lever *lever
     else
       km_text_add(&words, km_advantage_state_name(each[i].state));
   }
-  if (count && !words.failed)
+  if (count > 0 && !words.failed)
     kt_say(&o->request.common, KM_WARNING,
            "%s: this pose is a branch point; in the motions that meet the mechanical advantage is %s", o->request.model,
            words.data);
+  bool failed = count < 0 || words.failed;
   km_text_free(&words);
+  return failed ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
 }
 
 static km_status describe(const options *o, const kt_pose *pose, const ends *e, km_text *out, km_error *error) {
@@ -75,7 +77,7 @@ static km_status describe(const options *o, const kt_pose *pose, const ends *e, 
   if (status)
     km_fail(error, status, "out of memory for the leverage");
   else
-    tell_branches(o, pose, lever);
+    status = tell_branches(o, pose, lever, error);
   km_lever_free(lever);
   if (!status)
     status = transmission_at(pose, e, &transmission, error);

@@ -67,8 +67,8 @@ KM_API void km_lever_free(km_lever *lever);
  * 0. KM_USAGE: a pointer is missing, or the mobility isn't known; KM_MEMORY: the mobility is to be found again. `*out` is undefined then.
  * O(coordinates · freedoms). */
 KM_API km_status km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
-/* Where several motions meet at the state's pose (a branch point), the advantages in each of them: their number, at
- * most `most`; 0 at a regular pose. The state stays. */
+/* Where several motions meet at the state's configuration (a branch point), the advantages in each of them. Returns their number, at
+ * most `most`; 0 at a regular configuration, -1 when out of memory. The state keeps its configuration. */
 KM_API int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out,
                              int most);
 /* The motion that the last update was about: rates[coordinate], radians and model's length, largest scaled one 1.

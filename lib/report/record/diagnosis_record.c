@@ -115,8 +115,10 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
     branches = km_finite_mobility_branches(finite);
   if (branches == 1 && !finite->truncated)
     km_text_add(out, ": not all motions that first order allows are real");
+  else if (branches && finite->truncated)
+    km_text_add(out, ": a branch point, where several motions meet");
   else if (branches)
-    km_text_format(out, ": a branch point, where %s%d motions meet", finite->truncated ? "at least " : "", branches);
+    km_text_format(out, ": a branch point, where %d motions meet", branches);
   if (shaky)
     km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
                    branches || isfinite(followed) ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
