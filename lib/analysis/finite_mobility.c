@@ -38,14 +38,14 @@ static int common_span(km_tangents *f, double *basis) {
   return found;
 }
 
-/* Do conditions of second order show that not all tangents are real? One that nearly is could be taken for all. False too where asking
- * takes longer than following a few. */
+/* Do conditions of second order show that not all tangents are real? One that nearly is could be taken for all. False
+ * too where asking takes longer than following a few. */
 static bool rank_changes(km_tangents *f) {
   return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
 }
 
-/* True if the mechanism has as many idle tangents all along its motion as at the pose. Where branches touch with the same tangent it
- * hasn't. */
+/* True if the mechanism has as many idle tangents all along its motion as at the pose. Where branches touch with the
+ * same tangent it hasn't. */
 static bool keeps_rank(km_tangents *f) {
   km_steady steady = {0};
   km_arena scratch = {0};
@@ -57,8 +57,8 @@ static bool keeps_rank(km_tangents *f) {
   return steady.on;
 }
 
-/* Are the steady tangents all real, and no others? Then they alone are left, and directions[freedom × columns] (may be NULL) are those of
- * the others. */
+/* Are the steady tangents all real, and no others? Then they alone are left, and directions[freedom × columns] (may be
+ * NULL) are those of the others. */
 static bool are_steady(km_tangents *f, double *directions) {
   const bool doubtful = f->doubtful;
   if (!km_tangents_need_conditions(f))
@@ -154,7 +154,8 @@ static int smaller(int a, int b) {
   return a < b ? a : b;
 }
 
-/* Tangent spaces of the branches that have several freedoms: every direction in one of them is a tangent of the same branch. */
+/* Tangent spaces of the branches that have several freedoms: every direction in one of them is a tangent of the same
+ * branch. */
 enum { MOST_SPACES = 16 };
 typedef struct branch_spaces {
   int count, freedom;
@@ -182,8 +183,8 @@ static bool is_in_known_space(const branch_spaces *spaces, const double *a) {
   return false;
 }
 
-/* Adds the tangent space of the branch that was followed last, a short way along it, if that configuration is regular and the branch has
- * several freedoms. The state is used up. */
+/* Adds the tangent space of the branch that was followed last, a short way along it, if that configuration is regular
+ * and the branch has several freedoms. The state is used up. */
 static void add_space(branch_spaces *spaces, km_tangents *f, km_arena *arena) {
   const int n = f->sub->columns, k = spaces->freedom;
   const double *weight = f->m->column_weight + f->sub->column_start;
@@ -241,8 +242,8 @@ static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most,
   return best;
 }
 
-/* The dimension there if all tangents are real, as along most motions; else one motion has led there, and there may be more.
- */
+/* The dimension there if all tangents are real, as along most motions; else one motion has led there, and there may be
+ * more. */
 static int least_dimension_here(const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
   km_tangents f;
@@ -299,7 +300,8 @@ static int list_idle(km_tangents *f, const km_idle_freedoms *idle, km_arena *are
   return count;
 }
 
-/* Where all motions go along tangents that keep the rank, the others shake. Returns how many these are, -1: that isn't so. */
+/* Where all motions go along tangents that keep the rank, the others shake. Returns how many these are, -1: that isn't
+ * so. */
 static int find_steady(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
   int k = f->conditions.freedom, n = f->sub->columns;
   double *directions = KM_ARENA_NEW(arena, double, (size_t)k *(size_t)n);
@@ -323,8 +325,8 @@ static bool may_touch(const km_tangents *f, int mobility) {
   return f->conditions.freedom > 1 && km_tangents_are_exact(f) && km_steady_is_small(f->sub) && mobility <= 1;
 }
 
-/* The index of the half-branch that makes up a motion with number i: the one that goes on most nearly opposite, else, in a cusp, in the
- * same direction; -1: there is none. */
+/* The index of the half-branch that makes up a motion with number i: the one that goes on most nearly opposite, else,
+ * in a cusp, in the same direction; -1: there is none. */
 static int other_half(const km_half_branches *h, int freedom, int i, const bool *is_used) {
   static const double nearly = 0.5; /* cosine: within 60 degrees, since the ways bend up to the sphere */
   int best = -1;
@@ -343,7 +345,8 @@ static int other_half(const km_half_branches *h, int freedom, int i, const bool 
   return best;
 }
 
-/* Lists the motions that half-branches make up, in place of those from `first` on; false, and nothing changes, unless they are more. */
+/* Lists the motions that half-branches make up, in place of those from `first` on; false, and nothing changes, unless
+ * they are more. */
 static bool list_half_branches(km_tangents *f, const km_half_branches *h, int first, km_finite_mobility *out) {
   bool is_used[KM_MOST_HALF_BRANCHES] = {false};
   int freedom = f->conditions.freedom, motions = (h->count + 1) / 2;
@@ -377,8 +380,9 @@ static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h,
   return best;
 }
 
-/* Finds motions that share a tangent or end in a cusp, which the second order can't separate. *mobility is that of those found so far, which begin at `first`; it stays 0 where
- * none is found, and then says nothing if tangents meet the second order. */
+/* Finds motions that share a tangent or end in a cusp, which the second order can't separate. *mobility is that of
+ * those found so far, which begin at `first`; it stays 0 where none is found, and then says nothing if tangents meet
+ * the second order. */
 static void find_touching(km_tangents *f, const km_idle_freedoms *idle, int first, int *mobility, bool *undecided,
                           km_finite_mobility *out) {
   km_half_branches halves;
@@ -409,7 +413,8 @@ static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *a
     return apart + k;
   }
   bool alone = f->doubtful && k == 1; /* of several directions tried, most need not be real */
-  /* Where some tangents are refuted, not all are real near by either: the misfit is analytic on the manifold of the primary equations. */
+  /* Where some tangents are refuted, not all are real near by either: the misfit is analytic on the manifold of the
+   * primary equations. */
   int first = out->motion_count, most = k > 1 && (!f->doubtful || are_refuted(f)) ? k - 1 : k;
   int mobility = find_branches(f, idle, most, arena, out);
   bool undecided = (alone && mobility < k) || mobility < smaller(f->doubtful_dimension, most);

@@ -45,8 +45,9 @@ km_status km_assemble_one(const km_mechanism *m, km_state *s, int substructure, 
   return status;
 }
 
-/* A start with links on one line, or a symmetric one, is a stationary point of the gap |e|^2: no descent leaves it. So further
- * starts are tried, displaced at random, by amounts that grow: the first ones find a configuration near the file's. */
+/* A start with links on one line, or a symmetric one, is a stationary point of the gap |e|^2: no descent leaves it. So
+ * further starts are tried, displaced at random, by amounts that grow: the first ones find a configuration near the
+ * file's. */
 enum { STARTS = 24, FEW_STARTS = 6 };
 static const double least_displacement = 0.05, displacement_growth = 1.2; /* radians, or sizes of the substructure */
 
@@ -66,7 +67,8 @@ static void displace(const km_mechanism *m, km_state *s, const km_substructure *
   km_state_move(m, s, sub, s->work);
 }
 
-/* Further starts of a large substructure would take minutes: their number times the cost of a least squares step is bounded. */
+/* Further starts of a large substructure would take minutes: their number times the cost of a least squares step is
+ * bounded. */
 static int start_count(const km_substructure *sub) {
   static const double most_work = 1e9; /* starts * rows * columns^2 */
   double work = (double)sub->rows * sub->columns * sub->columns;
@@ -90,9 +92,10 @@ static double distance_from(km_state *s, const km_substructure *sub, const doubl
   return largest;
 }
 
-/* Closes the substructure's loops from the state's configuration, else from others near it. Where none leads to a closed
- * configuration, or lengths show that there is none, the state is left at that with the least gap. A small gap e is one of rounded data,
- * unless the loops close at a distance of order sqrt(e), as they do beside a stationary point. */
+/* Closes the substructure's loops from the state's configuration, else from others near it. Where none leads to a
+ * closed configuration, or lengths show that there is none, the state is left at that with the least gap. A small gap
+ * e is one of rounded data, unless the loops close at a distance of order sqrt(e), as they do beside a stationary
+ * point. */
 static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, assembly *a, km_closure *evidence,
                                        km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
@@ -263,8 +266,8 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   return status;
 }
 
-/* Newton closes a loop in the scale of its slides' start. Where that is far larger than the loop that comes out, what is
- * left of the misfit may be all of the loop. */
+/* Newton closes a loop in the scale of its slides' start. Where that is far larger than the loop that comes out, what
+ * is left of the misfit may be all of the loop. */
 static km_status check_scale(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
                              km_error *error) {
   const km_substructure *sub = &m->substructures[index];

@@ -148,8 +148,8 @@ void km_continuation_place(km_continuation *c, double parameter) {
   c->state->q[c->coordinate] = parameter * c->mechanism->unit[c->coordinate];
 }
 
-/* Closes the loops where the step has led. The first step by arc length may begin at a singular configuration, beside which rows that
- * count look dependent as long as the loops are open. */
+/* Closes the loops where the step has led. The first step by arc length may begin at a singular configuration, beside
+ * which rows that count look dependent as long as the loops are open. */
 static bool close(km_continuation *c, km_closure *evidence) {
   if (c->steady.on)
     return km_steady_close(&c->steady, c->mechanism, c->state, c->substructure, c->column, evidence);
@@ -183,8 +183,8 @@ int km_continuation_limit(const km_continuation *c, double h) {
   return passed >= 0 ? passed : km_state_limit_touched(c->state, sub, c->from, c->course.t, c->next_t, h);
 }
 
-/* The last step becomes an older one before a step of h; returns the tangent that is given up. On the way back the same poses
- * come again. */
+/* The last step becomes an older one before a step of h; returns the tangent that is given up. On the way back the
+ * same poses come again. */
 static double *grow_older(km_course *course, double h, bool alone) {
   if (alone || course->last_h == 0.0 || h * course->last_h < 0.0) {
     course->older_count = 0;

@@ -1,16 +1,16 @@
 /* Bridges over singular configurations that a drive passes smoothly.
  *
- * Near a rank drop the pivots are too small to determine the tangent, over a stretch of the driver s that is wide where
- * branches touch. A smooth motion has regular configurations on both sides of that stretch. Four of them with their tangents,
- * q_i and t_i at s_i = c + x_i h, x = -2, -1, 1, 2, give
+ * Near a rank drop the pivots are too small to determine the tangent, over a stretch of the driver s that is wide
+ * where branches touch. A smooth motion has regular configurations on both sides of that stretch. Four of them with
+ * their tangents, q_i and t_i at s_i = c + x_i h, x = -2, -1, 1, 2, give
  *
  *   q(s) = sum_i H_i(u) q_i + h K_i(u) t_i,   u = (s - c) / h,   error q^(8) (4 h^4)^2 / 8!  at c      (Hermite)
  *   H_i = (1 - 2 l_i'(x_i) (u - x_i)) l_i^2,  K_i = (u - x_i) l_i^2,   l_i Lagrange's polynomials
  *
- * on the stretch. The loops are then closed there by the rows that stay independent, s fixed. Two tests show that both sides
- * belong to one smooth motion: the coefficient of u^7 is of order h^7, and closing the loops at seven places of |u| < 1 moves
- * them by less than rounding does. A branch with another tangent fails the second test by a part of h, one with the same
- * tangent by a part of h^2. */
+ * on the stretch. The loops are then closed there by the rows that stay independent, s fixed. Two tests show that both
+ * sides belong to one smooth motion: the coefficient of u^7 is of order h^7, and closing the loops at seven places of
+ * |u| < 1 moves them by less than rounding does. A branch with another tangent fails the second test by a part of h,
+ * one with the same tangent by a part of h^2. */
 #include "kinematics/drive_step.h"
 
 #include "base/larger.h"
@@ -73,8 +73,8 @@ static double *tangent(const km_drive *d, int i) {
   return d->bridge.tangents + (size_t)i * (size_t)km_drive_driven(d)->columns;
 }
 
-/* The rate of a ball's rotation vector v, with exp(v) from a configuration to the present one, from the angular velocity w there:
- * v' = w - v x w / 2 + v x (v x w) / 12 + O(v^4), the inverse of the exponential map's derivative. */
+/* The rate of a ball's rotation vector v, with exp(v) from a configuration to the present one, from the angular
+ * velocity w there: v' = w - v x w / 2 + v x (v x w) / 12 + O(v^4), the inverse of the exponential map's derivative. */
 static void rotation_vector_rate(const double *v, double *rate) {
   km_vec3 turn = km_vec3_make(v), w = km_vec3_make(rate), once = km_vec3_cross(turn, w);
   w = km_vec3_axpy(-0.5, once, w);
@@ -103,8 +103,9 @@ static void combine(km_drive *d, const weights *w, const double *base, double *s
   }
 }
 
-/* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that closing
- * leaves undone (km_settled, 1e-9); and the loops' error (km_closed) over the smallest pivot, times the largest weight, below 100. */
+/* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that
+ * closing leaves undone (km_settled, 1e-9); and the loops' error (km_closed) over the smallest pivot, times the
+ * largest weight, below 100. */
 static double allowed(const km_drive *d) {
   static const double rounding = 1e-9;
   const double h = d->bridge.h;
@@ -232,8 +233,9 @@ static bool find_nodes(km_drive *d, double c, double h) {
   return true;
 }
 
-/* At a toggle the rates of others grow without bound: by so much, in radians or sizes of the substructure for each of the driver's, at the
- * distance at which an end is located. Where they don't, the mechanism is singular, but not there that it turns back. */
+/* At a toggle the rates of others grow without bound: by so much, in radians or sizes of the substructure for each of
+ * the driver's, at the distance at which an end is located. Where they don't, the mechanism is singular, but not there
+ * that it turns back. */
 static bool is_toggle(const km_drive *d) {
   static const double beyond_bounds = 1e3;
   double fastest = 0.0;
@@ -258,8 +260,8 @@ static bool return_to_regular(km_drive *d) {
   return km_drive_start(d);
 }
 
-/* True if the loops close within `allowed` of the interpolant at seven places of |u| < 1. In a narrow gap between two dead
- * points, and on another branch, they don't. */
+/* True if the loops close within `allowed` of the interpolant at seven places of |u| < 1. In a narrow gap between two
+ * dead points, and on another branch, they don't. */
 static bool closes_within(km_drive *d) {
   enum { PARTS = 8 };
   double correction;
@@ -269,9 +271,10 @@ static bool closes_within(km_drive *d) {
   return true;
 }
 
-/* True if closes_within would notice a step onto a branch with the same tangent. Two such branches, k apart in curvature, have pivots of k h at the
- * nodes, and the interpolant between them misses the motion by up to k h^2 / 80. Branches that touch to a higher order lie closer together
- * than that: they are told apart by the longest stretch, or not at all. */
+/* True if closes_within would notice a step onto a branch with the same tangent. Two such branches, k apart in
+ * curvature, have pivots of k h at the nodes, and the interpolant between them misses the motion by up to k h^2 / 80.
+ * Branches that touch to a higher order lie closer together than that: they are told apart by the longest stretch, or
+ * not at all. */
 static bool is_decisive(const km_drive *d) {
   return allowed(d) < d->bridge.smallest_pivot * fabs(d->bridge.h) / 80.0;
 }

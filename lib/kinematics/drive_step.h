@@ -1,5 +1,5 @@
-/* Single steps of a drive, and the singular poses that it passes. Predictor-corrector in the driver s: t = dq/ds (scaled, the driver's
- * entry 1), h is the step in s. Private to kinematics/. */
+/* Single steps of a drive, and the singular poses that it passes. Predictor-corrector in the driver s: t = dq/ds
+ * (scaled, the driver's entry 1), h is the step in s. Private to kinematics/. */
 #ifndef KM_KINEMATICS_DRIVE_STEP_H
 #define KM_KINEMATICS_DRIVE_STEP_H
 
@@ -29,14 +29,16 @@ double km_drive_slid(const km_drive *drive, int column);
 /* Tries to advance by h. Restores the pose if refused; *limit is the coordinate that forbids it, where one does. */
 km_attempt km_drive_advance(km_drive *drive, double h, double tightness, int *limit);
 
-/* Where a step of h is refused that is long enough to tell configurations apart, the present one may still be away from what refuses it:
- * a bridge is begun from there. */
+/* Where a step of h is refused that is long enough to tell configurations apart, the present one may still be away
+ * from what refuses it: a bridge is begun from there. */
 void km_drive_remember_place(km_drive *drive, double h);
-/* Builds a bridge over the singular configuration near driver value s, which lies ahead of the drive (`side`: 1 or -1). Its centre is s +
- * lead d: 0 where s itself is singular, less than 1 where s is the last regular value before the stretch. True: the place is on the
- * bridge. False, with the state where it was: no smooth motion leads over it. O(100 steps). */
+/* Builds a bridge over the singular configuration near driver value s, which lies ahead of the drive (`side`: 1 or
+ * -1). Its centre is s + lead d: 0 where s itself is singular, less than 1 where s is the last regular value before
+ * the stretch. True: the place is on the bridge. False, with the state where it was: no smooth motion leads over it.
+ * O(100 steps). */
 bool km_drive_build_bridge(km_drive *drive, double s, double side, double lead);
-/* Puts the drive at s on its bridge, with the motion's tangent. False, with the state where it was: the loops don't close there. */
+/* Puts the drive at s on its bridge, with the motion's tangent. False, with the state where it was: the loops don't
+ * close there. */
 bool km_drive_place_on_bridge(km_drive *drive, double s);
 /* From a place on the bridge to its end towards `target`. False: that end has no tangent. */
 bool km_drive_leave_bridge(km_drive *drive, double target);

@@ -145,8 +145,8 @@ static int freedom_at(km_follow *f, double h) {
   return km_continuation_is_singular(p) ? -1 : km_partition_freedom(p);
 }
 
-/* Freedom of the motion along t, which at its branch point can't be told from that of the others, and the first step: the stretch on
- * which pivots are too small is wide where branches touch. */
+/* Freedom of the motion along t, which at its branch point can't be told from that of the others, and the first step:
+ * the stretch on which pivots are too small is wide where branches touch. */
 static int freedom_ahead(km_follow *f) {
   const km_substructure *sub = km_follow_sub(f);
   int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;

@@ -2,12 +2,13 @@
  *
  *   F(y) = (e(q0 + y), (|D y|² - d²) / 2d) = 0
  *
- * from y = d D⁻¹ Z u, u random unit vectors: least squares (Levenberg and Marquardt, GSL), then Gauss and Newton. A motion through q0
- * crosses every small sphere, once for each of its halves. A solution counts if it goes on at d/2, d/4 and d/8 in about the same direction.
+ * from y = d D⁻¹ Z u, u random unit vectors: least squares (Levenberg and Marquardt, GSL), then Gauss and Newton. A
+ * motion through q0 crosses every small sphere, once for each of its halves. A solution counts if it goes on at d/2,
+ * d/4 and d/8 in about the same direction.
  *
- * Where two half-branches lie close together, as beside a cusp or where branches touch, F' is nearly singular at each of them. With its
- * least singular value s and its vectors u, v, and k = u·F''(v, v), s t + k t²/2 = 0 has the roots t = 0 and t = -2 s / k: the second is
- * a start for the neighbour. */
+ * Where two half-branches lie close together, as beside a cusp or where branches touch, F' is nearly singular at each
+ * of them. With its least singular value s and its vectors u, v, and k = u·F''(v, v), s t + k t²/2 = 0 has the roots t
+ * = 0 and t = -2 s / k: the second is a start for the neighbour. */
 #include "kinematics/half_branches.h"
 
 #include "base/random.h"
@@ -69,7 +70,8 @@ static int derivatives(const gsl_vector *x, void *data, gsl_matrix *out) {
   const km_substructure *sub = p->f->sub;
   const double *weight = p->f->m->column_weight + sub->column_start;
   go(p, x);
-  /* Of ball joints this is the derivative by the angular velocity, which is that by y to |y|/2: steps converge linearly there. */
+  /* Of ball joints this is the derivative by the angular velocity, which is that by y to |y|/2: steps converge
+   * linearly there. */
   km_state_jacobian_dense(p->f->s, sub, p->J);
   gsl_matrix_set_zero(out);
   for (int k = 0; k < sub->columns; ++k) {
@@ -122,8 +124,8 @@ static bool solve(sphere *p, double d) {
   return km_loops_residual(f->m, f->s, f->sub, &worst) <= closed && fabs(length - d) <= 1e-6 * d;
 }
 
-/* True if the half-branch through the solution y at d = radius goes on to d/8, with direction changes below acos(0.8) = 37 deg. y
- * becomes the solution there; the state is overwritten. */
+/* True if the half-branch through the solution y at d = radius goes on to d/8, with direction changes below acos(0.8)
+ * = 37 deg. y becomes the solution there; the state is overwritten. */
 static bool leads_back(sphere *p) {
   const km_tangents *f = p->f;
   const int n = f->sub->columns;

@@ -6,7 +6,8 @@
 
 enum { KM_MOST_HALF_BRANCHES = 32 };
 
-/* The halves of the motions through the configuration of `tangents`, each by a closed configuration at a small distance. */
+/* The halves of the motions through the configuration of `tangents`, each by a closed configuration at a small
+ * distance. */
 typedef struct km_half_branches {
   int count;
   bool truncated; /* there are more than these */
@@ -15,9 +16,10 @@ typedef struct km_half_branches {
   double *shares; /* [KM_MOST_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
 } km_half_branches;
 
-/* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the same tangent
- * up to an order of contact of about 5, or that end in a cusp. The basis of the tangents must be there, the configuration exact.
- * False when out of memory. A motion that no start leads to is missed. Restores the state. O(starts · iterations · rows · columns²). */
+/* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the
+ * same tangent up to an order of contact of about 5, or that end in a cusp. The basis of the tangents must be there,
+ * the configuration exact. False when out of memory. A motion that no start leads to is missed. Restores the state.
+ * O(starts · iterations · rows · columns²). */
 bool km_half_branches_find(km_tangents *tangents, km_half_branches *out);
 
 #endif

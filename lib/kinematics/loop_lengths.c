@@ -2,7 +2,8 @@
  *
  *   sum_i R_i v_i = 0,  |v_i| = l_i constant   =>   max l_i <= sum of the other l_j
  *
- * v_i leads from one joint of the loop to the next, in the axes of the link between them; in a plane, its part in the plane. */
+ * v_i leads from one joint of the loop to the next, in the axes of the link between them; in a plane, its part in the
+ * plane. */
 #include "kinematics/loop_lengths.h"
 
 /* The links of a loop, while they are listed. */
@@ -59,8 +60,8 @@ static int step_to(const km_mechanism *m, const km_program *program, int slot) {
   return -1;
 }
 
-/* Lists the links from a branch's end to the base; the first joint's coordinate into *first, the last one's into *last. False if a
- * joint slides. */
+/* Lists the links from a branch's end to the base; the first joint's coordinate into *first, the last one's into
+ * *last. False if a joint slides. */
 static bool add_branch(const km_mechanism *m, const km_program *program, int slot, polygon *p, int *first, int *last) {
   for (int step = step_to(m, program, slot); step >= 0;) {
     step_length link = length_of(m, program, step);
@@ -83,7 +84,8 @@ static km_vec3 closing_link(const km_program *program, const km_loop *loop, int 
     km_pose back = km_pose_inverse(&loop->close[!side]);
     return km_pose_product(&loop->close[side], &back).p;
   }
-  /* The closed loop has angle_0 - angle_1 = -planar_turn: seen from the one end, the other end's shift is turned by that. */
+  /* The closed loop has angle_0 - angle_1 = -planar_turn: seen from the one end, the other end's shift is turned by
+   * that. */
   const double *own = loop->planar_close[side], *other = loop->planar_close[!side];
   double c = cos(loop->planar_turn), s = side ? -sin(loop->planar_turn) : sin(loop->planar_turn);
   return (km_vec3){own[0] - (c * other[0] - s * other[1]), own[1] - (s * other[0] + c * other[1]), 0.0};

@@ -10,9 +10,9 @@ typedef struct km_long_link {
   int coordinates[2]; /* of the joints at its ends */
 } km_long_link;
 
-/* Polygon inequality: a closed loop of links with constant lengths l_i needs max l_i <= sum of the others. Lengths are constant where every joint
- * of the loop only turns (hinges, universal and ball joints). True, and `out` is filled, if the loop violates it; false proves nothing.
- * O(joints of the loop). */
+/* Polygon inequality: a closed loop of links with constant lengths l_i needs max l_i <= sum of the others. Lengths are
+ * constant where every joint of the loop only turns (hinges, universal and ball joints). True, and `out` is filled, if
+ * the loop violates it; false proves nothing. O(joints of the loop). */
 bool km_loop_is_too_long(const km_mechanism *mechanism, int loop, km_long_link *out);
 
 #endif

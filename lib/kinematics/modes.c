@@ -54,7 +54,8 @@ static int coordinate_of(const search *f, int column) {
   return f->m->column_coordinate[sub_of(f)->column_start + column];
 }
 
-/* A random start from the state's configuration: hinges anywhere, slides within the size of the substructure; what is locked stays. */
+/* A random start from the state's configuration: hinges anywhere, slides within the size of the substructure; what is
+ * locked stays. */
 static void scatter(search *f) {
   const km_substructure *sub = sub_of(f);
   for (int k = 0; k < sub->columns; ++k) {
@@ -86,8 +87,8 @@ static void lock_driver(search *f) {
     km_state_lock(f->s, f->driver);
 }
 
-/* Turns a strut of negative length round: its length is |q|, its own joints are found anew, and all others stay. False, with the state as
- * it was, if no start closes. */
+/* Turns a strut of negative length round: its length is |q|, its own joints are found anew, and all others stay.
+ * False, with the state as it was, if no start closes. */
 static bool turn_strut(search *f, int strut) {
   enum { STARTS = 40 };
   const km_substructure *sub = sub_of(f);
@@ -132,8 +133,8 @@ static void choose_turns(search *f) {
   }
 }
 
-/* Normalises the configuration: strut lengths of at least 0, hinge turns nearest to the original ones or within limits. False: a strut
- * can't be turned round. */
+/* Normalises the configuration: strut lengths of at least 0, hinge turns nearest to the original ones or within
+ * limits. False: a strut can't be turned round. */
 static bool make_canonical(search *f) {
   bool turned = true;
   for (int k = 0; k < sub_of(f)->columns; ++k) {

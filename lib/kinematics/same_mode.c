@@ -3,8 +3,8 @@
 
 static const double collinear = 1e-9; /* of the largest distance between joints */
 
-/* Adds a joint's frame to what is known of its body's joints: the first one's origin is the point, the farthest other one, or the axis of a
- * slide, gives the direction. */
+/* Adds a joint's frame to what is known of its body's joints: the first one's origin is the point, the farthest other
+ * one, or the axis of a slide, gives the direction. */
 static void add_frame(km_body_place *place, bool *is_known, double *farthest, const km_pose *frame, int slide_axis) {
   if (!*is_known) {
     place->point = frame->p;
@@ -111,7 +111,8 @@ bool km_is_same_mode(const km_mechanism *m, const km_body_place *places, const k
   for (int i = 1; i < model->body_count; ++i)
     if (compare(&places[i], &a[i], &b[i], size, tolerance) == DIFFERS)
       return false;
-  /* A crosspiece may be turned between bodies that aren't. The links of a spherical linkage turn together: that is another mode. */
+  /* A crosspiece may be turned between bodies that aren't. The links of a spherical linkage turn together: that is
+   * another mode. */
   for (int j = 0; j < model->joint_count; ++j) {
     int one = model->frames[model->joints[j].frame[0]].body, other = model->frames[model->joints[j].frame[1]].body;
     if (compare(&places[one], &a[one], &b[one], size, tolerance) == SAME_POINT &&

@@ -19,8 +19,8 @@ typedef struct km_body_place {
 
 /* What tells the places of a mechanism's bodies: places[body count]. False when out of memory. O(joints). */
 bool km_body_places(const km_mechanism *mechanism, km_body_place *places);
-/* True if all bodies have the same place, to `tolerance` in radians and in lengths over `size`. a, b: [body count] poses in the
- * inertial frame. O(bodies + joints). */
+/* True if all bodies have the same place, to `tolerance` in radians and in lengths over `size`. a, b: [body count]
+ * poses in the inertial frame. O(bodies + joints). */
 bool km_is_same_mode(const km_mechanism *mechanism, const km_body_place *places, const km_pose *a, const km_pose *b,
                      double size, double tolerance);
 

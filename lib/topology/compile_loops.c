@@ -99,8 +99,8 @@ static void remember(km_walks *w, int body, int joint, const km_stand *at, int f
   w->step_count[body] = count;
 }
 
-/* Walks from the base down one side of the loop; bodies that another loop has reached the same way are not walked again.
- */
+/* Walks from the base down one side of the loop; bodies that another loop has reached the same way are not walked
+ * again. */
 static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side, km_stand from,
                           km_walks *w) {
   const km_topology *t = &m->topology;
@@ -230,8 +230,8 @@ static bool is_shared(const km_mechanism *m, const km_program *program, const km
   return false;
 }
 
-/* A loop with one ball joint, cut there: the frames of all other joints when all coordinates are 0, in the base frame. What the
- * ball joint carries hangs on the other side then. */
+/* A loop with one ball joint, cut there: the frames of all other joints when all coordinates are 0, in the base frame.
+ * What the ball joint carries hangs on the other side then. */
 typedef struct cut_loop {
   const km_step *ball;
   int side; /* on which the ball joint lies */
@@ -276,8 +276,9 @@ static bool is_planar_beside(const km_mechanism *m, const km_program *program, c
   return has_normal;
 }
 
-/* In a loop of hinges on parallel axes with one ball joint, nothing changes the height along the axes at which the sides of the ball
- * joint meet. The hinges' frames may lie anywhere along their axes: the ball joint is moved along them by that height. */
+/* In a loop of hinges on parallel axes with one ball joint, nothing changes the height along the axes at which the
+ * sides of the ball joint meet. The hinges' frames may lie anywhere along their axes: the ball joint is moved along
+ * them by that height. */
 static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_walks *w) {
   int side = 0;
   km_step *ball = only_ball(m, program, loop, &side);

@@ -33,8 +33,8 @@ static void known_counts(void **state) {
   expect("klann", "A", 1.0, 4);        /* two dyads */
 }
 
-/* The file's pose of Peaucellier's linkage stands alone, but where two of its joints come together a pair of its bars swings about
- * them, and there are as many poses as are tried. */
+/* The file's pose of Peaucellier's linkage stands alone, but where two of its joints come together a pair of its bars
+ * swings about them, and there are as many poses as are tried. */
 static void where_bars_swing_freely(void **state) {
   (void)state;
   fixture f = fixture_open("peaucellier");
@@ -102,8 +102,9 @@ static void structures_need_no_driver(void **state) {
   km_free(limited);
 }
 
-/* The platform's legs are a ball, a slide and a universal joint each, as struts or as bodies: spins of a leg and the second representation
- * of its universal joint are no modes of their own. Upright, its six legs fixed, the file's configuration and its mirror image close. */
+/* The platform's legs are a ball, a slide and a universal joint each, as struts or as bodies: spins of a leg and the
+ * second representation of its universal joint are no modes of their own. Upright, its six legs fixed, the file's
+ * configuration and its mirror image close. */
 static void legs_as_bodies_have_the_modes_of_struts(void **state) {
   (void)state;
   km_text legs[2] = {{0}, {0}};
@@ -130,7 +131,8 @@ static void legs_as_bodies_have_the_modes_of_struts(void **state) {
   }
 }
 
-/* A spherical four-bar, all frames at its centre: open and crossed, although every link has all its joints at one point. */
+/* A spherical four-bar, all frames at its centre: open and crossed, although every link has all its joints at one
+ * point. */
 static void spherical_linkages_have_two(void **state) {
   (void)state;
   km_modes modes;

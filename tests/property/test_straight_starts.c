@@ -1,14 +1,16 @@
-/* Loops drawn straight, where the start is a stationary point of the gap, and planar loops whose pins lie at different heights.
+/* Loops drawn straight, where the start is a stationary point of the gap, and planar loops whose pins lie at different
+ * heights.
  *
- * A loop of n hinges with parallel axes closes if and only if its longest link is at most as long as the others together. */
+ * A loop of n hinges with parallel axes closes if and only if its longest link is at most as long as the others
+ * together. */
 #include "support/support.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A chain of `count` - 1 links along x from the origin to a pin at (ground, 0, height), all displacements 0; `closing` is the type of the last
- * joint. The caller frees the text. */
+/* A chain of `count` - 1 links along x from the origin to a pin at (ground, 0, height), all displacements 0; `closing`
+ * is the type of the last joint. The caller frees the text. */
 static char *straight_chain(const double *length, int count, const char *closing, double height) {
   km_text text = {0};
   km_text_format(

@@ -1,5 +1,5 @@
-/* Branches that cross, touch with the same tangent, or end in a cusp: equal four-bars whose cranks a rod ties, and three slides coupled by
- * s^m = z = t^k. */
+/* Branches that cross, touch with the same tangent, or end in a cusp: equal four-bars whose cranks a rod ties, and
+ * three slides coupled by s^m = z = t^k. */
 #include "support/support.h"
 
 #include "kmech/finite_mobility.h"
@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Two equal four-bars with cranks a, couplers b, rockers c on bases of length 2, `gap` apart, whose cranks' pins a rod joins. */
+/* Two equal four-bars with cranks a, couplers b, rockers c on bases of length 2, `gap` apart, whose cranks' pins a rod
+ * joins. */
 static fixture tied_four_bars(double a, double b, double c, double angle, double gap) {
   km_text text = {0};
   double x[2] = {0.0, gap};
@@ -53,8 +54,8 @@ static int coordinate(const fixture *f, const char *name) {
   return found;
 }
 
-/* The cranks stand along the rod: it is a parallelogram at its change point, where a second branch crosses. Away from it one motion is
- * left, on which all joints of the twins agree. */
+/* The cranks stand along the rod: it is a parallelogram at its change point, where a second branch crosses. Away from
+ * it one motion is left, on which all joints of the twins agree. */
 static void twins_agree_over_the_change_point(void **state) {
   (void)state;
   for (uint64_t seed = 1; seed <= 12; ++seed) {
@@ -102,7 +103,8 @@ static fixture coupled_slides(int s_power, int t_power) {
   return f;
 }
 
-/* s^m = t^k near 0: one curve where m and k have no common divisor (a cusp, or a smooth one), two that touch or cross where both are even. */
+/* s^m = t^k near 0: one curve where m and k have no common divisor (a cusp, or a smooth one), two that touch or cross
+ * where both are even. */
 static void powers_of_two_slides(void **state) {
   (void)state;
   static const int powers[][3] = {{2, 3, 1}, {3, 2, 1}, {2, 2, 2}, {2, 4, 2},
@@ -122,7 +124,8 @@ static void powers_of_two_slides(void **state) {
   }
 }
 
-/* s² = t^4 and s² = t^6: the branches s = ±t² touch at 0, s = ±t³ to a higher order; driving t over 0 keeps the smooth one. */
+/* s² = t^4 and s² = t^6: the branches s = ±t² touch at 0, s = ±t³ to a higher order; driving t over 0 keeps the smooth
+ * one. */
 static void drives_pass_where_branches_touch(void **state) {
   (void)state;
   for (int power = 2; power <= 3; ++power)

@@ -55,20 +55,21 @@ KM_API bool km_handle_default(const km_model *model, bool output, km_handle *out
 /* An input and an output, with the workspace of one thread. */
 typedef struct km_lever km_lever;
 
-/* Prepares for a driving `input` and a driven `output`. KM_USAGE: an end that is held or can't move, both the same, or of parts that don't move each other. The caller
- * frees `*out`. */
+/* Prepares for a driving `input` and a driven `output`. KM_USAGE: an end that is held or can't move, both the same, or
+ * of parts that don't move each other. The caller frees `*out`. */
 KM_API km_status km_lever_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
                                  km_lever **out, km_error *error);
 KM_API void km_lever_free(km_lever *lever);
 
-/* At the state's pose, whose mobility is up to date. One freedom: MA = q̇_i / q̇_k = (D_k/D_i) Z_i / Z_k; more:
- * MA = (D_k/D_i) m_i / (Z_k Z_iᵀ), the substructures that the input lies in moving, the others standing (theory 5; of
+/* At the state's pose, whose mobility is up to date. One freedom: MA = q̇_i / q̇_k = (D_k/D_i) Z_i / Z_k; more: MA =
+ * (D_k/D_i) m_i / (Z_k Z_iᵀ), the substructures that the input lies in moving, the others standing (theory 5; of
  * points: rows of the point's Jacobian). Rates below 3e-8 of the largest, each over its substructure's size, count as
- * 0. KM_USAGE: a pointer is missing, or the mobility isn't known; KM_MEMORY: the mobility is to be found again. `*out` is undefined then.
- * O(coordinates · freedoms). */
+ * 0. KM_USAGE: a pointer is missing, or the mobility isn't known; KM_MEMORY: the mobility is to be found again. `*out`
+ * is undefined then. O(coordinates · freedoms). */
 KM_API km_status km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
-/* Where several motions meet at the state's configuration (a branch point), the advantages in each of them. Returns their number, at
- * most `most`; 0 at a regular configuration, -1 when out of memory. The state keeps its configuration. */
+/* Where several motions meet at the state's configuration (a branch point), the advantages in each of them. Returns
+ * their number, at most `most`; 0 at a regular configuration, -1 when out of memory. The state keeps its
+ * configuration. */
 KM_API int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out,
                              int most);
 /* The motion that the last update was about: rates[coordinate], radians and model's length, largest scaled one 1.

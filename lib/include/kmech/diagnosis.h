@@ -22,12 +22,14 @@ KM_API km_status km_diagnosis_find(const km_mechanism *mechanism, km_state *stat
                                    km_diagnosis *out, km_error *error);
 KM_API void km_diagnosis_free(km_diagnosis *diagnosis);
 
-/* Adds notes to `messages` about the geometry of an assembled configuration: the ends of a planar loop that are offset along its hinge axes, and
- * overconstrained substructures that are rigid as written, but within a thousandth of their size of one that moves. The state keeps its
- * configuration. O(loops), and for each such substructure 20 compilations of the model. */
+/* Adds notes to `messages` about the geometry of an assembled configuration: the ends of a planar loop that are offset
+ * along its hinge axes, and overconstrained substructures that are rigid as written, but within a thousandth of their
+ * size of one that moves. The state keeps its configuration. O(loops), and for each such substructure 20 compilations
+ * of the model. */
 KM_API void km_geometry_notes(const km_mechanism *mechanism, km_state *state, km_messages *messages);
-/* Adds a warning for each substructure whose rank is doubtful: a singular value within a factor of ten of the rank tolerance or, of
- * exact data, between what rounding leaves and what geometry makes. KM_MEMORY. O(rows · columns²) each. */
+/* Adds a warning for each substructure whose rank is doubtful: a singular value within a factor of ten of the rank
+ * tolerance or, of exact data, between what rounding leaves and what geometry makes. KM_MEMORY. O(rows · columns²)
+ * each. */
 KM_API km_status km_rank_doubts(const km_mechanism *mechanism, km_state *state, km_messages *messages, km_error *error);
 
 /* How much a finding matters: a fault keeps the mechanism from working as it is described, a warning is likely to be a
@@ -56,11 +58,12 @@ typedef struct km_findings {
   struct km_findings_store *store;      /* of the texts */
 } km_findings;
 
-/* Examines an assembled pose. `messages` are the reader's, whose warnings and notes count; NULL: none. Free `*out` in any
- * case. KM_CANCELLED, KM_MEMORY. */
+/* Examines an assembled pose. `messages` are the reader's, whose warnings and notes count; NULL: none. Free `*out` in
+ * any case. KM_CANCELLED, KM_MEMORY. */
 KM_API km_status km_check(const km_mechanism *mechanism, km_state *state, const km_messages *messages,
                           km_progress progress, void *context, km_findings *out, km_error *error);
-/* Leaves out those of a kind: who has moved the mechanism himself, for instance, isn't told that it starts elsewhere ("start"). */
+/* Leaves out those of a kind: who has moved the mechanism himself, for instance, isn't told that it starts elsewhere
+ * ("start"). */
 KM_API void km_findings_leave_out(km_findings *findings, const char *kind);
 KM_API void km_findings_free(km_findings *findings);
 

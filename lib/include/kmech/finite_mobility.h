@@ -41,17 +41,21 @@ typedef struct km_finite_mobility {
   double *store;                             /* of the directions */
 } km_finite_mobility;
 
-/* The finite mobility at an assembled pose (theory 5). A substructure without redundant constraints has its
+/* The finite mobility at an assembled configuration (theory 5). A substructure without redundant constraints has its
  * instantaneous mobility. Else the tangents are tried: all of them, and where that fails those that satisfy the
  * second-order condition wᵀ(J̇ q̇) = 0 for every left null vector w of J; each is confirmed by following it by 0.3 rad
- * (or substructure sizes) of its fastest coordinate, ahead and back. Where the loops open as a power of the way it is
- * refuted, whatever its order. Of a substructure with more than 12 freedoms, or more than 240 equations and more than one
- * freedom, random directions are tried: two where all tangents are real, which then shows by one that is followed, and at a
- * branch point up to 1200 / coordinates of them, at least two; of those only a bound of the mobility comes, `undecided`. The
- * state keeps its pose. Free `*out` in any case. KM_MEMORY. O(a few dozen sparse factorisations) for each direction. */
+ * (or substructure sizes) of its fastest coordinate, ahead and back. Where the loops open as a power of the way that
+ * tangent is refuted. Where none of several tangents is left although the second order allows some, closed
+ * configurations are looked for all around (cusps, branches with one tangent); if there are none, the answer is
+ * `undecided`, never 0. Of a substructure with more than 12 freedoms, or more than 240 equations and more than one
+ * freedom, random directions are tried: two where all tangents are finite motions, which then shows by one that is
+ * followed, and at a branch point up to 1200 / coordinates of them, at least two; of those only a bound of the mobility
+ * comes, `undecided`. The state keeps its configuration. Free `*out` in any case. KM_MEMORY. O(a few dozen sparse
+ * factorisations) for each direction. */
 KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                          void *context, km_finite_mobility *out, km_error *error);
-/* How many motions meet at the configuration: the product over the substructures of their branches, each branch of several freedoms counted once; at most 1e6. */
+/* How many motions meet at the configuration: the product over the substructures of their branches, each branch of
+ * several freedoms counted once; at most 1e6. */
 KM_API int km_finite_mobility_branches(const km_finite_mobility *mobility);
 KM_API void km_finite_mobility_free(km_finite_mobility *mobility);
 /* "regular", "branch", "shaky", "open"; "". */

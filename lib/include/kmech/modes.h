@@ -25,12 +25,13 @@ enum {
   KM_MOST_MODE_STARTS = 1000000 /* the most random starts */
 };
 
-/* Fixes `driver` where the state has it (-1, for a structure: nothing, in the largest substructure), starts the other coordinates
- * of its substructure at random places (the same for the same seed), and closes the loops. Two configurations are one mode if the places of
- * the bodies are the same to 1e-6; the turn of a rod about the line between its joints, the halves of struts, and the
- * crosspiece of a universal joint don't count. Struts have lengths of at least 0. The state must be assembled and keeps its configuration. No
- * number of starts shows that all modes are found. KM_USAGE if the driver is held or in no loop, or there is none and something moves; KM_MEMORY;
- * KM_CANCELLED. Free `*out` in any case. O(starts · (closing the loops + modes · bodies)). */
+/* Fixes `driver` where the state has it (-1, for a structure: nothing, in the largest substructure), starts the other
+ * coordinates of its substructure at random places (the same for the same seed), and closes the loops. Two
+ * configurations are one mode if the places of the bodies are the same to 1e-6; the turn of a rod about the line
+ * between its joints, the halves of struts, and the crosspiece of a universal joint don't count. Struts have lengths
+ * of at least 0. The state must be assembled and keeps its configuration. No number of starts shows that all modes are
+ * found. KM_USAGE if the driver is held or in no loop, or there is none and something moves; KM_MEMORY; KM_CANCELLED.
+ * Free `*out` in any case. O(starts · (closing the loops + modes · bodies)). */
 KM_API km_status km_modes_find(const km_mechanism *mechanism, const km_state *state, int driver, int starts,
                                unsigned long seed, km_progress progress, void *context, km_modes *out, km_error *error);
 KM_API void km_modes_free(km_modes *modes);
