@@ -21,7 +21,7 @@ static const rlim_t stack_limit = (rlim_t)8
                                   << 20; /* bytes: nested scenes overflow it instead of the machine's memory */
 
 /* A lower limit of the caller stays. */
-static bool limit(int resource, rlim_t most) {
+static bool limit(__rlimit_resource_t resource, rlim_t most) {
   struct rlimit r;
   if (getrlimit(resource, &r))
     return false;
