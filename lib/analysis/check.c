@@ -213,7 +213,7 @@ static void check_angles(const km_model *model, km_findings *f) {
   }
 }
 
-/* Of a file without a unit of length, which then counts metres: the longest link is as long as a bridge. */
+/* Warns of a file that states no unit of length and whose longest link, in metres, is as long as a bridge. */
 static void check_length_unit(const km_mechanism *m, km_findings *f) {
   static const double bridge = 20.0; /* m */
   if (m->model->length_assumed && m->length > bridge)

@@ -38,8 +38,8 @@ static int common_span(km_tangents *f, double *basis) {
   return found;
 }
 
-/* Do conditions of second order show that not all tangents are real? One that nearly is could be taken for all. False
- * too where asking takes longer than following a few. */
+/* True if conditions of second order show that not all tangents are finite motions. False too where the conditions take
+ * longer than following a few tangents. */
 static bool rank_changes(km_tangents *f) {
   return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
 }
@@ -57,8 +57,8 @@ static bool keeps_rank(km_tangents *f) {
   return steady.on;
 }
 
-/* Are the steady tangents all real, and no others? Then they alone are left, and directions[freedom × columns] (may be
- * NULL) are those of the others. */
+/* True if the constant-rank tangents are all finite motions, and no others. Then they alone are left, and
+ * directions[freedom × columns] (may be NULL) are those of the others. */
 static bool are_steady(km_tangents *f, double *directions) {
   const bool doubtful = f->doubtful;
   if (!km_tangents_need_conditions(f))

@@ -36,7 +36,7 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
   return km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 
-/* Of stated rates, those that the loops change by more than this part of the largest one are told. */
+/* Stated rates that the loops change by more than this part of the largest one are reported. */
 static const double least_change = 1e-9;
 
 /* Lists the stated rates that the start doesn't have; `stated`: as they were before the loops were kept. */

@@ -75,7 +75,7 @@ static void search(const peak_search *p, double a, double b, km_force_peak *peak
   }
 }
 
-/* By how much the parabola through three neighbours, a <= b >= c, rises above b. */
+/* Returns by how much the parabola through three neighbours, a <= b >= c, rises above b. */
 static double rise(double a, double b, double c) {
   double bend = 2.0 * b - a - c, slope = 0.5 * (c - a);
   return bend > 0.0 ? 0.5 * slope * slope / bend : 0.0;

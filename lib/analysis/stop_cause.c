@@ -122,7 +122,7 @@ static bool turns(const km_model *model, int joint) {
   return type == KM_RX || type == KM_RY || type == KM_RZ || type == KM_SPHERICAL || type == KM_UNIVERSAL;
 }
 
-/* Do all these joints lie on the line of one force? In a plane hinges count where they pierce it. */
+/* True if all these joints lie on the line of one force. In a plane hinges count where they pierce it. */
 static bool are_in_line(const cause *c, const int *joint, int count) {
   const km_model *model = c->m->model;
   const net *first = &c->joint[joint[0]];

@@ -6,7 +6,7 @@ static const km_model_joint *joint_of(const km_mechanism *m, int c) {
   return &m->model->joints[m->model->coordinates[c].joint];
 }
 
-/* Does the coordinate turn about an axis along which its joint doesn't slide? */
+/* True if the coordinate turns about an axis along which its joint doesn't slide. */
 static bool is_hinge(const km_mechanism *m, int c) {
   km_joint_type type = joint_of(m, c)->type;
   return type == KM_RX || type == KM_RY || type == KM_RZ || type == KM_UNIVERSAL;

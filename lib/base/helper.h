@@ -20,7 +20,7 @@ typedef struct km_helper {
  * library (the shared library, else the program) or of one of the two folders above that, or where kmech was configured to be
  * installed: so it is found in a build folder and in an installation that was moved. */
 const char *km_helper_start(km_helper *helper, const char *name, const char *argument);
-/* False: the output ends before so many bytes. */
+/* Reads so many bytes; false if the output ends before. */
 bool km_helper_read(km_helper *helper, void *out, size_t size);
 /* Closes the output and waits for the end. Returns the signal that ended the program; 0: it ended by itself, or its status can't be
  * had since the caller's process ignores SIGCHLD. */

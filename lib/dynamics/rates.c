@@ -65,7 +65,7 @@ static double residual(const fitting *f, int k) {
   return f->weight[k] * (f->target[k] - f->v[k]);
 }
 
-/* Are all stated rates met already? */
+/* True if all stated rates are met already. */
 static bool is_met(const fitting *f) {
   double largest = 0.0, worst = 0.0;
   for (int k = 0; k < f->sub->columns; ++k) {
