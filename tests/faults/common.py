@@ -1,6 +1,7 @@
 """What the tests of faults share: a tool's command in a folder of its own, with a plain environment."""
 import json
 import os
+import re
 import shutil
 import subprocess
 import tempfile
@@ -33,8 +34,9 @@ def run(tools, line, box, env=PLAIN, **options):
 
 
 def files(box):
-    """What a run left, but for stores, which are a database's affair, and notes of the test's own."""
-    return {p.name: p.read_bytes() for p in Path(box).iterdir()
+    """What a run left, but for stores, which are a database's affair, and notes of the test's own. Ways to a mesh of the tree depend
+    on how deep the box lies, where both are below one folder: they count as one step up."""
+    return {p.name: re.sub(rb"(?:\.\./)+", b"../", p.read_bytes()) for p in Path(box).iterdir()
             if "sqlite" not in p.name and p.name not in (".out", ".said", ".place", ".status")}
 
 
