@@ -3,8 +3,7 @@
 #define KM_KINEMATICS_BRANCHES_H
 
 #include "kinematics/state.h"
-
-enum { KM_MOST_BRANCHES = 16 };
+#include "kmech/follow.h"
 
 /* Where several motions meet at the state's pose: those that differ in more than their sense, as unit directions
  * (scaled steps) into directions[KM_MOST_BRANCHES × columns]. Returns their number, 0 at a regular pose, -1 when out of

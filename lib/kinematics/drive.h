@@ -65,8 +65,7 @@ struct km_drive {
   km_drive_kept mark, passed[2]; /* the latest first */
   km_drive_kept before_bridge;   /* where a bridge is begun */
   bool passing;                  /* this step goes over a singular pose on purpose */
-  double *near, *far;            /* poses to come back to */
-  double *from_bridge;           /* the same */
+  double *near, *from_bridge;    /* [3 · columns] saved coordinates, workspace of drive_singular.c */
   km_drive_regular regular;
   km_drive_bridge bridge;
   km_least_path path;  /* where other freedoms are left */

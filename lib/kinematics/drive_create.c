@@ -13,7 +13,7 @@ static bool reserve(km_drive *d, km_drive_kept *kept) {
 
 static bool allocate(km_drive *d) {
   size_t n = (size_t)km_drive_driven(d)->columns;
-  double **poses[] = {&d->near, &d->far, &d->regular.pose, &d->from_bridge};
+  double **poses[] = {&d->near, &d->regular.pose, &d->from_bridge};
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
   d->bridge.nodes = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *KM_SAVED_PER_COLUMN *n);

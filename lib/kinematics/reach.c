@@ -24,11 +24,18 @@ static bool is_there(const journey *j, const km_hold *goal) {
   return fabs(value_of(j, goal->coordinate) - goal->value) <= same * (1.0 + fabs(goal->value));
 }
 
+/* Gives a coordinate the goal's value, and locks it. */
+static void place_and_lock(journey *j, const km_hold *goal) {
+  j->state->q[goal->coordinate] = goal->value * km_model_coordinate_factor(j->model, goal->coordinate);
+  km_state_lock(j->state, goal->coordinate);
+}
+
 /* Keeps a coordinate, at its value to the last digit where it is there. */
 static void lock(journey *j, const km_hold *goal) {
   if (is_there(j, goal))
-    j->state->q[goal->coordinate] = goal->value * km_model_coordinate_factor(j->model, goal->coordinate);
-  km_state_lock(j->state, goal->coordinate);
+    place_and_lock(j, goal);
+  else
+    km_state_lock(j->state, goal->coordinate);
 }
 
 /* Of a coordinate that goes no further: is its value right within the closure tolerance, as where a pose is stated as a whole, and the
@@ -77,8 +84,7 @@ static km_status turn_ball(journey *j, const km_hold *goal, km_error *error) {
   for (int i = there ? PIECES : 1; i <= PIECES; ++i) {
     for (int k = 0; k < 3; ++k) {
       double value = i == PIECES ? goal[k].value : from[k] + (goal[k].value - from[k]) * i / PIECES;
-      j->state->q[goal[k].coordinate] = value * km_model_coordinate_factor(j->model, goal[k].coordinate);
-      km_state_lock(j->state, goal[k].coordinate);
+      place_and_lock(j, &(km_hold){goal[k].coordinate, value});
     }
     km_state_set(j->mechanism, j->state, j->state->q);
     for (int s = 0; s < j->mechanism->topology.substructure_count; ++s) {
@@ -106,7 +112,7 @@ static km_status assemble_at_goals(journey *j, const km_hold *holds, int hold_co
                                    km_error *error) {
   km_state_restart(j->state);
   for (int i = 0; i < hold_count + set_count; ++i)
-    lock(j, i < hold_count ? &holds[i] : &sets[i - hold_count]);
+    place_and_lock(j, i < hold_count ? &holds[i] : &sets[i - hold_count]);
   km_state_set(j->mechanism, j->state, j->state->q);
   return km_assemble(j->mechanism, j->state, NULL, error);
 }

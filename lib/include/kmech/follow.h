@@ -13,6 +13,10 @@ extern "C" {
 /* A motion that is being followed. */
 typedef struct km_follow km_follow;
 
+enum {
+  KM_MOST_BRANCHES = 16 /* motions of one branch point that are looked for: as many are a bound, not their number */
+};
+
 /* Where several motions meet. */
 typedef struct km_branch_point {
   double s;     /* arc length from the start */

@@ -135,8 +135,7 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
 
 static void print_branch(const km_branch_point *point, const char *taken, km_text *out) {
   km_text_format(out, "  branch point at %.9g: mobility %d there, ", point->s, point->mobility);
-  enum { MOST = 16 }; /* motions that are looked for */
-  if (point->branches >= MOST)
+  if (point->branches >= KM_MOST_BRANCHES)
     km_text_format(out, "several motions meet; %s\n", taken);
   else if (point->branches > 0)
     km_text_format(out, "%d motions meet; %s\n", point->branches, taken);
