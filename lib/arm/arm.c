@@ -1,6 +1,6 @@
 /* Arms: a chain cut out of a mechanism, with its length scale and its limits. */
 #include "arm/arm.h"
-#include "base/check.h"
+#include "base/arguments.h"
 #include "topology/chain.h"
 
 #include <string.h>

@@ -5,7 +5,7 @@
 #ifndef KM_ARM_ARM_H
 #define KM_ARM_ARM_H
 
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 #include "kmech/arm.h"
 
 enum { KM_ARM_ROWS = 6, KM_ARM_MOST = 32 };

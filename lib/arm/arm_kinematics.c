@@ -1,6 +1,6 @@
 /* Forward kinematics, Jacobian, Newton. */
 #include "arm/arm.h"
-#include "arm/seven.h"
+#include "arm/tracking/seven_joint_arm.h"
 
 #include <string.h>
 

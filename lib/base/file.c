@@ -1,7 +1,7 @@
 /* Reading whole files, and writing them whole or not at all. */
 #include "base/file.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 
 #include "base/memory.h"
 

@@ -1,9 +1,9 @@
-/* Whole files in and out (kmech/files.h), and their fingerprint. */
+/* Whole files in and out (kmech/base.h), and their fingerprint. */
 #ifndef KM_BASE_FILE_H
 #define KM_BASE_FILE_H
 
 #include "base/text.h"
-#include "kmech/files.h"
+#include "kmech/base.h"
 
 enum { KM_SHA256_TEXT = 65 };
 void km_sha256(const void *bytes, size_t size, char out[KM_SHA256_TEXT]);

@@ -1,8 +1,8 @@
-/* Memory inside of the library: kmech/memory.h, and arrays that grow in an arena. */
+/* Memory inside of the library: kmech/base.h, and arrays that grow in an arena. */
 #ifndef KM_BASE_MEMORY_H
 #define KM_BASE_MEMORY_H
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 /* Grows `*data`, which lies in the arena, to hold at least `need` elements; what it held stays, the old space is lost
  * until the arena goes. False when out of memory (data unchanged). */

@@ -1,8 +1,8 @@
-/* Threads that stay, beside those of kmech/parallel.h. */
+/* Threads that stay, beside those of kmech/base.h. */
 #ifndef KM_BASE_PARALLEL_H
 #define KM_BASE_PARALLEL_H
 
-#include "kmech/parallel.h"
+#include "kmech/base.h"
 
 /* So many threads are started beside the caller's at most. */
 enum { KM_MOST_THREADS = 64 };

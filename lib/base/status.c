@@ -1,5 +1,5 @@
 /* Filling errors and gathering messages. */
-#include "kmech/status.h"
+#include "kmech/base.h"
 
 #include "base/memory.h"
 

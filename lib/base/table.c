@@ -1,7 +1,7 @@
 /* Tables of numbers with named columns. */
 #include "base/table.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 #include "base/memory.h"
 
 #include <math.h>

@@ -1,8 +1,8 @@
-/* Tables inside of the library: kmech/table.h, rows that aren't filled first, and where a column is least. */
+/* Tables inside of the library: kmech/data.h, rows that aren't filled first, and where a column is least. */
 #ifndef KM_BASE_TABLE_H
 #define KM_BASE_TABLE_H
 
-#include "kmech/table.h"
+#include "kmech/data.h"
 
 /* Appends a column called prefix + name + suffix; false when out of memory. */
 bool km_table_join_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);

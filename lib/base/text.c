@@ -1,7 +1,7 @@
 /* Text that grows, and numbers as text. */
 #include "base/text.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 
 #include <math.h>
 #include <stdarg.h>

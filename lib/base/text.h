@@ -1,9 +1,9 @@
-/* Texts inside of the library: kmech/text.h, and what formats into arenas and messages. */
+/* Texts inside of the library: kmech/base.h, and what formats into arenas and messages. */
 #ifndef KM_BASE_TEXT_H
 #define KM_BASE_TEXT_H
 
 #include "base/memory.h"
-#include "kmech/text.h"
+#include "kmech/base.h"
 
 #include <stdarg.h>
 

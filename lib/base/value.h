@@ -1,9 +1,9 @@
-/* Trees of values inside of the library: kmech/value.h, and the names of kinds in messages. */
+/* Trees of values inside of the library: kmech/data.h, and the names of kinds in messages. */
 #ifndef KM_BASE_VALUE_H
 #define KM_BASE_VALUE_H
 
 #include "base/text.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
 
 const char *km_kind_name(km_kind kind); /* "a number", … */
 

@@ -1,8 +1,8 @@
 /* Equations of motion: their space, one evaluation, energies and driving forces. */
 #include "dynamics/dynamics.h"
 
-#include "base/check.h"
-#include "kmech/sweep.h"
+#include "base/arguments.h"
+#include "kmech/continuation.h"
 
 #include <gsl/gsl_errno.h>
 #include <string.h>

@@ -8,9 +8,9 @@
 #ifndef KM_DYNAMICS_DYNAMICS_H
 #define KM_DYNAMICS_DYNAMICS_H
 
-#include "dynamics/prescribed.h"
-#include "dynamics/tree.h"
-#include "forces/moving.h"
+#include "dynamics/cluster_tree.h"
+#include "dynamics/prescribed_motion.h"
+#include "forces/motion_forces.h"
 #include "kmech/dynamics.h"
 
 /* What an evaluation comes to. */

@@ -1,8 +1,8 @@
 /* A mode of the linearised equations as a motion about its pose, with closed loops. */
-#include "kmech/linear.h"
+#include "kmech/dynamics.h"
 
-#include "base/check.h"
-#include "dynamics/linear.h"
+#include "base/arguments.h"
+#include "dynamics/linearisation.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* Runs over time: their space, going on to a time, and the crossings on the way. */
 #include "dynamics/simulation.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 
 #include <string.h>
 

@@ -2,10 +2,10 @@
 #ifndef KM_DYNAMICS_SIMULATION_H
 #define KM_DYNAMICS_SIMULATION_H
 
-#include "dynamics/corners.h"
 #include "dynamics/dynamics.h"
-#include "dynamics/method.h"
-#include "kmech/simulation.h"
+#include "dynamics/force_breakpoints.h"
+#include "dynamics/integrator/method_choice.h"
+#include "kmech/dynamics.h"
 
 typedef struct km_cvode km_cvode;
 

@@ -1,8 +1,8 @@
 /* Gravity and loads at a pose. */
 #include "forces/forces.h"
 
-#include "base/check.h"
-#include "kinematics/poses.h"
+#include "base/arguments.h"
+#include "kinematics/body_poses.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 
 #include "base/text.h"
 #include "kinematics/state.h"
-#include "kmech/forces.h"
+#include "kmech/statics.h"
 #include "spatial/wrench.h"
 
 struct km_forces {

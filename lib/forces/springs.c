@@ -1,6 +1,6 @@
 /* Force modules of type stiffness: a force from a displacement, between frames or in a joint. */
 #include "forces/forces.h"
-#include "forces/moving.h"
+#include "forces/motion_forces.h"
 
 /* Of places, over the lengths that they are found by. */
 static const double rounding = 1e-11;

@@ -1,5 +1,5 @@
 /* Fiala's tyre on a plane, with relaxation of both slips. */
-#include "forces/moving.h"
+#include "forces/motion_forces.h"
 
 /* Symbols: s_x longitudinal slip, α lateral slip angle, s_s comprehensive slip, μ friction at it, F_z load, C_s and C_α
  * stiffnesses (E. Fiala, Seitenkräfte am rollenden Luftreifen, 1954, as thesis chapter 6 has it). The road is the plane z = 0 of the parent

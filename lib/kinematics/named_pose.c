@@ -1,7 +1,7 @@
 /* Poses that a model names, as those that it starts from. */
-#include "kmech/kinematics.h"
+#include "kmech/mechanism.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 #include "topology/mechanism.h"
 
 /* The constants of couplings are those of the displacements before they change. */

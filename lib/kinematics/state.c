@@ -1,7 +1,7 @@
 /* One thread's copy of what moves: allocation, coordinates. */
 #include "kinematics/state.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 
 #include <string.h>
 

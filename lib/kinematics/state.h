@@ -2,7 +2,7 @@
 #ifndef KM_KINEMATICS_STATE_H
 #define KM_KINEMATICS_STATE_H
 
-#include "partition/partition.h"
+#include "linalg/partition.h"
 #include "topology/mechanism.h"
 
 /* Pose of a slot in a planar program: turn and place since all coordinates were 0. */

@@ -1,5 +1,5 @@
 /* The accelerations that constant rates make around the loops, and how they change with the rates. */
-#include "kinematics/loops.h"
+#include "kinematics/loop_equations.h"
 
 /* Symbols: V twist of a slot against its base, ξ = h q̇ the twist of a step, c acceleration of a slot where q̈ = 0.
  * A column h is fixed in what carries the step, so ḣ = ad(V) h and c_to = c_from + ad(V_from) ξ. Around a closed loop

@@ -2,7 +2,7 @@
 #ifndef KM_MODEL_BUILDER_H
 #define KM_MODEL_BUILDER_H
 
-#include "model/finish.h"
+#include "model/validation.h"
 
 struct km_builder {
   km_model *model;

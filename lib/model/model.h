@@ -23,10 +23,10 @@ typedef struct km_model_body {
   int assembly;
   double mass;
   km_vec3 center_of_mass;
-  double inertia[6]; /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass */
-  double density;    /* < 0: not given */
+  double inertia[6];  /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass */
+  double density;     /* < 0: not given */
   bool is_strut_part; /* a half of a strut: its place is that of the strut's ends */
-  const char *mesh;  /* file name of the definition, NULL: none */
+  const char *mesh;   /* file name of the definition, NULL: none */
   const char *where;
 } km_model_body;
 

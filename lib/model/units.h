@@ -1,8 +1,8 @@
-/* Units inside of the library: kmech/units.h, their tables, and dimensions that are multiplied. */
+/* Units inside of the library: kmech/model.h, their tables, and dimensions that are multiplied. */
 #ifndef KM_MODEL_UNITS_H
 #define KM_MODEL_UNITS_H
 
-#include "kmech/units.h"
+#include "kmech/model.h"
 
 #include <stdbool.h>
 

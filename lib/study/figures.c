@@ -1,7 +1,7 @@
 /* Figures of merit of an answered question, and the rows of its bands. */
-#include "base/nearest.h"
+#include "base/similar_names.h"
 #include "spatial/vec3.h"
-#include "study/study.h"
+#include "study/design_study.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,8 @@
 /* A model into a mechanism: topology, then all that depends on numbers. */
 #include "topology/compile.h"
 
-#include "base/check.h"
-#include "base/larger.h"
+#include "base/arguments.h"
+#include "base/extrema.h"
 
 #include <string.h>
 

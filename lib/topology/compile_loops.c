@@ -1,5 +1,5 @@
 /* Loops into programs of steps. */
-#include "base/larger.h"
+#include "base/extrema.h"
 #include "topology/compile.h"
 #include "topology/motion_space.h"
 

@@ -9,7 +9,7 @@
 #include "kmech/mechanism.h"
 #include "model/model.h"
 #include "spatial/twist.h"
-#include "topology/topology.h"
+#include "topology/spanning_tree.h"
 
 /* One primitive motion on the way out from a base. Slot 0 of a program is its base. */
 typedef struct km_step {
@@ -67,8 +67,9 @@ typedef struct km_loop {
   double planar_apart[2], planar_point[2];
   double planar_turn;     /* turn of the one frame against the other when all coordinates are 0 */
   double fixed_misfit[6]; /* planar: what no coordinate can change (v z, w x, w y in the plane's frame) */
-  double pin_offset;      /* of a loop of hinges in a plane: distance of its ends along the hinge axes, scaled; not an error */
-  km_vec3 plane_normal;   /* unit direction of that, in the base body's axes */
+  double
+      pin_offset; /* of a loop of hinges in a plane: distance of its ends along the hinge axes, scaled; not an error */
+  km_vec3 plane_normal; /* unit direction of that, in the base body's axes */
   int entry_start, entry_count;
 } km_loop;
 

@@ -2,7 +2,7 @@
 #ifndef KM_TOPOLOGY_SHORT_LOOPS_H
 #define KM_TOPOLOGY_SHORT_LOOPS_H
 
-#include "topology/topology.h"
+#include "topology/spanning_tree.h"
 
 /* Substructures of up to so many loops keep the loops that the tree gives. */
 enum { KM_MOST_TREE_LOOPS = 50 };

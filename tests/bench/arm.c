@@ -9,11 +9,11 @@
 #ifdef BENCH_EIGEN
 #include "eigen.h"
 #endif
-#include "arm/control.h"
-#include "arm/seven.h"
-#include "arm/study.h"
-#include "arm/track.h"
-#include "arm/tracker.h"
+#include "arm/path_control.h"
+#include "arm/study/path_study.h"
+#include "arm/tracking/seven_joint_arm.h"
+#include "arm/tracking/track.h"
+#include "arm/tracking/tracker.h"
 
 #include <lapacke.h>
 #include <stdio.h>

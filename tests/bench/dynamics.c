@@ -1,7 +1,7 @@
 /* Accelerations of a four-bar against Simbody's and MuJoCo's, and how much faster than real time simulations run. */
 #include "dynamics/dynamics.h"
 #include "bench.h"
-#include "kmech/history.h"
+#include "kmech/dynamics.h"
 #include "machine.h"
 #include "moving.h"
 #include "peers.h"

@@ -1,9 +1,9 @@
 /* The excavator's static balance (f̄, actuators, every reaction) against LAPACK's least-norm solution of all equations
  * of equilibrium at once, which gets its matrix for free; and its leverage, which needs the null space alone. */
 #include "bench.h"
-#include "kinematics/poses.h"
-#include "kmech/advantage.h"
+#include "kinematics/body_poses.h"
 #include "kmech/statics.h"
+#include "kmech/transfer.h"
 #include "machine.h"
 #include "support/bordered.h"
 

@@ -1,9 +1,9 @@
 /* Whole points of a sweep for as many samples as go side by side: every driver moved by a step, the loops closed, the mobility
  * numbers of each. Against the same samples one after the other. */
-#include "analysis/mobility.h"
 #include "bench.h"
-#include "kinematics/drive_lanes.h"
+#include "continuation/batch/batch.h"
 #include "machine.h"
+#include "mobility/mobility_numbers.h"
 
 #include <math.h>
 #include <stdio.h>

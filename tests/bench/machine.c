@@ -1,6 +1,6 @@
 #include "machine.h"
 #include "bench.h"
-#include "kmech/kinematics.h"
+#include "kmech/mechanism.h"
 
 #include <stdio.h>
 

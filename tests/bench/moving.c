@@ -4,7 +4,7 @@
 #include "bench.h"
 #include "exchange/json/json.h"
 #include "kinematics/state.h"
-#include "kmech/kinematics.h"
+#include "kmech/mechanism.h"
 
 #include <string.h>
 

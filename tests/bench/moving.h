@@ -2,7 +2,7 @@
 #ifndef BENCH_MOVING_H
 #define BENCH_MOVING_H
 
-#include "kmech/simulation.h"
+#include "kmech/dynamics.h"
 #include "peers.h"
 
 typedef struct bench_moving {

@@ -1,8 +1,8 @@
 /* Rank, null space and mobility numbers of the excavator from given values of its Jacobian: its substructures
  * one by one, pivots searched or kept, against LAPACK and our own elimination on the whole matrix. */
 #include "bench.h"
-#include "kinematics/closure.h"
-#include "kmech/sweep.h"
+#include "kinematics/loop_closing.h"
+#include "kmech/continuation.h"
 #include "lapack.h"
 #include "machine.h"
 

@@ -3,8 +3,8 @@
 #include "bench.h"
 
 #include "base/text.h"
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
 #include "support/chains.h"
 #include "support/lattices.h"

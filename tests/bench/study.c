@@ -1,8 +1,8 @@
 /* Studies of designs: what a sample costs beside its sweep, threads, and memory over the number of samples. */
-#include "analysis/question.h"
+#include "kmech/study.h"
 #include "bench.h"
-#include "kmech/design_study.h"
 #include "machine.h"
+#include "question/question.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,10 +1,10 @@
 /* Whole points of a sweep: the driver moved by a step, the loops closed, the driven substructure's mobility
  * numbers. The slider-crank against its reduction by hand. */
-#include "kmech/sweep.h"
-#include "analysis/mobility.h"
 #include "bench.h"
 #include "hand.h"
+#include "kmech/continuation.h"
 #include "machine.h"
+#include "mobility/mobility_numbers.h"
 
 #include <math.h>
 #include <stdio.h>

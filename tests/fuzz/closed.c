@@ -1,10 +1,10 @@
 /* Recomputes every joint by textbook matrices, apart from the library's: X_child = X_parent · motion(q). */
 #include "judge.h"
 
-#include "kmech/diagnosis.h"
-#include "kmech/frames.h"
-#include "kmech/parts.h"
-#include "kmech/units.h"
+#include "kmech/inspect.h"
+#include "kmech/mechanism.h"
+#include "kmech/mobility.h"
+#include "kmech/model.h"
 
 #include <math.h>
 

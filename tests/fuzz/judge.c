@@ -1,11 +1,10 @@
 /* Judges what the library makes of a model's text: answers are laws' answers, refusals have words. */
 #include "judge.h"
 
-#include "kmech/advantage.h"
-#include "kmech/linear.h"
-#include "kmech/mobility_sweep.h"
-#include "kmech/simulation.h"
+#include "kmech/dynamics.h"
 #include "kmech/statics.h"
+#include "kmech/sweep.h"
+#include "kmech/transfer.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef KM_TESTS_JUDGE_H
 #define KM_TESTS_JUDGE_H
 
-#include "kmech/kinematics.h"
+#include "kmech/mechanism.h"
 
 #include <stddef.h>
 #include <stdint.h>

@@ -1,8 +1,7 @@
 /* Friction by what presses, in motions with closed forms or against sums of their own. */
 #include "support/support.h"
 
-#include "kmech/history.h"
-#include "kmech/inverse.h"
+#include "kmech/dynamics.h"
 
 #include <stdio.h>
 #include <stdlib.h>

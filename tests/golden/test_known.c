@@ -1,8 +1,8 @@
 /* The `known` facts of every shipped model. */
 #include "support/support.h"
 
-#include "exchange/json/reader.h"
-#include "kmech/advantage.h"
+#include "exchange/json/read/reader.h"
+#include "kmech/transfer.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,7 @@
 /* Toggles, balances and peaks of sweeps against closed forms, however coarse the rows. */
 #include "support/support.h"
 
-#include "kmech/advantage_sweep.h"
-#include "kmech/statics_sweep.h"
+#include "kmech/sweep.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * The linkage is judged by its own closed form. */
 #include "support/designs.h"
 
-#include "kmech/files.h"
+#include "kmech/base.h"
 
 #include <math.h>
 

@@ -1,10 +1,7 @@
 /* Simulations with a known end: published benchmarks, closed forms, laws of conservation. */
 #include "support/moving.h"
 
-#include "kmech/history.h"
-#include "kmech/inverse.h"
-#include "kmech/linear.h"
-#include "kmech/simulation.h"
+#include "kmech/dynamics.h"
 
 #include <stdio.h>
 #include <stdlib.h>

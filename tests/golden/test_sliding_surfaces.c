@@ -1,9 +1,8 @@
 /* Friction of surfaces that slide in several directions, and laws that bring something to rest, against closed forms. */
 #include "support/support.h"
 
-#include "kmech/advantage.h"
-#include "kmech/history.h"
-#include "kmech/losses.h"
+#include "kmech/dynamics.h"
+#include "kmech/transfer.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -185,7 +184,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_plane),
                                      cmocka_unit_test(test_sleeve),
                                      cmocka_unit_test(test_wedge),
-                                     cmocka_unit_test(test_brake), cmocka_unit_test(test_steep_law),
+                                     cmocka_unit_test(test_brake),
+                                     cmocka_unit_test(test_steep_law),
                                      cmocka_unit_test(test_stiction_in_units),
                                      cmocka_unit_test(test_stop_of_a_component)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,7 @@
 /* Stiff motions: against closed forms, against the other method, and how much work they take. */
 #include "support/moving.h"
 
-#include "kmech/history.h"
+#include "kmech/dynamics.h"
 
 #include <stdio.h>
 

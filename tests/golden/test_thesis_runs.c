@@ -2,8 +2,7 @@
 #include "support/moving.h"
 
 #include "dynamics/dynamics.h"
-#include "kmech/history.h"
-#include "kmech/simulation.h"
+#include "kmech/dynamics.h"
 
 /* A run that writes rows, and the largest change of its energy over the largest kinetic energy. */
 typedef struct record {

@@ -2,12 +2,10 @@
 #include "support/support.h"
 
 #include "forces/forces.h"
-#include "kinematics/poses.h"
-#include "kmech/advantage.h"
-#include "kmech/advantage_sweep.h"
-#include "kmech/losses.h"
+#include "kinematics/body_poses.h"
 #include "kmech/statics.h"
-#include "kmech/transmission.h"
+#include "kmech/sweep.h"
+#include "kmech/transfer.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,13 +6,11 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
-#include "kmech/design_results.h"
-#include "kmech/drawing.h"
+#include "exchange/json/write/convert.h"
 #include "kmech/kmech.h"
-#include "kmech/records.h"
-#include "report/plot/designs_plot.h"
+#include "kmech/report.h"
+#include "report/charts/designs_plot.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,12 +1,12 @@
 /* Serial chains: kinematics, and the columns of the null space, against the bodies' poses and LAPACK. */
 #include "support/arms.h"
 
-#include "arm/control.h"
-#include "arm/objective.h"
-#include "arm/seven.h"
-#include "arm/tracker.h"
-#include "kinematics/poses.h"
-#include "kmech/control.h"
+#include "arm/path_control.h"
+#include "arm/tracking/objective.h"
+#include "arm/tracking/seven_joint_arm.h"
+#include "arm/tracking/tracker.h"
+#include "kinematics/body_poses.h"
+#include "kmech/arm.h"
 
 #include <lapacke.h>
 #include <stdio.h>

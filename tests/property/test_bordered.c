@@ -1,6 +1,6 @@
 /* Accelerations by clusters against those of the whole bordered system (133), solved as it stands. */
 #include "dynamics/dynamics.h"
-#include "kinematics/loops.h"
+#include "kinematics/loop_equations.h"
 #include "support/moving.h"
 
 #include <stdlib.h>

@@ -3,9 +3,8 @@
 #include "support/rebuild.h"
 #include "support/support.h"
 
-#include "kmech/advantage_sweep.h"
-#include "kmech/records.h"
-#include "kmech/statics_sweep.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 #include "model/model.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "support/support.h"
 
 #include "base/file.h"
-#include "kmech/parallel.h"
-#include "model/mesh.h"
+#include "kmech/base.h"
+#include "model/geometry/mesh.h"
 
 #include <fcntl.h>
 #include <math.h>

@@ -3,8 +3,8 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "analysis/dead_points.h"
-#include "kmech/sweep_plan.h"
+#include "kmech/sweep.h"
+#include "sweep/dead_points.h"
 
 #include <stdio.h>
 

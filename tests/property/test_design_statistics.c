@@ -1,7 +1,7 @@
 /* Statistics, sensitivity and optimisation of studies, of functions whose answers are known in closed form. */
 #include "support/designs.h"
 
-#include "kmech/design_results.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <stdio.h>

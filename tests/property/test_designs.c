@@ -1,12 +1,12 @@
 /* Studies of designs: the same bits as models run by hand, for any number of threads; samples. */
 #include "support/designs.h"
 
-#include "kmech/design_results.h"
-#include "kmech/sweep.h"
-#include "kmech/value.h"
-#include "study/ask.h"
-#include "study/sampler.h"
-#include "study/study.h"
+#include "kmech/continuation.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
+#include "study/design_evaluation.h"
+#include "study/design_study.h"
+#include "study/statistics/sampler.h"
 
 #include <math.h>
 #include <stdio.h>

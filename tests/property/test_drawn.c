@@ -2,9 +2,9 @@
 #include "support/support.h"
 
 #include "base/text.h"
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
-#include "kmech/frames.h"
+#include "exchange/json/write/convert.h"
+#include "kmech/mechanism.h"
 #include "kmech/statics.h"
 
 #include <math.h>

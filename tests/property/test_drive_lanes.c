@@ -3,12 +3,12 @@
 #include "support/linkages.h"
 #include "support/planar.h"
 
-#include "analysis/mobility.h"
-#include "analysis/observers.h"
-#include "kinematics/closure.h"
-#include "kinematics/lane_store.h"
-#include "kinematics/loops.h"
-#include "kmech/sweep_plan.h"
+#include "continuation/batch/batch_arrays.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/sweep.h"
+#include "mobility/mobility_numbers.h"
+#include "sweep/sweep_observer.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,8 +1,7 @@
 /* What drives a motion, against closed forms: prescribed laws of every kind, rotors on joints, loads. */
 #include "support/support.h"
 
-#include "kmech/history.h"
-#include "kmech/inverse.h"
+#include "kmech/dynamics.h"
 
 #include <stdio.h>
 #include <stdlib.h>

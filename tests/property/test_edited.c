@@ -1,8 +1,8 @@
 /* Numbers that calls have changed are in the file that is written, and nothing else is. */
 #include "support/support.h"
 
-#include "kmech/edit.h"
-#include "kmech/write.h"
+#include "kmech/exchange.h"
+#include "kmech/model.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,8 +2,8 @@
  * need no correction. */
 #include "support/support.h"
 
-#include "kinematics/drive.h"
-#include "kinematics/loops.h"
+#include "continuation/driver_motion.h"
+#include "kinematics/loop_equations.h"
 
 #include <math.h>
 

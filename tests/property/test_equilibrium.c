@@ -3,7 +3,7 @@
 #include "support/sheets.h"
 #include "support/support.h"
 
-#include "analysis/statics.h"
+#include "statics/statics.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #include "support/refusals.h"
 #include "support/support.h"
 
-#include "kmech/follow.h"
+#include "kmech/continuation.h"
 
 #include "model/model.h"
 

@@ -2,7 +2,7 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "kmech/finite_mobility.h"
+#include "kmech/mobility.h"
 #include "model/model.h"
 
 #include <stdio.h>

@@ -5,11 +5,11 @@
 #include "support/random_mechanism.h"
 #include "support/sheets.h"
 
-#include "kinematics/closest.h"
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
-#include "kinematics/many_tangents.h"
-#include "kmech/advantage_sweep.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "kinematics/nearest_configuration.h"
+#include "kmech/sweep.h"
+#include "local/sampled_tangents.h"
 #include "model/model.h"
 #include "topology/mechanism.h"
 

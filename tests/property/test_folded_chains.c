@@ -1,11 +1,9 @@
 /* Folded chains of parallelograms: which of their 2^n branches are found, and what their constraints say twice. */
 #include "support/folded.h"
 
-#include "kinematics/loops.h"
-#include "kinematics/many_tangents.h"
-#include "kmech/diagnosis.h"
-#include "kmech/finite_mobility.h"
-#include "kmech/redundancy.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/mobility.h"
+#include "local/sampled_tangents.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Following by arc length: cycles close, branch points are where they are known to be. */
 #include "support/support.h"
 
-#include "kmech/follow.h"
+#include "kmech/continuation.h"
 #include "model/model.h"
 #include "report/record/record.h"
 #include "report/record/sweep_text.h"

@@ -1,10 +1,9 @@
 /* A mechanism moved by hand: pulls keep the loops closed, their branch and the limits, and end where other ways lead. */
 #include "support/support.h"
 
-#include "kinematics/loops.h"
-#include "kmech/frames.h"
-#include "kmech/hand.h"
-#include "kmech/sweep.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/continuation.h"
+#include "kmech/mechanism.h"
 #include "model/model.h"
 
 #include <string.h>
@@ -319,9 +318,13 @@ static void misuse_is_refused(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(nearest_points_are_nearest), cmocka_unit_test(points_keep_the_loops),      cmocka_unit_test(reachable_points_are_reached),
-      cmocka_unit_test(joints_end_where_drives_do), cmocka_unit_test(toggles_stop_softly),
-      cmocka_unit_test(limits_are_named),           cmocka_unit_test(misuse_is_refused),
+      cmocka_unit_test(nearest_points_are_nearest),
+      cmocka_unit_test(points_keep_the_loops),
+      cmocka_unit_test(reachable_points_are_reached),
+      cmocka_unit_test(joints_end_where_drives_do),
+      cmocka_unit_test(toggles_stop_softly),
+      cmocka_unit_test(limits_are_named),
+      cmocka_unit_test(misuse_is_refused),
       cmocka_unit_test(balls_keep_their_limit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,7 +2,7 @@
 #include "support/support.h"
 
 #include "base/text.h"
-#include "kmech/idle.h"
+#include "kmech/mobility.h"
 
 #include <string.h>
 

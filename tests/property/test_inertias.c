@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "model/mass_properties.h"
+#include "model/geometry/mass_properties.h"
 
 static void random_inertias(void **state) {
   (void)state;

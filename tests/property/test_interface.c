@@ -1,11 +1,9 @@
 /* Laws of what programs ask for: frames against their own motion, matrices against the mobility, arms against frames.
  */
 #include "kmech/arm.h"
-#include "kmech/modes.h"
-#include "kmech/motions.h"
-#include "kmech/path.h"
-#include "kmech/selfmotion.h"
-#include "kmech/sweep.h"
+#include "kmech/continuation.h"
+#include "kmech/mechanism.h"
+#include "kmech/mobility.h"
 #include "support/support.h"
 
 #include <string.h>

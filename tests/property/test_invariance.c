@@ -2,8 +2,8 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "exchange/json/write/convert.h"
 #include "kmech/statics.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Laws that hold at every pose of every model. */
 #include "support/laws.h"
 
-#include "kinematics/loops.h"
+#include "kinematics/loop_equations.h"
 
 #include <math.h>
 

@@ -4,8 +4,8 @@
 #include "support/laws.h"
 #include "support/sheets.h"
 
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
 #include "topology/short_loops.h"
 

@@ -5,9 +5,9 @@
 #include "support/sheets.h"
 #include "support/support.h"
 
-#include "analysis/lasting.h"
-#include "analysis/whole_jacobian.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
+#include "mobility/full_jacobian.h"
+#include "mobility/persistent_redundancy.h"
 
 #include <math.h>
 #include <string.h>

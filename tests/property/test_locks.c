@@ -3,8 +3,8 @@
 
 #include "support/random_mechanism.h"
 
-#include "kinematics/closure.h"
-#include "kmech/follow.h"
+#include "kinematics/loop_closing.h"
+#include "kmech/continuation.h"
 
 #include <math.h>
 #include <string.h>

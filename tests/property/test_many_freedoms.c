@@ -6,13 +6,11 @@
 #include "support/linkages.h"
 #include "support/sheets.h"
 
-#include "analysis/statics.h"
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
-#include "kinematics/many_tangents.h"
-#include "kmech/finite_mobility.h"
-#include "kmech/idle.h"
-#include "kmech/motions.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/mobility.h"
+#include "local/sampled_tangents.h"
+#include "statics/statics.h"
 #include "topology/mechanism.h"
 
 #include <gsl/gsl_linalg.h>

@@ -5,13 +5,13 @@
 #include "support/failing.h"
 #include "support/sheets.h"
 
-#include "analysis/inertness.h"
-#include "kinematics/loops.h"
-#include "kinematics/second_order_many.h"
-#include "kmech/edit.h"
-#include "model/hull.h"
-#include "model/mass_properties.h"
-#include "study/crew.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/model.h"
+#include "local/second_order_columns.h"
+#include "mobility/massless_motions.h"
+#include "model/geometry/hull.h"
+#include "model/geometry/mass_properties.h"
+#include "study/worker_processes.h"
 
 #include <nlopt.h>
 #include <string.h>

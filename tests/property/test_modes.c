@@ -1,7 +1,7 @@
 /* Assembly modes of linkages for which the count is known. */
 #include "support/support.h"
 
-#include "kmech/modes.h"
+#include "kmech/mechanism.h"
 #include "model/model.h"
 
 static void expect(const char *name, const char *driver, double value, int count) {

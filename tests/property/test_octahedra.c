@@ -5,7 +5,7 @@
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
-#include "kmech/finite_mobility.h"
+#include "kmech/mobility.h"
 
 enum { EDGES = 12, MADE = 20, SIDES = 2 };
 

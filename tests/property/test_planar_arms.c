@@ -2,7 +2,7 @@
 #include "support/arms.h"
 
 #include "base/text.h"
-#include "kmech/selfmotion.h"
+#include "kmech/arm.h"
 
 #include <math.h>
 #include <stdio.h>

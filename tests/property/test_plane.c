@@ -1,10 +1,10 @@
 /* Planar mechanisms are told as planar, anywhere in space, and what they have by nature is told apart. */
 #include "support/support.h"
 
-#include "kinematics/poses.h"
-#include "kmech/advantage_sweep.h"
-#include "kmech/plane.h"
-#include "kmech/redundancy.h"
+#include "kinematics/body_poses.h"
+#include "kmech/mechanism.h"
+#include "kmech/mobility.h"
+#include "kmech/sweep.h"
 
 #include <math.h>
 #include <stdio.h>

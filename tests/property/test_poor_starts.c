@@ -3,9 +3,9 @@
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
-#include "kinematics/branches.h"
-#include "kinematics/loops.h"
-#include "kinematics/relax.h"
+#include "kinematics/damped_least_squares.h"
+#include "kinematics/loop_equations.h"
+#include "local/bifurcation.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* Questions about variants of a mechanism that are asked side by side have the answers of questions asked alone, bit by bit. */
 #include "support/support.h"
 
-#include "analysis/question.h"
-#include "kinematics/drive_lanes.h"
+#include "continuation/batch/batch.h"
+#include "question/question.h"
 
 #include <math.h>
 #include <string.h>

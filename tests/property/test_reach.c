@@ -2,8 +2,8 @@
 #include "support/support.h"
 
 #include "base/memory.h"
-#include "kinematics/reach.h"
-#include "kmech/edit.h"
+#include "continuation/target_configuration.h"
+#include "kmech/model.h"
 
 #include <math.h>
 #include <string.h>

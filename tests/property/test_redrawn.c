@@ -5,8 +5,8 @@
 
 #include "base/text.h"
 #include "exchange/json/json.h"
-#include "kmech/frames.h"
-#include "kmech/write.h"
+#include "kmech/exchange.h"
+#include "kmech/mechanism.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "support/support.h"
 
 #include "exchange/json/json.h"
-#include "kmech/redundancy.h"
+#include "kmech/mobility.h"
 #include "model/model.h"
 
 #include <string.h>

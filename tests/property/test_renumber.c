@@ -2,7 +2,7 @@
  * changes nothing. */
 #include "support/support.h"
 
-#include "kmech/edit.h"
+#include "kmech/model.h"
 #include "model/model.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "support/folded.h"
 #include "support/linkages.h"
 
-#include "kinematics/loops.h"
-#include "kinematics/tangents.h"
+#include "kinematics/loop_equations.h"
+#include "local/tangent_cone.h"
 
 #include <lapacke.h>
 

@@ -1,7 +1,7 @@
 /* Self-motions and branches of inverse kinematics. */
 #include "support/arm_families.h"
 
-#include "arm/selfmotion/branches.h"
+#include "arm/ik/ik_branches.h"
 #include "report/record/track_record.h"
 
 #include <stdio.h>

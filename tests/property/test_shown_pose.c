@@ -2,9 +2,9 @@
  * state remembers has the bits of a state that remembers nothing. */
 #include "support/support.h"
 
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
-#include "kmech/edit.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/model.h"
 #include "model/model.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* Singular values over sweeps: those of LAPACKE's SVD, and minima where mobility is gained. */
 #include "support/support.h"
 
-#include "kmech/sweep_redundancy.h"
+#include "kmech/sweep.h"
 #include "model/model.h"
 
 #include <lapacke.h>

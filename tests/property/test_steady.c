@@ -2,10 +2,9 @@
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
-#include "kmech/advantage.h"
-#include "kmech/finite_mobility.h"
-#include "kmech/follow.h"
-#include "kmech/sweep.h"
+#include "kmech/continuation.h"
+#include "kmech/mobility.h"
+#include "kmech/transfer.h"
 
 #include <stdio.h>
 #include <string.h>

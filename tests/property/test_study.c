@@ -1,8 +1,8 @@
 /* Definitions of path studies: by text and by calls, with parts of a command, on a mechanism. */
 #include "support/arms.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "exchange/json/write/convert.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * three slides coupled by s^m = z = t^k. */
 #include "support/support.h"
 
-#include "kmech/finite_mobility.h"
+#include "kmech/mobility.h"
 
 #include <math.h>
 #include <string.h>

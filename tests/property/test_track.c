@@ -1,8 +1,8 @@
 /* Tracks: what every method must keep, and what the methods owe each other. */
 #include "support/arms.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "exchange/json/write/convert.h"
 #include "report/record/track_record.h"
 
 #include <stdio.h>

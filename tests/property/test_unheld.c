@@ -4,10 +4,10 @@
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
-#include "analysis/statics.h"
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "statics/statics.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,9 +2,9 @@
  * a poor start is assembled to, leverage. Where no length is stated, lengths are compared over the longest link. */
 #include "support/support.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
-#include "kmech/advantage.h"
+#include "exchange/json/write/convert.h"
+#include "kmech/transfer.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,9 +2,9 @@
 #include "support/random_mechanism.h"
 
 #include "base/memory.h"
-#include "kmech/kinematics.h"
+#include "kmech/exchange.h"
+#include "kmech/mechanism.h"
 #include "kmech/statics.h"
-#include "kmech/write.h"
 #include "topology/mechanism.h"
 
 #include <math.h>

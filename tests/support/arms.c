@@ -2,7 +2,7 @@
 #include "support/arms.h"
 
 #include "base/file.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 
 #include <stdio.h>
 #include <string.h>

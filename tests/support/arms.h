@@ -4,8 +4,8 @@
 
 #include "support/support.h"
 
-#include "arm/study.h"
-#include "arm/track.h"
+#include "arm/study/path_study.h"
+#include "arm/tracking/track.h"
 
 /* An arm of a model in models/, of a text, or with prismatic, helical and reversed joints (8 coordinates). */
 km_arm *arm_of(const fixture *f, const char *body, const char *frame, km_task task);

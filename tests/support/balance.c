@@ -2,7 +2,7 @@
 #include "support/balance.h"
 
 #include "forces/forces.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 #include "kmech/statics.h"
 #include "support/bordered.h"
 

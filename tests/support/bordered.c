@@ -1,7 +1,7 @@
 /* Matrices with a border, for tests. */
 #include "support/bordered.h"
 
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 
 km_wrench applied_to(const km_forces *forces, int body) {
   double w[6];

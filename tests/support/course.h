@@ -2,7 +2,7 @@
 #ifndef KM_TESTS_COURSE_H
 #define KM_TESTS_COURSE_H
 
-#include "kmech/statics_sweep.h"
+#include "kmech/sweep.h"
 #include "support/forces.h"
 
 typedef struct course {

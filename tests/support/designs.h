@@ -4,7 +4,7 @@
 
 #include "support/support.h"
 
-#include "kmech/design_study.h"
+#include "kmech/study.h"
 
 enum { DESIGN_MOST = 8 };
 

@@ -2,8 +2,8 @@
 #include "support/motion_families.h"
 #include "support/planar.h"
 
-#include "analysis/directions.h"
-#include "kmech/sweep_plan.h"
+#include "kmech/sweep.h"
+#include "sweep/motion_directions.h"
 
 #include <stdio.h>
 #include <string.h>

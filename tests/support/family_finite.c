@@ -2,7 +2,7 @@
 #include "support/linkages.h"
 #include "support/motion_families.h"
 
-#include "kmech/finite_mobility.h"
+#include "kmech/mobility.h"
 
 #include <complex.h>
 #include <lapacke.h>

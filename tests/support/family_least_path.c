@@ -2,8 +2,8 @@
 #include "support/motion_families.h"
 #include "support/random_mechanism.h"
 
-#include "kinematics/closure.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_closing.h"
 #include "model/model.h"
 
 #include <lapacke.h>

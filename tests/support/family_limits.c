@@ -2,7 +2,7 @@
 #include "support/motion_families.h"
 #include "support/support.h"
 
-#include "kmech/edit.h"
+#include "kmech/model.h"
 #include "model/model.h"
 
 #include <stdio.h>

@@ -2,8 +2,8 @@
 #include "support/linkages.h"
 #include "support/motion_families.h"
 
-#include "analysis/rank_evidence.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
+#include "mobility/rank_evidence.h"
 
 #include <stdio.h>
 

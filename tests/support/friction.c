@@ -2,7 +2,7 @@
 #include "support/forces.h"
 #include "support/planar.h"
 
-#include "kmech/losses.h"
+#include "kmech/transfer.h"
 
 #include <lapacke.h>
 #include <math.h>

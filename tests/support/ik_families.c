@@ -1,7 +1,7 @@
 /* Inverse kinematics of random arms against many random starts. */
 #include "support/arm_families.h"
 
-#include "arm/selfmotion/branches.h"
+#include "arm/ik/ik_branches.h"
 
 #include <stdio.h>
 #include <stdlib.h>

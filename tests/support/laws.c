@@ -1,10 +1,10 @@
 /* Laws that hold at every closed pose, each against equations of its own. */
 #include "support/laws.h"
 
-#include "analysis/mobility.h"
-#include "kinematics/closure.h"
-#include "kinematics/loops.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "mobility/mobility_numbers.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #include "support/course.h"
 #include "support/planar.h"
 
-#include "kmech/advantage_sweep.h"
+#include "kmech/sweep.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 #ifndef KM_TESTS_MATRICES_H
 #define KM_TESTS_MATRICES_H
 
-#include "partition/sparse.h"
+#include "linalg/sparse/sparse_lu.h"
 #include "support/support.h"
 
 enum { MOST = 80, SMALL = 14 };

@@ -1,7 +1,7 @@
 /* Mechanisms with masses and rates, and d'Alembert's principle as a judge of accelerations. */
 #include "support/moving.h"
 
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 #include "spatial/inertia.h"
 
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include "support/support.h"
 
 #include "kmech/dynamics.h"
-#include "kmech/edit.h"
+#include "kmech/model.h"
 
 /* A fixture with its equations of motion. */
 typedef struct moving {

@@ -2,7 +2,7 @@
 #include "support/planar.h"
 
 #include "base/text.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 
 #include <lapacke.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef KM_TESTS_ROBOTS_H
 #define KM_TESTS_ROBOTS_H
 
-#include "kmech/frames.h"
+#include "kmech/mechanism.h"
 #include "support/support.h"
 
 km_model *read_as(const char *text, bool floating, km_messages *messages);

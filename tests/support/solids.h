@@ -2,7 +2,7 @@
 #ifndef KM_TESTS_SOLIDS_H
 #define KM_TESTS_SOLIDS_H
 
-#include "model/mass_properties.h"
+#include "model/geometry/mass_properties.h"
 #include "spatial/rotation.h"
 
 static const double solid_pi = 3.14159265358979323846;

@@ -3,7 +3,7 @@
 #include "support/course.h"
 
 #include "base/text.h"
-#include "kinematics/poses.h"
+#include "kinematics/body_poses.h"
 
 #include <math.h>
 #include <stdio.h>

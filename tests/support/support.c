@@ -1,10 +1,10 @@
 /* Fixtures, random poses, and Jacobians independent of the library. */
 #include "support/support.h"
 
-#include "kmech/diagnosis.h"
+#include "kmech/mobility.h"
 
-#include "kinematics/loops.h"
-#include "kmech/edit.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/model.h"
 
 #include "base/file.h"
 #include "topology/chain.h"

@@ -14,7 +14,7 @@
 
 #include "base/text.h"
 #include "kinematics/state.h"
-#include "kmech/mobility_sweep.h"
+#include "kmech/sweep.h"
 
 #include <stdbool.h>
 

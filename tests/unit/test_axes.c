@@ -1,11 +1,11 @@
 /* Axes, curves and panels of plots, before anything is drawn: ticks are round and read back, curves keep their data. */
 #include "support/support.h"
 
-#include "report/plot/axis.h"
-#include "report/plot/curve.h"
-#include "report/plot/overlap.h"
-#include "report/plot/palette.h"
-#include "report/plot/parts.h"
+#include "report/canvas/palette.h"
+#include "report/plot/axis_ticks.h"
+#include "report/plot/data_curve.h"
+#include "report/plot/overlapping_lines.h"
+#include "report/plot/plot_layout.h"
 
 #include <math.h>
 #include <stdio.h>

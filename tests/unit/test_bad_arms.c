@@ -3,10 +3,7 @@
 #include "support/refusals.h"
 
 #include "kmech/arm.h"
-#include "kmech/path.h"
-#include "kmech/selfmotion.h"
-#include "kmech/track.h"
-#include "kmech/tracks.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,16 +2,11 @@
  * don't belong together, work that is cancelled. */
 #include "support/refusals.h"
 
-#include "kmech/advantage.h"
 #include "kmech/build.h"
 #include "kmech/dynamics.h"
-#include "kmech/history.h"
-#include "kmech/inverse.h"
-#include "kmech/linear.h"
 #include "kmech/mechanism.h"
-#include "kmech/modes.h"
-#include "kmech/simulation.h"
 #include "kmech/statics.h"
+#include "kmech/transfer.h"
 #include "model/model.h"
 
 #include <math.h>

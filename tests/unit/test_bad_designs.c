@@ -2,7 +2,7 @@
 #include "support/designs.h"
 #include "support/refusals.h"
 
-#include "kmech/design_results.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* What the reader of the model format refuses or tells beside, each with its words. */
 #include "support/refusals.h"
 
-#include "kmech/path_study.h"
+#include "kmech/arm.h"
 
 #include <stdlib.h>
 #include <string.h>

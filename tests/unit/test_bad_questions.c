@@ -2,13 +2,11 @@
 #include "support/designs.h"
 #include "support/refusals.h"
 
-#include "kmech/design_results.h"
-#include "kmech/drawing.h"
-#include "kmech/edit.h"
-#include "kmech/motions.h"
-#include "kmech/pictures.h"
+#include "kmech/exchange.h"
+#include "kmech/mobility.h"
+#include "kmech/model.h"
 #include "kmech/question.h"
-#include "kmech/write.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <string.h>

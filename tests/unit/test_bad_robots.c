@@ -2,7 +2,7 @@
 #include "support/refusals.h"
 
 #include "base/text.h"
-#include "kmech/files.h"
+#include "kmech/base.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -4,10 +4,10 @@
 #include "report/document/escape.h"
 
 #include "base/memory.h"
-#include "base/names.h"
+#include "base/name_map.h"
 #include "base/table.h"
 #include "exchange/json/json.h"
-#include "kmech/records.h"
+#include "kmech/report.h"
 
 #include <float.h>
 #include <stdio.h>

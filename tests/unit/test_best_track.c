@@ -1,9 +1,9 @@
 /* Which of several tracks is the best one. */
 #include "support/support.h"
 
-#include "kmech/tracks.h"
+#include "kmech/report.h"
 
-#include "arm/track.h"
+#include "arm/tracking/track.h"
 
 #include <math.h>
 

@@ -1,9 +1,9 @@
 /* Text on pages: what HarfBuzz sets alone is where Pango sets it, and nothing gets lost in any script or format. */
 #include "support/support.h"
 
-#include "report/plot/canvas.h"
-#include "report/plot/letters.h"
-#include "report/plot/pango_text.h"
+#include "report/canvas/canvas.h"
+#include "report/canvas/letters.h"
+#include "report/canvas/pango_text.h"
 
 #include <math.h>
 #include <stdio.h>

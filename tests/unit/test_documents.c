@@ -1,11 +1,10 @@
 /* What reports hold, before they are rendered, with the plots on their pages; and tables as they are written. */
 #include "support/shown.h"
 
-#include "kmech/advantage_sweep.h"
-#include "kmech/statics_sweep.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
-#include "kmech/records.h"
 #include "report/record/mobility_record.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "support/support.h"
 
 #include "base/memory.h"
-#include "report/drawing/parts.h"
-#include "report/plot/palette.h"
+#include "report/canvas/palette.h"
+#include "report/drawing/drawing_parts.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Hidden faces: wherever faces overlap on the page, the nearest one is painted last. */
 #include "support/support.h"
 
-#include "report/drawing/parts.h"
+#include "report/drawing/drawing_parts.h"
 
 enum { FACES = 60, PLACES = 4000 };
 

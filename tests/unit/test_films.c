@@ -2,16 +2,16 @@
  * numbers are, paths that read back to their points. */
 #include "support/support.h"
 
-#include "kmech/mobility_sweep.h"
+#include "kmech/sweep.h"
+#include "report/canvas/apng.h"
+#include "report/canvas/svg_path.h"
+#include "report/charts/mobility_plot.h"
+#include "report/charts/sweep_strip.h"
 #include "report/document/film_page.h"
+#include "report/drawing/drawing_parts.h"
 #include "report/drawing/film_drawing.h"
-#include "report/drawing/parts.h"
-#include "report/plot/apng.h"
 #include "report/plot/film_plot.h"
-#include "report/plot/mobility_plot.h"
-#include "report/plot/parts.h"
-#include "report/plot/svg_path.h"
-#include "report/plot/sweep_strip.h"
+#include "report/plot/plot_layout.h"
 
 #include <math.h>
 #include <stdio.h>

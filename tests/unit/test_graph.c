@@ -1,8 +1,8 @@
 /* Places of large graphs, and the graphs that they are written into. */
 #include "support/support.h"
 
-#include "kmech/drawing.h"
-#include "report/drawing/graph_places.h"
+#include "kmech/report.h"
+#include "report/drawing/graph_layout.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #include "support/solids.h"
 #include "support/support.h"
 
-#include "model/hull.h"
+#include "model/geometry/hull.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Lattices of tilts: every direction is tried, and none twice. */
 #include "support/support.h"
 
-#include "arm/methods/lattice.h"
+#include "arm/methods/ball_lattice.h"
 
 #include <math.h>
 

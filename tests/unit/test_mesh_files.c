@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/memory.h"
-#include "exchange/mesh/plain.h"
+#include "exchange/mesh/plain_meshes.h"
 #include "model/model.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
 /* Reading a model by the library, and writing it back. */
 #include "support/support.h"
 
-#include "exchange/json/convert.h"
-#include "exchange/json/format.h"
+#include "exchange/json/format/format.h"
 #include "exchange/json/json.h"
-#include "exchange/json/study.h"
-#include "kmech/schema.h"
+#include "exchange/json/study/study_reader.h"
+#include "exchange/json/write/convert.h"
+#include "kmech/exchange.h"
 
 #include <stdlib.h>
 #include <string.h>

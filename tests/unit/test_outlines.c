@@ -1,8 +1,8 @@
 /* Outlines of links: closed, at true scale, as wide as asked; the same in the DXF text. */
 #include "support/support.h"
 
-#include "report/drawing/outlines.h"
-#include "report/drawing/parts.h"
+#include "report/drawing/drawing_parts.h"
+#include "report/drawing/link_outlines.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,11 +2,10 @@
  * renderers, and what can't be drawn is told. */
 #include "support/support.h"
 
-#include "kmech/drawing.h"
-#include "kmech/tracks.h"
+#include "kmech/report.h"
+#include "report/canvas/canvas.h"
+#include "report/charts/sweep_strip.h"
 #include "report/drawing/drawing.h"
-#include "report/plot/canvas.h"
-#include "report/plot/sweep_strip.h"
 
 #include <math.h>
 #include <string.h>

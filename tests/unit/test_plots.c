@@ -2,11 +2,11 @@
 #include "support/arms.h"
 #include "support/shown.h"
 
-#include "report/plot/mobility_plot.h"
-#include "report/plot/motion_map_plot.h"
+#include "report/charts/mobility_plot.h"
+#include "report/charts/selfmotion_map_plot.h"
+#include "report/charts/sweep_strip.h"
+#include "report/charts/track_plot.h"
 #include "report/plot/short_names.h"
-#include "report/plot/sweep_strip.h"
-#include "report/plot/track_plot.h"
 
 #include <math.h>
 #include <stdio.h>

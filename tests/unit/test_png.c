@@ -1,5 +1,5 @@
 /* PNG files of pixels, read again chunk by chunk with zlib: checksums, header, and every pixel. */
-#include "report/plot/png.h"
+#include "report/canvas/png.h"
 #include "support/support.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Products of a matrix's rows are those of A Aᵀ, in any order of the rows and either triangle. */
-#include "partition/products.h"
+#include "linalg/sparse/row_products.h"
 #include "support/matrices.h"
 
 #include <string.h>

@@ -1,11 +1,10 @@
 /* Reports: the same input gives the same bytes, HTML needs no other file, every page is there. */
 #include "support/support.h"
 
-#include "kmech/advantage_sweep.h"
-#include "kmech/statics_sweep.h"
+#include "kmech/sweep.h"
+#include "report/charts/sweep_plot.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
-#include "report/plot/sweep_plot.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 /* What each format of robot descriptions says in its own way: defaults, angles, masses, copies, threads, gears. */
 #include "support/robots.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "exchange/json/write/convert.h"
 #include "exchange/robot/robot.h"
-#include "kmech/frames.h"
+#include "kmech/mechanism.h"
 #include "kmech/mobility.h"
 
 #include <math.h>

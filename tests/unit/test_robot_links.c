@@ -2,7 +2,7 @@
 #include "support/robots.h"
 
 #include "base/file.h"
-#include "kmech/kinematics.h"
+#include "kmech/mechanism.h"
 
 #include <math.h>
 #include <stdio.h>

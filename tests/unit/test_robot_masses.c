@@ -1,9 +1,9 @@
 /* What robot descriptions say of masses, springs and named places: numbers by hand, those of the MJCF compiler by MuJoCo 2.2.2. */
 #include "support/robots.h"
 
-#include "kmech/bytes.h"
-#include "kmech/write.h"
-#include "model/mass_properties.h"
+#include "kmech/base.h"
+#include "kmech/exchange.h"
+#include "model/geometry/mass_properties.h"
 #include "model/model.h"
 
 #include <math.h>

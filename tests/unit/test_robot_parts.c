@@ -4,9 +4,9 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "kmech/kinematics.h"
-#include "kmech/mobility_sweep.h"
-#include "kmech/write.h"
+#include "kmech/exchange.h"
+#include "kmech/mechanism.h"
+#include "kmech/sweep.h"
 #include "topology/mechanism.h"
 
 #include <math.h>

@@ -1,10 +1,10 @@
 /* Robot descriptions: small mechanisms whose poses, masses, limits and mobility are derived by hand, in each format. */
 #include "support/robots.h"
 
-#include "exchange/json/convert.h"
 #include "exchange/json/json.h"
+#include "exchange/json/write/convert.h"
 #include "exchange/robot/robot.h"
-#include "kmech/frames.h"
+#include "kmech/mechanism.h"
 #include "kmech/mobility.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* Shapes of bodies: what they weigh against closed forms, and their meshes against the solids that they stand for. */
 #include "support/support.h"
 
-#include "exchange/mesh/shapes.h"
-#include "kmech/drawing.h"
-#include "model/mass_properties.h"
+#include "exchange/mesh/shape_meshes.h"
+#include "kmech/report.h"
+#include "model/geometry/mass_properties.h"
 
 #include <math.h>
 #include <string.h>

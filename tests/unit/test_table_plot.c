@@ -1,10 +1,10 @@
 /* Tables read back from their text, and plots of their columns before they are rendered. */
 #include "support/shown.h"
 
-#include "base/nearest.h"
-#include "kmech/records.h"
-#include "report/plot/parts.h"
-#include "report/plot/table_plot.h"
+#include "base/similar_names.h"
+#include "kmech/report.h"
+#include "report/charts/table_plot.h"
+#include "report/plot/plot_layout.h"
 
 #include <float.h>
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "support/support.h"
 
 #include "kmech/mechanism.h"
-#include "topology/topology.h"
+#include "topology/spanning_tree.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Solutions by the rows of a triangle with few entries. */
-#include "partition/triangle.h"
+#include "linalg/sparse/triangular_solve.h"
 #include "support/matrices.h"
 
 #include <string.h>

@@ -3,7 +3,7 @@
 
 #include "base/memory.h"
 #include "base/text.h"
-#include "kmech/records.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* What comes back from robot descriptions that kmech writes, and what is told where the format has no place for it. */
 #include "support/robots.h"
 
-#include "kmech/bytes.h"
-#include "kmech/write.h"
+#include "kmech/base.h"
+#include "kmech/exchange.h"
 #include "model/model.h"
 
 #include <stdio.h>

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "kmech/arm.h"
-#include "kmech/sweep.h"
+#include "kmech/continuation.h"
 #include "kview/guard.h"
 #include "kview/messages.h"
 

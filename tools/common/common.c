@@ -2,8 +2,7 @@
 #include "common/common.h"
 
 #include "common/pages.h"
-#include "kmech/files.h"
-#include "kmech/memory.h"
+#include "kmech/base.h"
 #include "kmech/version.h"
 
 #include <argp.h>

@@ -3,10 +3,10 @@
 #define KT_COMMON_H
 
 #include "common/options.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
 #include "kmech/mechanism.h"
-#include "kmech/picture_format.h"
-#include "kmech/text.h"
-#include "kmech/value.h"
+#include "kmech/report.h"
 
 /* Exit codes of every tool (cli.md). */
 typedef enum kt_exit {

@@ -1,7 +1,7 @@
 /* Ends of a leverage on the command line: joints, or points with a direction. */
 #include "common/asked.h"
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Files that a command reads, so that none of its results takes their place, under whichever name. */
 #include "common/common.h"
 
-#include "kmech/files.h"
+#include "kmech/base.h"
 
 #include <string.h>
 #include <sys/stat.h>

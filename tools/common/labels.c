@@ -1,7 +1,7 @@
 /* Labels, values and lists on the command line. */
 #include "common/common.h"
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <errno.h>
 #include <math.h>

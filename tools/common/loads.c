@@ -1,9 +1,7 @@
 /* Reads --load: changed and added loads. */
 #include "common/asked.h"
 
-#include "kmech/memory.h"
-#include "kmech/nearest.h"
-#include "kmech/text.h"
+#include "kmech/base.h"
 
 #include <string.h>
 

@@ -1,8 +1,8 @@
 /* Assembly modes on the command line: how they are numbered, and bringing a pose to one. */
 #include "common/mode.h"
 
-#include "kmech/memory.h"
-#include "kmech/parts.h"
+#include "kmech/base.h"
+#include "kmech/inspect.h"
 
 enum { STARTS = 300 };
 

@@ -2,7 +2,7 @@
 #include "common/options.h"
 
 #include "common/pages.h"
-#include "kmech/nearest.h"
+#include "kmech/base.h"
 
 #include <argp.h>
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* Output files and their formats. */
 #include "common/common.h"
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -2,11 +2,11 @@
 #include "common/pose.h"
 
 #include "common/mode.h"
-#include "kmech/diagnosis.h"
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/sweep.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/continuation.h"
+#include "kmech/inspect.h"
+#include "kmech/mobility.h"
+#include "kmech/model.h"
 
 /* The model's own holds, overridden by the command line's. */
 static kt_exit gather_holds(const kt_common *common, const km_model *model, const kt_texts *texts, kt_settings *out) {

@@ -3,7 +3,7 @@
 #define KT_POSE_H
 
 #include "common/common.h"
-#include "kmech/modes.h"
+#include "kmech/mechanism.h"
 
 /* A model at a pose. */
 typedef struct kt_pose {

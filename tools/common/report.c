@@ -1,8 +1,8 @@
 /* Sweeps one model and writes its report. */
 #include "common/report.h"
 
-#include "kmech/files.h"
-#include "kmech/pictures.h"
+#include "kmech/base.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

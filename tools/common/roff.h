@@ -2,7 +2,7 @@
 #ifndef KT_ROFF_H
 #define KT_ROFF_H
 
-#include "kmech/text.h"
+#include "kmech/base.h"
 
 /* Appends text in which nothing is a request or an escape, and every character is what it is. */
 void kt_roff(const char *text, size_t length, km_text *out);

@@ -2,10 +2,9 @@
 #include "common/sweep.h"
 
 #include "common/drives.h"
-#include "kmech/parallel.h"
-#include "kmech/pictures.h"
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

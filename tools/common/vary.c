@@ -1,7 +1,7 @@
 /* Reads --vary and makes the variants. */
 #include "common/vary.h"
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* kma at: mechanical advantage at one pose. */
 #include "kma/kma.h"
 
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 #include <math.h>
 

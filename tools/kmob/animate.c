@@ -1,9 +1,9 @@
 /* kmob draw --animate: the motion as a page that plays it, or as an animated picture. */
 #include "kmob/draw.h"
 
-#include "kmech/memory.h"
-#include "kmech/mobility_sweep.h"
-#include "kmech/records.h"
+#include "kmech/base.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 #include "kmech/version.h"
 
 enum { PLANE_STEPS = 240, SPACE_STEPS = 120 };

@@ -1,8 +1,8 @@
 /* kmob check: everything suspicious about a model. */
 #include "kmob/kmob.h"
 
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const km_findings *findings) {
   km_text out = {0};

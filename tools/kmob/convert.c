@@ -1,9 +1,9 @@
 /* kmob convert: a checked model out. */
 #include "kmob/kmob.h"
 
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/write.h"
+#include "kmech/base.h"
+#include "kmech/exchange.h"
+#include "kmech/inspect.h"
 
 typedef struct options {
   kt_common common;

@@ -1,7 +1,7 @@
 /* kmob draw: a picture of a mechanism in one or more poses. */
 #include "kmob/draw.h"
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <math.h>
 #include <stdio.h>

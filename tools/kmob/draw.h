@@ -3,7 +3,7 @@
 #define KMOB_DRAW_H
 
 #include "common/asked.h"
-#include "kmech/drawing.h"
+#include "kmech/report.h"
 #include "kmob/kmob.h"
 
 typedef struct kmob_draw_options {

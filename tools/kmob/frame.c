@@ -1,13 +1,12 @@
 /* kmob frame: where a frame is and how it moves. */
 #include "kmob/kmob.h"
 
-#include "kmech/frames.h"
-#include "kmech/memory.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/mechanism.h"
 #include "kmech/mobility.h"
-#include "kmech/motions.h"
-#include "kmech/records.h"
-#include "kmech/units.h"
-#include "kmech/value.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 
 #include <string.h>
 

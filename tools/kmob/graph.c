@@ -1,9 +1,9 @@
 /* kmob graph: bodies, joints, loops and substructures as a graph. */
 #include "kmob/kmob.h"
 
-#include "kmech/drawing.h"
-#include "kmech/memory.h"
-#include "kmech/parts.h"
+#include "kmech/base.h"
+#include "kmech/inspect.h"
+#include "kmech/report.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,8 +1,8 @@
 /* kmob info, kmob at: one pose. */
 #include "kmob/kmob.h"
 
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 static void print_modes(const km_model *model, const km_modes *modes, int driver, km_text *out) {
   km_text_format(out, "\n%s assembly mode%s", modes->count == 1 ? "one" : "different", modes->count == 1 ? "" : "s");

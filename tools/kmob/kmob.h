@@ -3,7 +3,7 @@
 #define KMOB_H
 
 #include "common/pose.h"
-#include "kmech/units.h"
+#include "kmech/model.h"
 
 kt_exit kmob_info(int argc, char **argv);
 kt_exit kmob_at(int argc, char **argv);

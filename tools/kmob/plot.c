@@ -1,11 +1,8 @@
 /* kmob plot: columns of tables, one over another. */
 #include "kmob/kmob.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
-#include "kmech/nearest.h"
-#include "kmech/pictures.h"
-#include "kmech/records.h"
+#include "kmech/base.h"
+#include "kmech/report.h"
 
 #include <string.h>
 

@@ -3,7 +3,7 @@
 
 #include "common/roff.h"
 
-#include "kmech/schema.h"
+#include "kmech/exchange.h"
 
 #define FORMATS "json or markdown or roff"
 #define FILES   "model or study or path"

@@ -2,8 +2,8 @@
 #ifndef KMOB_STARTERS_H
 #define KMOB_STARTERS_H
 
-#include "kmech/text.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/model.h"
 
 /* The kinds, as options list them; a kind is its place there. */
 #define KMOB_KINDS "fourbar or slider-crank or cylinder or six-bar or parallel or arm"

@@ -1,9 +1,8 @@
 /* What the commands that write model files share: the file, and the units asked for. */
 #include "kmob/kmob.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
 
 kt_exit kmob_write_text(const kt_common *common, const char *file, const km_text *text) {
   km_error error;

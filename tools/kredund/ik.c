@@ -1,11 +1,10 @@
 /* kredund ik: all branches of poses that reach one pose of the effector. kredund selfmotion: one of them. */
 #include "kredund/kredund.h"
 
-#include "kmech/memory.h"
-#include "kmech/records.h"
-#include "kmech/tracks.h"
-#include "kmech/units.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 
 static kt_exit read_pose(const kredund_request *r, const kredund_open *open, km_frame_pose *out) {
   double value[6];

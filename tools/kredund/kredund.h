@@ -3,7 +3,7 @@
 #define KREDUND_H
 
 #include "common/pose.h"
-#include "kmech/path_study.h"
+#include "kmech/arm.h"
 
 kt_exit kredund_track(int argc, char **argv);
 kt_exit kredund_compare(int argc, char **argv);

@@ -1,10 +1,9 @@
 /* kredund matrix: a Jacobian with its path column in, path-control and pose-control columns out. */
 #include "kredund/kredund.h"
 
-#include "kmech/control.h"
-#include "kmech/files.h"
-#include "kmech/memory.h"
-#include "kmech/value.h"
+#include "kmech/arm.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
 #include "kmech/version.h"
 
 #include <string.h>

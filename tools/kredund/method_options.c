@@ -1,7 +1,7 @@
 /* The options about methods, put into the study's definition. */
 #include "kredund/kredund.h"
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,9 +1,8 @@
 /* The options that say what arm, path and methods are meant; and how they become a study. */
 #include "kredund/kredund.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* kredund selfmotion: every pose that holds the effector where it is. */
 #include "kredund/tracks.h"
 
-#include "kmech/memory.h"
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 #include <string.h>
 

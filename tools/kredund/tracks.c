@@ -1,9 +1,9 @@
 /* Runs the methods of a study and writes their tables and pictures. */
 #include "kredund/tracks.h"
 
-#include "kmech/memory.h"
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef KREDUND_TRACKS_H
 #define KREDUND_TRACKS_H
 
-#include "kmech/tracks.h"
+#include "kmech/report.h"
 #include "kredund/kredund.h"
 
 typedef struct kredund_tracks {

@@ -1,8 +1,7 @@
 /* What options say, put into the study's definition. */
 #include "kredund/kredund.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,9 +1,9 @@
 /* ksim run --animate: the motion as a page that plays it beside its curves. */
 #include "ksim/ksim.h"
 
-#include "kmech/drawing.h"
-#include "kmech/memory.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 #include "kmech/version.h"
 
 enum { MOST_FRAMES = 600 };

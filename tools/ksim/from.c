@@ -1,11 +1,10 @@
 /* ksim run --from: going on where the table of an earlier run ends. */
 #include "ksim/ksim.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/records.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,11 +1,11 @@
 /* ksim inverse: the forces of a motion that is prescribed as a whole. */
 #include "ksim/ksim.h"
 
-#include "kmech/inverse.h"
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/records.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/dynamics.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -5,10 +5,9 @@
 #include "common/common.h"
 #include "common/pose.h"
 
-#include "kmech/history.h"
-#include "kmech/linear.h"
-#include "kmech/pictures.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
+#include "kmech/dynamics.h"
+#include "kmech/report.h"
 
 kt_exit ksim_run(int argc, char **argv);
 kt_exit ksim_inverse(int argc, char **argv);

@@ -1,11 +1,11 @@
 /* ksim linearise and ksim equilibrium: small motions about a pose, and poses at rest. */
 #include "ksim/ksim.h"
 
-#include "kmech/linear.h"
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/dynamics.h"
+#include "kmech/inspect.h"
+#include "kmech/report.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* ksim linearise --animate: every mode as a page that plays it. */
 #include "ksim/ksim.h"
 
-#include "kmech/drawing.h"
-#include "kmech/memory.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 #include "kmech/version.h"
 
 #include <math.h>

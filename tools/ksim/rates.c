@@ -1,9 +1,9 @@
 /* ksim run --rate: the joints' rates at the start, and whether the motion has them. */
 #include "ksim/ksim.h"
 
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
 
 enum { MOST_TOLD = 8 };
 

@@ -1,10 +1,10 @@
 /* ksim run: options, the run, its files. */
 #include "ksim/ksim.h"
 
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/records.h"
-#include "kmech/units.h"
+#include "kmech/base.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,11 +1,11 @@
 /* What ksim's commands read alike. */
 #include "ksim/ksim.h"
 
-#include "kmech/memory.h"
-#include "kmech/parts.h"
-#include "kmech/records.h"
-#include "kmech/units.h"
-#include "kmech/value.h"
+#include "kmech/base.h"
+#include "kmech/data.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
 #include "common/drives.h"
 #include "kstatic/kstatic.h"
 
-#include "kmech/records.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 typedef struct options {
   kt_request request;

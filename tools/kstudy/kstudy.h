@@ -3,7 +3,7 @@
 #define KSTUDY_H
 
 #include "common/pose.h"
-#include "kmech/design_study.h"
+#include "kmech/study.h"
 
 /* What every command is told. */
 typedef struct kstudy_request {

@@ -1,8 +1,7 @@
 /* Writes designs as model files: the best of an optimisation, the worst of a sample. */
 #include "kstudy/kstudy.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,8 @@
 /* Opens the study of the command line with its model, its sample and its store. */
 #include "kstudy/kstudy.h"
 
-#include "kmech/files.h"
-#include "kmech/memory.h"
-#include "kmech/records.h"
+#include "kmech/base.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* kstudy plan: what a run would cost, from a measured pilot. */
 #include "kstudy/kstudy.h"
 
-#include "kmech/text.h"
+#include "kmech/base.h"
 
 #include <math.h>
 #include <sys/resource.h>

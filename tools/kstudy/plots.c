@@ -1,8 +1,7 @@
 /* Pictures of a study. */
 #include "kstudy/kstudy.h"
 
-#include "kmech/design_results.h"
-#include "kmech/pictures.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

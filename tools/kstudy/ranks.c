@@ -3,7 +3,7 @@
 
 #ifdef KSTUDY_MPI
 
-#include "kmech/memory.h"
+#include "kmech/base.h"
 
 #include <limits.h>
 #include <mpi.h>

@@ -2,7 +2,7 @@
 #ifndef KSTUDY_RANKS_H
 #define KSTUDY_RANKS_H
 
-#include "kmech/design_study.h"
+#include "kmech/study.h"
 
 typedef struct kstudy_ranks {
   int rank, count; /* 0 of 1 without mpirun */

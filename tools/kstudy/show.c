@@ -1,8 +1,8 @@
 /* kstudy show and export: what the store has. */
 #include "kstudy/kstudy.h"
 
-#include "kmech/design_results.h"
-#include "kmech/value.h"
+#include "kmech/data.h"
+#include "kmech/report.h"
 
 #include <string.h>
 

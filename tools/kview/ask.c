@@ -2,7 +2,7 @@
 #include "kview/limit.h"
 #include "kview/messages.h"
 
-#include "kmech/records.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <string.h>

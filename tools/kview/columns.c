@@ -2,7 +2,6 @@
 #include "kview/messages.h"
 
 #include "kmech/arm.h"
-#include "kmech/control.h"
 
 #include <stdlib.h>
 

@@ -1,11 +1,10 @@
 /* The model of a session as JSON: all that the page needs to show it, but for the pose. */
 #include "kview/messages.h"
 
-#include "kmech/advantage.h"
-#include "kmech/forces.h"
-#include "kmech/plane.h"
+#include "kmech/mechanism.h"
+#include "kmech/model.h"
 #include "kmech/statics.h"
-#include "kmech/units.h"
+#include "kmech/transfer.h"
 #include "kmech/version.h"
 
 #include <string.h>

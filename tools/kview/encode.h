@@ -2,7 +2,7 @@
 #ifndef KVIEW_ENCODE_H
 #define KVIEW_ENCODE_H
 
-#include "kmech/text.h"
+#include "kmech/base.h"
 
 #include <stdint.h>
 

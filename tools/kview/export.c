@@ -3,7 +3,7 @@
 #include "kview/messages.h"
 #include "kview/page.h"
 
-#include "kmech/files.h"
+#include "kmech/base.h"
 
 #include <stdio.h>
 #include <string.h>

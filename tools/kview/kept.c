@@ -1,7 +1,7 @@
 /* Designs that outlive the session they were made in: a page that is loaded again, and a file that is read again, go on from them. */
 #include "kview/session.h"
 
-#include "kmech/write.h"
+#include "kmech/exchange.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef KVIEW_LIMIT_H
 #define KVIEW_LIMIT_H
 
-#include "kmech/status.h"
+#include "kmech/base.h"
 
 #include <stdbool.h>
 #include <time.h>

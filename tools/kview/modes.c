@@ -2,8 +2,8 @@
 #include "kview/limit.h"
 #include "kview/messages.h"
 
-#include "kmech/modes.h"
-#include "kmech/sweep.h"
+#include "kmech/continuation.h"
+#include "kmech/mechanism.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 #include "kview/kview.h"
 #include "kview/server.h"
 
-#include "kmech/files.h"
-#include "kmech/path_study.h"
+#include "kmech/arm.h"
+#include "kmech/base.h"
 
 #include <errno.h>
 #include <stdio.h>

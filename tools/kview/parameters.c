@@ -1,7 +1,7 @@
 /* Parameters of the file by their names: their values, and the model with other ones. */
 #include "kview/messages.h"
 
-#include "kmech/value.h"
+#include "kmech/data.h"
 
 #include <math.h>
 #include <stdlib.h>

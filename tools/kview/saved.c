@@ -1,8 +1,8 @@
 /* The model as it stands: its file's text with the present pose and design. */
 #include "kview/messages.h"
 
-#include "kmech/value.h"
-#include "kmech/write.h"
+#include "kmech/data.h"
+#include "kmech/exchange.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,7 +3,6 @@
 #include "kview/messages.h"
 
 #include "kmech/arm.h"
-#include "kmech/selfmotion.h"
 
 #include <stdlib.h>
 

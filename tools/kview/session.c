@@ -1,8 +1,8 @@
 /* What one page works on: reading, compiling, placing. */
 #include "kview/session.h"
 
-#include "kmech/files.h"
-#include "kmech/sweep.h"
+#include "kmech/base.h"
+#include "kmech/continuation.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -4,11 +4,11 @@
 
 #include "kview/encode.h"
 
-#include "kmech/edit.h"
-#include "kmech/frames.h"
-#include "kmech/hand.h"
-#include "kmech/memory.h"
-#include "kmech/parts.h"
+#include "kmech/base.h"
+#include "kmech/continuation.h"
+#include "kmech/inspect.h"
+#include "kmech/mechanism.h"
+#include "kmech/model.h"
 #include "kmech/question.h"
 
 #include <time.h>

@@ -2,9 +2,7 @@
 #include "kview/limit.h"
 #include "kview/messages.h"
 
-#include "kmech/diagnosis.h"
-#include "kmech/forces.h"
-#include "kmech/motions.h"
+#include "kmech/mobility.h"
 #include "kmech/statics.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef KM_ARM_METHODS_METHOD_H
 #define KM_ARM_METHODS_METHOD_H
 
-#include "arm/tracker.h"
+#include "arm/tracking/tracker.h"
 #include "base/parallel.h"
 
 typedef struct km_run {

@@ -1,7 +1,7 @@
 /* All poses that hold an effector, as arcs of closed curves. */
-#include "arm/selfmotion/branches.h"
+#include "arm/ik/ik_branches.h"
 
-#include "arm/check.h"
+#include "arm/arm_arguments.h"
 
 static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
   for (int k = 0; k < c->arm->n; ++k)

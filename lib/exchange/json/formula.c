@@ -3,9 +3,9 @@
  * other functions and constants. */
 #include "exchange/json/formula.h"
 
-#include "base/library.h"
-#include "base/names.h"
-#include "base/nearest.h"
+#include "base/dynamic_library.h"
+#include "base/name_map.h"
+#include "base/similar_names.h"
 
 #include <math.h>
 #include <muParserDLL.h>

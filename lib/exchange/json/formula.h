@@ -3,8 +3,8 @@
 #define KM_EXCHANGE_JSON_FORMULA_H
 
 #include "base/value.h"
-#include "exchange/json/place.h"
-#include "kmech/status.h"
+#include "exchange/json/json_location.h"
+#include "kmech/base.h"
 
 /* What a parser of expressions knows: constants, and the values of the parameters so far. */
 typedef struct km_formulas km_formulas;

@@ -1,8 +1,8 @@
 /* JSON text to trees of values. The only user of the JSON library. */
 #include "exchange/json/json.h"
 
-#include "base/check.h"
-#include "exchange/wide.h"
+#include "base/arguments.h"
+#include "exchange/utf16.h"
 
 #include <ctype.h>
 #include <jansson.h>

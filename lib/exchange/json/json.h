@@ -1,4 +1,4 @@
-/* JSON text to trees of values that may be changed; the rest is in kmech/value.h. */
+/* JSON text to trees of values that may be changed; the rest is in kmech/data.h. */
 #ifndef KM_EXCHANGE_JSON_JSON_H
 #define KM_EXCHANGE_JSON_JSON_H
 

@@ -1,7 +1,7 @@
 /* Where a model's text says that its meshes are, and their names in a text that is written elsewhere. */
 #include "exchange/json/json_meshes.h"
 
-#include "exchange/mesh/folders.h"
+#include "exchange/mesh/mesh_folders.h"
 
 #include <string.h>
 

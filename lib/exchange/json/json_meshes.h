@@ -1,6 +1,6 @@
 /* The meshes that the text of a model names. */
-#ifndef KM_EXCHANGE_JSON_MESHES_H
-#define KM_EXCHANGE_JSON_MESHES_H
+#ifndef KM_EXCHANGE_JSON_JSON_MESHES_H
+#define KM_EXCHANGE_JSON_JSON_MESHES_H
 
 #include "base/value.h"
 #include "model/model.h"

@@ -1,6 +1,6 @@
 /* Models in the model format. */
-#ifndef KM_EXCHANGE_JSON_MODEL_H
-#define KM_EXCHANGE_JSON_MODEL_H
+#ifndef KM_EXCHANGE_JSON_JSON_MODEL_H
+#define KM_EXCHANGE_JSON_JSON_MODEL_H
 
 #include "model/model.h"
 

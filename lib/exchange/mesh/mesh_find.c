@@ -1,9 +1,9 @@
 /* Looking for the files of meshes and reading them. */
 #include "exchange/mesh/model_meshes.h"
-#include "exchange/mesh/shapes.h"
+#include "exchange/mesh/shape_meshes.h"
 
-#include "base/check.h"
-#include "kmech/drawing.h"
+#include "base/arguments.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* Reads a mesh by the reader that its bytes or its name ask for. */
-#include "exchange/mesh/import.h"
 #include "exchange/mesh/import/stream.h"
+#include "exchange/mesh/mesh_import.h"
 #include "exchange/mesh/msh.h"
-#include "exchange/mesh/plain.h"
+#include "exchange/mesh/plain_meshes.h"
 
 #include <errno.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #define KM_EXCHANGE_MESH_MODEL_MESHES_H
 
 #include "base/text.h"
-#include "model/mesh.h"
+#include "model/geometry/mesh.h"
 #include "model/model.h"
 
 /* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere, or, with

@@ -2,8 +2,8 @@
 #include "exchange/mesh/msh.h"
 
 #include "exchange/mesh/import/stream.h"
-#include "kmech/files.h"
-#include "model/hull.h"
+#include "kmech/base.h"
+#include "model/geometry/hull.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -2,7 +2,7 @@
 #ifndef KM_EXCHANGE_MESH_MSH_H
 #define KM_EXCHANGE_MESH_MSH_H
 
-#include "model/mesh.h"
+#include "model/geometry/mesh.h"
 
 /* Reads a file of MuJoCo's own format, told by a header that fits its size: four int32 (vertices, normals, texture
  * coordinates, faces), then float32 and the faces' int32. Without faces it is the convex hull of its vertices. KM_OK with

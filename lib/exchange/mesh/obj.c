@@ -1,6 +1,6 @@
 /* Plain OBJ: points and flat, convex polygons; names, normals and textures are passed over. */
 #include "base/memory.h"
-#include "exchange/mesh/plain.h"
+#include "exchange/mesh/plain_meshes.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* STL, as a text and in its binary form. */
-#include "exchange/mesh/plain.h"
+#include "exchange/mesh/plain_meshes.h"
 
 #include <math.h>
 #include <stdint.h>

@@ -1,9 +1,9 @@
 /* Models as MuJoCo's MJCF describes them: nested bodies, with joints inside of them and constraints beside them. */
-#ifndef KM_EXCHANGE_MJCF_H
-#define KM_EXCHANGE_MJCF_H
+#ifndef KM_EXCHANGE_MJCF_MJCF_H
+#define KM_EXCHANGE_MJCF_MJCF_H
 
 #include "exchange/robot/robot.h"
-#include "model/mesh.h"
+#include "model/geometry/mesh.h"
 
 /* Reads the element `mujoco`: a km_robot_read. */
 void km_mjcf_read(km_robot *robot, km_xml *root);

@@ -2,7 +2,7 @@
 #ifndef KM_EXCHANGE_ROBOT_OMISSIONS_H
 #define KM_EXCHANGE_ROBOT_OMISSIONS_H
 
-#include "kmech/status.h"
+#include "kmech/base.h"
 
 /* Where MJCF (a numeric of `custom`) and SDF (an element of a model) keep a model's closure tolerance. */
 #define KM_MJCF_TOLERANCE "kmech_closure_tolerance"

@@ -1,12 +1,12 @@
 /* What the readers of robot descriptions share: a model that is being built from elements of XML, in SI units. */
-#ifndef KM_EXCHANGE_ROBOT_H
-#define KM_EXCHANGE_ROBOT_H
+#ifndef KM_EXCHANGE_ROBOT_ROBOT_H
+#define KM_EXCHANGE_ROBOT_ROBOT_H
 
-#include "base/names.h"
+#include "base/name_map.h"
 #include "exchange/robot/omissions.h"
 #include "exchange/xml/xml.h"
-#include "model/finish.h"
-#include "model/solids.h"
+#include "model/geometry/solids.h"
+#include "model/validation.h"
 
 /* What is asked of a reader, and where it puts what it finds. */
 typedef struct km_robot_request {

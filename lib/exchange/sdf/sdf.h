@@ -1,6 +1,6 @@
 /* Models and worlds as SDFormat describes them: links and joints in frames that may be relative to each other. */
-#ifndef KM_EXCHANGE_SDF_H
-#define KM_EXCHANGE_SDF_H
+#ifndef KM_EXCHANGE_SDF_SDF_H
+#define KM_EXCHANGE_SDF_SDF_H
 
 #include "exchange/robot/robot.h"
 

@@ -1,6 +1,6 @@
 /* The links of a robot, and what ties them. */
 #include "exchange/urdf/urdf.h"
-#include "exchange/sdf/closures.h"
+#include "exchange/sdf/sdf_closures.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* Robots as URDF describes them: a tree of links, each joint's child frame being its link's. */
-#ifndef KM_EXCHANGE_URDF_H
-#define KM_EXCHANGE_URDF_H
+#ifndef KM_EXCHANGE_URDF_URDF_H
+#define KM_EXCHANGE_URDF_URDF_H
 
 #include "exchange/robot/robot.h"
 

@@ -1,9 +1,9 @@
 /* XML text to trees of elements that know their place in the file. */
-#ifndef KM_EXCHANGE_XML_H
-#define KM_EXCHANGE_XML_H
+#ifndef KM_EXCHANGE_XML_XML_H
+#define KM_EXCHANGE_XML_XML_H
 
 #include "base/text.h"
-#include "kmech/status.h"
+#include "kmech/base.h"
 
 typedef struct km_xml_attribute {
   const char *name, *value;

@@ -16,6 +16,7 @@
 #ifndef KMECH_BUILD_H
 #define KMECH_BUILD_H
 
+#include "kmech/base.h"
 #include "kmech/model.h"
 
 #include <stdbool.h>

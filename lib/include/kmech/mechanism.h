@@ -1,12 +1,17 @@
-/* A compiled mechanism: immutable, shared by threads. And its per-thread state. */
+/* Mechanisms, states and kinematics: compilation, closing loops, frames, assembly modes, planar motion. */
 #ifndef KMECH_MECHANISM_H
 #define KMECH_MECHANISM_H
 
+#include "kmech/base.h"
 #include "kmech/model.h"
+
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- A compiled mechanism: immutable, shared by threads. And its per-thread state. */
 
 /* A compiled model. Immutable but for km_mechanism_renumber, shared by threads. */
 typedef struct km_mechanism km_mechanism;
@@ -82,6 +87,107 @@ KM_API bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
 /* The `time` at which the state is, in the model's unit: prescribed motions and motors follow it. KM_USAGE: not finite. */
 KM_API double km_state_time(const km_state *state);
 KM_API km_status km_state_set_time(const km_mechanism *mechanism, km_state *state, double time, km_error *error);
+
+/* ---- Closing a mechanism's loops and moving it. */
+
+/* Evidence of an assembly. */
+typedef struct km_assembly {
+  double residual; /* √(eᵀe/6) of the worst loop, lengths over its substructure's size (235) */
+  int worst_loop;  /* -1: a coupling, or none */
+  int iterations;  /* Newton steps of the slowest substructure */
+} km_assembly;
+
+/* Closes every loop from the state's coordinates, which move as little as they can (least |D δq| a step); from
+ * a poor start by damped least squares first. Primary equations reach 1e-12 rms, secondary ones the closure
+ * tolerance. KM_MODEL names the loop that can't close, its joints, what is left, and, where rounded data is the
+ * cause, the closure tolerance that would do. O(iterations · rank² · columns) a substructure. */
+KM_API km_status km_assemble(const km_mechanism *mechanism, km_state *state, km_assembly *evidence, km_error *error);
+
+/* Makes a pose that the model names the one that it starts from: its joints have their values exactly where the others
+ * can follow; else the first half of them, or a quarter …, while the rest is where the loops close next to its values. To be called before the model is compiled. KM_USAGE:
+ * there is no such pose; KM_MEMORY. */
+KM_API km_status km_model_take_pose(km_model *model, int pose, km_error *error);
+
+/* Poses of all bodies in the inertial frame from the state's coordinates. */
+KM_API void km_poses_update(const km_mechanism *mechanism, km_state *state);
+/* The `position` of a frame's origin in the inertial frame, model's length unit. After km_poses_update. */
+KM_API void km_frame_position(const km_mechanism *mechanism, const km_state *state, int frame, double position[3]);
+
+/* ---- Where frames are and how they move.
+ *
+ * Rates are those of all coordinates of the model, in radians and the model's length unit per unit of time, whatever
+ * the model's angle unit; twists are (vx vy vz wx wy wz): the velocity of the frame's origin and its body's angular
+ * velocity in radians, along the inertial axes. So Jᵀ (force; torque) is a force in each joint, of angles per radian. */
+
+/* Rotation by rows (its columns are the frame's axes), and the origin's position in the model's length unit, both in
+ * the inertial frame. */
+typedef struct km_frame_pose {
+  double R[9], p[3]; /* rotation; position */
+} km_frame_pose;
+
+/* The pose at p, turned from the inertial axes by the rotation vector turn[3]: about its direction by its length in
+ * radians, right-handed. KM_USAGE: not finite. */
+KM_API km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_pose *out, km_error *error);
+
+/* The pose of a frame of the model. After km_poses_update. KM_USAGE. O(1). */
+KM_API km_status km_frame_place(const km_mechanism *mechanism, const km_state *state, int frame, km_frame_pose *out,
+                                km_error *error);
+
+/* The twist of a frame at rates[coordinate], which must be rates that the loops allow: those of km_drive_tangent,
+ * km_follow_tangent, km_lever_rates, or a column of km_motions_basis. After km_poses_update. KM_USAGE. O(depth). */
+KM_API km_status km_frame_twist(const km_mechanism *mechanism, const km_state *state, int frame, const double *rates,
+                                double twist[6], km_error *error);
+
+/* J[6 × coordinate count], column-major: the twist per unit rate of each coordinate on the way from the inertial frame
+ * to the body along the spanning tree, 0 for all others and for held ones (thesis (33)-(34)). With loops the rates
+ * aren't free: the twists that the frame can have are J N, N by km_motions_basis. After km_poses_update. KM_USAGE.
+ * O(coordinates). */
+KM_API km_status km_frame_jacobian(const km_mechanism *mechanism, const km_state *state, int frame, double *J,
+                                   km_error *error);
+
+/* inverse = Λ⁻¹ = J N (Nᵀ M N)⁻¹ (J N)ᵀ [6 × 6]: the twist per time that a wrench (f; τ) at the frame's origin gives it from rest,
+ * beside what else acts (O. Khatib, A unified approach for motion and force control, 1987; N lets the loops keep closed).
+ * M has the bodies' masses and the rotors' inertias. In one over mass, over mass × length, over mass × length² of the
+ * model; symmetric, singular where the frame can't move. 1/Λ⁻¹_ii is the mass that a push along axis i feels. After
+ * km_poses_update and km_mobility_update. KM_MODEL: a free motion moves no mass; KM_USAGE; KM_MEMORY.
+ * O(bodies · freedom · (depth + freedom)). */
+KM_API km_status km_frame_inverse_inertia(const km_mechanism *mechanism, const km_state *state, int frame,
+                                          double inverse[36], km_error *error);
+
+/* ---- Assembly modes: the different ways in which loops close for one value of the driver. */
+
+/* The modes that were found, with the evidence of the search. */
+typedef struct km_modes {
+  int count;           /* different modes within the joint limits; the first is the state's own, wherever that is */
+  double *coordinates; /* [count × coordinate count] model's units */
+  bool isolated;       /* each stands alone; else something still moves in some of them, which are samples */
+  int closed;          /* starting configurations that led to a mode, the state's own included */
+  int once;            /* modes that just one of these led to: the more, the more are likely to be missing */
+  int outside;         /* further modes, which lie outside the joint limits */
+} km_modes;
+
+enum {
+  KM_MOST_MODE_STARTS = 1000000 /* the most random starts */
+};
+
+/* Fixes `driver` where the state has it (-1, for a structure: nothing, in the largest substructure), starts the other
+ * coordinates of its substructure at random places (the same for the same seed), and closes the loops. Two
+ * configurations are one mode if the places of the bodies are the same to 1e-6; the turn of a rod about the line
+ * between its joints, the halves of struts, and the crosspiece of a universal joint don't count. Struts have lengths
+ * of at least 0. The state must be assembled and keeps its configuration. No number of starts shows that all modes are
+ * found. KM_USAGE if the driver is held or in no loop, or there is none and something moves; KM_MEMORY; KM_CANCELLED.
+ * Free `*out` in any case. O(starts · (closing the loops + modes · bodies)). */
+KM_API km_status km_modes_find(const km_mechanism *mechanism, const km_state *state, int driver, int starts,
+                               unsigned long seed, km_progress progress, void *context, km_modes *out, km_error *error);
+KM_API void km_modes_free(km_modes *modes);
+
+/* ---- Mechanisms that move in parallel planes. */
+
+/* Do all free joints of the mechanism, or of one loop (0 …), turn about one direction and slide across it, at a pose
+ * whose poses are updated (km_poses_update)? Then `normal` is that direction, a unit vector along the inertial axes whose
+ * largest component is positive. False too where nothing turns and all slides are parallel. O(joints). */
+KM_API bool km_mechanism_plane(const km_mechanism *mechanism, const km_state *state, double normal[3]);
+KM_API bool km_loop_plane(const km_mechanism *mechanism, const km_state *state, int loop, double normal[3]);
 
 #ifdef __cplusplus
 }

@@ -1,14 +1,17 @@
-/* What the user wrote: bodies, joints and couplings in named assemblies, with units and defaults. */
+/* Models: what the user wrote. Bodies, joints and couplings in named assemblies, with units, defaults and loads. A
+ * model is immutable, except by the functions that set its numbers. */
 #ifndef KMECH_MODEL_H
 #define KMECH_MODEL_H
 
-#include "kmech/status.h"
+#include "kmech/base.h"
 
 #include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* ---- What the user wrote: bodies, joints and couplings in named assemblies, with units and defaults. */
 
 /* A model: what a file says, or a builder was told. */
 typedef struct km_model km_model;
@@ -125,6 +128,63 @@ KM_API km_status km_model_find_coordinate(const km_model *model, const char *lab
 /* Index of a frame from the names of a path: from the root, or [body, frame] where the body is unique. */
 KM_API km_status km_model_find_frame(const km_model *model, const char *const *names, size_t count, int *frame,
                                      km_error *error);
+
+/* ---- The units a model is written in, and what they are in SI. */
+
+/* One unit of a quantity: the word in a file, the suffix in a column, its size in SI. */
+typedef struct km_unit {
+  const char *word, *suffix; /* in a file: "degrees"; in a column: "deg" */
+  double si;                 /* radians, metres, kilograms, seconds, newtons of one */
+} km_unit;
+
+/* A unit for each quantity. */
+typedef struct km_units {
+  const km_unit *angle, *length, *mass, *time, *force; /* borrowed for ever */
+} km_units;
+
+/* Exponents of the five base units; generalised forces and rates of angles count radians, so `angle` is 1 only for angles
+ * written in the angle unit. */
+typedef struct km_dimension {
+  signed char angle, length, mass, time, force; /* exponents */
+} km_dimension;
+
+/* What has a unit of its own. */
+typedef enum km_quantity {
+  KM_ANGLE,     /* radians in SI */
+  KM_LENGTH,    /* metres */
+  KM_MASS,      /* kilograms */
+  KM_TIME,      /* seconds */
+  KM_FORCE,     /* newtons */
+  KM_QUANTITIES /* how many there are */
+} km_quantity;
+
+KM_API km_units km_units_default(void); /* radians, metres, kilograms, seconds, newtons */
+/* Those of a model; the default ones without a model. */
+KM_API km_units km_model_units(const km_model *model);
+/* "angle" …; "" for none. */
+KM_API const char *km_quantity_name(km_quantity quantity);
+/* The unit of that word or suffix; NULL if there is none. */
+KM_API const km_unit *km_unit_find(km_quantity quantity, const char *word);
+/* The place of a quantity's unit among the others; NULL if there is none. */
+KM_API const km_unit **km_units_slot(km_units *units, km_quantity quantity);
+/* Size in SI of one unit of a dimension. NaN without units. */
+KM_API double km_units_factor(const km_units *units, km_dimension dimension);
+
+/* ---- Changing the numbers of a model, for variants: its bodies, joints and names stay. A mechanism compiled from the model
+ * takes them over with km_mechanism_renumber. Units are the model's. KM_USAGE: no such element; KM_MODEL: a number that the
+ * element can't have. A refused call changes nothing. Not while another thread uses the model. */
+
+/* Place of a frame in its body: T (length), and R by rows (NULL: as it is). */
+KM_API km_status km_model_set_frame(km_model *model, int frame, const double T[3], const double R[9], km_error *error);
+/* The `position` that a coordinate starts the assembly from, and its limits `low` and `high` (∓infinity: none). */
+KM_API km_status km_model_set_position(km_model *model, int coordinate, double position, km_error *error);
+KM_API km_status km_model_set_limits(km_model *model, int coordinate, double low, double high, km_error *error);
+/* A body's `mass`, center_of_mass (in the body's frame) and inertia about it: Ixx Iyy Izz Ixy Iyz Izx; NULL: as it is. */
+KM_API km_status km_model_set_mass(km_model *model, int body, double mass, const double center_of_mass[3],
+                                   const double inertia[6], km_error *error);
+/* A load's force and torque; NULL: as it is. */
+KM_API km_status km_model_set_load(km_model *model, int load, const double force[3], const double torque[3],
+                                   km_error *error);
 
 #ifdef __cplusplus
 }

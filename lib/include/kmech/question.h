@@ -12,11 +12,9 @@
 #ifndef KMECH_QUESTION_H
 #define KMECH_QUESTION_H
 
-#include "kmech/advantage_sweep.h"
-#include "kmech/mobility_sweep.h"
-#include "kmech/path_study.h"
-#include "kmech/statics_sweep.h"
-#include "kmech/sweep_redundancy.h"
+#include "kmech/arm.h"
+#include "kmech/base.h"
+#include "kmech/sweep.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -2,9 +2,9 @@
 #ifndef KM_REPORT_DOCUMENT_ADVANTAGE_REPORT_H
 #define KM_REPORT_DOCUMENT_ADVANTAGE_REPORT_H
 
-#include "kmech/transmission.h"
+#include "kmech/transfer.h"
+#include "report/charts/advantage_plot.h"
 #include "report/document/document.h"
-#include "report/plot/advantage_plot.h"
 
 /* Of a sweep with the transmission's columns; `transmission` is that of its last row, and says why metrics are
  * undefined. `html`: one self-contained file instead of PDF pages. Appends the bytes. */

@@ -1,10 +1,10 @@
 /* The report of a study of designs. */
-#include "base/check.h"
-#include "kmech/design_results.h"
+#include "base/arguments.h"
+#include "kmech/report.h"
 
 #include "kmech/version.h"
+#include "report/charts/designs_plot.h"
 #include "report/document/document.h"
-#include "report/plot/designs_plot.h"
 #include "report/record/designs_table.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #define KM_REPORT_DOCUMENT_DOCUMENT_H
 
 #include "base/memory.h"
-#include "report/plot/canvas.h"
+#include "report/canvas/canvas.h"
 
 typedef enum km_block_kind {
   KM_BLOCK_LEAD, /* the answer, before anything else */

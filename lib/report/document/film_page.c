@@ -2,8 +2,8 @@
 #include "report/document/film_page.h"
 
 #include "base/text.h"
+#include "report/canvas/svg_path.h"
 #include "report/document/escape.h"
-#include "report/plot/svg_path.h"
 
 #include <math.h>
 

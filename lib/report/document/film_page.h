@@ -2,8 +2,8 @@
 #ifndef KM_REPORT_DOCUMENT_FILM_PAGE_H
 #define KM_REPORT_DOCUMENT_FILM_PAGE_H
 
-#include "kmech/drawing.h"
-#include "report/plot/film.h"
+#include "kmech/report.h"
+#include "report/canvas/film.h"
 
 /* Everything is borrowed. */
 typedef struct km_film_page {

@@ -1,10 +1,10 @@
 /* The page that plays a drawing's poses, beside a plot. */
-#include "base/check.h"
+#include "base/arguments.h"
 #include "base/memory.h"
+#include "report/charts/chart.h"
 #include "report/document/film_page.h"
+#include "report/drawing/drawing_poses.h"
 #include "report/drawing/film_drawing.h"
-#include "report/drawing/poses.h"
-#include "report/plot/chart.h"
 #include "report/plot/film_plot.h"
 
 static const double plot_width = 300, plot_height = 236, panel_height = 118; /* points: letters fit a phone */

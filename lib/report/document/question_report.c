@@ -1,9 +1,8 @@
 /* Finds the report of each kind of question, and says in words what acts. */
-#include "analysis/question.h"
-#include "base/check.h"
+#include "base/arguments.h"
 #include "forces/forces.h"
-#include "kmech/pictures.h"
-#include "kmech/records.h"
+#include "kmech/report.h"
+#include "question/question.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
 

@@ -1,9 +1,9 @@
 /* The report about what holds a mechanism: its facts, peaks, rows and reactions as blocks of a document. */
 #include "report/document/statics_report.h"
 
-#include "analysis/statics.h"
 #include "report/document/sweep_report.h"
 #include "report/record/sweep_text.h"
+#include "statics/statics.h"
 #include "topology/mechanism.h"
 
 #include <math.h>

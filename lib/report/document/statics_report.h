@@ -2,8 +2,8 @@
 #ifndef KM_REPORT_DOCUMENT_STATICS_REPORT_H
 #define KM_REPORT_DOCUMENT_STATICS_REPORT_H
 
+#include "report/charts/statics_plot.h"
 #include "report/document/document.h"
-#include "report/plot/statics_plot.h"
 
 /* `statics` is the balance of a row, for what is statically indeterminate; `acting` says in words what acts. `html`:
  * one self-contained file instead of PDF pages. Appends the bytes. */

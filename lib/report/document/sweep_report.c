@@ -2,8 +2,8 @@
 #include "report/document/sweep_report.h"
 
 #include "kmech/version.h"
+#include "report/charts/sweep_strip.h"
 #include "report/drawing/drawing.h"
-#include "report/plot/sweep_strip.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 

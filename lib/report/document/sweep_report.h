@@ -2,8 +2,8 @@
 #ifndef KM_REPORT_DOCUMENT_SWEEP_REPORT_H
 #define KM_REPORT_DOCUMENT_SWEEP_REPORT_H
 
+#include "report/charts/sweep_plot.h"
 #include "report/document/document.h"
-#include "report/plot/sweep_plot.h"
 
 /* Rows of a name and what it is, in the making. */
 typedef struct km_report_facts {

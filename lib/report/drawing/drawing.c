@@ -1,7 +1,7 @@
 /* Drawings of mechanisms: view, scale and symbol sizes, then the scene of each pose. */
-#include "report/drawing/parts.h"
+#include "report/drawing/drawing_parts.h"
 
-#include "report/plot/palette.h"
+#include "report/canvas/palette.h"
 
 #include <stdlib.h>
 

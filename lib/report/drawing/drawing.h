@@ -4,9 +4,9 @@
 #define KM_REPORT_DRAWING_DRAWING_H
 
 #include "kinematics/state.h"
-#include "kmech/drawing.h"
-#include "model/mesh.h"
-#include "report/plot/canvas.h"
+#include "kmech/report.h"
+#include "model/geometry/mesh.h"
+#include "report/canvas/canvas.h"
 
 /* The path of a point, in the inertial frame. */
 typedef struct km_drawing_trace {

@@ -1,5 +1,5 @@
 /* Writes outlines in AutoCAD's exchange format, release 12: pairs of lines, a group's number and its value. */
-#include "report/drawing/outlines.h"
+#include "report/drawing/link_outlines.h"
 
 #include "model/units.h"
 

@@ -1,7 +1,7 @@
 /* Turns the poses of a drawing into a film: what a body carries along is drawn once, the rest frame by frame. */
 #include "report/drawing/film_drawing.h"
 
-#include "report/drawing/parts.h"
+#include "report/drawing/drawing_parts.h"
 
 #include <stdint.h>
 

@@ -2,8 +2,8 @@
 #ifndef KM_REPORT_DRAWING_FILM_DRAWING_H
 #define KM_REPORT_DRAWING_FILM_DRAWING_H
 
+#include "report/canvas/film.h"
 #include "report/drawing/drawing.h"
-#include "report/plot/film.h"
 
 /* Every pose of the drawing is a frame, seen from one place at one scale. In a plane each body is a mover (body b the
  * one of index b − 1) that carries what is drawn of it; rods that slide, and everything in space, are drawn anew. Names

@@ -1,6 +1,6 @@
 /* One pose as items on the page: bars, plates, cylinders, the ground, symbols. A body's mesh takes the place of its
  * links. */
-#include "report/drawing/parts.h"
+#include "report/drawing/drawing_parts.h"
 
 static const double bar_half = 0.85;                           /* of a pin's radius: half the width of a bar */
 static const double far_apart = 5.0;                           /* of a pin's radius: nearer slides have no cylinder */

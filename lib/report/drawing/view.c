@@ -1,5 +1,5 @@
 /* From the inertial frame to the page: which way to look, and how large. */
-#include "report/drawing/parts.h"
+#include "report/drawing/drawing_parts.h"
 
 #include <string.h>
 

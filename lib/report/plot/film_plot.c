@@ -1,8 +1,8 @@
 /* Turns a plot into a film whose marks move. */
 #include "report/plot/film_plot.h"
 
-#include "report/plot/palette.h"
-#include "report/plot/parts.h"
+#include "report/canvas/palette.h"
+#include "report/plot/plot_layout.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef KM_REPORT_PLOT_FILM_PLOT_H
 #define KM_REPORT_PLOT_FILM_PLOT_H
 
-#include "report/plot/film.h"
+#include "report/canvas/film.h"
 #include "report/plot/plot.h"
 
 /* A film of the plot, without its strip, in which frame f marks row f of every series: a line across each panel at its

@@ -1,9 +1,9 @@
 /* Line plots: fits the axes to the data and draws panel by panel. */
 #include "report/plot/plot.h"
 
-#include "report/plot/overlap.h"
-#include "report/plot/palette.h"
-#include "report/plot/parts.h"
+#include "report/canvas/palette.h"
+#include "report/plot/overlapping_lines.h"
+#include "report/plot/plot_layout.h"
 
 static const double size_least = 120; /* points: less can't hold axes and a title */
 

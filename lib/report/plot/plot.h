@@ -3,8 +3,8 @@
 #define KM_REPORT_PLOT_PLOT_H
 
 #include "base/text.h"
-#include "kmech/status.h"
-#include "report/plot/canvas.h"
+#include "kmech/base.h"
+#include "report/canvas/canvas.h"
 
 /* A line through (x[i], y[i]), broken where either is not finite or beyond 1e300. Pointers are
  * borrowed. */

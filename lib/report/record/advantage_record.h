@@ -3,10 +3,9 @@
 #define KM_REPORT_RECORD_ADVANTAGE_RECORD_H
 
 #include "base/text.h"
-#include "kmech/advantage_sweep.h"
-#include "kmech/losses.h"
-#include "kmech/records.h"
-#include "kmech/transmission.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
+#include "kmech/transfer.h"
 #include "report/record/record.h"
 
 /* What `kma sweep --format json` gives, and a summary to act on. */

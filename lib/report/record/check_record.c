@@ -1,5 +1,5 @@
 /* Findings of a check as a record and as text. */
-#include "kmech/records.h"
+#include "kmech/report.h"
 
 /* Faults first; of one severity in the order in which they were found. */
 void km_findings_print(const km_findings *f, const char *name, km_text *out) {

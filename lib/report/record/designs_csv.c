@@ -1,6 +1,6 @@
 /* A study's designs as CSV and as a record. */
-#include "base/check.h"
-#include "kmech/design_results.h"
+#include "base/arguments.h"
+#include "kmech/report.h"
 #include "kmech/version.h"
 #include "model/model.h"
 #include "report/record/record.h"

@@ -2,7 +2,7 @@
 #include "report/record/designs_table.h"
 
 #include "base/memory.h"
-#include "kmech/design_results.h"
+#include "kmech/report.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef KM_REPORT_RECORD_DESIGNS_TABLE_H
 #define KM_REPORT_RECORD_DESIGNS_TABLE_H
 
-#include "kmech/design_study.h"
+#include "kmech/study.h"
 
 enum { KM_DESIGNS_ROWS = 64, KM_DESIGNS_COLUMNS = 24, KM_DESIGNS_CELL = 64 };
 

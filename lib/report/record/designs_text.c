@@ -1,6 +1,6 @@
 /* What a study came to, in tables for people. */
-#include "base/check.h"
-#include "kmech/design_results.h"
+#include "base/arguments.h"
+#include "kmech/report.h"
 
 #include "report/record/designs_table.h"
 #include "report/record/sweep_text.h"

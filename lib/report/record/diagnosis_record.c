@@ -1,7 +1,7 @@
 /* Finite mobility, motions and redundant constraints as a record and as text. */
 #include "report/record/diagnosis_record.h"
 
-#include "analysis/statements.h"
+#include "diagnosis/finding_texts.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 

@@ -4,8 +4,8 @@
 
 #include "base/text.h"
 #include "base/value.h"
-#include "kmech/diagnosis.h"
-#include "kmech/records.h"
+#include "kmech/mobility.h"
+#include "kmech/report.h"
 
 /* Adds `redundancies` to a record. */
 void km_redundancies_record(const km_mechanism *mechanism, const km_redundancies *redundancies, km_value *record,

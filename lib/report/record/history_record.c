@@ -1,5 +1,5 @@
 /* The record of a simulation, key by key. */
-#include "kmech/records.h"
+#include "kmech/report.h"
 
 #include "report/record/record.h"
 #include "topology/mechanism.h"

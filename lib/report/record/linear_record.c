@@ -1,5 +1,5 @@
 /* Linearised equations of motion: text, record and MATLAB's file. */
-#include "kmech/records.h"
+#include "kmech/report.h"
 
 #include "kinematics/state.h"
 

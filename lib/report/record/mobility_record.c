@@ -3,9 +3,9 @@
 
 #include "kinematics/state.h"
 
-#include "kmech/plane.h"
+#include "kmech/mechanism.h"
 #include "report/record/diagnosis_record.h"
-#include "report/record/singularities.h"
+#include "report/record/singular_value_record.h"
 #include "topology/mechanism.h"
 
 static void add_loops(const km_mechanism *m, km_value *record, km_arena *arena) {

@@ -2,9 +2,8 @@
 #ifndef KM_REPORT_RECORD_MOBILITY_RECORD_H
 #define KM_REPORT_RECORD_MOBILITY_RECORD_H
 
-#include "kmech/mobility_sweep.h"
-#include "kmech/records.h"
-#include "kmech/sweep_redundancy.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 #include "report/record/record.h"
 #include "report/record/sweep_text.h"
 

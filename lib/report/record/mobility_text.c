@@ -3,8 +3,8 @@
 
 #include "kinematics/state.h"
 
-#include "kmech/plane.h"
-#include "report/record/singularities.h"
+#include "kmech/mechanism.h"
+#include "report/record/singular_value_record.h"
 #include "topology/mechanism.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 /* Finds the record and the summary of each kind of question. */
-#include "kmech/records.h"
+#include "kmech/report.h"
 
-#include "analysis/question.h"
+#include "question/question.h"
 #include "report/record/advantage_record.h"
 #include "report/record/mobility_record.h"
 #include "report/record/statics_record.h"

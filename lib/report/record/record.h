@@ -3,8 +3,8 @@
 #define KM_REPORT_RECORD_RECORD_H
 
 #include "base/value.h"
-#include "kmech/records.h"
-#include "kmech/sweep_plan.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 
 /* `model_sha256` and `units`. */
 void km_record_model(const km_model *model, km_value *record, km_arena *arena);

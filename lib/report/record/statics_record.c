@@ -3,8 +3,8 @@
 
 #include "kinematics/state.h"
 
-#include "analysis/statics.h"
 #include "report/record/sweep_text.h"
+#include "statics/statics.h"
 #include "topology/mechanism.h"
 
 #include <math.h>

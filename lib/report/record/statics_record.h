@@ -3,8 +3,8 @@
 #define KM_REPORT_RECORD_STATICS_RECORD_H
 
 #include "base/text.h"
-#include "kmech/records.h"
-#include "kmech/statics_sweep.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 #include "report/record/record.h"
 
 /* What `kstatic sweep --format json` gives, and a summary to act on. */

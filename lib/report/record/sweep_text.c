@@ -1,7 +1,7 @@
 /* What every sweep says for people, and pieces of text that reports share. */
 #include "report/record/sweep_text.h"
 
-#include "base/check.h"
+#include "base/arguments.h"
 #include "topology/mechanism.h"
 
 #include <string.h>

@@ -3,8 +3,8 @@
 #define KM_REPORT_RECORD_SWEEP_TEXT_H
 
 #include "base/text.h"
-#include "kmech/records.h"
-#include "kmech/sweep_plan.h"
+#include "kmech/report.h"
+#include "kmech/sweep.h"
 
 const char *km_plural(int count); /* "" or "s" */
 /* A label padded to a width counted in characters, not bytes. */

@@ -2,10 +2,10 @@
 #ifndef KM_REPORT_RECORD_TRACK_RECORD_H
 #define KM_REPORT_RECORD_TRACK_RECORD_H
 
-#include "arm/selfmotion/branches.h"
-#include "arm/study.h"
-#include "arm/track.h"
-#include "kmech/tracks.h"
+#include "arm/ik/ik_branches.h"
+#include "arm/study/path_study.h"
+#include "arm/tracking/track.h"
+#include "kmech/report.h"
 
 /* Are these the tracks of a study with a path? */
 bool km_tracks_are_whole(const km_tracks *tracks);

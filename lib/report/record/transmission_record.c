@@ -1,9 +1,9 @@
 /* The names, units and values of the transmission metrics. */
 #include "report/record/transmission_record.h"
 
-#include "analysis/transmission.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
+#include "transfer/transmission_metrics.h"
 
 void km_transmission_list(const km_mechanism *m, const km_transmission *t, const km_handle *output,
                           km_named_metric out[KM_TRANSMISSION_METRICS]) {

@@ -4,7 +4,7 @@
 
 #include "base/text.h"
 #include "base/value.h"
-#include "kmech/transmission.h"
+#include "kmech/transfer.h"
 
 /* Adds `transmission` to a record: every metric with its value, or null and why. */
 void km_transmission_record(const km_mechanism *mechanism, const km_transmission *transmission, const km_handle *output,

@@ -1,7 +1,7 @@
 /* A study of designs, on the brake: read, checked, opened in memory, its first design asked. */
 #include "target.h"
 
-#include "kmech/design_study.h"
+#include "kmech/study.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
  * singular values. */
 #include "target.h"
 
-#include "partition/partition.h"
+#include "linalg/partition.h"
 
 #include <lapacke.h>
 #include <math.h>

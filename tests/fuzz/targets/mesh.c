@@ -2,7 +2,7 @@
 #include "target.h"
 
 #include "base/memory.h"
-#include "exchange/mesh/plain.h"
+#include "exchange/mesh/plain_meshes.h"
 
 #include <math.h>
 

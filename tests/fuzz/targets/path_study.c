@@ -1,7 +1,7 @@
 /* A path study, on the Panda: read, bound, and, where it is short, tracked by the greedy method. */
 #include "target.h"
 
-#include "kmech/path_study.h"
+#include "kmech/arm.h"
 
 #include <math.h>
 #include <stdlib.h>

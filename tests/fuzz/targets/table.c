@@ -1,8 +1,8 @@
 /* A table in CSV: what is read comes back bit by bit from what is written; and the same text as a path's poses. */
 #include "target.h"
 
-#include "kmech/path_study.h"
-#include "kmech/records.h"
+#include "kmech/arm.h"
+#include "kmech/report.h"
 
 #include <stdio.h>
 #include <string.h>

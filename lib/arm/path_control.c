@@ -1,0 +1,149 @@
+/* Path-control and pose-control columns at a pose. */
+#include "arm/path_control.h"
+#include "arm/tracking/seven_joint_arm.h"
+
+#include <string.h>
+
+static double dot(const double *a, const double *b, int n) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+static void subtract(double *a, double s, const double *b, int n) {
+  for (int i = 0; i < n; ++i)
+    a[i] -= s * b[i];
+}
+
+/* By the kernel of seven joints; false where the Jacobian is near a rank that drops, and pivoting must tell. */
+static bool factor_seven(km_arm_space *s, const double *xi) {
+  km_one_factor(s->seven, xi);
+  if (!(s->seven->least > s->seven->largest * KM_SEVEN_REGULAR))
+    return false;
+  memcpy(s->null, &s->seven->null, sizeof s->seven->null); /* and 0 */
+  s->null_count = 1;
+  return true;
+}
+
+void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
+  s->seven_factored = s->seven_stands && !held && factor_seven(s, xi);
+  if (!s->seven_factored)
+    km_control_pivot(a, s, xi, held);
+}
+
+void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
+  const int rows = a->rows, n = a->n;
+  double *path = s->jacobian + n * rows;
+  s->seven_factored = false;
+  for (int r = 0; r < rows; ++r)
+    path[r] = -xi[r];
+  for (int k = 0; held && k < n; ++k)
+    if (held[k])
+      memset(s->jacobian + k * rows, 0, (size_t)rows * sizeof *s->jacobian);
+  km_partition_factor(&s->partition, s->jacobian, rows, n + 1, s->forced, KM_ARM_PIVOT * (n + 1));
+  int rank = s->partition.rank - s->partition.forced_dependent;
+  s->null_count = n - rank;
+  km_partition_null(&s->partition, s->ones, s->null_count, s->null);
+}
+
+void km_control_project_out(const km_arm *a, const km_arm_space *s, double *x) {
+  for (int pass = 0; pass < 2; ++pass)
+    for (int k = 0; k < s->null_count; ++k) {
+      const double *z = s->null + k * (a->n + 1);
+      subtract(x, dot(z, x, a->n), z, a->n);
+    }
+}
+
+/* The part of `from` that lies in the null space, off the first k columns of `self`, as column k. */
+static bool take_column(const km_arm *a, const km_arm_space *s, const double *from, double *self, int k) {
+  const int n = a->n;
+  double *out = self + k * n;
+  memset(out, 0, (size_t)n * sizeof *out);
+  for (int j = 0; j < s->null_count; ++j)
+    subtract(out, -dot(s->null + j * (n + 1), from, n), s->null + j * (n + 1), n);
+  for (int pass = 0; pass < 2; ++pass)
+    for (int o = 0; o < k; ++o)
+      subtract(out, dot(self + o * n, out, n), self + o * n, n);
+  double size = sqrt(dot(out, out, n));
+  for (int i = 0; i < n && size > 0.0; ++i)
+    out[i] /= size;
+  return size > 1e-3;
+}
+
+/* Pose-control columns: the guide's where it has something to say. */
+static void follow_guide(const km_arm *a, const km_arm_space *s, const double *guide, double *self) {
+  const int n = a->n;
+  if (a->freedom == 1 && s->null_count == 1) {
+    double along = !guide ? 0.0 : s->seven_factored ? km_one_along_null(s->seven, guide) : dot(guide, s->null, n);
+    double sign = along < 0.0 ? -1.0 : 1.0;
+    for (int i = 0; i < n; ++i)
+      self[i] = sign * s->null[i];
+    return;
+  }
+  for (int k = 0; k < a->freedom; ++k) {
+    bool found = guide && take_column(a, s, guide + k * n, self, k);
+    for (int j = 0; j < s->null_count && !found; ++j)
+      found = take_column(a, s, s->null + j * (n + 1), self, k);
+  }
+}
+
+double km_control_columns(const km_arm *a, const km_arm_space *s, const double *guide, double *path, double *self) {
+  const int n = a->n;
+  follow_guide(a, s, guide, self);
+  if (s->seven_factored) {
+    km_one_path_column(s->seven, path);
+    return path[SEVEN];
+  }
+  if (s->partition.forced_dependent) { /* the path's direction is out of J's range */
+    memset(path, 0, (size_t)(n + 1) * sizeof *path);
+    return 0.0;
+  }
+  km_partition_direction(&s->partition, n, path);
+  km_control_project_out(a, s, path);
+  double scale = 1.0 / sqrt(dot(path, path, n + 1));
+  for (int i = 0; i <= n; ++i)
+    path[i] *= scale;
+  return path[n];
+}
+
+void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const double *moved, const bool *held,
+                      double *x) {
+  double all[KM_ARM_MOST + 1], row[KM_ARM_MOST];
+  if (s->seven_factored) {
+    km_one_row found = km_one_solve(s->seven, rhs, moved ? -km_one_along_null(s->seven, moved) : 0.0);
+    memcpy(x, &found, SEVEN * sizeof *x);
+    return;
+  }
+  km_partition_solve(&s->partition, rhs, all);
+  memcpy(x, all, (size_t)a->n * sizeof *x);
+  km_control_project_out(a, s, x);
+  if (moved) {
+    memcpy(row, moved, (size_t)a->n * sizeof *row);
+    km_control_project_out(a, s, row);
+    for (int k = 0; k < a->n; ++k)
+      x[k] -= moved[k] - row[k];
+  }
+  for (int k = 0; held && k < a->n; ++k)
+    x[k] = held[k] ? 0.0 : x[k];
+}
+
+bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const bool *held, int most, double longest,
+                  double *q) {
+  static const double none[KM_ARM_ROWS] = {0};
+  double e[KM_ARM_ROWS], x[KM_ARM_MOST];
+  for (int step = 0; step <= most; ++step) {
+    km_arm_update(a, s, q);
+    double left = km_arm_error(a, s, target, e, NULL, NULL);
+    if (left <= 1e-12)
+      return true;
+    if (!(left < 1e6))
+      return false;
+    km_control_factor(a, s, none, held);
+    km_control_solve(a, s, e, NULL, held, x);
+    double size = sqrt(dot(x, x, a->n)), scale = size > longest ? longest / size : 1.0;
+    for (int k = 0; k < a->n; ++k)
+      q[k] += scale * x[k];
+  }
+  return false;
+}

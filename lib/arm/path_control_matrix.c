@@ -1,0 +1,98 @@
+/* The same columns of a Jacobian that is given as a matrix. */
+#include "arm/path_control.h"
+#include "base/arguments.h"
+#include "kmech/arm.h"
+
+#include <string.h>
+
+static double dot(const double *a, const double *b, int n) {
+  double sum = 0.0;
+  for (int i = 0; i < n; ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+static void scale(double *a, double by, int n) {
+  for (int i = 0; i < n; ++i)
+    a[i] *= by;
+}
+
+/* Turns an orthonormal basis so that the last row of all columns but the first is 0. The basis and the result may not
+ * overlap. Gram and Schmidt's columns off the path's: the one that is most along it drops out. */
+static void turn(const double *basis, int n, int freedom, double *Z) {
+  double *path = Z;
+  memset(path, 0, (size_t)n * sizeof *path);
+  int most = 0;
+  for (int k = 0; k < freedom; ++k) {
+    double z = basis[k * n + n - 1];
+    for (int i = 0; i < n; ++i)
+      path[i] += z * basis[k * n + i];
+    if (fabs(z) > fabs(basis[most * n + n - 1]))
+      most = k;
+  }
+  scale(path, 1.0 / sqrt(dot(path, path, n)), n);
+  for (int k = 0, out = 1; k < freedom; ++k) {
+    if (k == most)
+      continue;
+    double *c = Z + out++ * n;
+    memcpy(c, basis + k * n, (size_t)n * sizeof *c);
+    for (int pass = 0; pass < 2; ++pass)
+      for (double *o = Z; o < c; o += n) {
+        double d = dot(o, c, n);
+        for (int i = 0; i < n; ++i)
+          c[i] -= d * o[i];
+      }
+    scale(c, 1.0 / sqrt(dot(c, c, n)), n);
+    c[n - 1] = 0.0;
+  }
+}
+
+static km_status solve(const double *matrix, int rows, int columns, km_arena *arena, double *Z, km_control *out,
+                       km_error *error) {
+  km_partition p;
+  size_t n = (size_t)columns;
+  double *ones = KM_ARENA_NEW(arena, double, n), *basis = KM_ARENA_NEW(arena, double, n *n);
+  if (!km_partition_reserve(&p, rows, columns, arena))
+    return km_fail(error, KM_MEMORY, "out of memory for a matrix of %d x %d", rows, columns);
+  for (size_t i = 0; i < n; ++i)
+    ones[i] = 1.0;
+  out->tolerance = KM_ARM_PIVOT * (rows > columns ? rows : columns);
+  km_partition_factor(&p, matrix, rows, columns, NULL, out->tolerance);
+  out->rank = p.rank;
+  out->freedom = columns - p.rank;
+  out->last_pivot = p.last_pivot;
+  out->first_dropped = p.first_dropped;
+  if (out->freedom == 0)
+    return km_fail(error, KM_NO_RESULT,
+                   "the matrix has rank %d with %d columns: no null space; expected one of at least 1", p.rank,
+                   columns);
+  km_partition_null(&p, ones, out->freedom, basis);
+  for (int k = 0; k < out->freedom; ++k)
+    out->path_entry = hypot(out->path_entry, basis[(size_t)(k + 1) * n - 1]);
+  if (out->path_entry < KM_PATH_ENTRY_LEAST)
+    return km_fail(
+        error, KM_NO_RESULT,
+        "the null space has no part along the path (|z| = %.3g): the joints can't move the effector along it",
+        out->path_entry);
+  turn(basis, columns, out->freedom, Z);
+  return KM_OK;
+}
+
+km_status km_control_of_matrix(const double *matrix, int rows, int columns, double *Z, km_control *out,
+                               km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_control){0};
+  km_status fits = km_check_given(matrix && Z, "matrix", error);
+  if (fits)
+    return fits;
+  if (rows < 1 || columns < 2)
+    return km_fail(error, KM_USAGE, "a matrix of %d x %d; expected at least 1 x 2", rows, columns);
+  for (size_t i = 0; i < (size_t)rows * (size_t)columns; ++i)
+    if (!isfinite(matrix[i]))
+      return km_fail(error, KM_USAGE, "row %zu, column %zu is not finite", i % (size_t)rows + 1, i / (size_t)rows + 1);
+  km_arena arena = {0};
+  km_status status = solve(matrix, rows, columns, &arena, Z, out, error);
+  km_arena_free(&arena);
+  return status;
+}

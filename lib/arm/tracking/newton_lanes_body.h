@@ -1,0 +1,232 @@
+/* Newton's steps in vectors of WIDTH lanes, included once for each instruction set: NAME is the function. */
+#include "arm/tracking/seven_joint_arm.h"
+
+#include "spatial/simd_body.h"
+
+#define T               vector
+#define BITS            word
+#define FN(name)        lanes_##name
+#define ZERO            ((vector){0.0})
+#define NONE            ((word){0})
+#define ROOT(x)         root(x)
+#define SIZE(x)         ((vector)((word)(x) & ~(NONE + SIGN_BIT)))
+#define SIGNED(size, x) ((vector)((word)(size) | ((word)(x) & (NONE + SIGN_BIT))))
+#define MASK            mask
+#define BELOW(a, b)     below((a), (b))
+#define ANY(m)          (bits_of(m) != 0)
+#define PICK(m, a, b)   pick((m), (a), (b))
+#define SMALLER(a, b)   pick(below((a), (b)), (a), (b))
+#define LARGER(a, b)    pick(below((b), (a)), (a), (b))
+#define km_bits_of(x)   ((word)(x))
+#define km_number_of(x) ((vector)(x))
+
+/* Seven numbers of every lane. */
+typedef struct lanes_row {
+  T at[SEVEN];
+} lanes_row;
+
+static inline lanes_row lanes_row_of(const T *x, int step) {
+  lanes_row row;
+  UNROLLED
+  for (int i = 0; i < SEVEN; ++i)
+    row.at[i] = x[i * step];
+  return row;
+}
+static inline T lanes_at(const lanes_row *row, int i) {
+  return row->at[i];
+}
+static inline void lanes_set(lanes_row *row, int i, T x) {
+  row->at[i] = x;
+}
+static inline lanes_row lanes_from(const lanes_row *row, int c) {
+  lanes_row out = *row;
+  UNROLLED
+  for (int i = 0; i < c; ++i)
+    out.at[i] = ZERO;
+  return out;
+}
+static inline T lanes_product(const lanes_row *a, const lanes_row *b, int c) {
+  T sum[2] = {a->at[6] * b->at[6], ZERO};
+  UNROLLED
+  for (int i = 0; i < 2; ++i) {
+    if (2 + i >= c)
+      sum[i] += a->at[2 + i] * b->at[2 + i];
+    if (4 + i < c)
+      continue;
+    T other = a->at[4 + i] * b->at[4 + i];
+    if (i >= c)
+      other += a->at[i] * b->at[i];
+    sum[i] += other;
+  }
+  return sum[0] + sum[1];
+}
+static inline void lanes_subtract(lanes_row *x, T s, const lanes_row *v, int c) {
+  UNROLLED
+  for (int i = c; i < SEVEN; ++i)
+    x->at[i] -= s * v->at[i];
+}
+
+#include "spatial/sincos_body.h"
+
+/* Found when they are asked for: all of them at once would leave the registers. */
+typedef struct lanes_turns {
+  const T *x;
+} lanes_turns;
+
+static inline lanes_turns lanes_turns_of(const T *x) {
+  return (lanes_turns){x};
+}
+static inline void lanes_turn_of(const lanes_turns *turns, int j, T *sine, T *cosine) {
+  lanes_sincos(turns->x[j], sine, cosine);
+}
+#include "arm/tracking/seven_joint_arm_body.h"
+
+/* Where lanes are to go. */
+typedef struct lanes_target {
+  lanes_vec p, axes[3];
+} lanes_target;
+
+static inline lanes_vec vec_from(km_lanes_number *components, int first) {
+  return (lanes_vec){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
+}
+
+/* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
+static inline vector left(const km_arm *a, const lanes_seven *k, const lanes_target *target, vector *e, mask *fit) {
+  vector sine2, trace;
+  lanes_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
+  lanes_vec w = lanes_turn_left(k->R, target->axes, &sine2, &trace);
+  *fit &= below(sine2, all(KM_SMALL_TURN)) & below(all(1.0), trace);
+  e[0] = v.x;
+  e[1] = v.y;
+  e[2] = v.z;
+  e[3] = w.x;
+  e[4] = w.y;
+  e[5] = w.z;
+  return root(a->shrink * lanes_dot(v, v) + lanes_dot(w, w));
+}
+
+static inline mask regular(const lanes_seven *k) {
+  return below(k->largest * KM_SEVEN_REGULAR, k->least);
+}
+
+/* km_node_predict of lanes from `first` on: the predictors into q, the correctors to expect into moved. Returns how long these
+ * may be. */
+static inline vector predict(const km_lanes_start *from, int first, vector *q, vector *moved) {
+  vector inverse = 1.0 / get(from->z + first), tilt = get(from->tilt + first), ds = get(from->ds + first);
+  vector square = ZERO, far = ZERO;
+  for (int i = 0; i < SEVEN; ++i) {
+    vector step = (get(from->path[i] + first) + tilt * get(from->null[i] + first)) * inverse * ds;
+    square += step * step;
+    moved[i] = 2.0 * get(from->last[i] + first) - get(from->before[i] + first);
+    far += moved[i] * moved[i];
+    q[i] = get(from->q[i] + first) + step;
+  }
+  vector most = 0.5 * root(square) + 1e-12;
+  mask near = at_most(root(far), most);
+  for (int i = 0; i < SEVEN; ++i) {
+    moved[i] = pick(near, moved[i], ZERO);
+    q[i] += moved[i];
+  }
+  return most;
+}
+
+/* Steps of lanes first … first + WIDTH - 1, which end at q[7]. Returns the lanes that arrive; the Jacobian there is factored,
+ * with the rates for their unit twists. */
+static inline mask reach(const km_arm *a, km_lanes *io, int first, vector *q, lanes_seven *k) {
+  const lanes_target target = {
+      vec_from(io->place, first),
+      {vec_from(io->axes[0], first), vec_from(io->axes[1], first), vec_from(io->axes[2], first)}};
+  vector e[6], moved[SEVEN], most = predict(&io->start, first, q, moved), far = ZERO, tries = ZERO;
+  mask fit = mask_of(io->used >> first & ((1u << WIDTH) - 1)), active = fit;
+  for (int i = 0; i < SEVEN; ++i) {
+    far += moved[i] * moved[i];
+    fit &= at_most(size_of(q[i]), all(0.5 * KM_SINCOS_MOST));
+  }
+  mask guessed = below(ZERO, far);
+  for (int step = 0;; ++step) {
+    lanes_forward(a, q, k);
+    tries += pick(active, all(1.0), ZERO);
+    vector rest = left(a, k, &target, e, &fit);
+    fit &= below(rest, all(KM_NEWTON_FAR));
+    active = fit & (below(all(KM_NEWTON_DONE), rest) | guessed);
+    guessed = mask_of(0); /* a guess is followed by a step at least, which takes its part along the null vector out */
+    if (!ANY(active) || step == KM_NEWTON_MOST)
+      break;
+    lanes_reduce(k);
+    lanes_find_null(k);
+    fit &= regular(k);
+    lanes_row x = lanes_solve(k, e, -lanes_along_null(k, moved));
+    vector sum = ZERO;
+    for (int i = 0; i < SEVEN; ++i) {
+      moved[i] = pick(active, moved[i] + x.at[i], moved[i]);
+      q[i] = pick(active, q[i] + x.at[i], q[i]);
+      sum += moved[i] * moved[i];
+    }
+    fit &= at_most(root(sum), most) | ~active;
+  }
+  for (int i = 0; i < SEVEN; ++i)
+    put(io->moved[i] + first, moved[i]);
+  put(io->tries + first, tries);
+  for (int r = 0; r < 6; ++r)
+    e[r] = get(io->xi[r] + first);
+  lanes_factor(k, e);
+  return fit & ~active & regular(k);
+}
+
+/* The columns of lanes from `first` on. */
+static inline void put_columns(km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+  vector path[SEVEN + 1], sigma[6];
+  lanes_path_column(k, path);
+  for (int i = 0; i < SEVEN; ++i) {
+    put(io->q[i] + first, q[i]);
+    put(io->null[i] + first, k->null.at[i]);
+    put(io->path[i] + first, path[i]);
+  }
+  put(io->path[SEVEN] + first, path[SEVEN]);
+  if (!io->want_sigma)
+    return;
+  lanes_singular_values(k, sigma);
+  for (int r = 0; r < 6; ++r)
+    put(io->sigma[r] + first, sigma[r]);
+}
+
+/* Lanes where no joint is faster than it may: too_fast of tracker.c. */
+static inline mask slow(const km_arm *a, const vector *rates) {
+  mask kept = mask_of((1u << WIDTH) - 1);
+  for (int i = 0; i < SEVEN; ++i)
+    kept &= at_most(size_of(rates[i]), all(a->rate[i] * (1.0 + 1e-9)));
+  return kept;
+}
+
+/* check of tracker.c for lanes from `first` on, where the step doesn't begin at the path's start. */
+static inline mask keep(const km_arm *a, const km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+  mask kept = mask_of((1u << WIDTH) - 1);
+  vector mean[SEVEN], rates[SEVEN], along = ZERO, entry = get(io->path[SEVEN] + first);
+  for (int i = 0; i < SEVEN; ++i) {
+    vector slack = 1e-12 * (1.0 + size_of(q[i]));
+    kept &= at_most(q[i], a->high[i] + slack) & at_most(a->low[i] - slack, q[i]);
+    mean[i] = (q[i] - get(io->start.q[i] + first)) * get(io->start.per_second + first);
+    along += k->null.at[i] * mean[i];
+  }
+  vector scale = pick(below(ZERO, entry), get(io->start.speed + first) / entry, ZERO);
+  for (int i = 0; i < SEVEN; ++i)
+    rates[i] = get(io->path[i] + first) * scale + along * k->null.at[i];
+  return kept & slow(a, mean) & slow(a, rates);
+}
+
+unsigned NAME(const km_arm *a, km_lanes *io);
+unsigned NAME(const km_arm *a, km_lanes *io) {
+  unsigned arrived = 0;
+  io->keeps = 0;
+  for (int first = 0; first < KM_LANES; first += WIDTH) {
+    lanes_seven k;
+    vector q[SEVEN];
+    if (!(io->used >> first & ((1u << WIDTH) - 1)))
+      continue;
+    mask fit = reach(a, io, first, q, &k);
+    put_columns(io, first, q, &k);
+    arrived |= bits_of(fit) << first;
+    io->keeps |= bits_of(keep(a, io, first, q, &k)) << first;
+  }
+  return arrived;
+}

@@ -1,0 +1,334 @@
+/* A track: a method's samples, checked and put into numbers. */
+#include "arm/tracking/track.h"
+
+#include "arm/arm_arguments.h"
+#include "base/clock.h"
+#include "base/table.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const km_method_run methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
+                                                  km_method_dls,    km_method_gradient,  km_method_dp,
+                                                  km_method_global};
+
+/* One row's numbers, before they go into the table. */
+typedef struct row {
+  const double *q;
+  km_path_point point;
+  int sample;
+} row;
+
+/* A table that is being made; `whole` until a column is missing. */
+typedef struct table_maker {
+  km_table *table;
+  bool whole;
+} table_maker;
+
+static void add_column(table_maker *m, const char *name, const char *unit) {
+  m->whole = km_table_add_column(m->table, name, unit) >= 0 && m->whole;
+}
+
+static void add_columns(table_maker *m, const km_arm *a, const char *prefix, const char *per) {
+  const km_model *model = a->mechanism->model;
+  for (int k = 0; k < a->n; ++k) {
+    km_text name = {0}, unit = {0};
+    km_text_format(&name, "%s.%s", prefix, km_arm_label(a, k));
+    if (per)
+      km_text_format(&unit, "%s%s", km_model_coordinate_unit(model, a->coordinate[k]), per);
+    m->whole = m->whole && !name.failed && !unit.failed;
+    add_column(m, name.data, per ? unit.data : NULL);
+    km_text_free(&name);
+    km_text_free(&unit);
+  }
+}
+
+/* The objectives that every track reports, and those that it asks for. */
+static bool reported(const km_track *t, int kind) {
+  return kind <= KM_LIMIT_DISTANCE || t->plan.objective.weight[kind] != 0.0;
+}
+
+/* NULL when out of memory. */
+static km_table *make_table(const km_track *t) {
+  const km_arm *a = t->arm;
+  const char *length = a->mechanism->model->units.length->suffix;
+  table_maker m = {km_table_create(), true};
+  add_column(&m, "step", NULL);
+  m.whole = km_table_add_plain_column(m.table, "s", length) >= 0 && m.whole;
+  add_column(&m, "t", "s");
+  add_columns(&m, a, "q", "");
+  add_columns(&m, a, "v", "/s");
+  add_columns(&m, a, "z", NULL);
+  add_column(&m, "z.path", NULL);
+  for (int k = 0; k < KM_OBJECTIVES; ++k) {
+    char name[64];
+    snprintf(name, sizeof name, "objective.%s", km_objective_word((km_objective_kind)k));
+    if (reported(t, k))
+      add_column(&m, name, NULL);
+  }
+  if (km_objective_single(&t->plan.objective) < 0)
+    add_column(&m, "objective.weighted", NULL);
+  add_column(&m, "error_position", length);
+  add_column(&m, "error_rotation", a->mechanism->model->units.angle->suffix);
+  add_column(&m, "limit_margin", NULL);
+  if (m.whole)
+    return m.table;
+  km_table_free(m.table);
+  return NULL;
+}
+
+/* Joint rates of the track where `space` stands: of the step that led here, at the start of the one that leads on. A
+ * track that doesn't leave its start stands still. */
+static void rates_at(const km_track *t, km_arm_space *space, const double *xi, const row *r, const row *last,
+                     const row *next, double *v) {
+  const km_arm *a = t->arm;
+  const row *from = last ? last : r, *to = last ? r : next;
+  double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], mean[KM_ARM_MOST];
+  memset(v, 0, (size_t)a->n * sizeof *v);
+  if (!to)
+    return;
+  for (int k = 0; k < a->n; ++k)
+    mean[k] = (to->q[k] - from->q[k]) / (to->point.t - from->point.t);
+  if (t->plan.method.kind == KM_FIXED)
+    km_control_factor(a, space, xi, t->held);
+  km_control_columns(a, space, NULL, path, self);
+  km_node_rates(a, path, self, r->point.speed, mean, v);
+}
+
+/* What the summary needs of a row. */
+typedef struct tally {
+  double rate; /* the largest, of column `rate_column` */
+  int rate_column;
+  bool violates;
+  double value, position, rotation, limit_margin;
+} tally;
+
+static void count_row(km_track *t, const row *r, const row *last, const tally *of) {
+  const km_arm *a = t->arm;
+  km_track_summary *s = &t->summary;
+  for (int k = 0; k < a->n && last; ++k)
+    s->joint_travel += fabs(r->q[k] - last->q[k]);
+  if (of->rate > s->rate) {
+    s->rate = of->rate;
+    s->rate_column = of->rate_column;
+  }
+  s->violations += of->violates;
+  s->limit_margin = fmin(s->limit_margin, of->limit_margin);
+  s->objective_min = fmin(s->objective_min, of->value);
+  s->objective_mean += of->value;
+  s->error_position = fmax(s->error_position, of->position);
+  s->error_rotation = fmax(s->error_rotation, of->rotation);
+}
+
+/* Of the rates v, and of the limits. */
+static void look_at_limits(const km_arm *a, const double *q, const double *v, tally *of) {
+  of->violates = km_arm_limit_passed(a, q) >= 0;
+  of->limit_margin = km_arm_limit_distance(a, q);
+  for (int k = 0; k < a->n; ++k) {
+    if (fabs(v[k]) > of->rate) {
+      of->rate = fabs(v[k]);
+      of->rate_column = k;
+    }
+    of->violates = of->violates || fabs(v[k]) > a->rate[k] * (1.0 + 1e-9);
+  }
+}
+
+/* The cells of a row into `out`. */
+static void write_row(const km_track *t, km_arm_space *space, const row *r, const row *last, const row *next,
+                      double *out, tally *of) {
+  const km_arm *a = t->arm;
+  double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES];
+  double position, rotation, v[KM_ARM_MOST];
+  km_arm_update(a, space, r->q);
+  km_arm_task_rows(a, &space->pose.R, r->point.twist, xi);
+  km_arm_error(a, space, &r->point.pose, NULL, &position, &rotation);
+  km_control_factor(a, space, xi, NULL);
+  km_control_columns(a, space, NULL, path, self);
+  km_objective_values(a, space, r->q, path, r->point.speed, NULL, values);
+  rates_at(t, space, xi, r, last, next, v);
+  values[KM_RATE_MARGIN] = km_objective_rate_margin(a, v);
+  of->value = km_objective_sum(&t->plan.objective, values);
+  of->position = position * a->length;
+  of->rotation = rotation / a->mechanism->model->units.angle->si;
+  look_at_limits(a, r->q, v, of);
+  *out++ = (double)r->sample;
+  *out++ = r->point.s * a->length;
+  *out++ = r->point.t;
+  for (int k = 0; k < a->n; ++k)
+    *out++ = km_arm_shown(a, k, r->q[k]);
+  for (int k = 0; k < a->n; ++k)
+    *out++ = km_arm_shown(a, k, v[k]);
+  for (int k = 0; k <= a->n; ++k)
+    *out++ = path[k];
+  for (int k = 0; k < KM_OBJECTIVES; ++k)
+    if (reported(t, k))
+      *out++ = values[k];
+  if (km_objective_single(&t->plan.objective) < 0)
+    *out++ = of->value;
+  *out++ = of->position;
+  *out++ = of->rotation;
+  *out++ = values[KM_LIMIT_DISTANCE];
+}
+
+/* Of the samples that were reached, and of the end between two if there is one. */
+static row row_of(const km_run *run, int index) {
+  const km_path *path = run->plan->path;
+  if (index < run->reached)
+    return (row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
+  return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
+}
+
+/* Fewer rows than this are written sooner than a thread starts. */
+enum { ROWS_PAY = 16 };
+
+/* Rows that are written in pieces, on several threads. */
+typedef struct writing {
+  const km_track *track;
+  const km_run *run;
+  km_arm_space *spaces; /* [pieces] */
+  double *cells;
+  size_t width; /* of a row */
+  tally *tallies;
+  int count, pieces;
+} writing;
+
+static void write_piece(void *context, int piece) {
+  const writing *w = context;
+  const long long count = w->count;
+  int first = (int)(count * piece / w->pieces), end = (int)(count * (piece + 1) / w->pieces);
+  for (int i = first; i < end; ++i) {
+    row last = row_of(w->run, i > 0 ? i - 1 : i), here = row_of(w->run, i),
+        next = row_of(w->run, i + 1 < w->count ? i + 1 : i);
+    write_row(w->track, &w->spaces[piece], &here, i > 0 ? &last : NULL, i + 1 < w->count ? &next : NULL,
+              w->cells + (size_t)i * w->width, &w->tallies[i]);
+  }
+}
+
+/* False when out of memory. */
+static bool write_rows(km_track *t, km_run *run, int count, km_arena *arena, tally **tallies) {
+  int most = t->plan.jobs < KM_MOST_THREADS ? t->plan.jobs : KM_MOST_THREADS;
+  most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
+  writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
+  w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;
+  w.width = km_table_columns(t->table);
+  w.tallies = *tallies = KM_ARENA_NEW(arena, tally, (size_t)count + 1);
+  w.spaces = KM_ARENA_NEW(arena, km_arm_space, (size_t)w.pieces);
+  bool whole = !arena->failed && (w.cells || count == 0);
+  for (int i = 0; i < w.pieces && whole; ++i)
+    whole = km_arm_space_create(t->arm, &w.spaces[i]);
+  if (whole)
+    km_team_run(w.pieces > 1 ? km_run_team(run) : NULL, w.pieces, write_piece, &w);
+  for (int i = 0; i < w.pieces && w.spaces; ++i)
+    km_arm_space_free(&w.spaces[i]);
+  return whole;
+}
+
+static km_status fill(km_track *t, km_run *run, km_error *error) {
+  int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
+  km_arena arena = {0};
+  tally *tallies = NULL;
+  row last = {0}, here = {0};
+  memcpy(t->held, run->held, sizeof t->held);
+  t->table = make_table(t);
+  bool whole = t->table && write_rows(t, run, count, &arena, &tallies);
+  for (int i = 0; i < count && whole; ++i) {
+    last = here;
+    here = row_of(run, i);
+    count_row(t, &here, i > 0 ? &last : NULL, &tallies[i]);
+  }
+  km_arena_free(&arena);
+  t->end = (km_track_end){run->stop,        run->column,
+                          run->reached - 1, here.point.s * t->arm->length,
+                          here.point.t,     here.point.travel * t->arm->length,
+                          here.point.turn};
+  if (count > 0)
+    t->summary.objective_mean /= (double)count;
+  return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a track");
+}
+
+/* A start that isn't on the path, or beyond its limits, is no start. */
+static bool starts(km_track *t, km_run *run) {
+  double position;
+  km_arm_update(t->arm, &run->space.arm, run->start);
+  double left = km_arm_error(t->arm, &run->space.arm, &t->plan.path->points[0].pose, NULL, &position, NULL);
+  run->column = km_arm_limit_passed(t->arm, run->start);
+  if (left <= 1e-9 && run->column < 0)
+    return true;
+  run->stop = KM_TRACK_START;
+  run->reached = 0;
+  return false;
+}
+
+static km_status check_plan(const km_arm *arm, const km_track_plan *plan, km_error *error) {
+  km_status status = km_check_given(arm && plan, "arm or plan", error);
+  if (!status)
+    status = km_check_given(plan->path && plan->path->arm == arm, "path of this arm", error);
+  if (!status)
+    status = km_check_given(plan->start != NULL, "start", error);
+  return status ? status : km_check_method(arm, &plan->method, error);
+}
+
+km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status fits = check_plan(arm, plan, error);
+  if (fits)
+    return fits;
+  km_run run;
+  km_track *t = KM_NEW(km_track, 1);
+  if (!t)
+    return km_fail(error, KM_MEMORY, "out of memory for a track");
+  t->arm = arm;
+  t->plan = *plan;
+  t->summary = (km_track_summary){.objective_min = (double)INFINITY, .limit_margin = 1.0};
+  if (!km_run_create(arm, &t->plan, &run)) {
+    km_track_free(t);
+    return km_fail(error, KM_MEMORY, "out of memory for a track");
+  }
+  double start = km_clock();
+  km_status status = starts(t, &run) ? methods[plan->method.kind](&run, error) : KM_PARTIAL;
+  t->summary.seconds = km_clock() - start;
+  t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
+  t->summary.greedy_instead = run.greedy_instead;
+  t->summary.converged = run.converged;
+  t->summary.bounded = run.bounded;
+  km_status filled = status == KM_OK || status == KM_PARTIAL ? fill(t, &run, error) : status;
+  km_run_free(&run);
+  if (filled) {
+    km_track_free(t);
+    return filled;
+  }
+  *out = t;
+  return status;
+}
+
+void km_track_free(km_track *t) {
+  if (!t)
+    return;
+  km_table_free(t->table);
+  km_free(t);
+}
+
+km_track_end km_track_ending(const km_track *t) {
+  if (!t)
+    return (km_track_end){.stop = KM_TRACK_START, .column = -1, .sample = -1};
+  return t->end;
+}
+
+int km_track_samples(const km_track *t) {
+  return t ? t->plan.path->samples : 0;
+}
+
+const km_table *km_track_rows(const km_track *t) {
+  if (!t)
+    return NULL;
+  return t->table;
+}
+
+km_track_summary km_track_summarise(const km_track *t) {
+  if (!t)
+    return (km_track_summary){.rate_column = -1};
+  return t->summary;
+}

@@ -1,0 +1,16 @@
+/* The record of one method on one path. */
+#ifndef KM_ARM_TRACKING_TRACK_H
+#define KM_ARM_TRACKING_TRACK_H
+
+#include "arm/methods/method.h"
+
+struct km_track {
+  const km_arm *arm;
+  km_track_plan plan;
+  km_table *table;
+  km_track_end end;
+  km_track_summary summary;
+  bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
+};
+
+#endif

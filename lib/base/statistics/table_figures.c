@@ -1,0 +1,113 @@
+/* Figures of merit of a table's columns. */
+#include "base/arguments.h"
+#include "base/extrema.h"
+#include "base/table.h"
+
+#include <math.h>
+
+/* Two columns of a table, row by row. */
+typedef struct series {
+  const double *first; /* row; the others are `width` numbers apart */
+  size_t rows, width, s, column;
+} series;
+
+static double s_of(const series *f, size_t row) {
+  return f->first[row * f->width + f->s];
+}
+
+static double value_of(const series *f, size_t row) {
+  return f->first[row * f->width + f->column];
+}
+
+/* Rows that are compared at a time, so that one comparison doesn't wait for the other, and rows of a block, in which the
+ * extreme one is looked for again. */
+enum { ABREAST = 4, BLOCK_ROWS = 32 };
+
+/* The smallest of sign × value, which skips what is no number; HUGE_VAL: none is smaller. */
+static double least_of(const double *cell, size_t rows, size_t width, double sign) {
+  double least[ABREAST] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  size_t r = 0;
+  for (; r + ABREAST <= rows; r += ABREAST, cell += ABREAST * width)
+    for (size_t i = 0; i < ABREAST; ++i)
+      least[i] = km_smaller(sign * cell[i * width], least[i]);
+  for (; r < rows; ++r, cell += width)
+    least[0] = km_smaller(sign * cell[0], least[0]);
+  return km_smaller(km_smaller(least[0], least[1]), km_smaller(least[2], least[3]));
+}
+
+size_t km_table_extreme_row(const km_table *table, size_t column, double sign) {
+  size_t rows = km_table_rows(table), width = km_table_columns(table), block = 0;
+  const double *cell = rows > 0 ? km_table_row(table, 0) + column : NULL;
+  double extreme = HUGE_VAL;
+  for (size_t first = 0; first < rows; first += BLOCK_ROWS) {
+    size_t count = rows - first < BLOCK_ROWS ? rows - first : BLOCK_ROWS;
+    double least = least_of(cell + first * width, count, width, sign);
+    block = least < extreme ? first : block;
+    extreme = km_smaller(least, extreme);
+  }
+  size_t r = block;
+  while (r < rows && !(cell[r * width] == sign * extreme))
+    ++r;
+  return r;
+}
+
+/* Over the rows that have a value. */
+static double mean(const series *f) {
+  size_t last = f->rows;
+  double area = 0.0, width = 0.0;
+  for (size_t r = 0; r < f->rows; ++r) {
+    if (isnan(value_of(f, r)))
+      continue;
+    if (last < r) {
+      area += 0.5 * (value_of(f, last) + value_of(f, r)) * (s_of(f, r) - s_of(f, last));
+      width += s_of(f, r) - s_of(f, last);
+    }
+    last = r;
+  }
+  if (width != 0.0)
+    return area / width;
+  return last < f->rows ? value_of(f, last) : nan("");
+}
+
+/* On the line through the rows around `at`. */
+static double value_at(const series *f, double at) {
+  for (size_t r = 0; r < f->rows; ++r) {
+    double s = s_of(f, r);
+    if (s == at)
+      return value_of(f, r);
+    if (r == 0 || (s_of(f, r - 1) < at) == (s < at))
+      continue;
+    double t = (at - s_of(f, r - 1)) / (s - s_of(f, r - 1));
+    return (1.0 - t) * value_of(f, r - 1) + t * value_of(f, r);
+  }
+  return nan("");
+}
+
+km_status km_table_figure(const km_table *table, const char *column, km_figure figure, double at, double *value,
+                          double *where, km_error *error) {
+  km_status status = km_check_given(table && column && value, "table, column or place for the value", error);
+  if (status)
+    return status;
+  int index = km_table_find(table, column), s = km_table_find(table, "s");
+  if (index < 0 || s < 0)
+    return km_fail(error, KM_USAGE, "there is no column \"%s\"", index < 0 ? column : "s");
+  size_t rows = km_table_rows(table);
+  series f = {km_table_row(table, 0), rows, km_table_columns(table), (size_t)s, (size_t)index};
+  bool wants_low = figure == KM_FIGURE_MIN || figure == KM_FIGURE_SPAN;
+  bool wants_high = figure == KM_FIGURE_MAX || figure == KM_FIGURE_SPAN;
+  size_t low = wants_low ? km_table_extreme_row(table, f.column, 1.0) : rows;
+  size_t high = wants_high ? km_table_extreme_row(table, f.column, -1.0) : rows;
+  size_t row = figure == KM_FIGURE_MIN ? low : figure == KM_FIGURE_MAX ? high : rows;
+  *value = nan("");
+  if (row < rows)
+    *value = value_of(&f, row);
+  else if (figure == KM_FIGURE_SPAN && low < rows)
+    *value = value_of(&f, high) - value_of(&f, low);
+  else if (figure == KM_FIGURE_MEAN)
+    *value = mean(&f);
+  else if (figure == KM_FIGURE_AT)
+    *value = value_at(&f, at);
+  if (where)
+    *where = row < rows ? s_of(&f, row) : figure == KM_FIGURE_AT ? at : nan("");
+  return KM_OK;
+}

@@ -1,0 +1,72 @@
+/* Cycles of a followed motion: coming back to the pose that it started from. */
+#include "continuation/arc_motion.h"
+
+#include <string.h>
+
+static const double closing = 1e-9;       /* distance at which a cycle counts as closed */
+static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is looked for */
+
+void km_follow_set_origin(km_follow *f) {
+  size_t columns = (size_t)km_follow_sub(f)->columns;
+  memcpy(f->origin_t, f->c.course.t, columns * sizeof *f->origin_t);
+  memcpy(f->origin, f->c.from, KM_SAVED_PER_COLUMN * columns * sizeof *f->origin);
+  f->origin_s = f->s;
+  f->origin_waits = false;
+}
+
+/* The way from the origin to this pose, full turns of hinges left out. */
+static void from_origin(km_follow *f, double *way) {
+  const km_mechanism *m = f->c.mechanism;
+  km_state_difference(f->c.state, km_follow_sub(f), f->origin, way);
+  for (int k = 0; k < km_follow_sub(f)->columns; ++k)
+    if (km_coordinate_turns(m, m->column_coordinate[km_follow_sub(f)->column_start + k]))
+      way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
+}
+
+bool km_follow_passes_origin(km_follow *f, double length) {
+  double *way = f->c.work;
+  if (f->cycle > 0.0)
+    return false;
+  from_origin(f, way);
+  double after = km_continuation_dot(&f->c, f->origin_t, way);
+  return f->s - f->origin_s + length > shortest_cycle && after >= -1e-12 && after <= 1.5 * length &&
+         km_continuation_dot(&f->c, f->origin_t, f->c.next_t) > 0.9 &&
+         km_continuation_dot(&f->c, way, way) < 4.0 * length * length;
+}
+
+bool km_follow_meet_origin(km_follow *f, double length) {
+  double *way = f->c.work, reached = length;
+  from_origin(f, way);
+  for (int i = 0; i < 12; ++i) {
+    double along = km_continuation_dot(&f->c, f->origin_t, way);
+    if (i > 0 && fabs(along) < 1e-14)
+      break;
+    if (reached - along <= 0.0 || !km_follow_step(f, reached - along, &reached))
+      return false;
+    from_origin(f, way);
+  }
+  if (km_continuation_dot(&f->c, way, way) > closing * closing)
+    return false;
+  km_follow_accept(f, reached);
+  f->cycle = f->s - f->origin_s;
+  f->closed = true;
+  return true;
+}
+
+bool km_follow_closed(const km_follow *f) {
+  if (!f)
+    return false;
+  return f->closed;
+}
+
+double km_follow_cycle(const km_follow *f) {
+  if (!f)
+    return 0.0;
+  return f->cycle;
+}
+
+void km_follow_go_round(km_follow *f) {
+  if (!f)
+    return;
+  f->closed = false;
+}

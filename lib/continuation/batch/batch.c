@@ -1,0 +1,430 @@
+/* Drives side by side: which of them may ride, what passes between a drive and its lane, and the choice of registers. */
+#include "continuation/batch/batch_arrays.h"
+
+#include "kinematics/loop_equations.h"
+#include "kmech/continuation.h"
+
+#include <string.h>
+
+/* Are as many freedoms left as lanes are for? With several the first step is taken alone. */
+static bool has_freedoms_for_lanes(const km_drive *d, int freedom) {
+  bool few = freedom <= KM_LANES_FREEDOMS && freedom - 1 <= d->c.course.reference.rank;
+  return freedom == 1 || (freedom > 1 && few && !d->here.stiff && d->c.course.last_h != 0.0);
+}
+
+/* May the drive take steps in its lane: known pivots that belong to the last pose, and a regular pose? */
+static bool may_ride(const km_drive *d) {
+  const km_state *s = d->c.state;
+  const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
+  return d->here.known && !d->c.steady.on && s->pivoted[d->c.substructure] == d->c.column && !p->forced_dependent &&
+         !p->locked && has_freedoms_for_lanes(d, km_partition_freedom(p)) && reference->rank == p->rank &&
+         reference->searches == p->searches && !km_continuation_is_singular(p);
+}
+
+/* The first one aboard decides by which pivots all go. */
+static void take_pivots(km_drive_lanes *l, const km_partition *p) {
+  km_replay_make(&l->replay, p, l->sub->pattern.used);
+  l->beside = km_partition_freedom(p) - 1;
+  memset(l->J, 0, l->sub->pattern.size * sizeof *l->J);
+}
+
+static void take_ball(km_lane_quaternion *to, const km_quaternion *q, int i) {
+  to->w.of[i] = q->w;
+  to->x.of[i] = q->x;
+  to->y.of[i] = q->y;
+  to->z.of[i] = q->z;
+}
+
+static km_quaternion ball_of(const km_lane_quaternion *ball, int i) {
+  return (km_quaternion){ball->w.of[i], ball->x.of[i], ball->y.of[i], ball->z.of[i]};
+}
+
+void km_lanes_end_balls(km_drive_lanes *l, unsigned ended) {
+  const km_mechanism *m = l->m;
+  for (int b = 0; b < m->ball_count; ++b) {
+    const int c = m->ball_coordinate[b], k = m->column_of[c];
+    if (k < 0 || m->substructure_of[c] != l->drives[0]->c.substructure)
+      continue;
+    const km_lanes_number *last = l->from + k;
+    km_lanes_number *q = l->q + c, *way = l->move + k;
+    for (unsigned left = ended; left; left &= left - 1) {
+      const int i = __builtin_ctz(left);
+      km_quaternion now = ball_of(&l->ball[b], i), from = ball_of(&l->from_ball[b], i);
+      km_vec3 turn = km_quaternion_log(km_quaternion_product(now, km_quaternion_conjugate(from)));
+      km_vec3 at = km_quaternion_log_near(now, (km_vec3){last[0].of[i], last[1].of[i], last[2].of[i]});
+      for (int a = 0; a < 3; ++a) {
+        way[a].of[i] = (const double[]){turn.x, turn.y, turn.z}[a];
+        q[a].of[i] = (const double[]){at.x, at.y, at.z}[a];
+      }
+    }
+  }
+}
+
+/* What a course remembers from before its last step: see km_drive_lanes. */
+typedef struct past {
+  int count;
+  double *const *of;
+} past;
+
+static past past_of(const km_drive_lanes *l, const km_course *course) {
+  return l->beside == 0 ? (past){KM_CURVE_MOVES, course->moves} : (past){KM_OLDER_STEPS, course->older_t};
+}
+
+/* The course of drive i into its lane, if it may ride. */
+static void board(km_drive_lanes *l, int i) {
+  const km_drive *d = l->drives[i];
+  const km_course *course = &d->c.course;
+  const km_partition *p = &d->c.state->partition[d->c.substructure];
+  if (!may_ride(d))
+    return;
+  if (!l->aboard && !km_replay_fits(&l->replay, p))
+    take_pivots(l, p);
+  else if (!km_replay_fits(&l->replay, p))
+    return;
+  const past earlier = past_of(l, course);
+  for (int c = 0; c < l->m->coordinate_count; ++c)
+    l->q[c].of[i] = d->c.state->q[c];
+  for (int b = 0; b < l->m->ball_count; ++b)
+    take_ball(&l->ball[b], &d->c.state->ball[b], i);
+  for (int k = 0; k < l->sub->columns; ++k) {
+    l->t[k].of[i] = course->t[k];
+    l->last_t[k].of[i] = course->last_t[k];
+    l->last_move[k].of[i] = course->last_move[k];
+    l->rest[k].of[i] = course->rest[k];
+    for (int j = 0; j < earlier.count; ++j)
+      l->past[j][k].of[i] = earlier.of[j][k];
+  }
+  for (int j = 0; j < KM_OLDER_STEPS; ++j)
+    l->here.older_h[j].of[i] = course->older_h[j];
+  l->here.older_count.of[i] = course->older_count;
+  l->here.last_h.of[i] = course->last_h;
+  l->here.equal_count.of[i] = course->equal_count;
+  l->sign.of[i] = course->reference.sign;
+  l->here.s.of[i] = d->here.s;
+  l->here.largest.of[i] = d->here.largest;
+  l->here.stopped.of[i] = d->here.stopped;
+  l->pivoted_b.of[i] = p->pivoted_b;
+  l->smallest_pivot.of[i] = p->rank > 0 ? p->smallest_pivot : 0.0;
+  l->aboard |= 1u << i;
+}
+
+/* What is left of a pose: the state's balls are those of the lane. */
+static void show_balls(const km_drive_lanes *l, int i) {
+  for (int b = 0; b < l->m->ball_count; ++b)
+    l->drives[i]->c.state->ball[b] = ball_of(&l->ball[b], i);
+}
+
+/* What a look at the pose reads of a state: coordinates and mobility numbers. */
+static void show(const km_drive_lanes *l, int i) {
+  const km_lane_row *row = l->shown;
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  double *q = l->drives[i]->c.state->q, *numbers = l->drives[i]->c.state->numbers;
+  for (int k = 0, count = l->sub->columns; k < count; ++k) {
+    q[coordinate[k]] = row->q[k].of[i];
+    numbers[coordinate[k]] = row->numbers[k].of[i];
+  }
+}
+
+/* What a state has beside its coordinates where a drive rides: Jacobian, partition and null space, as if it went alone. */
+static void refresh(const km_drive_lanes *l, km_drive *d) {
+  km_state *s = d->c.state;
+  const km_substructure *sub = km_drive_driven(d);
+  /* The loops were closed before the driver got its value to the last bit. */
+  double value = s->q[l->coordinate];
+  s->q[l->coordinate] = l->here.closed_at.of[d->lane];
+  km_loops_update(d->c.mechanism, s, sub);
+  km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
+  s->q[l->coordinate] = value;
+  km_state_null(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
+}
+
+void km_drive_look(km_drive *d) {
+  if (!km_drive_rides(d))
+    return;
+  refresh(d->lanes, d);
+  d->lanes->looked |= 1u << d->lane;
+}
+
+void km_drive_settle(km_drive *d) {
+  km_drive_lanes *l = d->lanes;
+  unsigned own = l ? 1u << d->lane : 0;
+  if (!l || !(l->aboard & own))
+    return;
+  l->aboard &= ~own;
+  l->known[0] &= ~own;
+  l->looked &= ~own;
+  if (!(l->ahead & own))
+    return;
+  l->ahead &= ~own;
+  int i = d->lane;
+  km_course *course = &d->c.course;
+  km_state *s = d->c.state;
+  const km_substructure *sub = km_drive_driven(d);
+  const past earlier = past_of(l, course);
+  for (int k = 0; k < sub->columns; ++k) {
+    course->t[k] = l->t[k].of[i];
+    course->last_t[k] = l->last_t[k].of[i];
+    course->last_move[k] = l->last_move[k].of[i];
+    course->rest[k] = l->rest[k].of[i];
+    for (int j = 0; j < earlier.count; ++j)
+      earlier.of[j][k] = l->past[j][k].of[i];
+    int c = l->m->column_coordinate[sub->column_start + k];
+    s->q[c] = l->q[c].of[i];
+  }
+  for (int j = 0; j < KM_OLDER_STEPS; ++j)
+    course->older_h[j] = l->here.older_h[j].of[i];
+  course->older_count = (int)l->here.older_count.of[i];
+  show_balls(l, i);
+  course->last_h = l->here.last_h.of[i];
+  course->equal_count = (int)l->here.equal_count.of[i];
+  course->reference.sign = (int)l->sign.of[i];
+  d->here.s = l->here.s.of[i];
+  d->here.largest = l->here.largest.of[i];
+  d->here.stopped = l->here.stopped.of[i];
+  refresh(l, d);
+}
+
+void km_drive_leave(km_drive *d) {
+  km_drive_lanes *l = d->lanes;
+  if (!l)
+    return;
+  unsigned others = ~(1u << d->lane);
+  l->aboard &= others;
+  l->ahead &= others;
+  l->drives[d->lane] = NULL;
+  d->lanes = NULL;
+  km_state_forget_pivots(d->c.state, d->c.substructure);
+}
+
+bool km_drive_rides(const km_drive *d) {
+  return d->lanes && (d->lanes->ahead >> d->lane & 1);
+}
+
+double km_drive_ridden_residual(const km_drive *d) {
+  return d->lanes->shown->residual->of[d->lane];
+}
+
+void km_drive_ridden_direction(const km_drive *d, double *z) {
+  const km_drive_lanes *l = d->lanes;
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  for (int k = 0; k < l->sub->columns; ++k)
+    z[coordinate[k]] = l->shown->z[k].of[d->lane];
+}
+
+void km_drive_show_basis(km_drive *d) {
+  km_state_take_basis(d->c.state, d->c.substructure, &d->lanes->shown->z->of[d->lane], KM_DRIVE_LANES);
+}
+
+void km_drive_ridden_rates(const km_drive *d, double *rates) {
+  km_drive_rates(d, &d->lanes->t->of[d->lane], KM_DRIVE_LANES, rates);
+}
+
+static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
+#ifdef KM_LANES_AVX512
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
+    return km_lanes_step_avx512(l, wanted);
+#endif
+#ifdef KM_LANES_AVX2
+  if (__builtin_cpu_supports("avx2"))
+    return km_lanes_step_avx2(l, wanted);
+#endif
+  return km_lanes_step_plain(l, wanted);
+}
+
+/* Whoever looked at a drive's pose may have searched other pivots there: then it goes on by those, alone at first. */
+static void keep_pivots(km_drive_lanes *l) {
+  for (unsigned left = l->looked; left; left &= left - 1) {
+    km_drive *d = l->drives[__builtin_ctz(left)];
+    const km_state *s = d->c.state;
+    const km_partition *p = &s->partition[d->c.substructure];
+    if (s->pivoted[d->c.substructure] != d->c.column || p->searches != d->c.course.reference.searches)
+      km_drive_settle(d);
+  }
+  l->looked = 0;
+}
+
+/* A target so many of the longest steps away is left to the drive alone, which gives up at a number of steps. */
+static const double most_steps = 1e4;
+
+/* Aboard, if it may: where there is a way to go it gets ready for it, or takes the first step alone, after which it mostly may. */
+static void call_aboard(km_drive_lanes *l, int i, double target) {
+  km_drive *d = l->drives[i];
+  board(l, i);
+  bool far = !(fabs(target * l->factor.of[i] - d->here.s) < most_steps * km_drive_longest);
+  if (far)
+    km_drive_settle(d);
+  if (far || l->aboard >> i & 1)
+    return;
+  km_drive_get_ready(d, target);
+  board(l, i);
+  if (l->aboard >> i & 1)
+    return;
+  km_drive_begin(d, target);
+  board(l, i);
+}
+
+static bool is_far(const km_drive_lanes *l, int i) {
+  return !(fabs(l->target.of[i] - l->here.s.of[i]) < most_steps * km_drive_longest);
+}
+
+/* Sets the targets of those that are aboard, and lets those leave that have too far to go. */
+static void set_targets(km_drive_lanes *l, unsigned wanted, const double *targets) {
+  bool some = false;
+  for (int i = 0; i < l->count; ++i) {
+    l->target.of[i] = targets[i] * l->factor.of[i];
+    some |= is_far(l, i);
+  }
+  for (unsigned left = some ? wanted : 0; left; left &= left - 1)
+    if (is_far(l, __builtin_ctz(left)))
+      km_drive_settle(l->drives[__builtin_ctz(left)]);
+}
+
+/* What a drive has reached: in its lane, or alone from where its lane has stopped. */
+static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
+  if (!there)
+    return km_drive_to(l->drives[i], target);
+  if (l->ahead >> i & 1) {
+    show(l, i);
+    show_balls(l, i);
+  }
+  if (!(l->here.largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
+    km_drive_settle(l->drives[i]);
+  return (km_reach){KM_STOP_NONE, target, -1, -1};
+}
+
+/* These lanes have made a step that leads on. */
+static void tell_steps(km_drive_lanes *l, unsigned lanes) {
+  l->several |= lanes;
+  for (unsigned left = lanes; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    km_drive_tell(l->drives[i], l->here.s.of[i], &l->t->of[i], KM_DRIVE_LANES);
+  }
+}
+
+/* Steps of the lanes `wanted` towards their targets. Returns those that got there. */
+static unsigned go(km_drive_lanes *l, unsigned wanted) {
+  unsigned there = 0;
+  for (unsigned going = wanted; going; going &= ~l->there) {
+    going = take_step(l, going);
+    if (l->beside == 0)
+      km_lanes_grow_moves(l, going);
+    l->ahead |= going;
+    there |= l->there;
+    tell_steps(l, going & ~l->there);
+  }
+  return there;
+}
+
+unsigned km_drive_lanes_visit(km_drive_lanes *l, unsigned wanted, const double *targets, double *const *rates) {
+  keep_pivots(l);
+  set_targets(l, wanted & l->aboard, targets);
+  unsigned ahead = l->ahead & l->aboard, there = 0;
+  if (!(wanted & l->aboard))
+    return 0;
+  km_lanes_keep(l);
+  l->row = &l->rows[KM_DRIVE_ROWS];
+  there = go(l, wanted & l->aboard);
+  for (unsigned left = there; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    km_drive_rates(l->drives[i], &l->t->of[i], KM_DRIVE_LANES, rates[i]);
+  }
+  km_lanes_come_back(l);
+  l->ahead = ahead;
+  return there;
+}
+
+/* Steps of the lanes `wanted` towards their targets, into a row. */
+static void go_to_row(km_drive_lanes *l, unsigned wanted, int index) {
+  const km_lane_row *row = l->row = &l->rows[index];
+  const int *coordinate = l->m->column_coordinate + l->sub->column_start;
+  l->several = 0;
+  l->arrived = go(l, wanted);
+  for (int k = 0; k < l->sub->columns; ++k)
+    row->q[k] = l->q[coordinate[k]];
+  *row->residual = l->here.residual;
+}
+
+/* What lanes know of the row where they are becomes what they know of the row before. */
+static void leave_row(km_drive_lanes *l) {
+  l->before[1] = l->before[0];
+  l->before[0] = l->row->z;
+  l->known[1] = l->known[0] & ~l->several;
+  l->known[0] = l->arrived;
+}
+
+/* Behind the rows there are others of the next pass: what is read of the last two is kept. */
+static void end_pass(km_drive_lanes *l, int passed) {
+  l->passed = passed;
+  leave_row(l);
+  for (int i = 1; i >= 0; --i) { /* the row before may be the last one of the pass before */
+    memmove(l->last_z[i], l->before[i], (size_t)l->sub->columns * sizeof *l->last_z[i]);
+    l->before[i] = l->last_z[i];
+  }
+}
+
+int km_drive_lanes_pass(km_drive_lanes *l, unsigned wanted, const double *targets, int rows, bool looks) {
+  int passed = 0;
+  keep_pivots(l);
+  l->looks = looks;
+  for (unsigned left = wanted & ~l->aboard; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    call_aboard(l, i, targets[i]);
+  }
+  for (;; ++passed) {
+    set_targets(l, wanted & l->aboard, targets + (size_t)passed * KM_DRIVE_LANES);
+    go_to_row(l, wanted & l->aboard, passed);
+    unsigned plain = looks ? l->quiet & l->known[0] & l->known[1] & ~l->several : l->sound;
+    if (passed + 1 == rows || l->arrived != wanted || wanted & ~plain)
+      break;
+    leave_row(l);
+  }
+  end_pass(l, passed);
+  return passed;
+}
+
+unsigned km_drive_lanes_try(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  keep_pivots(l);
+  for (unsigned left = wanted & ~l->aboard; left; left &= left - 1)
+    board(l, __builtin_ctz(left));
+  set_targets(l, wanted & l->aboard, targets);
+  unsigned riding = wanted & l->aboard, ahead = l->ahead;
+  if (!riding)
+    return 0;
+  km_lanes_keep(l);
+  go_to_row(l, riding, 0);
+  for (unsigned left = riding & ~l->arrived; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    km_lanes_put_back(l, i);
+    l->ahead = (l->ahead & ~(1u << i)) | (ahead & 1u << i);
+    km_drive_settle(l->drives[i]);
+  }
+  end_pass(l, 0);
+  km_drive_lanes_arrive(l, l->arrived, targets, reaches);
+  return l->arrived;
+}
+
+km_ridden_rows km_drive_ridden_rows(const km_drive *d) {
+  const km_drive_lanes *l = d->lanes;
+  const km_lane_row *first = &l->rows[0];
+  return (km_ridden_rows){&first->q->of[d->lane], &first->numbers->of[d->lane], &first->residual->of[d->lane],
+                          l->row_size * KM_DRIVE_LANES};
+}
+
+void km_drive_lanes_show(km_drive_lanes *l, int row) {
+  l->shown = &l->rows[row];
+  for (unsigned left = l->ahead; left; left &= left - 1)
+    show(l, __builtin_ctz(left));
+}
+
+void km_drive_lanes_arrive(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  l->shown = &l->rows[l->passed];
+  for (unsigned left = wanted; left; left &= left - 1) {
+    int i = __builtin_ctz(left);
+    reaches[i] = arrive(l, i, l->arrived >> i & 1, targets[i]);
+  }
+}
+
+void km_drive_lanes_to(km_drive_lanes *l, unsigned wanted, const double *targets, km_reach *reaches) {
+  km_drive_lanes_pass(l, wanted, targets, 1, true);
+  km_drive_lanes_arrive(l, wanted, targets, reaches);
+}

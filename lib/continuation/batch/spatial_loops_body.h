@@ -1,0 +1,169 @@
+/* Loops in space of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what loops.c,
+ * motion_step.h and spatial/ compute for one drive, operation for operation; the names are theirs. */
+
+#include "spatial/vec3_body.h"
+
+typedef struct rotation {
+  lanes_vec axis[3];
+} rotation;
+typedef struct pose {
+  rotation R;
+  lanes_vec p;
+} pose;
+typedef struct twist {
+  lanes_vec v, w;
+} twist;
+
+static inline lanes_vec get_vec(const km_lane_vec3 *n, int lane) {
+  return (lanes_vec){get(n->x.of + lane), get(n->y.of + lane), get(n->z.of + lane)};
+}
+static inline void put_vec(km_lane_vec3 *n, int lane, lanes_vec a) {
+  put(n->x.of + lane, a.x);
+  put(n->y.of + lane, a.y);
+  put(n->z.of + lane, a.z);
+}
+static inline rotation get_rotation(const km_lane_pose *n, int lane) {
+  return (rotation){{get_vec(&n->axis[0], lane), get_vec(&n->axis[1], lane), get_vec(&n->axis[2], lane)}};
+}
+static inline pose get_pose(const km_lane_pose *n, int lane) {
+  return (pose){get_rotation(n, lane), get_vec(&n->p, lane)};
+}
+static inline void put_pose(km_lane_pose *n, int lane, const pose *X) {
+  for (int k = 0; k < 3; ++k)
+    put_vec(&n->axis[k], lane, X->R.axis[k]);
+  put_vec(&n->p, lane, X->p);
+}
+
+static inline lanes_vec rotate(const rotation *R, lanes_vec a) {
+  return lanes_axpy(a.x, R->axis[0], lanes_axpy(a.y, R->axis[1], lanes_scaled(a.z, R->axis[2])));
+}
+static inline rotation rotation_product(const rotation *a, const rotation *b) {
+  return (rotation){{rotate(a, b->axis[0]), rotate(a, b->axis[1]), rotate(a, b->axis[2])}};
+}
+static inline rotation rotation_inverse(const rotation *R) {
+  const lanes_vec *a = R->axis;
+  return (rotation){{{a[0].x, a[1].x, a[2].x}, {a[0].y, a[1].y, a[2].y}, {a[0].z, a[1].z, a[2].z}}};
+}
+static inline lanes_vec pose_point(const pose *a, lanes_vec x) {
+  return lanes_sum(rotate(&a->R, x), a->p);
+}
+static inline pose pose_product(const pose *a, const pose *b) {
+  return (pose){rotation_product(&a->R, &b->R), pose_point(a, b->p)};
+}
+
+#include "continuation/batch/ball_joints_body.h"
+
+/* km_motion_step, of other joints than balls. Clears the lanes whose angles are too large for the sines. */
+static inline pose motion_step(const km_step *step, vector pitch, vector value, pose X, km_lane_twist *h, mask *fit,
+                               int lane) {
+  lanes_vec axis = lanes_axis(X.R.axis, step->axis), w = lanes_scaled(all(step->sign), axis), v = w;
+  if (step->primitive == KM_PRISMATIC) {
+    w = (lanes_vec){all(0.0), all(0.0), all(0.0)};
+    X.p = lanes_axpy(value, axis, X.p);
+  } else {
+    vector sine, cosine;
+    v = lanes_cross(X.p, w);
+    if (step->primitive == KM_HELICAL) {
+      v = lanes_axpy(all(step->sign) * pitch, axis, v);
+      X.p = lanes_axpy(value * pitch, axis, X.p);
+    }
+    lanes_sincos(value, &sine, &cosine);
+    *fit &= at_most(size_of(value), all(KM_SINCOS_MOST));
+    lanes_turn_about(X.R.axis, step->axis, cosine, sine);
+  }
+  put_vec(&h->v, lane, v);
+  put_vec(&h->w, lane, w);
+  return X;
+}
+
+/* spatial_steps of loops.c. */
+static inline void space_steps(km_drive_lanes *l, const km_program *program, mask *fit, int first, int count) {
+  for (int i = program->step_start; i < program->step_start + program->step_count; ++i) {
+    const km_step *step = &l->m->steps[i];
+    const km_lane_space_step *n = &l->space_steps[i];
+    EACH(r) {
+      pose X = get_pose(&l->poses[step->from], AT(r));
+      vector value = all(step->sign) * GET(l->q[step->coordinate]);
+      if (step->primitive == KM_PRISMATIC)
+        value /= GET(l->size);
+      X.p = pose_point(&X, get_vec(&n->before.p, AT(r)));
+      if (step->turned) {
+        rotation before = get_rotation(&n->before, AT(r));
+        X.R = rotation_product(&X.R, &before);
+      }
+      if (step->primitive == KM_BALL) {
+        quaternion ball = get_quaternion(&l->ball[step->ball], AT(r));
+        X = ball_step(step->sign, &ball, X, &l->twists[3 * i], AT(r));
+      } else {
+        X = motion_step(step, GET(n->pitch), value, X, &l->twists[3 * i], &fit[r], AT(r));
+      }
+      put_pose(&l->poses[step->to], AT(r), &X);
+    }
+  }
+}
+
+/* km_twist_log of small turns. Clears the lanes where it isn't small. */
+static inline twist twist_log(const pose *E, mask *fit) {
+  const lanes_vec *a = E->R.axis;
+  lanes_vec w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
+  vector sine2 = lanes_dot(w, w);
+  *fit &= below(sine2, all(KM_SERIES_TURN * KM_SERIES_TURN)) & below(all(2.0), a[0].x + a[1].y + a[2].z);
+  w = lanes_scaled(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
+  vector c = 1.0 / 12.0 + lanes_dot(w, w) * (1.0 / 720.0);
+  lanes_vec wp = lanes_cross(w, E->p);
+  return (twist){lanes_axpy(c, lanes_cross(w, wp), lanes_axpy(all(-0.5), wp, E->p)), w};
+}
+
+/* spatial_loop of loops.c without its entries: the loop's misfit and rows of error. */
+static inline void find_space_misfit(km_drive_lanes *l, int index, mask *fit, int r, int first) {
+  const km_loop *loop = &l->m->loops[index];
+  km_lane_space_loop *n = &l->space_loops[index];
+  km_lane_loop *out = &l->loops[index];
+  pose close[2] = {get_pose(&n->close[0], AT(r)), get_pose(&n->close[1], AT(r))};
+  pose a = get_pose(&l->poses[loop->slot[0]], AT(r)), b = get_pose(&l->poses[loop->slot[1]], AT(r));
+  lanes_vec apart = get_vec(&n->apart, AT(r));
+  a = pose_product(&a, &close[0]);
+  b = pose_product(&b, &close[1]);
+  lanes_vec point = loop->local ? a.p : get_vec(&n->point, AT(r));
+  put_vec(&n->origin[0], AT(r), point);
+  put_vec(&n->origin[1], AT(r), lanes_difference(point, apart));
+  b.p = lanes_sum(lanes_difference(b.p, a.p), apart);
+  rotation back = rotation_inverse(&b.R);
+  pose E = {rotation_product(&a.R, &back), rotate(&a.R, lanes_scaled(all(-1.0), rotate(&back, b.p)))};
+  twist misfit = twist_log(&E, &fit[r]);
+  PUT(out->square, lanes_dot(misfit.v, misfit.v) + lanes_dot(misfit.w, misfit.w));
+  lanes_vec v = lanes_sum(misfit.v, lanes_cross(misfit.w, lanes_difference(point, a.p)));
+  const vector values[6] = {v.x, v.y, v.z, misfit.w.x, misfit.w.y, misfit.w.z};
+  for (int k = 0; k < 6; ++k)
+    put(l->error->of + out->row[k] + AT(r), values[k]);
+}
+
+/* Its entries of J. */
+static inline void set_space_entries(km_drive_lanes *l, int index, const km_lane_twist *h, int first, int count) {
+  const km_loop *loop = &l->m->loops[index];
+  const km_lane_space_loop *n = &l->space_loops[index];
+  for (int i = 0; i < loop->entry_count; ++i) {
+    const km_lane_entry *entry = &l->entries[loop->entry_start + i];
+    const km_lane_twist *of = &h[3 * entry->step];
+    double *J = l->J->of;
+    for (int k = 0; k < entry->columns; ++k, ++of, J += entry->next)
+      EACH(r) {
+        lanes_vec w = get_vec(&of->w, AT(r)), o = get_vec(&n->origin[entry->side < 0.0], AT(r));
+        lanes_vec v = lanes_sum(get_vec(&of->v, AT(r)), lanes_cross(w, o));
+        const vector column[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
+        for (int a = 0; a < 6; ++a)
+          put(J + entry->at[a] + AT(r), entry->side * column[a]);
+      }
+  }
+}
+
+/* update_spatial of loops.c. */
+static inline void update_spatial(km_drive_lanes *l, const km_program *program, mask *fit, int first, int count) {
+  space_steps(l, program, fit, first, count);
+  for (int i = 0; i < program->loop_count; ++i) {
+    int index = l->m->loop_order[program->loop_start + i];
+    EACH(r)
+    find_space_misfit(l, index, fit, r, first);
+    set_space_entries(l, index, l->twists + 3 * (size_t)program->step_start, first, count);
+  }
+}

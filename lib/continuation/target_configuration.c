@@ -1,0 +1,257 @@
+/* Bringing a model to the pose that holds and set coordinates ask for. */
+#include "continuation/target_configuration.h"
+#include "base/arguments.h"
+#include "kinematics/loop_closing.h"
+#include "kmech/continuation.h"
+#include "local/bifurcation.h"
+
+#include <string.h>
+
+static const double same = 1e-12; /* relative: a coordinate that is there already isn't moved */
+
+/* A state on its way to a pose: what has its value already is locked. */
+typedef struct journey {
+  const km_model *model;
+  const km_mechanism *mechanism;
+  km_state *state;
+} journey;
+
+static double value_of(const journey *j, int coordinate) {
+  return km_state_coordinate(j->state, coordinate);
+}
+
+static bool is_there(const journey *j, const km_hold *goal) {
+  return fabs(value_of(j, goal->coordinate) - goal->value) <= same * (1.0 + fabs(goal->value));
+}
+
+/* Gives a coordinate the goal's value, and locks it. */
+static void place_and_lock(journey *j, const km_hold *goal) {
+  j->state->q[goal->coordinate] = goal->value * km_model_coordinate_factor(j->model, goal->coordinate);
+  km_state_lock(j->state, goal->coordinate);
+}
+
+/* Keeps a coordinate, at its value to the last digit where it is there. */
+static void lock(journey *j, const km_hold *goal) {
+  if (is_there(j, goal))
+    place_and_lock(j, goal);
+  else
+    km_state_lock(j->state, goal->coordinate);
+}
+
+/* Of a coordinate that goes no further: is its value right within the closure tolerance, as where a pose is stated as a whole, and the
+ * joints before it leave it no freedom? */
+static bool is_within_tolerance(const journey *j, const km_hold *goal) {
+  const km_mechanism *m = j->mechanism;
+  double factor = km_model_coordinate_factor(j->model, goal->coordinate);
+  double off = fabs(value_of(j, goal->coordinate) - goal->value) * factor * m->scale[goal->coordinate];
+  return off <= m->closure_tolerance * (1.0 + fabs(goal->value) * factor * m->scale[goal->coordinate]);
+}
+
+static km_status unreachable(const journey *j, const km_hold *goal, double end, km_error *error) {
+  const char *label = km_model_coordinate_label(j->model, goal->coordinate);
+  const char *unit = km_model_coordinate_unit(j->model, goal->coordinate);
+  return km_fail(error, KM_NO_RESULT, "%s = %.9g %s can't be reached from the file's pose: it ends at %.9g %s", label,
+                 goal->value, unit, end, unit);
+}
+
+static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
+  if (is_there(j, goal))
+    return KM_OK;
+  double way = goal->value - value_of(j, goal->coordinate);
+  if (km_branch_leave(j->mechanism, j->state, goal->coordinate, way).motions < 0)
+    return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  km_drive *drive;
+  km_status status = km_drive_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);
+  if (status)
+    return status;
+  km_reach reach = km_drive_to(drive, goal->value);
+  km_drive_free(drive);
+  if (reach.stop == KM_STOP_GAVE_OUT)
+    return km_fail(error, KM_DIVERGED, "moving %s to %.9g gave out at %.9g: too many steps",
+                   km_model_coordinate_label(j->model, goal->coordinate), goal->value, reach.position);
+  return reach.stop && !is_within_tolerance(j, goal) ? unreachable(j, goal, reach.position, error) : KM_OK;
+}
+
+/* A ball's three components go together, as rigid values that change little by little. */
+static km_status turn_ball(journey *j, const km_hold *goal, km_error *error) {
+  enum { PIECES = 64 };
+  double from[3];
+  bool there = true;
+  for (int k = 0; k < 3; ++k) {
+    from[k] = value_of(j, goal[k].coordinate);
+    there = there && (is_there(j, &goal[k]) || is_within_tolerance(j, &goal[k]));
+  }
+  for (int i = there ? PIECES : 1; i <= PIECES; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      double value = i == PIECES ? goal[k].value : from[k] + (goal[k].value - from[k]) * i / PIECES;
+      place_and_lock(j, &(km_hold){goal[k].coordinate, value});
+    }
+    km_state_set(j->mechanism, j->state, j->state->q);
+    for (int s = 0; s < j->mechanism->topology.substructure_count; ++s) {
+      km_closure evidence;
+      if (km_loops_close(j->mechanism, j->state, s, KM_NO_DRIVER, &evidence) != KM_CLOSED || evidence.correction > 0.5)
+        return unreachable(j, goal, from[0] + (goal[0].value - from[0]) * (i - 1) / PIECES, error);
+    }
+  }
+  return KM_OK;
+}
+
+static km_status check_ball(const journey *j, const km_hold *goals, int count, int index, km_error *error) {
+  int ball = j->mechanism->ball_of[goals[index].coordinate], first = j->mechanism->ball_coordinate[ball];
+  for (int k = 0; k < 3; ++k)
+    if (index + k >= count || goals[index + k].coordinate != first + k)
+      return km_fail(error, KM_USAGE,
+                     "\"%s\" is a component of a rotation vector; expected all three together, as %s=x,y,z",
+                     km_model_coordinate_label(j->model, goals[index].coordinate),
+                     j->model->joints[j->model->coordinates[first].joint].label);
+  return KM_OK;
+}
+
+/* Closes the loops from the start with the goals' values in place of the file's, which stay where they are. */
+static km_status assemble_at_goals(journey *j, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                                   km_error *error) {
+  km_state_restart(j->state);
+  for (int i = 0; i < hold_count + set_count; ++i)
+    place_and_lock(j, i < hold_count ? &holds[i] : &sets[i - hold_count]);
+  km_state_set(j->mechanism, j->state, j->state->q);
+  return km_assemble(j->mechanism, j->state, NULL, error);
+}
+
+static km_status go(journey *j, const km_hold *goals, int count, km_error *error) {
+  for (int i = 0; i < count;) {
+    bool ball = j->mechanism->ball_of[goals[i].coordinate] >= 0;
+    km_status status = ball ? check_ball(j, goals, count, i, error) : KM_OK;
+    if (!status)
+      status = ball ? turn_ball(j, &goals[i], error) : drive_one(j, &goals[i], error);
+    if (status)
+      return status;
+    for (int end = i + (ball ? 3 : 1); i < end; ++i)
+      lock(j, &goals[i]);
+  }
+  return KM_OK;
+}
+
+/* New numbers of the model, and new values of what is held, for a mechanism that holds the same coordinates. */
+static km_status renew(km_mechanism *held, const km_hold *holds, int hold_count, km_error *error) {
+  for (int h = 0; h < hold_count; ++h)
+    held->holds[h].value = holds[h].value;
+  return km_mechanism_renumber(held, error);
+}
+
+static km_status compile_held(const km_mechanism *free, const km_hold *holds, int hold_count, km_mechanism **held,
+                              km_state **at, km_error *error) {
+  km_compiling how = {
+      .holds = holds, .hold_count = hold_count, .length = free->length, .length_source = free->length_source};
+  km_status status = km_mechanism_compile_as(free->model, &how, held, error);
+  return status ? status : km_state_create(*held, at, error);
+}
+
+/* The mechanism that holds what is asked for, at the pose that was reached without holds: a held loop has a motion space
+ * of its own. */
+static km_status take_over(const km_mechanism *free, const km_state *there, const km_hold *holds, int hold_count,
+                           km_mechanism **held, km_state **at, km_error *error) {
+  km_status status =
+      *held ? renew(*held, holds, hold_count, error) : compile_held(free, holds, hold_count, held, at, error);
+  if (status)
+    return status;
+  km_state_restart(*at);
+  km_state_copy(*held, *at, there);
+  return KM_OK;
+}
+
+km_status km_reach_pose_again(const km_mechanism *free, km_state *there, const km_hold *holds, int hold_count,
+                              const km_hold *sets, int set_count, km_mechanism **held, km_state **at, km_error *error) {
+  journey j = {free->model, free, there};
+  km_state_restart(there);
+  km_status status = km_assemble(free, there, NULL, error);
+  km_error ignored;
+  if (status == KM_MODEL && hold_count + set_count > 0 &&
+      !assemble_at_goals(&j, holds, hold_count, sets, set_count, &ignored))
+    status = KM_OK;
+  if (!status)
+    status = go(&j, holds, hold_count, error);
+  if (!status)
+    status = go(&j, sets, set_count, error);
+  if (!status && hold_count > 0)
+    status = take_over(free, there, holds, hold_count, held, at, error);
+  if (!status && hold_count == 0)
+    km_state_unlock(there);
+  return status;
+}
+
+static km_status travel(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                        km_mechanism **mechanism, km_state **state, km_error *error) {
+  km_mechanism *free = NULL;
+  km_state *there = NULL;
+  km_status status = km_mechanism_compile(model, NULL, 0, &free, error);
+  if (!status)
+    status = km_state_create(free, &there, error);
+  if (!status)
+    status = km_reach_pose_again(free, there, holds, hold_count, sets, set_count, mechanism, state, error);
+  if (!status && hold_count == 0) {
+    *mechanism = free;
+    *state = there;
+    return KM_OK;
+  }
+  km_state_free(there);
+  km_mechanism_free(free);
+  return status;
+}
+
+static km_status check_goals(const km_model *model, const km_hold *goals, int count, const char *what,
+                             km_error *error) {
+  km_status status = km_check_list(goals, count, what, error);
+  for (int i = 0; i < count && !status; ++i)
+    status = km_check_index(goals[i].coordinate, model->coordinate_count, "coordinate", error);
+  return status;
+}
+
+km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
+                        km_mechanism **mechanism, km_state **state, km_error *error) {
+  if (!mechanism || !state)
+    return km_check_given(false, "place for the result", error);
+  *mechanism = NULL;
+  *state = NULL;
+  km_status fits = km_check_given(model != NULL, "model", error);
+  if (!fits)
+    fits = check_goals(model, holds, hold_count, "holds", error);
+  if (!fits)
+    fits = check_goals(model, sets, set_count, "values", error);
+  if (fits)
+    return fits;
+  km_status status = travel(model, holds, hold_count, sets, set_count, mechanism, state, error);
+  if (status) {
+    km_state_free(*state);
+    km_mechanism_free(*mechanism);
+    *state = NULL;
+    *mechanism = NULL;
+  }
+  return status;
+}
+
+km_status km_state_reach(const km_mechanism *m, km_state *s, const km_hold *sets, int set_count, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = check_goals(m->model, sets, set_count, "values", error);
+  for (int i = 0; i < set_count && !status; ++i)
+    if (m->held[sets[i].coordinate])
+      status = km_fail(error, KM_USAGE, "\"%s\" is held; expected a joint that is free to move",
+                       km_model_coordinate_label(m->model, sets[i].coordinate));
+  if (status)
+    return status;
+  km_state *there = NULL;
+  status = km_state_create(m, &there, error);
+  journey j = {m->model, m, there};
+  if (!status) {
+    km_state_copy(m, there, s);
+    status = go(&j, sets, set_count, error);
+  }
+  if (!status) {
+    km_state_copy(m, s, there);
+    for (int i = 0; i < m->topology.substructure_count; ++i)
+      km_state_forget_pivots(s, i);
+    status = km_assemble(m, s, NULL, error);
+  }
+  km_state_free(there);
+  return status;
+}

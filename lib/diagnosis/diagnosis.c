@@ -1,0 +1,22 @@
+/* All that is asked of a pose beyond its numbers. */
+#include "base/arguments.h"
+#include "kmech/mobility.h"
+
+km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_progress progress, void *context, km_diagnosis *out,
+                            km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_diagnosis){0};
+  km_status status = km_finite_mobility_find(m, s, progress, context, &out->finite, error);
+  if (!status)
+    status = km_idle_freedoms_find(m, s, progress, context, &out->idle, error);
+  return status ? status : km_redundancies_find(m, s, progress, context, &out->redundancies, error);
+}
+
+void km_diagnosis_free(km_diagnosis *d) {
+  if (!d)
+    return;
+  km_finite_mobility_free(&d->finite);
+  km_redundancies_free(&d->redundancies);
+  km_idle_freedoms_free(&d->idle);
+}

@@ -1,0 +1,105 @@
+/* Listing where forces and prescribed motions change their law. */
+#include "dynamics/force_breakpoints.h"
+
+#include "dynamics/prescribed_motion.h"
+#include "forces/motion_forces.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static void add_value(const km_mechanism *m, km_corners *out, int coordinate, double value) {
+  if (isfinite(value) && m->ball_of[coordinate] < 0 && !m->held[coordinate])
+    out->corners[out->count++] = (km_corner){coordinate, value};
+}
+
+static int by_coordinate(const void *a, const void *b) {
+  const km_corner *x = a, *y = b;
+  return x->coordinate != y->coordinate ? (x->coordinate > y->coordinate) - (x->coordinate < y->coordinate)
+                                        : (x->value > y->value) - (x->value < y->value);
+}
+
+static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) {
+  const km_mechanism *m = d->mechanism;
+  const km_forces *f = d->forces;
+  size_t room = 2 * (size_t)f->moving->stop_count;
+  for (int i = 0; i < f->spring_count; ++i)
+    room += (size_t)f->springs[i]->law.knot_count;
+  out->corners = KM_ARENA_NEW(arena, km_corner, room);
+  for (int i = 0; i < f->moving->stop_count && out->corners; ++i) {
+    add_value(m, out, f->moving->stops[i], m->low[f->moving->stops[i]]);
+    add_value(m, out, f->moving->stops[i], m->high[f->moving->stops[i]]);
+  }
+  for (int i = 0; i < f->spring_count && out->corners; ++i)
+    for (int k = 0; k < f->springs[i]->law.knot_count && f->springs[i]->input.coordinate >= 0; ++k)
+      add_value(m, out, f->springs[i]->input.coordinate, f->springs[i]->law.knots[k]);
+  if (out->corners)
+    qsort(out->corners, (size_t)out->count, sizeof *out->corners, by_coordinate);
+  return out->corners != NULL;
+}
+
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Rows of a table (time, value) or knots, into out->times; NULL: they are counted. */
+static size_t take_times(km_corners *out, const double *times, int count, int stride) {
+  for (int i = 0; i < count && out->times; ++i)
+    out->times[out->time_count++] = times[stride * i];
+  return (size_t)count;
+}
+
+static size_t list_times(const km_dynamics *d, km_corners *out) {
+  const km_model *model = d->mechanism->model;
+  const km_moving_forces *moving = d->forces->moving;
+  size_t count = 0;
+  for (int i = 0; i < moving->module_count; ++i) {
+    const km_model_module *module = moving->modules[i];
+    if (module->type != KM_MODULE_MOTOR)
+      continue;
+    count += module->table_count ? take_times(out, module->table, module->table_count, 2)
+                                 : take_times(out, module->law.knots, module->law.knot_count, 1);
+  }
+  for (int j = 0; j < model->joint_count; ++j) {
+    const km_joint_prescribed *p = &model->joints[j].prescribed;
+    if (p->law == KM_MOTION_TABLE && !d->mechanism->held[model->joints[j].first_coordinate])
+      count += take_times(out, p->values, p->count, 2);
+  }
+  return count;
+}
+
+bool km_corners_list(const km_dynamics *d, km_arena *arena, km_corners *out) {
+  *out = (km_corners){0};
+  size_t count = list_times(d, out);
+  out->times = KM_ARENA_NEW(arena, double, count);
+  if (!out->times || !list_values(d, arena, out))
+    return false;
+  list_times(d, out);
+  qsort(out->times, count, sizeof *out->times, ascending);
+  return true;
+}
+
+int km_corners_above(const km_corners *c, int coordinate, double value) {
+  const km_corner wanted = {coordinate, value};
+  int low = 0, high = c->count;
+  while (low < high) {
+    int middle = low + (high - low) / 2;
+    if (by_coordinate(&c->corners[middle], &wanted) > 0)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
+double km_corners_next(const km_corners *c, double time) {
+  int low = 0, high = c->time_count; /* times before `low` aren't after `time`, those from `high` on are */
+  while (low < high) {
+    int middle = low + (high - low) / 2;
+    if (c->times[middle] > time)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low < c->time_count ? c->times[low] : HUGE_VAL;
+}

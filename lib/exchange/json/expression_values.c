@@ -1,0 +1,132 @@
+/* Puts values into the numbers of a model file that are written as expressions. */
+#include "exchange/json/expression_values.h"
+
+#include "exchange/json/format/format.h"
+#include "exchange/json/formula.h"
+
+#include <string.h>
+
+typedef struct evaluation {
+  km_formulas *formulas;
+  km_messages *messages;
+  km_status status; /* KM_IO or KM_MEMORY: no use to go on */
+  km_error error;
+} evaluation;
+
+/* Returns false where the string is no expression; that is reported. */
+static bool evaluate_number(evaluation *e, km_value *value, const km_place *place) {
+  char where[KM_PLACE_TEXT];
+  km_status status = km_formulas_evaluate(e->formulas, value->string, &value->number, &e->error);
+  if (status == KM_MODEL)
+    km_messages_add(e->messages, KM_ERROR, "%s: found the string \"%.60s\"; expected a number or an expression: %s",
+                    km_place_text(place, where), value->string, e->error.text);
+  else if (status)
+    e->status = status;
+  value->kind = KM_NUMBER;
+  return !status;
+}
+
+/* Every string in a field of numbers, however deep. */
+static void evaluate_numbers(evaluation *e, km_value *value, const km_place *place) {
+  if (value->kind == KM_STRING)
+    evaluate_number(e, value, place);
+  km_place item = {place, NULL, 0};
+  for (km_value *v = value->first; v && !e->status; v = v->next, ++item.index) {
+    item.key = v->key;
+    evaluate_numbers(e, v, &item);
+  }
+}
+
+static void evaluate_object(evaluation *e, km_value *object, const km_object_format *format, const km_place *place);
+
+static void evaluate_map(evaluation *e, km_value *map, const km_field *field, const km_place *place) {
+  for (km_value *v = map->first; v && !e->status; v = v->next) {
+    km_place item = {place, v->key, 0};
+    if (v->kind == KM_OBJECT)
+      evaluate_object(e, v, field->object, &item);
+    else if (field->shape == KM_SHAPE_LIST_MAP)
+      evaluate_numbers(e, v, &item);
+  }
+}
+
+/* A string in place of a whole list is none of its numbers: it is left to the check of the field. */
+static bool stands_for_a_list(const km_value *value, km_shape shape) {
+  return value->kind == KM_STRING && shape != KM_SHAPE_NUMBER && shape != KM_SHAPE_COORDINATES;
+}
+
+static void evaluate_object(evaluation *e, km_value *object, const km_object_format *format, const km_place *place) {
+  for (km_value *v = object->kind == KM_OBJECT ? object->first : NULL; v && !e->status; v = v->next) {
+    const km_field *field = km_format_field(format, v->key);
+    km_place at = {place, v->key, 0};
+    km_place item = {&at, NULL, 0};
+    if (!field || stands_for_a_list(v, field->shape))
+      continue;
+    if (km_shape_is_numeric(field->shape))
+      evaluate_numbers(e, v, &at);
+    else if (field->shape == KM_SHAPE_OBJECT || field->shape == KM_SHAPE_END)
+      evaluate_object(e, v, field->object, &at);
+    else if (field->shape == KM_SHAPE_OBJECTS && v->kind == KM_LIST)
+      for (km_value *o = v->first; o; o = o->next, ++item.index)
+        evaluate_object(e, o, field->object, &item);
+    else if (field->shape == KM_SHAPE_MAP || field->shape == KM_SHAPE_LIST_MAP || field->shape == KM_SHAPE_WORD_MAP)
+      evaluate_map(e, v, field, &at);
+  }
+}
+
+static km_value *member(km_value *object, const char *key) {
+  for (km_value *v = object->kind == KM_OBJECT ? object->first : NULL; v; v = v->next)
+    if (strcmp(v->key, key) == 0)
+      return v;
+  return NULL;
+}
+
+km_value *km_parameter_number(km_value *parameter) {
+  return parameter->kind == KM_OBJECT ? member(parameter, "value") : parameter;
+}
+
+static void evaluate_parameter(evaluation *e, km_value *parameter, const km_place *place) {
+  char where[KM_PLACE_TEXT];
+  km_value *number = km_parameter_number(parameter);
+  km_place inner = {place, "value", 0};
+  bool sound = true;
+  if (km_formulas_check_name(parameter->key, &e->error)) {
+    km_messages_add(e->messages, KM_ERROR, "%s: %s", km_place_text(place, where), e->error.text);
+    return;
+  }
+  if (number && number->kind == KM_STRING)
+    sound = evaluate_number(e, number, number == parameter ? place : &inner);
+  for (km_value *v = parameter->kind == KM_OBJECT ? parameter->first : NULL; v && !e->status; v = v->next) {
+    km_place at = {place, v->key, 0};
+    if (v->kind == KM_STRING && strcmp(v->key, "note") != 0)
+      evaluate_number(e, v, &at);
+  }
+  /* A faulty one counts as 1, so that its fault isn't told again wherever it is used. */
+  double value = sound && number && number->kind == KM_NUMBER ? number->number : 1.0;
+  if (!km_formulas_define(e->formulas, parameter->key, value))
+    e->status = km_fail(&e->error, KM_MEMORY, "out of memory while reading parameters");
+}
+
+km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *error) {
+  km_value *parameters = member(root, "parameters");
+  evaluation e = {.messages = messages, .formulas = km_formulas_create(parameters)};
+  km_place place = {NULL, "parameters", 0};
+  if (!e.formulas)
+    return km_fail(error, KM_MEMORY, "out of memory while reading parameters");
+  for (km_value *p = parameters && parameters->kind == KM_OBJECT ? parameters->first : NULL; p && !e.status;
+       p = p->next) {
+    km_place at = {&place, p->key, 0};
+    evaluate_parameter(&e, p, &at);
+  }
+  evaluate_object(&e, root, &km_format_model, NULL);
+  km_formulas_free(e.formulas);
+  return e.status ? km_fail(error, e.status, "%s", e.error.text) : KM_OK;
+}
+
+km_status km_format_evaluate(km_value *root, const km_object_format *format, km_messages *messages, km_error *error) {
+  evaluation e = {.messages = messages, .formulas = km_formulas_create(NULL)};
+  if (!e.formulas)
+    return km_fail(error, KM_MEMORY, "out of memory while reading expressions");
+  evaluate_object(&e, root, format, NULL);
+  km_formulas_free(e.formulas);
+  return e.status ? km_fail(error, e.status, "%s", e.error.text) : KM_OK;
+}

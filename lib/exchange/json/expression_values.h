@@ -1,0 +1,20 @@
+/* The numbers of a model file that are written as expressions. */
+#ifndef KM_EXCHANGE_JSON_EXPRESSION_VALUES_H
+#define KM_EXCHANGE_JSON_EXPRESSION_VALUES_H
+
+#include "base/value.h"
+#include "exchange/json/format/format.h"
+#include "kmech/base.h"
+
+/* Evaluates `parameters` and puts its value into every string that stands where the format wants a number: it becomes
+ * a KM_NUMBER that keeps its text in `string`. Faults are reported at their places. KM_IO: expressions can't be
+ * evaluated at all; KM_MEMORY. */
+km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *error);
+
+/* The same for a file of another format, which has no parameters. */
+km_status km_format_evaluate(km_value *root, const km_object_format *format, km_messages *messages, km_error *error);
+
+/* A member of `parameters` that holds its number: itself, or its `value`; NULL if it has none. */
+km_value *km_parameter_number(km_value *parameter);
+
+#endif

@@ -1,0 +1,89 @@
+/* The format of what pushes: force modules and struts. */
+#include "exchange/json/format/format_rows.h"
+
+static const km_field port_fields[] = {
+    {"type", "\"joint\" or \"frame\".", STRING, REQUIRED},
+    {"joint", "The joint, of a port of type joint.", SHAPE(PATH)},
+    {"body_frame_pair", "The two frames, of a port of type frame: parent and child.", SHAPE(PATH_PAIR)},
+    {0}};
+static const km_object_format port_format = {"force_module_port", port_fields};
+
+static const km_field tire_fields[] = {
+    {"unloaded_radius", "Radius of the tyre without load.", NUMBER, UNIT(.length = 1)},
+    {"vertical_stiffness", "Vertical stiffness.", NUMBER, UNIT(.force = 1, .length = -1)},
+    {"vertical_damping", "Vertical damping.", NUMBER, UNIT(.force = 1, .time = 1, .length = -1)},
+    {"rolling_resistance", "Distance by which the vertical force acts ahead of the centre.", NUMBER, UNIT(.length = 1)},
+    {"width", "Width of the tyre.", NUMBER, UNIT(.length = 1)},
+    {"longitudinal_stiffness", "Longitudinal force for each unit of slip.", NUMBER, UNIT(.force = 1)},
+    {"lateral_stiffness", "Lateral force for each unit of the tangent of the slip angle.", NUMBER, UNIT(.force = 1)},
+    {"friction_peak", "Greatest coefficient of friction.", NUMBER},
+    {"friction_sliding", "Coefficient of friction where the tyre slides.", NUMBER},
+    {"relaxation_length_x", "Length over which the longitudinal slip builds up.", NUMBER, UNIT(.length = 1)},
+    {"relaxation_length_y", "Length over which the lateral slip builds up.", NUMBER, UNIT(.length = 1)},
+    {0}};
+static const km_object_format tire_format = {"tire", tire_fields};
+
+static const km_field module_fields[] = {
+    {"name", "Name of the force module.", STRING, REQUIRED},
+    {"type",
+     "stiffness is a force from a displacement, damping and friction from a rate, motor from time, pid a controller, "
+     "fiala_tire a tyre. Statics counts stiffness; the others count in a simulation.",
+     STRING, REQUIRED},
+    {"input", "Where the variable is measured.", OBJECT(port_format), UNSTATED("the output")},
+    {"output", "Where the force acts.", OBJECT(port_format), UNSTATED("the input")},
+    {"distance_type",
+     "How the way between two frames is measured: euclid is the distance, Tx, Ty or Tz the part along that axis of the "
+     "parent frame.",
+     STRING, UNSTATED("euclid")},
+    {"knot_points", "Increasing values of the variable at which one polynomial ends and the next begins.",
+     SHAPE(NUMBERS), BY(KNOTS), UNSTATED("[]")},
+    {"coefficients",
+     "One polynomial in the variable more than there are knots, the constant coefficient first. The value is the force "
+     "along the joint or the way, positive where it pushes it to grow; angles inside are in radians.",
+     SHAPE(ROWS), BY(PIECES)},
+    {"table", "A motor's force as rows [time, force], joined by lines; before and behind them it stays.", SHAPE(ROWS),
+     BY(LAW_TABLE)},
+    {"polynomial", "A motor's force as a polynomial in time, the constant coefficient first.", SHAPE(NUMBERS),
+     BY(LAW_POLYNOMIAL)},
+    {"reference", "Value that a pid holds the variable at.", NUMBER, BY(REFERENCE), UNSTATED("0")},
+    {"kp", "Force of a pid for each unit of the error, which is reference minus variable.", NUMBER, BY(GAIN),
+     UNSTATED("0")},
+    {"ki", "Force of a pid for each unit of the error's integral over time.", NUMBER, BY(GAIN), UNIT(.time = -1),
+     UNSTATED("0")},
+    {"kd", "Force of a pid for each unit of the error's rate.", NUMBER, BY(GAIN), UNIT(.time = 1), UNSTATED("0")},
+    {"tire",
+     "Numbers of a fiala_tire, whose parent frame is the road (its z axis the normal) and whose child frame is the wheel's (its y axis the axle).",
+     OBJECT(tire_format)},
+    ACTIVE,
+    {0}};
+const km_object_format km_format_module = {"force_module", module_fields};
+
+static const km_field spring_fields[] = {
+    {"stiffness", "Force for each unit of length.", NUMBER, REQUIRED, UNIT(.force = 1, .length = -1)},
+    {"free_length", "Length at which the spring has no force.", NUMBER, REQUIRED, UNIT(.length = 1)},
+    {0}};
+static const km_object_format spring_format = {"spring", spring_fields};
+
+static const km_field gas_spring_fields[] = {
+    {"force", "Force that pushes the ends apart, at the length `length`.", NUMBER, REQUIRED, UNIT(.force = 1)},
+    {"rate", "Force more for each unit of length that it is shorter.", NUMBER, UNIT(.force = 1, .length = -1),
+     UNSTATED("0")},
+    {"length", "Length at which `force` is stated. Needed beside `rate`.", NUMBER, UNIT(.length = 1)},
+    {0}};
+static const km_object_format gas_spring_format = {"gas_spring", gas_spring_fields};
+
+static const km_field strut_fields[] = {
+    {"name", "Name of the strut, and of the joint that is its length.", STRING, REQUIRED},
+    {"from", "Frame at one end.", SHAPE(PATH), REQUIRED},
+    {"to", "Frame at the other end.", SHAPE(PATH), REQUIRED},
+    {"planar", "True: a hinge at either end. False: a ball at `from` and a universal joint at `to`.", BOOLEAN,
+     UNSTATED("false")},
+    {"spring", "A coil spring: it pushes the ends apart with stiffness (free_length - length).", OBJECT(spring_format)},
+    {"gas_spring", "A gas spring: with its own `length` l it pushes the ends apart with force + rate (l - length).",
+     OBJECT(gas_spring_format)},
+    {"cylinder", "Whether it is an actuator.", BOOLEAN, UNSTATED("false")},
+    {"limits", "Least and greatest length.", SHAPE(RANGE), UNIT(.length = 1), UNSTATED("none")},
+    {"damping", "Viscous damping in a simulation.", NUMBER, UNIT(.force = 1, .time = 1, .length = -1), UNSTATED("0")},
+    ACTIVE,
+    {0}};
+const km_object_format km_format_strut = {"strut", strut_fields};

@@ -1,0 +1,35 @@
+/* What the files of the format table share: abbreviations for rows, and the objects that more than one of them names. */
+#ifndef KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
+#define KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
+
+#include "exchange/json/format/format.h"
+
+/* A row is a key, its help, its shape, then what it measures and what counts without it. */
+#define NUMBER      .shape = KM_SHAPE_NUMBER
+#define STRING      .shape = KM_SHAPE_STRING
+#define BOOLEAN     .shape = KM_SHAPE_BOOLEAN
+#define VECTOR      .shape = KM_SHAPE_VECTOR
+#define POINT       .shape = KM_SHAPE_POINT
+#define OBJECT(f)   .shape = KM_SHAPE_OBJECT, .object = &(f)
+#define OBJECTS(f)  .shape = KM_SHAPE_OBJECTS, .object = &(f)
+#define SHAPE(s)    .shape = KM_SHAPE_##s
+#define UNIT(...)   .dimension = {__VA_ARGS__}
+#define BY(m)       .measure = KM_MEASURE_##m
+#define REQUIRED    .required = true
+#define UNSTATED(t) .unstated = (t)
+
+/* Rows that several objects have. */
+#define ACTIVE                                                                                                         \
+  { "active", "Whether it takes part. False leaves it out, with what depends on it.", BOOLEAN, UNSTATED("true") }
+
+/* Other ways to write a rotation than its matrix. */
+#define ORIENTATION                                                                                                    \
+  {"quaternion", "Instead of R: its rotation as a quaternion [w, x, y, z] of length 1.", SHAPE(NUMBERS)},              \
+      {"euler", "Instead of R: its rotation by Euler angles.", OBJECT(km_format_euler)}, {                             \
+    "rotation_vector", "Instead of R: its rotation as the axis times the angle.", VECTOR, UNIT(.angle = 1)             \
+  }
+extern const km_object_format km_format_euler;
+
+extern const km_object_format km_format_parameter, km_format_analysis;
+
+#endif

@@ -1,0 +1,19 @@
+/* Where in a model file something stands: `assemblies[0].joints[2].type`. A chain on the stack, turned into
+ * text only when there is something to report. */
+#ifndef KM_EXCHANGE_JSON_JSON_LOCATION_H
+#define KM_EXCHANGE_JSON_JSON_LOCATION_H
+
+#include <stddef.h>
+
+typedef struct km_place {
+  const struct km_place *parent;
+  const char *key; /* NULL: an item of a list */
+  size_t index;
+} km_place;
+
+enum { KM_PLACE_TEXT = 256 };
+
+/* A place too long for the buffer is cut at its end. Returns `out`. */
+const char *km_place_text(const km_place *place, char out[KM_PLACE_TEXT]);
+
+#endif

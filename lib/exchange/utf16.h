@@ -1,0 +1,14 @@
+/* Texts in UTF-16, told by their first bytes. */
+#ifndef KM_EXCHANGE_UTF16_H
+#define KM_EXCHANGE_UTF16_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <string.h>
+
+/* With the byte order mark of UTF-16, or as its first character of ASCII stands without one. */
+static inline bool km_is_wide(const char *bytes, size_t size) {
+  return size > 1 && (memcmp(bytes, "\xFF\xFE", 2) == 0 || memcmp(bytes, "\xFE\xFF", 2) == 0 || !bytes[0] != !bytes[1]);
+}
+
+#endif

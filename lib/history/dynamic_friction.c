@@ -1,0 +1,129 @@
+/* Friction by what presses joints' surfaces together, in a motion. */
+#include "history/dynamic_friction.h"
+
+#include "transfer/friction_surfaces.h"
+
+#include <string.h>
+
+struct km_rubbing {
+  km_arena arena;
+  km_dynamics *dynamics;
+  km_statics statics;
+  int count;
+  km_surface *surface; /* [count] by coordinate */
+  double *sum;         /* [coordinate] the friction along it, of all its surfaces */
+  double *driving;     /* [coordinate] forces of prescribed motions; 0 elsewhere */
+};
+
+/* Iterations, and the change at which they end, over the sum of all forces. */
+enum { MOST_ROUNDS = 100 };
+static const double settled = 1e-12;
+
+/* The friction that acts on a surface with a normal force of 1, along its way; against it is negative. */
+static double coefficient_of(const km_mechanism *m, const km_state *s, int c) {
+  const km_joint_friction *friction = &m->model->joints[m->model->coordinates[c].joint].friction;
+  double speed = km_slip_speed(m, s->rate, c), arm = km_slip_arm(m, c);
+  if (!(speed > 0.0))
+    return 0.0;
+  return friction->coefficient * km_slip_share(speed, km_stiction_speed(m, friction)) * arm * s->rate[c] / speed;
+}
+
+/* What every joint carries at the present accelerations. */
+static void find_reactions(km_rubbing *w, km_state *s) {
+  km_dynamics *d = w->dynamics;
+  for (int c = 0; c < d->mechanism->coordinate_count; ++c)
+    w->driving[c] = d->driven[c] ? km_dynamics_driving_force(d, s, c) : 0.0;
+  km_dynamics_balance(d, s);
+  km_statics_bear(d->mechanism, s, d->forces, w->driving, &w->statics);
+}
+
+/* The friction along every coordinate at the present reactions; false where a thread jams. */
+static bool sum_friction(km_rubbing *w, const km_state *s) {
+  const km_mechanism *m = w->dynamics->mechanism;
+  for (int i = 0; i < w->count; ++i) {
+    int c = w->surface[i].coordinate;
+    double friction = coefficient_of(m, s, c);
+    double normal = km_surface_normal(m, &w->statics, &w->surface[i], friction);
+    if (!isfinite(normal))
+      return false;
+    bool first = i == 0 || w->surface[i - 1].coordinate != c;
+    w->sum[c] = (first ? 0.0 : w->sum[c]) - friction * km_slip_arm(m, c) * normal;
+  }
+  return true;
+}
+
+static km_dynamics_outcome press(void *context, km_state *s) {
+  km_rubbing *w = context;
+  km_dynamics *d = w->dynamics;
+  double *pressed = d->forces->moving->pressed;
+  for (int round = 0; round < MOST_ROUNDS; ++round) {
+    double change = 0.0;
+    find_reactions(w, s);
+    if (!sum_friction(w, s))
+      return KM_DYNAMICS_JAMMED;
+    for (int i = 0; i < w->count; ++i) {
+      int c = w->surface[i].coordinate;
+      change = fmax(change, fabs(w->sum[c] - pressed[c]) / km_slip_arm(d->mechanism, c));
+      pressed[c] = w->sum[c];
+    }
+    if (change <= settled * d->forces->force_size)
+      return KM_DYNAMICS_DONE;
+    km_dynamics_outcome outcome = km_dynamics_resolve(d, s);
+    if (outcome != KM_DYNAMICS_DONE)
+      return outcome;
+  }
+  return KM_DYNAMICS_JAMMED;
+}
+
+static bool reserve(km_rubbing *w) {
+  const km_mechanism *m = w->dynamics->mechanism;
+  size_t n = (size_t)m->coordinate_count;
+  w->surface = KM_ARENA_NEW(&w->arena, km_surface, 2 * n);
+  w->driving = KM_ARENA_NEW(&w->arena, double, n);
+  w->sum = KM_ARENA_NEW(&w->arena, double, n);
+  double *pressed = KM_ARENA_NEW(&w->arena, double, n);
+  if (w->arena.failed)
+    return false;
+  w->count = km_surfaces_list(m, w->surface);
+  w->dynamics->forces->moving->pressed = pressed;
+  w->dynamics->press = press;
+  w->dynamics->press_context = w;
+  return true;
+}
+
+static bool rubs(const km_mechanism *m) {
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (!m->held[c] && m->model->joints[m->model->coordinates[c].joint].friction.coefficient > 0.0 &&
+        km_slip_arm(m, c) > 0.0)
+      return true;
+  return false;
+}
+
+km_status km_rubbing_create(km_dynamics *d, km_rubbing **out, km_error *error) {
+  static const int none[1] = {0};
+  *out = NULL;
+  if (!rubs(d->mechanism))
+    return KM_OK;
+  km_rubbing *w = KM_NEW(km_rubbing, 1);
+  if (!w)
+    return km_fail(error, KM_MEMORY, "out of memory for the friction");
+  w->dynamics = d;
+  km_status status = km_statics_create(d->mechanism, none, 0, KM_AXES_FIXED, &w->statics, error);
+  if (!status && !reserve(w))
+    status = km_fail(error, KM_MEMORY, "out of memory for the friction");
+  if (status)
+    km_rubbing_free(w);
+  else
+    *out = w;
+  return status;
+}
+
+void km_rubbing_free(km_rubbing *w) {
+  if (!w)
+    return;
+  w->dynamics->forces->moving->pressed = NULL;
+  w->dynamics->press = NULL;
+  km_statics_free(&w->statics);
+  km_arena_free(&w->arena);
+  km_free(w);
+}

@@ -1,0 +1,86 @@
+/* Limits of joints that a motion over time passes, where no stop acts. */
+#include "history/history_limits.h"
+
+#include "base/arguments.h"
+#include "kinematics/state.h"
+
+/* A joint that starts at its limit and comes back to it is within this much of it, in radians and characteristic lengths: as
+ * many times the error that the integration may have, or the rounding of a motion that is known. */
+static const double errors_allowed = 100.0, rounding = 1e-9;
+
+static bool has_acting_stop(const km_moving_forces *moving, int coordinate) {
+  for (int i = 0; i < moving->stop_count; ++i)
+    if (moving->stops[i] == coordinate)
+      return true;
+  return false;
+}
+
+km_status km_limits_watch(km_limit_watch *w, const km_mechanism *m, const km_forces *forces,
+                          const km_simulation_def *simulation, km_error *error) {
+  *w = (km_limit_watch){.m = m, .slack = rounding, .user_count = simulation ? simulation->crossing_count : 0};
+  if (simulation)
+    w->slack = fmax(rounding, errors_allowed * (simulation->absolute + simulation->relative));
+  w->limit = KM_NEW(km_passed_limit, (size_t)m->coordinate_count + 1);
+  w->is_passed = KM_NEW(bool, (size_t)m->coordinate_count + 1);
+  w->crossings = KM_NEW(km_crossing, 2 * (size_t)m->coordinate_count + (size_t)w->user_count + 1);
+  if (!w->limit || !w->is_passed || !w->crossings)
+    return km_fail(error, KM_MEMORY, "out of memory for the limits");
+  for (int i = 0; i < w->user_count; ++i)
+    w->crossings[w->crossing_count++] = simulation->crossings[i];
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    if (!km_is_limited(m, c) || m->held[c] || has_acting_stop(forces->moving, c))
+      continue;
+    w->limit[w->count++] = (km_passed_limit){.coordinate = c};
+    const double ends[2] = {m->low[c] - w->slack / m->scale[c], m->high[c] + w->slack / m->scale[c]};
+    for (int e = 0; e < 2; ++e)
+      if (isfinite(ends[e]) && m->ball_of[c] < 0)
+        w->crossings[w->crossing_count++] = (km_crossing){c, ends[e] / km_model_coordinate_factor(m->model, c), false};
+  }
+  return KM_OK;
+}
+
+void km_limits_row(km_limit_watch *w, const km_state *s) {
+  for (int i = 0; i < w->count; ++i) {
+    km_passed_limit *limit = &w->limit[i];
+    int c = limit->coordinate;
+    double beyond = km_state_excess(s, c), factor = km_model_coordinate_factor(w->m->model, c);
+    if (!(fabs(beyond) * w->m->scale[c] > w->slack))
+      continue;
+    if (!w->is_passed[i]) {
+      bool of_ball = w->m->most_turn[c] < HUGE_VAL;
+      double value = of_ball ? w->m->most_turn[c] : s->q[c] - beyond;
+      *limit = (km_passed_limit){c, beyond > 0.0, value / factor, s->time, 0.0};
+      w->is_passed[i] = true;
+    }
+    limit->beyond = fmax(limit->beyond, fabs(beyond) / factor);
+  }
+}
+
+bool km_limits_crossed(km_limit_watch *w, const km_crossing_met *met) {
+  if (met->crossing < w->user_count)
+    return false;
+  const km_crossing *at = &w->crossings[met->crossing];
+  double factor = km_model_coordinate_factor(w->m->model, at->coordinate), value = at->value * factor;
+  bool upper = value > w->m->high[at->coordinate];
+  int i = 0;
+  while (w->limit[i].coordinate != at->coordinate)
+    ++i;
+  km_passed_limit *limit = &w->limit[i];
+  if ((met->sense > 0) == upper && (!w->is_passed[i] || met->time < limit->time)) {
+    limit->time = met->time;
+    limit->upper = upper;
+    limit->limit = (upper ? w->m->high[at->coordinate] : w->m->low[at->coordinate]) / factor;
+    w->is_passed[i] = true;
+  }
+  return true;
+}
+
+void km_limits_hand_over(km_limit_watch *w, km_history *h) {
+  h->limits = w->limit;
+  for (int i = 0; i < w->count; ++i)
+    if (w->is_passed[i])
+      h->limits[h->limit_count++] = w->limit[i];
+  km_free(w->is_passed);
+  km_free(w->crossings);
+  *w = (km_limit_watch){0};
+}

@@ -1,0 +1,367 @@
+/* The table of a motion over time: its columns and rows. */
+#include "history/history_table.h"
+
+#include "base/arguments.h"
+#include "base/table.h"
+#include "base/text.h"
+#include "kinematics/loop_equations.h"
+#include "statics/statics.h"
+
+#include <string.h>
+
+/* "frame." "crank/tip" ".x" */
+static void column(km_table *table, bool *failed, const char *unit, const char *prefix, const char *name,
+                   const char *suffix) {
+  *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
+}
+
+/* A coordinate's unit over the time unit, once or squared; or its force. Borrowed from `text`. */
+static const char *unit_of(const km_model *model, int coordinate, const char *suffix, km_text *text) {
+  text->size = 0;
+  km_text_format(text, "%s/%s%s", km_model_coordinate_unit(model, coordinate), model->units.time->suffix, suffix);
+  return text->failed ? "" : text->data;
+}
+
+static void coordinate_columns(const km_history_writer *w, km_table *table, bool *failed) {
+  const km_model *model = w->m->model;
+  km_text unit = {0};
+  for (int c = 0; c < model->coordinate_count; ++c)
+    column(table, failed, km_model_coordinate_unit(model, c), "q.", model->coordinates[c].label, "");
+  for (int c = 0; c < model->coordinate_count; ++c)
+    column(table, failed, unit_of(model, c, "", &unit), "v.", model->coordinates[c].label, "");
+  for (int c = 0; c < model->coordinate_count; ++c)
+    column(table, failed, unit_of(model, c, "^2", &unit), "a.", model->coordinates[c].label, "");
+  for (int c = 0; c < model->coordinate_count; ++c) {
+    if (!w->dynamics->driven[c])
+      continue;
+    unit.size = 0;
+    km_force_unit(model, c, &unit);
+    column(table, failed, unit.failed ? "" : unit.data, "f.", model->coordinates[c].label, "");
+  }
+  *failed = *failed || unit.failed;
+  km_text_free(&unit);
+}
+
+static void figure_columns(const km_history_writer *w, km_table *table, bool *failed) {
+  static const char *const energies[] = {"energy_kinetic", "energy_potential", "energy_dissipated", "motor_work"};
+  km_text unit = {0};
+  km_torque_unit(w->m->model, &unit);
+  for (int i = 0; i < (w->simulation ? 4 : 2); ++i)
+    column(table, failed, unit.failed ? "" : unit.data, energies[i], "", "");
+  *failed = *failed || unit.failed;
+  km_text_free(&unit);
+  column(table, failed, NULL, "loop_error", "", "");
+  if (!w->simulation)
+    return;
+  column(table, failed, NULL, "evaluations", "", "");
+  column(table, failed, NULL, "repartitions", "", "");
+}
+
+/* What a motion does to the ground beside weights. */
+static void shaking_columns(const km_history_writer *w, km_table *table, bool *failed) {
+  static const char *const parts[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+  const km_model *model = w->m->model;
+  km_text torque = {0};
+  km_torque_unit(model, &torque);
+  for (int k = 0; k < 6; ++k)
+    column(table, failed,
+           k < 3           ? model->units.force->suffix
+           : torque.failed ? ""
+                           : torque.data,
+           "shaking.", parts[k], "");
+  *failed = *failed || torque.failed;
+  km_text_free(&torque);
+}
+
+static void frame_columns(const km_history_writer *w, km_table *table, bool *failed) {
+  static const char *const parts[3][3] = {{".x", ".y", ".z"}, {".vx", ".vy", ".vz"}, {".ax", ".ay", ".az"}};
+  static const char *const suffixes[3] = {"", "", "^2"};
+  const km_units *units = &w->m->model->units;
+  for (int i = 0; i < 9 * w->frame_count; ++i) {
+    int order = i / 3 % 3;
+    km_text unit = {0};
+    km_text_format(&unit, "%s%s%s%s", units->length->suffix, order ? "/" : "", order ? units->time->suffix : "",
+                   suffixes[order]);
+    column(table, failed, unit.failed ? "" : unit.data, "frame.", w->frames[i / 9].name, parts[order][i % 3]);
+    *failed = *failed || unit.failed;
+    km_text_free(&unit);
+  }
+}
+
+static void reaction_columns(const km_history_writer *w, km_table *table, bool *failed) {
+  static const char *const parts[6] = {".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
+  const km_model *model = w->m->model;
+  km_text torque = {0};
+  km_torque_unit(model, &torque);
+  for (int j = 0; j < model->joint_count; ++j)
+    for (int k = 0; k < 6; ++k)
+      column(table, failed,
+             k < 3           ? model->units.force->suffix
+             : torque.failed ? ""
+                             : torque.data,
+             "r.", model->joints[j].label, parts[k]);
+  *failed = *failed || torque.failed;
+  km_text_free(&torque);
+}
+
+static km_status make_table(km_history_writer *w, km_error *error) {
+  const km_model *model = w->m->model;
+  bool failed = false;
+  km_table *table = w->out->table = km_table_create();
+  if (!table)
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  column(table, &failed, model->units.time->suffix, "t", "", "");
+  coordinate_columns(w, table, &failed);
+  figure_columns(w, table, &failed);
+  if (w->shaking)
+    shaking_columns(w, table, &failed);
+  frame_columns(w, table, &failed);
+  if (w->reactions)
+    reaction_columns(w, table, &failed);
+  for (int c = 0; w->mobility && c < model->coordinate_count; ++c)
+    column(table, &failed, NULL, "m.", model->coordinates[c].label, "");
+  return failed ? km_fail(error, KM_MEMORY, "out of memory for the table") : KM_OK;
+}
+
+static double *write_coordinates(const km_history_writer *w, double *out) {
+  const km_mechanism *m = w->m;
+  km_state *s = w->state;
+  for (int b = 0; b < m->ball_count; ++b) { /* the vector nearest to the last row's */
+    double *q = &s->q[m->ball_coordinate[b]];
+    km_vec3 v = km_quaternion_log_near(s->ball[b], km_vec3_make(q));
+    q[0] = v.x;
+    q[1] = v.y;
+    q[2] = v.z;
+  }
+  for (int c = 0; c < m->coordinate_count; ++c)
+    *out++ = km_state_coordinate(s, c);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    *out++ = km_state_rate(s, c);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    *out++ = km_state_acceleration(s, c);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (w->dynamics->driven[c])
+      *out++ = km_dynamics_driving_force(w->dynamics, s, c);
+  return out;
+}
+
+static double loop_error(const km_history_writer *w) {
+  double worst = 0.0;
+  for (int i = 0; i < w->m->topology.substructure_count; ++i) {
+    int loop;
+    worst = fmax(worst, km_loops_residual(w->m, w->state, &w->m->substructures[i], &loop));
+  }
+  return worst;
+}
+
+static double *write_figures(km_history_writer *w, double *out) {
+  km_history *h = w->out;
+  km_energy energy;
+  km_dynamics_energy(w->dynamics, w->state, &energy, NULL);
+  double potential = energy.potential - w->potential;
+  *out++ = energy.kinetic;
+  *out++ = potential;
+  h->energy_scale = fmax(h->energy_scale, energy.kinetic);
+  if (w->simulation) {
+    h->figures = km_simulation_figures_of(w->simulation);
+    double error = energy.kinetic - h->energy_start + potential + h->figures.dissipated - h->figures.motor_work;
+    h->energy_error = fmax(h->energy_error, fabs(error));
+    *out++ = h->figures.dissipated;
+    *out++ = h->figures.motor_work;
+  }
+  *out = loop_error(w);
+  h->worst_loop = fmax(h->worst_loop, *out++);
+  if (w->simulation) {
+    *out++ = (double)h->figures.evaluations;
+    *out++ = (double)h->figures.repartitions;
+  }
+  return out;
+}
+
+/* −Σ of the rates of the bodies' momenta, about the inertial origin. */
+static double *write_shaking(const km_history_writer *w, double *out) {
+  km_wrench sum =
+      km_wrench_about(km_dynamics_inertia_forces(w->dynamics), km_vec3_scale(-1.0, w->dynamics->forces->origin));
+  const double values[6] = {sum.f.x, sum.f.y, sum.f.z, sum.t.x, sum.t.y, sum.t.z};
+  memcpy(out, values, sizeof values);
+  return out + 6;
+}
+
+/* Place, velocity and ordinary acceleration of a frame's origin: v̇ + ω̇ × x + ω × (v + ω × x), gravity put back. */
+static double *write_frame(const km_history_writer *w, int frame, double *out) {
+  const km_dynamics *d = w->dynamics;
+  const km_model_frame *def = &w->m->model->frames[frame];
+  int n = d->tree.node_of_body[def->body];
+  const km_node_motion *node = &d->node[n];
+  km_pose body = km_pose_product(&node->pose, &d->tree.body_in_node[def->body]);
+  km_vec3 x = km_pose_point(&body, def->pose.p);
+  km_vec3 v = km_vec3_add(node->V.v, km_vec3_cross(node->V.w, x));
+  km_vec3 a = km_vec3_add(km_vec3_add(node->A.v, d->forces->stated_gravity),
+                          km_vec3_add(km_vec3_cross(node->A.w, x), km_vec3_cross(node->V.w, v)));
+  const km_vec3 all[3] = {km_vec3_add(x, d->forces->origin), v, a};
+  for (int i = 0; i < 3; ++i) {
+    *out++ = all[i].x;
+    *out++ = all[i].y;
+    *out++ = all[i].z;
+  }
+  return out;
+}
+
+static km_status write_reactions(km_history_writer *w, double **cells, km_error *error) {
+  double *out = *cells;
+  km_dynamics_balance(w->dynamics, w->state);
+  if (km_statics_balance(w->m, w->look, w->forces, &w->statics))
+    return km_fail(error, KM_MEMORY, "out of memory for the reactions");
+  for (int j = 0; j < w->m->model->joint_count; ++j) {
+    memcpy(out, w->statics.reactions[j].force, 3 * sizeof *out);
+    memcpy(out + 3, w->statics.reactions[j].torque, 3 * sizeof *out);
+    out += 6;
+  }
+  *cells = out;
+  return KM_OK;
+}
+
+/* What the drive of a coordinate gives: prescribed, or by motors and controllers. */
+static double drive_of(const km_history_writer *w, int c) {
+  const km_dynamics *d = w->dynamics;
+  double given = d->forces->moving->drive[c];
+  return d->driven[c] ? given + km_dynamics_driving_force(d, w->state, c) : given;
+}
+
+static void watch_drives(km_history_writer *w) {
+  for (int i = 0; i < w->watched_count; ++i) {
+    km_exceeded *e = &w->watched[i];
+    double now = e->of_force ? drive_of(w, e->coordinate) : km_state_rate(w->state, e->coordinate);
+    if (!(fabs(now) > fabs(e->most)))
+      continue;
+    e->most = now;
+    e->time = w->state->time;
+  }
+}
+
+static bool list_watched(km_history_writer *w) {
+  const km_mechanism *m = w->m;
+  w->watched = KM_NEW(km_exceeded, 2 * (size_t)m->coordinate_count + 1);
+  for (int c = 0; w->watched && c < m->coordinate_count; ++c) {
+    if (isfinite(m->max_force[c]))
+      w->watched[w->watched_count++] = (km_exceeded){.coordinate = c, .of_force = true, .bound = m->max_force[c]};
+    if (isfinite(m->max_rate[c]))
+      w->watched[w->watched_count++] =
+          (km_exceeded){.coordinate = c, .bound = m->max_rate[c] / km_model_coordinate_factor(m->model, c)};
+  }
+  return w->watched != NULL;
+}
+
+/* Of what was watched, what went beyond its bound. */
+static void hand_over_exceeded(km_history_writer *w) {
+  km_history *h = w->out;
+  h->exceeded = w->watched;
+  for (int i = 0; i < w->watched_count; ++i)
+    if (fabs(w->watched[i].most) > w->watched[i].bound * (1.0 + 1e-9))
+      h->exceeded[h->exceeded_count++] = w->watched[i];
+}
+
+km_status km_history_watch_limits(km_history_writer *w, km_simulation_def *simulation, km_error *error) {
+  km_status status = km_limits_watch(&w->limits, w->m, w->forces, simulation, error);
+  if (!status && simulation) {
+    simulation->crossings = w->limits.crossings;
+    simulation->crossing_count = w->limits.crossing_count;
+  }
+  return status;
+}
+
+km_status km_history_row(km_history_writer *w, km_error *error) {
+  double *out = km_table_add_row(w->out->table);
+  if (!out)
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  *out++ = w->state->time;
+  watch_drives(w);
+  km_limits_row(&w->limits, w->state);
+  out = write_coordinates(w, out);
+  out = write_figures(w, out);
+  if (w->shaking)
+    out = write_shaking(w, out);
+  for (int i = 0; i < w->frame_count; ++i)
+    out = write_frame(w, w->frames[i].frame, out);
+  if (!w->look)
+    return KM_OK;
+  km_mobility mobility;
+  km_state_copy(w->m, w->look, w->state);
+  km_status status = km_mobility_update(w->m, w->look, &mobility)
+                         ? km_fail(error, KM_MEMORY, "out of memory for the mobility")
+                         : KM_OK;
+  if (!status && w->reactions)
+    status = write_reactions(w, &out, error);
+  for (int c = 0; w->mobility && c < w->m->coordinate_count && !status; ++c)
+    *out++ = km_mobility_number(w->look, c);
+  if (status)
+    km_table_drop_row(w->out->table);
+  return status;
+}
+
+/* Prescribed joints are the actuators of the balance. */
+static km_status make_statics(km_history_writer *w, km_error *error) {
+  int *driven = KM_NEW(int, (size_t)w->m->coordinate_count + 1), count = 0;
+  if (!driven)
+    return km_fail(error, KM_MEMORY, "out of memory for the reactions");
+  for (int c = 0; c < w->m->coordinate_count; ++c)
+    if (w->dynamics->driven[c])
+      driven[count++] = c;
+  km_status status = km_statics_create(w->m, driven, count, w->axes, &w->statics, error);
+  km_free(driven);
+  return status;
+}
+
+km_status km_history_begin(km_history_writer *w, km_error *error) {
+  km_energy energy;
+  km_status status = KM_OK;
+  if (w->reactions || w->mobility)
+    status = km_state_create(w->m, &w->look, error);
+  if (!status && w->reactions)
+    status = make_statics(w, error);
+  if (!status && !list_watched(w))
+    status = km_fail(error, KM_MEMORY, "out of memory for what drives give");
+  if (!status)
+    status = make_table(w, error);
+  if (status)
+    return status;
+  km_dynamics_energy(w->dynamics, w->state, &energy, NULL);
+  w->potential = energy.potential;
+  w->out->energy_start = energy.kinetic;
+  w->out->effort = km_dynamics_effort(w->dynamics, w->state);
+  return KM_OK;
+}
+
+km_status km_history_check(const km_mechanism *m, const km_forces *forces, const km_state *state, const void *def,
+                           km_history *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_history){0};
+  km_status status = km_check_given(def != NULL && forces != NULL, "definition or forces", error);
+  return status ? status : km_check_state(m, state, error);
+}
+
+km_status km_history_end(km_history_writer *w, km_status status, const km_error *why, km_error *error) {
+  if (status && why) {
+    w->out->why = *why;
+    km_fail(error, status, "%s", why->text);
+  }
+  hand_over_exceeded(w);
+  km_limits_hand_over(&w->limits, w->out);
+  km_statics_free(&w->statics);
+  km_state_free(w->look);
+  km_simulation_free(w->simulation);
+  km_rubbing_free(w->rubbing);
+  km_dynamics_free(w->dynamics);
+  return status;
+}
+
+km_status km_history_check_frames(const km_mechanism *m, const km_followed_frame *frames, int count, km_error *error) {
+  km_status status = km_check_list(frames, count, "frames", error);
+  for (int i = 0; i < count && !status; ++i) {
+    status = km_check_index(frames[i].frame, m->model->frame_count, "frame", error);
+    if (!status)
+      status = km_check_given(frames[i].name != NULL, "name of a frame", error);
+  }
+  return status;
+}

@@ -1,0 +1,153 @@
+/* Inverse dynamics: rows of a motion that is prescribed as a whole. */
+#include "kmech/dynamics.h"
+
+#include "base/arguments.h"
+#include "history/inverse_peaks.h"
+
+/* Steps of the time between two rows, at most: dependent coordinates are predicted by their rates. */
+enum { MOST_PARTS = 64 };
+static const double longest_move = 0.1; /* radians or characteristic lengths in one part */
+
+static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_error *error) {
+  if (!(def->until > 0.0) || !isfinite(def->until))
+    return km_fail(error, KM_USAGE, "duration %g; expected a positive time", def->until);
+  if (def->steps < 1)
+    return km_fail(error, KM_USAGE, "%d steps; expected at least one", def->steps);
+  km_status status = km_check_list(def->rates, def->rate_count, "rates", error);
+  for (int i = 0; i < def->rate_count && !status; ++i)
+    status = km_check_index(def->rates[i].coordinate, m->coordinate_count, "coordinate", error);
+  return status ? status : km_history_check_frames(m, def->frames, def->frame_count, error);
+}
+
+static km_status no_freedom_left(const km_history_writer *w, km_error *error) {
+  const km_dynamics *d = w->dynamics;
+  if (km_prescribed_count(d->prescribed) == 0)
+    return km_fail(error, KM_USAGE, "no motion is prescribed; expected a rate of a joint");
+  for (int i = 0; i < d->tree.cluster_count; ++i) {
+    const km_cluster_motion *c = &d->cluster[i];
+    if (c->freedom == 0)
+      continue;
+    int free = d->tree.coordinate_order[d->tree.clusters[i].coordinate_start + c->independent[0]];
+    return km_fail(
+        error, KM_USAGE,
+        "joint \"%s\" can still move beside the prescribed motion (%d freedom%s more); expected a prescribed "
+        "motion for each freedom, or joints that are held",
+        w->m->model->coordinates[free].label, c->freedom, c->freedom == 1 ? "" : "s");
+  }
+  return KM_OK;
+}
+
+static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error *error) {
+  km_state *s = w->state;
+  s->time = 0.0;
+  km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
+  for (int i = 0; i < def->rate_count && !status; ++i)
+    status = km_dynamics_prescribe(w->dynamics, def->rates[i].coordinate,
+                                   km_state_coordinate(s, def->rates[i].coordinate), def->rates[i].rate, error);
+  if (!status)
+    status = km_rubbing_create(w->dynamics, &w->rubbing, error);
+  for (int c = 0; c < w->m->coordinate_count; ++c)
+    s->rate[c] = 0.0;
+  if (!status)
+    status = km_dynamics_bring(w->dynamics, s, error);
+  if (!status)
+    status = km_dynamics_accelerate(w->dynamics, s, error);
+  if (!status)
+    status = no_freedom_left(w, error);
+  if (!status)
+    status = km_history_watch_limits(w, NULL, error);
+  if (!status)
+    status = km_history_begin(w, error);
+  return status ? status : km_history_row(w, error);
+}
+
+/* Predicts every coordinate by its rate and acceleration; the loops then close from there. */
+static void predict(const km_mechanism *m, km_state *s, double dt) {
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->ball_of[c] < 0)
+      s->q[c] += dt * (s->rate[c] + 0.5 * dt * s->acceleration[c]);
+  for (int b = 0; b < m->ball_count; ++b) {
+    const double *rate = &s->rate[m->ball_coordinate[b]];
+    km_quaternion turn = km_quaternion_exp((km_vec3){dt * rate[0], dt * rate[1], dt * rate[2]});
+    s->ball[b] = km_quaternion_normalised(km_quaternion_product(turn, s->ball[b]));
+  }
+}
+
+/* How many parts of a step of time would be short enough: whole, and more than MOST_PARTS where rows are too far apart. */
+static double parts_of(const km_mechanism *m, const km_state *s, double dt) {
+  double largest = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    largest = fmax(largest, fabs(s->rate[c] * dt * m->scale[c]));
+  return ceil(largest / longest_move) + 1.0;
+}
+
+static km_status too_far(const km_history_writer *w, double step, km_error *error) {
+  const char *unit = w->m->model->units.time->suffix;
+  return km_fail(
+      error, KM_PARTIAL,
+      "at %.9g %s the loops can't be closed: the rows are %.9g %s apart, in which joints move too far; expected more "
+      "steps, or a shorter time",
+      w->state->time, unit, step, unit);
+}
+
+static km_status go_to(km_history_writer *w, double time, km_error *error) {
+  km_state *s = w->state;
+  double from = s->time, wanted = parts_of(w->m, s, time - from);
+  int parts = (int)fmin(wanted, MOST_PARTS);
+  for (int i = 1; i <= parts; ++i) {
+    double next = i == parts ? time : from + (time - from) * i / parts;
+    predict(w->m, s, next - s->time);
+    s->time = next;
+    km_status status = km_dynamics_accelerate(w->dynamics, s, error);
+    if (status)
+      return status == KM_DIVERGED && wanted > MOST_PARTS ? too_far(w, time - from, error) : status;
+  }
+  return KM_OK;
+}
+
+static km_status go_on(km_history_writer *w, const km_inverse_def *def, km_error *error) {
+  km_error why;
+  for (int row = 1; row <= def->steps; ++row) {
+    double time = def->until * row / def->steps;
+    km_status status = go_to(w, time, &why);
+    if (status == KM_DIVERGED)
+      return km_fail(error, KM_PARTIAL,
+                     "at %.9g %s the drive can't go on: it is at a dead point, or a link's reach ends", w->state->time,
+                     w->m->model->units.time->suffix);
+    if (status)
+      return km_fail(error, status, "%s", why.text);
+    status = km_history_row(w, error);
+    if (status)
+      return status;
+    if (def->progress && !def->progress(def->context, (double)row / def->steps))
+      return km_fail(error, KM_CANCELLED, "cancelled at time %g", time);
+  }
+  return KM_OK;
+}
+
+km_status km_inverse_run(const km_mechanism *m, km_forces *forces, km_state *state, const km_inverse_def *def,
+                         km_history *out, km_error *error) {
+  km_status status = km_history_check(m, forces, state, def, out, error);
+  if (!status)
+    status = check_def(m, def, error);
+  if (status)
+    return status;
+  km_error own;
+  km_history_writer w = {.m = m,
+                         .frames = def->frames,
+                         .frame_count = def->frame_count,
+                         .reactions = def->reactions,
+                         .shaking = true,
+                         .axes = def->axes,
+                         .forces = forces,
+                         .state = state,
+                         .out = out};
+  status = begin(&w, def, &own);
+  if (!status)
+    status = go_on(&w, def, &own);
+  if (out->table && km_table_rows(out->table) > 0) {
+    km_status found = km_inverse_find_peaks(&w, go_to, status ? NULL : &own);
+    status = status ? status : found;
+  }
+  return km_history_end(&w, status, &own, error);
+}

@@ -1,0 +1,162 @@
+/* A simulation row by row: its columns, and what stands in them. */
+#include "base/arguments.h"
+#include "history/history_table.h"
+#include "kmech/sweep.h"
+
+#include <string.h>
+
+static const double default_span = 10.0; /* seconds */
+enum { DEFAULT_ROWS = 200 };
+
+km_history_def km_history_default(const km_model *model) {
+  km_history_def def = {.simulation = km_simulation_default()};
+  if (!model)
+    return def;
+  const km_simulation_settings *given = &model->simulation;
+  def.until = given->span > 0.0 ? given->span : default_span / model->units.time->si;
+  def.every = given->step > 0.0 ? given->step : def.until / DEFAULT_ROWS;
+  if (given->relative > 0.0)
+    def.simulation.relative = given->relative;
+  if (given->absolute > 0.0)
+    def.simulation.absolute = given->absolute;
+  return def;
+}
+
+static km_status check_def(const km_mechanism *m, const km_history_def *def, km_error *error) {
+  if (!isfinite(def->start) || !(def->until > def->start) || !isfinite(def->until))
+    return km_fail(error, KM_USAGE, "end %g; expected a time after the start at %g", def->until, def->start);
+  if (!(def->every > 0.0) || !isfinite(def->every))
+    return km_fail(error, KM_USAGE, "%g between rows; expected a positive time", def->every);
+  if ((def->until - def->start) / def->every > KM_MOST_SWEEP_STEPS)
+    return km_fail(error, KM_USAGE, "%g between rows up to %g; expected at most %d rows", def->every, def->until,
+                   KM_MOST_SWEEP_STEPS);
+  double longest = def->simulation.max_step;
+  if (longest > 0.0 && def->until + longest == def->until) /* time would stand still */
+    return km_fail(error, KM_USAGE, "longest step %g; expected one that a time of %g can grow by", longest, def->until);
+  return km_history_check_frames(m, def->frames, def->frame_count, error);
+}
+
+/* Stated rates that the loops change by more than this part of the largest one are reported. */
+static const double least_change = 1e-9;
+
+/* Lists the stated rates that the start doesn't have; `stated`: as they were before the loops were kept. */
+static void list_changed_rates(const km_history_writer *w, const double *stated) {
+  const km_mechanism *m = w->m;
+  km_history *h = w->out;
+  double largest = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    largest = fmax(largest, m->scale[c] * fmax(fabs(stated[c]), fabs(w->state->rate[c])));
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    km_rate_source source = w->state->source[c];
+    if (source == KM_RATE_FOLLOWS || w->dynamics->driven[c] ||
+        !(m->scale[c] * fabs(w->state->rate[c] - stated[c]) > least_change * largest))
+      continue;
+    double factor = km_model_coordinate_factor(m->model, c);
+    h->changed_rates[h->changed_rate_count++] =
+        (km_changed_rate){c, stated[c] / factor, w->state->rate[c] / factor, source == KM_RATE_MODEL};
+  }
+}
+
+/* Rates that keep the loops, the stated ones among them. */
+static km_status start_rates(km_history_writer *w, km_error *error) {
+  size_t count = (size_t)w->m->coordinate_count;
+  double *stated = KM_NEW(double, count + 1);
+  w->out->changed_rates = KM_NEW(km_changed_rate, count + 1);
+  km_status status = stated && w->out->changed_rates ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the rates");
+  if (!status) {
+    memcpy(stated, w->state->rate, count * sizeof *stated);
+    status = km_dynamics_project_rates(w->dynamics, w->state, &w->out->rate_change, error);
+  }
+  if (!status)
+    list_changed_rates(w, stated);
+  km_free(stated);
+  return status;
+}
+
+static km_status begin(km_history_writer *w, const km_history_def *def, km_error *error) {
+  km_simulation_def simulation = def->simulation;
+  simulation.end = def->until;
+  w->state->time = def->start;
+  km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
+  if (!status)
+    status = km_rubbing_create(w->dynamics, &w->rubbing, error);
+  if (!status)
+    status = start_rates(w, error);
+  if (!status)
+    status = km_history_watch_limits(w, &simulation, error);
+  if (!status)
+    status = km_simulation_create(w->dynamics, w->state, &simulation, &w->simulation, error);
+  if (!status)
+    status = km_history_begin(w, error);
+  return status ? status : km_history_row(w, error);
+}
+
+/* Rows at multiples of `every` and at the end; the last one is where the run stopped. */
+static km_status go_on(km_history_writer *w, const km_history_def *def, km_error *error) {
+  double until = def->until, every = def->every;
+  km_status status = KM_OK;
+  for (long row = 1; !status && w->state->time < until; ++row) {
+    double time = def->start + (double)row * every;
+    time = time > until - 1e-9 * every ? until : time;
+    status = km_simulation_advance(w->simulation, time, NULL, NULL, error);
+    if (status && status != KM_PARTIAL && status != KM_DIVERGED)
+      return status;
+    km_status written = km_history_row(w, status ? NULL : error);
+    if (!status)
+      status = written;
+    if (!status && def->progress && !def->progress(def->context, (time - def->start) / (until - def->start)))
+      return km_fail(error, KM_CANCELLED, "cancelled at time %g", time);
+  }
+  return status;
+}
+
+static km_status take_crossings(km_history_writer *w, km_status status, km_error *error) {
+  km_history *h = w->out;
+  int count = km_simulation_crossing_count(w->simulation);
+  h->crossings = KM_NEW(km_crossing_met, (size_t)count + 1);
+  if (!h->crossings)
+    return km_fail(error, KM_MEMORY, "out of memory for the crossings");
+  for (int i = 0; i < count; ++i) {
+    km_crossing_met met = km_simulation_crossing(w->simulation, i);
+    if (!km_limits_crossed(&w->limits, &met))
+      h->crossings[h->crossing_count++] = met;
+  }
+  return status;
+}
+
+km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *state, const km_history_def *def,
+                         km_history *out, km_error *error) {
+  km_status status = km_history_check(m, forces, state, def, out, error);
+  if (!status)
+    status = check_def(m, def, error);
+  if (status)
+    return status;
+  km_error own;
+  km_history_writer w = {.m = m,
+                         .frames = def->frames,
+                         .frame_count = def->frame_count,
+                         .reactions = def->reactions,
+                         .mobility = def->mobility,
+                         .axes = def->axes,
+                         .forces = forces,
+                         .state = state,
+                         .out = out};
+  status = begin(&w, def, &own);
+  if (!status)
+    status = go_on(&w, def, &own);
+  if (w.simulation)
+    status = take_crossings(&w, status, &own);
+  return km_history_end(&w, status, status == KM_PARTIAL ? NULL : &own, error);
+}
+
+void km_history_free(km_history *h) {
+  if (!h)
+    return;
+  km_table_free(h->table);
+  km_free(h->crossings);
+  km_free(h->exceeded);
+  km_free(h->limits);
+  km_free(h->peaks);
+  km_free(h->changed_rates);
+  *h = (km_history){0};
+}

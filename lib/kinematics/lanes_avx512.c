@@ -1,8 +1,0 @@
-/* The same lanes in registers of eight doubles. No fused multiply-add: the bits stay the same. */
-#ifdef KM_LANES_AVX512
-#define NAME  km_lanes_step_avx512
-#define WIDTH 8
-#include "kinematics/lanes_body.h"
-#else
-typedef int km_lanes_avx512_is_empty;
-#endif

@@ -1,0 +1,47 @@
+/* One primitive motion on the way out along a chain: what programs of loops and equations of motion share. */
+#ifndef KM_KINEMATICS_PRIMITIVE_MOTION_H
+#define KM_KINEMATICS_PRIMITIVE_MOTION_H
+
+#include "model/joint_type.h"
+#include "spatial/sincos.h"
+#include "spatial/twist.h"
+
+/* The pose after a motion from X, its frame. `sign` is -1 where the joint is passed against its sense; `value` is the
+ * coordinate times that, a length in the unit that X has, `pitch` the travel per radian in that unit; `ball` a ball's
+ * coordinates (else not read). h receives the columns with the sign, one a coordinate. */
+static inline km_pose km_motion_step(km_motion motion, double sign, double pitch, double value,
+                                     const km_quaternion *ball, km_pose X, km_twist *h) {
+  km_vec3 axis = X.R.axis[motion.axis];
+  double sine, cosine;
+  switch (motion.primitive) {
+  case KM_PRISMATIC:
+    h[0] = km_twist_prismatic(km_vec3_scale(sign, axis));
+    X.p = km_vec3_axpy(value, axis, X.p);
+    break;
+  case KM_REVOLUTE:
+    h[0] = km_twist_revolute(km_vec3_scale(sign, axis), X.p);
+    km_sincos(value, &sine, &cosine);
+    X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
+    break;
+  case KM_HELICAL:
+    h[0] = km_twist_revolute(km_vec3_scale(sign, axis), X.p);
+    h[0].v = km_vec3_axpy(sign * pitch, axis, h[0].v);
+    X.p = km_vec3_axpy(value * pitch, axis, X.p);
+    km_sincos(value, &sine, &cosine);
+    X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
+    break;
+  case KM_BALL: {
+    /* Rates are about the axes of the joint's parent frame: the frame before the turn, or, passed against its sense, the
+     * frame after it. */
+    km_rotation turn = km_quaternion_rotation(sign > 0.0 ? *ball : km_quaternion_conjugate(*ball)), before = X.R;
+    X.R = km_rotation_product(&X.R, &turn);
+    const km_rotation *axes = sign > 0.0 ? &before : &X.R;
+    for (int k = 0; k < 3; ++k)
+      h[k] = km_twist_revolute(km_vec3_scale(sign, axes->axis[k]), X.p);
+    break;
+  }
+  }
+  return X;
+}
+
+#endif

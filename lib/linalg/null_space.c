@@ -1,0 +1,118 @@
+/* Orthonormal null spaces from a partition, and mobility numbers. */
+#include "linalg/dense/simd_pair.h"
+#include "linalg/partition.h"
+
+#include <math.h>
+#include <string.h>
+
+static double dot_of(const double *a, const double *b, int count) {
+  double sum = 0.0;
+  for (int i = 0; i < count; ++i)
+    sum += a[i] * b[i];
+  return sum;
+}
+
+/* The same in lanes: another order of sums. */
+static double dot_in_lanes(const double *a, const double *b, int count) {
+  km_pair sums[4] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
+  int i = 0;
+  for (; i + 8 <= count; i += 8)
+    for (int k = 0; k < 4; ++k)
+      sums[k] += km_pair_load(a + i + 2 * k) * km_pair_load(b + i + 2 * k);
+  for (; i < count; ++i)
+    sums[0] += (km_pair){a[i] * b[i], 0.0};
+  sums[0] += sums[1] + (sums[2] + sums[3]);
+  return sums[0][0] + sums[0][1];
+}
+
+static void scale(double *z, int count, double factor) {
+  for (int i = 0; i < count; ++i)
+    z[i] *= factor;
+}
+
+/* Modified Gram-Schmidt, twice: with a forced driver near its toggle N is badly conditioned, and one pass
+ * would leave its columns that much out of square. The first vector has length 1 already, those before `first` are done. */
+static void orthonormalise(double *Z, int columns, int first, int count) {
+  size_t n = (size_t)columns;
+  for (int k = first > 1 ? first : 1; k < count; ++k) {
+    double *z = Z + (size_t)k * n;
+    for (int pass = 0; pass < 2; ++pass) {
+      for (int o = 0; o < k; ++o) {
+        const double *y = Z + (size_t)o * n;
+        double dot = count > KM_MANY_VECTORS ? dot_in_lanes(y, z, columns) : dot_of(y, z, columns);
+        if (dot == 0.0)
+          continue;
+        for (size_t i = 0; i < n; ++i)
+          z[i] -= dot * y[i];
+      }
+    }
+    scale(z, columns, 1.0 / sqrt(dot_of(z, z, columns)));
+  }
+}
+
+/* diag(weight) times null vector k; returns its square. */
+static double null_vector(const km_partition *p, const double *weight, int k, double *z) {
+  const int rank = p->rank, *const column = p->column;
+  const double *b = km_partition_b(p, k);
+  for (int c = rank; c < p->columns; ++c)
+    z[column[c]] = 0.0;
+  double own = weight[column[rank + k]], sum = own * own;
+  z[column[rank + k]] = own;
+  for (int i = 0; i < rank; ++i) {
+    double value = -b[i] * weight[column[i]];
+    z[column[i]] = value;
+    sum += value * value;
+  }
+  return sum;
+}
+
+void km_partition_null_more(const km_partition *p, const double *weight, int first, int count, double *Z) {
+  for (int k = first; k < count; ++k) {
+    double square = null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
+    if (k == 0)
+      scale(Z, p->columns, 1.0 / sqrt(square));
+  }
+  orthonormalise(Z, p->columns, first, count);
+}
+
+void km_partition_null(const km_partition *p, const double *weight, int count, double *Z) {
+  km_partition_null_more(p, weight, 0, count, Z);
+}
+
+/* The rows of [I B], that is of J's row space, over the weights; returns the square of the first one. */
+static double row_vectors(const km_partition *p, const double *weight, int count, double *R) {
+  const int rank = p->rank, *const column = p->column;
+  size_t n = (size_t)p->columns;
+  double square = 0.0;
+  memset(R, 0, (size_t)rank * n * sizeof *R);
+  for (int i = 0; i < rank; ++i)
+    R[(size_t)i * n + (size_t)column[i]] = 1.0 / weight[column[i]];
+  for (int k = 0; k < count; ++k) {
+    const double *b = km_partition_b(p, k);
+    int c = column[rank + k];
+    for (int i = 0; i < rank; ++i)
+      R[(size_t)i * n + (size_t)c] = b[i] / weight[c];
+  }
+  for (int k = -1; k < count && rank > 0; ++k) {
+    double entry = R[column[k < 0 ? 0 : rank + k]];
+    square += entry * entry;
+  }
+  return square;
+}
+
+void km_partition_rows(const km_partition *p, const double *weight, int count, double *R) {
+  double square = row_vectors(p, weight, count, R);
+  if (p->rank > 0)
+    scale(R, p->columns, 1.0 / sqrt(square));
+  orthonormalise(R, p->columns, 0, p->rank);
+}
+
+void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers) {
+  for (int j = 0; j < columns; ++j)
+    numbers[j] = freedom > 0 ? Z[j] * Z[j] : 0.0;
+  for (int k = 1; k < freedom; ++k) {
+    const double *z = Z + (size_t)k * (size_t)columns;
+    for (int j = 0; j < columns; ++j)
+      numbers[j] += z[j] * z[j];
+  }
+}

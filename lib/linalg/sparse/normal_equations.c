@@ -1,0 +1,293 @@
+/* Normal equations by CHOLMOD. */
+#include "linalg/sparse/normal_equations.h"
+
+#include "base/dynamic_library.h"
+#include "base/memory.h"
+#include "base/random.h"
+#include "linalg/dense/simd_pair.h"
+#include "linalg/sparse/openmp_threads.h"
+#include "linalg/sparse/row_products.h"
+
+#include <cholmod.h>
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#define CHOLMOD_FUNCTIONS(X)                                                                                           \
+  X(cholmod_l_start)                                                                                                   \
+  X(cholmod_l_finish)                                                                                                  \
+  X(cholmod_l_analyze)                                                                                                 \
+  X(cholmod_l_metis)                                                                                                   \
+  X(cholmod_l_factorize)                                                                                               \
+  X(cholmod_l_solve2)                                                                                                  \
+  X(cholmod_l_free_dense)                                                                                              \
+  X(cholmod_l_free_factor)
+
+typedef struct library {
+#define X(name) __typeof__(name) *name; /* the function's own type */
+  CHOLMOD_FUNCTIONS(X)
+#undef X
+} library;
+
+/* A, and its rows' products in the order in which they are eliminated; of a row that isn't used the product with itself alone counts,
+ * so that the pattern is the same whatever is used. */
+struct km_normal {
+  const library *cholmod;
+  cholmod_common common;
+  cholmod_factor *L;
+  cholmod_dense *X, *Y, *E; /* of solutions */
+  long rows, columns, *start, *row;
+  long *place;      /* [rows] of each in the order of elimination */
+  long *dissection; /* [rows] see km_normal_dissection; NULL: not asked for yet */
+  km_products products;
+  bool *used;           /* [rows] in what is factored */
+  bool *used_columns;   /* [columns] */
+  double *value, *next; /* factored, and to be factored */
+  double *b, *z, *step; /* [rows], [rows], [columns] */
+  bool is_factored;
+};
+
+static const library *load(void) {
+#define X(name) #name,
+  static const char *const files[] = {KM_CHOLMOD, NULL}, *const names[] = {CHOLMOD_FUNCTIONS(X) NULL};
+#undef X
+  static library functions;
+  static km_library cholmod = {files, names, &functions, false};
+  return km_library_load(&cholmod) ? NULL : &functions;
+}
+
+bool km_normal_is_installed(void) {
+  return load() != NULL;
+}
+
+static cholmod_sparse matrix_of(const km_normal *n) {
+  return (cholmod_sparse){.nrow = (size_t)n->rows,
+                          .ncol = (size_t)n->columns,
+                          .nzmax = (size_t)n->start[n->columns],
+                          .p = n->start,
+                          .i = n->row,
+                          .x = n->value,
+                          .itype = CHOLMOD_LONG,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .packed = 1};
+}
+
+/* Blocks are factored from the triangle below the diagonal, single columns from that above it: neither is transposed then. */
+static cholmod_sparse products_of(const km_normal *n, bool upper) {
+  const km_products *p = &n->products;
+  return (cholmod_sparse){.nrow = (size_t)n->rows,
+                          .ncol = (size_t)n->rows,
+                          .nzmax = (size_t)p->start[n->rows],
+                          .p = p->start,
+                          .i = p->row,
+                          .x = p->value,
+                          .stype = upper ? 1 : -1,
+                          .itype = CHOLMOD_LONG,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .sorted = 1,
+                          .packed = 1};
+}
+
+static bool reserve(km_normal *n, int rows, int columns, const int *start, const int *row) {
+  size_t entries = (size_t)start[columns];
+  n->rows = rows;
+  n->columns = columns;
+  n->start = KM_NEW(long, (size_t)columns + 1);
+  n->row = KM_NEW(long, entries + 1);
+  n->place = KM_NEW(long, (size_t)rows + 1);
+  n->used = KM_NEW(bool, (size_t)rows + 1);
+  n->used_columns = KM_NEW(bool, (size_t)columns + 1);
+  n->value = KM_NEW(double, entries + 1);
+  n->next = KM_NEW(double, entries + 1);
+  n->b = KM_NEW(double, (size_t)rows + 1);
+  n->z = KM_NEW(double, (size_t)rows + 1);
+  n->step = KM_NEW(double, (size_t)columns + 1);
+  if (!n->start || !n->row || !n->place || !n->used || !n->used_columns || !n->value || !n->next || !n->b || !n->z ||
+      !n->step)
+    return false;
+  for (int c = 0; c <= columns; ++c)
+    n->start[c] = start[c];
+  for (int i = 0; i < start[columns]; ++i)
+    n->row[i] = row[i];
+  return true;
+}
+
+/* The order of elimination from A itself, which COLAMD needs, and then the factor of the products in that order. */
+static bool analyse(km_normal *n, const int *start, const int *row) {
+  cholmod_common *c = &n->common;
+  n->cholmod->cholmod_l_start(c);
+  c->print = 0;
+  c->nmethods = 1;
+  c->method[0].ordering = CHOLMOD_COLAMD;
+  c->supernodal = CHOLMOD_AUTO;
+  cholmod_sparse A = matrix_of(n);
+  cholmod_factor *first = n->cholmod->cholmod_l_analyze(&A, c);
+  if (!first)
+    return false;
+  bool upper = !first->is_super;
+  for (long k = 0; k < n->rows; ++k)
+    n->place[((const long *)first->Perm)[k]] = k;
+  n->cholmod->cholmod_l_free_factor(&first, c);
+  if (!km_products_make((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
+    return false;
+  c->method[0].ordering = CHOLMOD_NATURAL;
+  c->postorder = 0;
+  c->supernodal = upper ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+  cholmod_sparse P = products_of(n, upper);
+  n->L = n->cholmod->cholmod_l_analyze(&P, c);
+  return n->L != NULL;
+}
+
+km_normal *km_normal_create(int rows, int columns, const int *start, const int *row) {
+  const library *cholmod = load();
+  km_normal *n = cholmod ? KM_NEW(km_normal, 1) : NULL;
+  if (!n)
+    return NULL;
+  n->cholmod = cholmod;
+  if (reserve(n, rows, columns, start, row) && analyse(n, start, row))
+    return n;
+  km_normal_free(n);
+  return NULL;
+}
+
+void km_normal_free(km_normal *n) {
+  if (!n)
+    return;
+  n->cholmod->cholmod_l_free_dense(&n->X, &n->common);
+  n->cholmod->cholmod_l_free_dense(&n->Y, &n->common);
+  n->cholmod->cholmod_l_free_dense(&n->E, &n->common);
+  n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
+  n->cholmod->cholmod_l_finish(&n->common);
+  km_products_free(&n->products);
+  void *const all[] = {n->start, n->row,  n->place, n->dissection, n->used, n->used_columns,
+                       n->value, n->next, n->b,     n->z,          n->step, n};
+  for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
+    km_free(all[i]);
+}
+
+const long *km_normal_dissection(km_normal *n) {
+  if (n->dissection)
+    return n->dissection;
+  n->dissection = KM_NEW(long, (size_t)n->rows + 1);
+  cholmod_sparse A = matrix_of(n);
+  if (n->dissection && !n->cholmod->cholmod_l_metis(&A, NULL, 0, true, n->dissection, &n->common)) {
+    km_free(n->dissection);
+    n->dissection = NULL;
+  }
+  return n->dissection;
+}
+
+bool km_normal_has(const km_normal *n, const bool *used_rows, const bool *used_columns) {
+  return n->is_factored && memcmp(n->used, used_rows, (size_t)n->rows * sizeof *n->used) == 0 &&
+         memcmp(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns) == 0;
+}
+
+bool km_normal_factor(km_normal *n, const double *matrix, const double *weight, const bool *used_rows,
+                      const bool *used_columns) {
+  size_t entries = (size_t)n->start[n->columns];
+  for (long c = 0; c < n->columns; ++c)
+    for (long i = n->start[c]; i < n->start[c + 1]; ++i)
+      n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
+  if (km_normal_has(n, used_rows, used_columns) && memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
+    return true;
+  memcpy(n->value, n->next, entries * sizeof *n->next);
+  memcpy(n->used, used_rows, (size_t)n->rows * sizeof *n->used);
+  memcpy(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns);
+  km_products_find(&n->products, n->value, n->used);
+  cholmod_sparse P = products_of(n, !n->L->is_super);
+  int levels = km_one_thread_begin();
+  n->is_factored = n->cholmod->cholmod_l_factorize(&P, n->L, &n->common) && n->L->minor == n->L->n;
+  km_one_thread_end(levels);
+  return n->is_factored;
+}
+
+/* b − A x in the rows that are used, 0 in the others. */
+static void subtract_rows(const km_normal *n, const double *x, double *b) {
+  for (long c = 0; c < n->columns; ++c)
+    for (long i = n->start[c]; i < n->start[c + 1]; ++i)
+      b[n->row[i]] -= n->value[i] * x[c];
+}
+
+/* (A Aᵀ)⁻¹ b; NULL: no memory. */
+static const double *solve_normal(km_normal *n) {
+  size_t rows = (size_t)n->rows;
+  cholmod_dense B = {
+      .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->z, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  for (size_t r = 0; r < rows; ++r)
+    n->z[n->place[r]] = n->b[r];
+  if (!n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->E, &n->common))
+    return NULL;
+  for (size_t r = 0; r < rows; ++r)
+    n->z[r] = ((const double *)n->X->x)[n->place[r]];
+  return n->z;
+}
+
+double km_normal_smallest(km_normal *n) {
+  enum { PASSES = 3 };
+  double square = 0.0, largest = km_largest_size(n->value, (int)n->start[n->columns]);
+  uint64_t seed = 1;
+  for (long r = 0; r < n->rows; ++r)
+    n->b[r] = n->used[r] ? km_uniform(&seed) : 0.0;
+  for (int i = 0; i < PASSES; ++i) {
+    double before = sqrt(km_sum_of_squares(n->b, (int)n->rows));
+    const double *z = solve_normal(n);
+    double after = z ? sqrt(km_sum_of_squares(z, (int)n->rows)) : HUGE_VAL;
+    square = before / after;
+    for (long r = 0; r < n->rows && z; ++r)
+      n->b[r] = z[r] / after;
+  }
+  /* Its square is known to rounding of the squares of entries, which adds up over the rows. */
+  double least = 100.0 * DBL_EPSILON * (double)n->rows * largest * largest;
+  return square > least ? sqrt(square) / largest : 0.0;
+}
+
+/* step = Aᵀ(A Aᵀ)⁻¹ b; returns its length, NaN: no memory. */
+static double solve(km_normal *n) {
+  const double *z = solve_normal(n);
+  if (!z)
+    return nan("");
+  for (long c = 0; c < n->columns; ++c) {
+    double sum = 0.0;
+    for (long i = n->start[c]; i < n->start[c + 1]; ++i)
+      sum += n->value[i] * z[n->row[i]];
+    n->step[c] = sum;
+  }
+  return sqrt(km_sum_of_squares(n->step, (int)n->columns));
+}
+
+/* From n->b on, with what the rows that aren't used have in it 0. Every step is smaller than the one before it by about the same
+ * share, which tells what is left. */
+static bool correct(km_normal *n, double *x) {
+  enum { MOST_CORRECTIONS = 4 };
+  static const double most_share = 0.1, rounding = 1e-15;
+  double last = solve(n), length = last;
+  memcpy(x, n->step, (size_t)n->columns * sizeof *x);
+  for (int i = 0; i < MOST_CORRECTIONS && length > 0.0; ++i) {
+    subtract_rows(n, n->step, n->b);
+    double step = solve(n);
+    for (long c = 0; c < n->columns; ++c)
+      x[c] += n->step[c];
+    if (step * step <= rounding * last * length)
+      return true;
+    if (!(step <= most_share * last))
+      return false;
+    last = step;
+  }
+  return length == 0.0;
+}
+
+bool km_normal_least(km_normal *n, const double *b, double *x) {
+  for (long r = 0; r < n->rows; ++r)
+    n->b[r] = n->used[r] ? b[r] : 0.0;
+  return correct(n, x);
+}
+
+bool km_normal_part(km_normal *n, const double *y, double *x) {
+  memset(n->b, 0, (size_t)n->rows * sizeof *n->b);
+  subtract_rows(n, y, n->b);
+  for (long r = 0; r < n->rows; ++r)
+    n->b[r] = -n->b[r];
+  return correct(n, x);
+}

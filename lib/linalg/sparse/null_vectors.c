@@ -1,0 +1,57 @@
+/* Null vectors of the sparse factor by their entries: a solution by those columns of U alone that the right side reaches (J.
+ * Gilbert, T. Peierls, 1988). */
+#include "linalg/sparse/sparse_lu.h"
+
+int km_sparse_reach_upper(const km_partition *p, const km_run *own) {
+  const km_sparse *s = p->sparse;
+  int top = p->rows;
+  for (int i = own->start; i < own->end; ++i) {
+    int depth = s->upper_store.value[i] != 0.0 ? 0 : -1;
+    s->stack[0] = s->upper_store.index[i];
+    s->next[0] = -1;
+    while (depth >= 0 && (s->next[depth] >= 0 || !s->seen[s->stack[depth]])) {
+      int step = s->stack[depth];
+      const km_run *above = &s->upper[p->column[step]];
+      if (s->next[depth] < 0)
+        s->next[depth] = above->start;
+      s->seen[step] = true;
+      while (s->next[depth] < above->end &&
+             (s->seen[s->upper_store.index[s->next[depth]]] || s->upper_store.value[s->next[depth]] == 0.0))
+        s->next[depth]++;
+      if (s->next[depth] < above->end) {
+        int child = s->upper_store.index[s->next[depth]++];
+        s->stack[++depth] = child;
+        s->next[depth] = -1;
+      } else {
+        s->list[--top] = step;
+        --depth;
+      }
+    }
+  }
+  return top;
+}
+
+int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
+  const km_sparse *s = p->sparse;
+  const km_run *own = &s->upper[p->column[p->rank + k]];
+  int count = 0;
+  column[count] = p->column[p->rank + k];
+  value[count++] = 1.0;
+  int top = km_sparse_reach_upper(p, own);
+  for (int i = own->start; i < own->end; ++i)
+    s->x[s->upper_store.index[i]] = s->upper_store.value[i];
+  for (int i = top; i < p->rows; ++i) {
+    int step = s->list[i];
+    double b = s->x[step] * p->inverse[step];
+    const km_run *above = &s->upper[p->column[step]];
+    s->seen[step] = false;
+    s->x[step] = 0.0;
+    if (b == 0.0)
+      continue;
+    for (int n = above->start; n < above->end; ++n)
+      s->x[s->upper_store.index[n]] -= s->upper_store.value[n] * b;
+    column[count] = p->column[step];
+    value[count++] = -b;
+  }
+  return count;
+}

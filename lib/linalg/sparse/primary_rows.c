@@ -1,0 +1,146 @@
+/* Primary rows by sparse orthogonal methods: normal equations A A^T of the rows show by their smallest eigenvalue that all
+ * rows are independent; a sparse Q R of the rows finds those that depend on others. */
+#include "linalg/sparse/normal_equations.h"
+#include "linalg/sparse/sparse_lu.h"
+#include "linalg/sparse/sparse_qr.h"
+
+#include <math.h>
+#include <string.h>
+
+void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *left_out, int row,
+                        int k, km_columns out) {
+  long next = out.start[k];
+  for (int i = s->row_start[row]; i < s->row_start[row + 1]; ++i) {
+    const km_row_entry *at = &s->by_row[i];
+    if (matrix[at->entry] == 0.0 || left_out[at->column])
+      continue;
+    out.row[next] = at->column;
+    out.value[next++] = weight ? matrix[at->entry] / weight[at->column] : matrix[at->entry];
+  }
+  out.start[k + 1] = next;
+}
+
+bool km_partition_may_wait(const km_partition *p) {
+  return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p) && km_normal_is_installed();
+}
+
+km_normal *km_sparse_need_normal(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  if (!km_partition_may_wait(p))
+    return NULL;
+  if (!*s->normal)
+    *s->normal = km_normal_create(p->rows, p->columns, s->start, s->row);
+  return *s->normal;
+}
+
+km_normal *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count) {
+  km_normal *normal = km_sparse_need_normal(p);
+  if (!normal)
+    return NULL;
+  bool *rows = KM_NEW(bool, (size_t)p->rows + 1), *columns = KM_NEW(bool, (size_t)p->columns + 1);
+  for (int k = 0; k < p->rank && rows; ++k)
+    rows[p->row[k]] = true;
+  for (int k = 0; k < p->rank + count && columns; ++k)
+    columns[p->column[k]] = true;
+  bool good = rows && columns &&
+              (matrix ? km_normal_factor(normal, matrix, weight, rows, columns) : km_normal_has(normal, rows, columns));
+  km_free(rows);
+  km_free(columns);
+  return good ? normal : NULL;
+}
+
+/* Columns that may be pivots first, then the forced and the locked ones; returns how many may be. */
+static int arrange_columns(const km_partition *p, const bool *forced) {
+  int next = 0, most = 0;
+  for (int group = 0; group < 3; ++group) {
+    for (int c = 0; c < p->columns; ++c)
+      if ((km_sparse_is_locked(p, c) ? 2 : km_sparse_is_given(p, forced, c)) == group)
+        p->column[next++] = c;
+    most = group == 0 ? next : most;
+  }
+  return most;
+}
+
+/* How far from the primary rows, which the normal equations have, those that aren't primary are, over the largest entry: about the
+ * length of what is left of a sum of them all, each with a factor as if by chance. */
+static double distance_of_others(const km_partition *p, km_normal *normal, const double *matrix, int used) {
+  const km_sparse *s = p->sparse;
+  size_t n = (size_t)p->columns;
+  double *sum = KM_NEW(double, n + 1), *part = KM_NEW(double, n + 1), largest = 0.0, square = 0.0;
+  for (int k = 0; k < used && sum; ++k) {
+    int c = p->column[k];
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
+      double entry = matrix[i] / s->weight[c];
+      largest = fmax(largest, fabs(entry));
+      sum[c] += s->step_of[s->row[i]] < 0 ? km_sparse_weight(s->row[i], 0) * entry : 0.0;
+    }
+  }
+  bool found = sum && part && km_normal_part(normal, sum, part);
+  for (size_t c = 0; c < n && found; ++c)
+    square += (sum[c] - part[c]) * (sum[c] - part[c]);
+  km_free(sum);
+  km_free(part);
+  return found ? sqrt(square) / largest : HUGE_VAL;
+}
+
+/* The rows that are tried as primary ones. */
+static void list_rows(km_partition *p, bool kept) {
+  const km_sparse *s = p->sparse;
+  for (int r = 0; r < p->rows; ++r) {
+    s->step_of[r] = -1;
+    p->row[r] = kept ? p->row[r] : r;
+  }
+  p->rank = kept ? p->rank : p->rows;
+  for (int k = 0; k < p->rank; ++k)
+    s->step_of[p->row[k]] = k;
+}
+
+bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  const bool kept = p->kept_rows > 0.0;
+  const double least = kept ? p->kept_rows : tolerance;
+  int most = s->normal ? arrange_columns(p, forced) : 0;
+  if (most < (kept ? p->rank : p->rows))
+    return false;
+  list_rows(p, kept);
+  km_normal *normal = km_sparse_normal(p, matrix, s->weight, most - p->rank);
+  double smallest = normal ? km_normal_smallest(normal) : 0.0;
+  if (!(smallest > least))
+    return false;
+  double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
+  if (!(left <= tolerance))
+    return false;
+  p->first_pivot = p->scale;
+  p->last_pivot = p->smallest_pivot = smallest * p->scale;
+  p->first_dropped = left * p->scale;
+  p->forced_dependent = false;
+  p->rows_stayed = kept;
+  for (int k = 0; k < p->rank; ++k)
+    p->inverse[k] = 1.0 / p->last_pivot;
+  s->singles = s->zero_count = 0;
+  memset(s->upper, 0, (size_t)p->columns * sizeof *s->upper);
+  memset(s->lower, 0, (size_t)p->columns * sizeof *s->lower);
+  return true;
+}
+
+bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  km_orthogonal *q = NULL;
+  km_error error;
+  int rank = -1, *list = KM_NEW(int, (size_t)p->rows + 1);
+  bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
+  if (list && left_out && !km_orthogonal_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
+    for (int c = 0; c < p->columns; ++c)
+      left_out[c] = km_sparse_is_locked(p, c) || (p->held && forced && forced[c]);
+    for (int r = 0; r < p->rows; ++r)
+      km_sparse_fill_row(p->sparse, matrix, NULL, left_out, r, r, km_orthogonal_columns(q));
+    rank = km_orthogonal_independent(q, threshold, list);
+  }
+  for (int r = 0; r < p->rows && rank >= 0; ++r)
+    p->sparse->spare[r] = true;
+  for (int k = 0; k < rank; ++k)
+    p->sparse->spare[list[k]] = false;
+  km_orthogonal_free(q);
+  km_free(left_out);
+  km_free(list);
+  return rank >= 0 && rank < p->rows;
+}

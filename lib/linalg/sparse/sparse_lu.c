@@ -1,0 +1,214 @@
+/* The sparse engine: LU by columns with COLAMD's order, rank by what is left, and the choice of independent columns. */
+#include "linalg/sparse/sparse_lu.h"
+#include "linalg/dense/simd_pair.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+/* Smaller |B| than that is as good as complete pivoting gives. Of many vectors little is made, and they may reach far: the
+ * choice among them isn't worth more. */
+static const double good_b = 2.0, good_b_of_many = 30.0;
+enum { MOST_PASSES = 4 };
+/* Columns with more entries than others are shared by several loops: with those independent, null vectors reach no further
+ * than a loop and its neighbours. Returns whether they aren't those that are independent now. */
+static bool leave_shared(km_partition *p) {
+  km_sparse *s = p->sparse;
+  bool changed = false;
+  for (int c = 0; c < p->columns; ++c)
+    s->late[c] = (s->start[c + 1] - s->start[c]) * p->columns > s->start[p->columns];
+  for (int k = 0; k < p->rank; ++k)
+    changed = changed || s->late[p->column[k]];
+  return changed;
+}
+
+/* Of the independent columns that aren't forced. */
+static double largest_free_b(const km_partition *p, const bool *forced) {
+  return forced || p->locked ? km_sparse_largest_b(p, forced) : p->largest_b;
+}
+
+/* A column that is dependent though no pivot tells; -1: none, or the rank alone counts, and the primary rows are independent.
+ */
+static int find_hidden(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+                       bool rank_counts) {
+  if (p->failed || p->sparse->overfull)
+    return -1;
+  return rank_counts && km_sparse_hidden_row(p, matrix, forced, threshold) < 0 ? -1
+                                                                               : km_sparse_hidden(p, forced, threshold);
+}
+
+/* Until no column is dependent that no pivot tells, or that shows at least that the rank is right. What a column that comes
+ * last already keeps grew by small pivots: a row among the primary ones depends on the others, unless a forced column tells them apart. */
+static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold,
+                          bool rank_counts) {
+  km_sparse *s = p->sparse;
+  int hidden = -1, row = -1;
+  do {
+    if (row >= 0)
+      s->spare[row] = true;
+    else if (hidden >= 0)
+      s->late[hidden] = s->waits = true;
+    km_sparse_eliminate(p, matrix, forced, threshold);
+    hidden = find_hidden(p, matrix, forced, threshold, rank_counts);
+    bool last = hidden >= 0 && s->late[hidden];
+    row = last ? km_sparse_hidden_row(p, matrix, p->held ? forced : NULL, threshold) : -1;
+    if (last && row < 0)
+      hidden = -1;
+  } while (hidden >= 0);
+}
+
+/* The same of rows, whatever the columns are, one after the other. */
+static void eliminate_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  int hidden = -1;
+  do {
+    if (hidden >= 0)
+      p->sparse->spare[hidden] = true;
+    km_sparse_eliminate(p, matrix, forced, threshold);
+    hidden = p->failed ? -1 : km_sparse_hidden_row(p, matrix, forced, threshold);
+  } while (hidden >= 0);
+}
+
+double km_sparse_crowd(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  for (int c = 0; c < p->columns; ++c) {
+    double count = 0.0;
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+      count += s->step_of[s->row[i]] >= 0;
+    sum += count * count;
+  }
+  return sum;
+}
+
+/* Of all rows. */
+static double whole_crowd(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  for (int c = 0; c < p->columns; ++c)
+    sum += (double)(s->start[c + 1] - s->start[c]) * (s->start[c + 1] - s->start[c]);
+  return sum;
+}
+
+bool km_sparse_is_crowded(const km_partition *p) {
+  static const double most_crowd = 100.0; /* entries that share a column with one */
+  return whole_crowd(p) > most_crowd * p->sparse->start[p->columns];
+}
+
+/* By columns first, since their pivots tell more. Where rows depend on each other that may fill much, and little without those that
+ * are superfluous: Q R finds these. It has no fewer entries than about the rows' products; where rows outnumber columns it has far
+ * more, and is left to those that have shown a column to be dependent. */
+static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  enum { MOST_FILL = 4 };
+  km_sparse *s = p->sparse;
+  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], whole_crowd(p)), INT_MAX);
+  s->waits_to_fill = p->rows > p->columns;
+  eliminate_all(p, matrix, forced, threshold, true);
+  s->most_entries = 0;
+  if (!s->overfull)
+    return;
+  s->waits = false;
+  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  km_sparse_spare_rows(p, matrix, forced, threshold);
+  eliminate_rows(p, matrix, forced, threshold);
+}
+
+/* Are there so many motions that their least steps go by the rows, so that null vectors needn't be good ones? */
+static bool goes_by_rows(const km_partition *p) {
+  return p->rank > KM_MANY_VECTORS && km_partition_freedom(p) > KM_MANY_VECTORS;
+}
+
+/* Does any choice of independent columns serve who asks? */
+static bool any_serve(const km_partition *p) {
+  return p->unwatched && goes_by_rows(p);
+}
+
+/* Of the factor that is known: what was asked for changes it. */
+static unsigned flags_of(const km_partition *p) {
+  return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
+         (p->kept_rows > 0.0 ? 8u : 0u);
+}
+
+/* Flags of columns; NULL: none is set. */
+static void keep_flags(bool *kept, const bool *flags, size_t count) {
+  if (flags)
+    memcpy(kept, flags, count * sizeof *kept);
+  else
+    memset(kept, 0, count * sizeof *kept);
+}
+
+static bool are_kept(const bool *kept, const bool *flags, size_t count) {
+  return flags ? memcmp(kept, flags, count * sizeof *kept) == 0 : memchr(kept, true, count * sizeof *kept) == NULL;
+}
+
+bool km_sparse_knows(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  const km_sparse *s = p->sparse;
+  const size_t columns = (size_t)p->columns;
+  return s->is_known && !p->failed && s->known_tolerance == tolerance && s->known_flags == flags_of(p) &&
+         are_kept(s->known_forced, forced, columns) && are_kept(s->known_locked, p->locked, columns) &&
+         memcmp(s->known, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
+}
+
+static void remember(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  memcpy(s->known, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
+  keep_flags(s->known_forced, forced, (size_t)p->columns);
+  keep_flags(s->known_locked, p->locked, (size_t)p->columns);
+  s->known_tolerance = tolerance;
+  s->known_flags = flags_of(p);
+  s->is_known = !p->failed;
+}
+
+/* Passes of elimination until |B| is small enough, from `pass` on; it can go on later where it ends before that since any choice
+ * serves. */
+static void find_better_columns(km_partition *p, const double *matrix, const bool *forced, double threshold, int pass) {
+  for (; pass < MOST_PASSES; ++pass) {
+    eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->any_independent);
+    if (p->any_independent)
+      break;
+    bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && leave_shared(p);
+    double most = many && pass > 0 ? good_b_of_many : good_b;
+    bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
+    if (finite && largest_free_b(p, forced) <= most)
+      break;
+    bool ends = !others && any_serve(p) && km_partition_may_wait(p);
+    p->sparse->next_pass = ends && finite ? pass + 1 : 0;
+    if (ends || (!others && (!finite || !km_sparse_choose_late(p, forced))))
+      break;
+  }
+}
+
+static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  find_better_columns(p, matrix, forced, threshold, 0);
+}
+
+void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  p->scale = km_largest_size(matrix, s->start[p->columns]);
+  p->locked_count = 0;
+  p->rows_stayed = false;
+  s->waits = false;
+  s->next_pass = 0;
+  p->largest_b = 0.0;
+  for (int c = 0; p->locked && c < p->columns; ++c)
+    p->locked_count += p->locked[c];
+  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
+  s->by_rows = p->rows_only && !km_sparse_is_crowded(p);
+  s->by_normal = s->by_rows && km_sparse_rows_stand(p, matrix, forced, tolerance);
+  if (!s->by_normal)
+    (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
+  remember(p, matrix, forced, tolerance);
+}
+
+bool km_sparse_go_on(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+  km_sparse *s = p->sparse;
+  const int pass = s->next_pass;
+  if (pass == 0 || any_serve(p))
+    return false;
+  s->next_pass = 0;
+  bool changes = km_sparse_choose_late(p, forced);
+  if (changes)
+    find_better_columns(p, matrix, forced, tolerance * p->scale, pass);
+  remember(p, matrix, forced, tolerance);
+  return changes;
+}

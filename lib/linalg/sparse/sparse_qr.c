@@ -1,0 +1,271 @@
+/* Q R of large matrices by SPQR. */
+#include "linalg/sparse/sparse_qr.h"
+
+#include "base/dynamic_library.h"
+#include "base/memory.h"
+#include "linalg/sparse/triangular_solve.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <SuiteSparseQR_C.h>
+
+#define SPQR_FUNCTIONS(X)                                                                                              \
+  X(cholmod_l_start)                                                                                                   \
+  X(cholmod_l_finish)                                                                                                  \
+  X(cholmod_l_free)                                                                                                    \
+  X(cholmod_l_free_dense)                                                                                              \
+  X(cholmod_l_free_sparse)                                                                                             \
+  X(cholmod_l_transpose)                                                                                               \
+  X(SuiteSparseQR_C)                                                                                                   \
+  X(SuiteSparseQR_C_factorize)                                                                                         \
+  X(SuiteSparseQR_C_solve)                                                                                             \
+  X(SuiteSparseQR_C_qmult)                                                                                             \
+  X(SuiteSparseQR_C_free)
+
+typedef struct library {
+#define X(name) __typeof__(name) *name; /* the function's own type */
+  SPQR_FUNCTIONS(X)
+#undef X
+} library;
+
+struct km_orthogonal {
+  const library *spqr;
+  cholmod_common common;
+  SuiteSparseQR_C_factorization *QR;
+  SuiteSparse_long rows, columns, entries, *start, *row;
+  double *value;
+  int rank;
+};
+
+static const library *load(km_error *error) {
+#define X(name) #name,
+  static const char *const files[] = {KM_SPQR, NULL}, *const names[] = {SPQR_FUNCTIONS(X) NULL};
+#undef X
+  static library functions;
+  static km_library spqr = {files, names, &functions, false};
+  const char *reason = km_library_load(&spqr);
+  if (!reason)
+    return &functions;
+  km_fail(error, KM_IO, "a large mechanism can't be solved: %.300s; expected SuiteSparse's SPQR to be installed",
+          reason);
+  return NULL;
+}
+
+km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal **out, km_error *error) {
+  *out = NULL;
+  const library *spqr = load(error);
+  if (!spqr)
+    return KM_IO;
+  km_orthogonal *q = KM_NEW(km_orthogonal, 1);
+  if (!q)
+    return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
+  q->spqr = spqr;
+  q->spqr->cholmod_l_start(&q->common);
+  q->common.SPQR_nthreads = 1; /* the same sums in the same order on every machine */
+  q->common.SPQR_grain = 1;
+  q->common.print = 0;
+  q->rows = rows;
+  q->columns = columns;
+  q->entries = entries;
+  q->start = KM_NEW(SuiteSparse_long, (size_t)columns + 1);
+  q->row = KM_NEW(SuiteSparse_long, (size_t)entries + 1);
+  q->value = KM_NEW(double, (size_t)entries + 1);
+  *out = q;
+  if (q->start && q->row && q->value)
+    return KM_OK;
+  km_orthogonal_free(q);
+  *out = NULL;
+  return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
+}
+
+void km_orthogonal_free(km_orthogonal *q) {
+  if (!q)
+    return;
+  q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
+  q->spqr->cholmod_l_finish(&q->common);
+  km_free(q->start);
+  km_free(q->row);
+  km_free(q->value);
+  km_free(q);
+}
+
+km_columns km_orthogonal_columns(km_orthogonal *q) {
+  return (km_columns){q->start, q->row, q->value};
+}
+
+static cholmod_sparse matrix_of(const km_orthogonal *q) {
+  return (cholmod_sparse){.nrow = (size_t)q->rows,
+                          .ncol = (size_t)q->columns,
+                          .nzmax = (size_t)q->start[q->columns],
+                          .p = q->start,
+                          .i = q->row,
+                          .x = q->value,
+                          .itype = CHOLMOD_LONG,
+                          .xtype = CHOLMOD_REAL,
+                          .dtype = CHOLMOD_DOUBLE,
+                          .sorted = 1,
+                          .packed = 1};
+}
+
+bool km_orthogonal_factor(km_orthogonal *q, double tolerance) {
+  cholmod_sparse A = matrix_of(q);
+  q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
+  q->QR = q->spqr->SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
+  q->rank = (int)q->common.SPQR_istat[4];
+  return q->QR != NULL;
+}
+
+int km_orthogonal_rank(const km_orthogonal *q) {
+  return q->rank;
+}
+
+static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
+  size_t size = (size_t)rows * (size_t)columns;
+  return (cholmod_dense){.nrow = (size_t)rows,
+                         .ncol = (size_t)columns,
+                         .nzmax = size,
+                         .d = (size_t)rows,
+                         .x = x,
+                         .xtype = CHOLMOD_REAL,
+                         .dtype = CHOLMOD_DOUBLE};
+}
+
+bool km_orthogonal_reject(km_orthogonal *q, double *v, int count) {
+  cholmod_dense V = dense(v, q->rows, count);
+  cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
+  for (int k = 0; k < count && Y; ++k)
+    memset((double *)Y->x + (size_t)k * Y->d, 0, (size_t)q->rank * sizeof(double));
+  cholmod_dense *rest = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  bool done = rest != NULL;
+  if (done)
+    memcpy(v, rest->x, V.nzmax * sizeof(double));
+  q->spqr->cholmod_l_free_dense(&Y, &q->common);
+  q->spqr->cholmod_l_free_dense(&rest, &q->common);
+  return done;
+}
+
+bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares) {
+  cholmod_dense V = dense(v, q->rows, count);
+  cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
+  bool done = Y != NULL;
+  for (int k = 0; k < count && done; ++k) {
+    const double *y = (const double *)Y->x + (size_t)k * Y->d;
+    squares[k] = 0.0;
+    for (int i = 0; i < q->rank; ++i)
+      squares[k] += y[i] * y[i];
+  }
+  q->spqr->cholmod_l_free_dense(&Y, &q->common);
+  return done;
+}
+
+/* A row of the matrix, and the first column of R that it has an entry in. */
+typedef struct beginning {
+  long first, row;
+} beginning;
+
+static int compare_beginnings(const void *a, const void *b) {
+  const beginning *x = a, *y = b;
+  long order = x->first != y->first ? x->first - y->first : x->row - y->row;
+  return (order > 0) - (order < 0);
+}
+
+/* `place` says which column of R a column of the matrix is. */
+static void sort_rows(const km_orthogonal *q, const cholmod_sparse *by_row, const long *place, beginning *list) {
+  const long *start = by_row->p, *entry = by_row->i;
+  for (long r = 0; r < q->rows; ++r) {
+    list[r] = (beginning){q->columns, r};
+    for (long i = start[r]; i < start[r + 1]; ++i)
+      list[r].first = place[entry[i]] < list[r].first ? place[entry[i]] : list[r].first;
+  }
+  qsort(list, (size_t)q->rows, sizeof *list, compare_beginnings);
+}
+
+/* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
+ * b on. Nested dissection keeps short what a row reaches: of a chain of n loops log n columns, where an order of least fill may
+ * make it n. Rows that begin near each other reach much the same, and go side by side. */
+static void add_shares(const km_orthogonal *q, const km_triangle *R, const cholmod_sparse *by_row, const long *place,
+                       const beginning *list, double *y, uint64_t *marked, double *share) {
+  const long *row_start = by_row->p, *entry = by_row->i;
+  const double *b = by_row->x;
+  for (long n = 0; n < q->rows; n += KM_TRIANGLE_LANES) {
+    double sum[KM_TRIANGLE_LANES] = {0.0};
+    int count = q->rows - n < KM_TRIANGLE_LANES ? (int)(q->rows - n) : KM_TRIANGLE_LANES;
+    for (int l = 0; l < count; ++l)
+      for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i) {
+        y[KM_TRIANGLE_LANES * place[entry[i]] + l] = b[i];
+        km_triangle_mark(marked, place[entry[i]]);
+      }
+    km_triangle_squares(R, list[n].first, y, marked, sum);
+    for (int l = 0; l < count; ++l)
+      share[list[n + l].row] = sum[l];
+  }
+}
+
+bool km_orthogonal_shares(km_orthogonal *q, double tolerance, bool as_they_stand, double *share) {
+  const library *f = q->spqr;
+  cholmod_sparse A = matrix_of(q), *R = NULL;
+  SuiteSparse_long *order = NULL;
+  const int ordering = as_they_stand ? SPQR_ORDERING_FIXED : SPQR_ORDERING_METIS;
+  long rank = f->SuiteSparseQR_C(ordering, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL, NULL,
+                                 NULL, &q->common);
+  cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
+  cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
+  long *place = KM_NEW(long, (size_t)q->columns + 1);
+  beginning *list = KM_NEW(beginning, (size_t)q->rows + 1);
+  double *y = KM_NEW(double, KM_TRIANGLE_LANES *((size_t)q->columns + 1));
+  uint64_t *marked = KM_NEW(uint64_t, (size_t)q->columns / KM_TRIANGLE_WORD + 1);
+  bool *rows_continue = KM_NEW(bool, (size_t)q->columns + 1), *rows_lead = KM_NEW(bool, (size_t)q->columns + 1);
+  bool done = by_row && place && list && y && marked && rows_continue && rows_lead;
+  for (long k = 0; k < q->columns && done; ++k)
+    place[order ? order[k] : k] = k;
+  if (done) {
+    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, rows_continue, rows_lead, q->columns};
+    for (long k = 0; k < q->columns; ++k) {
+      rows_continue[k] = km_triangle_continues(&by_rows, k);
+      rows_lead[k] = km_triangle_leads(&by_rows, k);
+    }
+    sort_rows(q, by_row, place, list);
+    add_shares(q, &by_rows, by_row, place, list, y, marked, share);
+  }
+  km_free(rows_lead);
+  km_free(rows_continue);
+  km_free(marked);
+  km_free(y);
+  km_free(list);
+  km_free(place);
+  f->cholmod_l_free_sparse(&by_row, &q->common);
+  f->cholmod_l_free_sparse(&rows_of_r, &q->common);
+  f->cholmod_l_free_sparse(&R, &q->common);
+  f->cholmod_l_free((size_t)q->columns, sizeof *order, order, &q->common);
+  return done;
+}
+
+int km_orthogonal_independent(km_orthogonal *q, double tolerance, int *list) {
+  const library *f = q->spqr;
+  cholmod_sparse A = matrix_of(q), *R = NULL;
+  SuiteSparse_long *order = NULL;
+  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, 0, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL,
+                                 NULL, NULL, &q->common);
+  for (long k = 0; k < rank; ++k)
+    list[k] = (int)(order ? order[k] : k);
+  f->cholmod_l_free_sparse(&R, &q->common);
+  f->cholmod_l_free((size_t)q->columns, sizeof *order, order, &q->common);
+  return (int)rank;
+}
+
+bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x) {
+  double *copy = KM_NEW(double, (size_t)q->columns + 1); /* the library's interface has no const */
+  if (!copy)
+    return false;
+  memcpy(copy, b, (size_t)q->columns * sizeof *b);
+  cholmod_dense B = dense(copy, q->columns, 1);
+  cholmod_dense *Y = q->spqr->SuiteSparseQR_C_solve(SPQR_RTX_EQUALS_ETB, q->QR, &B, &q->common);
+  cholmod_dense *X = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  bool done = X != NULL;
+  if (done)
+    memcpy(x, X->x, (size_t)q->rows * sizeof *x);
+  q->spqr->cholmod_l_free_dense(&Y, &q->common);
+  q->spqr->cholmod_l_free_dense(&X, &q->common);
+  km_free(copy);
+  return done;
+}

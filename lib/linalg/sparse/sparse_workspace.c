@@ -1,0 +1,104 @@
+/* Space for the sparse engine, and the order in which it takes the columns. */
+#include "linalg/sparse/sparse_lu.h"
+
+#include <string.h>
+#include <suitesparse/colamd.h>
+
+/* The column order of least fill, as COLAMD finds it (T. Davis, J. Gilbert, S. Larimore, E. Ng, 2004). */
+static bool order_columns(int rows, int columns, const int *start, const int *row, int *order) {
+  for (int c = 0; c < columns; ++c)
+    order[c] = c;
+  if (start[columns] == 0)
+    return true;
+  size_t room = colamd_recommended(start[columns], rows, columns);
+  int *work = KM_NEW(int, room), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
+  bool done = room > 0 && work && pointers;
+  if (done) {
+    memcpy(work, row, (size_t)start[columns] * sizeof *work);
+    memcpy(pointers, start, ((size_t)columns + 1) * sizeof *pointers);
+    done = colamd(rows, columns, (int)room, work, pointers, NULL, stats);
+    memcpy(order, pointers, (size_t)columns * sizeof *order);
+  }
+  km_free(work);
+  km_free(pointers);
+  return done;
+}
+
+static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
+  size_t r = (size_t)rows, c = (size_t)columns;
+  *s = (km_sparse){.arena = arena,
+                   .start = s->start,
+                   .row = s->row,
+                   .by_row = s->by_row,
+                   .row_start = s->row_start,
+                   .order = s->order,
+                   .normal = s->normal,
+                   .weight = s->weight,
+                   .lead = KM_ARENA_NEW(arena, int, c),
+                   .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
+                   .open = KM_ARENA_NEW(arena, km_open, c),
+                   .dropped = KM_ARENA_NEW(arena, int, c),
+                   .b = KM_ARENA_NEW(arena, km_run, c),
+                   .late = KM_ARENA_NEW(arena, bool, c),
+                   .upper = KM_ARENA_NEW(arena, km_run, c),
+                   .lower = KM_ARENA_NEW(arena, km_run, c),
+                   .nests = KM_ARENA_NEW(arena, bool, r),
+                   .shared = KM_ARENA_NEW(arena, km_run, r),
+                   .step_of = KM_ARENA_NEW(arena, int, r),
+                   .x = KM_ARENA_NEW(arena, double, r),
+                   .list = KM_ARENA_NEW(arena, int, r),
+                   .stack = KM_ARENA_NEW(arena, int, r),
+                   .next = KM_ARENA_NEW(arena, int, r),
+                   .seen = KM_ARENA_NEW(arena, bool, r),
+                   .known = KM_ARENA_NEW(arena, double, (size_t)s->start[columns]),
+                   .known_forced = KM_ARENA_NEW(arena, bool, c),
+                   .known_locked = KM_ARENA_NEW(arena, bool, c),
+                   .spare = KM_ARENA_NEW(arena, bool, r)};
+  return !arena->failed;
+}
+
+bool km_sparse_reserve(km_partition *p, const km_sparse *pattern, int rows, int columns, km_arena *arena) {
+  size_t r = (size_t)rows, c = (size_t)columns;
+  *p = (km_partition){.row = KM_ARENA_NEW(arena, int, r),
+                      .column = KM_ARENA_NEW(arena, int, c),
+                      .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
+                      .work = KM_ARENA_NEW(arena, double, r < c ? c : r),
+                      .sparse = KM_ARENA_NEW(arena, km_sparse, 1)};
+  if (arena->failed)
+    return false;
+  *p->sparse = *pattern;
+  return reserve(p->sparse, rows, columns, arena);
+}
+
+bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
+                                 km_arena *arena) {
+  int *order = KM_ARENA_NEW(arena, int, (size_t)columns + 1), *row_start = KM_ARENA_NEW(arena, int, (size_t)rows + 2);
+  km_row_entry *by_row = KM_ARENA_NEW(arena, km_row_entry, (size_t)start[columns]);
+  km_sparse pattern = {.start = start, .row = row, .by_row = by_row, .row_start = row_start, .order = order};
+  if (!arena->failed)
+    km_sort_by_row(rows, columns, start, row, row_start, by_row);
+  if (arena->failed || !order_columns(rows, columns, start, row, order)) {
+    arena->failed = true;
+    return false;
+  }
+  return km_sparse_reserve(p, &pattern, rows, columns, arena);
+}
+
+void km_partition_keep_normal(km_partition *p, km_normal **place, const double *weight) {
+  if (!p->sparse)
+    return;
+  p->sparse->normal = place;
+  p->sparse->weight = weight;
+}
+
+bool km_sparse_grow(km_sparse *s, km_store *store, int need) {
+  size_t values = store->capacity; /* both arrays of a store grow together */
+  if ((size_t)need <= store->capacity && store->index)
+    return true;
+  return km_arena_grow(s->arena, (void **)&store->value, &values, (size_t)need, sizeof(double)) &&
+         km_arena_grow(s->arena, (void **)&store->index, &store->capacity, (size_t)need, sizeof(int));
+}
+
+bool km_sparse_make_room(km_sparse *s, int upper, int lower) {
+  return km_sparse_grow(s, &s->upper_store, upper) && km_sparse_grow(s, &s->lower_store, lower);
+}

@@ -1,0 +1,25 @@
+/* Half-branches of the motions through a configuration. Private to kinematics/ and analysis/. */
+#ifndef KM_LOCAL_HALF_BRANCHES_H
+#define KM_LOCAL_HALF_BRANCHES_H
+
+#include "local/tangent_cone.h"
+
+enum { KM_MOST_HALF_BRANCHES = 32 };
+
+/* The halves of the motions through the configuration of `tangents`, each by a closed configuration at a small
+ * distance. */
+typedef struct km_half_branches {
+  int count;
+  bool truncated; /* there are more than these */
+  double length;  /* |D (q - q0)| of the configurations */
+  double *pose;   /* [KM_MOST_HALF_BRANCHES × 3 · columns] saved */
+  double *shares; /* [KM_MOST_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
+} km_half_branches;
+
+/* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the
+ * same tangent up to an order of contact of about 5, or that end in a cusp. The basis of the tangents must be there,
+ * the configuration exact. False when out of memory. A motion that no start leads to is missed. Restores the state.
+ * O(starts · iterations · rows · columns²). */
+bool km_half_branches_find(km_tangents *tangents, km_half_branches *out);
+
+#endif

@@ -1,0 +1,379 @@
+/* The second-order conditions of a motion: wᵀ(J̇ q̇) = 0 for the left null vectors w of J. */
+#include "local/second_order_conditions.h"
+
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+
+#include <string.h>
+
+static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W,
+                      int *count) {
+  size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
+  double *T = KM_ARENA_NEW(arena, double, rows *columns), *weight = KM_ARENA_NEW(arena, double, rows);
+  km_partition p;
+  if (!km_partition_reserve(&p, sub->columns, sub->rows, arena))
+    return false;
+  for (size_t r = 0; r < rows; ++r) {
+    weight[r] = 1.0;
+    for (size_t c = 0; c < columns; ++c)
+      T[r * columns + c] = J[c * rows + r];
+  }
+  km_partition_factor(&p, T, sub->columns, sub->rows, NULL, tolerance);
+  *count = km_partition_freedom(&p);
+  *W = KM_ARENA_NEW(arena, double, rows *(size_t)*count);
+  if (arena->failed)
+    return false;
+  km_partition_null(&p, weight, *count, *W);
+  return true;
+}
+
+/* γ = −J̇ q̇ at q̇ = a + b; b may be NULL. rate[coordinate] is workspace. */
+static void products_of(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *a,
+                        const double *b, double *rate, double *gamma) {
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    rate[c] = m->unit[c] * (a[k] + (b ? b[k] : 0.0));
+  }
+  km_loops_velocity_products(m, s, sub, rate, gamma);
+}
+
+/* Q_i(a, b) = wᵢᵀ (J̇(a) b + J̇(b) a) / 2 for every pair of the directions x: γ is a square of q̇, so that this is
+ * −wᵢᵀ (γ(a + b) − γ(a) − γ(b)) / 2. gamma[(freedom + 1) × rows]. */
+static void fill_conditions(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *W,
+                            const double *x, double *rate, double *gamma, km_second_order *out) {
+  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
+  double *both = gamma + k * rows;
+  for (size_t a = 0; a < k; ++a)
+    products_of(m, s, sub, x + a * n, NULL, rate, gamma + a * rows);
+  for (size_t a = 0; a < k; ++a)
+    for (size_t b = 0; b <= a; ++b) {
+      products_of(m, s, sub, x + a * n, x + b * n, rate, both);
+      for (size_t i = 0; i < (size_t)out->conditions; ++i) {
+        double sum = 0.0;
+        for (size_t r = 0; r < rows; ++r)
+          sum -= 0.5 * W[i * rows + r] * (both[r] - gamma[a * rows + r] - gamma[b * rows + r]);
+        out->Q[i * k * k + a * k + b] = out->Q[i * k * k + b * k + a] = sum;
+      }
+    }
+}
+
+bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_second_order *out) {
+  const km_substructure *sub = &m->substructures[index];
+  int worst;
+  km_loops_update(m, s, sub);
+  double residual = km_loops_residual(m, s, sub, &worst),
+         tolerance = fmax(km_rank_tolerance(m, sub, residual), s->partition[index].blunt);
+  km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
+  const km_partition *p = &s->partition[index];
+  *out = (km_second_order){.columns = sub->columns,
+                           .freedom = km_partition_freedom(p),
+                           .redundant = p->rank < sub->rows,
+                           .tolerance = tolerance,
+                           .noise = fmax(1e-7, 100.0 * residual)};
+  return !p->failed;
+}
+
+bool km_second_order_basis(const km_mechanism *m, const km_state *s, int index, km_arena *arena, km_second_order *out) {
+  const km_substructure *sub = &m->substructures[index];
+  out->Z = KM_ARENA_NEW(arena, double, (size_t)sub->columns *(size_t)out->freedom);
+  if (arena->failed)
+    return false;
+  km_partition_null(&s->partition[index], m->column_weight + sub->column_start, out->freedom, out->Z);
+  return true;
+}
+
+void km_second_order_combine(const km_second_order *c, const double *a, double *z) {
+  for (int k = 0; k < c->columns; ++k) {
+    z[k] = 0.0;
+    for (int r = 0; r < c->freedom; ++r)
+      z[k] += c->Z[(size_t)r * (size_t)c->columns + (size_t)k] * a[r];
+  }
+}
+
+/* Cholesky of A[k × k] in place, of its lower half; false where it isn't positive definite: then what it comes to means
+ * nothing there. */
+static bool factor(double *A, int k) {
+  bool positive = true;
+  for (int i = 0; i < k; ++i)
+    for (int j = 0; j <= i; ++j) {
+      double sum = A[i * k + j];
+      for (int o = 0; o < j; ++o)
+        sum -= A[i * k + o] * A[j * k + o];
+      positive = positive && (j < i || sum > 0.0);
+      A[i * k + j] = i == j ? sqrt(fmax(sum, 1e-300)) : sum / A[j * k + j];
+    }
+  return positive;
+}
+
+/* Is |aᵀQ a| more than what nearly meets the condition, for every unit vector a? Of positive Q (sign 1) or negative (−1). */
+static bool is_definite(const double *Q, double sign, double least, int k, double *A) {
+  for (int i = 0; i < k * k; ++i)
+    A[i] = sign * Q[i];
+  for (int i = 0; i < k; ++i)
+    A[i * k + i] -= least;
+  return factor(A, k);
+}
+
+static bool any_definite(const km_second_order *c, double *work) {
+  int k = c->freedom;
+  double least = 2.0 * km_nearly_met * c->size;
+  for (int i = 0; i < c->conditions; ++i) {
+    const double *Q = c->Q + (size_t)i * (size_t)(k * k);
+    if (is_definite(Q, 1.0, least, k, work) || is_definite(Q, -1.0, least, k, work))
+      return true;
+  }
+  return false;
+}
+
+/* The column of M[rows × columns] with the largest square. */
+static double longest_column(const double *M, int rows, int columns, int *longest) {
+  double most = -1.0;
+  for (int c = 0; c < columns; ++c) {
+    double square = 0.0;
+    for (int r = 0; r < rows; ++r)
+      square += M[c * rows + r] * M[c * rows + r];
+    if (square > most) {
+      most = square;
+      *longest = c;
+    }
+  }
+  return most;
+}
+
+/* M = V R with orthonormal columns of V, by Gram and Schmidt from the longest column on, until what is left of all is shorter
+ * than `least`; M is used up. Returns how many rows of R[… × columns] that takes. */
+static int compress(double *M, int rows, int columns, double least, double *R) {
+  int count = 0, longest = 0;
+  for (; count < rows && count < columns; ++count) {
+    double length = sqrt(longest_column(M, rows, columns, &longest));
+    if (!(length > least))
+      break;
+    double *v = M + longest * rows;
+    for (int r = 0; r < rows; ++r)
+      v[r] /= length;
+    for (int c = 0; c < columns; ++c) {
+      double *x = M + c * rows, dot = 0.0;
+      for (int r = 0; r < rows; ++r)
+        dot += v[r] * x[r];
+      R[count * columns + c] = c == longest ? length : dot;
+      for (int r = 0; r < rows && c != longest; ++r)
+        x[r] -= dot * v[r];
+    }
+    memset(v, 0, (size_t)rows * sizeof *v);
+  }
+  return count;
+}
+
+static double largest_entry(const km_second_order *c) {
+  double largest = 0.0;
+  for (size_t i = 0; i < (size_t)(c->conditions * c->freedom * c->freedom); ++i)
+    largest = fmax(largest, fabs(c->Q[i]));
+  return largest;
+}
+
+/* More conditions than there are products of two freedoms depend on each other: as few take their place whose values have the
+ * same sum of squares along every direction, so that Gauss-Newton goes the same way. */
+static bool leave_independent(km_second_order *c) {
+  int k = c->freedom, products = k * (k + 1) / 2;
+  km_arena arena = {0};
+  if (c->conditions <= products)
+    return true;
+  double *M = KM_ARENA_NEW(&arena, double, (size_t)c->conditions *(size_t)products);
+  double *R = KM_ARENA_NEW(&arena, double, (size_t)products *(size_t)products);
+  bool made = !arena.failed;
+  for (int i = 0; i < c->conditions && made; ++i)
+    for (int a = 0, at = i; a < k; ++a)
+      for (int b = 0; b <= a; ++b, at += c->conditions)
+        M[at] = c->Q[i * k * k + a * k + b];
+  if (made)
+    c->conditions = compress(M, c->conditions, products, c->noise, R);
+  for (int i = 0; i < c->conditions && made; ++i)
+    for (int a = 0, at = i * products; a < k; ++a)
+      for (int b = 0; b <= a; ++b, ++at)
+        c->Q[i * k * k + a * k + b] = c->Q[i * k * k + b * k + a] = R[at];
+  c->size = largest_entry(c);
+  km_arena_free(&arena);
+  return made;
+}
+
+bool km_second_order_build_all(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
+  out->built = true;
+  if (!out->redundant)
+    return true;
+  double *x = KM_ARENA_NEW(arena, double, n *k), *J = KM_ARENA_NEW(arena, double, n *rows);
+  double *rate = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
+  double *gamma = KM_ARENA_NEW(arena, double, (k + 1) * rows), *work = KM_ARENA_NEW(arena, double, k *k);
+  if (arena->failed)
+    return false;
+  km_loops_update(m, s, sub);
+  km_state_jacobian_dense(s, sub, J);
+  if (!left_null(sub, J, out->tolerance, arena, &out->W, &out->conditions))
+    return false;
+  out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions *k *k);
+  if (arena->failed)
+    return false;
+  for (size_t i = 0; i < n * k; ++i)
+    x[i] = out->Z[i] / weight[i % n];
+  fill_conditions(m, s, sub, out->W, x, rate, gamma, out);
+  out->size = largest_entry(out);
+  out->definite = any_definite(out, work);
+  return true;
+}
+
+bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
+  return km_second_order_build_all(m, s, index, arena, out) && leave_independent(out);
+}
+
+bool km_second_order_changes(const km_mechanism *m, const km_state *s, int index, const km_second_order *c,
+                             double *changes) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *weight = m->column_weight + sub->column_start;
+  int n = sub->columns, rows = sub->rows;
+  double *J = KM_NEW(double, (size_t)n *(size_t)rows), *moved = KM_NEW(double, (size_t)rows);
+  bool made = J && moved;
+  if (made)
+    km_state_jacobian_dense(s, sub, J);
+  for (int v = 0; v < c->freedom && made; ++v) {
+    memset(moved, 0, (size_t)rows * sizeof *moved);
+    for (int k = 0; k < n; ++k)
+      for (int r = 0; r < rows; ++r)
+        moved[r] += J[k * rows + r] * c->Z[v * n + k] / weight[k];
+    for (int i = 0; i < c->conditions; ++i) {
+      double sum = 0.0;
+      for (int r = 0; r < rows; ++r)
+        sum += c->W[i * rows + r] * moved[r];
+      changes[i * c->freedom + v] = sum;
+    }
+  }
+  km_free(J);
+  km_free(moved);
+  return made;
+}
+
+bool km_second_order_restrict(const km_second_order *c, const double *shares, int count, km_arena *arena,
+                              km_second_order *out) {
+  const int k = c->freedom;
+  *out = (km_second_order){.columns = c->columns,
+                           .freedom = count,
+                           .conditions = c->conditions,
+                           .redundant = c->redundant,
+                           .built = true,
+                           .tolerance = c->tolerance,
+                           .noise = c->noise};
+  double *part = KM_ARENA_NEW(arena, double, (size_t)(count * k));
+  double *work = KM_ARENA_NEW(arena, double, (size_t)(count * count));
+  out->Q = KM_ARENA_NEW(arena, double, (size_t)c->conditions *(size_t)(count * count));
+  for (int i = 0; i < c->conditions && !arena->failed; ++i) {
+    const double *Q = c->Q + (size_t)i * (size_t)(k * k);
+    for (int a = 0; a < count; ++a)
+      for (int r = 0; r < k; ++r) {
+        part[a * k + r] = 0.0;
+        for (int o = 0; o < k; ++o)
+          part[a * k + r] += shares[a * k + o] * Q[o * k + r];
+      }
+    for (int a = 0; a < count; ++a)
+      for (int b = 0; b < count; ++b) {
+        double sum = 0.0;
+        for (int r = 0; r < k; ++r)
+          sum += part[a * k + r] * shares[b * k + r];
+        out->Q[(i * count + a) * count + b] = sum;
+      }
+  }
+  if (arena->failed)
+    return false;
+  out->size = largest_entry(out);
+  out->definite = any_definite(out, work);
+  return true;
+}
+
+static double condition(const km_second_order *c, int i, const double *a, double *slope) {
+  int k = c->freedom;
+  const double *Q = c->Q + (size_t)i * (size_t)(k * k);
+  double value = 0.0;
+  for (int r = 0; r < k; ++r) {
+    double sum = 0.0;
+    for (int o = 0; o < k; ++o)
+      sum += Q[r * k + o] * a[o];
+    slope[r] = 2.0 * sum;
+    value += a[r] * sum;
+  }
+  return value;
+}
+
+/* Solves the damped normal equations (A + μ) d = -b in place; k × k, of which the lower half is read. */
+static void damped_step(double *A, const double *b, int k, double damping, double *d) {
+  for (int i = 0; i < k; ++i)
+    A[i * k + i] += damping;
+  factor(A, k);
+  for (int i = 0; i < k; ++i) {
+    d[i] = -b[i];
+    for (int o = 0; o < i; ++o)
+      d[i] -= A[i * k + o] * d[o];
+    d[i] /= A[i * k + i];
+  }
+  for (int i = k - 1; i >= 0; --i) {
+    for (int o = i + 1; o < k; ++o)
+      d[i] -= A[o * k + i] * d[o];
+    d[i] /= A[i * k + i];
+  }
+}
+
+bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
+  int k = c->freedom;
+  double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
+  if (!km_second_order_binds(c))
+    return true;
+  if (c->definite)
+    return false;
+  for (int pass = 0; pass < 60; ++pass) {
+    double worst = 0.0, norm = 0.0;
+    memset(A, 0, (size_t)(k * k) * sizeof *A);
+    memset(b, 0, (size_t)k * sizeof *b);
+    for (int i = 0; i < c->conditions; ++i) {
+      double value = condition(c, i, a, slope) / c->size;
+      worst = fmax(worst, fabs(value));
+      for (int r = 0; r < k; ++r) {
+        b[r] += value * slope[r] / c->size;
+        for (int o = 0; o <= r; ++o)
+          A[r * k + o] += slope[r] * slope[o] / (c->size * c->size);
+      }
+    }
+    if (worst < 1e-9)
+      return true;
+    damped_step(A, b, k, 1e-9 + 1e-3 * worst, d);
+    for (int r = 0; r < k; ++r) {
+      a[r] += d[r];
+      norm += a[r] * a[r];
+    }
+    for (int r = 0; r < k; ++r)
+      a[r] /= sqrt(norm);
+  }
+  double worst = 0.0;
+  for (int i = 0; i < c->conditions; ++i)
+    worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
+  return worst < km_nearly_met;
+}
+
+int km_second_order_dimension(const km_second_order *c, const double *a) {
+  int k = c->freedom, rank = 0;
+  km_arena arena = {0};
+  km_partition p;
+  if (!km_second_order_binds(c))
+    return k;
+  double *slopes = KM_ARENA_NEW(&arena, double, (size_t)(c->conditions * k));
+  if (slopes && km_partition_reserve(&p, k, c->conditions, &arena)) {
+    double largest = 0.0;
+    for (int i = 0; i < c->conditions; ++i)
+      condition(c, i, a, slopes + i * k);
+    for (int i = 0; i < c->conditions * k; ++i)
+      largest = fmax(largest, fabs(slopes[i]));
+    /* a is √km_nearly_met from where the conditions are met, and Q at most k times its largest entry. */
+    km_partition_factor(&p, slopes, k, c->conditions, NULL, 2.0 * k * sqrt(km_nearly_met) * c->size / largest);
+    rank = p.rank;
+  }
+  km_arena_free(&arena);
+  return k - rank;
+}

@@ -1,0 +1,226 @@
+/* Directions in the null space that satisfy the second-order conditions. */
+#include "local/tangent_cone.h"
+
+#include "base/random.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+
+#include <string.h>
+
+enum { MOST_TURNS = 5 }; /* from a direction to that of a motion near it */
+
+bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
+  const km_substructure *sub = &m->substructures[index];
+  size_t n = (size_t)sub->columns;
+  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1, .arena = arena};
+  arena->failed = !km_second_order_start(m, s, index, &f->conditions) || arena->failed;
+  f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->ahead = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->x = KM_ARENA_NEW(arena, double, n);
+  f->move = KM_ARENA_NEW(arena, double, n);
+  f->direction = KM_ARENA_NEW(arena, double, n);
+  f->chord = KM_ARENA_NEW(arena, double, n);
+  f->secant = KM_ARENA_NEW(arena, double, n);
+  if (arena->failed)
+    return false;
+  int worst;
+  f->residual = km_loops_residual(m, s, sub, &worst);
+  km_state_save(s, sub, f->pose);
+  return true;
+}
+
+bool km_tangents_make_basis(km_tangents *f) {
+  size_t k = (size_t)f->conditions.freedom;
+  f->a = KM_ARENA_NEW(f->arena, double, k);
+  f->tried = KM_ARENA_NEW(f->arena, double, k);
+  f->length = KM_ARENA_NEW(f->arena, double, k);
+  f->work = KM_ARENA_NEW(f->arena, double, 4 * k * k + 8 * k);
+  if (f->arena->failed)
+    return false;
+  for (size_t i = 0; i < k; ++i)
+    f->length[i] = -1.0;
+  return km_second_order_basis(f->m, f->s, f->index, f->arena, &f->conditions);
+}
+
+void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
+  const double *weight = f->m->column_weight + f->sub->column_start;
+  km_second_order_combine(&f->conditions, a, x);
+  for (int c = 0; c < f->sub->columns; ++c)
+    x[c] /= weight[c];
+}
+
+/* What bends the motion turns the chords ahead and back apart, and their difference by less than the square of their length. */
+static void add_chord(km_tangents *f, int sign) {
+  double length = km_step_length(f->m, f->sub, f->chord);
+  for (int c = 0; c < f->sub->columns; ++c)
+    f->secant[c] = (sign > 0 ? 0.0 : f->secant[c]) + 0.5 * sign * f->chord[c] / length;
+}
+
+km_followed km_tangents_try(km_tangents *f, const double *direction) {
+  km_followed both = {HUGE_VAL, KM_REAL};
+  for (int sign = 1; sign >= -1; sign -= 2) {
+    km_followed one = km_tangents_follow(f, direction, sign);
+    f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
+    if (one.reality < f->enough)
+      return (km_followed){0.0, one.reality};
+    add_chord(f, sign);
+    if (sign > 0)
+      km_state_save(f->s, f->sub, f->ahead);
+    both = (km_followed){fmin(both.length, one.length), one.reality < both.reality ? one.reality : both.reality};
+  }
+  return both;
+}
+
+/* Do unit direction and way agree, up to what bends the way? */
+static bool agree(const km_tangents *f, const double *direction, const double *way) {
+  static const double most = 1e-3; /* of 1 − cos */
+  double length = km_step_length(f->m, f->sub, way);
+  return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, way, direction)) / length <= most;
+}
+
+bool km_tangents_are_kept(const km_tangents *f, const double *direction) {
+  return f->conditions.freedom == 1 || agree(f, direction, f->secant);
+}
+
+bool km_tangents_is_real(km_tangents *f, const double *a) {
+  km_tangents_direction(f, a, f->direction);
+  return km_tangents_try(f, f->direction).reality >= f->enough && km_tangents_are_kept(f, f->direction);
+}
+
+void km_tangents_normalise(double *a, int k) {
+  double sum = 0.0;
+  for (int i = 0; i < k; ++i)
+    sum += a[i] * a[i];
+  for (int i = 0; i < k; ++i)
+    a[i] /= sqrt(sum);
+}
+
+bool km_tangents_all_real(km_tangents *f) {
+  int k = f->conditions.freedom, random = km_tangents_are_exact(f) ? 1 : k;
+  random = k > 1 ? random : 0; /* of one tangent there are no combinations */
+  for (int trial = 0; trial < k + random; ++trial) {
+    for (int i = 0; i < k; ++i)
+      f->a[i] = trial < k ? trial == i : km_uniform(&f->random);
+    km_tangents_normalise(f->a, k);
+    km_tangents_direction(f, f->a, f->direction);
+    km_followed found = km_tangents_try(f, f->direction);
+    if (found.reality < f->enough || !km_tangents_are_kept(f, f->direction) || (trial >= k && km_tangents_are_fewer(f)))
+      return false;
+    if (trial < k)
+      f->length[trial] = found.length;
+  }
+  return true;
+}
+
+bool km_tangents_are_regular(km_tangents *f) {
+  uint64_t random = 1;
+  if (!km_tangents_are_exact(f))
+    return false;
+  for (int i = 0; i < f->conditions.freedom; ++i)
+    f->a[i] = km_uniform(&random);
+  km_tangents_normalise(f->a, f->conditions.freedom);
+  km_tangents_direction(f, f->a, f->direction);
+  if (km_tangents_follow(f, f->direction, 1.0).reality != KM_REAL || km_tangents_are_fewer(f))
+    return false;
+  if (f->conditions.freedom == 1 || agree(f, f->direction, f->chord))
+    return true;
+  add_chord(f, 1);
+  km_tangents_follow(f, f->direction, -1.0);
+  add_chord(f, -1);
+  return km_tangents_are_kept(f, f->direction);
+}
+
+bool km_tangents_need_conditions(km_tangents *f) {
+  if (f->conditions.built)
+    return !f->arena->failed;
+  km_state_restore(f->s, f->sub, f->pose);
+  return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
+}
+
+/* A random tangent that meets the second order. */
+static bool seek(km_tangents *f) {
+  int k = f->conditions.freedom;
+  if (k == 1 || !km_tangents_need_conditions(f)) /* the only tangent has been tried as it is */
+    return false;
+  for (int i = 0; i < k; ++i)
+    f->a[i] = km_uniform(&f->random);
+  km_tangents_normalise(f->a, k);
+  return km_second_order_solve(&f->conditions, f->a, f->work);
+}
+
+bool km_tangents_meet_second_order(km_tangents *f) {
+  for (int start = 0; start < KM_STARTS_PER_FREEDOM; ++start)
+    if (seek(f))
+      return true;
+  return false;
+}
+
+bool km_tangents_random(km_tangents *f) {
+  return seek(f) && km_tangents_is_real(f, f->a);
+}
+
+static bool are_same(int k, const double *a, const double *b) {
+  double cosine = 0.0;
+  for (int r = 0; r < k; ++r)
+    cosine += a[r] * b[r];
+  return km_is_same_tangent(cosine);
+}
+
+static bool is_known(const km_tangents *f, const double *known, int count) {
+  int k = f->conditions.freedom;
+  for (int i = 0; i < count; ++i)
+    if (are_same(k, known + (size_t)i * (size_t)k, f->a))
+      return true;
+  return false;
+}
+
+/* The shares of what was followed. */
+static void take_secant(const km_tangents *f, double *a) {
+  const double *weight = f->m->column_weight + f->sub->column_start;
+  int n = f->sub->columns;
+  for (int k = 0; k < f->conditions.freedom; ++k) {
+    a[k] = 0.0;
+    for (int c = 0; c < n; ++c)
+      a[k] += f->conditions.Z[(size_t)k * (size_t)n + (size_t)c] * weight[c] * f->secant[c];
+  }
+  km_tangents_normalise(a, f->conditions.freedom);
+}
+
+/* Tries the direction in `a`. One that only conditions of higher order refute may be led onto a motion nearby: then that
+ * motion's own direction takes its place, and is tried. */
+static km_followed settle(km_tangents *f) {
+  int k = f->conditions.freedom;
+  km_followed found;
+  for (int i = 0; i < MOST_TURNS; ++i) {
+    km_tangents_direction(f, f->a, f->direction);
+    found = km_tangents_try(f, f->direction);
+    if (found.reality < f->enough)
+      return found;
+    memcpy(f->tried, f->a, (size_t)k * sizeof *f->a);
+    take_secant(f, f->a);
+    if (!km_second_order_solve(&f->conditions, f->a, f->work) || are_same(k, f->a, f->tried))
+      break;
+  }
+  memcpy(f->a, f->tried, (size_t)k * sizeof *f->a);
+  return found;
+}
+
+bool km_tangents_next(km_tangents *f, const double *known, int count, double *length) {
+  int most = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
+  while (f->starts < most) {
+    f->starts++;
+    if (!seek(f) || is_known(f, known, count))
+      continue;
+    const bool before = f->doubtful;
+    f->doubtful = false;
+    km_followed found = settle(f);
+    int dimension = f->doubtful ? km_second_order_dimension(&f->conditions, f->a) : 0;
+    f->doubtful_dimension = dimension > f->doubtful_dimension ? dimension : f->doubtful_dimension;
+    f->doubtful = f->doubtful || before;
+    *length = found.length;
+    if (found.reality >= f->enough && !is_known(f, known, count))
+      return true;
+  }
+  return false;
+}

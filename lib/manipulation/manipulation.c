@@ -1,0 +1,179 @@
+/* Moving a mechanism by hand: making a hand, and pulling joints. */
+#include "manipulation/manipulation.h"
+
+#include "base/arguments.h"
+#include "kinematics/body_poses.h"
+#include "local/bifurcation.h"
+#include "mobility/mobility_numbers.h"
+
+#include <string.h>
+
+/* Of `most`: so far a joint moves at a toggle, where its mobility number tells nothing of how it leaves. */
+static const double least_share = 0.02;
+
+const char *km_hand_stop_name(km_hand_stop stop) {
+  static const char *const names[] = {"free", "limit", "toggle", "nearest"};
+  return (unsigned)stop < sizeof names / sizeof *names ? names[stop] : "";
+}
+
+static bool allocate(km_hand *h) {
+  size_t n = (size_t)h->mechanism->coordinate_count, subs = (size_t)h->mechanism->topology.substructure_count;
+  km_arena *a = &h->arena;
+  h->ways = KM_ARENA_NEW(a, int, subs);
+  h->on_way = KM_ARENA_NEW(a, bool, subs);
+  h->rank = KM_ARENA_NEW(a, int, subs);
+  h->left = KM_ARENA_NEW(a, bool, subs);
+  h->column = KM_ARENA_NEW(a, km_vec3, n);
+  h->A = KM_ARENA_NEW(a, double, 3 * n);
+  h->w = KM_ARENA_NEW(a, double, n);
+  h->z = KM_ARENA_NEW(a, double, n);
+  h->blocked = KM_ARENA_NEW(a, bool, n);
+  h->saved_q = KM_ARENA_NEW(a, double, n);
+  h->saved_ball = KM_ARENA_NEW(a, km_quaternion, (size_t)h->mechanism->ball_count);
+  return !a->failed;
+}
+
+km_status km_hand_create(const km_mechanism *m, km_state *s, km_hand **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status status = km_check_state(m, s, error);
+  if (status)
+    return status;
+  km_hand *h = KM_NEW(km_hand, 1);
+  if (h)
+    *h = (km_hand){.mechanism = m, .state = s, .driven = -1, .blocking = -1};
+  if (!h || !allocate(h)) {
+    km_hand_free(h);
+    return km_fail(error, KM_MEMORY, "out of memory for a hand");
+  }
+  *out = h;
+  return KM_OK;
+}
+
+void km_hand_free(km_hand *h) {
+  if (!h)
+    return;
+  km_drive_free(h->drive);
+  km_free(h->barrier);
+  km_arena_free(&h->arena);
+  km_free(h);
+}
+
+void km_hand_release(km_hand *h) {
+  if (!h)
+    return;
+  km_drive_free(h->drive);
+  h->drive = NULL;
+  h->driven = -1;
+  for (int i = 0; i < h->mechanism->topology.substructure_count; ++i) {
+    h->rank[i] = 0;
+    h->left[i] = false;
+  }
+}
+
+void km_hand_save(km_hand *h) {
+  memcpy(h->saved_q, h->state->q, (size_t)h->mechanism->coordinate_count * sizeof *h->saved_q);
+  if (h->mechanism->ball_count)
+    memcpy(h->saved_ball, h->state->ball, (size_t)h->mechanism->ball_count * sizeof *h->saved_ball);
+}
+
+void km_hand_restore(km_hand *h) {
+  memcpy(h->state->q, h->saved_q, (size_t)h->mechanism->coordinate_count * sizeof *h->saved_q);
+  if (h->mechanism->ball_count)
+    memcpy(h->state->ball, h->saved_ball, (size_t)h->mechanism->ball_count * sizeof *h->saved_ball);
+}
+
+/* The drive of a coordinate: the last one goes on, so that it knows its branch. */
+static km_status take(km_hand *h, int coordinate, km_error *error) {
+  if (h->drive && h->driven == coordinate)
+    return KM_OK;
+  km_hand_release(h);
+  if (km_branch_leave(h->mechanism, h->state, coordinate, 0.0).motions < 0)
+    return km_fail(error, KM_MEMORY, "out of memory for a hand");
+  km_status status = km_drive_create(h->mechanism, h->state, coordinate, false, &h->drive, error);
+  h->driven = status ? -1 : coordinate;
+  return status;
+}
+
+/* How far the coordinate may go, model's unit. */
+static double share(const km_hand *h, int coordinate, double most) {
+  const km_mechanism *m = h->mechanism;
+  double number = h->state->numbers[coordinate];
+  double part = fmax(sqrt(fmax(number, 0.0)), least_share) * most / m->scale[coordinate];
+  return part / km_model_coordinate_factor(m->model, coordinate);
+}
+
+static void refresh(km_hand *h, int coordinate) {
+  int index = h->mechanism->substructure_of[coordinate];
+  if (index >= 0)
+    km_numbers_update(h->mechanism, h->state, index);
+  km_poses_update(h->mechanism, h->state);
+}
+
+/* A component of a rotation vector outside loops turns freely, within its limits and the ball's. */
+static void turn(km_hand *h, int coordinate, double target, double most, km_hand_move *out) {
+  const km_mechanism *m = h->mechanism;
+  int first = m->ball_coordinate[m->ball_of[coordinate]];
+  double factor = km_model_coordinate_factor(m->model, coordinate), goal = target * factor, others = 0.0;
+  double q = h->state->q[coordinate], within = fmin(fmax(goal, m->low[coordinate]), m->high[coordinate]);
+  for (int c = first; c < first + 3; ++c)
+    others += c == coordinate ? 0.0 : h->state->q[c] * h->state->q[c];
+  double ball = sqrt(fmax(m->most_turn[first] * m->most_turn[first] - others, 0.0));
+  within = fmin(fmax(within, -ball), ball);
+  memcpy(h->z, h->state->q, (size_t)m->coordinate_count * sizeof *h->z);
+  h->z[coordinate] = q + fmin(fmax(within - q, -most), most);
+  km_state_set(m, h->state, h->z);
+  bool limited = h->z[coordinate] == within && within != goal;
+  *out = (km_hand_move){.stop = limited ? KM_HAND_LIMIT : KM_HAND_FREE,
+                        .coordinate = limited ? coordinate : -1,
+                        .there = h->z[coordinate] == goal,
+                        .left = (goal - h->z[coordinate]) / factor};
+}
+
+static void drive(km_hand *h, int coordinate, double target, double most, km_hand_move *out) {
+  double at = km_state_coordinate(h->state, coordinate), reach = share(h, coordinate, most);
+  double goal = fabs(target - at) <= reach ? target : at + copysign(reach, target - at);
+  km_reach reached = km_drive_to(h->drive, goal);
+  *out = (km_hand_move){.coordinate = -1, .there = reached.stop == KM_STOP_NONE && goal == target};
+  if (reached.stop == KM_STOP_LIMIT) {
+    out->stop = KM_HAND_LIMIT;
+    out->coordinate = reached.coordinate;
+  } else if (reached.stop) {
+    out->stop = KM_HAND_TOGGLE;
+    out->coordinate = coordinate;
+  }
+  out->left = out->there ? 0.0 : target - km_state_coordinate(h->state, coordinate);
+}
+
+static km_status check(const km_hand *h, double most, const km_hand_move *out, km_error *error) {
+  km_status status = km_check_given(h != NULL, "hand", error);
+  if (!status)
+    status = km_check_given(out != NULL, "place for the result", error);
+  if (!status && !(most > 0.0))
+    return km_fail(error, KM_USAGE, "found a way of %g; expected more than 0", most);
+  return status;
+}
+
+km_status km_hand_pull_joint(km_hand *h, int coordinate, double target, double most, km_hand_move *out,
+                             km_error *error) {
+  km_status status = check(h, most, out, error);
+  if (!status)
+    status = km_check_index(coordinate, h->mechanism->coordinate_count, "coordinate", error);
+  if (!status && !isfinite(target))
+    status = km_fail(error, KM_USAGE, "found a target that is not finite");
+  if (status)
+    return status;
+  const km_mechanism *m = h->mechanism;
+  if (m->ball_of[coordinate] >= 0 && m->substructure_of[coordinate] < 0 && !m->held[coordinate]) {
+    km_hand_release(h);
+    turn(h, coordinate, target, most, out);
+  } else {
+    status = take(h, coordinate, error);
+    if (status)
+      return status;
+    drive(h, coordinate, target, most, out);
+  }
+  refresh(h, coordinate);
+  return KM_OK;
+}

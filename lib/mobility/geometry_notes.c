@@ -1,0 +1,107 @@
+/* Notes about geometry: offset pins, ranks that rounding may have decided. */
+#include "kmech/mobility.h"
+
+#include "kinematics/assembly.h"
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "mobility/rank_evidence.h"
+
+static const double rounding =
+    1e-6; /* of a substructure's size: offsets of this order come from the digits of a file */
+
+/* The note about a loop whose ends are offset along its hinge axes. */
+static void add_pin_offset(const km_mechanism *m, int index, km_messages *messages) {
+  const km_loop *loop = &m->loops[index];
+  const km_model *model = m->model;
+  const km_topology *t = &m->topology;
+  double size = m->substructures[t->substructure_of_loop[index]].size;
+  if (!(fabs(loop->pin_offset) > rounding))
+    return;
+  int base = t->base[index];
+  km_vec3 n = loop->plane_normal;
+  km_messages_add(
+      messages, KM_NOTE,
+      "loop %d: at %.80s its ends are %.4g %s apart along the hinge axes, direction (%.4g, %.4g, %.4g) of body %.80s; "
+      "taken for one point, since a hinge's frames may lie anywhere along its axis",
+      index + 1, model->joints[t->chord[index]].label, size * fabs(loop->pin_offset), model->units.length->suffix,
+      n.x + 0.0, n.y + 0.0, n.z + 0.0, model->bodies[base].name);
+}
+
+/* Misfit of the displacements as the file states them; NaN when out of memory. */
+static double misfit_at_start(const km_mechanism *m, int index) {
+  km_state *start = NULL;
+  double misfit = nan("");
+  int worst;
+  if (!km_state_create(m, &start, NULL)) {
+    km_loops_update(m, start, &m->substructures[index]);
+    misfit = km_loops_residual(m, start, &m->substructures[index], &worst);
+  }
+  km_state_free(start);
+  return misfit;
+}
+
+/* True if rounding can have made a pivot of this size in a substructure without redundant constraints:
+ *
+ *   misfit >= 1e-5 pivot   the parts don't fit without it: of the closed loops, or, of a file whose rotations are rounded, of its start too
+ *   first <= 100 pivot     else the file's start is poor, and its misfit says nothing
+ *
+ * A pivot that is geometry, such as a link a millionth as long as the others, leaves parts that fit. */
+static bool is_rounding(const km_mechanism *m, int index, double pivot, double misfit) {
+  const double fits = 1e-5 * pivot, first = misfit_at_start(m, index);
+  bool is_poor = first > 100.0 * pivot, is_rounded = m->model->rotation_misfit >= 1e-2 * pivot;
+  return is_rounded ? fmax(first, misfit) >= fits : !is_poor && misfit >= fits;
+}
+
+/* The note about a substructure that is rigid as written, by a pivot that is small for geometry. */
+static void add_rigid(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
+  static const double small =
+      1e-3; /* of the largest pivot, where constraints are redundant: the error of three digits */
+  static const double very_small = 1e-4; /* the same where none is */
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  km_suggestion named;
+  if (m->closure_tolerance_given || p->sparse || sub->loop_count == 0)
+    return;
+  km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
+  double pivot = p->rank > 0 ? p->last_pivot / p->scale : 1.0;
+  bool is_redundant = p->rank < sub->rows;
+  if (km_partition_freedom(p) > 0 || pivot > (is_redundant ? small : very_small) ||
+      !km_assemble_suggest(m, index, 1, &named) || !(is_redundant || is_rounding(m, index, pivot, named.misfit)))
+    return;
+  km_messages_add(messages, KM_NOTE,
+                  "substructure %d (joint %.80s and others) is rigid as written, but within %.1g of its size of one of "
+                  "mobility %d; if its numbers are rounded, state \"closure_tolerance\": %g or give "
+                  "--closure-tolerance %g",
+                  index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot,
+                  named.mobility, named.tolerance, named.tolerance);
+}
+
+void km_geometry_notes(const km_mechanism *m, km_state *s, km_messages *messages) {
+  if (!km_state_fits(m, s) || !messages)
+    return;
+  for (int l = 0; l < m->topology.loop_count; ++l)
+    add_pin_offset(m, l, messages);
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    add_rigid(m, s, i, messages);
+}
+
+km_status km_rank_doubts(const km_mechanism *m, km_state *s, km_messages *messages, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (status)
+    return status;
+  km_poses_update(m, s);
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_rank_evidence e;
+    status = km_rank_evidence_find(m, s, i, &e, error);
+    if (status)
+      return status;
+    if (e.doubtful)
+      km_messages_add(
+          messages, KM_WARNING,
+          "the rank of substructure %d is doubtful: the smallest singular value kept is %.2g of the largest "
+          "one, the largest dropped %.2g",
+          i + 1, e.kept, e.dropped);
+  }
+  return KM_OK;
+}

@@ -1,0 +1,71 @@
+/* Singular values, by GSL, of a matrix and of a substructure's Jacobian. */
+#include "mobility/jacobian_singular_values.h"
+
+#include <gsl/gsl_linalg.h>
+
+struct km_singular {
+  km_arena arena;
+  double *J, *values;
+  km_svd_room room;
+};
+
+static int least(int a, int b) {
+  return a < b ? a : b;
+}
+
+bool km_svd_reserve(km_svd_room *room, int rows, int columns, km_arena *arena) {
+  size_t wide = (size_t)least(rows, columns);
+  gsl_set_error_handler_off();
+  room->A = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)columns);
+  room->V = KM_ARENA_NEW(arena, double, wide *wide);
+  room->work = KM_ARENA_NEW(arena, double, wide);
+  return !arena->failed;
+}
+
+int km_svd_values(const double *J, int rows, int columns, km_svd_room *room, double *values) {
+  size_t wide = (size_t)least(rows, columns), tall = (size_t)(rows + columns) - wide;
+  if (wide == 0)
+    return 0;
+  for (int c = 0; c < columns; ++c)
+    for (int r = 0; r < rows; ++r)
+      room->A[columns >= rows ? (size_t)c * wide + (size_t)r : (size_t)r * wide + (size_t)c] =
+          J[(size_t)c * (size_t)rows + (size_t)r];
+  gsl_matrix_view A = gsl_matrix_view_array(room->A, tall, wide), V = gsl_matrix_view_array(room->V, wide, wide);
+  gsl_vector_view S = gsl_vector_view_array(values, wide), work = gsl_vector_view_array(room->work, wide);
+  gsl_linalg_SV_decomp(&A.matrix, &V.matrix, &S.vector, &work.vector);
+  return (int)wide;
+}
+
+bool km_singular_fits(const km_substructure *sub) {
+  return sub->rows <= KM_MOST_SINGULAR && sub->columns <= KM_MOST_SINGULAR;
+}
+
+km_singular *km_singular_create(const km_mechanism *m) {
+  km_singular *w = KM_NEW(km_singular, 1);
+  if (!w)
+    return NULL;
+  int rows = least(m->largest_rows, KM_MOST_SINGULAR), columns = least(m->largest_columns, KM_MOST_SINGULAR);
+  w->J = KM_ARENA_NEW(&w->arena, double, (size_t)rows *(size_t)columns);
+  w->values = KM_ARENA_NEW(&w->arena, double, (size_t)least(rows, columns));
+  if (km_svd_reserve(&w->room, rows, columns, &w->arena))
+    return w;
+  km_singular_free(w);
+  return NULL;
+}
+
+void km_singular_free(km_singular *w) {
+  if (w)
+    km_arena_free(&w->arena);
+  km_free(w);
+}
+
+const double *km_singular_values(km_singular *w, const km_mechanism *m, const km_state *s, const km_substructure *sub,
+                                 int *count) {
+  const double *weight = m->column_weight + sub->column_start;
+  km_state_jacobian_dense(s, sub, w->J);
+  for (int c = 0; c < sub->columns; ++c)
+    for (int r = 0; r < sub->rows; ++r)
+      w->J[(size_t)c * (size_t)sub->rows + (size_t)r] /= weight[c];
+  *count = km_svd_values(w->J, sub->rows, sub->columns, &w->room, w->values);
+  return w->values;
+}

@@ -1,0 +1,125 @@
+/* Mobility and mobility numbers of every substructure at a pose. */
+#include "mobility/mobility_numbers.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+
+static void set_numbers(const km_mechanism *m, km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  const int *coordinate = m->column_coordinate + sub->column_start;
+  km_state_numbers(m, s, index, s->work);
+  for (int k = 0; k < sub->columns; ++k)
+    s->numbers[coordinate[k]] = s->work[k];
+}
+
+void km_motions_update(const km_mechanism *m, km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  bool many = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS; /* by the rows, whatever B is */
+  if (s->pivoted[index] == KM_NEVER || (!many && !(p->largest_b <= km_largest_good_b))) {
+    int worst;
+    km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
+  }
+  km_state_know_motions(s, index);
+}
+
+void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
+  km_motions_update(m, s, index);
+  set_numbers(m, s, index);
+}
+
+static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
+  const km_model *model = m->model;
+  int freedom = 0, lambda = 0;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    freedom += !m->held[c];
+  for (int l = 0; l < m->topology.loop_count; ++l)
+    lambda += m->loops[l].lambda;
+  out->kutzbach = 6 * (model->body_count - 1 - model->joint_count) + freedom - model->coupling_count;
+  out->kutzbach_planar = 3 * (model->body_count - 1 - model->joint_count) + freedom - model->coupling_count;
+  out->kutzbach_extended = freedom - lambda - model->coupling_count;
+}
+
+/* Does it move freely, outside loops and couplings? */
+static bool is_outside(const km_mechanism *m, const km_state *s, int coordinate) {
+  return m->substructure_of[coordinate] < 0 && !km_state_holds(s, coordinate);
+}
+
+void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+  *out = (km_mobility){0};
+  count_kutzbach(m, out);
+  out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    out->mobility += is_outside(m, s, c);
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    int worst;
+    km_loops_update(m, s, sub);
+    double residual = km_loops_residual(m, s, sub, &worst);
+    km_pivot(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
+    out->residual = fmax(out->residual, residual);
+    out->mobility += km_partition_freedom(&s->partition[i]);
+    out->redundant_constraints -= s->partition[i].rank;
+  }
+}
+
+km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
+  km_status status = KM_OK;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (s->partition[i].failed) {
+      km_state_forget_pivots(s, i);
+      status = KM_MEMORY;
+    }
+  if (status)
+    s->arena.failed = false; /* what grows there grows again; what doesn't was there when the state was made */
+  return status;
+}
+
+km_status km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+  static const km_mobility unknown = {.residual = (double)NAN};
+  if (!out)
+    return KM_USAGE;
+  *out = unknown;
+  if (!km_state_fits(m, s))
+    return KM_USAGE;
+  km_ranks_update(m, s, out);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    s->numbers[c] = is_outside(m, s, c) ? 1.0 : 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    set_numbers(m, s, i);
+  km_status status = km_mobility_memory(m, s);
+  if (status)
+    *out = unknown;
+  return status;
+}
+
+int km_substructure_count(const km_mechanism *m) {
+  if (!m)
+    return 0;
+  return m->topology.substructure_count;
+}
+
+void km_substructure_evidence(const km_mechanism *m, const km_state *s, int index, km_substructure_mobility *out) {
+  if (!out)
+    return;
+  *out = (km_substructure_mobility){0};
+  if (!km_state_fits(m, s) || index < 0 || index >= m->topology.substructure_count)
+    return;
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  const km_topology *t = &m->topology;
+  double scale = p->scale > 0.0 ? p->scale : 1.0;
+  *out = (km_substructure_mobility){.joints = t->joint_start[index + 1] - t->joint_start[index],
+                                    .loops = sub->loop_count,
+                                    .coordinates = sub->columns,
+                                    .rank = p->rank,
+                                    .mobility = km_partition_freedom(p),
+                                    .last_pivot = p->last_pivot / scale,
+                                    .first_dropped = p->first_dropped / scale,
+                                    .tolerance = km_rank_tolerance(m, sub, 0.0)};
+}
+
+double km_mobility_number(const km_state *s, int coordinate) {
+  if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
+    return nan("");
+  return s->numbers[coordinate];
+}

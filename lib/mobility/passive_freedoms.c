@@ -1,0 +1,374 @@
+/* Idle freedoms, found by test. Symbols: V twist of a body of the group, q̇ rates of its joints; each joint demands
+ * V_child − V_parent = H q̇ with V = 0 outside the group. */
+#include "kmech/mobility.h"
+
+#include "base/arguments.h"
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "local/generic_neighbour.h"
+#include "local/passive_tangents.h"
+#include "mobility/full_jacobian.h"
+#include "mobility/mobility_numbers.h"
+#include "mobility/substructure_loop.h"
+
+#include <string.h>
+
+/* The bodies of one substructure in groups that rigid, single-coordinate and coupled joints join. */
+typedef struct groups {
+  const km_mechanism *m;
+  km_state *s;
+  int index;
+  int *parent;              /* [body] union-find */
+  int *size;                /* [body] of the group, at its representative */
+  int *place;               /* [body] in its group, by the order of the model; -1 in none */
+  bool *fixed;              /* [body] at a representative: the group isn't free to be idle */
+  int *joint_start, *joint; /* by representative [body + 1]: the joints at bodies of the group */
+} groups;
+
+static int find(const groups *g, int body) {
+  while (g->parent[body] != body) {
+    g->parent[body] = g->parent[g->parent[body]];
+    body = g->parent[body];
+  }
+  return body;
+}
+
+static int body_at(const km_model *model, int joint, int end) {
+  return model->frames[model->joints[joint].frame[end]].body;
+}
+
+static bool is_coupled(const km_model *model, int joint) {
+  for (int i = 0; i < model->coupling_count; ++i)
+    for (int k = 0; k < model->couplings[i].count; ++k)
+      if (model->coordinates[model->couplings[i].coordinates[k]].joint == joint)
+        return true;
+  return false;
+}
+
+static void join(const groups *g, int a, int b) {
+  int from = find(g, a), to = find(g, b);
+  g->parent[from] = to;
+  g->fixed[to] = g->fixed[to] || g->fixed[from];
+}
+
+/* Joins the bodies of rigid, single-coordinate and coupled joints. A group with a body that carries the substructure, which isn't one of its
+ * own bodies, is fixed. */
+static void tie(const groups *g) {
+  const km_model *model = g->m->model;
+  const km_topology *t = &g->m->topology;
+  for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
+    int j = t->joint[i];
+    if (km_joint_kind_of(model->joints[j].type)->freedom <= 1 || is_coupled(model, j))
+      join(g, body_at(model, j, 0), body_at(model, j, 1));
+  }
+}
+
+/* The group's joints and coordinates. */
+static void count_joints(const groups *g, int group, int *joints, int *coordinates) {
+  const km_model *model = g->m->model;
+  *joints = g->joint_start[group + 1] - g->joint_start[group];
+  *coordinates = 0;
+  for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i) {
+    int j = g->joint[i], first = model->joints[j].first_coordinate;
+    for (int c = first; c < first + km_model_freedom(model, j); ++c)
+      *coordinates += g->m->column_of[c] >= 0;
+  }
+}
+
+/* The equations of a group by their entries: six rows for each joint, six columns for each body and one for each coordinate. */
+typedef struct equations {
+  int rows, columns;
+  int *start, *row;                           /* of column c the rows are row[start[c] … start[c + 1]-1], */
+  double *value;                              /* and these its entries */
+  int next[KM_MOST_IDLE_BODIES], next_column; /* of each body, how many of its joints are filled */
+} equations;
+
+static bool reserve_equations(const groups *g, int group, int bodies, km_arena *scratch, equations *e) {
+  int joints, coordinates, ends[KM_MOST_IDLE_BODIES] = {0};
+  count_joints(g, group, &joints, &coordinates);
+  *e = (equations){.rows = 6 * joints, .columns = 6 * bodies + coordinates, .next_column = 6 * bodies};
+  e->start = KM_ARENA_NEW(scratch, int, (size_t)e->columns + 1);
+  e->row = KM_ARENA_NEW(scratch, int, 12 * (size_t)joints + 6 * (size_t)coordinates);
+  e->value = KM_ARENA_NEW(scratch, double, 12 * (size_t)joints + 6 * (size_t)coordinates);
+  if (scratch->failed)
+    return false;
+  for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i)
+    for (int end = 0; end < 2; ++end) {
+      int body = body_at(g->m->model, g->joint[i], end);
+      if (find(g, body) == group)
+        ends[g->place[body]]++;
+    }
+  for (int c = 0; c < e->columns; ++c)
+    e->start[c + 1] = e->start[c] + (c < 6 * bodies ? ends[c / 6] : 6);
+  return true;
+}
+
+/* Fills the equations of joint `j`, from `row` on. */
+static void fill_joint(const groups *g, int group, int j, km_vec3 about, int row, equations *e) {
+  const km_model *model = g->m->model;
+  int first = model->joints[j].first_coordinate;
+  for (int end = 0; end < 2; ++end) {
+    int body = body_at(model, j, end), place = g->place[body];
+    if (find(g, body) != group)
+      continue;
+    for (int r = 0; r < 6; ++r) {
+      int at = e->start[6 * place + r] + e->next[place];
+      e->row[at] = row + r;
+      e->value[at] = end ? 1.0 : -1.0;
+    }
+    e->next[place]++;
+  }
+  for (int c = first; c < first + km_model_freedom(model, j); ++c) {
+    if (g->m->column_of[c] < 0)
+      continue;
+    int at = e->start[e->next_column++];
+    double entry[6]; /* lengths over the substructure's size */
+    km_twist_entries(&g->m->substructures[g->index], km_coordinate_twist(g->m, g->s, c), about, g->m->unit[c], entry);
+    for (int r = 0; r < 6; ++r) {
+      e->row[at + r] = row + r;
+      e->value[at + r] = 0.0 - entry[r];
+    }
+  }
+}
+
+/* How many columns the others make dependent; -1 when out of memory. */
+static int solve(const equations *e, km_arena *scratch) {
+  enum { MOST_DENSE_ROWS = 60 };
+  const double tolerance = 1e-9 * e->columns;
+  km_partition p;
+  if (e->rows > MOST_DENSE_ROWS) {
+    if (!km_partition_reserve_sparse(&p, e->rows, e->columns, e->start, e->row, scratch))
+      return -1;
+    p.rows_only = true;
+    km_partition_factor(&p, e->value, e->rows, e->columns, NULL, tolerance);
+    return p.failed ? -1 : km_partition_freedom(&p);
+  }
+  double *A = KM_ARENA_NEW(scratch, double, (size_t)e->rows *(size_t)e->columns);
+  if (!A || !km_partition_reserve(&p, e->rows, e->columns, scratch))
+    return -1;
+  for (int c = 0; c < e->columns; ++c)
+    for (int i = e->start[c]; i < e->start[c + 1]; ++i)
+      A[(size_t)c * (size_t)e->rows + (size_t)e->row[i]] = e->value[i];
+  km_partition_factor(&p, A, e->rows, e->columns, NULL, tolerance);
+  return km_partition_freedom(&p);
+}
+
+/* Freedoms of the group while all other bodies stand; -1 when out of memory. */
+static int freedoms(const groups *g, int group, int bodies) {
+  km_arena scratch = {0};
+  equations e;
+  int found = -1, row = 0;
+  if (reserve_equations(g, group, bodies, &scratch, &e)) {
+    for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i, row += 6)
+      fill_joint(g, group, g->joint[i], g->s->pose[group].p, row, &e);
+    found = solve(&e, &scratch);
+  }
+  km_arena_free(&scratch);
+  return found;
+}
+
+/* Lists the joints of every group, in the order of the substructure. */
+static bool list_joints(groups *g, km_arena *arena) {
+  const km_topology *t = &g->m->topology;
+  const km_model *model = g->m->model;
+  int first = t->joint_start[g->index], end = t->joint_start[g->index + 1];
+  g->joint_start = KM_ARENA_NEW(arena, int, (size_t)model->body_count + 2);
+  g->joint = KM_ARENA_NEW(arena, int, 2 * (size_t)(end - first));
+  if (arena->failed)
+    return false;
+  for (int pass = 0; pass < 2; ++pass) { /* first to count, then to place: joint_start[b + 1] is the next place of b */
+    for (int i = first; i < end; ++i) {
+      int a = find(g, body_at(model, t->joint[i], 0)), b = find(g, body_at(model, t->joint[i], 1));
+      for (int n = 0; n < (a == b ? 1 : 2); ++n) {
+        int group = n ? b : a;
+        if (pass == 0)
+          g->joint_start[group + 2]++;
+        else
+          g->joint[g->joint_start[group + 1]++] = t->joint[i];
+      }
+    }
+    for (int b = 0; b < model->body_count && pass == 0; ++b)
+      g->joint_start[b + 2] += g->joint_start[b + 1];
+  }
+  return true;
+}
+
+/* Groups and the places of bodies in them. */
+static bool make_groups(groups *g, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
+  size_t bodies = (size_t)m->model->body_count;
+  *g = (groups){m,
+                s,
+                index,
+                KM_ARENA_NEW(arena, int, bodies),
+                KM_ARENA_NEW(arena, int, bodies),
+                KM_ARENA_NEW(arena, int, bodies),
+                KM_ARENA_NEW(arena, bool, bodies),
+                NULL,
+                NULL};
+  if (arena->failed)
+    return false;
+  const km_topology *t = &m->topology;
+  for (int b = 0; b < m->model->body_count; ++b) {
+    g->parent[b] = b;
+    g->fixed[b] = true;
+  }
+  for (int i = t->body_start[index]; i < t->body_start[index + 1]; ++i)
+    g->fixed[t->body[i]] = false; /* the others carry the substructure */
+  tie(g);
+  /* Only bodies of this substructure can be idle in it; each is counted once. */
+  memset(g->place, -1, bodies * sizeof *g->place);
+  for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i)
+    for (int end = 0; end < 2; ++end) {
+      int body = body_at(m->model, t->joint[i], end);
+      if (g->place[body] < 0)
+        g->place[body] = g->size[find(g, body)]++;
+    }
+  return list_joints(g, arena);
+}
+
+static bool add(const groups *g, int group, int count, km_idle_freedoms *out, size_t *capacity) {
+  void *items = out->items;
+  if (!km_reserve(&items, capacity, (size_t)out->count + 1, sizeof *out->items))
+    return false;
+  out->items = items;
+  km_idle_freedom *item = &out->items[out->count++];
+  *item = (km_idle_freedom){.substructure = g->index, .freedoms = count};
+  for (int b = 1; b < g->m->model->body_count; ++b)
+    if (g->place[b] >= 0 && find(g, b) == group)
+      item->bodies[item->body_count++] = b;
+  return true;
+}
+
+static bool find_in(const groups *g, km_idle_freedoms *out, size_t *capacity) {
+  for (int b = 1; b < g->m->model->body_count; ++b) {
+    if (g->place[b] < 0 || find(g, b) != b || g->fixed[b] || g->size[b] > KM_MOST_IDLE_BODIES)
+      continue;
+    int count = freedoms(g, b, g->size[b]);
+    if (count < 0 || (count > 0 && !add(g, b, count, out, capacity)))
+      return false;
+  }
+  return true;
+}
+
+/* How many of a group's freedoms a motion follows, where the pose has none that would show it. */
+static int count_real(const groups *g, const km_idle_freedom *group) {
+  km_arena arena = {0};
+  km_tangents f;
+  km_idle_freedom item = *group;
+  const km_idle_freedoms alone = {1, group->freedoms, &item};
+  int count = group->freedoms;
+  if (km_tangents_make(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
+    count = km_tangents_make_basis(&f) ? km_idle_tangents_leave(&f, &alone, NULL) : -1;
+    km_loops_return(g->m, g->s, g->index, f.pose);
+  }
+  count = arena.failed ? -1 : count;
+  km_arena_free(&arena);
+  return count;
+}
+
+/* Closing the loops may have led back to where the move began. way[columns] is the move. */
+static bool has_moved(const groups *g, const double *saved, double *way) {
+  const km_substructure *sub = &g->m->substructures[g->index];
+  double tried = km_step_length(g->m, sub, way);
+  km_state_difference(g->s, sub, saved, way);
+  return km_step_length(g->m, sub, way) > 0.5 * tried;
+}
+
+/* Keeps of the groups found from `first` on what they also have a short way along the motion, or what is real where there is none. */
+static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_freedoms *out) {
+  size_t columns = (size_t)g->m->substructures[g->index].columns;
+  double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns),
+         *move = KM_ARENA_NEW(arena, double, columns);
+  if (arena->failed)
+    return false;
+  bool moved = km_nearby_go(g->m, g->s, g->index, saved, move) && has_moved(g, saved, move), whole = true;
+  if (!moved)
+    km_nearby_return(g->m, g->s, g->index, saved);
+  int kept = first;
+  for (int i = first; i < out->count; ++i) {
+    km_idle_freedom item = out->items[i];
+    int there = moved ? freedoms(g, find(g, item.bodies[0]), item.body_count) : count_real(g, &item);
+    whole = whole && there >= 0;
+    item.freedoms = there < item.freedoms ? there : item.freedoms;
+    out->mobility += item.freedoms > 0 ? item.freedoms : 0;
+    if (item.freedoms > 0)
+      out->items[kept++] = item;
+  }
+  out->count = kept;
+  if (moved)
+    km_nearby_return(g->m, g->s, g->index, saved);
+  return whole;
+}
+
+/* Can the substructure have any? Groups end at joints with several coordinates. */
+static bool worth_looking(const km_mechanism *m, int index) {
+  const km_topology *t = &m->topology;
+  for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i)
+    if (km_joint_kind_of(m->model->joints[t->joint[i]].type)->freedom > 1)
+      return true;
+  return false;
+}
+
+/* The whole search. */
+typedef struct search {
+  const km_mechanism *m;
+  km_state *s;
+  km_idle_freedoms *out;
+  size_t capacity;
+} search;
+
+static km_status look(void *self, int index, km_arena *arena, km_error *error) {
+  search *f = self;
+  groups g;
+  int first = f->out->count;
+  (void)error;
+  if (!worth_looking(f->m, index))
+    return KM_OK;
+  bool done = make_groups(&g, f->m, f->s, index, arena) && find_in(&g, f->out, &f->capacity) &&
+              (f->out->count == first || keep_lasting(&g, first, arena, f->out));
+  return done ? KM_OK : KM_MEMORY;
+}
+
+km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
+                                km_idle_freedoms *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_idle_freedoms){0};
+  km_status fits = km_check_state(m, s, error);
+  if (fits)
+    return fits;
+  search f = {m, s, out, 0};
+  km_mobility mobility;
+  km_poses_update(m, s);
+  km_ranks_update(m, s, &mobility);
+  return km_each_substructure(m, look, &f, progress, context, "the idle freedoms", error);
+}
+
+static bool in_group(const km_idle_freedom *group, int body) {
+  for (int i = 0; i < group->body_count; ++i)
+    if (group->bodies[i] == body)
+      return true;
+  return false;
+}
+
+void km_idle_coordinates(const km_mechanism *m, const km_idle_freedoms *freedoms, bool *marks) {
+  if (!m || !freedoms || !marks)
+    return;
+  memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
+  for (int i = 0; i < freedoms->count; ++i)
+    for (int j = 0; j < m->model->joint_count; ++j) {
+      int freedom = km_joint_kind_of(m->model->joints[j].type)->freedom;
+      bool one = in_group(&freedoms->items[i], body_at(m->model, j, 0)),
+           other = in_group(&freedoms->items[i], body_at(m->model, j, 1));
+      for (int k = 0; k < freedom && freedom > 1 && one != other; ++k)
+        marks[m->model->joints[j].first_coordinate + k] = true;
+    }
+}
+
+void km_idle_freedoms_free(km_idle_freedoms *freedoms) {
+  if (!freedoms)
+    return;
+  km_free(freedoms->items);
+  *freedoms = (km_idle_freedoms){0};
+}

@@ -1,0 +1,180 @@
+/* Singular values of the loops that don't depend on how the model is written, as evidence of a rank. */
+#include "mobility/rank_evidence.h"
+
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_closing.h"
+#include "kmech/mobility.h"
+#include "kmech/sweep.h"
+#include "mobility/full_jacobian.h"
+#include "mobility/jacobian_singular_values.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_linalg.h>
+#include <string.h>
+
+static const double surely_zero = 1e-10; /* below: what closing and rounding leave */
+static const double surely_not = 1e-5;   /* above: no pivot of rounded data */
+static const double tolerated =
+    100.0; /* the same where the file states a tolerance, over it: a factor of 10 on either side of that of the rank */
+
+/* The columns of one substructure as twists, and how their lengths are counted. */
+typedef struct axes {
+  const km_mechanism *m;
+  const km_substructure *sub;
+  km_twist *twist; /* [coordinate] */
+  km_vec3 about;
+  double size;
+} axes;
+
+/* The point nearest to the axes, least Σ |v + ω × c|², and their root mean square distance. Where all axes meet there,
+ * lengths don't count and any size will do. */
+static void find_centre(axes *a) {
+  double A[9] = {0}, b[3] = {0}, sum = 0.0;
+  int turning = 0;
+  for (int k = 0; k < a->sub->columns; ++k) {
+    km_twist t = a->twist[a->m->column_coordinate[a->sub->column_start + k]];
+    const double w[3] = {t.w.x, t.w.y, t.w.z};
+    km_vec3 right = km_vec3_cross(t.w, t.v);
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        A[3 * i + j] += (i == j) * km_vec3_dot(t.w, t.w) - w[i] * w[j];
+    b[0] += right.x;
+    b[1] += right.y;
+    b[2] += right.z;
+    turning += km_vec3_dot(t.w, t.w) > 0.0;
+  }
+  /* Along parallel axes every point is as good: the least one. */
+  gsl_matrix_view M = gsl_matrix_view_array(A, 3, 3);
+  double values[3], vectors[9], work[3], x[3] = {0};
+  gsl_matrix_view V = gsl_matrix_view_array(vectors, 3, 3);
+  gsl_vector_view S = gsl_vector_view_array(values, 3), W = gsl_vector_view_array(work, 3);
+  gsl_vector_view B = gsl_vector_view_array(b, 3), X = gsl_vector_view_array(x, 3);
+  gsl_linalg_SV_decomp(&M.matrix, &V.matrix, &S.vector, &W.vector);
+  for (int i = 0; i < 3; ++i)
+    values[i] = values[i] > 1e-9 * values[0] ? values[i] : 0.0; /* gsl takes 0 for none */
+  gsl_linalg_SV_solve(&M.matrix, &V.matrix, &S.vector, &B.vector, &X.vector);
+  a->about = (km_vec3){x[0], x[1], x[2]};
+  for (int k = 0; k < a->sub->columns; ++k) {
+    km_twist t = a->twist[a->m->column_coordinate[a->sub->column_start + k]];
+    km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, a->about));
+    sum += km_vec3_dot(t.w, t.w) > 0.0 ? km_vec3_dot(v, v) : 0.0;
+  }
+  a->size = turning ? sqrt(sum / turning) : 0.0;
+  a->size = a->size > 1e-9 * a->sub->size ? a->size : a->sub->size;
+}
+
+/* The Gram matrix of the loops: how many joints two of them share, by sense. */
+static void loop_gram(const km_mechanism *m, int index, int loops, double *G) {
+  const km_topology *t = &m->topology;
+  double *sense = G + (size_t)loops * (size_t)loops; /* [joint] of one loop */
+  for (int a = 0; a < loops; ++a) {
+    int one = t->loop[t->loop_start[index] + a];
+    for (int i = t->member_start[one]; i < t->member_start[one + 1]; ++i)
+      sense[t->member[i].joint] = km_member_sense(&t->member[i]);
+    for (int b = 0; b < loops; ++b) {
+      int other = t->loop[t->loop_start[index] + b];
+      double sum = 0.0;
+      for (int i = t->member_start[other]; i < t->member_start[other + 1]; ++i)
+        sum += sense[t->member[i].joint] * km_member_sense(&t->member[i]);
+      G[a * loops + b] = sum;
+    }
+    for (int i = t->member_start[one]; i < t->member_start[one + 1]; ++i)
+      sense[t->member[i].joint] = 0.0;
+  }
+}
+
+/* J's loop blocks times the inverse of G's Cholesky factor, in place. */
+static void whiten(const km_mechanism *m, int index, int rows, km_arena *arena, double *J) {
+  const km_substructure *sub = &m->substructures[index];
+  int loops = sub->loop_count;
+  double *G = KM_ARENA_NEW(arena, double, (size_t)(loops * loops + m->model->joint_count));
+  if (arena->failed || loops == 0)
+    return;
+  loop_gram(m, index, loops, G);
+  gsl_matrix_view L = gsl_matrix_view_array(G, (size_t)loops, (size_t)loops);
+  gsl_linalg_cholesky_decomp1(&L.matrix);
+  for (int c = 0; c < sub->columns; ++c)
+    for (int r = 0; r < 6; ++r) {
+      double *x = J + (size_t)c * (size_t)rows + r;
+      for (int a = 0; a < loops; ++a) {
+        for (int b = 0; b < a; ++b)
+          x[6 * a] -= G[a * loops + b] * x[6 * b];
+        x[6 * a] /= G[a * loops + a];
+      }
+    }
+}
+
+/* Lengths over the axes' own size instead of the substructure's; couplings' rows of length 1. */
+static void rescale(const axes *a, int rows, double *J) {
+  const km_substructure *sub = a->sub;
+  double factor = sub->size / a->size;
+  for (int c = 0; c < sub->columns; ++c) {
+    km_twist t = a->twist[a->m->column_coordinate[sub->column_start + c]];
+    bool slides = km_vec3_dot(t.w, t.w) == 0.0;
+    double *x = J + (size_t)c * (size_t)rows;
+    for (int l = 0; l < sub->loop_count && !slides; ++l)
+      for (int r = 0; r < 3; ++r)
+        x[6 * l + r] *= factor;
+    for (int r = 6 * sub->loop_count; r < rows && slides; ++r)
+      x[r] /= factor;
+  }
+  for (int r = 6 * sub->loop_count; r < rows; ++r) {
+    double sum = 0.0;
+    for (int c = 0; c < sub->columns; ++c)
+      sum += J[c * rows + r] * J[c * rows + r];
+    for (int c = 0; c < sub->columns && sum > 0.0; ++c)
+      J[c * rows + r] /= sqrt(sum);
+  }
+}
+
+static void judge(const km_mechanism *m, const double *values, int count, int rank, km_rank_evidence *out) {
+  double low = m->closure_tolerance_given ? fmax(surely_zero, m->closure_tolerance) : surely_zero;
+  double high = m->closure_tolerance_given ? fmax(surely_not, tolerated * low) : surely_not;
+  double scale = count && values[0] > 0.0 ? 1.0 / values[0] : 1.0;
+  out->kept = rank > 0 && rank <= count ? scale * values[rank - 1] : 1.0;
+  out->dropped = rank < count ? scale * values[rank] : 0.0;
+  for (int i = 0; i < count; ++i)
+    out->doubtful = out->doubtful || (scale * values[i] > low && scale * values[i] < high);
+}
+
+static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_rank_evidence *out) {
+  axes a = {.m = m, .sub = &m->substructures[index]};
+  int rows = 6 * a.sub->loop_count + a.sub->coupling_count;
+  km_svd_room room;
+  double *values = KM_ARENA_NEW(arena, double, (size_t)a.sub->columns),
+         *J = KM_ARENA_NEW(arena, double, (size_t)(rows * a.sub->columns));
+  a.twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->coordinate_count);
+  if (!km_svd_reserve(&room, rows, a.sub->columns, arena))
+    return false;
+  for (int k = 0; k < a.sub->columns; ++k) {
+    int c = m->column_coordinate[a.sub->column_start + k];
+    a.twist[c] = km_coordinate_twist(m, s, c);
+  }
+  find_centre(&a);
+  km_whole_jacobian(m, s, index, a.twist, a.about, J);
+  rescale(&a, rows, J);
+  whiten(m, index, rows, arena, J);
+  if (arena->failed)
+    return false;
+  int count = km_svd_values(J, rows, a.sub->columns, &room, values);
+  judge(m, values, count, s->partition[index].rank, out);
+  return true;
+}
+
+km_status km_rank_evidence_find(const km_mechanism *m, km_state *s, int index, km_rank_evidence *out, km_error *error) {
+  const km_substructure *sub = &m->substructures[index];
+  km_arena arena = {0};
+  bool found = true;
+  *out = (km_rank_evidence){0};
+  gsl_set_error_handler_off();
+  if (6 * sub->loop_count + sub->coupling_count <= KM_MOST_SINGULAR && sub->columns <= KM_MOST_SINGULAR) {
+    found = by_singular_values(m, s, index, &arena, out);
+  } else {
+    km_substructure_mobility e;
+    km_substructure_evidence(m, s, index, &e);
+    const double pivots[3] = {1.0, e.last_pivot, e.first_dropped};
+    judge(m, pivots, 3, 2, out);
+  }
+  km_arena_free(&arena);
+  return found ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the evidence of a rank");
+}

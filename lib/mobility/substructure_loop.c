@@ -1,0 +1,20 @@
+/* The loop over substructures that the analyses of a pose share. */
+#include "mobility/substructure_loop.h"
+
+km_status km_each_substructure(const km_mechanism *m, km_substructure_look look, void *self, km_progress progress,
+                               void *context, const char *what, km_error *error) {
+  int count = m->topology.substructure_count;
+  for (int i = 0; i < count; ++i) {
+    if (progress && !progress(context, (double)i / count))
+      return km_fail(error, KM_CANCELLED, "the search for %s was cancelled", what);
+    km_arena arena = {0};
+    km_status status = look(self, i, &arena, error);
+    bool failed = arena.failed || status == KM_MEMORY;
+    km_arena_free(&arena);
+    if (failed)
+      return km_fail(error, KM_MEMORY, "out of memory for %s", what);
+    if (status)
+      return status;
+  }
+  return KM_OK;
+}

@@ -1,0 +1,99 @@
+/* J, N and Z of substructures for programs that want the matrices themselves. */
+#include "kmech/mobility.h"
+
+#include "base/arguments.h"
+#include "kinematics/state.h"
+
+#include <string.h>
+
+static const km_substructure *known(const km_mechanism *m, int index) {
+  return m && index >= 0 && index < m->topology.substructure_count ? &m->substructures[index] : NULL;
+}
+
+int km_substructure_rows(const km_mechanism *m, int index) {
+  const km_substructure *sub = known(m, index);
+  return sub ? sub->rows : 0;
+}
+
+int km_substructure_coordinate(const km_mechanism *m, int index, int column) {
+  const km_substructure *sub = known(m, index);
+  return sub && column >= 0 && column < sub->columns ? m->column_coordinate[sub->column_start + column] : -1;
+}
+
+double km_substructure_unit(const km_mechanism *m, int index, int column) {
+  int coordinate = km_substructure_coordinate(m, index, column);
+  return coordinate >= 0 ? m->unit[coordinate] : nan("");
+}
+
+static km_status check(const km_mechanism *m, const km_state *s, int index, const double *out, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_given(out != NULL, "place for the result", error);
+  if (!status)
+    status = km_check_index(index, m->topology.substructure_count, "substructure", error);
+  if (!status && !km_state_knows_motion(m, s))
+    status = km_fail(error, KM_USAGE, "the mobility of the state isn't known; expected km_mobility_update before");
+  return status;
+}
+
+km_status km_substructure_jacobian(const km_mechanism *m, const km_state *s, int index, double *J, km_error *error) {
+  km_status status = check(m, s, index, J, error);
+  if (!status)
+    km_state_jacobian_dense(s, &m->substructures[index], J);
+  return status;
+}
+
+km_status km_substructure_null(const km_mechanism *m, const km_state *s, int index, double *N, km_error *error) {
+  km_status status = check(m, s, index, N, error);
+  if (status)
+    return status;
+  const km_partition *p = &s->partition[index];
+  for (int k = 0; k < km_partition_freedom(p); ++k)
+    km_partition_direction(p, p->column[p->rank + k], N + (size_t)k * (size_t)p->columns);
+  return KM_OK;
+}
+
+km_status km_substructure_basis(const km_mechanism *m, const km_state *s, int index, double *Z, km_error *error) {
+  km_status status = check(m, s, index, Z, error);
+  const double *basis = status ? NULL : km_state_basis(s, index);
+  size_t count = basis ? (size_t)km_partition_freedom(&s->partition[index]) : 0;
+  if (count > 0)
+    memcpy(Z, basis, count * (size_t)m->substructures[index].columns * sizeof *Z);
+  return status;
+}
+
+/* Adds the motions of a substructure behind the `count` that are there; returns how many there are then. */
+static int add_motions(const km_mechanism *m, const km_state *s, int index, double *N, int count) {
+  const km_substructure *sub = &m->substructures[index];
+  const double *Z = km_state_basis(s, index);
+  for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k, ++count) {
+    double *rates = N + (size_t)count * (size_t)m->coordinate_count;
+    for (int j = 0; j < sub->columns; ++j) {
+      int c = m->column_coordinate[sub->column_start + j];
+      rates[c] = Z[(size_t)k * (size_t)sub->columns + (size_t)j] / m->scale[c];
+    }
+  }
+  return count;
+}
+
+km_status km_motions_basis(const km_mechanism *m, const km_state *s, double *N, int *freedom, km_error *error) {
+  if (freedom)
+    *freedom = 0;
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = km_check_given(N && freedom, "place for the result", error);
+  if (!status && !km_state_knows_motion(m, s))
+    status = km_fail(error, KM_USAGE, "the mobility of the state isn't known; expected km_mobility_update before");
+  if (status)
+    return status;
+  size_t n = (size_t)m->coordinate_count;
+  int count = 0;
+  memset(N, 0, n * n * sizeof *N);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    if (m->substructure_of[c] < 0 && !m->held[c])
+      N[(size_t)count++ * n + (size_t)c] = 1.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    count = add_motions(m, s, i, N, count);
+  *freedom = count;
+  return KM_OK;
+}

@@ -1,4 +1,0 @@
-/* Solutions by a triangle in registers of two doubles, which every processor has. */
-#define NAME  km_triangle_squares_plain
-#define WIDTH 2
-#include "partition/triangle_body.h"

@@ -1,0 +1,109 @@
+/* The question about mechanical advantage. */
+#include "question/question.h"
+#include "sweep/sweep_observer.h"
+
+#include "base/text.h"
+#include "kmech/inspect.h"
+
+#include <math.h>
+
+enum { INPUT, OUTPUT, TRANSMISSION, OPTIONS };
+
+static const km_option options[OPTIONS] = {
+    {"input", KM_OPTION_END, "JOINT", "", "the model's analysis.mechanical_advantage",
+     "What is pushed: a joint, or BODY/FRAME:DX,DY,DZ, a point along a direction", 0, 0, NULL, false},
+    {"output", KM_OPTION_END, "JOINT", "", NULL, "What pushes: a joint, or a point in the same way", 0, 0, NULL, false},
+    {"transmission", KM_OPTION_FLAG, NULL, "", NULL,
+     "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
+     "condition number as columns; nan where undefined",
+     0, 0, NULL, true},
+};
+
+typedef struct own {
+  km_handle ends[2]; /* input, output */
+  km_advantage_sweep sweep;
+} own;
+
+/* An end as the options have it, else the model. A joint's columns bear its label. */
+static bool take_end(const km_question *q, int option, km_handle *out) {
+  const km_option_value *v = km_question_own_value(q, option);
+  if (!v)
+    return km_handle_default(q->m->model, option == OUTPUT, out);
+  *out = v->end;
+  if (out->kind == KM_HANDLE_JOINT)
+    out->name = km_model_coordinate_label(q->m->model, out->coordinate);
+  return true;
+}
+
+static km_status prepare(km_question *q, km_error *error) {
+  own *o = q->own;
+  for (int j = -1; (j = km_model_next_without_radius(q->m->model, j + 1)) >= 0;)
+    km_messages_add(
+        q->notes, KM_NOTE,
+        "joint %s has a coefficient of friction but no radius: it turns without friction, under a thrust along "
+        "its axis too",
+        q->m->model->joints[j].label);
+  bool have_input = take_end(q, INPUT, &o->ends[0]), have_output = take_end(q, OUTPUT, &o->ends[1]);
+  if (have_input && have_output)
+    return KM_OK;
+  return km_fail(error, KM_USAGE, "the model's analysis.mechanical_advantage has no %s; expected `%s`",
+                 have_input ? "output" : "input", have_input ? "output" : "input");
+}
+
+static void open_sweep(km_question *q, km_sweep_job *job) {
+  own *o = q->own;
+  const km_option_value *transmission = km_question_own_value(q, TRANSMISSION);
+  km_advantage_sweep_open(job, &o->ends[0], &o->ends[1], transmission && transmission->flag, &o->sweep);
+}
+
+static const km_sweep *motion(const km_question *q) {
+  return &((const own *)q->own)->sweep.motion;
+}
+
+/* The toggles, then both extremes. */
+static int event_count(const km_question *q) {
+  return (int)((const own *)q->own)->sweep.toggle_count + 2;
+}
+
+static km_question_event event(const km_question *q, int index) {
+  const km_advantage_sweep *sweep = &((const own *)q->own)->sweep;
+  int extreme = index - (int)sweep->toggle_count;
+  if (extreme >= 0) {
+    const km_peak *peak = extreme ? &sweep->highest : &sweep->lowest;
+    return (km_question_event){extreme ? "maximum" : "minimum", "", peak->s, peak->value};
+  }
+  const km_advantage_toggle *t = &sweep->toggles[index];
+  const char *name = t->state == KM_ADVANTAGE_ZERO ? "zero" : t->state == KM_ADVANTAGE_INFINITE ? "pole" : "undefined";
+  double value = t->state == KM_ADVANTAGE_ZERO ? 0.0 : t->state == KM_ADVANTAGE_INFINITE ? HUGE_VAL : nan("");
+  return (km_question_event){name, "", t->s, value};
+}
+
+static void forget(km_question *q) {
+  km_advantage_sweep *sweep = &((own *)q->own)->sweep;
+  km_question_keep_table(q, &sweep->motion);
+  km_advantage_sweep_free(sweep);
+}
+
+static void unprepare(km_question *q) {
+  (void)q;
+}
+
+const km_question_class km_advantage_question = {.name = "advantage",
+                                                 .options = options,
+                                                 .option_count = OPTIONS,
+                                                 .size = sizeof(own),
+                                                 .prepare = prepare,
+                                                 .open = open_sweep,
+                                                 .motion = motion,
+                                                 .event_count = event_count,
+                                                 .event = event,
+                                                 .forget = forget,
+                                                 .unprepare = unprepare};
+
+const km_advantage_sweep *km_question_advantage(const km_question *q) {
+  return km_question_has(q, &km_advantage_question) ? &((const own *)q->own)->sweep : NULL;
+}
+
+const km_handle *km_question_end(const km_question *q, bool output) {
+  return km_question_is(q, &km_advantage_question) ? &((const own *)q->own)->ends[output] : NULL;
+}

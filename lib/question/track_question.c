@@ -1,0 +1,129 @@
+/* The question about a track: an arm follows the path of a path study by one method. */
+#include "base/file.h"
+#include "question/question.h"
+
+#include <string.h>
+
+enum { STUDY, METHOD, OPTIONS };
+
+static const km_option options[OPTIONS] = {
+    {"study", KM_OPTION_FILE, "FILE", "", NULL, "The path study; its model doesn't count", 0, 0, NULL, false},
+    {"method", KM_OPTION_WORD, "METHOD", "", "the study's first one", "How the arm uses its spare freedom", 0,
+     KM_METHODS - 1, "greedy or lookahead or fixed or dls or gradient or dp or global", false},
+};
+
+typedef struct own {
+  km_study_def def;
+  km_study *study; /* of the last answer */
+  km_track *track;
+} own;
+
+/* The first error of a study's text, with its place. */
+static km_status told(km_status status, const km_messages *messages, const char *file, km_error *error) {
+  for (size_t i = 0; i < km_messages_count(messages); ++i)
+    if (km_messages_severity(messages, i) == KM_ERROR)
+      return km_fail(error, status, "%s: %s", file, km_messages_text(messages, i));
+  return status;
+}
+
+/* Poses in a CSV file are looked for in the study's folder. */
+static km_status read_study(const char *file, own *o, km_error *error) {
+  km_text text = {0}, folder = {0};
+  km_messages *messages = km_messages_create();
+  const char *slash = strrchr(file, '/');
+  km_status status = messages ? km_file_read(file, &text, error) : KM_MEMORY;
+  if (slash)
+    km_text_format(&folder, "%.*s", (int)(slash - file) + 1, file);
+  if (!status && folder.failed)
+    status = KM_MEMORY;
+  if (!status)
+    status = told(km_study_read(text.data, text.size, folder.data ? folder.data : "", messages, &o->def, error),
+                  messages, file, error);
+  km_messages_free(messages);
+  km_text_free(&text);
+  km_text_free(&folder);
+  return status == KM_MEMORY ? km_fail(error, KM_MEMORY, "out of memory for a path study") : status;
+}
+
+static km_status prepare(km_question *q, km_error *error) {
+  own *o = q->own;
+  const km_option_value *study = km_question_own_value(q, STUDY);
+  o->def = km_study_def_default();
+  if (!study)
+    return km_fail(error, KM_USAGE, "`study` is missing; expected the file of a path study");
+  return read_study(study->text, o, error);
+}
+
+static void forget(km_question *q) {
+  own *o = q->own;
+  km_track_free(o->track);
+  km_study_free(o->study);
+  o->track = NULL;
+  o->study = NULL;
+}
+
+static void unprepare(km_question *q) {
+  own *o = q->own;
+  forget(q);
+  km_study_def_free(&o->def);
+  o->def = (km_study_def){0};
+}
+
+/* The study's own settings of the method, where it has them. */
+static km_track_plan plan_of(const km_question *q, const own *o) {
+  const km_option_value *method = km_question_own_value(q, METHOD);
+  km_track_plan plan = km_study_plan(o->study, 0);
+  if (method) {
+    plan.method = km_method_default((km_method_kind)method->whole);
+    for (int i = km_study_methods(o->study) - 1; i >= 0; --i)
+      if (km_study_plan(o->study, i).method.kind == (km_method_kind)method->whole)
+        plan.method = km_study_plan(o->study, i).method;
+  }
+  plan.progress = q->progress;
+  plan.context = q->context;
+  return plan;
+}
+
+static km_status answer(km_question *q, km_state *s, km_error *error) {
+  own *o = q->own;
+  km_status status = km_study_bind(q->m, s, &o->def, 1, NULL, &o->study, error);
+  if (status)
+    return status;
+  km_track_plan plan = plan_of(q, o);
+  status = km_track_run(km_study_arm(o->study), &plan, &o->track, error);
+  return status == KM_PARTIAL && km_track_ending(o->track).sample < 0
+             ? km_fail(error, KM_NO_RESULT, "no pose of the arm within its limits reaches the path's first pose")
+             : status;
+}
+
+static const km_table *table(const km_question *q) {
+  return km_track_rows(((const own *)q->own)->track);
+}
+
+/* Those that are counted are a motion's. */
+static int event_count(const km_question *q) {
+  (void)q;
+  return 0;
+}
+
+static km_question_event event(const km_question *q, int index) {
+  (void)q;
+  (void)index;
+  return (km_question_event){"", "", nan(""), nan("")};
+}
+
+const km_question_class km_track_question = {.name = "track",
+                                             .options = options,
+                                             .option_count = OPTIONS,
+                                             .size = sizeof(own),
+                                             .prepare = prepare,
+                                             .answer = answer,
+                                             .table = table,
+                                             .event_count = event_count,
+                                             .event = event,
+                                             .forget = forget,
+                                             .unprepare = unprepare};
+
+const km_track *km_question_track(const km_question *q) {
+  return km_question_has(q, &km_track_question) ? ((const own *)q->own)->track : NULL;
+}

@@ -1,0 +1,70 @@
+/* Finds the plot of each kind of question. */
+#include "report/charts/question_plot.h"
+
+#include "question/question.h"
+#include "report/charts/advantage_plot.h"
+#include "report/charts/mobility_plot.h"
+#include "report/charts/statics_plot.h"
+#include "report/charts/table_plot.h"
+
+static km_swept swept(const km_answered *a) {
+  return (km_swept){a->question->m, km_question_plan(a->question), km_question_motion(a->question), a->name};
+}
+
+static bool plot_mobility(const km_comparison *c, km_arena *arena, km_plot *out) {
+  km_plotted_sweep *sweeps = KM_ARENA_NEW(arena, km_plotted_sweep, (size_t)c->count);
+  for (int i = 0; i < c->count && sweeps; ++i)
+    sweeps[i] = (km_plotted_sweep){c->answers[i].question->m,
+                                   km_question_plan(c->answers[i].question),
+                                   km_question_mobility(c->answers[i].question),
+                                   c->answers[i].name,
+                                   c->answers[i].shown,
+                                   c->answers[i].shown_count};
+  return sweeps && km_mobility_plot_make(sweeps, c->count, c->ordered, arena, out);
+}
+
+static bool plot_advantage(const km_comparison *c, km_arena *arena, km_plot *out) {
+  km_plotted_advantage *sweeps = KM_ARENA_NEW(arena, km_plotted_advantage, (size_t)c->count);
+  for (int i = 0; i < c->count && sweeps; ++i)
+    sweeps[i] = (km_plotted_advantage){swept(&c->answers[i]), km_question_advantage(c->answers[i].question)};
+  return sweeps && km_advantage_plot_make(sweeps, c->count, c->ordered, true, arena, out);
+}
+
+static bool plot_statics(const km_comparison *c, km_arena *arena, km_plot *out) {
+  km_plotted_statics *sweeps = KM_ARENA_NEW(arena, km_plotted_statics, (size_t)c->count);
+  for (int i = 0; i < c->count && sweeps; ++i)
+    sweeps[i] = (km_plotted_statics){swept(&c->answers[i]), km_question_statics(c->answers[i].question),
+                                     c->answers[i].shown, c->answers[i].shown_count};
+  return sweeps && km_statics_plot_make(sweeps, c->count, c->ordered, true, arena, out);
+}
+
+/* What an arm has to spare along its path. */
+static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
+  static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
+  enum { COLUMNS = sizeof names / sizeof *names };
+  size_t *columns = KM_ARENA_NEW(arena, size_t, COLUMNS);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
+  if (arena->failed)
+    return false;
+  for (size_t k = 0; k < COLUMNS; ++k)
+    columns[k] = (size_t)km_table_find(km_question_table(c->answers[0].question), names[k]);
+  for (int i = 0; i < c->count; ++i) {
+    const km_table *table = km_question_table(c->answers[i].question);
+    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_find(table, "s"), columns};
+  }
+  return km_table_plot_make(tables, (size_t)c->count, COLUMNS, arena, out);
+}
+
+km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot *out, km_error *error) {
+  const km_question *first = c->answers[0].question;
+  bool made;
+  if (km_question_mobility(first))
+    made = plot_mobility(c, arena, out);
+  else if (km_question_advantage(first))
+    made = plot_advantage(c, arena, out);
+  else if (km_question_statics(first))
+    made = plot_statics(c, arena, out);
+  else
+    made = plot_tracks(c, arena, out);
+  return made ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a plot");
+}

@@ -1,0 +1,41 @@
+/* Small drawings for the strip beneath a plot: poses over a sweep or a time, from first to last; of what is compared, over
+ * each other. */
+#ifndef KM_REPORT_CHARTS_SWEEP_STRIP_H
+#define KM_REPORT_CHARTS_SWEEP_STRIP_H
+
+#include "report/charts/sweep_plot.h"
+#include "report/drawing/drawing.h"
+#include "spatial/pose.h"
+
+enum { KM_MOST_STRIP_POSES = 6 };
+
+enum { KM_MOST_STRIP_LAYERS = 6 };
+
+typedef struct km_sweep_strip {
+  int count;                                     /* pictures, from left to right */
+  int layers;                                    /* mechanisms over each other */
+  km_drawing_def drawings[KM_MOST_STRIP_LAYERS]; /* picture k shows pose k of each; all share one scale */
+  const char *captions[KM_MOST_STRIP_POSES];
+  const char *names[KM_MOST_STRIP_LAYERS]; /* of what is compared, in colours[k]; NULL: of one mechanism */
+  int colours[KM_MOST_STRIP_LAYERS];
+} km_sweep_strip;
+
+/* Poses of `count` rows of the sweep, evenly spaced, from the table's coordinates. A strip without height where there
+ * is nothing to draw, or too much for its size. `out` is the strip's context and must outlive it. */
+km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out);
+
+/* The same of a motion over time, whose table has the time in its first column. None of what goes far away. */
+km_plot_strip km_motion_strip_make(const km_mechanism *mechanism, const km_table *table, int count, km_arena *arena,
+                                   km_sweep_strip *out);
+
+/* The models or variants of a comparison over each other, in the colours of their curves: where the stroke that they
+ * share begins, in its middle and at its end, or, where they have no driver of one name, so far along their own rows.
+ * Of more than fit the first, the last and some between. */
+km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool ordered, km_arena *arena,
+                                       km_sweep_strip *out);
+
+/* The bodies' poses [body] at a row of a sweep's table; `q` [coordinate] and the state are used on the way. */
+void km_row_pose(const km_mechanism *mechanism, const km_table *table, size_t row, km_state *state, double *q,
+                 km_pose *poses);
+
+#endif

@@ -1,0 +1,11 @@
+/* The plot of any columns of tables: one over another. */
+#ifndef KM_REPORT_CHARTS_TABLE_PLOT_H
+#define KM_REPORT_CHARTS_TABLE_PLOT_H
+
+#include "kmech/report.h"
+#include "report/plot/plot.h"
+
+/* Builds the plot of km_table_chart in the arena. False when out of memory. */
+bool km_table_plot_make(const km_plotted_table *tables, size_t count, size_t columns, km_arena *arena, km_plot *out);
+
+#endif

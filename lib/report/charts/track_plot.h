@@ -1,0 +1,15 @@
+/* Pictures of tracks. */
+#ifndef KM_REPORT_CHARTS_TRACK_PLOT_H
+#define KM_REPORT_CHARTS_TRACK_PLOT_H
+
+#include "report/plot/plot.h"
+#include "report/record/track_record.h"
+
+/* KM_USAGE unless these are tracks that can be drawn, in a picture of this format. `some`: at least one with rows. */
+km_status km_check_tracks(const km_tracks *tracks, bool some, km_picture_format format, const km_text *out,
+                          km_error *error);
+/* The page's plots before they are rendered, in the arena. Returns their number, 0 when out of memory. */
+enum { KM_TRACK_PLOTS = 8 };
+size_t km_tracks_plots_make(const km_tracks *tracks, km_arena *arena, km_plot *out);
+
+#endif

@@ -1,0 +1,20 @@
+/* The poses and paths of a drawing, as they are gathered. */
+#ifndef KM_REPORT_DRAWING_DRAWING_POSES_H
+#define KM_REPORT_DRAWING_DRAWING_POSES_H
+
+#include "report/drawing/drawing.h"
+
+struct km_drawing {
+  const km_mechanism *mechanism;
+  km_pose *poses; /* [room · bodies] */
+  size_t count, room;
+  km_drawing_trace *paths; /* what they point to is theirs: */
+  km_vec3 **points;        /* [path][path_room] */
+  size_t path_count, path_room;
+};
+
+/* What to draw, borrowed from both. KM_USAGE: there is no pose, or the look isn't one of this drawing. */
+km_status km_drawing_define(const km_drawing *drawing, const km_drawing_look *look, km_drawing_def *out,
+                            km_error *error);
+
+#endif

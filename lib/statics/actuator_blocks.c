@@ -1,0 +1,159 @@
+/* Which parts of a mechanism the actuators have to hold together: a pushed point may move with several. */
+#include "statics/statics.h"
+
+/* Substructures first, then coordinates: those in no loop are parts of their own. */
+typedef struct groups {
+  const km_mechanism *m;
+  int *parent; /* [part] */
+  int *size;   /* [part] members, of a representative */
+  int *block;  /* [part] of a representative; -1: none */
+  int first;   /* a part that the point at hand moves, -1: none yet */
+} groups;
+
+static int part_of(const km_mechanism *m, int coordinate) {
+  int substructure = m->substructure_of[coordinate];
+  return substructure >= 0 ? substructure : m->topology.substructure_count + coordinate;
+}
+
+static int find(const groups *g, int part) {
+  while (g->parent[part] != part)
+    part = g->parent[part] = g->parent[g->parent[part]];
+  return part;
+}
+
+static void join(void *context, int coordinate, bool against) {
+  groups *g = context;
+  int part = find(g, part_of(g->m, coordinate));
+  (void)against;
+  int other = g->first < 0 ? part : find(g, g->first);
+  g->first = part;
+  if (other == part)
+    return;
+  g->parent[part] = other;
+  g->size[other] += g->size[part];
+}
+
+static km_status join_parts(groups *g, const km_statics *st, km_error *error) {
+  for (int a = 0; a < st->actuator_count; ++a) {
+    const km_handle *point = &st->work->actuators[a];
+    g->first = -1;
+    if (point->kind != KM_HANDLE_POINT)
+      continue;
+    km_point_each_mover(g->m, point, join, g);
+    if (g->first < 0)
+      return km_fail(error, KM_USAGE, "actuator %s can't move: nothing between it and the inertial frame is free",
+                     point->name);
+    st->work->column[a] = g->first;
+  }
+  return KM_OK;
+}
+
+/* Blocks in the order of their first substructures, then those of lone joints. One lone joint needs no block. */
+static void number_blocks(groups *g, km_statics_work *w) {
+  int substructures = g->m->topology.substructure_count;
+  for (int part = 0; part < substructures + g->m->coordinate_count; ++part) {
+    int coordinate = part - substructures, root = find(g, part);
+    bool counts = part < substructures || (part_of(g->m, coordinate) == part && g->size[root] > 1);
+    if (counts && g->block[root] < 0)
+      g->block[root] = w->block_count++;
+  }
+}
+
+static int block_of(const groups *g, int part) {
+  return g->block[find(g, part)];
+}
+
+static void add_members(const groups *g, km_statics_work *w) {
+  const km_mechanism *m = g->m;
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    km_holding *h = &w->holding[block_of(g, i)];
+    h->part[h->part_count++] = i;
+    h->columns += m->substructures[i].columns;
+  }
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    int block = m->substructure_of[c] < 0 && !m->held[c] ? block_of(g, part_of(m, c)) : -1;
+    if (block < 0)
+      continue;
+    km_holding *h = &w->holding[block];
+    h->alone[h->alone_count++] = c;
+    h->columns++;
+    w->actuated[c] = true; /* the block tells what becomes of it */
+  }
+}
+
+/* The columns of a block. Where it isn't one substructure, its basis has to be put together. */
+static void list_columns(const km_mechanism *m, km_holding *h, km_arena *arena) {
+  if (h->part_count == 1 && h->alone_count == 0) {
+    h->coordinate = m->column_coordinate + m->substructures[h->part[0]].column_start;
+    return;
+  }
+  int *coordinate = KM_ARENA_NEW(arena, int, (size_t)h->columns), count = 0;
+  h->gathers = true;
+  h->coordinate = coordinate;
+  for (int i = 0; i < h->part_count && coordinate; ++i)
+    for (int k = 0; k < m->substructures[h->part[i]].columns; ++k)
+      coordinate[count++] = m->column_coordinate[m->substructures[h->part[i]].column_start + k];
+  for (int i = 0; i < h->alone_count && coordinate; ++i)
+    coordinate[count++] = h->alone[i];
+}
+
+static int column_in(const km_holding *h, int coordinate) {
+  int k = 0;
+  while (k < h->columns && h->coordinate[k] != coordinate)
+    ++k;
+  return k;
+}
+
+/* A joint in no loop that moves by itself is held by one actuator. */
+static km_status place(const groups *g, km_statics_work *w, int a, km_error *error) {
+  const km_handle *actuator = &w->actuators[a];
+  bool joint = actuator->kind == KM_HANDLE_JOINT;
+  int part = joint ? part_of(g->m, actuator->coordinate) : w->column[a];
+  w->part[a] = block_of(g, part);
+  w->alone[a] = w->part[a] < 0 ? part - g->m->topology.substructure_count : -1;
+  w->column[a] = joint && w->part[a] >= 0 ? column_in(&w->holding[w->part[a]], actuator->coordinate) : -1;
+  if (joint || w->alone[a] < 0)
+    return KM_OK;
+  if (w->actuated[w->alone[a]])
+    return km_fail(error, KM_USAGE,
+                   "actuator \"%s\" pushes what another one holds already; expected one for a joint "
+                   "in no loop",
+                   actuator->name);
+  w->actuated[w->alone[a]] = true;
+  return KM_OK;
+}
+
+km_status km_blocks_make(const km_mechanism *m, km_statics *st, km_error *error) {
+  km_statics_work *w = st->work;
+  km_arena scratch = {0};
+  int count = m->topology.substructure_count + m->coordinate_count;
+  groups g = {.m = m,
+              .parent = KM_ARENA_NEW(&scratch, int, (size_t)count),
+              .size = KM_ARENA_NEW(&scratch, int, (size_t)count),
+              .block = KM_ARENA_NEW(&scratch, int, (size_t)count)};
+  for (int i = 0; i < count && !scratch.failed; ++i) {
+    g.parent[i] = i;
+    g.size[i] = 1;
+    g.block[i] = -1;
+  }
+  km_status status = scratch.failed ? KM_MEMORY : join_parts(&g, st, error);
+  if (!status) {
+    number_blocks(&g, w);
+    w->holding = KM_ARENA_NEW(&w->arena, km_holding, (size_t)w->block_count);
+    for (int b = 0; b < w->block_count && w->holding; ++b) {
+      w->holding[b].part = KM_ARENA_NEW(&w->arena, int, (size_t)m->topology.substructure_count);
+      w->holding[b].alone = KM_ARENA_NEW(&w->arena, int, (size_t)m->coordinate_count);
+    }
+    status = w->arena.failed ? KM_MEMORY : KM_OK;
+  }
+  if (!status) {
+    add_members(&g, w);
+    for (int b = 0; b < w->block_count; ++b)
+      list_columns(m, &w->holding[b], &w->arena);
+    status = w->arena.failed ? KM_MEMORY : KM_OK;
+  }
+  for (int a = 0; a < st->actuator_count && !status; ++a)
+    status = place(&g, w, a, error);
+  km_arena_free(&scratch);
+  return status == KM_MEMORY ? km_fail(error, KM_MEMORY, "out of memory for the actuators") : status;
+}

@@ -1,0 +1,247 @@
+/* What every joint carries: Jᵀ μ = f + τ for the wrenches μ of the loops' chords, then down the tree. */
+#include "kinematics/loop_closing.h"
+#include "kinematics/loop_equations.h"
+#include "mobility/full_jacobian.h"
+#include "statics/statics.h"
+
+#include <string.h>
+
+/* Up to so many rows dense matrices are the faster ones. */
+enum { MOST_DENSE_ROWS = 120 };
+
+/* The loops that go through each joint, by the topology alone. */
+static void list_passing(const km_mechanism *m, const km_statics_work *w, int index, km_arena *arena, km_carrying *c) {
+  const km_topology *t = &m->topology;
+  int start = t->loop_start[index], end = t->loop_start[index + 1], count = 0;
+  c->first = KM_ARENA_NEW(arena, int, (size_t)c->joints + 2);
+  for (int i = start; i < end; ++i)
+    count += t->member_start[t->loop[i] + 1] - t->member_start[t->loop[i]];
+  c->passing = KM_ARENA_NEW(arena, km_passing, (size_t)count);
+  if (arena->failed)
+    return;
+  for (int i = start; i < end; ++i)
+    for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
+      c->first[w->place[t->member[n].joint] + 2]++;
+  for (int j = 0; j < c->joints; ++j)
+    c->first[j + 2] += c->first[j + 1];
+  for (int i = start; i < end; ++i)
+    for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
+      c->passing[c->first[w->place[t->member[n].joint] + 1]++] =
+          (km_passing){i - start, km_member_sense(&t->member[n])};
+}
+
+static void reserve_dense(km_carrying *c, km_arena *arena) {
+  size_t rows = (size_t)c->rows, columns = (size_t)c->columns;
+  c->arm = KM_ARENA_NEW(arena, km_vec3, (size_t)c->joints);
+  c->T = KM_ARENA_NEW(arena, double, rows *columns);
+  c->felt = KM_ARENA_NEW(arena, int, rows);
+  c->rhs = KM_ARENA_NEW(arena, double, columns);
+  c->mu = KM_ARENA_NEW(arena, double, rows);
+  c->moments = KM_ARENA_NEW(arena, km_arm_moments, (size_t)c->loops * (size_t)c->loops);
+  c->stress_start = KM_ARENA_NEW(arena, int, rows + 1);
+  c->stress = KM_ARENA_NEW(arena, km_stress_entry, rows * rows);
+  c->metric = KM_ARENA_NEW(arena, double, rows *rows);
+  c->image = KM_ARENA_NEW(arena, double, rows *rows);
+  c->looks = KM_ARENA_NEW(arena, km_pair, 2 * rows + 6 * (size_t)c->joints);
+  c->gram = KM_ARENA_NEW(arena, double, rows *rows);
+  c->gradient = KM_ARENA_NEW(arena, double, rows);
+  c->slope = KM_ARENA_NEW(arena, double, rows);
+  c->share = KM_ARENA_NEW(arena, double, rows);
+  km_partition_reserve(&c->partition, c->columns, c->rows, arena);
+}
+
+km_status km_carrying_make_large(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
+  km_carrying *c = &w->carrying[index];
+  c->reported = KM_ARENA_NEW(&w->arena, double, 6 * (size_t)c->joints);
+  c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
+  return km_equilibrium_create(m, index, &c->large, error);
+}
+
+static km_status reserve_one(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
+  const km_topology *t = &m->topology;
+  const km_substructure *sub = &m->substructures[index];
+  km_carrying *c = &w->carrying[index];
+  c->rows = 6 * sub->loop_count + sub->coupling_count;
+  c->columns = sub->columns;
+  c->loops = sub->loop_count;
+  c->joints = t->joint_start[index + 1] - t->joint_start[index];
+  c->joint = t->joint + t->joint_start[index];
+  c->size = sub->size;
+  for (int j = 0; j < c->joints; ++j)
+    w->place[c->joint[j]] = j;
+  if (c->rows > MOST_DENSE_ROWS)
+    return km_carrying_make_large(m, w, index, error);
+  list_passing(m, w, index, &w->arena, c);
+  reserve_dense(c, &w->arena);
+  return KM_OK;
+}
+
+km_status km_carrying_reserve(const km_mechanism *m, km_statics_work *w, km_error *error) {
+  const km_topology *t = &m->topology;
+  km_arena *arena = &w->arena;
+  km_status status = KM_OK;
+  w->carrying = KM_ARENA_NEW(arena, km_carrying, (size_t)t->substructure_count);
+  w->frame = KM_ARENA_NEW(arena, km_pose, (size_t)t->joint_count);
+  w->carried = KM_ARENA_NEW(arena, km_wrench, (size_t)t->joint_count);
+  w->place = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
+  for (int i = 0; i < t->substructure_count && !arena->failed && !status; ++i)
+    status = reserve_one(m, w, i, error);
+  return status || !arena->failed ? status : km_fail(error, KM_MEMORY, "out of memory for the reactions");
+}
+
+void km_carrying_free(km_statics_work *w) {
+  for (int i = 0; w->carrying && i < w->mechanism->topology.substructure_count; ++i)
+    km_equilibrium_free(w->carrying[i].large);
+}
+
+/* The frame that a reaction is reported in. */
+static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_axes axes, km_pose *out) {
+  const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[1]];
+  const km_pose *body = &f->pose[frame->body];
+  for (int k = 0; k < 3; ++k)
+    out->R.axis[k] = km_rotate(&body->R, frame->pose.R.axis[k]);
+  if (axes == KM_AXES_FIXED)
+    out->R = km_rotation_identity();
+  out->p = km_pose_point(body, frame->pose.p);
+}
+
+/* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
+static km_wrench from_tree(const km_mechanism *m, const km_statics_work *w, int joint) {
+  const km_model_joint *def = &m->model->joints[joint];
+  bool against = m->topology.against[joint];
+  int body = m->model->frames[def->frame[!against]].body;
+  if (m->topology.arc[body] != joint)
+    return (km_wrench){{0, 0, 0}, {0, 0, 0}}; /* a chord */
+  return km_wrench_axpy(against ? 1.0 : -1.0, w->subtree[body], (km_wrench){{0, 0, 0}, {0, 0, 0}});
+}
+
+static double tolerance_of(const km_mechanism *m, const km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  int worst;
+  return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
+}
+
+/* Jᵀ of all six rows of every loop, as km_whole_jacobian has them: each joint's columns once, for every loop through it. */
+static void fill_transposed(const km_mechanism *m, const km_state *s, const km_substructure *sub, km_vec3 about,
+                            const km_twist *twist, km_carrying *c) {
+  size_t columns = (size_t)c->columns;
+  memset(c->T, 0, columns * (size_t)c->rows * sizeof *c->T);
+  for (int j = 0; j < c->joints; ++j) {
+    int first = m->model->joints[c->joint[j]].first_coordinate;
+    for (int q = first; q < first + km_model_freedom(m->model, c->joint[j]); ++q) {
+      if (m->column_of[q] < 0)
+        continue;
+      double entry[6];
+      km_twist_entries(sub, twist[q], about, m->unit[q], entry);
+      for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
+        double *to = c->T + 6 * (size_t)c->passing[i].loop * columns + (size_t)m->column_of[q];
+        for (size_t r = 0; r < 6; ++r)
+          to[r * columns] = c->passing[i].sense * entry[r];
+      }
+    }
+  }
+  km_coupling_entries(m, s, sub, c->T + 6 * (size_t)c->loops * columns, columns, 1);
+}
+
+/* Leaves out of Jᵀ the components of chords that no motion feels, as those across a plane: self-stresses by themselves. */
+static void leave_unfelt(km_carrying *c) {
+  int columns = c->columns, unfelt = c->rows;
+  c->felt_count = 0;
+  for (int r = 0; r < c->rows; ++r) {
+    const double *from = c->T + (size_t)r * (size_t)columns;
+    bool felt = false;
+    for (int k = 0; k < columns && !felt; ++k)
+      felt = from[k] != 0.0;
+    if (!felt) {
+      c->felt[--unfelt] = r;
+      continue;
+    }
+    if (c->felt_count < r)
+      memcpy(c->T + (size_t)c->felt_count * (size_t)columns, from, (size_t)columns * sizeof *from);
+    c->felt[c->felt_count++] = r;
+  }
+}
+
+/* Chord wrenches of one substructure that balance the loads: Jᵀ μ = f + τ. The null space of Jᵀ are the self-stresses,
+ * which leave every joint free of force along its motion. */
+static void solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_work *w) {
+  const km_substructure *sub = &m->substructures[index];
+  km_carrying *c = &w->carrying[index];
+  fill_transposed(m, s, sub, about, w->twist, c);
+  leave_unfelt(c);
+  for (int k = 0; k < c->columns; ++k) { /* τ holds the force of a spring in the joint already */
+    int coordinate = m->column_coordinate[sub->column_start + k];
+    c->rhs[k] = m->unit[coordinate] * (w->force[coordinate] + w->tau[coordinate]);
+  }
+  km_partition_factor(&c->partition, c->T, c->columns, c->felt_count, NULL, tolerance_of(m, s, index));
+  km_partition_solve(&c->partition, c->rhs, c->share);
+  memset(c->mu, 0, (size_t)c->rows * sizeof *c->mu);
+  for (int i = 0; i < c->felt_count; ++i)
+    c->mu[c->felt[i]] = c->share[i];
+}
+
+static void carry_small(const km_mechanism *m, const km_state *s, const km_forces *f, int index, km_statics *st) {
+  km_statics_work *w = st->work;
+  km_carrying *c = &w->carrying[index];
+  const km_model_frame *frame = &m->model->frames[m->model->joints[c->joint[0]].frame[0]];
+  km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
+  solve_chords(m, s, index, about, w);
+  for (int j = 0; j < c->joints; ++j)
+    c->arm[j] = km_vec3_sub(w->frame[c->joint[j]].p, about);
+  km_chords_make_least(c, w, m->length);
+  st->degree += c->degree;
+}
+
+/* From what the tree alone makes them carry. Without memory nothing is known of its joints. */
+static void carry_large(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+  km_carrying *c = &st->work->carrying[index];
+  for (int j = 0; j < c->joints; ++j) {
+    memcpy(c->reported + 6 * j, st->reactions[c->joint[j]].force, 3 * sizeof *c->reported);
+    memcpy(c->reported + 6 * j + 3, st->reactions[c->joint[j]].torque, 3 * sizeof *c->reported);
+  }
+  memset(c->mixed, 0, 6 * (size_t)c->joints * sizeof *c->mixed);
+  int degree = km_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->reported, c->mixed);
+  for (int i = 0; i < 6 * c->joints && degree < 0; ++i)
+    c->reported[i] = nan("");
+  for (int j = 0; j < c->joints; ++j) {
+    km_reaction *r = &st->reactions[c->joint[j]];
+    memcpy(r->force, c->reported + 6 * j, sizeof r->force);
+    memcpy(r->torque, c->reported + 6 * j + 3, sizeof r->torque);
+    memcpy(r->indeterminate, c->mixed + 6 * j, sizeof r->indeterminate);
+  }
+  st->degree += degree > 0 ? degree : 0;
+}
+
+/* Along the axes of the joint's frame. */
+static void report(const km_statics_work *w, int joint, km_reaction *r) {
+  const km_rotation *R = &w->frame[joint].R;
+  for (int k = 0; k < 3; ++k) {
+    r->force[k] = km_vec3_dot(R->axis[k], w->carried[joint].f);
+    r->torque[k] = km_vec3_dot(R->axis[k], w->carried[joint].t);
+  }
+}
+
+void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {
+  km_statics_work *w = st->work;
+  st->degree = 0;
+  for (int j = 0; j < m->topology.joint_count; ++j) {
+    set_frame(m, f, j, st->axes, &w->frame[j]);
+    w->carried[j] = km_wrench_about(from_tree(m, w, j), w->frame[j].p);
+    memset(st->reactions[j].indeterminate, 0, sizeof st->reactions[j].indeterminate);
+  }
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (!w->carrying[i].large)
+      carry_small(m, s, f, i, st);
+  for (int j = 0; j < m->topology.joint_count; ++j)
+    report(w, j, &st->reactions[j]);
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (w->carrying[i].large)
+      carry_large(m, s, i, st);
+}
+
+void km_statics_mark(const km_mechanism *m, km_statics *st) {
+  km_statics_work *w = st->work;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    if (!w->carrying[i].large && w->carrying[i].degree > 0)
+      km_stresses_mark(&w->carrying[i], w, st->reactions);
+}

@@ -1,0 +1,287 @@
+/* Static balance: making it, and the parts that stay from pose to pose. */
+#include "statics/statics.h"
+
+#include "base/arguments.h"
+#include "kinematics/body_poses.h"
+
+#include <string.h>
+
+/* Symbols: h unit twist of a coordinate, τ generalised force of what is applied, g = Yᵀτ that of a free motion, D the
+ * characteristic length's scale, Y = D⁻¹Z. */
+
+static const double rounding = 1e-10; /* of all applied forces: a generalised force below this is 0 */
+
+static km_status take_joint(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {
+  km_statics_work *w = st->work;
+  const char *label = m->model->coordinates[coordinate].label;
+  if (m->held[coordinate])
+    return km_fail(error, KM_USAGE, "actuator \"%s\" is held; expected a joint that is free to move", label);
+  if (w->actuated[coordinate])
+    return km_fail(error, KM_USAGE, "actuator \"%s\" is named twice; expected each joint once", label);
+  int i = st->actuator_count++;
+  w->actuators[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = label};
+  w->actuated[coordinate] = true;
+  return KM_OK;
+}
+
+static km_status take_point(const km_mechanism *m, const km_handle *point, km_statics *st, km_error *error) {
+  km_statics_work *w = st->work;
+  int i = st->actuator_count++;
+  w->actuators[i] = *point;
+  w->row[i] = KM_ARENA_NEW(&w->arena, double, (size_t)m->coordinate_count);
+  return w->row[i] ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
+}
+
+/* NULL: every free coordinate. */
+static km_status take_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_statics *st,
+                                km_error *error) {
+  km_status status = KM_OK;
+  st->actuators = st->work->actuators;
+  for (int c = 0; c < m->coordinate_count && !actuators && !status; ++c)
+    if (!m->held[c])
+      status = take_joint(m, c, st, error);
+  for (int i = 0; i < count && actuators && !status; ++i)
+    status = actuators[i].kind == KM_HANDLE_JOINT ? take_joint(m, actuators[i].coordinate, st, error)
+                                                  : take_point(m, &actuators[i], st, error);
+  return status;
+}
+
+static km_status allocate(const km_mechanism *m, int asked, km_statics *st, km_error *error) {
+  km_statics_work *w = st->work;
+  size_t coordinates = (size_t)m->coordinate_count, actuators = coordinates + (size_t)asked;
+  w->actuators = KM_ARENA_NEW(&w->arena, km_handle, actuators);
+  w->part = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->alone = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->column = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->row = KM_ARENA_NEW(&w->arena, double *, actuators);
+  w->actuated = KM_ARENA_NEW(&w->arena, bool, coordinates);
+  w->twist = KM_ARENA_NEW(&w->arena, km_twist, coordinates);
+  w->subtree = KM_ARENA_NEW(&w->arena, km_wrench, (size_t)m->topology.body_count);
+  w->tau = KM_ARENA_NEW(&w->arena, double, coordinates);
+  w->force = KM_ARENA_NEW(&w->arena, double, coordinates);
+  w->least_load = KM_ARENA_NEW(&w->arena, double, coordinates);
+  st->actuator_forces = KM_ARENA_NEW(&w->arena, double, actuators);
+  st->least_norm = KM_ARENA_NEW(&w->arena, double, coordinates);
+  st->directions = KM_ARENA_NEW(&w->arena, double, KM_MOST_DIRECTIONS *coordinates);
+  st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MOST_DIRECTIONS);
+  st->reactions = KM_ARENA_NEW(&w->arena, km_reaction, (size_t)m->topology.joint_count);
+  return w->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the balance of forces")
+                         : km_carrying_reserve(m, w, error);
+}
+
+static km_status check_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_error *error) {
+  km_status status = actuators ? km_check_list(actuators, count, "actuators", error) : KM_OK;
+  for (int i = 0; i < count && actuators && !status; ++i) {
+    const km_handle *h = &actuators[i];
+    double length = km_vec3_norm(km_vec3_make(h->direction));
+    if (h->kind == KM_HANDLE_JOINT)
+      status = km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
+    else if (h->kind != KM_HANDLE_POINT || !h->name || !(fabs(length - 1.0) < 1e-6))
+      status = km_fail(error, KM_USAGE, "an actuator that is neither a joint nor a point with a name and a direction");
+    else
+      status = km_check_index(h->frame, m->model->frame_count, "frame", error);
+  }
+  return status;
+}
+
+km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuators, int actuator_count, km_axes axes,
+                                km_statics *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_statics){0};
+  km_status fits = km_check_given(m != NULL, "mechanism", error);
+  if (!fits)
+    fits = check_actuators(m, actuators, actuator_count, error);
+  if (!fits)
+    fits = axes == KM_AXES_JOINT || axes == KM_AXES_FIXED ? KM_OK
+                                                          : km_fail(error, KM_USAGE, "%d names no axes", (int)axes);
+  if (fits)
+    return fits;
+  *out = (km_statics){.work = KM_NEW(km_statics_work, 1)};
+  if (!out->work)
+    return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
+  out->work->mechanism = m;
+  out->axes = axes;
+  km_status status = allocate(m, actuators ? actuator_count : 0, out, error);
+  if (!status)
+    status = take_actuators(m, actuators, actuator_count, out, error);
+  if (!status)
+    status = km_blocks_make(m, out, error);
+  if (!status && !km_holding_reserve(out))
+    status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
+  return status;
+}
+
+km_status km_statics_create(const km_mechanism *m, const int *actuators, int actuator_count, km_axes axes,
+                            km_statics *out, km_error *error) {
+  if (!actuators)
+    return km_statics_create_for(m, NULL, 0, axes, out, error);
+  km_status status = km_check_list(actuators, actuator_count, "actuators", error);
+  km_handle *handles = KM_NEW(km_handle, (size_t)(status ? 0 : actuator_count));
+  if (out)
+    *out = (km_statics){0};
+  if (!status && !handles)
+    status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
+  for (int i = 0; i < actuator_count && !status; ++i)
+    handles[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = actuators[i]};
+  if (!status)
+    status = km_statics_create_for(m, handles, actuator_count, axes, out, error);
+  km_free(handles);
+  return status;
+}
+
+void km_statics_free(km_statics *st) {
+  if (!st)
+    return;
+  if (st->work) {
+    km_carrying_free(st->work);
+    km_arena_free(&st->work->arena);
+  }
+  km_free(st->work);
+  *st = (km_statics){0};
+}
+
+/* How far the mechanism reaches from its origin: what turns forces into moments. */
+static double reach(const km_mechanism *m, const km_forces *f) {
+  double square = 0.0;
+  for (int b = 1; b < m->topology.body_count; ++b)
+    square = fmax(square, km_vec3_dot(f->pose[b].p, f->pose[b].p));
+  double size = sqrt(square);
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    size = fmax(size, m->substructures[i].size);
+  return size > 0.0 ? size : 1.0;
+}
+
+/* τ = Hᵀ C⁻ᵀ g by one pass from the leaves (theory 5), and what rounding can make of it. */
+static void gather_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics_work *w) {
+  const km_topology *t = &m->topology;
+  double size = reach(m, f);
+  km_twists_about(m, s, f->pose, w->twist);
+  memcpy(w->subtree, f->body, (size_t)t->body_count * sizeof *f->body);
+  memcpy(w->tau, f->joint, (size_t)m->coordinate_count * sizeof *w->tau);
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    const km_model_coordinate *def = &m->model->coordinates[c];
+    bool length = km_joint_is_length(m->model->joints[def->joint].type, def->index);
+    w->least_load[c] =
+        rounding * (length ? f->force_size + f->couple_size / size : f->force_size * size + f->couple_size);
+  }
+  for (int i = t->body_count - 2; i >= 0; --i) {
+    const km_arc *arc = &m->arcs[i];
+    int first = m->model->joints[arc->joint].first_coordinate;
+    for (int c = first; c < first + km_model_freedom(m->model, arc->joint); ++c)
+      w->tau[c] += (arc->against ? -1.0 : 1.0) * km_wrench_power(w->subtree[arc->body], w->twist[c]);
+    w->subtree[arc->parent] = km_wrench_axpy(1.0, w->subtree[arc->body], w->subtree[arc->parent]);
+  }
+}
+
+/* f̄ = −D Z Zᵀ D⁻¹ τ; outside loops and couplings Z is 1. */
+static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
+  const double *tau = st->work->tau;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    st->least_norm[c] = m->substructure_of[c] < 0 && !m->held[c] ? 0.0 - tau[c] : 0.0;
+  for (int i = 0; i < m->topology.substructure_count; ++i) {
+    const km_substructure *sub = &m->substructures[i];
+    const int *coordinate = m->column_coordinate + sub->column_start;
+    if (km_state_along_many(m, s, i, tau, s->work)) {
+      for (int j = 0; j < sub->columns; ++j)
+        st->least_norm[coordinate[j]] = 0.0 - m->scale[coordinate[j]] * s->work[j];
+      continue;
+    }
+    const double *z = km_state_basis(s, i);
+    for (int k = 0; k < km_partition_freedom(&s->partition[i]); ++k, z += sub->columns) {
+      double g = 0.0;
+      for (int j = 0; j < sub->columns; ++j)
+        g += z[j] * tau[coordinate[j]] / m->scale[coordinate[j]];
+      for (int j = 0; j < sub->columns; ++j)
+        st->least_norm[coordinate[j]] -= m->scale[coordinate[j]] * z[j] * g;
+    }
+  }
+}
+
+static void find_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
+  gather_loads(m, s, f, st->work);
+  km_pushed_points_update(m, f, st);
+}
+
+void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
+  find_loads(m, s, f, st);
+  km_actuators_hold(m, s, st);
+}
+
+static void forget_reactions(const km_mechanism *m, km_statics *st) {
+  const double no = nan("");
+  for (int j = 0; j < m->topology.joint_count; ++j)
+    st->reactions[j] = (km_reaction){{no, no, no}, {no, no, no}, {false}};
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    st->work->carrying[i].degree = 0;
+  st->degree = 0;
+}
+
+/* Nothing is known of a state whose mobility isn't. */
+static void forget(const km_mechanism *m, km_statics *st) {
+  const double no = nan("");
+  for (int i = 0; i < st->actuator_count; ++i)
+    st->actuator_forces[i] = no;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    st->least_norm[c] = no;
+  forget_reactions(m, st);
+  st->held = st->redundant = false;
+  st->direction_count = 0;
+}
+
+void km_statics_leave_reactions(const km_mechanism *m, km_statics *st) {
+  forget_reactions(m, st);
+  st->work->no_reactions = true;
+}
+
+/* The forces of the actuators where they hold, else f̄. */
+static void apply_holding(const km_mechanism *m, const km_forces *f, km_statics *st) {
+  km_statics_work *w = st->work;
+  size_t bytes = (size_t)m->coordinate_count * sizeof *w->force;
+  memcpy(w->force, st->least_norm, bytes);
+  if (!st->held)
+    return;
+  memset(w->force, 0, bytes);
+  for (int i = 0; i < st->actuator_count; ++i)
+    if (st->actuators[i].kind == KM_HANDLE_JOINT)
+      w->force[st->actuators[i].coordinate] = st->actuator_forces[i];
+  km_pushed_points_apply(m, f, st);
+}
+
+km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  km_statics_work *w = st->work;
+  find_loads(m, s, f, st);
+  least_norm(m, s, st);
+  km_actuators_hold(m, s, st);
+  if (!w->no_reactions) {
+    apply_holding(m, f, st);
+    km_statics_carry(m, s, f, st);
+  }
+  return w->arena.failed ? KM_MEMORY : KM_OK;
+}
+
+void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, const double *driving, km_statics *st) {
+  gather_loads(m, s, f, st->work);
+  memcpy(st->work->force, driving, (size_t)m->coordinate_count * sizeof *driving);
+  km_statics_carry(m, s, f, st);
+}
+
+km_status km_statics_find(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
+    return KM_USAGE;
+  if (!km_state_knows_motion(m, s)) {
+    forget(m, st);
+    return KM_USAGE;
+  }
+  km_forces_update(m, s, f);
+  return km_statics_balance(m, s, f, st);
+}
+
+km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  km_status status = km_statics_find(m, s, f, st);
+  if (!status)
+    km_statics_mark(m, st);
+  if (status != KM_USAGE)
+    memcpy(st->gravity, &f->stated_gravity, sizeof st->gravity);
+  return status;
+}

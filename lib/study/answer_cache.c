@@ -1,0 +1,120 @@
+/* A hash table from designs to answers, with open addresses. What an answer is made of lies in one piece of memory. */
+#include "study/answer_cache.h"
+
+#include "base/memory.h"
+
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+struct km_kept_answer {
+  uint64_t hash;
+  int question;
+  km_design_outcome outcome;
+  const char *reason;
+  bool has_bands;
+  double numbers[]; /* the key, the figures, the bands */
+};
+
+/* FNV-1a by words, and MurmurHash3's last mixing, since numbers differ in their upper bits most. */
+static uint64_t hash(int question, const double *key, int count) {
+  uint64_t h = 14695981039346656037u ^ (uint64_t)(unsigned)question;
+  for (int i = 0; i < count; ++i) {
+    uint64_t word;
+    memcpy(&word, &key[i], sizeof word);
+    h = (h ^ word) * 1099511628211u;
+    h ^= h >> 32;
+  }
+  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdu;
+  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53u;
+  return h ^ (h >> 33);
+}
+
+static bool is_of(const km_kept_answer *a, uint64_t h, const km_store_shape *shape, const double *key) {
+  return a->hash == h && a->question == shape->question &&
+         memcmp(a->numbers, key, (size_t)shape->parameters * sizeof *key) == 0;
+}
+
+/* The slot of the design, or the empty one where it would go. */
+static km_kept_answer **slot(const km_answer_map *map, uint64_t h, const km_store_shape *shape, const double *key) {
+  size_t i = h & (map->capacity - 1);
+  while (map->slots[i] && !is_of(map->slots[i], h, shape, key))
+    i = (i + 1) & (map->capacity - 1);
+  return &map->slots[i];
+}
+
+static bool grow(km_answer_map *map) {
+  size_t capacity = map->capacity ? 2 * map->capacity : 64;
+  km_kept_answer **slots = KM_NEW(km_kept_answer *, capacity);
+  if (!slots)
+    return false;
+  for (size_t i = 0; i < map->capacity; ++i) {
+    if (!map->slots[i])
+      continue;
+    size_t to = map->slots[i]->hash & (capacity - 1);
+    while (slots[to])
+      to = (to + 1) & (capacity - 1);
+    slots[to] = map->slots[i];
+  }
+  km_free(map->slots);
+  map->slots = slots;
+  map->capacity = capacity;
+  return true;
+}
+
+static bool has_bands(const km_store_shape *shape, const km_design_answer *a) {
+  return shape->band_numbers && a->outcome <= KM_DESIGN_SHORT;
+}
+
+static km_kept_answer *copy_of(km_answer_map *map, uint64_t h, const km_store_shape *shape, const double *key,
+                               const km_design_answer *a) {
+  const size_t parameters = (size_t)shape->parameters, figures = (size_t)shape->figures;
+  const size_t bands = has_bands(shape, a) ? (size_t)shape->band_numbers : 0;
+  const size_t numbers = (parameters + figures + bands) * sizeof(double);
+  km_kept_answer *copy = km_arena_alloc(&map->arena, 1, sizeof *copy + numbers);
+  const char *reason = a->reason[0] ? km_arena_string(&map->arena, a->reason) : "";
+  if (!copy || !reason)
+    return NULL;
+  *copy = (km_kept_answer){h, shape->question, a->outcome, reason, bands > 0};
+  memcpy(copy->numbers, key, parameters * sizeof *key);
+  memcpy(copy->numbers + parameters, a->figures, figures * sizeof *key);
+  if (bands)
+    memcpy(copy->numbers + parameters + figures, a->bands, bands * sizeof *key);
+  return copy;
+}
+
+bool km_answer_map_put(km_answer_map *map, const km_store_shape *shape, const double *key,
+                       const km_design_answer *answer) {
+  if (2 * (map->count + 1) > map->capacity && !grow(map))
+    return false;
+  const uint64_t h = hash(shape->question, key, shape->parameters);
+  km_kept_answer *copy = copy_of(map, h, shape, key, answer), **at = slot(map, h, shape, key);
+  if (!copy)
+    return false;
+  map->count += !*at;
+  *at = copy;
+  return true;
+}
+
+bool km_answer_map_get(const km_answer_map *map, const km_store_shape *shape, const double *key,
+                       km_design_answer *out) {
+  if (!map->capacity)
+    return false;
+  const km_kept_answer *kept = *slot(map, hash(shape->question, key, shape->parameters), shape, key);
+  const size_t figures = (size_t)shape->figures;
+  if (!kept)
+    return false;
+  const double *numbers = kept->numbers + shape->parameters;
+  out->outcome = kept->outcome;
+  snprintf(out->reason, sizeof out->reason, "%s", kept->reason);
+  memcpy(out->figures, numbers, figures * sizeof *numbers);
+  if (kept->has_bands && out->bands)
+    memcpy(out->bands, numbers + figures, (size_t)shape->band_numbers * sizeof *numbers);
+  return true;
+}
+
+void km_answer_map_free(km_answer_map *map) {
+  km_arena_free(&map->arena);
+  km_free(map->slots);
+  *map = (km_answer_map){0};
+}

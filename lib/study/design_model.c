@@ -1,0 +1,130 @@
+/* The model of a design, read from the file with the design's numbers in it. */
+#include "base/arguments.h"
+#include "continuation/target_configuration.h"
+#include "kmech/continuation.h"
+#include "model/model.h"
+#include "study/design_study.h"
+
+#include <math.h>
+#include <string.h>
+
+void km_design_clear(const km_design_study *s, double *values) {
+  for (int p = 0; p < s->def->parameter_count; ++p)
+    values[p] = nan("");
+}
+
+bool km_design_is_reference(const km_design_study *s, const double *values) {
+  return memcmp(values, s->reference, (size_t)s->def->parameter_count * sizeof *values) == 0;
+}
+
+/* The parameters that the design states, as the reader takes them. */
+static int assignments_of(const km_design_study *s, const double *values, km_assignment *out) {
+  int count = 0;
+  for (int p = 0; p < s->def->parameter_count; ++p)
+    if (!isnan(values[p]))
+      out[count++] = (km_assignment){s->def->parameters[p].path, values[p]};
+  return count;
+}
+
+km_status km_design_read_model(const km_design_study *s, const double *values, km_model **out, km_error *error) {
+  km_assignment assignments[KM_MOST_DESIGN_PARAMETERS];
+  km_read_def how = {
+      .file = s->def->model, .assignments = assignments, .assignment_count = assignments_of(s, values, assignments)};
+  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, out, error);
+  if (!status && s->length > 0.0 && !km_design_is_reference(s, values)) {
+    double unit = km_model_length_unit(*out);
+    km_model_share_length(*out, s->length * unit / unit);
+  }
+  return status;
+}
+
+/* What a question asks to be held, beside the model's own holds, and set. */
+typedef struct goals {
+  km_hold *holds, *sets;
+  int hold_count, set_count;
+} goals;
+
+static void free_goals(goals *g) {
+  km_free(g->holds);
+  km_free(g->sets);
+}
+
+/* To be freed in any case. */
+static km_status find_goals(const km_model *m, const km_design_question *q, goals *g, km_error *error) {
+  *g = (goals){.holds = KM_NEW(km_hold, (size_t)(m->coordinate_count + m->hold_count) + 1),
+               .sets = KM_NEW(km_hold, (size_t)m->coordinate_count + 1)};
+  if (!g->holds || !g->sets)
+    return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
+  for (int h = 0; h < m->hold_count; ++h)
+    g->holds[g->hold_count++] = (km_hold){m->holds[h].coordinate, m->holds[h].value};
+  km_status status = km_design_settings(m, q->holds, q->hold_count, "hold", g->holds, &g->hold_count, error);
+  if (!status)
+    status = km_design_settings(m, q->sets, q->set_count, "set", g->sets, &g->set_count, error);
+  for (int i = 0; i < g->set_count && !status; ++i)
+    for (int k = 0; k < g->hold_count && !status; ++k)
+      if (g->sets[i].coordinate == g->holds[k].coordinate)
+        status = km_fail(error, KM_USAGE, "set: \"%s\" is held; expected a joint that is free to move",
+                         km_model_coordinate_label(m, g->sets[i].coordinate));
+  return status;
+}
+
+km_status km_design_bring(const km_model *m, const km_design_question *q, km_mechanism **mechanism, km_state **state,
+                          km_error *error) {
+  goals g;
+  km_status status = find_goals(m, q, &g, error);
+  if (!status)
+    status = km_reach_pose(m, g.holds, g.hold_count, g.sets, g.set_count, mechanism, state, error);
+  free_goals(&g);
+  return status;
+}
+
+km_status km_design_bring_again(const km_mechanism *free, km_state *there, const km_design_question *q,
+                                km_mechanism **held, km_state **at, km_error *error) {
+  goals g;
+  km_status status = find_goals(free->model, q, &g, error);
+  if (!status)
+    status = km_reach_pose_again(free, there, g.holds, g.hold_count, g.sets, g.set_count, held, at, error);
+  free_goals(&g);
+  return status;
+}
+
+km_status km_design_study_model(const km_design_study *s, int design, km_model **out, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  km_status status = km_check_given(s && out, "study or place for its model", error);
+  if (out)
+    *out = NULL;
+  if (!status && !s->bytes)
+    status = km_fail(error, KM_USAGE, "the study is about a function; it has no model");
+  if (!status)
+    status = km_design_study_values(s, design, values, error);
+  return status ? status : km_design_read_model(s, values, out, error);
+}
+
+void km_asked_design_free(km_asked_design *a) {
+  if (!a)
+    return;
+  km_question_free(a->question);
+  km_state_free(a->state);
+  km_mechanism_free(a->mechanism);
+  km_model_free(a->model);
+  *a = (km_asked_design){0};
+}
+
+km_status km_design_study_ask(const km_design_study *s, int design, int question, km_asked_design *out,
+                              km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the answer", error);
+  *out = (km_asked_design){0};
+  km_status status = km_design_study_model(s, design, &out->model, error);
+  if (!status)
+    status = km_check_index(question, s->def->question_count, "question", error);
+  if (status)
+    return status;
+  const km_design_question *q = &s->def->questions[question];
+  status = km_design_bring(out->model, q, &out->mechanism, &out->state, error);
+  if (!status)
+    status = km_question_create(out->mechanism, q->kind, &out->question, error);
+  if (!status)
+    status = km_design_set_options(s->def, q, out->model, out->question, error);
+  return status ? status : km_question_ask(out->question, out->state, error);
+}

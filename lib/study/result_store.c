@@ -1,0 +1,409 @@
+/* The store of a study, by SQLite. A result's key is what it depends on: the question's hash and the design's numbers, so
+ * that a study that grew finds what it has. One connection holds the file for itself while it is open.
+ *
+ * Keys of samples come in no order, so that a commit of many changes almost every page of a table that is sorted by them. A
+ * run of many designs therefore appends what it gets to a table of its own, and sorts that into the other one when it has
+ * grown by a share of what was sorted before. In memory there is nothing to write, and answers go into a hash table. */
+#include "study/result_store.h"
+
+#include "kmech/base.h"
+#include "study/answer_cache.h"
+
+#include <fcntl.h>
+#include <libgen.h>
+#include <math.h>
+#include <sqlite3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Bytes of what is appended before it is sorted for the first time. */
+static const double first_appended = 1 << 20;
+
+struct km_store {
+  sqlite3 *db;
+  sqlite3_stmt *get, *put, *append;
+  const char *path;               /* for messages */
+  bool in_memory;                 /* no file: answers are in `kept` */
+  bool read_only;                 /* the file can't be written */
+  bool writing;                   /* a transaction is open */
+  bool appends;                   /* what is put is appended, and sorted later */
+  double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
+  km_answer_map kept;
+  km_arena arena;
+};
+
+static const char schema[] =
+    "CREATE TABLE study(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;"
+    "CREATE TABLE questions(id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE, name TEXT NOT NULL);"
+    "CREATE TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
+    " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;";
+/* Stores of earlier versions don't have it. */
+static const char appended_schema[] =
+    "CREATE TABLE IF NOT EXISTS appended(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL,"
+    " reason TEXT, figures BLOB NOT NULL, bands BLOB);";
+
+static km_status fail_to_write(const km_store *s, km_error *error) {
+  return km_fail(error, KM_IO, "%s: the store can't be written, only shown and exported", s->path);
+}
+
+static km_status fail(const km_store *s, km_error *error) {
+  if (s->arena.failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
+  int code = s->db ? sqlite3_extended_errcode(s->db) : SQLITE_NOMEM;
+  const char *reason = s->db ? sqlite3_errmsg(s->db) : "out of memory";
+  if ((code & 0xff) == SQLITE_NOMEM)
+    return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
+  if ((code & 0xff) == SQLITE_BUSY || (code & 0xff) == SQLITE_LOCKED)
+    return km_fail(error, KM_IO,
+                   "%s: another run is using this store; expected to wait until it has ended, or to stop it", s->path);
+  if ((code & 0xff) == SQLITE_NOTADB || (code & 0xff) == SQLITE_CORRUPT)
+    return km_fail(error, KM_IO, "%s: this is no store of a study, or a damaged one (%s)", s->path, reason);
+  if ((code & 0xff) == SQLITE_READONLY)
+    return fail_to_write(s, error);
+  return km_fail(error, KM_IO, "%s: the store can't be used: %s", s->path, reason);
+}
+
+static km_status run(const km_store *s, const char *sql, km_error *error) {
+  return sqlite3_exec(s->db, sql, NULL, NULL, NULL) == SQLITE_OK ? KM_OK : fail(s, error);
+}
+
+/* The one text that a statement with one text bound gives; NULL: no row. Kept in the store. */
+static const char *text_of(km_store *s, const char *sql, const char *bound) {
+  sqlite3_stmt *statement = NULL;
+  const char *text = NULL;
+  if (sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL) == SQLITE_OK) {
+    if (bound)
+      sqlite3_bind_text(statement, 1, bound, -1, SQLITE_STATIC);
+    if (sqlite3_step(statement) == SQLITE_ROW)
+      text = km_arena_string(&s->arena, (const char *)sqlite3_column_text(statement, 0));
+  }
+  sqlite3_finalize(statement);
+  return text;
+}
+
+static km_status insert(const km_store *s, const char *sql, const char *a, const char *b, km_error *error) {
+  sqlite3_stmt *statement = NULL;
+  int code = sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
+  if (code == SQLITE_OK) {
+    sqlite3_bind_text(statement, 1, a, -1, SQLITE_STATIC);
+    sqlite3_bind_text(statement, 2, b, -1, SQLITE_STATIC);
+    code = sqlite3_step(statement);
+  }
+  sqlite3_finalize(statement);
+  return code == SQLITE_DONE ? KM_OK : fail(s, error);
+}
+
+/* An empty file gets its tables; one with results must be of the same study. */
+static km_status take(km_store *s, const char *identity, const char *what, bool replace, km_error *error) {
+  const char *tables = text_of(s, "SELECT count(*) FROM sqlite_master", NULL);
+  if (!tables)
+    return fail(s, error);
+  const char *ours = text_of(s, "SELECT value FROM study WHERE key = ?", "identity");
+  if (s->arena.failed)
+    return fail(s, error);
+  if (s->read_only && !ours)
+    return km_fail(error, KM_IO, "%s: this is no store of a study, or a damaged one", s->path);
+  if (strcmp(tables, "0") != 0 && !ours)
+    return km_fail(error, KM_IO, "%s: this is a database, but no store of a study", s->path);
+  if (ours && strcmp(ours, identity) == 0)
+    return KM_OK;
+  if (ours && !replace) {
+    const char *theirs = text_of(s, "SELECT value FROM study WHERE key = ?", "what");
+    return km_fail(error, KM_USAGE,
+                   "%s: the store holds the results of another study: %.300s; expected those of %.300s", s->path,
+                   theirs ? theirs : "", what);
+  }
+  km_status status = run(s, "BEGIN IMMEDIATE", error);
+  if (!status && ours)
+    status = run(s, "DROP TABLE IF EXISTS appended; DROP TABLE results; DROP TABLE questions; DROP TABLE study", error);
+  if (!status)
+    status = run(s, schema, error);
+  if (!status)
+    status = insert(s, "INSERT INTO study VALUES(?, ?)", "identity", identity, error);
+  if (!status)
+    status = insert(s, "INSERT INTO study VALUES(?, ?)", "what", what, error);
+  return status ? status : run(s, "COMMIT", error);
+}
+
+static km_status prepare(km_store *s, km_error *error) {
+  static const char get[] = "SELECT outcome, reason, figures, bands FROM results WHERE question = ? AND design = ?";
+  static const char put[] = "INSERT OR REPLACE INTO results VALUES(?, ?, ?, ?, ?, ?)";
+  static const char append[] = "INSERT INTO appended VALUES(?, ?, ?, ?, ?, ?)";
+  if (s->read_only)
+    return sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK ? KM_OK
+                                                                                                     : fail(s, error);
+  bool good = sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK &&
+              sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK &&
+              sqlite3_prepare_v3(s->db, append, -1, SQLITE_PREPARE_PERSISTENT, &s->append, NULL) == SQLITE_OK;
+  return good ? KM_OK : fail(s, error);
+}
+
+/* Begins a transaction, where none is open. */
+static km_status begin(km_store *s, km_error *error) {
+  km_status status = s->writing ? KM_OK : run(s, "BEGIN IMMEDIATE", error);
+  s->writing = s->writing || !status;
+  return status;
+}
+
+/* Of two answers about one design the later one stays. */
+static km_status sort_appended(km_store *s, km_error *error) {
+  static const char sort[] = "INSERT OR REPLACE INTO results SELECT * FROM appended ORDER BY question, design, rowid;"
+                             "DELETE FROM appended";
+  km_status status = begin(s, error);
+  s->appended = 0.0;
+  return status ? status : run(s, sort, error);
+}
+
+/* What a run that was killed has left. */
+static km_status sort_what_is_left(km_store *s, km_error *error) {
+  const char *left = text_of(s, "SELECT 1 FROM appended LIMIT 1", NULL);
+  if (s->arena.failed)
+    return fail(s, error);
+  km_status status = left ? sort_appended(s, error) : KM_OK;
+  return status ? status : km_store_commit(s, error);
+}
+
+/* The same where nothing can be written: a table in memory takes the place of the file's. */
+static km_status sort_aside(km_store *s, km_error *error) {
+  static const char sort[] =
+      "CREATE TEMP TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
+      " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;"
+      "INSERT INTO temp.results SELECT * FROM main.results;"
+      "INSERT OR REPLACE INTO temp.results SELECT * FROM main.appended ORDER BY question, design, rowid";
+  const char *left = text_of(s, "SELECT 1 FROM main.appended LIMIT 1", NULL);
+  if (s->arena.failed)
+    return fail(s, error);
+  return left ? run(s, sort, error) : KM_OK;
+}
+
+/* Can neither the file nor, beside it, the log of what is written to it be written? */
+static bool is_read_only(const char *path, const char *folder) {
+  return faccessat(AT_FDCWD, path, F_OK, AT_EACCESS) == 0 &&
+         (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0 || faccessat(AT_FDCWD, folder, W_OK, AT_EACCESS) != 0);
+}
+
+/* The name of a file as SQLite's URI, which says that nothing changes the file: its locks and its log need writing. */
+static km_status open_read_only(km_store *s, km_error *error) {
+  struct stat log;
+  km_text name = {0};
+  km_text_format(&name, "%s-wal", s->path);
+  bool pending = !name.failed && stat(name.data, &log) == 0 && log.st_size > 0;
+  name.size = 0;
+  km_text_add(&name, "file:");
+  for (const char *c = s->path; *c; ++c)
+    km_text_format(&name, strchr("%?#", *c) ? "%%%02X" : "%c", (unsigned char)*c);
+  km_text_add(&name, "?immutable=1");
+  km_status status =
+      name.failed ? km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path)
+      : pending   ? km_fail(error, KM_IO,
+                            "%s: the store can't be written, and a part of it waits in %s-wal; expected a copy of both "
+                              "in a folder that can be written",
+                            s->path, s->path)
+      : sqlite3_open_v2(name.data, &s->db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, NULL) == SQLITE_OK ? KM_OK
+                                                                                                      : fail(s, error);
+  km_text_free(&name);
+  return status;
+}
+
+/* Damage that SQLite can see: of pages, their order and their links. A changed number isn't seen. O(bytes of the file). */
+static km_status check_integrity(km_store *s, km_error *error) {
+  const char *found = s->in_memory ? "ok" : text_of(s, "PRAGMA integrity_check(1)", NULL);
+  if (!found)
+    return fail(s, error);
+  if (strcmp(found, "ok") == 0)
+    return KM_OK;
+  return km_fail(error, KM_IO,
+                 "%s: the store is damaged (%.200s); expected a copy of it, or the study run again without it", s->path,
+                 found);
+}
+
+static km_status open_file(km_store *s, const char *folder, km_error *error) {
+  s->read_only = !s->in_memory && is_read_only(s->path, folder);
+  if (s->read_only)
+    return open_read_only(s, error);
+  if (sqlite3_open(s->in_memory ? ":memory:" : s->path, &s->db) != SQLITE_OK)
+    return fail(s, error);
+  sqlite3_extended_result_codes(s->db, 1);
+  /* A write-ahead log: a commit costs no wait for the disk, and survives the end of the process at any moment. */
+  km_status status =
+      run(s, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL", error);
+  return status ? status : run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
+}
+
+km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
+                        km_error *error) {
+  km_store *s = *out = KM_NEW(km_store, 1);
+  if (!s)
+    return km_fail(error, KM_MEMORY, "out of memory for a store");
+  s->path = km_arena_string(&s->arena, path ? path : "in memory");
+  s->in_memory = !path || strcmp(path, ":memory:") == 0;
+  s->most_appended = first_appended;
+  char *folder = km_arena_string(&s->arena, s->path);
+  if (!folder)
+    return km_fail(error, KM_MEMORY, "out of memory for a store");
+  km_status status = open_file(s, dirname(folder), error);
+  if (!status)
+    status = check_integrity(s, error);
+  if (!status)
+    status = take(s, identity, what, replace, error);
+  if (!status && !s->read_only)
+    status = run(s, appended_schema, error);
+  if (!status)
+    status = s->read_only ? sort_aside(s, error) : sort_what_is_left(s, error);
+  return status ? status : prepare(s, error);
+}
+
+void km_store_free(km_store *s) {
+  if (!s)
+    return;
+  if (s->writing)
+    sqlite3_exec(s->db, "COMMIT", NULL, NULL, NULL);
+  sqlite3_finalize(s->get);
+  sqlite3_finalize(s->put);
+  sqlite3_finalize(s->append);
+  sqlite3_close(s->db);
+  km_answer_map_free(&s->kept);
+  km_arena_free(&s->arena);
+  km_free(s);
+}
+
+km_status km_store_question(km_store *s, const char *key, const char *name, int *id, km_error *error) {
+  static const char find[] = "SELECT id FROM questions WHERE key = ?";
+  const char *text = text_of(s, find, key);
+  km_status status = s->arena.failed ? fail(s, error) : KM_OK;
+  *id = 0; /* of no question: where nothing can be written, there are no answers to it */
+  if (!status && !text && s->read_only)
+    return KM_OK;
+  if (!status && !text)
+    status = insert(s, "INSERT INTO questions(key, name) VALUES(?, ?)", key, name, error);
+  if (!status && !text)
+    text = text_of(s, find, key);
+  *id = text ? (int)strtol(text, NULL, 10) : 0;
+  return status || text ? status : fail(s, error);
+}
+
+km_status km_store_is_empty(const km_store *s, bool *empty, km_error *error) {
+  sqlite3_stmt *statement = NULL;
+  if (s->in_memory) {
+    *empty = s->kept.count == 0;
+    return KM_OK;
+  }
+  int code = sqlite3_prepare_v2(s->db, "SELECT 1 FROM results LIMIT 1", -1, &statement, NULL);
+  if (code == SQLITE_OK)
+    code = sqlite3_step(statement);
+  sqlite3_finalize(statement);
+  *empty = code == SQLITE_DONE;
+  return code == SQLITE_DONE || code == SQLITE_ROW ? KM_OK : fail(s, error);
+}
+
+static void bind_numbers(sqlite3_stmt *statement, int index, const double *numbers, int count) {
+  /* A NULL would be no blob: no parameters are an empty one. */
+  sqlite3_bind_blob(statement, index, count ? (const void *)numbers : "", count * (int)sizeof *numbers, SQLITE_STATIC);
+}
+
+static bool copy_numbers(sqlite3_stmt *statement, int column, double *out, int count) {
+  const void *blob = sqlite3_column_blob(statement, column);
+  if (sqlite3_column_type(statement, column) != SQLITE_BLOB ||
+      sqlite3_column_bytes(statement, column) != count * (int)sizeof *out)
+    return false;
+  if (count > 0)
+    memcpy(out, blob, (size_t)count * sizeof *out);
+  return true;
+}
+
+/* A key has one pattern for each number: every NaN the same, and one zero. */
+static void key_of(const double *values, int count, double *out) {
+  for (int i = 0; i < count; ++i)
+    out[i] = isnan(values[i]) ? nan("") : values[i] == 0.0 ? 0.0 : values[i];
+}
+
+/* False where a damaged store has something else there: that is asked again. */
+static bool read_answer(sqlite3_stmt *row, const km_store_shape *shape, km_design_answer *out) {
+  const unsigned char *reason = sqlite3_column_text(row, 1);
+  int outcome = sqlite3_column_int(row, 0);
+  if (sqlite3_column_type(row, 0) != SQLITE_INTEGER || outcome < 0 || outcome >= KM_DESIGN_MISSING ||
+      !copy_numbers(row, 2, out->figures, shape->figures))
+    return false;
+  out->outcome = (km_design_outcome)outcome;
+  snprintf(out->reason, sizeof out->reason, "%s", reason ? (const char *)reason : "");
+  bool has_bands = out->bands && shape->band_numbers && out->outcome <= KM_DESIGN_SHORT;
+  return !has_bands || copy_numbers(row, 3, out->bands, shape->band_numbers);
+}
+
+km_status km_store_get(km_store *s, const km_store_shape *shape, const double *values, km_design_answer *out,
+                       bool *found, km_error *error) {
+  double key[KM_MOST_DESIGN_PARAMETERS];
+  key_of(values, shape->parameters, key);
+  if (s->in_memory) {
+    *found = km_answer_map_get(&s->kept, shape, key, out);
+    return KM_OK;
+  }
+  sqlite3_bind_int(s->get, 1, shape->question);
+  bind_numbers(s->get, 2, key, shape->parameters);
+  int code = sqlite3_step(s->get);
+  *found = code == SQLITE_ROW && read_answer(s->get, shape, out);
+  if (!*found)
+    out->outcome = KM_DESIGN_MISSING;
+  sqlite3_reset(s->get);
+  return code == SQLITE_ROW || code == SQLITE_DONE ? KM_OK : fail(s, error);
+}
+
+km_status km_store_put(km_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
+                       km_error *error) {
+  double key[KM_MOST_DESIGN_PARAMETERS];
+  sqlite3_stmt *put = s->appends ? s->append : s->put;
+  key_of(values, shape->parameters, key);
+  if (s->in_memory)
+    return km_answer_map_put(&s->kept, shape, key, a)
+               ? KM_OK
+               : km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
+  km_status status = s->read_only ? fail_to_write(s, error) : begin(s, error);
+  if (status)
+    return status;
+  sqlite3_bind_int(put, 1, shape->question);
+  bind_numbers(put, 2, key, shape->parameters);
+  sqlite3_bind_int(put, 3, (int)a->outcome);
+  if (a->reason[0])
+    sqlite3_bind_text(put, 4, a->reason, -1, SQLITE_STATIC);
+  else
+    sqlite3_bind_null(put, 4);
+  bind_numbers(put, 5, a->figures, shape->figures);
+  bool has_bands = shape->band_numbers && a->outcome <= KM_DESIGN_SHORT;
+  if (has_bands)
+    bind_numbers(put, 6, a->bands, shape->band_numbers);
+  else
+    sqlite3_bind_null(put, 6);
+  int code = sqlite3_step(put);
+  sqlite3_reset(put);
+  if (s->appends)
+    s->appended +=
+        (shape->parameters + shape->figures + (has_bands ? shape->band_numbers : 0)) * (double)sizeof *values;
+  return code == SQLITE_DONE ? KM_OK : fail(s, error);
+}
+
+void km_store_append(km_store *s) {
+  s->appends = !s->in_memory && !s->read_only;
+}
+
+km_status km_store_sort(km_store *s, km_error *error) {
+  km_status status = s->appends ? sort_appended(s, error) : KM_OK;
+  s->appends = false;
+  km_status committed = km_store_commit(s, status ? NULL : error); /* what can't be sorted is there still */
+  return status ? status : committed;
+}
+
+km_status km_store_commit(km_store *s, km_error *error) {
+  km_status status = KM_OK;
+  if (!s->writing)
+    return KM_OK;
+  if (s->appends && s->appended >= s->most_appended) {
+    status = sort_appended(s, error);
+    s->most_appended *= 1.5;
+  }
+  s->writing = false;
+  km_status committed = run(s, "COMMIT", status ? NULL : error); /* what can't be sorted is there still */
+  return status ? status : committed;
+}

@@ -1,0 +1,71 @@
+/* What the answers of a study depend on beside its own file and the model's text: files that these name. */
+#include "study/study_inputs.h"
+
+#include "kmech/data.h"
+#include "model/model.h"
+
+#include <string.h>
+
+void km_design_add_name(km_text *out, const char *name) {
+  km_text_format(out, "%zu:%s;", name ? strlen(name) : 0, name ? name : "");
+}
+
+void km_design_add_numbers(km_text *out, const double *numbers, int count) {
+  for (int i = 0; i < count; ++i) {
+    km_text_number(out, numbers[i]);
+    km_text_add(out, ";");
+  }
+}
+
+void km_design_add_meshes(const km_model *model, km_text *out) {
+  for (int b = 1; b < model->body_count; ++b) {
+    const km_model_body *body = &model->bodies[b];
+    const double numbers[10] = {
+        body->mass,       body->center_of_mass.x, body->center_of_mass.y, body->center_of_mass.z, body->inertia[0],
+        body->inertia[1], body->inertia[2],       body->inertia[3],       body->inertia[4],       body->inertia[5]};
+    if (body->mesh)
+      km_design_add_numbers(out, numbers, 10);
+  }
+}
+
+/* The table of poses that a path study names, seen from the study's folder. NULL: it names none. */
+static const char *table_of(const char *study, const km_text *bytes, km_arena *arena) {
+  const km_value *root = NULL;
+  km_error ignored; /* asking the question says what is wrong with the file */
+  if (km_json_parse(bytes->data ? bytes->data : "", bytes->size, arena, &root, &ignored) || !root)
+    return NULL;
+  const km_value *path = km_value_get(root, "path"), *csv = path ? km_value_get(path, "csv") : NULL;
+  if (!csv || csv->kind != KM_STRING)
+    return NULL;
+  const char *slash = csv->string[0] == '/' ? NULL : strrchr(study, '/');
+  km_text file = {0};
+  km_text_format(&file, "%.*s%s", slash ? (int)(slash - study) + 1 : 0, study, csv->string);
+  return km_text_keep(&file, arena);
+}
+
+static km_status add_file(const char *file, bool is_study, km_arena *arena, km_text *out, km_error *error) {
+  km_text bytes = {0};
+  char key[KM_SHA256_TEXT];
+  km_status status = km_file_read(file, &bytes, error);
+  const char *table = status || !is_study ? NULL : table_of(file, &bytes, arena);
+  if (!status) {
+    km_sha256(bytes.data, bytes.size, key);
+    km_design_add_name(out, key);
+  }
+  km_text_free(&bytes);
+  return status || !table ? status : add_file(table, false, arena, out, error);
+}
+
+km_status km_design_add_files(const km_design_study *s, const km_design_question *q, km_text *out, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = 0; i < q->option_count && !status; ++i) {
+    km_arena arena = {0};
+    const char *file = km_design_file(s->def, q, &q->options[i], &arena);
+    if (file)
+      status = add_file(file, true, &arena, out, error);
+    if (!status && arena.failed)
+      status = km_fail(error, KM_MEMORY, "out of memory for a study");
+    km_arena_free(&arena);
+  }
+  return status;
+}

@@ -1,0 +1,224 @@
+/* Runs a study's designs in their order, batch by batch, with or without a crew, and stops a sample whose mean is known
+ * well enough. */
+#include "base/arguments.h"
+#include "base/clock.h"
+#include "base/statistics/running_moments.h"
+#include "base/statistics/student_t.h"
+#include "study/design_evaluation.h"
+#include "study/optimisation/optimisation.h"
+#include "study/worker_processes.h"
+
+#include <math.h>
+
+enum { LEAST_ROOM = 768, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
+
+/* A batch is to take about so long, see km_batch_next_size: what a killed run loses, and how soon one stops. */
+static const double batch_seconds = 0.1;
+
+typedef struct run {
+  km_design_study *study;
+  km_batch batch;
+  int total, next, size; /* designs: in all, the first of the next batch, how many that takes */
+  int figure;            /* whose accuracy stops the run, -1: none */
+  km_moments moments;
+  bool compute;
+  km_crew *crew; /* NULL: none */
+  km_progress progress;
+  void *context;
+  double committed; /* when the store was last safe */
+} run;
+
+/* The places where accuracy is looked at depend on nothing but the count. */
+static int next_check(int check) {
+  int step = FIRST_CHECK;
+  while (16 * step <= check)
+    step *= 2;
+  return check + step;
+}
+
+static bool is_accurate(const run *r) {
+  double n = r->moments.count;
+  return n > 1.0 &&
+         km_student(n - 1.0) * (km_moments_deviation(&r->moments) / sqrt(n)) <= r->study->def->sample->accuracy;
+}
+
+static km_status take_figures(run *r, int begin, int end, km_error *error) {
+  km_status status = KM_OK;
+  for (int i = begin; i < end && !status; ++i) {
+    km_design_result result;
+    status = km_design_study_result(r->study, i, &result, error);
+    if (!status && isfinite(result.figures[r->figure]))
+      km_moments_add(&r->moments, result.figures[r->figure]);
+  }
+  return status;
+}
+
+/* One batch up to `end`; r->next moves past it. */
+static km_status run_batch(run *r, int end, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  km_status status = KM_OK;
+  end = r->next + r->size < end ? r->next + r->size : end;
+  km_batch_clear(&r->batch);
+  for (int i = r->next; i < end && !status; ++i) {
+    km_design_values(r->study, i, values);
+    status = km_batch_add(&r->batch, values, error);
+  }
+  if (!status && r->compute)
+    status = km_batch_run(&r->batch, error);
+  r->next = end;
+  return status;
+}
+
+/* Between batches: what is there is made safe, and the caller may stop. */
+static km_status breathe(run *r, km_error *error) {
+  km_status status = KM_OK;
+  if (km_clock() - r->committed > batch_seconds) {
+    status = km_store_commit(r->study->store, error);
+    r->committed = km_clock();
+  }
+  if (!status && r->progress && !r->progress(r->context, (double)r->next / r->total))
+    status =
+        km_fail(error, KM_CANCELLED, "stopped after %d of %d designs; what was answered is stored", r->next, r->total);
+  return status;
+}
+
+/* The designs from r->next up to `end`. */
+static km_status run_part(run *r, int end, km_error *error) {
+  km_status status = KM_OK;
+  while (!status && r->next < end) {
+    double begin = km_clock();
+    if (r->crew)
+      status = km_crew_give(r->crew, &r->next, end, error);
+    if (!status && r->next < end)
+      status = run_batch(r, end, error);
+    if (!status && r->crew)
+      status = km_crew_take(r->crew, false, error);
+    r->size = km_batch_next_size(r->size, km_clock() - begin, batch_seconds, r->batch.jobs, r->batch.room);
+    if (!status)
+      status = breathe(r, error);
+  }
+  km_status taken = r->crew ? km_crew_take(r->crew, true, status ? NULL : error) : KM_OK;
+  return status ? status : taken;
+}
+
+static km_status go(run *r, km_error *error) {
+  km_status status = KM_OK;
+  int end = r->figure >= 0 && FIRST_CHECK < r->total ? FIRST_CHECK : r->total;
+  r->committed = km_clock();
+  for (int begin = 0; !status && begin < r->total; begin = r->next) {
+    status = run_part(r, end, error);
+    if (!status && r->figure >= 0)
+      status = take_figures(r, begin, end, error);
+    if (!status && r->figure >= 0 && end < r->total && is_accurate(r)) {
+      r->study->stopped_at = end;
+      break;
+    }
+    end = r->figure >= 0 && next_check(end) < r->total ? next_check(end) : r->total;
+  }
+  km_status stored = km_store_sort(r->study->store, status ? NULL : error);
+  return status ? status : stored;
+}
+
+static km_status run_designs(run *r, int jobs, km_error *error) {
+  km_design_study *s = r->study;
+  r->total = km_designs_planned(s);
+  r->figure = -1;
+  if (s->def->sample && s->def->sample->accuracy_figure)
+    r->figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
+  s->stopped_at = 0;
+  int room = jobs * LEAST_ROOM < MOST_ROOM ? jobs * LEAST_ROOM : MOST_ROOM; /* at least one a thread */
+  km_status status = km_batch_open(&r->batch, s, r->compute ? jobs : 0, room, error);
+  r->size = r->compute ? jobs : room;
+  if (!status)
+    status = km_store_is_empty(s->store, &r->batch.is_new, error);
+  if (r->compute && r->figure < 0) /* else the figures are looked up on the way */
+    km_store_append(s->store);
+  if (!status)
+    status = go(r, error);
+  km_batch_close(&r->batch);
+  return status;
+}
+
+static km_status start(km_design_study *s, km_error *error) {
+  km_status status = km_check_given(s != NULL, "study", error);
+  if (status)
+    return status;
+  s->computed = s->found = 0;
+  s->ended_early = false;
+  km_design_forget_statistics(s);
+  return KM_OK;
+}
+
+static km_status check_jobs(int jobs, km_error *error) {
+  return jobs >= 1 && jobs <= MOST_JOBS
+             ? KM_OK
+             : km_fail(error, KM_USAGE, "found %d threads; expected 1 to %d", jobs, MOST_JOBS);
+}
+
+km_status km_design_study_run(km_design_study *s, int jobs, km_progress progress, void *context, km_error *error) {
+  km_status status = start(s, error);
+  if (!status)
+    status = check_jobs(jobs, error);
+  if (status)
+    return status;
+  if (s->def->optimise)
+    return km_optimise_run(s, jobs, true, progress, context, error);
+  run r = {.study = s, .compute = true, .progress = progress, .context = context};
+  return run_designs(&r, jobs, error);
+}
+
+km_status km_design_study_lead(km_design_study *s, int jobs, const km_design_crew *members, km_progress progress,
+                               void *context, km_error *error) {
+  km_status status = km_crew_check(members, error);
+  if (!status && s && s->def->optimise)
+    return km_design_study_run(s, jobs, progress, context, error);
+  if (!status)
+    status = start(s, error);
+  if (!status)
+    status = check_jobs(jobs, error);
+  if (status)
+    return status;
+  run r = {.study = s, .compute = true, .progress = progress, .context = context};
+  status = km_crew_open(s, members, &r.crew, error);
+  if (!status)
+    status = run_designs(&r, jobs, error);
+  km_crew_close(r.crew);
+  return status;
+}
+
+km_status km_design_study_recall(km_design_study *s, km_error *error) {
+  km_status status = start(s, error);
+  if (status)
+    return status;
+  if (s->def->optimise)
+    return km_optimise_run(s, 1, false, NULL, NULL, error);
+  run r = {.study = s};
+  return s->def->sample && s->def->sample->accuracy_figure ? run_designs(&r, 1, error) : KM_OK;
+}
+
+int km_design_study_computed(const km_design_study *s) {
+  return s ? s->computed : 0;
+}
+
+int km_design_study_found(const km_design_study *s) {
+  return s ? s->found : 0;
+}
+
+km_status km_design_study_result(const km_design_study *s, int design, km_design_result *out, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  km_status status = km_check_given(out != NULL, "place for the result", error);
+  if (!status)
+    status = km_design_study_values(s, design, values, error);
+  if (status)
+    return status;
+  double figures[KM_MOST_DESIGN_FIGURES];
+  km_design_answer answers[KM_MOST_DESIGN_QUESTIONS]; /* without bands */
+  for (int q = 0; q < s->def->question_count && !status; ++q) {
+    bool found;
+    answers[q] = (km_design_answer){.outcome = KM_DESIGN_MISSING, .figures = figures + s->first_figure[q]};
+    status = km_design_look_up(s, q, values, &answers[q], &found, error);
+  }
+  if (!status)
+    km_design_gather(s, answers, out);
+  return status;
+}

@@ -1,0 +1,389 @@
+/* One thread of a study: puts the numbers of designs into models and asks the questions, side by side. */
+#include "kmech/mechanism.h"
+#include "model/model_numbers.h"
+#include "question/question.h"
+#include "study/design_study.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A question that was asked of a model, and a mechanism of its own that it is about: where joints are held, or the model was
+ * read. */
+typedef struct visit {
+  km_mechanism *mechanism; /* NULL: that of the seat */
+  km_state *state;
+  km_question *question;
+} visit;
+
+/* A model whose numbers are patched, and what is made of it. */
+typedef struct seat {
+  km_model *model; /* NULL: not opened */
+  km_model_numbers numbers;
+  double *own; /* [numbers] of the file */
+  km_mechanism *mechanism;
+  km_state *state;
+  visit visits[KM_MOST_DESIGN_QUESTIONS]; /* by question */
+} seat;
+
+struct km_design_worker {
+  const km_design_study *study;
+  seat seats[KM_DRIVE_LANES]; /* opened as designs come side by side */
+};
+
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for a study");
+}
+
+static void close_visit(visit *v) {
+  km_question_free(v->question);
+  km_state_free(v->state);
+  km_mechanism_free(v->mechanism);
+  *v = (visit){0};
+}
+
+static void close_seat(seat *at) {
+  for (int q = 0; q < KM_MOST_DESIGN_QUESTIONS; ++q)
+    close_visit(&at->visits[q]);
+  km_state_free(at->state);
+  km_mechanism_free(at->mechanism);
+  km_model_numbers_free(&at->numbers);
+  km_model_free(at->model);
+  km_free(at->own);
+}
+
+void km_design_worker_free(km_design_worker *w) {
+  if (!w)
+    return;
+  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    close_seat(&w->seats[i]);
+  km_free(w);
+}
+
+static km_status open_seat(const km_design_study *s, seat *at, km_error *error) {
+  double values[KM_MOST_DESIGN_PARAMETERS];
+  km_design_clear(s, values);
+  km_read_def how = {.file = s->def->model};
+  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, &at->model, error);
+  if (status)
+    return status;
+  double unit = km_model_length_unit(at->model);
+  km_model_share_length(at->model, s->length * unit / unit);
+  km_model_numbers_list(at->model, &at->numbers);
+  at->own = KM_NEW(double, at->numbers.count + 1);
+  if (!at->own || at->numbers.failed)
+    return no_memory(error);
+  for (size_t i = 0; i < at->numbers.count; ++i)
+    at->own[i] = *at->numbers.items[i].at;
+  status = km_mechanism_compile(at->model, NULL, 0, &at->mechanism, error);
+  return status ? status : km_state_create(at->mechanism, &at->state, error);
+}
+
+km_status km_design_worker_create(const km_design_study *study, km_design_worker **out, km_error *error) {
+  km_design_worker *w = KM_NEW(km_design_worker, 1);
+  *out = w;
+  if (!w)
+    return no_memory(error);
+  w->study = study;
+  return study->patch.works ? open_seat(study, &w->seats[0], error) : KM_OK;
+}
+
+/* False: the reader would check more than a patch does. */
+static bool may_patch(const km_design_study *s, const seat *at, const double *values) {
+  for (int p = 0; p < s->def->parameter_count; ++p) {
+    const km_patch_places *places = &s->patch.parameters[p];
+    if (isnan(values[p]))
+      continue;
+    if (!(fabs(values[p]) <= 1e60))
+      return false;
+    for (int i = 0; i < places->count; ++i)
+      if (at->numbers.items[places->places[i]].rule == KM_NUMBER_NOT_NEGATIVE && !(values[p] >= 0.0))
+        return false;
+  }
+  return true;
+}
+
+/* Puts the values into the seat's model and mechanism. KM_PARTIAL: the design is to be read. */
+static km_status patch(const km_design_study *s, seat *at, const double *values) {
+  if (!s->patch.works || km_design_is_reference(s, values))
+    return KM_PARTIAL;
+  if (!at->mechanism) {
+    close_seat(at);
+    *at = (seat){0};
+    km_status opened = open_seat(s, at, NULL);
+    if (opened)
+      return opened == KM_MEMORY ? KM_MEMORY : KM_PARTIAL;
+  }
+  if (!may_patch(s, at, values))
+    return KM_PARTIAL;
+  for (int p = 0; p < s->def->parameter_count; ++p) {
+    const km_patch_places *places = &s->patch.parameters[p];
+    for (int i = 0; i < places->count; ++i) {
+      int place = places->places[i];
+      *at->numbers.items[place].at = isnan(values[p]) ? at->own[place] : values[p];
+    }
+  }
+  return km_mechanism_renumber(at->mechanism, NULL);
+}
+
+static void fail_answer(km_design_answer *a, const km_design_question *q, km_design_outcome outcome,
+                        const char *reason) {
+  a->outcome = outcome;
+  snprintf(a->reason, sizeof a->reason, "%.*s", KM_DESIGN_REASON - 1, reason);
+  for (int f = 0; f < q->figure_count; ++f)
+    a->figures[f] = nan("");
+}
+
+/* Where and why an arm's track ended. */
+static void tell_track(const km_track *track, km_design_answer *a) {
+  static const char *const reasons[] = {
+      [KM_TRACK_LIMIT] = "a joint is at its limit", [KM_TRACK_RATE] = "a joint would be too fast",
+      [KM_TRACK_SINGULAR] = "the pose is singular", [KM_TRACK_HELD] = "with the held joints the arm can't go on",
+      [KM_TRACK_EDGE] = "the workspace ends here",  [KM_TRACK_GAVE_OUT] = "dynamic programming gave out"};
+  km_track_end end = km_track_ending(track);
+  const char *reason = (size_t)end.stop < sizeof reasons / sizeof *reasons ? reasons[end.stop] : NULL;
+  snprintf(a->reason, sizeof a->reason, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
+}
+
+/* Where and why the motion ended. */
+static void tell_end(const km_model *model, const km_question *q, km_design_answer *a) {
+  if (km_question_track(q)) {
+    tell_track(km_question_track(q), a);
+    return;
+  }
+  const km_sweep *motion = km_question_motion(q);
+  const km_sweep_plan *plan = km_question_plan(q);
+  const km_statics_sweep *statics = km_question_statics(q);
+  const km_reach *reach = motion->end.stop != KM_STOP_NONE ? &motion->end : &motion->start;
+  const char *unit = plan->coordinate >= 0 ? km_model_coordinate_unit(model, plan->coordinate) : "";
+  if (reach->stop == KM_STOP_LIMIT)
+    snprintf(a->reason, sizeof a->reason, "ends at %.9g %s, the limit of %.80s", reach->position, unit,
+             km_model_coordinate_label(model, reach->coordinate));
+  else if (reach->stop == KM_STOP_AWAY)
+    snprintf(a->reason, sizeof a->reason, "ends at %.9g %s: %.80s slides away without bound", reach->position, unit,
+             km_model_coordinate_label(model, reach->coordinate));
+  else if (reach->stop != KM_STOP_NONE)
+    snprintf(a->reason, sizeof a->reason, "ends at %.9g %s%s", reach->position, unit,
+             reach->stop == KM_STOP_GAVE_OUT ? ": too many steps" : "");
+  else if (statics && statics->unheld)
+    snprintf(a->reason, sizeof a->reason, "the actuators can't hold %zu rows, first at %.9g %s", statics->unheld,
+             statics->first_unheld, unit);
+  else
+    snprintf(a->reason, sizeof a->reason, "a part of the answer is missing");
+}
+
+static bool reads_reactions(const km_design_question *q) {
+  bool reads = false;
+  for (int f = 0; f < q->figure_count; ++f)
+    reads = reads || (q->figures[f].column && strncmp(q->figures[f].column, "r.", 2) == 0);
+  for (int b = 0; b < q->band_count; ++b)
+    reads = reads || strncmp(q->bands[b], "r.", 2) == 0;
+  return reads;
+}
+
+static bool reads_events(const km_design_question *q) {
+  bool reads = false;
+  for (int f = 0; f < q->figure_count; ++f)
+    reads = reads || q->figures[f].kind == KM_DESIGN_TOGGLES;
+  return reads;
+}
+
+/* The columns that the figures and bands read; NULL: out of memory. */
+static const char **columns_read(const km_design_question *q, km_arena *arena) {
+  const char **reads = KM_ARENA_NEW(arena, const char *, (size_t)(q->figure_count + q->band_count) + 1);
+  int count = 0;
+  for (int f = 0; f < q->figure_count && reads; ++f)
+    if (q->figures[f].column)
+      reads[count++] = q->figures[f].column;
+  for (int b = 0; b < q->band_count && reads; ++b)
+    reads[count++] = q->bands[b];
+  return reads;
+}
+
+static km_status make_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
+                               km_question **out, km_error *error) {
+  const km_design_question *def = &w->study->def->questions[index];
+  km_status status = km_question_create(m, def->kind, out, error);
+  if (!status)
+    status = km_design_set_options(w->study->def, def, model, *out, error);
+  if (!status) {
+    (*out)->no_reactions = !reads_reactions(def);
+    (*out)->table_only = !reads_events(def);
+    (*out)->reads = columns_read(def, &(*out)->arena);
+    status = (*out)->reads ? KM_OK : no_memory(error);
+  }
+  if (status) {
+    km_question_free(*out);
+    *out = NULL;
+  }
+  return status;
+}
+
+static void take_answer(const km_design_worker *w, int index, const km_model *model, const km_question *q,
+                        km_status status, km_design_answer *a) {
+  const km_design_question *def = &w->study->def->questions[index];
+  a->outcome = status == KM_OK ? KM_DESIGN_DONE : KM_DESIGN_SHORT;
+  a->reason[0] = '\0';
+  km_design_take_figures(def, q, a->figures);
+  if (a->bands)
+    km_design_take_bands(def, q, w->study->band_rows[index], a->bands);
+  if (status == KM_PARTIAL)
+    tell_end(model, q, a);
+  else
+    km_design_tell_missing(def, q, a->figures, a->reason);
+}
+
+/* A question about one design that is assembled. */
+typedef struct asking {
+  const km_model *model;
+  const km_mechanism *mechanism;
+  km_state *state;
+  km_question **question; /* about the mechanism; made where it is NULL, and kept */
+  km_design_task *task;
+} asking;
+
+static void settle_answer(const km_design_worker *w, int index, const asking *a, km_status status,
+                          const km_error *found) {
+  km_design_answer *answer = &a->task->answers[index];
+  if (status == KM_MEMORY)
+    a->task->status = no_memory(a->task->error);
+  else if (status == KM_OK || status == KM_PARTIAL)
+    take_answer(w, index, a->model, *a->question, status, answer);
+  else
+    fail_answer(answer, &w->study->def->questions[index],
+                status == KM_NO_RESULT  ? KM_DESIGN_EMPTY
+                : status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT
+                                        : KM_DESIGN_UNASSEMBLED,
+                found->text);
+}
+
+/* Asks question `index` of several designs, side by side where its kind can. */
+static void ask(const km_design_worker *w, int index, const asking *designs, int count) {
+  km_question *questions[KM_DRIVE_LANES];
+  km_state *states[KM_DRIVE_LANES];
+  km_status statuses[KM_DRIVE_LANES];
+  km_error found[KM_DRIVE_LANES];
+  int of[KM_DRIVE_LANES], ready = 0;
+  for (int i = 0; i < count; ++i) {
+    const asking *a = &designs[i];
+    km_question_refresh(*a->question);
+    km_status made = *a->question ? KM_OK : make_question(w, index, a->mechanism, a->model, a->question, &found[ready]);
+    if (made) {
+      settle_answer(w, index, a, made, &found[ready]);
+      continue;
+    }
+    questions[ready] = *a->question;
+    states[ready] = a->state;
+    of[ready++] = i;
+  }
+  if (ready > 0)
+    km_questions_ask(questions, states, ready, statuses, found);
+  for (int k = 0; k < ready; ++k)
+    settle_answer(w, index, &designs[of[k]], statuses[k], &found[k]);
+}
+
+/* A design on its way through the questions. */
+typedef struct design {
+  km_design_task *task;
+  seat *at;        /* where its numbers are; NULL: it was read */
+  km_model *model; /* that was read; NULL: it is faulty, as `found` says */
+  km_error found;
+} design;
+
+static void fail_assembly(const km_design_worker *w, int question, const design *d, km_status status,
+                          const char *reason) {
+  if (status == KM_MEMORY)
+    d->task->status = no_memory(d->task->error);
+  else
+    fail_answer(&d->task->answers[question], &w->study->def->questions[question],
+                status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, reason);
+}
+
+/* A design whose numbers are in its seat, at the pose that holds and sets ask for. */
+static km_status visit_seat(const km_design_question *q, seat *at, visit *v, km_error *error) {
+  km_status status = km_design_bring_again(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
+  if (status != KM_PARTIAL)
+    return status;
+  close_visit(v);
+  return km_design_bring_again(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
+}
+
+/* A design where the question is to be asked. `own`: of one that was read. */
+static km_status get_ready(const km_design_worker *w, int question, const design *d, visit *own, asking *out,
+                           km_error *error) {
+  const km_design_question *q = &w->study->def->questions[question];
+  seat *at = d->at;
+  if (!at) {
+    km_status status = km_design_bring(d->model, q, &own->mechanism, &own->state, error);
+    *out = (asking){d->model, own->mechanism, own->state, &own->question, d->task};
+    return status;
+  }
+  visit *v = &at->visits[question];
+  km_status status = visit_seat(q, at, v, error);
+  *out = (asking){at->model, v->mechanism ? v->mechanism : at->mechanism, v->mechanism ? v->state : at->state,
+                  &v->question, d->task};
+  return status;
+}
+
+/* Those that can be asked together. */
+static void answer_question(const km_design_worker *w, int question, const design *designs, int count) {
+  asking together[KM_DRIVE_LANES];
+  visit own[KM_DRIVE_LANES] = {{0}};
+  int ready = 0;
+  for (int i = 0; i < count; ++i) {
+    const design *d = &designs[i];
+    km_error found;
+    if (d->task->status || (d->task->wanted && !d->task->wanted[question]))
+      continue;
+    if (!d->at && !d->model) {
+      fail_answer(&d->task->answers[question], &w->study->def->questions[question], KM_DESIGN_FAULTY, d->found.text);
+      continue;
+    }
+    km_status status = get_ready(w, question, d, &own[i], &together[ready], &found);
+    if (status)
+      fail_assembly(w, question, d, status, found.text);
+    else
+      ++ready;
+  }
+  ask(w, question, together, ready);
+  for (int i = 0; i < count; ++i)
+    close_visit(&own[i]);
+}
+
+static km_status answer_function(const km_design_worker *w, const km_design_task *task) {
+  const km_design_study_def *def = w->study->def;
+  km_design_answer *a = &task->answers[0];
+  km_error found = {.text = ""};
+  a->outcome = KM_DESIGN_DONE;
+  a->reason[0] = '\0';
+  if (def->function(def->context, task->values, a->figures, &found))
+    fail_answer(a, &def->questions[0], KM_DESIGN_FAULTY, found.text);
+  return KM_OK;
+}
+
+/* Brings the design's numbers into a seat, or reads it. */
+static void open_design(km_design_worker *w, seat *at, km_design_task *task, design *out) {
+  *out = (design){.task = task};
+  km_status status = patch(w->study, at, task->values);
+  if (status == KM_OK)
+    out->at = at;
+  else if (status != KM_MEMORY)
+    status = km_design_read_model(w->study, task->values, &out->model, &out->found);
+  task->status = status == KM_MEMORY ? no_memory(task->error) : KM_OK;
+}
+
+void km_design_worker_answer(km_design_worker *w, km_design_task *tasks, int count) {
+  const km_design_study_def *def = w->study->def;
+  design designs[KM_DRIVE_LANES];
+  if (def->function) {
+    for (int i = 0; i < count; ++i)
+      tasks[i].status = answer_function(w, &tasks[i]);
+    return;
+  }
+  for (int i = 0; i < count; ++i)
+    open_design(w, &w->seats[i], &tasks[i], &designs[i]);
+  for (int q = 0; q < def->question_count; ++q)
+    answer_question(w, q, designs, count);
+  for (int i = 0; i < count; ++i)
+    km_model_free(designs[i].model);
+}

@@ -1,0 +1,114 @@
+/* Branch points of sweeps by a driver: where they are, and how to start from one. */
+#include "continuation/arc_motion.h"
+#include "local/bifurcation.h"
+#include "sweep/sweep.h"
+
+#include <math.h>
+
+km_status km_sweeper_add_branch(km_sweeper *r, km_branch_point point, km_error *error) {
+  void *branches = r->out->branches;
+  if (!km_reserve(&branches, &r->out->branch_capacity, r->out->branch_count + 1, sizeof point))
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  r->out->branches = branches;
+  r->out->branches[r->out->branch_count++] = point;
+  return KM_OK;
+}
+
+km_status km_sweeper_look_at_branch(const km_sweeper *r, km_state *state, double *directions, int *count,
+                                    km_error *error) {
+  int found = km_branch_directions(r->m, state, r->substructure, directions);
+  *count = found > 1 ? found : 0;
+  return found < 0 ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
+}
+
+/* With `surely`, also where the motions that meet aren't found. */
+static km_status add_branch(km_sweeper *r, km_state *state, km_branch_point point, bool surely, km_error *error) {
+  size_t columns = (size_t)r->m->substructures[r->substructure].columns;
+  double *directions = KM_NEW(double, KM_MOST_BRANCHES *columns);
+  if (!directions)
+    return km_fail(error, KM_MEMORY, "out of memory for the branch points");
+  km_status status = km_sweeper_look_at_branch(r, state, directions, &point.branches, error);
+  km_free(directions);
+  return status || (!surely && point.branches == 0) ? status : km_sweeper_add_branch(r, point, error);
+}
+
+/* Follows the motion from a row of the table to the branch point that lies behind it, at most to driver value
+ * `to`, on a state of its own. */
+static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, double to, km_error *error) {
+  const double *cells = km_table_row(r->out->table, row);
+  double from = cells[1], most = 1000.0;
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    r->scratch[c] = cells[2 + c] * km_model_coordinate_factor(r->m->model, c);
+  km_state_set(r->m, state, r->scratch);
+  km_follow *follow;
+  km_branch_point point;
+  if (km_follow_create(r->m, state, r->plan->coordinate, to - from, true, &follow, NULL))
+    return KM_OK; /* a row that is singular itself has been added as such */
+  km_status status = KM_OK;
+  bool found = false, past = false;
+  while (!found && !past && !km_follow_closed(follow) && km_follow_length(follow) < most &&
+         !km_follow_advance(follow, 0.05)) {
+    found = km_follow_branch(follow, &point);
+    past = (km_state_coordinate(state, r->plan->coordinate) - to) * (to - from) > 0.0;
+  }
+  if (found) {
+    km_follow_at_branch(follow, r->scratch);
+    point.s = km_state_coordinate(state, r->plan->coordinate);
+    status = add_branch(r, state, point, true, error);
+  }
+  km_follow_free(follow);
+  return status;
+}
+
+/* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. Who leaves columns unread
+ * doesn't ask for branch points between rows. */
+km_status km_sweeper_find_branch(km_sweeper *r, km_error *error) {
+  size_t rows = km_table_rows(r->out->table);
+  const double *last = km_table_row(r->out->table, rows - 1);
+  int mobility = km_partition_freedom(&r->s->partition[r->substructure]);
+  if (mobility > 1) /* it is the row's own pose; with the motion's own freedoms that was only hard to come by */
+    return add_branch(r, r->s, (km_branch_point){last[1], mobility, 0}, mobility > r->out->freedom, error);
+  if (rows < 2 || r->observer->unread)
+    return KM_OK;
+  km_state *state;
+  km_status status = km_state_create(r->m, &state, error);
+  if (status)
+    return status;
+  status = follow_to_branch(r, state, rows - 2, last[1], error);
+  km_state_free(state);
+  return status;
+}
+
+/* From where the state is: to FROM, or from there to the first pose that is looked at. */
+static double first_way(const km_sweeper *r, bool *begins) {
+  const km_sweep_plan *plan = r->plan;
+  double here = km_state_coordinate(r->s, plan->coordinate), way = plan->from - here;
+  *begins = fabs(way) <= 1e-12 * (1.0 + fabs(here));
+  int poses = r->observer->passed && plan->steps < KM_LEAST_SAMPLES ? KM_LEAST_SAMPLES : plan->steps;
+  return *begins ? (plan->to - plan->from) / poses : way;
+}
+
+km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
+  int coordinate = r->plan->coordinate, index = r->m->substructure_of[coordinate];
+  if (index < 0)
+    return KM_OK;
+  const km_substructure *sub = &r->m->substructures[index];
+  bool begins;
+  double way = first_way(r, &begins);
+  double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *(size_t)sub->columns);
+  km_branch_exit left = {.motions = -1};
+  if (pose) {
+    km_state_save(r->s, sub, pose);
+    left = km_branch_leave(r->m, r->s, coordinate, way);
+  }
+  r->out->start_branches = left.motions;
+  if (left.motions < 0) {
+    km_free(pose);
+    return km_fail(error, KM_MEMORY, "out of memory for a sweep");
+  }
+  if (begins && left.several)
+    r->branch_point = pose;
+  else
+    km_free(pose);
+  return KM_OK;
+}

@@ -1,0 +1,291 @@
+/* The table of a sweep: its columns and rows. */
+#include "base/extrema.h"
+#include "base/table.h"
+#include "base/text.h"
+#include "kinematics/body_poses.h"
+#include "kinematics/loop_equations.h"
+#include "kmech/mobility.h"
+#include "local/constant_rank_motion.h"
+#include "mobility/mobility_numbers.h"
+#include "sweep/sweep.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void add_named(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit,
+                      bool *failed) {
+  *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
+}
+
+/* Arc length mixes radians and lengths over the characteristic length: it has no unit. */
+static const char *s_unit(const km_sweeper *r) {
+  return !km_plan_is_driven(r->plan) ? "" : km_model_coordinate_unit(r->m->model, r->plan->coordinate);
+}
+
+static void add_point_columns(const km_sweeper *r, const km_sweep_point *point, km_table *table, bool *failed) {
+  static const char *const places[3] = {".x", ".y", ".z"}, *const slopes[3] = {".dx", ".dy", ".dz"};
+  const char *length = r->m->model->units.length->suffix;
+  for (int k = 0; k < 3; ++k)
+    add_named(table, "point.", point->name, places[k], length, failed);
+  if (!r->plan->derivatives)
+    return;
+  km_text unit = {0};
+  km_text_format(&unit, km_plan_is_driven(r->plan) ? "%s/%s" : "%s", length, s_unit(r));
+  *failed = *failed || unit.failed;
+  for (int k = 0; k < 3 && !*failed; ++k)
+    add_named(table, "point.", point->name, slopes[k], unit.data, failed);
+  km_text_free(&unit);
+}
+
+static bool add_columns(const km_sweeper *r, km_table *table) {
+  const km_model *model = r->m->model;
+  bool failed = false;
+  add_named(table, "", "step", "", NULL, &failed);
+  failed = km_table_add_plain_column(table, "s", s_unit(r)) < 0 || failed;
+  for (int c = 0; c < model->coordinate_count; ++c)
+    add_named(table, "q.", model->coordinates[c].label, "", km_model_coordinate_unit(model, c), &failed);
+  failed = !r->observer->columns(r->observer->self, r, table) || failed;
+  add_named(table, "", "dof", "", NULL, &failed);
+  for (int i = 0; i < r->m->topology.substructure_count; ++i) {
+    char name[32];
+    snprintf(name, sizeof name, "dof.%d", i + 1);
+    add_named(table, name, "", "", NULL, &failed);
+  }
+  add_named(table, "", "residual", "", NULL, &failed);
+  for (int i = 0; i < r->plan->point_count; ++i)
+    add_point_columns(r, &r->plan->points[i], table, &failed);
+  return !failed;
+}
+
+km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
+  enum { FIRST_ROWS = 1000 }; /* of long sweeps, which may end early */
+  size_t rows = (size_t)r->plan->steps + 1;
+  bool added = add_columns(r, r->out->table) && km_table_reserve(r->out->table, rows < FIRST_ROWS ? rows : FIRST_ROWS);
+  return added ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
+}
+
+/* Velocity of a frame's origin per unit rate of the driver: the twists of the chain to it, added up. */
+static void point_rates(const km_sweeper *r, int frame, double out[3]) {
+  const km_mechanism *m = r->m;
+  const km_model_frame *def = &m->model->frames[frame];
+  km_twist t = {{0, 0, 0}, {0, 0, 0}};
+  for (int body = def->body; body > 0; body = m->topology.parent[body])
+    t = km_twist_axpy(1.0, km_body_twist(m, r->s, body, r->rates), t);
+  km_vec3 p = km_pose_point(&r->s->pose[def->body], def->pose.p);
+  km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, p));
+  out[0] = v.x;
+  out[1] = v.y;
+  out[2] = v.z;
+}
+
+static double *write_points(const km_sweeper *r, double *cell) {
+  if (r->plan->point_count == 0)
+    return cell;
+  km_poses_update(r->m, r->s);
+  double factor = km_plan_is_driven(r->plan) ? km_model_coordinate_factor(r->m->model, r->plan->coordinate) : 1.0;
+  for (int i = 0; i < r->plan->point_count; ++i) {
+    km_frame_position(r->m, r->s, r->plan->points[i].frame, cell);
+    cell += 3;
+    if (!r->plan->derivatives)
+      continue;
+    point_rates(r, r->plan->points[i].frame, cell);
+    for (int k = 0; k < 3; ++k)
+      *cell++ *= factor;
+  }
+  return cell;
+}
+
+bool km_sweeper_motion(km_sweeper *r) {
+  bool moves = r->mover.rates(r->mover.self, r->rates);
+  if (r->substructure >= 0)
+    km_motions_update(r->m, r->s, r->substructure);
+  return moves;
+}
+
+/* Brings the mobility numbers of what moves up to date, and returns the residual of its loops. */
+static double look(km_sweeper *r) {
+  int worst;
+  if (r->rides)
+    return r->residual;
+  km_numbers_update(r->m, r->s, r->substructure);
+  return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
+}
+
+/* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
+static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
+  const km_mechanism *m = r->m;
+  double *cell = km_table_add_raw_rows(table, 1);
+  if (!cell)
+    return false;
+  int mobility = r->other_mobility;
+  double residual = r->other_residual;
+  if (r->substructure >= 0) {
+    residual = fmax(residual, look(r));
+    mobility += km_partition_freedom(&r->s->partition[r->substructure]);
+  }
+  *cell++ = step;
+  *cell++ = s;
+  int coordinates = m->coordinate_count;
+  for (int c = 0; c < coordinates; ++c)
+    *cell++ = km_state_shown(r->s, c);
+  cell = r->observer->cells(r->observer->self, r, cell);
+  *cell++ = mobility;
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    *cell++ = km_partition_freedom(&r->s->partition[i]);
+  *cell++ = residual;
+  write_points(r, cell);
+  return true;
+}
+
+bool km_sweeper_between(km_sweeper *r, double s) {
+  km_table *table = r->out->between; /* few sweeps have such rows */
+  if (km_table_columns(table) == 0 && !add_columns(r, table))
+    return false;
+  return write_row(r, r->out->between, 0, s);
+}
+
+km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
+  /* The direction of motion first: the numbers may search other pivots. */
+  bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
+  if (r->plan->derivatives && !tangent)
+    for (int c = 0; c < r->m->coordinate_count; ++c)
+      r->rates[c] = nan("");
+  if (!write_row(r, r->out->table, step, s))
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
+}
+
+/* The row at `first` into those behind it, `count` in all. */
+static void repeat_row(double *first, size_t width, size_t count) {
+  for (size_t done = 1; done < count; done *= 2)
+    memcpy(first + done * width, first, (done < count - done ? done : count - done) * width * sizeof *first);
+}
+
+/* The cells of a column in several rows. */
+typedef struct column_cells {
+  double *first;
+  size_t width; /* of a row of the table */
+  int count;    /* rows */
+} column_cells;
+
+/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. */
+static void put_column(column_cells to, const double *from, size_t apart, double factor) {
+  double *cell = to.first;
+  if (factor == 1.0)
+    for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
+      *cell = *from;
+  else
+    for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
+      *cell = km_in_other_unit(*from, factor);
+}
+
+/* Coordinates and mobility numbers of rows that were passed. */
+static void put_numbers(const km_sweeper *r, const km_ridden_rows *rows, column_cells row) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  const int *coordinate = r->m->column_coordinate + sub->column_start;
+  const bool *unread = r->observer->unread;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate[k];
+    size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_DRIVE_LANES;
+    if (!unread || !unread[c])
+      put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->apart, r->m->factor[c]);
+    if (number)
+      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->apart, 1.0);
+  }
+}
+
+/* Does a row have more cells than the numbers of what moves, `count` mobilities, and those that every row has? */
+static bool has_more_cells(const km_sweeper *r, size_t width, size_t count) {
+  const km_substructure *sub = &r->m->substructures[r->substructure];
+  size_t moving = 0;
+  for (int k = 0; k < sub->columns; ++k)
+    moving += r->observer->number_cells[r->m->column_coordinate[sub->column_start + k]] ? 2 : 1;
+  return width > 2 + moving + count + 1;
+}
+
+km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count, int step, const double *s,
+                                 km_error *error) {
+  const km_ridden_rows rows = km_drive_ridden_rows(drive);
+  const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
+  const size_t mobilities = 1 + (size_t)r->m->topology.substructure_count;
+  size_t width = km_table_columns(r->out->table), residual = width - 1, dof = residual - mobilities;
+  if (count == 0)
+    return KM_OK;
+  double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
+  if (!first)
+    return km_fail(error, KM_MEMORY, "out of memory for the table");
+  memcpy(first, first - width, width * sizeof *first); /* what isn't told of below stays */
+  first[dof] = r->other_mobility + freedom;
+  first[dof + 1 + (size_t)r->substructure] = freedom;
+  if (has_more_cells(r, width, mobilities))
+    repeat_row(first, width, (size_t)count);
+  for (int i = 0; i < count; ++i, cells += width) {
+    cells[0] = step + i;
+    cells[1] = s[i * KM_DRIVE_LANES];
+    for (size_t k = dof; k < residual; ++k)
+      cells[k] = first[k];
+    cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
+  }
+  put_numbers(r, &rows, (column_cells){first, width, count});
+  return KM_OK;
+}
+
+km_status km_sweeper_near_row(km_sweeper *r, km_error *error) {
+  const km_observer *observer = r->observer;
+  km_status status = KM_OK;
+  bool left = false;
+  double s;
+  while (!status && observer->wants && observer->wants(observer->self, &s)) {
+    bool moved = r->mover.probe(r->mover.self, s, r->rates);
+    status = observer->shown(observer->self, r, moved ? r->rates : NULL, error);
+    left = true;
+  }
+  if (left)
+    r->mover.settle(r->mover.self);
+  return status;
+}
+
+/* Of several freedoms some may be idle. */
+static km_status find_idle(km_sweeper *r, km_error *error) {
+  km_idle_freedoms idle;
+  km_status status = km_idle_freedoms_find(r->m, r->s, NULL, NULL, &idle, error);
+  for (int i = 0; i < idle.count; ++i)
+    r->out->idle += idle.items[i].substructure == r->substructure ? idle.items[i].freedoms : 0;
+  if (!status && r->out->idle > 0) {
+    r->out->idle_coordinates = KM_NEW(bool, (size_t)r->m->coordinate_count);
+    if (r->out->idle_coordinates)
+      km_idle_coordinates(r->m, &idle, r->out->idle_coordinates);
+    else
+      status = km_fail(error, KM_MEMORY, "out of memory for the idle freedoms");
+  }
+  km_idle_freedoms_free(&idle);
+  return status;
+}
+
+static km_status find_shaking(const km_sweeper *r, km_error *error) {
+  km_arena arena = {0};
+  km_steady steady = {0};
+  bool done = km_steady_begin(&steady, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
+  r->out->shaking = steady.on ? r->out->freedom - steady.count : 0;
+  km_arena_free(&arena);
+  return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the tangents");
+}
+
+km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
+  if (km_mobility_update(r->m, r->s, &r->out->first))
+    return km_fail(error, KM_MEMORY, "out of memory for the mobility");
+  r->other_mobility = r->out->first.mobility;
+  if (r->substructure >= 0)
+    r->out->freedom = km_partition_freedom(&r->s->partition[r->substructure]);
+  r->other_mobility -= r->out->freedom;
+  r->other_residual = 0.0;
+  for (int i = 0; i < r->m->topology.substructure_count; ++i) {
+    int worst;
+    if (i != r->substructure)
+      r->other_residual = fmax(r->other_residual, km_loops_residual(r->m, r->s, &r->m->substructures[i], &worst));
+  }
+  if (r->out->freedom <= 1)
+    return KM_OK;
+  km_status shaking = find_shaking(r, error);
+  return shaking ? shaking : find_idle(r, error);
+}
