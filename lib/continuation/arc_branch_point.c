@@ -9,28 +9,6 @@
 static const double aside = 1e-3; /* distance of the poses that a branch point is interpolated from */
 static const double first_step = 1e-3, longest_first = 0.25; /* away from a branch point */
 
-double km_follow_g(const km_follow *f, const double *t) {
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
-  double g = 1.0 / t[p->column[p->rank]];
-  for (int i = 0; i < p->rank; ++i)
-    g /= p->inverse[i];
-  return g;
-}
-
-double km_follow_saved_g(km_follow *f) {
-  if (f->g == 0.0)
-    return 0.0;
-  const km_partition *p = &f->c.state->partition[f->c.substructure];
-  if (p->searches == f->c.course.reference.searches)
-    return km_follow_g(f, f->c.next_t);
-  km_partition *r = &f->c.course.reference;
-  km_partition_refactor_whole(r, km_state_jacobian(f->c.state, km_follow_sub(f)));
-  double g = 1.0 / f->c.next_t[r->column[r->rank]];
-  for (int i = 0; i < r->rank; ++i)
-    g /= r->inverse[i];
-  return g;
-}
-
 /* Root of the cubic through four equally spaced values, near the middle, by Newton on Lagrange's form. */
 static double cubic_root(const double g[4], double x, double spacing, double middle) {
   for (int i = 0; i < 20; ++i) {

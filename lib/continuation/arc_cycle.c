@@ -6,14 +6,6 @@
 static const double closing = 1e-9;       /* distance at which a cycle counts as closed */
 static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is looked for */
 
-void km_follow_set_origin(km_follow *f) {
-  size_t columns = (size_t)km_follow_sub(f)->columns;
-  memcpy(f->origin_t, f->c.course.t, columns * sizeof *f->origin_t);
-  memcpy(f->origin, f->c.from, KM_SAVED_PER_COLUMN * columns * sizeof *f->origin);
-  f->origin_s = f->s;
-  f->origin_waits = false;
-}
-
 /* The way from the origin to this pose, full turns of hinges left out. */
 static void from_origin(km_follow *f, double *way) {
   const km_mechanism *m = f->c.mechanism;

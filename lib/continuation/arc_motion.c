@@ -10,133 +10,7 @@
 
 #include <string.h>
 
-/* Predictor-corrector on the configuration manifold of one substructure. Symbols: t tangent of unit length |D t|,
- * h a step of arc length, g = det(pivot block) / t_i of the pivots at hand (i the independent coordinate), which
- * passes through 0 at a branch point: up to a constant it is det of J bordered by t. */
-
-static const double longest = 0.05;  /* of a step: the arc of the cubic between two poses errs by about h⁵/1000 */
-static const double shortest = 1e-9; /* of a step: below, the motion ends */
-static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
-static const double furthest = 1000.0;    /* of one advance */
-static const double narrow = 4e-3;        /* width to which a branch point is bracketed before it is interpolated */
-
-/* From the saved pose by a step whose length is about h. On success the state stands there, next_t is its tangent, `move`
- * the way and *length its arc; else the state is back. */
-static bool step(km_follow *f, double h, double *length) {
-  const km_substructure *sub = km_follow_sub(f);
-  const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
-  km_continuation_predict(&f->c, h, km_continuation_is_alone(&f->c, f->freedom));
-  km_state_restore(f->c.state, sub, f->c.from);
-  if (km_continuation_correct(&f->c, &terms) != KM_STEP_TAKEN ||
-      km_partition_freedom(&f->c.state->partition[f->c.substructure]) != f->freedom) {
-    km_continuation_refuse(&f->c);
-    return false;
-  }
-  km_state_difference(f->c.state, sub, f->c.from, f->c.move);
-  *length = km_continuation_arc(&f->c, f->c.move, f->c.course.t, f->c.next_t);
-  return true;
-}
-
-/* The secant method on the step. */
-bool km_follow_step(km_follow *f, double length, double *reached) {
-  double h = length;
-  for (int i = 0; i < 8; ++i) {
-    if (!step(f, h, reached))
-      return false;
-    if (fabs(*reached - length) <= 1e-14 + 1e-11 * fabs(length))
-      return true;
-    h *= length / *reached;
-  }
-  return true;
-}
-
-/* What is known of the pose that the state is at. */
-static void remember(km_follow *f) {
-  km_state_save(f->c.state, km_follow_sub(f), f->c.from);
-  f->g = f->freedom == 1 ? km_follow_g(f, f->c.course.t) : 0.0;
-}
-
-void km_follow_accept(km_follow *f, double length) {
-  km_continuation_accept(&f->c, length);
-  f->s += length;
-  remember(f);
-  if (f->origin_waits)
-    km_follow_set_origin(f);
-}
-
-/* Goes as far as the limit of coordinate c allows, less than `length`. */
-static void stop_at_limit(km_follow *f, int c, double length) {
-  double inside = 0.0, outside = length, reached;
-  f->limit = c;
-  for (int i = 0; i < 60 && outside - inside > 1e-11; ++i) {
-    double middle = 0.5 * (inside + outside);
-    if (km_follow_step(f, middle, &reached) && km_continuation_limit(&f->c, middle) < 0)
-      inside = middle;
-    else
-      outside = middle;
-  }
-  if (inside > 0.0 && km_follow_step(f, inside, &reached))
-    km_follow_accept(f, reached);
-  else
-    km_state_restore(f->c.state, km_follow_sub(f), f->c.from);
-}
-
-/* One controlled step of at most `most`; false if the motion can't go on. */
-static bool one_step(km_follow *f, double most) {
-  double first = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps leave no crumb at the end */
-  for (double h = first; h >= fmin(shortest, most); h *= 0.5) {
-    double length;
-    if (!(h == most ? km_follow_step(f, h, &length) : step(f, h, &length)) || length > most * (1.0 + 1e-9))
-      continue;
-    if (f->freedom == 1) {
-      double g = km_follow_saved_g(f);
-      if (g * f->g < 0.0 && length > narrow)
-        continue;
-      if (g * f->g < 0.0) {
-        km_follow_locate_branch(f, length, g);
-        if (!km_follow_step(f, length, &length))
-          continue;
-      }
-    }
-    if (km_follow_passes_origin(f, length)) {
-      if (km_follow_meet_origin(f, length))
-        return true;
-      if (!km_follow_step(f, length, &length))
-        continue;
-    }
-    int limit = km_continuation_limit(&f->c, length);
-    if (limit >= 0) {
-      stop_at_limit(f, limit, length);
-      return false;
-    }
-    km_follow_accept(f, length);
-    f->largest = fmin(longest, h == first ? 2.0 * f->largest : h);
-    return true;
-  }
-  return false;
-}
-
-static void tell(const km_follow *f) {
-  if (!f->watch.stepped)
-    return;
-  km_follow_tangent(f, f->watch.rates);
-  f->watch.stepped(f->watch.self, f->s, f->watch.rates);
-}
-
-km_status km_follow_advance(km_follow *f, double length) {
-  if (!f || !(length > 0.0 && length <= furthest))
-    return KM_USAGE;
-  double target = f->s + length;
-  f->branched = false;
-  const double near = fmax(1e-10 * length, KM_FINEST_ARC);
-  while (!f->closed && !f->branched && target - f->s > near) {
-    if (!one_step(f, target - f->s))
-      return KM_PARTIAL;
-    if (target - f->s > near)
-      tell(f);
-  }
-  return KM_OK;
-}
+static const double longest_first_step = 0.05; /* of the first step; see arc_step_control.c */
 
 static bool allocate(km_follow *f) {
   size_t n = (size_t)km_follow_sub(f)->columns;
@@ -197,7 +71,7 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
                    f->freedom ? "the joint that should is at a dead point"
                               : "the mechanism is a structure at this pose");
   km_partition_copy_pivots(&f->c.course.reference, &f->c.state->partition[f->c.substructure]);
-  remember(f);
+  km_follow_remember(f);
   km_follow_set_origin(f);
   return KM_OK;
 }
@@ -239,7 +113,7 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
                          .coordinate = KM_NO_DRIVER,
                          .column = KM_NO_DRIVER,
                          .ignore_limits = ignore_limits},
-                   .largest = longest,
+                   .largest = longest_first_step,
                    .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)

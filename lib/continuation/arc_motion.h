@@ -36,9 +36,14 @@ static inline void km_follow_watch(km_follow *f, km_step_watch watch) {
   f->watch = watch;
 }
 
+/* From the saved pose by a step whose length is about h. On success the state stands there, next_t is its tangent, `move`
+ * the displacement and *length its arc; else the state is back. */
+bool km_follow_try(km_follow *follow, double h, double *length);
 /* From the saved pose by an arc of exactly `length` (either sign), without accepting it: on success the state
  * stands there, next_t is its tangent, move the way; else the state is back. */
 bool km_follow_step(km_follow *follow, double length, double *reached);
+/* The state's configuration becomes the saved one, with its g. */
+void km_follow_remember(km_follow *follow);
 /* Accepts the step just tried, which is `length` long. */
 void km_follow_accept(km_follow *follow, double length);
 

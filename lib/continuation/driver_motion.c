@@ -1,5 +1,5 @@
 /* Moving a driver: controlled steps to a target, ends and limits. */
-#include "continuation/batch/batch.h"
+#include "continuation/batch/batch_arrays.h"
 #include "continuation/driver_step.h"
 
 #include "base/extrema.h"
@@ -256,7 +256,7 @@ bool km_drive_tangent(km_drive *d, double *rates) {
   if (!d || !rates)
     return false;
   if (km_drive_rides(d)) {
-    km_drive_ridden_rates(d, rates);
+    km_drive_rates(d, &d->lanes->t->of[d->lane], KM_DRIVE_LANES, rates);
     return true;
   }
   km_drive_settle(d);

@@ -67,26 +67,6 @@ void km_left_visit(const km_left_space *a, int place, km_left_take take, void *o
   }
 }
 
-/* The loop's own columns of J, transposed: a constraint after the other. */
-typedef struct transposed {
-  double *entries;
-  int height, at; /* columns of the loop; the next one */
-} transposed;
-
-static void take_next(void *out, int column, const double entry[6]) {
-  transposed *T = out;
-  (void)column;
-  for (int r = 0; r < 6; ++r)
-    T->entries[r * T->height + T->at] = entry[r];
-  T->at++;
-}
-
-static void count_one(void *out, int column, const double entry[6]) {
-  (void)column;
-  (void)entry;
-  ++*(int *)out;
-}
-
 int km_left_solve(const double *T, int height, int rows, double tolerance, km_arena *arena, double *W) {
   km_partition p;
   double *one = KM_ARENA_NEW(arena, double, (size_t)rows);
@@ -97,35 +77,4 @@ int km_left_solve(const double *T, int height, int rows, double tolerance, km_ar
   km_partition_factor(&p, T, height, rows, NULL, tolerance);
   km_partition_null(&p, one, km_partition_freedom(&p), W);
   return km_partition_freedom(&p);
-}
-
-/* What a loop has by itself, 36 entries at most. Returns how many vectors; -1: out of memory. */
-static int solve_loop(const km_left_space *a, int place, double *W) {
-  km_arena scratch = {0};
-  int columns = 0;
-  km_left_visit(a, place, count_one, &columns);
-  transposed T = {KM_ARENA_NEW(&scratch, double, 6 * (size_t)columns), columns, 0};
-  int count = -1;
-  if (!scratch.failed) {
-    km_left_visit(a, place, take_next, &T);
-    count = km_left_solve(T.entries, columns, 6, a->tolerance, &scratch, W);
-  }
-  km_arena_free(&scratch);
-  return count;
-}
-
-bool km_left_null_find(const km_left_space *a, km_arena *arena, km_left_null *out) {
-  size_t loops = (size_t)a->sub->loop_count;
-  *out = (km_left_null){.first = KM_ARENA_NEW(arena, int, loops + 1), .local = KM_ARENA_NEW(arena, double, 36 * loops)};
-  if (arena->failed)
-    return false;
-  for (int i = 0; i < a->sub->loop_count; ++i) {
-    int count = solve_loop(a, i, out->local + 6 * out->local_count);
-    if (count < 0)
-      return false;
-    out->first[i] = out->local_count;
-    out->local_count += count;
-  }
-  out->first[loops] = out->local_count;
-  return a->rows - a->s->partition[a->index].rank <= out->local_count || km_left_null_find_whole(a, arena, out);
 }

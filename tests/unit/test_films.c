@@ -9,6 +9,7 @@
 #include "report/charts/sweep_strip.h"
 #include "report/document/film_page.h"
 #include "report/drawing/drawing_parts.h"
+#include "report/drawing/drawing_poses.h"
 #include "report/drawing/film_drawing.h"
 #include "report/plot/film_plot.h"
 #include "report/plot/plot_layout.h"

@@ -6,6 +6,7 @@
 #include "report/charts/selfmotion_map_plot.h"
 #include "report/charts/sweep_strip.h"
 #include "report/charts/track_plot.h"
+#include "report/drawing/drawing_poses.h"
 #include "report/plot/short_names.h"
 
 #include <math.h>

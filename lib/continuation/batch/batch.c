@@ -35,41 +35,6 @@ static void take_ball(km_lane_quaternion *to, const km_quaternion *q, int i) {
   to->z.of[i] = q->z;
 }
 
-static km_quaternion ball_of(const km_lane_quaternion *ball, int i) {
-  return (km_quaternion){ball->w.of[i], ball->x.of[i], ball->y.of[i], ball->z.of[i]};
-}
-
-void km_lanes_end_balls(km_drive_lanes *l, unsigned ended) {
-  const km_mechanism *m = l->m;
-  for (int b = 0; b < m->ball_count; ++b) {
-    const int c = m->ball_coordinate[b], k = m->column_of[c];
-    if (k < 0 || m->substructure_of[c] != l->drives[0]->c.substructure)
-      continue;
-    const km_lanes_number *last = l->from + k;
-    km_lanes_number *q = l->q + c, *way = l->move + k;
-    for (unsigned left = ended; left; left &= left - 1) {
-      const int i = __builtin_ctz(left);
-      km_quaternion now = ball_of(&l->ball[b], i), from = ball_of(&l->from_ball[b], i);
-      km_vec3 turn = km_quaternion_log(km_quaternion_product(now, km_quaternion_conjugate(from)));
-      km_vec3 at = km_quaternion_log_near(now, (km_vec3){last[0].of[i], last[1].of[i], last[2].of[i]});
-      for (int a = 0; a < 3; ++a) {
-        way[a].of[i] = (const double[]){turn.x, turn.y, turn.z}[a];
-        q[a].of[i] = (const double[]){at.x, at.y, at.z}[a];
-      }
-    }
-  }
-}
-
-/* What a course remembers from before its last step: see km_drive_lanes. */
-typedef struct past {
-  int count;
-  double *const *of;
-} past;
-
-static past past_of(const km_drive_lanes *l, const km_course *course) {
-  return l->beside == 0 ? (past){KM_CURVE_MOVES, course->moves} : (past){KM_OLDER_STEPS, course->older_t};
-}
-
 /* The course of drive i into its lane, if it may ride. */
 static void board(km_drive_lanes *l, int i) {
   const km_drive *d = l->drives[i];
@@ -81,7 +46,7 @@ static void board(km_drive_lanes *l, int i) {
     take_pivots(l, p);
   else if (!km_replay_fits(&l->replay, p))
     return;
-  const past earlier = past_of(l, course);
+  const km_lane_past earlier = km_lane_past_of(l, course);
   for (int c = 0; c < l->m->coordinate_count; ++c)
     l->q[c].of[i] = d->c.state->q[c];
   for (int b = 0; b < l->m->ball_count; ++b)
@@ -108,12 +73,6 @@ static void board(km_drive_lanes *l, int i) {
   l->aboard |= 1u << i;
 }
 
-/* What is left of a pose: the state's balls are those of the lane. */
-static void show_balls(const km_drive_lanes *l, int i) {
-  for (int b = 0; b < l->m->ball_count; ++b)
-    l->drives[i]->c.state->ball[b] = ball_of(&l->ball[b], i);
-}
-
 /* What a look at the pose reads of a state: coordinates and mobility numbers. */
 static void show(const km_drive_lanes *l, int i) {
   const km_lane_row *row = l->shown;
@@ -125,63 +84,11 @@ static void show(const km_drive_lanes *l, int i) {
   }
 }
 
-/* What a state has beside its coordinates where a drive rides: Jacobian, partition and null space, as if it went alone. */
-static void refresh(const km_drive_lanes *l, km_drive *d) {
-  km_state *s = d->c.state;
-  const km_substructure *sub = km_drive_driven(d);
-  /* The loops were closed before the driver got its value to the last bit. */
-  double value = s->q[l->coordinate];
-  s->q[l->coordinate] = l->here.closed_at.of[d->lane];
-  km_loops_update(d->c.mechanism, s, sub);
-  km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
-  s->q[l->coordinate] = value;
-  km_state_null(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
-}
-
 void km_drive_look(km_drive *d) {
   if (!km_drive_rides(d))
     return;
-  refresh(d->lanes, d);
+  km_lanes_refresh(d->lanes, d);
   d->lanes->looked |= 1u << d->lane;
-}
-
-void km_drive_settle(km_drive *d) {
-  km_drive_lanes *l = d->lanes;
-  unsigned own = l ? 1u << d->lane : 0;
-  if (!l || !(l->aboard & own))
-    return;
-  l->aboard &= ~own;
-  l->known[0] &= ~own;
-  l->looked &= ~own;
-  if (!(l->ahead & own))
-    return;
-  l->ahead &= ~own;
-  int i = d->lane;
-  km_course *course = &d->c.course;
-  km_state *s = d->c.state;
-  const km_substructure *sub = km_drive_driven(d);
-  const past earlier = past_of(l, course);
-  for (int k = 0; k < sub->columns; ++k) {
-    course->t[k] = l->t[k].of[i];
-    course->last_t[k] = l->last_t[k].of[i];
-    course->last_move[k] = l->last_move[k].of[i];
-    course->rest[k] = l->rest[k].of[i];
-    for (int j = 0; j < earlier.count; ++j)
-      earlier.of[j][k] = l->past[j][k].of[i];
-    int c = l->m->column_coordinate[sub->column_start + k];
-    s->q[c] = l->q[c].of[i];
-  }
-  for (int j = 0; j < KM_OLDER_STEPS; ++j)
-    course->older_h[j] = l->here.older_h[j].of[i];
-  course->older_count = (int)l->here.older_count.of[i];
-  show_balls(l, i);
-  course->last_h = l->here.last_h.of[i];
-  course->equal_count = (int)l->here.equal_count.of[i];
-  course->reference.sign = (int)l->sign.of[i];
-  d->here.s = l->here.s.of[i];
-  d->here.largest = l->here.largest.of[i];
-  d->here.stopped = l->here.stopped.of[i];
-  refresh(l, d);
 }
 
 void km_drive_leave(km_drive *d) {
@@ -194,10 +101,6 @@ void km_drive_leave(km_drive *d) {
   l->drives[d->lane] = NULL;
   d->lanes = NULL;
   km_state_forget_pivots(d->c.state, d->c.substructure);
-}
-
-bool km_drive_rides(const km_drive *d) {
-  return d->lanes && (d->lanes->ahead >> d->lane & 1);
 }
 
 double km_drive_ridden_residual(const km_drive *d) {
@@ -213,10 +116,6 @@ void km_drive_ridden_direction(const km_drive *d, double *z) {
 
 void km_drive_show_basis(km_drive *d) {
   km_state_take_basis(d->c.state, d->c.substructure, &d->lanes->shown->z->of[d->lane], KM_DRIVE_LANES);
-}
-
-void km_drive_ridden_rates(const km_drive *d, double *rates) {
-  km_drive_rates(d, &d->lanes->t->of[d->lane], KM_DRIVE_LANES, rates);
 }
 
 static unsigned take_step(km_drive_lanes *l, unsigned wanted) {
@@ -285,7 +184,7 @@ static km_reach arrive(km_drive_lanes *l, int i, bool there, double target) {
     return km_drive_to(l->drives[i], target);
   if (l->ahead >> i & 1) {
     show(l, i);
-    show_balls(l, i);
+    km_lanes_show_balls(l, i);
   }
   if (!(l->here.largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
     km_drive_settle(l->drives[i]);

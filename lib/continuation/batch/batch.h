@@ -63,8 +63,6 @@ double km_drive_ridden_residual(const km_drive *drive);
 void km_drive_ridden_direction(const km_drive *drive, double *z);
 /* The same vector as the state's basis, where one freedom is left. */
 void km_drive_show_basis(km_drive *drive);
-/* Of a drive that rides, where its lane is: km_drive_tangent. */
-void km_drive_ridden_rates(const km_drive *drive, double *rates);
 /* Brings the state of a drive that rides up to date with all that it has. The drive stays in its lane, unless other pivots are
  * searched in the state before it goes on. */
 void km_drive_look(km_drive *drive);

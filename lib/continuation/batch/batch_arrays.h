@@ -191,4 +191,24 @@ unsigned km_lanes_step_plain(km_drive_lanes *lanes, unsigned wanted);
 unsigned km_lanes_step_avx2(km_drive_lanes *lanes, unsigned wanted);
 unsigned km_lanes_step_avx512(km_drive_lanes *lanes, unsigned wanted);
 
+static inline km_quaternion km_lane_ball(const km_lane_quaternion *ball, int i) {
+  return (km_quaternion){ball->w.of[i], ball->x.of[i], ball->y.of[i], ball->z.of[i]};
+}
+
+/* What a course remembers from before its last step: see km_drive_lanes. */
+typedef struct km_lane_past {
+  int count;
+  double *const *of;
+} km_lane_past;
+
+static inline km_lane_past km_lane_past_of(const km_drive_lanes *l, const km_course *course) {
+  return l->beside == 0 ? (km_lane_past){KM_CURVE_MOVES, course->moves}
+                        : (km_lane_past){KM_OLDER_STEPS, course->older_t};
+}
+
+/* The state's ball joints are those of lane i. */
+void km_lanes_show_balls(const km_drive_lanes *lanes, int i);
+/* Jacobian, partition and null space of the drive's state, as at a step outside a batch. */
+void km_lanes_refresh(const km_drive_lanes *lanes, km_drive *drive);
+
 #endif

@@ -20,6 +20,31 @@ void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *
   out.start[k + 1] = next;
 }
 
+double km_sparse_crowd(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  for (int c = 0; c < p->columns; ++c) {
+    double count = 0.0;
+    for (int i = s->start[c]; i < s->start[c + 1]; ++i)
+      count += s->step_of[s->row[i]] >= 0;
+    sum += count * count;
+  }
+  return sum;
+}
+
+double km_sparse_all_rows_crowd(const km_partition *p) {
+  const km_sparse *s = p->sparse;
+  double sum = 0.0;
+  for (int c = 0; c < p->columns; ++c)
+    sum += (double)(s->start[c + 1] - s->start[c]) * (s->start[c + 1] - s->start[c]);
+  return sum;
+}
+
+bool km_sparse_is_crowded(const km_partition *p) {
+  static const double most_crowd = 100.0; /* entries that share a column with one */
+  return km_sparse_all_rows_crowd(p) > most_crowd * p->sparse->start[p->columns];
+}
+
 bool km_partition_may_wait(const km_partition *p) {
   return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p) && km_normal_is_installed();
 }

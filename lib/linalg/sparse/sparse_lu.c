@@ -68,39 +68,13 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
   } while (hidden >= 0);
 }
 
-double km_sparse_crowd(const km_partition *p) {
-  const km_sparse *s = p->sparse;
-  double sum = 0.0;
-  for (int c = 0; c < p->columns; ++c) {
-    double count = 0.0;
-    for (int i = s->start[c]; i < s->start[c + 1]; ++i)
-      count += s->step_of[s->row[i]] >= 0;
-    sum += count * count;
-  }
-  return sum;
-}
-
-/* Of all rows. */
-static double whole_crowd(const km_partition *p) {
-  const km_sparse *s = p->sparse;
-  double sum = 0.0;
-  for (int c = 0; c < p->columns; ++c)
-    sum += (double)(s->start[c + 1] - s->start[c]) * (s->start[c + 1] - s->start[c]);
-  return sum;
-}
-
-bool km_sparse_is_crowded(const km_partition *p) {
-  static const double most_crowd = 100.0; /* entries that share a column with one */
-  return whole_crowd(p) > most_crowd * p->sparse->start[p->columns];
-}
-
 /* By columns first, since their pivots tell more. Where rows depend on each other that may fill much, and little without those that
  * are superfluous: Q R finds these. It has no fewer entries than about the rows' products; where rows outnumber columns it has far
  * more, and is left to those that have shown a column to be dependent. */
 static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   enum { MOST_FILL = 4 };
   km_sparse *s = p->sparse;
-  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], whole_crowd(p)), INT_MAX);
+  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], km_sparse_all_rows_crowd(p)), INT_MAX);
   s->waits_to_fill = p->rows > p->columns;
   eliminate_all(p, matrix, forced, threshold, true);
   s->most_entries = 0;

@@ -158,6 +158,8 @@ double km_sparse_size_of_b(const km_partition *partition);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.
  */
 double km_sparse_crowd(const km_partition *partition);
+/* The same sum over all rows, primary or not. */
+double km_sparse_all_rows_crowd(const km_partition *partition);
 /* Do some columns have so many entries that Q R of the rows would be full? */
 bool km_sparse_is_crowded(const km_partition *partition);
 /* Between 1 and 2, of either sign, as if by chance. */

@@ -1,6 +1,8 @@
 /* Pages to draw on: shapes and text in the page's own points, handed to what writes SVG, PDF or PNG. */
 #include "report/canvas/canvas.h"
 
+#include "base/arguments.h"
+
 #include "base/memory.h"
 #include "report/canvas/canvas_device.h"
 
@@ -237,4 +239,10 @@ km_canvas_point km_canvas_measure(km_canvas *canvas, const km_font *font, const 
   km_text_box box;
   set_text(canvas, font, text, &simple, &box);
   return (km_canvas_point){box.width, box.height};
+}
+
+km_status km_check_picture(const km_text *out, km_picture_format format, km_error *error) {
+  if ((int)format < KM_PICTURE_SVG || (int)format > KM_PICTURE_PNG)
+    return km_fail(error, KM_USAGE, "found no format of pictures; expected SVG, PDF or PNG");
+  return km_check_given(out != NULL, "place for the result", error);
 }

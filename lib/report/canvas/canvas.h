@@ -91,4 +91,7 @@ void km_canvas_fail(km_canvas *canvas);
 /* The box that km_canvas_text would fill: x across, y down. */
 km_canvas_point km_canvas_measure(km_canvas *canvas, const km_font *font, const char *text);
 
+/* KM_USAGE unless there is a place for the bytes and the format is one. */
+km_status km_check_picture(const km_text *out, km_picture_format format, km_error *error);
+
 #endif

@@ -7,12 +7,6 @@
 #include "report/charts/question_plot.h"
 #include "report/charts/table_plot.h"
 
-km_status km_check_picture(const km_text *out, km_picture_format format, km_error *error) {
-  if ((int)format < KM_PICTURE_SVG || (int)format > KM_PICTURE_PNG)
-    return km_fail(error, KM_USAGE, "found no format of pictures; expected SVG, PDF or PNG");
-  return km_check_given(out != NULL, "place for the result", error);
-}
-
 void km_chart_free(km_chart *chart) {
   if (chart)
     km_arena_free(&chart->arena);

@@ -10,7 +10,4 @@ struct km_chart {
   km_plot plot;
 };
 
-/* KM_USAGE unless there is a place for the bytes and the format is one. */
-km_status km_check_picture(const km_text *out, km_picture_format format, km_error *error);
-
 #endif

@@ -1,5 +1,6 @@
 /* Small drawings of poses beneath a plot. */
 #include "report/charts/sweep_strip.h"
+#include "report/drawing/drawing_poses.h"
 
 #include "base/text.h"
 #include "kmech/mechanism.h"
@@ -11,15 +12,6 @@
 
 static const double strip_height = 132, names_height = 12, caption_height = 14, margin = 10; /* points */
 enum { MOST_BODIES = 60 };
-
-void km_row_pose(const km_mechanism *m, const km_table *table, size_t row, km_state *state, double *q, km_pose *poses) {
-  const double *values = km_table_row(table, row) + km_table_span(table, "q.").first;
-  for (int c = 0; c < m->coordinate_count; ++c)
-    q[c] = values[c] * km_model_coordinate_factor(m->model, c);
-  km_state_set(m, state, q);
-  km_poses_update(m, state);
-  memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
-}
 
 /* The value matters: a long name gives way to it. */
 static const char *caption(const km_swept *sweep, double s, km_arena *arena) {

@@ -34,8 +34,4 @@ km_plot_strip km_motion_strip_make(const km_mechanism *mechanism, const km_table
 km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool ordered, km_arena *arena,
                                        km_sweep_strip *out);
 
-/* The bodies' poses [body] at a row of a sweep's table; `q` [coordinate] and the state are used on the way. */
-void km_row_pose(const km_mechanism *mechanism, const km_table *table, size_t row, km_state *state, double *q,
-                 km_pose *poses);
-
 #endif

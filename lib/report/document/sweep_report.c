@@ -1,5 +1,6 @@
 /* What the reports about sweeps share: facts, poses, plots and rows as blocks of a document. */
 #include "report/document/sweep_report.h"
+#include "report/drawing/drawing_poses.h"
 
 #include "kmech/version.h"
 #include "report/charts/sweep_strip.h"

@@ -213,3 +213,12 @@ bool km_drawing_is_planar(const km_drawing *d, km_view view) {
   km_drawing_def def;
   return !km_drawing_define(d, &(km_drawing_look){.view = view}, &def, NULL) && km_drawing_def_is_planar(&def);
 }
+
+void km_row_pose(const km_mechanism *m, const km_table *table, size_t row, km_state *state, double *q, km_pose *poses) {
+  const double *values = km_table_row(table, row) + km_table_span(table, "q.").first;
+  for (int c = 0; c < m->coordinate_count; ++c)
+    q[c] = values[c] * km_model_coordinate_factor(m->model, c);
+  km_state_set(m, state, q);
+  km_poses_update(m, state);
+  memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
+}

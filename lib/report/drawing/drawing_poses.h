@@ -17,4 +17,8 @@ struct km_drawing {
 km_status km_drawing_define(const km_drawing *drawing, const km_drawing_look *look, km_drawing_def *out,
                             km_error *error);
 
+/* The bodies' poses [body] at a row of a sweep's table; `q` [coordinate] and the state are used on the way. */
+void km_row_pose(const km_mechanism *mechanism, const km_table *table, size_t row, km_state *state, double *q,
+                 km_pose *poses);
+
 #endif
