@@ -17,7 +17,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   const char *const names[2] = {argv[2], argv[3]};
-  km_status status = km_model_load(argv[1], NULL, &model, &error);
+  km_status status = km_model_read_file(argv[1], NULL, &model, &error);
   if (!status)
     status = km_model_find_frame(model, names, 2, &frame, &error);
   if (!status)

@@ -9,23 +9,23 @@ static km_status leverage(double coupler, double *value, km_error *error) {
   km_model *model = NULL;
   km_mechanism *mechanism = NULL;
   km_state *state = NULL;
-  km_lever *lever = NULL;
+  km_transfer *lever = NULL;
   km_mobility mobility;
   km_advantage advantage = {.value = (double)NAN};
-  const km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "A"};
-  const km_handle output = {.kind = KM_HANDLE_JOINT, .coordinate = 3, .name = "D"};
+  const km_port input = {.kind = KM_PORT_JOINT, .coordinate = 0, .name = "A"};
+  const km_port output = {.kind = KM_PORT_JOINT, .coordinate = 3, .name = "D"};
   const km_hold crank = {0, 1.0};
   km_status status = fourbar_open(coupler, &model, error);
   if (!status)
-    status = km_reach_pose(model, NULL, 0, &crank, 1, &mechanism, &state, error);
+    status = km_mechanism_compile_at(model, NULL, 0, &crank, 1, &mechanism, &state, error);
   if (!status)
-    status = km_lever_create(mechanism, &input, &output, &lever, error);
+    status = km_transfer_create(mechanism, &input, &output, &lever, error);
   if (!status)
-    status = km_mobility_update(mechanism, state, &mobility);
+    status = km_mobility_compute(mechanism, state, &mobility);
   if (!status)
-    status = km_lever_update(mechanism, state, lever, &advantage);
+    status = km_transfer_compute(mechanism, state, lever, &advantage);
   *value = advantage.value;
-  km_lever_free(lever);
+  km_transfer_free(lever);
   km_state_free(state);
   km_mechanism_free(mechanism);
   km_model_free(model);

@@ -26,7 +26,7 @@ int main(int argc, char **argv) {
     fprintf(stderr, "usage: sweep MODEL.json OUT.csv OUT.gp\n");
     return 2;
   }
-  km_status status = km_model_load(argv[1], NULL, &model, &error);
+  km_status status = km_model_read_file(argv[1], NULL, &model, &error);
   if (!status)
     status = km_mechanism_compile(model, NULL, 0, &mechanism, &error);
   if (!status)

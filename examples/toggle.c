@@ -2,7 +2,7 @@
 #include <kmech/kmech.h>
 #include <stdio.h>
 
-static void tell(const km_model *model, int joint, const km_reach *reach) {
+static void tell(const km_model *model, int joint, const km_motion_end *reach) {
   const char *label = km_model_coordinate_label(model, joint), *unit = km_model_coordinate_unit(model, joint);
   switch (reach->stop) {
   case KM_STOP_TOGGLE:
@@ -21,14 +21,14 @@ int main(int argc, char **argv) {
   km_model *model = NULL;
   km_mechanism *mechanism = NULL;
   km_state *state = NULL;
-  km_drive *drive = NULL;
+  km_driver_motion *drive = NULL;
   km_error error;
   int joint;
   if (argc != 3) {
     fprintf(stderr, "usage: toggle MODEL.json JOINT\n");
     return 2;
   }
-  km_status status = km_model_load(argv[1], NULL, &model, &error);
+  km_status status = km_model_read_file(argv[1], NULL, &model, &error);
   if (!status)
     status = km_model_find_coordinate(model, argv[2], &joint, &error);
   if (!status)
@@ -38,14 +38,14 @@ int main(int argc, char **argv) {
   if (!status)
     status = km_assemble(mechanism, state, NULL, &error);
   if (!status)
-    status = km_drive_create(mechanism, state, joint, false, &drive, &error);
+    status = km_driver_motion_create(mechanism, state, joint, false, &drive, &error);
   if (!status) {
-    km_reach reach = km_drive_to(drive, km_state_coordinate(state, joint) + 1000.0);
+    km_motion_end reach = km_driver_motion_move_to(drive, km_state_coordinate(state, joint) + 1000.0);
     tell(model, joint, &reach);
   } else {
     fprintf(stderr, "%s\n", error.text);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   km_state_free(state);
   km_mechanism_free(mechanism);
   km_model_free(model);

@@ -24,11 +24,11 @@ void km_parallel_for(int count, int jobs, void (*work)(void *context, int index)
   if (!work)
     return;
   queue q = {.count = count, .work = work, .context = context};
-  pthread_t threads[KM_MOST_THREADS];
+  pthread_t threads[KM_MAX_THREADS];
   int started = 0;
   atomic_init(&q.next, 0);
   /* A thread that can't be had is no loss: the others do its work. */
-  while (started + 1 < jobs && started + 1 < count && started < KM_MOST_THREADS &&
+  while (started + 1 < jobs && started + 1 < count && started < KM_MAX_THREADS &&
          pthread_create(&threads[started], NULL, run, &q) == 0)
     ++started;
   run(&q);
@@ -47,7 +47,7 @@ typedef struct member {
  * left, or takes a pass of the next round. So a pass is taken first, and what belongs to it is read then: the round can't
  * end before that pass is done. Between rounds a thread watches for a moment, then sleeps. */
 struct km_team {
-  member members[KM_MOST_THREADS + 1]; /* the first one is the caller */
+  member members[KM_MAX_THREADS + 1]; /* the first one is the caller */
   int started;
   pthread_mutex_t mutex;
   pthread_cond_t begins, ends;
@@ -137,12 +137,12 @@ km_team *km_team_create(int jobs) {
   pthread_mutex_init(&team->mutex, NULL);
   pthread_cond_init(&team->begins, NULL);
   pthread_cond_init(&team->ends, NULL);
-  for (int i = 0; i <= KM_MOST_THREADS; ++i) {
+  for (int i = 0; i <= KM_MAX_THREADS; ++i) {
     team->members[i].team = team;
     team->members[i].index = i;
     atomic_init(&team->members[i].held, true);
   }
-  while (team->started + 1 < jobs && team->started < KM_MOST_THREADS) {
+  while (team->started + 1 < jobs && team->started < KM_MAX_THREADS) {
     member *m = &team->members[team->started + 1];
     if (pthread_create(&m->thread, NULL, stand_by, m))
       break;

@@ -5,7 +5,7 @@
 #include "kmech/base.h"
 
 /* So many threads are started beside the caller's at most. */
-enum { KM_MOST_THREADS = 64 };
+enum { KM_MAX_THREADS = 64 };
 
 /* Threads that stay, for many small rounds of such work. NULL when out of memory (and then every round is done on the
  * caller's thread). One caller at a time. */

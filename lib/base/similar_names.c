@@ -44,7 +44,7 @@ static size_t distance_to(const char *wanted, const char *name) {
   return holds ? smaller(edits, half ? HALF_HELD : HELD) : edits;
 }
 
-void km_nearest_offer(km_nearest *nearest, const char *name) {
+void km_nearest_add(km_nearest *nearest, const char *name) {
   if (!nearest || !nearest->wanted || !name)
     return;
   size_t distance = distance_to(nearest->wanted, name);

@@ -35,13 +35,13 @@ static double cubic_root(const double g[4], double x, double spacing, double mid
   return x;
 }
 
-bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
-  const km_substructure *sub = km_follow_sub(f);
+bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) {
+  const km_substructure *sub = km_arc_motion_sub(f);
   double guess = length * f->g / (f->g - g_end), g[4], reached;
   for (int k = 0; k < 4; ++k) {
-    if (!km_follow_step(f, guess + (2.0 * k - 3.0) * aside, &reached))
+    if (!km_arc_motion_step(f, guess + (2.0 * k - 3.0) * aside, &reached))
       return false;
-    g[k] = km_follow_saved_g(f);
+    g[k] = km_arc_motion_saved_g(f);
     if (k != 1 && k != 2)
       continue;
     memcpy(k == 1 ? f->near_t : f->far_t, f->c.next_t, (size_t)sub->columns * sizeof *f->c.course.t);
@@ -74,7 +74,7 @@ bool km_follow_locate_branch(km_follow *f, double length, double g_end) {
   return true;
 }
 
-bool km_follow_branch(const km_follow *f, km_branch_point *out) {
+bool km_arc_motion_branch(const km_arc_motion *f, km_branch_point *out) {
   if (!f || !out)
     return false;
   if (f->branched)
@@ -82,37 +82,37 @@ bool km_follow_branch(const km_follow *f, km_branch_point *out) {
   return f->branched;
 }
 
-void km_follow_at_branch(km_follow *f, double *tangent) {
-  km_state_restore(f->c.state, km_follow_sub(f), f->branch_pose);
-  memcpy(tangent, f->branch_t, (size_t)km_follow_sub(f)->columns * sizeof *tangent);
+void km_arc_motion_move_to_branch_point(km_arc_motion *f, double *tangent) {
+  km_state_restore(f->c.state, km_arc_motion_sub(f), f->branch_pose);
+  memcpy(tangent, f->branch_t, (size_t)km_arc_motion_sub(f)->columns * sizeof *tangent);
   km_state_forget_pivots(f->c.state, f->c.substructure);
 }
 
-void km_follow_go_on(km_follow *f) {
-  km_loops_return(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
+void km_arc_motion_continue(km_arc_motion *f) {
+  km_loops_restore_cached(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
 }
 
 /* Continues from the saved pose, a branch point, along `direction`. */
-static void set_out(km_follow *f, const double *direction, double sense) {
-  double size = sense * km_step_length(f->c.mechanism, km_follow_sub(f), direction);
-  for (int k = 0; k < km_follow_sub(f)->columns; ++k)
+static void set_out(km_arc_motion *f, const double *direction, double sense) {
+  double size = sense * km_step_length(f->c.mechanism, km_arc_motion_sub(f), direction);
+  for (int k = 0; k < km_arc_motion_sub(f)->columns; ++k)
     f->c.course.t[k] = direction[k] / size;
   km_state_forget_pivots(f->c.state, f->c.substructure);
-  km_course_begin(&f->c.course, km_follow_sub(f)->columns); /* the step before was on another branch */
+  km_step_history_begin(&f->c.course, km_arc_motion_sub(f)->columns); /* the step before was on another branch */
   f->g = 0.0;
 }
 
-void km_follow_turn(km_follow *f, const double *direction) {
-  km_state_restore(f->c.state, km_follow_sub(f), f->branch_pose);
-  km_state_save(f->c.state, km_follow_sub(f), f->c.from);
+void km_arc_motion_take_branch(km_arc_motion *f, const double *direction) {
+  km_state_restore(f->c.state, km_arc_motion_sub(f), f->branch_pose);
+  km_state_save(f->c.state, km_arc_motion_sub(f), f->c.from);
   set_out(f, direction, 1.0);
   f->s = f->branch.s;
   f->closed = false;
 }
 
 /* Freedom of the motion at a distance h along t; -1 if the configuration there is still singular. */
-static int freedom_at(km_follow *f, double h) {
-  const km_substructure *sub = km_follow_sub(f);
+static int freedom_at(km_arc_motion *f, double h) {
+  const km_substructure *sub = km_arc_motion_sub(f);
   const km_partition *p = &f->c.state->partition[f->c.substructure];
   km_closure evidence;
   for (int k = 0; k < sub->columns; ++k)
@@ -125,8 +125,8 @@ static int freedom_at(km_follow *f, double h) {
 
 /* Freedom of the motion along t, which at its branch point can't be told from that of the others, and the first step:
  * the stretch on which pivots are too small is wide where branches touch. */
-static int freedom_ahead(km_follow *f) {
-  const km_substructure *sub = km_follow_sub(f);
+static int freedom_ahead(km_arc_motion *f) {
+  const km_substructure *sub = km_arc_motion_sub(f);
   int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;
   for (double h = first_step; h <= longest_first; h *= 2.0) {
     int here = freedom_at(f, h), next = freedom_at(f, 2.0 * h);
@@ -141,12 +141,12 @@ static int freedom_ahead(km_follow *f) {
   return freedom;
 }
 
-void km_follow_set_out(km_follow *f, const double *directions, int count) {
+void km_arc_motion_start_branch(km_arc_motion *f, const double *directions, int count) {
   const double *best = directions;
   double nearest = 0.0;
   for (int i = 0; i < count; ++i) {
-    const double *x = directions + (size_t)i * (size_t)km_follow_sub(f)->columns;
-    double along = km_step_dot(f->c.mechanism, km_follow_sub(f), x, f->c.course.t);
+    const double *x = directions + (size_t)i * (size_t)km_arc_motion_sub(f)->columns;
+    double along = km_step_dot(f->c.mechanism, km_arc_motion_sub(f), x, f->c.course.t);
     if (fabs(along) > 1.000001 * fabs(nearest)) {
       nearest = along;
       best = x;

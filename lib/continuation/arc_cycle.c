@@ -7,15 +7,15 @@ static const double closing = 1e-9;       /* distance at which a cycle counts as
 static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is looked for */
 
 /* The way from the origin to this pose, full turns of hinges left out. */
-static void from_origin(km_follow *f, double *way) {
+static void from_origin(km_arc_motion *f, double *way) {
   const km_mechanism *m = f->c.mechanism;
-  km_state_difference(f->c.state, km_follow_sub(f), f->origin, way);
-  for (int k = 0; k < km_follow_sub(f)->columns; ++k)
-    if (km_coordinate_turns(m, m->column_coordinate[km_follow_sub(f)->column_start + k]))
+  km_state_difference(f->c.state, km_arc_motion_sub(f), f->origin, way);
+  for (int k = 0; k < km_arc_motion_sub(f)->columns; ++k)
+    if (km_coordinate_turns(m, m->column_coordinate[km_arc_motion_sub(f)->column_start + k]))
       way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
 }
 
-bool km_follow_passes_origin(km_follow *f, double length) {
+bool km_arc_motion_passes_origin(km_arc_motion *f, double length) {
   double *way = f->c.work;
   if (f->cycle > 0.0)
     return false;
@@ -26,38 +26,38 @@ bool km_follow_passes_origin(km_follow *f, double length) {
          km_continuation_dot(&f->c, way, way) < 4.0 * length * length;
 }
 
-bool km_follow_meet_origin(km_follow *f, double length) {
+bool km_arc_motion_meet_origin(km_arc_motion *f, double length) {
   double *way = f->c.work, reached = length;
   from_origin(f, way);
   for (int i = 0; i < 12; ++i) {
     double along = km_continuation_dot(&f->c, f->origin_t, way);
     if (i > 0 && fabs(along) < 1e-14)
       break;
-    if (reached - along <= 0.0 || !km_follow_step(f, reached - along, &reached))
+    if (reached - along <= 0.0 || !km_arc_motion_step(f, reached - along, &reached))
       return false;
     from_origin(f, way);
   }
   if (km_continuation_dot(&f->c, way, way) > closing * closing)
     return false;
-  km_follow_accept(f, reached);
+  km_arc_motion_accept(f, reached);
   f->cycle = f->s - f->origin_s;
   f->closed = true;
   return true;
 }
 
-bool km_follow_closed(const km_follow *f) {
+bool km_arc_motion_closed(const km_arc_motion *f) {
   if (!f)
     return false;
   return f->closed;
 }
 
-double km_follow_cycle(const km_follow *f) {
+double km_arc_motion_cycle(const km_arc_motion *f) {
   if (!f)
     return 0.0;
   return f->cycle;
 }
 
-void km_follow_go_round(km_follow *f) {
+void km_arc_motion_pass_cycle(km_arc_motion *f) {
   if (!f)
     return;
   f->closed = false;

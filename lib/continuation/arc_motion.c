@@ -12,8 +12,8 @@
 
 static const double longest_first_step = 0.05; /* of the first step; see arc_step_control.c */
 
-static bool allocate(km_follow *f) {
-  size_t n = (size_t)km_follow_sub(f)->columns;
+static bool allocate(km_arc_motion *f) {
+  size_t n = (size_t)km_arc_motion_sub(f)->columns;
   double **vectors[] = {&f->near_t, &f->far_t, &f->origin_t, &f->branch_t};
   double **poses[] = {&f->near, &f->far, &f->origin, &f->branch_pose};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
@@ -24,21 +24,21 @@ static bool allocate(km_follow *f) {
 }
 
 /* The direction in which column k moves with `sign` and the others move least. */
-static bool first_tangent(km_follow *f, int column, double sign) {
-  memset(f->c.move, 0, (size_t)km_follow_sub(f)->columns * sizeof *f->c.move);
+static bool first_tangent(km_arc_motion *f, int column, double sign) {
+  memset(f->c.move, 0, (size_t)km_arc_motion_sub(f)->columns * sizeof *f->c.move);
   f->c.move[column] = sign;
   return km_continuation_tangent(&f->c, f->c.move, f->c.course.t);
 }
 
 /* The column with the greatest mobility number at the state's pose; the first of those that are equal to rounding. */
-static int liveliest(const km_follow *f) {
+static int liveliest(const km_arc_motion *f) {
   km_state *s = f->c.state;
   int best = 0;
   if (f->c.steady.on)
-    km_mobility_numbers(f->c.steady.Z, km_follow_sub(f)->columns, f->c.steady.count, s->work);
+    km_mobility_numbers(f->c.steady.Z, km_arc_motion_sub(f)->columns, f->c.steady.count, s->work);
   else
     km_state_numbers(f->c.mechanism, s, f->c.substructure, s->work);
-  for (int k = 1; k < km_follow_sub(f)->columns; ++k)
+  for (int k = 1; k < km_arc_motion_sub(f)->columns; ++k)
     if (s->work[k] > 1.000001 * s->work[best])
       best = k;
   return best;
@@ -55,15 +55,15 @@ static int first_moving(const km_mechanism *m, km_state *s) {
   return -1;
 }
 
-static km_status start(km_follow *f, int coordinate, double sign, km_error *error) {
+static km_status start(km_arc_motion *f, int coordinate, double sign, km_error *error) {
   const km_mechanism *m = f->c.mechanism;
-  const km_substructure *sub = km_follow_sub(f);
+  const km_substructure *sub = km_arc_motion_sub(f);
   if (!allocate(f))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   km_loops_update(m, f->c.state, sub);
   km_pivot(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
   f->freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
-  if (!km_steady_begin(&f->c.steady, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
+  if (!km_constant_rank_begin(&f->c.steady, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
   if (f->freedom == 0 || !first_tangent(f, column, sign))
@@ -71,25 +71,25 @@ static km_status start(km_follow *f, int coordinate, double sign, km_error *erro
                    f->freedom ? "the joint that should is at a dead point"
                               : "the mechanism is a structure at this pose");
   km_partition_copy_pivots(&f->c.course.reference, &f->c.state->partition[f->c.substructure]);
-  km_follow_remember(f);
-  km_follow_set_origin(f);
+  km_arc_motion_remember(f);
+  km_arc_motion_set_origin(f);
   return KM_OK;
 }
 
 /* At a branch point the null space mixes the motions that meet there. */
-static km_status leave_branch(km_follow *f, km_error *error) {
-  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)km_follow_sub(f)->columns);
+static km_status leave_branch(km_arc_motion *f, km_error *error) {
+  double *directions = KM_NEW(double, KM_MAX_BRANCHES *(size_t)km_arc_motion_sub(f)->columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
   f->start_branches = km_branch_directions(f->c.mechanism, f->c.state, f->c.substructure, directions);
   if (f->start_branches > 0)
-    km_follow_set_out(f, directions, f->start_branches);
+    km_arc_motion_start_branch(f, directions, f->start_branches);
   km_free(directions);
   return f->start_branches < 0 ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
 }
 
-km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, double sign, bool ignore_limits,
-                           km_follow **out, km_error *error) {
+km_status km_arc_motion_create(const km_mechanism *m, km_state *s, int coordinate, double sign, bool ignore_limits,
+                               km_arc_motion **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
@@ -99,56 +99,56 @@ km_status km_follow_create(const km_mechanism *m, km_state *s, int coordinate, d
   if (fits)
     return fits;
   int substructure = coordinate >= 0 ? m->substructure_of[coordinate] : first_moving(m, s);
-  if (coordinate >= 0 && (substructure < 0 || km_state_holds(s, coordinate)))
+  if (coordinate >= 0 && (substructure < 0 || km_state_is_fixed(s, coordinate)))
     return km_fail(error, KM_USAGE, "joint \"%s\" is %s; expected a free joint of a loop",
-                   m->model->coordinates[coordinate].label, km_state_holds(s, coordinate) ? "held" : "in no loop");
+                   m->model->coordinates[coordinate].label, km_state_is_fixed(s, coordinate) ? "held" : "in no loop");
   if (substructure < 0)
     return km_fail(error, KM_NO_RESULT, "nothing moves: the mechanism has no loop with a freedom at this pose");
-  km_follow *f = KM_NEW(km_follow, 1);
+  km_arc_motion *f = KM_NEW(km_arc_motion, 1);
   if (!f)
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
-  *f = (km_follow){.c = {.mechanism = m,
-                         .state = s,
-                         .substructure = substructure,
-                         .coordinate = KM_NO_DRIVER,
-                         .column = KM_NO_DRIVER,
-                         .ignore_limits = ignore_limits},
-                   .largest = longest_first_step,
-                   .limit = -1};
+  *f = (km_arc_motion){.c = {.mechanism = m,
+                             .state = s,
+                             .substructure = substructure,
+                             .coordinate = KM_NO_DRIVER,
+                             .column = KM_NO_DRIVER,
+                             .ignore_limits = ignore_limits},
+                       .largest = longest_first_step,
+                       .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)
     status = f->c.steady.on ? KM_OK : leave_branch(f, error);
   if (status)
-    km_follow_free(f);
+    km_arc_motion_free(f);
   else
     *out = f;
   return status;
 }
 
-void km_follow_free(km_follow *f) {
+void km_arc_motion_free(km_arc_motion *f) {
   if (!f)
     return;
   km_arena_free(&f->arena);
   km_free(f);
 }
 
-int km_follow_start_branches(const km_follow *f) {
+int km_arc_motion_start_branches(const km_arc_motion *f) {
   if (!f)
     return 0;
   return f->start_branches;
 }
 
-int km_follow_substructure(const km_follow *f) {
+int km_arc_motion_substructure(const km_arc_motion *f) {
   if (!f)
     return -1;
   return f->c.substructure;
 }
-double km_follow_length(const km_follow *f) {
+double km_arc_motion_length(const km_arc_motion *f) {
   if (!f)
     return nan("");
   return f->s;
 }
-int km_follow_limit(const km_follow *f) {
+int km_arc_motion_limit(const km_arc_motion *f) {
   if (!f)
     return -1;
   return f->limit;

@@ -6,77 +6,77 @@
 
 enum { MOST_PARTS = 16 }; /* of the way to a pose that no single step leads to */
 
-static void write_rates(const km_follow *f, const double *t, double *rates) {
+static void write_rates(const km_arc_motion *f, const double *t, double *rates) {
   const km_mechanism *m = f->c.mechanism;
   memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  for (int k = 0; k < km_follow_sub(f)->columns; ++k) {
-    int c = m->column_coordinate[km_follow_sub(f)->column_start + k];
+  for (int k = 0; k < km_arc_motion_sub(f)->columns; ++k) {
+    int c = m->column_coordinate[km_arc_motion_sub(f)->column_start + k];
     rates[c] = t[k] * m->unit[c];
   }
 }
 
-void km_follow_tangent(const km_follow *f, double *rates) {
+void km_arc_motion_tangent(const km_arc_motion *f, double *rates) {
   if (!f || !rates)
     return;
   write_rates(f, f->c.course.t, rates);
 }
 
 /* False when out of memory. */
-static bool need_aside(km_follow *f) {
+static bool need_aside(km_arc_motion *f) {
   if (f->aside_pose)
     return true;
-  double *pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_follow_sub(f)->columns);
-  if (!pose || !km_course_reserve(&f->aside, &f->c, &f->arena))
+  double *pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_arc_motion_sub(f)->columns);
+  if (!pose || !km_step_history_reserve(&f->aside, &f->c, &f->arena))
     return false;
   f->aside_pose = pose;
   return true;
 }
 
 /* By so many steps; the state stands at the end of the last one, and next_t is its tangent. */
-static bool go_in_parts(km_follow *f, double offset, int parts) {
+static bool go_in_parts(km_arc_motion *f, double offset, int parts) {
   double reached, left = offset;
   for (int part = 0; part < parts; ++part, left -= reached) {
-    if (!km_follow_step(f, left / (parts - part), &reached))
+    if (!km_arc_motion_step(f, left / (parts - part), &reached))
       return false;
     if (part + 1 == parts)
       break;
     km_continuation_accept(&f->c, reached);
-    km_state_save(f->c.state, km_follow_sub(f), f->c.from);
+    km_state_save(f->c.state, km_arc_motion_sub(f), f->c.from);
   }
   return true;
 }
 
 /* The same with as many steps as it takes. The motion stays where it has come to; so does the state where nothing leads there. */
-static bool visit_by_steps(km_follow *f, double offset) {
-  const km_substructure *sub = km_follow_sub(f);
+static bool visit_by_steps(km_arc_motion *f, double offset) {
+  const km_substructure *sub = km_arc_motion_sub(f);
   bool there = false;
   if (!need_aside(f))
     return false;
   memcpy(f->aside_pose, f->c.from, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->aside_pose);
-  km_course_copy(&f->aside, &f->c.course, sub->columns);
+  km_step_history_copy(&f->aside, &f->c.course, sub->columns);
   for (int parts = 2; !there && parts <= MOST_PARTS; parts *= 2) {
     there = go_in_parts(f, offset, parts);
     memcpy(f->c.from, f->aside_pose, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->aside_pose);
-    km_course_copy(&f->c.course, &f->aside, sub->columns);
+    km_step_history_copy(&f->c.course, &f->aside, sub->columns);
   }
   if (!there)
     km_state_restore(f->c.state, sub, f->c.from);
   return there;
 }
 
-bool km_follow_visit(km_follow *f, double offset, double *rates) {
+bool km_arc_motion_sample(km_arc_motion *f, double offset, double *rates) {
   if (!f || !rates || !isfinite(offset))
     return false;
   double reached;
-  bool there = km_follow_step(f, offset, &reached) || visit_by_steps(f, offset);
+  bool there = km_arc_motion_step(f, offset, &reached) || visit_by_steps(f, offset);
   if (there)
     write_rates(f, f->c.next_t, rates);
   km_state_forget_pivots(f->c.state, f->c.substructure);
   return there;
 }
 
-void km_follow_return(km_follow *f) {
+void km_arc_motion_restore(km_arc_motion *f) {
   if (!f)
     return;
-  km_loops_return(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
+  km_loops_restore_cached(f->c.mechanism, f->c.state, f->c.substructure, f->c.from);
 }

@@ -10,7 +10,7 @@
 
 static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
 
-double km_follow_g(const km_follow *f, const double *t) {
+double km_arc_motion_g(const km_arc_motion *f, const double *t) {
   const km_partition *p = &f->c.state->partition[f->c.substructure];
   double g = 1.0 / t[p->column[p->rank]];
   for (int i = 0; i < p->rank; ++i)
@@ -18,22 +18,22 @@ double km_follow_g(const km_follow *f, const double *t) {
   return g;
 }
 
-double km_follow_saved_g(km_follow *f) {
+double km_arc_motion_saved_g(km_arc_motion *f) {
   if (f->g == 0.0)
     return 0.0;
   const km_partition *p = &f->c.state->partition[f->c.substructure];
   if (p->searches == f->c.course.reference.searches)
-    return km_follow_g(f, f->c.next_t);
+    return km_arc_motion_g(f, f->c.next_t);
   km_partition *r = &f->c.course.reference;
-  km_partition_refactor_whole(r, km_state_jacobian(f->c.state, km_follow_sub(f)));
+  km_partition_refactor_full_pattern(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)));
   double g = 1.0 / f->c.next_t[r->column[r->rank]];
   for (int i = 0; i < r->rank; ++i)
     g /= r->inverse[i];
   return g;
 }
 
-void km_follow_set_origin(km_follow *f) {
-  size_t columns = (size_t)km_follow_sub(f)->columns;
+void km_arc_motion_set_origin(km_arc_motion *f) {
+  size_t columns = (size_t)km_arc_motion_sub(f)->columns;
   memcpy(f->origin_t, f->c.course.t, columns * sizeof *f->origin_t);
   memcpy(f->origin, f->c.from, KM_SAVED_PER_COLUMN * columns * sizeof *f->origin);
   f->origin_s = f->s;
@@ -42,14 +42,14 @@ void km_follow_set_origin(km_follow *f) {
 
 /* From the saved pose by a step whose length is about h. On success the state stands there, next_t is its tangent, `move`
  * the way and *length its arc; else the state is back. */
-bool km_follow_try(km_follow *f, double h, double *length) {
-  const km_substructure *sub = km_follow_sub(f);
+bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
+  const km_substructure *sub = km_arc_motion_sub(f);
   const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
-  km_continuation_predict(&f->c, h, km_continuation_is_alone(&f->c, f->freedom));
+  km_continuation_predict(&f->c, h, km_continuation_has_single_freedom(&f->c, f->freedom));
   km_state_restore(f->c.state, sub, f->c.from);
-  if (km_continuation_correct(&f->c, &terms) != KM_STEP_TAKEN ||
+  if (km_continuation_correct(&f->c, &terms) != KM_STEP_ACCEPTED ||
       km_partition_freedom(&f->c.state->partition[f->c.substructure]) != f->freedom) {
-    km_continuation_refuse(&f->c);
+    km_continuation_reject(&f->c);
     return false;
   }
   km_state_difference(f->c.state, sub, f->c.from, f->c.move);
@@ -58,10 +58,10 @@ bool km_follow_try(km_follow *f, double h, double *length) {
 }
 
 /* The secant method on the step. */
-bool km_follow_step(km_follow *f, double length, double *reached) {
+bool km_arc_motion_step(km_arc_motion *f, double length, double *reached) {
   double h = length;
   for (int i = 0; i < 8; ++i) {
-    if (!km_follow_try(f, h, reached))
+    if (!km_arc_motion_try(f, h, reached))
       return false;
     if (fabs(*reached - length) <= 1e-14 + 1e-11 * fabs(length))
       return true;
@@ -70,15 +70,15 @@ bool km_follow_step(km_follow *f, double length, double *reached) {
   return true;
 }
 
-void km_follow_remember(km_follow *f) {
-  km_state_save(f->c.state, km_follow_sub(f), f->c.from);
-  f->g = f->freedom == 1 ? km_follow_g(f, f->c.course.t) : 0.0;
+void km_arc_motion_remember(km_arc_motion *f) {
+  km_state_save(f->c.state, km_arc_motion_sub(f), f->c.from);
+  f->g = f->freedom == 1 ? km_arc_motion_g(f, f->c.course.t) : 0.0;
 }
 
-void km_follow_accept(km_follow *f, double length) {
+void km_arc_motion_accept(km_arc_motion *f, double length) {
   km_continuation_accept(&f->c, length);
   f->s += length;
-  km_follow_remember(f);
+  km_arc_motion_remember(f);
   if (f->origin_waits)
-    km_follow_set_origin(f);
+    km_arc_motion_set_origin(f);
 }

@@ -9,43 +9,44 @@ static const double furthest = 1000.0; /* of one advance */
 static const double narrow = 4e-3;     /* width to which a branch point is bracketed before it is interpolated */
 
 /* Goes as far as the limit of coordinate c allows, less than `length`. */
-static void stop_at_limit(km_follow *f, int c, double length) {
+static void stop_at_limit(km_arc_motion *f, int c, double length) {
   double inside = 0.0, outside = length, reached;
   f->limit = c;
   for (int i = 0; i < 60 && outside - inside > 1e-11; ++i) {
     double middle = 0.5 * (inside + outside);
-    if (km_follow_step(f, middle, &reached) && km_continuation_limit(&f->c, middle) < 0)
+    if (km_arc_motion_step(f, middle, &reached) && km_continuation_limit(&f->c, middle) < 0)
       inside = middle;
     else
       outside = middle;
   }
-  if (inside > 0.0 && km_follow_step(f, inside, &reached))
-    km_follow_accept(f, reached);
+  if (inside > 0.0 && km_arc_motion_step(f, inside, &reached))
+    km_arc_motion_accept(f, reached);
   else
-    km_state_restore(f->c.state, km_follow_sub(f), f->c.from);
+    km_state_restore(f->c.state, km_arc_motion_sub(f), f->c.from);
 }
 
 /* One controlled step of at most `most`; false if the motion can't go on. */
-static bool one_step(km_follow *f, double most) {
+static bool one_step(km_arc_motion *f, double most) {
   double first = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps leave no crumb at the end */
   for (double h = first; h >= fmin(shortest, most); h *= 0.5) {
     double length;
-    if (!(h == most ? km_follow_step(f, h, &length) : km_follow_try(f, h, &length)) || length > most * (1.0 + 1e-9))
+    if (!(h == most ? km_arc_motion_step(f, h, &length) : km_arc_motion_try(f, h, &length)) ||
+        length > most * (1.0 + 1e-9))
       continue;
     if (f->freedom == 1) {
-      double g = km_follow_saved_g(f);
+      double g = km_arc_motion_saved_g(f);
       if (g * f->g < 0.0 && length > narrow)
         continue;
       if (g * f->g < 0.0) {
-        km_follow_locate_branch(f, length, g);
-        if (!km_follow_step(f, length, &length))
+        km_arc_motion_locate_branch(f, length, g);
+        if (!km_arc_motion_step(f, length, &length))
           continue;
       }
     }
-    if (km_follow_passes_origin(f, length)) {
-      if (km_follow_meet_origin(f, length))
+    if (km_arc_motion_passes_origin(f, length)) {
+      if (km_arc_motion_meet_origin(f, length))
         return true;
-      if (!km_follow_step(f, length, &length))
+      if (!km_arc_motion_step(f, length, &length))
         continue;
     }
     int limit = km_continuation_limit(&f->c, length);
@@ -53,21 +54,21 @@ static bool one_step(km_follow *f, double most) {
       stop_at_limit(f, limit, length);
       return false;
     }
-    km_follow_accept(f, length);
+    km_arc_motion_accept(f, length);
     f->largest = fmin(longest, h == first ? 2.0 * f->largest : h);
     return true;
   }
   return false;
 }
 
-static void tell(const km_follow *f) {
+static void tell(const km_arc_motion *f) {
   if (!f->watch.stepped)
     return;
-  km_follow_tangent(f, f->watch.rates);
+  km_arc_motion_tangent(f, f->watch.rates);
   f->watch.stepped(f->watch.self, f->s, f->watch.rates);
 }
 
-km_status km_follow_advance(km_follow *f, double length) {
+km_status km_arc_motion_advance(km_arc_motion *f, double length) {
   if (!f || !(length > 0.0 && length <= furthest))
     return KM_USAGE;
   double target = f->s + length;

@@ -3,15 +3,15 @@
 #include "kinematics/loop_equations.h"
 
 /* What is left of a pose: the state's balls are those of the lane. */
-void km_lanes_show_balls(const km_drive_lanes *l, int i) {
+void km_batch_write_ball_joints(const km_batch *l, int i) {
   for (int b = 0; b < l->m->ball_count; ++b)
     l->drives[i]->c.state->ball[b] = km_lane_ball(&l->ball[b], i);
 }
 
 /* What a state has beside its coordinates where a drive rides: Jacobian, partition and null space, as if it went alone. */
-void km_lanes_refresh(const km_drive_lanes *l, km_drive *d) {
+void km_batch_refresh_state(const km_batch *l, km_driver_motion *d) {
   km_state *s = d->c.state;
-  const km_substructure *sub = km_drive_driven(d);
+  const km_substructure *sub = km_driver_motion_substructure(d);
   /* The loops were closed before the driver got its value to the last bit. */
   double value = s->q[l->coordinate];
   s->q[l->coordinate] = l->here.closed_at.of[d->lane];
@@ -21,8 +21,8 @@ void km_lanes_refresh(const km_drive_lanes *l, km_drive *d) {
   km_state_null(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
 }
 
-void km_drive_settle(km_drive *d) {
-  km_drive_lanes *l = d->lanes;
+void km_driver_motion_write_back(km_driver_motion *d) {
+  km_batch *l = d->lanes;
   unsigned own = l ? 1u << d->lane : 0;
   if (!l || !(l->aboard & own))
     return;
@@ -33,9 +33,9 @@ void km_drive_settle(km_drive *d) {
     return;
   l->ahead &= ~own;
   int i = d->lane;
-  km_course *course = &d->c.course;
+  km_step_history *course = &d->c.course;
   km_state *s = d->c.state;
-  const km_substructure *sub = km_drive_driven(d);
+  const km_substructure *sub = km_driver_motion_substructure(d);
   const km_lane_past earlier = km_lane_past_of(l, course);
   for (int k = 0; k < sub->columns; ++k) {
     course->t[k] = l->t[k].of[i];
@@ -50,16 +50,16 @@ void km_drive_settle(km_drive *d) {
   for (int j = 0; j < KM_OLDER_STEPS; ++j)
     course->older_h[j] = l->here.older_h[j].of[i];
   course->older_count = (int)l->here.older_count.of[i];
-  km_lanes_show_balls(l, i);
+  km_batch_write_ball_joints(l, i);
   course->last_h = l->here.last_h.of[i];
   course->equal_count = (int)l->here.equal_count.of[i];
   course->reference.sign = (int)l->sign.of[i];
   d->here.s = l->here.s.of[i];
   d->here.largest = l->here.largest.of[i];
   d->here.stopped = l->here.stopped.of[i];
-  km_lanes_refresh(l, d);
+  km_batch_refresh_state(l, d);
 }
 
-bool km_drive_rides(const km_drive *d) {
+bool km_driver_motion_is_batched(const km_driver_motion *d) {
   return d->lanes && (d->lanes->ahead >> d->lane & 1);
 }

@@ -21,7 +21,7 @@ const double km_path_fifth[KM_PATH_STAGES] = {37.0 / 378, 0, 250.0 / 621, 125.0 
 const double km_path_fourth[KM_PATH_STAGES] = {2825.0 / 27648, 0,      18575.0 / 48384, 13525.0 / 55296,
                                                277.0 / 14336,  1.0 / 4};
 
-bool km_least_path_reserve(km_least_path *path, int columns, km_arena *arena) {
+bool km_minimum_norm_path_reserve(km_minimum_norm_path *path, int columns, km_arena *arena) {
   for (int i = 0; i < KM_PATH_STAGES; ++i)
     path->rate[i] = KM_ARENA_NEW(arena, double, (size_t)columns);
   return !arena->failed;
@@ -49,7 +49,8 @@ static void unwind_balls(const km_mechanism *m, const km_substructure *sub, cons
   }
 }
 
-static void combine(const km_least_path *path, const double *share, int stages, int columns, double h, double *move) {
+static void combine(const km_minimum_norm_path *path, const double *share, int stages, int columns, double h,
+                    double *move) {
   memset(move, 0, (size_t)columns * sizeof *move);
   for (int i = 0; i < stages; ++i)
     for (int k = 0; k < columns && share[i] != 0.0; ++k)
@@ -62,12 +63,12 @@ static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, c
                     double *rate) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
-  km_loops_update_anew(m, s, sub);
+  km_loops_recompute(m, s, sub);
   if (!again || !p->waits)
     km_partition_copy_pivots(p, pivots);
-  if (!km_pivots_wait(s, index, driver) && !km_partition_refactor_whole(p, km_state_jacobian(s, sub)))
+  if (!km_pivots_deferred(s, index, driver) && !km_partition_refactor_full_pattern(p, km_state_jacobian(s, sub)))
     return false;
-  km_least_rates(m, s, index, driver, rate);
+  km_minimum_norm_rates(m, s, index, driver, rate);
   return true;
 }
 
@@ -78,8 +79,9 @@ static double largest(const double *x, int count) {
   return size;
 }
 
-double km_least_path_predict(km_least_path *path, const km_mechanism *m, km_state *s, int index, int driver,
-                             const km_partition *pivots, const double *saved, const double *t, double h, double *move) {
+double km_minimum_norm_path_predict(km_minimum_norm_path *path, const km_mechanism *m, km_state *s, int index,
+                                    int driver, const km_partition *pivots, const double *saved, const double *t,
+                                    double h, double *move) {
   const km_substructure *sub = &m->substructures[index];
   int columns = sub->columns;
   double difference[KM_PATH_STAGES];
@@ -126,7 +128,7 @@ typedef struct nodes {
   const double *t[KM_PATH_NODES];
 } nodes;
 
-static nodes gather_nodes(const km_course *c, double h) {
+static nodes gather_nodes(const km_step_history *c, double h) {
   nodes n = {.count = 2 + c->older_count, .x = {0.0, -c->last_h / h}, .t = {c->t, c->last_t}};
   for (int i = 0; i < c->older_count; ++i) {
     n.x[2 + i] = n.x[1 + i] - c->older_h[i] / h;
@@ -161,8 +163,8 @@ static void wind_balls(const km_mechanism *m, const km_substructure *sub, const 
   }
 }
 
-double km_least_path_continue(const km_mechanism *m, const km_substructure *sub, const km_course *c, double h,
-                              double *move) {
+double km_minimum_norm_path_continue(const km_mechanism *m, const km_substructure *sub, const km_step_history *c,
+                                     double h, double *move) {
   if (c->last_h == 0.0 || 2 + c->older_count < KM_PATH_LEAST_NODES)
     return HUGE_VAL;
   nodes n = gather_nodes(c, h);
@@ -185,8 +187,8 @@ double km_least_path_continue(const km_mechanism *m, const km_substructure *sub,
   return error / (km_path_allowed * largest(move, sub->columns) + km_path_grain);
 }
 
-double km_least_path_draw(km_closest *closest, const km_mechanism *m, km_state *s, int index, int driver,
-                          const km_course *c, double h, double *move) {
+double km_minimum_norm_path_record(km_nearest_configuration *closest, const km_mechanism *m, km_state *s, int index,
+                                   int driver, const km_step_history *c, double h, double *move) {
   const km_substructure *sub = &m->substructures[index];
   int columns = sub->columns;
   double ratio = c->last_h != 0.0 ? h / c->last_h : 0.0, error = 0.0;
@@ -200,7 +202,7 @@ double km_least_path_draw(km_closest *closest, const km_mechanism *m, km_state *
     away[k] = ahead[k] - (second ? back * c->last_move[k] : 0.0);
   }
   km_state_move(m, s, sub, ahead);
-  if (!km_closest_find(closest, m, s, index, driver, &c->reference, away))
+  if (!km_nearest_configuration_find(closest, m, s, index, driver, &c->reference, away))
     return HUGE_VAL;
   for (int k = 0; k < columns; ++k) {
     move[k] = away[k] + (second ? back * c->last_move[k] : 0.0);
@@ -209,7 +211,7 @@ double km_least_path_draw(km_closest *closest, const km_mechanism *m, km_state *
   /* A deviation that decays shows in the difference more often than it is left in the step, by the square of how much it is
    * drawn in. */
   for (int i = 0; i < 2; ++i)
-    km_closest_follow(closest, m, sub, ahead);
+    km_nearest_configuration_follow(closest, m, sub, ahead);
   for (int k = 0; k < columns; ++k)
     error = fabs(ahead[k]) <= error ? error : fabs(ahead[k]);
   return error / (km_path_allowed * largest(move, columns) + coarse_grain);

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-bool km_course_reserve(km_course *course, const km_continuation *c, km_arena *arena) {
+bool km_step_history_reserve(km_step_history *course, const km_continuation *c, km_arena *arena) {
   const km_substructure *sub = km_continuation_sub(c);
   size_t n = (size_t)sub->columns;
   course->t = KM_ARENA_NEW(arena, double, n);
@@ -22,7 +22,7 @@ bool km_course_reserve(km_course *course, const km_continuation *c, km_arena *ar
                                    arena);
 }
 
-void km_course_copy(km_course *to, const km_course *from, int columns) {
+void km_step_history_copy(km_step_history *to, const km_step_history *from, int columns) {
   size_t bytes = (size_t)columns * sizeof *to->t;
   memcpy(to->t, from->t, bytes);
   memcpy(to->last_t, from->last_t, bytes);
@@ -40,7 +40,7 @@ void km_course_copy(km_course *to, const km_course *from, int columns) {
   km_partition_copy_pivots(&to->reference, &from->reference);
 }
 
-void km_course_begin(km_course *course, int columns) {
+void km_step_history_begin(km_step_history *course, int columns) {
   course->last_h = 0.0;
   course->equal_count = 0;
   memset(course->rest, 0, (size_t)columns * sizeof *course->rest);
@@ -53,7 +53,7 @@ bool km_continuation_reserve(km_continuation *c, km_arena *arena) {
   c->move = KM_ARENA_NEW(arena, double, n);
   c->work = KM_ARENA_NEW(arena, double, n);
   c->from = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
-  return km_course_reserve(&c->course, c, arena);
+  return km_step_history_reserve(&c->course, c, arena);
 }
 
 double km_continuation_dot(const km_continuation *c, const double *a, const double *b) {
@@ -93,12 +93,12 @@ static bool project(km_continuation *c, const double *from, double *t) {
 bool km_continuation_tangent(km_continuation *c, const double *along, double *t) {
   const km_partition *p = &c->state->partition[c->substructure];
   if (c->steady.on)
-    return km_steady_tangent(&c->steady, c->mechanism, c->substructure, c->column, along, t);
+    return km_constant_rank_tangent(&c->steady, c->mechanism, c->substructure, c->column, along, t);
   if (c->column < 0)
     return project(c, along, t);
   if (p->forced_dependent)
     return false;
-  km_least_rates(c->mechanism, c->state, c->substructure, c->column, t);
+  km_minimum_norm_rates(c->mechanism, c->state, c->substructure, c->column, t);
   return true;
 }
 
@@ -108,7 +108,7 @@ static bool as_long(double h, double other) {
 
 /* The polynomial through nine poses in place of the cubic, where they agree. Two sums, that don't wait for each other. */
 static void look_farther(km_continuation *c, double h) {
-  const km_course *course = &c->course;
+  const km_step_history *course = &c->course;
   const int columns = km_continuation_sub(c)->columns;
   double apart = 0.0;
   for (int k = 0; k < columns; ++k) {
@@ -129,7 +129,7 @@ static void look_farther(km_continuation *c, double h) {
 }
 
 void km_continuation_predict(km_continuation *c, double h, bool alone) {
-  const km_course *course = &c->course;
+  const km_step_history *course = &c->course;
   int columns = km_continuation_sub(c)->columns;
   bool known = course->last_h != 0.0 && fabs(h) <= km_continuation_farther * fabs(course->last_h);
   if (known && alone) {
@@ -152,13 +152,13 @@ void km_continuation_place(km_continuation *c, double parameter) {
  * which rows that count look dependent as long as the loops are open. */
 static bool close(km_continuation *c, km_closure *evidence) {
   if (c->steady.on)
-    return km_steady_close(&c->steady, c->mechanism, c->state, c->substructure, c->column, evidence);
+    return km_constant_rank_close(&c->steady, c->mechanism, c->state, c->substructure, c->column, evidence);
   if (c->column < 0 && c->course.last_h == 0.0)
     return km_close_fully(km_loops_close, c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
   return km_loops_close(c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
 }
 
-km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *terms) {
+km_step_outcome km_continuation_correct(km_continuation *c, const km_step_terms *terms) {
   const double *t = c->course.t, *next = c->next_t;
   km_closure evidence;
   km_state_move(c->mechanism, c->state, km_continuation_sub(c), c->move);
@@ -172,7 +172,8 @@ km_step_fate km_continuation_correct(km_continuation *c, const km_step_terms *te
     return KM_STEP_OPEN; /* a singular pose has no tangent of its own */
   double along = km_continuation_dot(c, t, next);
   double cosine = along / sqrt(km_continuation_dot(c, t, t) * km_continuation_dot(c, next, next));
-  return evidence.correction <= terms->most_correction && cosine >= terms->least_cosine ? KM_STEP_TAKEN : KM_STEP_BENT;
+  return evidence.correction <= terms->most_correction && cosine >= terms->least_cosine ? KM_STEP_ACCEPTED
+                                                                                        : KM_STEP_TOO_LONG;
 }
 
 int km_continuation_limit(const km_continuation *c, double h) {
@@ -185,7 +186,7 @@ int km_continuation_limit(const km_continuation *c, double h) {
 
 /* The last step becomes an older one before a step of h; returns the tangent that is given up. On the way back the
  * same poses come again. */
-static double *grow_older(km_course *course, double h, bool alone) {
+static double *grow_older(km_step_history *course, double h, bool alone) {
   if (alone || course->last_h == 0.0 || h * course->last_h < 0.0) {
     course->older_count = 0;
     return course->last_t;
@@ -203,7 +204,7 @@ static double *grow_older(km_course *course, double h, bool alone) {
 
 /* The last move joins those that are right to the last digit. */
 static void grow_moves(km_continuation *c, double h) {
-  km_course *course = &c->course;
+  km_step_history *course = &c->course;
   double *move = course->moves[KM_CURVE_MOVES - 1], *rest = c->next_rest;
   for (int i = KM_CURVE_MOVES - 1; i > 0; --i)
     course->moves[i] = course->moves[i - 1];
@@ -216,7 +217,7 @@ static void grow_moves(km_continuation *c, double h) {
 }
 
 void km_continuation_accept(km_continuation *c, double h) {
-  km_course *course = &c->course;
+  km_step_history *course = &c->course;
   bool alone = km_partition_freedom(&c->state->partition[c->substructure]) <= 1;
   double *spare = grow_older(course, h, alone);
   km_state_difference(c->state, km_continuation_sub(c), c->from, course->last_move);
@@ -231,7 +232,7 @@ void km_continuation_accept(km_continuation *c, double h) {
   km_partition_copy_pivots(&course->reference, &c->state->partition[c->substructure]);
 }
 
-void km_continuation_refuse(km_continuation *c) {
+void km_continuation_reject(km_continuation *c) {
   km_state_restore(c->state, km_continuation_sub(c), c->from);
   km_state_forget_pivots(c->state, c->substructure);
 }

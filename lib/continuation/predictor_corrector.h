@@ -25,7 +25,7 @@ static const double km_continuation_agreement = 1e-3;
 enum { KM_OLDER_STEPS = 3 };
 
 /* What the next step depends on, beside the pose. */
-typedef struct km_course {
+typedef struct km_step_history {
   double *t;                       /* [columns] the present tangent, per unit of the parameter */
   double *last_t, *last_move;      /* [columns] tangent where the last step began, and the step */
   double last_h;                   /* its length in the parameter; 0: there is none */
@@ -37,7 +37,7 @@ typedef struct km_course {
   double *rest, *moves[KM_CURVE_MOVES]; /* [columns] */
   int equal_count;                      /* last steps that are as long as each other, so many at most */
   km_partition reference;               /* pivots of the present pose, to compare signs with */
-} km_course;
+} km_step_history;
 
 typedef struct km_continuation {
   const km_mechanism *mechanism;
@@ -45,12 +45,12 @@ typedef struct km_continuation {
   int substructure;
   int coordinate, column; /* the driver; KM_NO_DRIVER: the parameter is the arc length |D q| */
   bool ignore_limits;
-  km_course course;
-  double *next_t, *move; /* [columns] tangent of the pose that was tried last, and the way to it */
-  double *next_rest;     /* [columns] Newton's step that was left undone there */
-  double *from;          /* saved pose where the step begins */
-  km_steady steady;      /* where the mechanism shakes all along the motion */
-  double *work;          /* [columns] */
+  km_step_history course;
+  double *next_t, *move;   /* [columns] tangent of the pose that was tried last, and the way to it */
+  double *next_rest;       /* [columns] Newton's step that was left undone there */
+  double *from;            /* saved pose where the step begins */
+  km_constant_rank steady; /* where the mechanism shakes all along the motion */
+  double *work;            /* [columns] */
 } km_continuation;
 
 /* What a step has to keep to. */
@@ -62,14 +62,14 @@ typedef struct km_step_terms {
   bool leaves_end;        /* it leads back from a located end, where pivots found anew may show a singular pose */
 } km_step_terms;
 
-typedef enum km_step_fate {
-  KM_STEP_TAKEN,
-  KM_STEP_OPEN, /* the loops don't close there, or the pose is singular */
-  KM_STEP_BENT  /* too long for the curve */
-} km_step_fate;
+typedef enum km_step_outcome {
+  KM_STEP_ACCEPTED,
+  KM_STEP_OPEN,    /* the loops don't close there, or the pose is singular */
+  KM_STEP_TOO_LONG /* too long for the curve */
+} km_step_outcome;
 
-bool km_course_reserve(km_course *course, const km_continuation *continuation, km_arena *arena);
-void km_course_copy(km_course *to, const km_course *from, int columns); /* into arrays of its own */
+bool km_step_history_reserve(km_step_history *course, const km_continuation *continuation, km_arena *arena);
+void km_step_history_copy(km_step_history *to, const km_step_history *from, int columns); /* into arrays of its own */
 /* For the mechanism, state and substructure that are set. */
 bool km_continuation_reserve(km_continuation *continuation, km_arena *arena);
 
@@ -80,7 +80,7 @@ static inline const km_substructure *km_continuation_sub(const km_continuation *
 double km_continuation_dot(const km_continuation *continuation, const double *a, const double *b);
 
 /* Has the motion just one freedom, of so many that first order allows? */
-static inline bool km_continuation_is_alone(const km_continuation *c, int freedom) {
+static inline bool km_continuation_has_single_freedom(const km_continuation *c, int freedom) {
   return c->steady.on ? c->steady.count == 1 : freedom <= 1;
 }
 
@@ -90,7 +90,7 @@ static inline bool km_continuation_is_alone(const km_continuation *c, int freedo
 bool km_continuation_tangent(km_continuation *continuation, const double *along, double *t);
 
 /* Forgets the steps that led here. */
-void km_course_begin(km_course *course, int columns);
+void km_step_history_begin(km_step_history *course, int columns);
 
 /* Into `move`, from a regular pose. A motion of one freedom: the cubic through the last two poses and their tangents,
  * continued by h; after eight steps as long as h the polynomial of degree ten through nine poses, where the two agree: it
@@ -98,13 +98,13 @@ void km_course_begin(km_course *course, int columns);
  * second serves. Without a last step, or far beyond it, the tangent. */
 void km_continuation_predict(km_continuation *continuation, double h, bool alone);
 /* Goes by `move`, closes the loops and finds next_t. Leaves the state where it ended. */
-km_step_fate km_continuation_correct(km_continuation *continuation, const km_step_terms *terms);
+km_step_outcome km_continuation_correct(km_continuation *continuation, const km_step_terms *terms);
 /* The coordinate whose limit the step just tried passes or touches on its way; -1: none. */
 int km_continuation_limit(const km_continuation *continuation, double h);
 /* The step just tried becomes the last one; next_t the present tangent. */
 void km_continuation_accept(km_continuation *continuation, double h);
 /* Back to where the step began. */
-void km_continuation_refuse(km_continuation *continuation);
+void km_continuation_reject(km_continuation *continuation);
 /* Gives the driver a value, scaled. */
 void km_continuation_place(km_continuation *continuation, double parameter);
 

@@ -65,12 +65,12 @@ static void weigh_highest(weights *w) {
   }
 }
 
-static double *node(const km_drive *d, int i) {
-  return d->bridge.nodes + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)km_drive_driven(d)->columns;
+static double *node(const km_driver_motion *d, int i) {
+  return d->bridge.nodes + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)km_driver_motion_substructure(d)->columns;
 }
 
-static double *tangent(const km_drive *d, int i) {
-  return d->bridge.tangents + (size_t)i * (size_t)km_drive_driven(d)->columns;
+static double *tangent(const km_driver_motion *d, int i) {
+  return d->bridge.tangents + (size_t)i * (size_t)km_driver_motion_substructure(d)->columns;
 }
 
 /* The rate of a ball's rotation vector v, with exp(v) from a configuration to the present one, from the angular
@@ -85,8 +85,8 @@ static void rotation_vector_rate(const double *v, double *rate) {
 }
 
 /* Computes sum_i of the weights times q_i - q and h t_i, q the saved configuration `base`. The state is overwritten. */
-static void combine(km_drive *d, const weights *w, const double *base, double *sum) {
-  const km_substructure *sub = km_drive_driven(d);
+static void combine(km_driver_motion *d, const weights *w, const double *base, double *sum) {
+  const km_substructure *sub = km_driver_motion_substructure(d);
   const km_mechanism *m = d->c.mechanism;
   double *move = d->c.work, *rate = d->c.next_t;
   memset(sum, 0, (size_t)sub->columns * sizeof *sum);
@@ -106,25 +106,25 @@ static void combine(km_drive *d, const weights *w, const double *base, double *s
 /* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that
  * closing leaves undone (km_settled, 1e-9); and the loops' error (km_closed) over the smallest pivot, times the
  * largest weight, below 100. */
-static double allowed(const km_drive *d) {
+static double allowed(const km_driver_motion *d) {
   static const double rounding = 1e-9;
   const double h = d->bridge.h;
   return fabs(h * h * h * h * h) + rounding + 100.0 * km_closed / d->bridge.smallest_pivot;
 }
 
 /* True if the nodes lie on one smooth curve. */
-static bool is_smooth(km_drive *d) {
+static bool is_smooth(km_driver_motion *d) {
   double largest = 0.0;
   weights w;
   weigh_highest(&w);
   combine(d, &w, node(d, 0), d->c.move);
-  for (int k = 0; k < km_drive_driven(d)->columns; ++k)
+  for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
     largest = km_larger_or_nan(fabs(d->c.move[k]), largest);
   return largest <= allowed(d);
 }
 
 /* Closes the loops with the driver fixed by the rows whose pivots stay away from 0 on the stretch. */
-static bool close_independent(km_drive *d, double *correction) {
+static bool close_independent(km_driver_motion *d, double *correction) {
   static const double independent = 1e-5; /* relative pivot: those at the ends of the stretch are larger */
   km_partition *p = &d->c.state->partition[d->c.substructure];
   const double kept = p->blunt;
@@ -132,18 +132,18 @@ static bool close_independent(km_drive *d, double *correction) {
   int worst;
   km_state_forget_pivots(d->c.state, d->c.substructure);
   p->blunt = km_larger(independent, kept);
-  km_close_held(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
+  km_close_with_driver(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
   p->blunt = kept;
   *correction = evidence.correction;
   km_state_forget_pivots(d->c.state, d->c.substructure);
-  km_loops_update(d->c.mechanism, d->c.state, km_drive_driven(d));
-  return km_loops_residual(d->c.mechanism, d->c.state, km_drive_driven(d), &worst) <=
-         km_larger(km_drive_closed, d->c.mechanism->closure_tolerance);
+  km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
+  return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d), &worst) <=
+         km_larger(km_driver_motion_closed, d->c.mechanism->closure_tolerance);
 }
 
 /* Puts the drive at s; *correction is how far the closed configuration is from the interpolated one. */
-static bool place(km_drive *d, double s, double *correction) {
-  const km_substructure *sub = km_drive_driven(d);
+static bool place(km_driver_motion *d, double s, double *correction) {
+  const km_substructure *sub = km_driver_motion_substructure(d);
   const double u = (s - d->bridge.c) / d->bridge.h;
   weights value, derivative;
   weigh(u, &value, &derivative);
@@ -164,41 +164,41 @@ static bool place(km_drive *d, double s, double *correction) {
   d->c.course.t[d->c.column] = 1.0;
   km_state_restore(d->c.state, sub, d->near);
   km_loops_update(d->c.mechanism, d->c.state, sub);
-  km_course_begin(&d->c.course, sub->columns);
+  km_step_history_begin(&d->c.course, sub->columns);
   d->here.s = s;
   d->here.known = true;
   d->here.bridge = d->bridge.number;
   return true;
 }
 
-bool km_drive_place_on_bridge(km_drive *d, double s) {
+bool km_singular_bridge_place(km_driver_motion *d, double s) {
   double correction;
   return place(d, s, &correction);
 }
 
-bool km_drive_is_on_bridge(const km_drive *d, double s) {
-  const km_drive_bridge *b = &d->bridge;
+bool km_singular_bridge_is_active(const km_driver_motion *d, double s) {
+  const km_singular_bridge *b = &d->bridge;
   return d->here.bridge > 0 && d->here.bridge == b->number &&
          fabs(s - b->c) < place_of[KM_BRIDGE_NODES - 1] * fabs(b->h);
 }
 
-bool km_drive_leave_bridge(km_drive *d, double target) {
+bool km_singular_bridge_leave(km_driver_motion *d, double target) {
   const int end = (target > d->here.s) == (d->bridge.h > 0.0) ? KM_BRIDGE_NODES - 1 : 0;
-  km_state_restore(d->c.state, km_drive_driven(d), node(d, end));
+  km_state_restore(d->c.state, km_driver_motion_substructure(d), node(d, end));
   d->here.s = d->bridge.c + place_of[end] * d->bridge.h;
   d->here.bridge = 0;
-  return km_drive_start(d);
+  return km_driver_motion_start(d);
 }
 
 /* Goes to s by controlled steps of at most `most`. */
-static bool go(km_drive *d, double s, double most) {
+static bool go(km_driver_motion *d, double s, double most) {
   enum { MOST_ATTEMPTS = 100 };
   static const double no_step = 1e-9;
   int limit = -1;
   double step = most;
   for (int i = 0; i < MOST_ATTEMPTS && step > no_step && d->here.s != s; ++i) {
-    double left = s - d->here.s, h = fabs(left) <= step * km_drive_reach ? left : copysign(step, left);
-    bool taken = km_drive_advance(d, h, km_drive_tightness, &limit) == KM_ATTEMPT_ACCEPTED;
+    double left = s - d->here.s, h = fabs(left) <= step * km_driver_motion_reach ? left : copysign(step, left);
+    bool taken = km_driver_motion_advance(d, h, km_driver_motion_tightness, &limit) == KM_ATTEMPT_ACCEPTED;
     if (taken && h == left) {
       d->here.s = s;
       km_continuation_place(&d->c, s);
@@ -209,7 +209,7 @@ static bool go(km_drive *d, double s, double most) {
 }
 
 /* The nodes around c, from a regular configuration before it. */
-static bool find_nodes(km_drive *d, double c, double h) {
+static bool find_nodes(km_driver_motion *d, double c, double h) {
   int limit = -1;
   d->bridge.c = c;
   d->bridge.h = h;
@@ -217,16 +217,16 @@ static bool find_nodes(km_drive *d, double c, double h) {
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
     double s = c + place_of[i] * h;
     d->passing = 2 * i == KM_BRIDGE_NODES;
-    bool there = d->passing
-                     ? km_drive_advance(d, s - d->here.s, km_drive_crossing_tightness, &limit) == KM_ATTEMPT_ACCEPTED
-                     : go(d, s, fabs(h));
+    bool there = d->passing ? km_driver_motion_advance(d, s - d->here.s, km_driver_motion_crossing_tightness, &limit) ==
+                                  KM_ATTEMPT_ACCEPTED
+                            : go(d, s, fabs(h));
     d->passing = false;
     if (!there)
       return false;
     d->here.s = s;
     km_continuation_place(&d->c, s);
-    km_state_save(d->c.state, km_drive_driven(d), node(d, i));
-    memcpy(tangent(d, i), d->c.course.t, (size_t)km_drive_driven(d)->columns * sizeof *d->c.course.t);
+    km_state_save(d->c.state, km_driver_motion_substructure(d), node(d, i));
+    memcpy(tangent(d, i), d->c.course.t, (size_t)km_driver_motion_substructure(d)->columns * sizeof *d->c.course.t);
     const km_partition *p = &d->c.state->partition[d->c.substructure];
     d->bridge.smallest_pivot = km_smaller(d->bridge.smallest_pivot, p->last_pivot / p->scale);
   }
@@ -236,33 +236,34 @@ static bool find_nodes(km_drive *d, double c, double h) {
 /* At a toggle the rates of others grow without bound: by so much, in radians or sizes of the substructure for each of
  * the driver's, at the distance at which an end is located. Where they don't, the mechanism is singular, but not there
  * that it turns back. */
-static bool is_toggle(const km_drive *d) {
+static bool is_toggle(const km_driver_motion *d) {
   static const double beyond_bounds = 1e3;
   double fastest = 0.0;
-  for (int k = 0; k < km_drive_driven(d)->columns; ++k)
+  for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
     fastest = km_larger_or_nan(fabs(d->c.course.t[k]), fastest);
   return !(fastest < beyond_bounds);
 }
 
-void km_drive_remember_place(km_drive *d, double h) {
+void km_singular_bridge_record(km_driver_motion *d, double h) {
   static const double long_enough = 5e-3;
   if (fabs(h) < long_enough)
     return;
-  km_state_save(d->c.state, km_drive_driven(d), d->regular.pose);
+  km_state_save(d->c.state, km_driver_motion_substructure(d), d->regular.pose);
   d->regular.s = d->here.s;
 }
 
 /* Back to a place before the singular configuration: the one that was remembered, else the present one. */
-static bool return_to_regular(km_drive *d) {
+static bool return_to_regular(km_driver_motion *d) {
   bool is_remembered = isfinite(d->regular.s);
-  km_state_restore(d->c.state, km_drive_driven(d), is_remembered ? d->regular.pose : d->before_bridge.pose);
+  km_state_restore(d->c.state, km_driver_motion_substructure(d),
+                   is_remembered ? d->regular.pose : d->before_bridge.pose);
   d->here.s = is_remembered ? d->regular.s : d->before_bridge.place.s;
-  return km_drive_start(d);
+  return km_driver_motion_start(d);
 }
 
 /* True if the loops close within `allowed` of the interpolant at seven places of |u| < 1. In a narrow gap between two
  * dead points, and on another branch, they don't. */
-static bool closes_within(km_drive *d) {
+static bool closes_within(km_driver_motion *d) {
   enum { PARTS = 8 };
   double correction;
   for (int i = 1; i < PARTS; ++i)
@@ -275,11 +276,11 @@ static bool closes_within(km_drive *d) {
  * curvature, have pivots of k h at the nodes, and the interpolant between them misses the motion by up to k h^2 / 80.
  * Branches that touch to a higher order lie closer together than that: they are told apart by the longest stretch, or
  * not at all. */
-static bool is_decisive(const km_drive *d) {
+static bool is_decisive(const km_driver_motion *d) {
   return allowed(d) < d->bridge.smallest_pivot * fabs(d->bridge.h) / 80.0;
 }
 
-bool km_drive_build_bridge(km_drive *d, double s, double side, double lead) {
+bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double lead) {
   static const double shortest = 1e-3, longest = 0.13, growth = 2.0;
   const bool ignore_limits = d->c.ignore_limits;
   const int crossings = d->here.crossings;
@@ -287,14 +288,14 @@ bool km_drive_build_bridge(km_drive *d, double s, double side, double lead) {
   if (is_toggle(d))
     return false;
   d->bridge.number = 0;
-  km_drive_keep(d, &d->before_bridge);
+  km_driver_motion_store(d, &d->before_bridge);
   d->c.ignore_limits = true;
   for (int pass = 0; pass < 2 && !built; ++pass)
     for (double h = shortest; h < longest && !built; h *= growth)
       built = return_to_regular(d) && find_nodes(d, s + lead * side * h, side * h) && (pass > 0 || is_decisive(d)) &&
               is_smooth(d) && closes_within(d);
   d->c.ignore_limits = ignore_limits;
-  km_drive_come_back(d, &d->before_bridge);
+  km_driver_motion_recall(d, &d->before_bridge);
   if (built) {
     d->bridge.number = ++d->bridge.count;
     d->here.bridge = d->bridge.number;

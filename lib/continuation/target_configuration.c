@@ -58,15 +58,15 @@ static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
   if (is_there(j, goal))
     return KM_OK;
   double way = goal->value - value_of(j, goal->coordinate);
-  if (km_branch_leave(j->mechanism, j->state, goal->coordinate, way).motions < 0)
+  if (km_branch_depart(j->mechanism, j->state, goal->coordinate, way).motions < 0)
     return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
-  km_drive *drive;
-  km_status status = km_drive_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);
+  km_driver_motion *drive;
+  km_status status = km_driver_motion_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);
   if (status)
     return status;
-  km_reach reach = km_drive_to(drive, goal->value);
-  km_drive_free(drive);
-  if (reach.stop == KM_STOP_GAVE_OUT)
+  km_motion_end reach = km_driver_motion_move_to(drive, goal->value);
+  km_driver_motion_free(drive);
+  if (reach.stop == KM_STOP_MAX_STEPS)
     return km_fail(error, KM_DIVERGED, "moving %s to %.9g gave out at %.9g: too many steps",
                    km_model_coordinate_label(j->model, goal->coordinate), goal->value, reach.position);
   return reach.stop && !is_within_tolerance(j, goal) ? unreachable(j, goal, reach.position, error) : KM_OK;
@@ -159,8 +159,9 @@ static km_status take_over(const km_mechanism *free, const km_state *there, cons
   return KM_OK;
 }
 
-km_status km_reach_pose_again(const km_mechanism *free, km_state *there, const km_hold *holds, int hold_count,
-                              const km_hold *sets, int set_count, km_mechanism **held, km_state **at, km_error *error) {
+km_status km_mechanism_recompile_at(const km_mechanism *free, km_state *there, const km_hold *holds, int hold_count,
+                                    const km_hold *sets, int set_count, km_mechanism **held, km_state **at,
+                                    km_error *error) {
   journey j = {free->model, free, there};
   km_state_restart(there);
   km_status status = km_assemble(free, there, NULL, error);
@@ -187,7 +188,7 @@ static km_status travel(const km_model *model, const km_hold *holds, int hold_co
   if (!status)
     status = km_state_create(free, &there, error);
   if (!status)
-    status = km_reach_pose_again(free, there, holds, hold_count, sets, set_count, mechanism, state, error);
+    status = km_mechanism_recompile_at(free, there, holds, hold_count, sets, set_count, mechanism, state, error);
   if (!status && hold_count == 0) {
     *mechanism = free;
     *state = there;
@@ -206,8 +207,8 @@ static km_status check_goals(const km_model *model, const km_hold *goals, int co
   return status;
 }
 
-km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets, int set_count,
-                        km_mechanism **mechanism, km_state **state, km_error *error) {
+km_status km_mechanism_compile_at(const km_model *model, const km_hold *holds, int hold_count, const km_hold *sets,
+                                  int set_count, km_mechanism **mechanism, km_state **state, km_error *error) {
   if (!mechanism || !state)
     return km_check_given(false, "place for the result", error);
   *mechanism = NULL;
@@ -229,7 +230,7 @@ km_status km_reach_pose(const km_model *model, const km_hold *holds, int hold_co
   return status;
 }
 
-km_status km_state_reach(const km_mechanism *m, km_state *s, const km_hold *sets, int set_count, km_error *error) {
+km_status km_state_move_to(const km_mechanism *m, km_state *s, const km_hold *sets, int set_count, km_error *error) {
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = check_goals(m->model, sets, set_count, "values", error);

@@ -41,7 +41,7 @@ void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_t
     km_text_add(out, ", at this pose only");
 }
 
-void km_idle_statement(const km_mechanism *m, const km_idle_freedom *idle, km_text *out) {
+void km_passive_freedom_statement(const km_mechanism *m, const km_passive_freedom *idle, km_text *out) {
   km_text_add(out, idle->body_count > 1 ? "bodies" : "body");
   for (int i = 0; i < idle->body_count; ++i)
     km_text_format(out, " %s", m->model->bodies[idle->bodies[i]].name);

@@ -6,7 +6,7 @@
 #include "kmech/mobility.h"
 
 /* One idle freedom: which bodies move in place, between which joints. */
-void km_idle_statement(const km_mechanism *mechanism, const km_idle_freedom *idle, km_text *out);
+void km_passive_freedom_statement(const km_mechanism *mechanism, const km_passive_freedom *idle, km_text *out);
 /* How many are out of the plane of planar loops, of one substructure or (-1) of all. */
 int km_redundancies_out_of_plane(const km_redundancies *redundancies, int substructure);
 /* One redundancy: which loop, what is constrained twice, where. */

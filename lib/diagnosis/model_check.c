@@ -44,7 +44,7 @@ static void add(km_findings *f, km_finding_severity severity, const char *kind, 
 
 static void check_reader(const km_messages *messages, km_findings *f) {
   for (size_t i = 0; i < km_messages_count(messages); ++i)
-    add(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_REMARK : KM_FINDING_WARNING, "reader",
+    add(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_HINT : KM_FINDING_WARNING, "reader",
         "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
 }
 
@@ -53,8 +53,8 @@ static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
   f->store->failed = f->store->failed || !notes;
   km_geometry_notes(m, s, notes);
   for (size_t i = 0; i < km_messages_count(notes); ++i)
-    add(f, KM_FINDING_REMARK, "geometry", "harmless for the motion; move a frame along its axis to state one point",
-        "%s", km_messages_text(notes, i));
+    add(f, KM_FINDING_HINT, "geometry", "harmless for the motion; move a frame along its axis to state one point", "%s",
+        km_messages_text(notes, i));
   km_messages_free(notes);
 }
 
@@ -69,7 +69,7 @@ static void check_planar(const km_mechanism *m, const km_redundancies *redundanc
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     int count = km_redundancies_out_of_plane(redundancies, i);
     if (count)
-      add(f, KM_FINDING_REMARK, "redundant", "harmless where parts are exact or soft; kmob info --verbose names them",
+      add(f, KM_FINDING_HINT, "redundant", "harmless where parts are exact or soft; kmob info --verbose names them",
           "%d constraint%s out of the plane of the planar loops of substructure %d %s redundant by nature", count,
           count == 1 ? "" : "s", i + 1, count == 1 ? "is" : "are");
   }
@@ -87,15 +87,15 @@ static void check_redundancies(const km_mechanism *m, const km_redundancies *red
                      m->model->joints[r->remedies[0].joint].label, r->remedies[0].to);
     else
       km_text_add(&advice, "harmless where parts are exact or soft; else loosen a joint of the loop");
-    add(f, KM_FINDING_REMARK, "redundant", kept(&advice, f), "%s", kept(&text, f));
+    add(f, KM_FINDING_HINT, "redundant", kept(&advice, f), "%s", kept(&text, f));
   }
 }
 
-static void check_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_findings *f) {
+static void check_idle(const km_mechanism *m, const km_passive_freedoms *idle, km_findings *f) {
   for (int i = 0; i < idle->count; ++i) {
     km_text text = {0};
-    km_idle_statement(m, &idle->items[i], &text);
-    add(f, KM_FINDING_REMARK, "idle", "harmless; a universal joint instead of a ball takes the freedom away", "%s",
+    km_passive_freedom_statement(m, &idle->items[i], &text);
+    add(f, KM_FINDING_HINT, "idle", "harmless; a universal joint instead of a ball takes the freedom away", "%s",
         kept(&text, f));
   }
 }
@@ -283,12 +283,12 @@ static bool is_used_in_place(const km_model *model, const bool *used, int frame)
   return false;
 }
 
-static void use_port(const km_port *port, bool *used) {
-  if (port->coordinate == KM_PORT_FRAMES)
+static void use_port(const km_module_port *port, bool *used) {
+  if (port->coordinate == KM_MODULE_PORT_FRAMES)
     used[port->frame[0]] = used[port->frame[1]] = true;
 }
 
-static void use_handle(const km_model_handle *handle, bool *used) {
+static void use_handle(const km_model_port *handle, bool *used) {
   if (handle->frame >= 0)
     used[handle->frame] = true;
 }
@@ -313,7 +313,7 @@ static void check_frames(const km_model *model, km_findings *f) {
     find_used(model, used);
   for (int i = 0; used && i < model->frame_count; ++i)
     if (!used[i] && strcmp(model->frames[i].name, "origin") != 0 && !is_used_in_place(model, used, i))
-      add(f, KM_FINDING_REMARK, "unused-frame", "keep it for --point or views, or remove it",
+      add(f, KM_FINDING_HINT, "unused-frame", "keep it for --point or views, or remove it",
           "frame %s of body %s is used by no joint, no load and no force module", model->frames[i].name,
           model->bodies[model->frames[i].body].name);
 }
@@ -336,10 +336,10 @@ static void check_laws(const km_model *model, km_findings *f) {
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     if ((joint->stop.stiffness > 0.0 || joint->stop.damping > 0.0) && !has_limits(model, j))
-      add(f, KM_FINDING_REMARK, "stop", "give the joint limits, or remove the stop",
+      add(f, KM_FINDING_HINT, "stop", "give the joint limits, or remove the stop",
           "joint %s has a stop but no limits, so the stop never acts", joint->label);
     if (km_model_next_without_radius(model, j) == j)
-      add(f, KM_FINDING_REMARK, "friction", "give the radius at which its surfaces slide, or remove the coefficient",
+      add(f, KM_FINDING_HINT, "friction", "give the radius at which its surfaces slide, or remove the coefficient",
           "joint %s has a coefficient of friction but no radius, so that it turns without friction", joint->label);
   }
 }

@@ -123,7 +123,7 @@ km_status km_dynamics_bring(km_dynamics *d, km_state *s, km_error *error) {
     goals[i] = (km_hold){c, km_in_other_unit(motion[0], m->factor[c])};
     away = away || !(fabs(motion[0] - s->q[c]) * m->scale[c] <= near);
   }
-  km_status status = away ? km_state_reach(m, s, goals, count, error) : KM_OK;
+  km_status status = away ? km_state_move_to(m, s, goals, count, error) : KM_OK;
   km_free(goals);
   return status;
 }

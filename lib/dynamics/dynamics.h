@@ -83,7 +83,7 @@ km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state,
 km_dynamics_outcome km_dynamics_resolve(km_dynamics *dynamics, km_state *state);
 km_status km_dynamics_fail(const km_dynamics *dynamics, km_dynamics_outcome outcome, km_error *error);
 /* Moves the state along its branch to where the prescribed motions are at its time, if that is further than closing the loops goes:
- * the statuses of km_state_reach. */
+ * the statuses of km_state_move_to. */
 km_status km_dynamics_bring(km_dynamics *dynamics, km_state *state, km_error *error);
 /* Puts prescribed coordinates to their rates at the state's time, and to their values. */
 void km_dynamics_drive(km_dynamics *dynamics, km_state *state, bool position);

@@ -31,11 +31,11 @@ static double choose_step(const km_dynamics *d, const km_state *s, km_arena *are
   return fmax(step, least_step);
 }
 
-bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
+bool km_poise_take(const km_dynamics *d, const km_state *s, km_rest_pose *out) {
   const km_mechanism *m = d->mechanism;
   size_t n = (size_t)m->coordinate_count;
   int count = 0;
-  *out = (km_poise){0};
+  *out = (km_rest_pose){0};
   out->q = KM_ARENA_NEW(&out->arena, double, n);
   out->rate = KM_ARENA_NEW(&out->arena, double, n);
   out->ball = KM_ARENA_NEW(&out->arena, km_quaternion, (size_t)m->ball_count);
@@ -55,11 +55,11 @@ bool km_poise_take(const km_dynamics *d, const km_state *s, km_poise *out) {
   return true;
 }
 
-void km_poise_free(km_poise *poise) {
+void km_poise_free(km_rest_pose *poise) {
   km_arena_free(&poise->arena);
 }
 
-void km_poise_restore(const km_poise *poise, const km_mechanism *m, km_state *s) {
+void km_poise_restore(const km_rest_pose *poise, const km_mechanism *m, km_state *s) {
   memcpy(s->q, poise->q, (size_t)m->coordinate_count * sizeof *s->q);
   memcpy(s->rate, poise->rate, (size_t)m->coordinate_count * sizeof *s->rate);
   memcpy(s->ball, poise->ball, (size_t)m->ball_count * sizeof *s->ball);
@@ -77,7 +77,7 @@ void km_nudge(const km_mechanism *m, km_state *s, int c, double by) {
 }
 
 /* Accelerations of the independent coordinates at the state; false where an evaluation fails. */
-static bool accelerations(km_dynamics *d, km_state *s, const km_poise *p, double *out) {
+static bool accelerations(km_dynamics *d, km_state *s, const km_rest_pose *p, double *out) {
   if (km_dynamics_evaluate(d, s, false) != KM_DYNAMICS_DONE)
     return false;
   for (int i = 0; i < p->freedom; ++i)
@@ -88,7 +88,7 @@ static bool accelerations(km_dynamics *d, km_state *s, const km_poise *p, double
 typedef enum change { OF_POSE, OF_RATE, OF_FORCE } change;
 
 /* Adds to a coordinate's value, rate or force. */
-static void shift(km_dynamics *d, km_state *s, const km_poise *p, change what, int c, double by) {
+static void shift(km_dynamics *d, km_state *s, const km_rest_pose *p, change what, int c, double by) {
   km_poise_restore(p, d->mechanism, s);
   if (what == OF_POSE)
     km_nudge(d->mechanism, s, c, by);
@@ -99,7 +99,7 @@ static void shift(km_dynamics *d, km_state *s, const km_poise *p, change what, i
 }
 
 /* Central differences of the accelerations. work[2 freedom]. */
-static bool derivative(km_dynamics *d, km_state *s, const km_poise *p, change what, int c, double by, double *work,
+static bool derivative(km_dynamics *d, km_state *s, const km_rest_pose *p, change what, int c, double by, double *work,
                        double *out) {
   bool good = true;
   for (int side = 0; side < 2 && good; ++side) {
@@ -114,7 +114,7 @@ static bool derivative(km_dynamics *d, km_state *s, const km_poise *p, change wh
   return good;
 }
 
-bool km_stiffness_of_accelerations(km_dynamics *d, km_state *s, const km_poise *p, double *work, double *K) {
+bool km_stiffness_of_accelerations(km_dynamics *d, km_state *s, const km_rest_pose *p, double *work, double *K) {
   for (int k = 0; k < p->freedom; ++k)
     if (!derivative(d, s, p, OF_POSE, p->independent[k], p->step / d->mechanism->scale[p->independent[k]], work,
                     K + (size_t)k * (size_t)p->freedom))
@@ -138,7 +138,7 @@ static bool allocate(km_linear *out, int freedom, int coordinates) {
 }
 
 /* N of all clusters, into rows of coordinates. */
-static void take_N(const km_dynamics *d, const km_poise *p, km_linear *out) {
+static void take_N(const km_dynamics *d, const km_rest_pose *p, km_linear *out) {
   int column = 0;
   for (int i = 0; i < d->tree.cluster_count; ++i) {
     const km_cluster *cluster = &d->tree.clusters[i];
@@ -153,7 +153,7 @@ static void take_N(const km_dynamics *d, const km_poise *p, km_linear *out) {
 }
 
 /* A's columns of a coordinate and of its rate, by differences of `size` times the usual step. */
-static bool fill_columns(km_dynamics *d, km_state *s, const km_poise *p, size_t k, double size, double *work,
+static bool fill_columns(km_dynamics *d, km_state *s, const km_rest_pose *p, size_t k, double size, double *work,
                          double *A) {
   size_t f = (size_t)p->freedom, rows = 2 * f;
   int c = p->independent[k];
@@ -164,7 +164,7 @@ static bool fill_columns(km_dynamics *d, km_state *s, const km_poise *p, size_t 
 
 /* A by the independent coordinates and their rates, with steps of two sizes, of which `other` [4 freedom²] takes the
  * larger ones'; B by the forces: the equations are linear in these. */
-static bool fill(km_dynamics *d, km_state *s, const km_poise *p, double *work, km_linear *out, double *other) {
+static bool fill(km_dynamics *d, km_state *s, const km_rest_pose *p, double *work, km_linear *out, double *other) {
   const km_mechanism *m = d->mechanism;
   size_t f = (size_t)p->freedom, rows = 2 * f;
   bool good = true;
@@ -310,7 +310,7 @@ static km_status linearise(km_dynamics *d, km_state *s, km_linear *out, km_error
   km_status status = km_dynamics_accelerate(d, s, error);
   if (status)
     return status;
-  km_poise poise = {0};
+  km_rest_pose poise = {0};
   bool memory = km_poise_take(d, s, &poise);
   size_t f = (size_t)poise.freedom;
   double *work = KM_NEW(double, 2 * f + 1), *other = KM_NEW(double, 4 * f * f + 1);

@@ -99,7 +99,7 @@ static bool step_dependent(km_dynamics *d, km_state *s, int index) {
   if (!(size < longest))
     return false;
   km_state_move(d->mechanism, s, sub, d->step);
-  km_loops_update_anew(d->mechanism, s, sub);
+  km_loops_recompute(d->mechanism, s, sub);
   return true;
 }
 
@@ -141,7 +141,7 @@ static bool serves_drives(const km_dynamics *d, const km_partition *p, int index
 static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   km_partition *p = &s->partition[index];
-  km_loops_update_anew(d->mechanism, s, sub);
+  km_loops_recompute(d->mechanism, s, sub);
   bool served = s->pivoted[index] == KM_PRESCRIBED && serves_drives(d, p, index);
   if (!served && !search_pivots(d, s, index))
     return false;

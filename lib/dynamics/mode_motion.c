@@ -15,7 +15,7 @@ typedef struct shaking {
   km_dynamics *dynamics;
   km_state *state;
   const km_linear *linear;
-  km_poise poise;
+  km_rest_pose poise;
   int k, rows;
   km_linear_kind kind;
   double amplitude;

@@ -49,7 +49,7 @@ static bool newton_step(const double *K, const double *a, int f, double *x) {
 typedef struct search {
   km_dynamics *d;
   km_state *s;
-  km_poise poise; /* where the step began: freedom, independent coordinates, their accelerations */
+  km_rest_pose poise; /* where the step began: freedom, independent coordinates, their accelerations */
   double *K, *x, *work;
   double reach;    /* no step is longer, scaled */
   double foretold; /* the largest acceleration that the step should have left, scaled; 0: it wasn't shortened */
@@ -70,7 +70,7 @@ static void forget(search *e) {
   km_free(e->K);
   km_free(e->x);
   km_free(e->work);
-  e->poise = (km_poise){0};
+  e->poise = (km_rest_pose){0};
   e->K = e->x = e->work = NULL;
 }
 

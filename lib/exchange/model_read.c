@@ -104,8 +104,8 @@ km_status km_model_read_varied(const char *bytes, size_t size, const char *file,
                           out, error);
 }
 
-km_status km_model_load_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
-                           km_error *error) {
+km_status km_model_read_file_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
+                                km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
@@ -123,12 +123,12 @@ km_status km_model_load_as(const char *path, const km_read_def *def, km_messages
   return status;
 }
 
-km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count, km_messages *messages,
-                               km_model **out, km_error *error) {
-  return km_model_load_as(path, &(km_read_def){.assignments = assignments, .assignment_count = count}, messages, out,
-                          error);
+km_status km_model_read_file_varied(const char *path, const km_assignment *assignments, int count,
+                                    km_messages *messages, km_model **out, km_error *error) {
+  return km_model_read_file_as(path, &(km_read_def){.assignments = assignments, .assignment_count = count}, messages,
+                               out, error);
 }
 
-km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error) {
-  return km_model_load_as(path, &(km_read_def){0}, messages, out, error);
+km_status km_model_read_file(const char *path, km_messages *messages, km_model **out, km_error *error) {
+  return km_model_read_file_as(path, &(km_read_def){0}, messages, out, error);
 }

@@ -111,7 +111,7 @@ void km_loads_add(const km_mechanism *m, km_forces *f) {
   }
 }
 
-void km_forces_update(const km_mechanism *m, const km_state *s, km_forces *f) {
+void km_forces_compute(const km_mechanism *m, const km_state *s, km_forces *f) {
   if (!f || f->mechanism != m || !km_state_fits(m, s))
     return;
   f->origin = km_poses_nearby(m, s, f->pose);

@@ -17,7 +17,7 @@ struct km_forces {
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
   struct km_moving_forces *moving; /* what acts beside them while the mechanism moves; NULL in statics */
-  /* At the last pose, by km_forces_update. Wrenches along the inertial axes, moments about `origin`. */
+  /* At the last pose, by km_forces_compute. Wrenches along the inertial axes, moments about `origin`. */
   km_vec3 origin;     /* near the mechanism: far from the inertial origin digits would be lost */
   km_pose *pose;      /* [body] in the inertial frame moved to `origin` */
   km_twist *twist;    /* [body] about `origin`; 0 in statics */
@@ -44,7 +44,8 @@ typedef struct km_line {
   km_vec3 from, to, along; /* unit vector */
   double displacement, rate;
 } km_line;
-km_line km_line_of(const km_mechanism *mechanism, const km_forces *forces, const km_port *port, km_distance distance);
+km_line km_line_of(const km_mechanism *mechanism, const km_forces *forces, const km_module_port *port,
+                   km_distance distance);
 /* d|q|/dq of a strut's coordinate, whose length is |q|: 1, or -1 where its ends have passed each other; 1 for other coordinates. */
 double km_length_sense(const km_mechanism *mechanism, const km_state *state, int coordinate);
 /* What a module measures: a coordinate (of a strut its length), or a displacement between frames; and its rate. */

@@ -9,7 +9,7 @@ static void touch(km_moving_forces *out, bool *seen, int body) {
   seen[body] = true;
 }
 
-static void touch_port(const km_model *model, km_moving_forces *out, bool *seen, const km_port *port) {
+static void touch_port(const km_model *model, km_moving_forces *out, bool *seen, const km_module_port *port) {
   for (int side = 0; side < 2 && port->coordinate < 0; ++side)
     touch(out, seen, model->frames[port->frame[side]].body);
 }

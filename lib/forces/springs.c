@@ -73,7 +73,7 @@ km_status km_springs_gather(const km_model *model, km_forces *f, km_error *error
   return f->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the springs") : KM_OK;
 }
 
-km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_port *port, km_distance distance) {
+km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_module_port *port, km_distance distance) {
   const km_model_frame *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
   km_pose A = km_pose_product(&f->pose[a->body], &a->pose);
   km_line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
@@ -132,7 +132,7 @@ double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, co
 
 /* Does it act where it measures? A ball's coordinate isn't what its torque turns by: work depends on the way then. */
 static bool stores(const km_mechanism *m, const km_model_module *module) {
-  const km_port *in = &module->input, *out = &module->output;
+  const km_module_port *in = &module->input, *out = &module->output;
   if (in->coordinate >= 0 || out->coordinate >= 0)
     return in->coordinate == out->coordinate && m->ball_of[in->coordinate] < 0;
   return in->frame[0] == out->frame[0] && in->frame[1] == out->frame[1];

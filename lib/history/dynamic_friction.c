@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-struct km_rubbing {
+struct km_dynamic_friction {
   km_arena arena;
   km_dynamics *dynamics;
   km_statics statics;
@@ -29,7 +29,7 @@ static double coefficient_of(const km_mechanism *m, const km_state *s, int c) {
 }
 
 /* What every joint carries at the present accelerations. */
-static void find_reactions(km_rubbing *w, km_state *s) {
+static void find_reactions(km_dynamic_friction *w, km_state *s) {
   km_dynamics *d = w->dynamics;
   for (int c = 0; c < d->mechanism->coordinate_count; ++c)
     w->driving[c] = d->driven[c] ? km_dynamics_driving_force(d, s, c) : 0.0;
@@ -38,7 +38,7 @@ static void find_reactions(km_rubbing *w, km_state *s) {
 }
 
 /* The friction along every coordinate at the present reactions; false where a thread jams. */
-static bool sum_friction(km_rubbing *w, const km_state *s) {
+static bool sum_friction(km_dynamic_friction *w, const km_state *s) {
   const km_mechanism *m = w->dynamics->mechanism;
   for (int i = 0; i < w->count; ++i) {
     int c = w->surface[i].coordinate;
@@ -53,7 +53,7 @@ static bool sum_friction(km_rubbing *w, const km_state *s) {
 }
 
 static km_dynamics_outcome press(void *context, km_state *s) {
-  km_rubbing *w = context;
+  km_dynamic_friction *w = context;
   km_dynamics *d = w->dynamics;
   double *pressed = d->forces->moving->pressed;
   for (int round = 0; round < MOST_ROUNDS; ++round) {
@@ -75,7 +75,7 @@ static km_dynamics_outcome press(void *context, km_state *s) {
   return KM_DYNAMICS_JAMMED;
 }
 
-static bool reserve(km_rubbing *w) {
+static bool reserve(km_dynamic_friction *w) {
   const km_mechanism *m = w->dynamics->mechanism;
   size_t n = (size_t)m->coordinate_count;
   w->surface = KM_ARENA_NEW(&w->arena, km_surface, 2 * n);
@@ -99,12 +99,12 @@ static bool rubs(const km_mechanism *m) {
   return false;
 }
 
-km_status km_rubbing_create(km_dynamics *d, km_rubbing **out, km_error *error) {
+km_status km_dynamic_friction_create(km_dynamics *d, km_dynamic_friction **out, km_error *error) {
   static const int none[1] = {0};
   *out = NULL;
   if (!rubs(d->mechanism))
     return KM_OK;
-  km_rubbing *w = KM_NEW(km_rubbing, 1);
+  km_dynamic_friction *w = KM_NEW(km_dynamic_friction, 1);
   if (!w)
     return km_fail(error, KM_MEMORY, "out of memory for the friction");
   w->dynamics = d;
@@ -112,13 +112,13 @@ km_status km_rubbing_create(km_dynamics *d, km_rubbing **out, km_error *error) {
   if (!status && !reserve(w))
     status = km_fail(error, KM_MEMORY, "out of memory for the friction");
   if (status)
-    km_rubbing_free(w);
+    km_dynamic_friction_free(w);
   else
     *out = w;
   return status;
 }
 
-void km_rubbing_free(km_rubbing *w) {
+void km_dynamic_friction_free(km_dynamic_friction *w) {
   if (!w)
     return;
   w->dynamics->forces->moving->pressed = NULL;

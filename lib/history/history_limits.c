@@ -75,7 +75,7 @@ bool km_limits_crossed(km_limit_watch *w, const km_crossing_met *met) {
   return true;
 }
 
-void km_limits_hand_over(km_limit_watch *w, km_history *h) {
+void km_limits_report(km_limit_watch *w, km_history *h) {
   h->limits = w->limit;
   for (int i = 0; i < w->count; ++i)
     if (w->is_passed[i])

@@ -24,6 +24,6 @@ void km_limits_row(km_limit_watch *watch, const km_state *state);
 /* Takes a crossing of a limit; false: it is one of the caller's. */
 bool km_limits_crossed(km_limit_watch *watch, const km_crossing_met *met);
 /* Hands over the limits that were passed and frees the rest. */
-void km_limits_hand_over(km_limit_watch *watch, km_history *history);
+void km_limits_report(km_limit_watch *watch, km_history *history);
 
 #endif

@@ -287,7 +287,7 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
     return KM_OK;
   km_mobility mobility;
   km_state_copy(w->m, w->look, w->state);
-  km_status status = km_mobility_update(w->m, w->look, &mobility)
+  km_status status = km_mobility_compute(w->m, w->look, &mobility)
                          ? km_fail(error, KM_MEMORY, "out of memory for the mobility")
                          : KM_OK;
   if (!status && w->reactions)
@@ -347,16 +347,16 @@ km_status km_history_end(km_history_writer *w, km_status status, const km_error 
     km_fail(error, status, "%s", why->text);
   }
   hand_over_exceeded(w);
-  km_limits_hand_over(&w->limits, w->out);
+  km_limits_report(&w->limits, w->out);
   km_statics_free(&w->statics);
   km_state_free(w->look);
   km_simulation_free(w->simulation);
-  km_rubbing_free(w->rubbing);
+  km_dynamic_friction_free(w->rubbing);
   km_dynamics_free(w->dynamics);
   return status;
 }
 
-km_status km_history_check_frames(const km_mechanism *m, const km_followed_frame *frames, int count, km_error *error) {
+km_status km_history_check_frames(const km_mechanism *m, const km_traced_frame *frames, int count, km_error *error) {
   km_status status = km_check_list(frames, count, "frames", error);
   for (int i = 0; i < count && !status; ++i) {
     status = km_check_index(frames[i].frame, m->model->frame_count, "frame", error);

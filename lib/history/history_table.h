@@ -9,14 +9,14 @@
 /* Rows of a motion in the making. */
 typedef struct km_history_writer {
   const km_mechanism *m;
-  const km_followed_frame *frames;
+  const km_traced_frame *frames;
   int frame_count;
   bool reactions, mobility, shaking;
   km_axes axes;
   km_forces *forces;
   km_state *state, *look; /* `look`: a copy whose partitions may be searched */
   km_dynamics *dynamics;
-  km_rubbing *rubbing;
+  km_dynamic_friction *rubbing;
   km_simulation *simulation; /* NULL: the motion is known, and nothing is integrated */
   km_statics statics;
   double potential;     /* at the start */
@@ -39,7 +39,7 @@ km_status km_history_check(const km_mechanism *mechanism, const km_forces *force
                            const void *def, km_history *out, km_error *error);
 /* Hands over why a motion ended early (NULL: as it was asked to), and frees all but the result, the forces and the state. Returns `status`. */
 km_status km_history_end(km_history_writer *writer, km_status status, const km_error *why, km_error *error);
-km_status km_history_check_frames(const km_mechanism *mechanism, const km_followed_frame *frames, int count,
+km_status km_history_check_frames(const km_mechanism *mechanism, const km_traced_frame *frames, int count,
                                   km_error *error);
 
 #endif

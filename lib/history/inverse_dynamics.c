@@ -45,7 +45,7 @@ static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error
     status = km_dynamics_prescribe(w->dynamics, def->rates[i].coordinate,
                                    km_state_coordinate(s, def->rates[i].coordinate), def->rates[i].rate, error);
   if (!status)
-    status = km_rubbing_create(w->dynamics, &w->rubbing, error);
+    status = km_dynamic_friction_create(w->dynamics, &w->rubbing, error);
   for (int c = 0; c < w->m->coordinate_count; ++c)
     s->rate[c] = 0.0;
   if (!status)

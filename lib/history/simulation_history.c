@@ -27,9 +27,9 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
     return km_fail(error, KM_USAGE, "end %g; expected a time after the start at %g", def->until, def->start);
   if (!(def->every > 0.0) || !isfinite(def->every))
     return km_fail(error, KM_USAGE, "%g between rows; expected a positive time", def->every);
-  if ((def->until - def->start) / def->every > KM_MOST_SWEEP_STEPS)
+  if ((def->until - def->start) / def->every > KM_MAX_SWEEP_STEPS)
     return km_fail(error, KM_USAGE, "%g between rows up to %g; expected at most %d rows", def->every, def->until,
-                   KM_MOST_SWEEP_STEPS);
+                   KM_MAX_SWEEP_STEPS);
   double longest = def->simulation.max_step;
   if (longest > 0.0 && def->until + longest == def->until) /* time would stand still */
     return km_fail(error, KM_USAGE, "longest step %g; expected one that a time of %g can grow by", longest, def->until);
@@ -79,7 +79,7 @@ static km_status begin(km_history_writer *w, const km_history_def *def, km_error
   w->state->time = def->start;
   km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
   if (!status)
-    status = km_rubbing_create(w->dynamics, &w->rubbing, error);
+    status = km_dynamic_friction_create(w->dynamics, &w->rubbing, error);
   if (!status)
     status = start_rates(w, error);
   if (!status)

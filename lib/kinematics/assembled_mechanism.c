@@ -40,7 +40,7 @@ static double joints_apart(const km_mechanism *m) {
   place *places = KM_NEW(place, (size_t)count + 1);
   if (places && !km_state_create(m, &s, NULL) && !km_assemble(m, s, NULL, NULL)) {
     km_vec3 middle = {0, 0, 0};
-    km_poses_update(m, s);
+    km_poses_compute(m, s);
     for (int j = 0; j < count; ++j) {
       places[j].p = km_joint_pose(m, s, j).p;
       middle = km_vec3_add(middle, km_vec3_scale(1.0 / count, places[j].p));

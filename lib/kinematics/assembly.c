@@ -20,7 +20,7 @@ static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int in
 /* Least squares from where the state is, then Newton's method. */
 static km_closure_outcome relax_and_close(const km_mechanism *m, km_state *s, int index, km_closure *evidence,
                                           km_status *status, km_error *error) {
-  *status = km_relax(m, s, index, error);
+  *status = km_damped_least_squares(m, s, index, error);
   return *status ? KM_OPEN : close_fully(m, s, index, evidence);
 }
 

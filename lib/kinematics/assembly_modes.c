@@ -149,7 +149,7 @@ static bool make_canonical(search *f) {
 /* The mode that the state's configuration is; -1: a new one. */
 static int find_known(const search *f) {
   double size = sub_of(f)->size;
-  km_poses_update(f->m, f->s);
+  km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->count; ++i)
     if (km_is_same_mode(f->m, f->places, f->modes[i].place, f->s->pose, size, different))
       return i;
@@ -286,8 +286,8 @@ km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, in
   *out = (km_modes){0};
   km_state *state = NULL;
   km_status status = km_check_state(m, s, error);
-  if (!status && (starts < 0 || starts > KM_MOST_MODE_STARTS))
-    status = km_fail(error, KM_USAGE, "%d starts; expected 0 to %d", starts, KM_MOST_MODE_STARTS);
+  if (!status && (starts < 0 || starts > KM_MAX_MODE_STARTS))
+    status = km_fail(error, KM_USAGE, "%d starts; expected 0 to %d", starts, KM_MAX_MODE_STARTS);
   if (!status)
     status = check_driver(m, driver, error);
   if (!status)

@@ -128,13 +128,13 @@ km_vec3 km_poses_nearby(const km_mechanism *m, const km_state *s, km_pose *pose)
   return origin;
 }
 
-void km_poses_update_in(const km_mechanism *m, km_state *s, int substructure) {
+void km_poses_compute_in(const km_mechanism *m, km_state *s, int substructure) {
   const km_topology *t = &m->topology;
   for (int i = t->body_start[substructure]; i < t->body_start[substructure + 1]; ++i)
     update_body(m, s, &m->arcs[m->arc_of[t->body[i]]], s->pose);
 }
 
-void km_poses_update(const km_mechanism *m, km_state *s) {
+void km_poses_compute(const km_mechanism *m, km_state *s) {
   if (!km_state_fits(m, s))
     return;
   km_poses_about(m, s, (km_vec3){0, 0, 0}, s->pose);

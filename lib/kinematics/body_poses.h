@@ -6,14 +6,14 @@
 #include "kmech/mechanism.h"
 
 /* Twist of a body against the next one towards the inertial frame, expressed in the inertial frame and taken
- * at its origin, from the rates of all coordinates (radians, model's length). After km_poses_update. */
+ * at its origin, from the rates of all coordinates (radians, model's length). After km_poses_compute. */
 km_twist km_body_twist(const km_mechanism *mechanism, const km_state *state, int body, const double *rates);
 
 /* The bodies that a substructure carries, where its base stands; what hangs on them stays behind. */
-void km_poses_update_in(const km_mechanism *mechanism, km_state *state, int substructure);
+void km_poses_compute_in(const km_mechanism *mechanism, km_state *state, int substructure);
 
 /* The twist of a coordinate's unit rate, child against parent in the user's sense, in the inertial frame at its
- * origin; lengths in the model's unit. After km_poses_update. */
+ * origin; lengths in the model's unit. After km_poses_compute. */
 km_twist km_coordinate_twist(const km_mechanism *mechanism, const km_state *state, int coordinate);
 /* Poses of all bodies in the inertial frame moved to `origin`: near the mechanism they keep their digits.
  * pose[body count]. */

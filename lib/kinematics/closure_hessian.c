@@ -10,7 +10,7 @@ static bool is_before(const km_entry *a, const km_entry *b) {
   return a->side == b->side && a->step < b->step;
 }
 
-int km_loops_pairs(const km_mechanism *m, const km_substructure *sub, int *columns) {
+int km_loops_hessian_entries(const km_mechanism *m, const km_substructure *sub, int *columns) {
   int count = 0;
   for (int l = 0; l < sub->loop_count; ++l) {
     const km_loop *loop = &m->loops[m->loop_order[sub->loop_start + l]];
@@ -41,7 +41,7 @@ static double spatial_bend(const km_twist *a, const km_twist *b, km_vec3 place, 
          km_vec3_dot(km_vec3_make(wrench + 3), c.w);
 }
 
-/* One loop's pairs, in the order of km_loops_pairs; returns how many. */
+/* One loop's pairs, in the order of km_loops_hessian_entries; returns how many. */
 static int bend_loop(const km_mechanism *m, const km_state *s, const km_program *program, int l,
                      const double *multiplier, double *pair) {
   const km_loop *loop = &m->loops[l];
@@ -64,8 +64,8 @@ static int bend_loop(const km_mechanism *m, const km_state *s, const km_program 
   return count;
 }
 
-void km_loops_bends(const km_mechanism *m, const km_state *s, const km_substructure *sub, const double *multiplier,
-                    double *pair, double *own) {
+void km_loops_hessian(const km_mechanism *m, const km_state *s, const km_substructure *sub, const double *multiplier,
+                      double *pair, double *own) {
   memset(own, 0, (size_t)sub->columns * sizeof *own);
   for (int p = 0; p < sub->program_count; ++p) {
     const km_program *program = &m->programs[sub->program_start + p];

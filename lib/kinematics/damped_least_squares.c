@@ -23,7 +23,7 @@ static void go(const problem *p, const gsl_vector *x) {
   for (int k = 0; k < p->sub->columns; ++k)
     p->step[k] = gsl_vector_get(x, (size_t)k);
   km_state_move(p->mechanism, p->state, p->sub, p->step);
-  km_loops_update_anew(p->mechanism, p->state, p->sub);
+  km_loops_recompute(p->mechanism, p->state, p->sub);
 }
 
 static int residuals(const gsl_vector *x, void *data, gsl_vector *f) {
@@ -73,7 +73,7 @@ static km_status minimise(problem *p, km_error *error) {
   return status;
 }
 
-km_status km_relax(const km_mechanism *m, km_state *s, int substructure, km_error *error) {
+km_status km_damped_least_squares(const km_mechanism *m, km_state *s, int substructure, km_error *error) {
   const km_substructure *sub = &m->substructures[substructure];
   if (sub->columns == 0)
     return KM_OK;

@@ -6,6 +6,6 @@
 
 /* Levenberg-Marquardt (gsl_multifit_nlinear) on the substructure's errors, with a faint pull to the start.
  * Moves the state to where the errors are least; allocates. KM_MEMORY or KM_OK, converged or not. */
-km_status km_relax(const km_mechanism *mechanism, km_state *state, int substructure, km_error *error);
+km_status km_damped_least_squares(const km_mechanism *mechanism, km_state *state, int substructure, km_error *error);
 
 #endif

@@ -19,10 +19,10 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
   return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
 }
 
-/* Are the pivots at hand what this search would find? The sparse engine knows that itself (km_sparse_knows). */
+/* Are the pivots at hand what this search would find? The sparse engine knows that itself (km_sparse_has_factor). */
 static bool are_searched(const km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
-  const km_shown *shown = &s->shown[index];
+  const km_cached_configuration *shown = &s->shown[index];
   return !p->sparse && !p->failed && shown->known && shown->searched == shown->count &&
          shown->partition == p->edition && shown->driver == driver && shown->held == p->held &&
          shown->tolerance == tolerance;
@@ -30,7 +30,7 @@ static bool are_searched(const km_state *s, int index, int driver, double tolera
 
 static void remember_search(km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
-  km_shown *shown = &s->shown[index];
+  km_cached_configuration *shown = &s->shown[index];
   shown->searched = shown->count;
   shown->partition = p->edition;
   shown->driver = driver;
@@ -107,7 +107,7 @@ static bool reject_null(const km_mechanism *m, km_state *s, int index, int count
 }
 
 /* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
-void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start;
@@ -116,7 +116,7 @@ void km_least_step(const km_mechanism *m, km_state *s, int index, int driver, do
     return;
   bool by_rows = p->rank < count, done = reject_null(m, s, index, count, x);
   if (!done && p->waits) {
-    km_partition_refactor_whole(&s->partition[index], km_state_jacobian(s, sub));
+    km_partition_refactor_full_pattern(&s->partition[index], km_state_jacobian(s, sub));
     done = reject_null(m, s, index, count, x);
   }
   if (done) {
@@ -141,19 +141,19 @@ static bool project_driver(const km_mechanism *m, km_state *s, int index, int dr
   const km_substructure *sub = &m->substructures[index];
   memset(t, 0, (size_t)sub->columns * sizeof *t);
   t[driver] = 1.0;
-  km_least_step(m, s, index, KM_NO_DRIVER, t);
+  km_minimum_norm_step(m, s, index, KM_NO_DRIVER, t);
   double share = 1.0 - t[driver];
   for (int k = 0; k < sub->columns; ++k)
     t[k] = k == driver ? 1.0 : -t[k] / share;
   return share > 0.0;
 }
 
-void km_least_rates(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
+void km_minimum_norm_rates(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
   const km_partition *p = &s->partition[index];
   if (p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS && project_driver(m, s, index, driver, t))
     return;
   km_partition_direction(p, driver, t);
-  km_least_step(m, s, index, driver, t);
+  km_minimum_norm_step(m, s, index, driver, t);
 }
 
 void km_pivot_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
@@ -174,11 +174,11 @@ static bool takes_rows(const km_partition *p, int driver) {
   return p->rows_only || takes_many(p, motions_beside(p, driver));
 }
 
-bool km_pivots_wait(km_state *s, int index, int driver) {
+bool km_pivots_deferred(km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
-  if (!takes_rows(p, driver) || !km_partition_may_wait(p))
+  if (!takes_rows(p, driver) || !km_partition_may_defer(p))
     return false;
-  km_partition_wait(p);
+  km_partition_defer(p);
   return true;
 }
 
@@ -204,7 +204,7 @@ static void search(const km_mechanism *m, km_state *s, int index, int driver, do
  * the monitor waits for the pose that is found. */
 static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   if (residual < km_near_closed && s->pivoted[index] == driver &&
-      (km_pivots_wait(s, index, driver) || refactor(m, s, index, driver)))
+      (km_pivots_deferred(s, index, driver) || refactor(m, s, index, driver)))
     return;
   search(m, s, index, driver, residual);
 }
@@ -215,8 +215,8 @@ static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver,
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
   int count = motions_beside(p, driver);
-  return takes_rows(p, driver) && ((again && km_partition_least_again(p, weight, count, error, x)) ||
-                                   km_partition_least(p, km_state_jacobian(s, sub), weight, count, error, x));
+  return takes_rows(p, driver) && ((again && km_partition_minimum_norm_again(p, weight, count, error, x)) ||
+                                   km_partition_minimum_norm(p, km_state_jacobian(s, sub), weight, count, error, x));
 }
 
 /* The least x with J x = the loops' errors in the primary rows. Among many motions any other solution may be a long one, of which
@@ -234,7 +234,7 @@ static void solve_least(const km_mechanism *m, km_state *s, int index, int drive
     return;
   km_partition_solve(p, km_state_error(s, &m->substructures[index]), x);
   if (!p->rows_only)
-    km_least_step(m, s, index, driver, x);
+    km_minimum_norm_step(m, s, index, driver, x);
 }
 
 /* The next step into x; returns its largest entry. */
@@ -307,7 +307,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     if (i == 0 && driver < 0)
       km_loops_update(m, s, sub);
     else
-      km_loops_update_anew(m, s, sub);
+      km_loops_recompute(m, s, sub);
     evidence->iterations = i;
     evidence->residual = km_loops_residual(m, s, sub, &evidence->worst);
     if (!isfinite(evidence->residual))
@@ -343,13 +343,14 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
   if (driver < 0) /* poses of a driver are left at once */
-    km_loops_remember(m, s, &m->substructures[index]);
+    km_loops_cache(m, s, &m->substructures[index]);
   if (s->partition[index].waits)
     refactor(m, s, index, driver);
   return outcome;
 }
 
-km_closure_outcome km_close_held(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+km_closure_outcome km_close_with_driver(const km_mechanism *m, km_state *s, int index, int driver,
+                                        km_closure *evidence) {
   s->partition[index].held = true;
   km_closure_outcome outcome = km_loops_close(m, s, index, driver, evidence);
   s->partition[index].held = false;

@@ -40,10 +40,10 @@ km_closure_outcome km_loops_close(const km_mechanism *mechanism, km_state *state
  * coordinates close what they can, and the rest is left in the residual. Beside a branch point rows depend on each other so
  * nearly that the rounding of closed loops alone moves Newton: the first step that isn't shorter than the one before it ends
  * that. Pivots are kept for the next such call only. */
-km_closure_outcome km_close_held(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
-                                 km_closure *evidence);
+km_closure_outcome km_close_with_driver(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
+                                        km_closure *evidence);
 
-/* By km_loops_close or km_close_held, with the rank that the closed pose has: on the way there pivots of an open pose may have left
+/* By km_loops_close or km_close_with_driver, with the rank that the closed pose has: on the way there pivots of an open pose may have left
  * out a row. Leaves pivots of the closed pose, searched anew. */
 typedef km_closure_outcome (*km_closing)(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                          km_closure *evidence);
@@ -68,16 +68,16 @@ static inline bool km_pivots_are_whole(const km_partition *p) {
   return p->sparse && p->rank == p->rows;
 }
 
-/* The pivots at hand on the state's Jacobian as far as steps need them: see km_partition_wait. False, and nothing happens, where
+/* The pivots at hand on the state's Jacobian as far as steps need them: see km_partition_defer. False, and nothing happens, where
  * steps need more of them. */
-bool km_pivots_wait(km_state *state, int substructure, int driver);
+bool km_pivots_deferred(km_state *state, int substructure, int driver);
 
 /* x −= D⁻¹ Z Zᵀ D x over the null directions that leave the driver alone: what remains is the least step with
  * the same effect on the constraints and the driver. */
-void km_least_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
+void km_minimum_norm_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
 
 /* The rates t with J t = 0 and the driver's 1, least in |D t|, of a driver that is independent. */
-void km_least_rates(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *t);
+void km_minimum_norm_rates(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *t);
 
 /* (D a)·(D b) of two scaled steps. */
 double km_step_dot(const km_mechanism *mechanism, const km_substructure *sub, const double *a, const double *b);

@@ -190,13 +190,14 @@ static void update_couplings(const km_mechanism *m, km_state *s, const km_substr
 }
 
 /* Couplings also count held coordinates, which a saved pose leaves out: they are always found anew. */
-static bool are_shown(const km_mechanism *m, const km_state *s, const km_substructure *sub, const km_shown *shown) {
+static bool are_shown(const km_mechanism *m, const km_state *s, const km_substructure *sub,
+                      const km_cached_configuration *shown) {
   return shown->known && shown->numbers == m->edition && sub->coupling_count == 0 &&
          km_state_is_at(s, sub, shown->pose);
 }
 
-void km_loops_update_anew(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  km_shown *shown = &s->shown[sub - m->substructures];
+void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  km_cached_configuration *shown = &s->shown[sub - m->substructures];
   for (int i = 0; i < sub->program_count; ++i) {
     const km_program *program = &m->programs[sub->program_start + i];
     if (program->planar)
@@ -211,8 +212,8 @@ void km_loops_update_anew(const km_mechanism *m, km_state *s, const km_substruct
   shown->count++;
 }
 
-void km_loops_remember(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  km_shown *shown = &s->shown[sub - m->substructures];
+void km_loops_cache(const km_mechanism *m, km_state *s, const km_substructure *sub) {
+  km_cached_configuration *shown = &s->shown[sub - m->substructures];
   km_state_save(s, sub, shown->pose);
   shown->known = true;
   shown->numbers = m->edition;
@@ -221,11 +222,11 @@ void km_loops_remember(const km_mechanism *m, km_state *s, const km_substructure
 void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   if (are_shown(m, s, sub, &s->shown[sub - m->substructures]))
     return;
-  km_loops_update_anew(m, s, sub);
-  km_loops_remember(m, s, sub);
+  km_loops_recompute(m, s, sub);
+  km_loops_cache(m, s, sub);
 }
 
-void km_loops_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
+void km_loops_restore_cached(const km_mechanism *m, km_state *s, int index, const double *saved) {
   const km_substructure *sub = &m->substructures[index];
   km_state_restore(s, sub, saved);
   km_loops_update(m, s, sub);

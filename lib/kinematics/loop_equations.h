@@ -7,14 +7,14 @@
 /* At the state's coordinates: error screws e = log(X_a X_b⁻¹) of every loop (misfit), their independent rows
  * and the couplings' (error), and J (jacobian) with ė = J q̇ near e = 0; (163). Rows in each loop's motion space
  * about a point of the loop, lengths over the substructure's size. The state remembers the pose, and finds nothing again that it has
- * (km_shown). No allocation; O(steps + entries of J). */
+ * (km_cached_configuration). No allocation; O(steps + entries of J). */
 void km_loops_update(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 /* The same without asking or remembering: for steps on the way to a pose, each of which is another one. */
-void km_loops_update_anew(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
+void km_loops_recompute(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 /* Behind the last of these steps: the state remembers its pose, which they have led to. */
-void km_loops_remember(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
+void km_loops_cache(const km_mechanism *mechanism, km_state *state, const km_substructure *sub);
 /* Back to the coordinates that km_state_save has saved, with their errors and J; pivots are searched anew. */
-void km_loops_return(const km_mechanism *mechanism, km_state *state, int substructure, const double *saved);
+void km_loops_restore_cached(const km_mechanism *mechanism, km_state *state, int substructure, const double *saved);
 
 /* What a term of a coupling adds to its row, and the derivative by the scaled coordinate. */
 double km_term_value(const km_mechanism *mechanism, const km_state *state, const km_term *term, double *slope);
@@ -35,13 +35,13 @@ void km_loops_velocity_slopes(const km_mechanism *mechanism, km_state *state, co
 
 /* Pairs of columns by which a loop's rows bend: two joints on one side of it, the one before the other on the way out.
  * columns[2 · pairs], NULL: none; returns how many. Of mechanisms without ball joints. */
-int km_loops_pairs(const km_mechanism *mechanism, const km_substructure *sub, int *columns);
+int km_loops_hessian_entries(const km_mechanism *mechanism, const km_substructure *sub, int *columns);
 
 /* Σ multiplier_r ∂²e_r/∂x_i ∂x_j of closed loops, up to what vanishes along Jᵀ: ½ multiplier · ad(h_i) h_j
  * into pair[pairs], and of the couplings, which are sums of functions of single coordinates, into
  * own[columns]. Scaled as J, at the pose of the last km_loops_update. O(pairs). */
-void km_loops_bends(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
-                    const double *multiplier, double *pair, double *own);
+void km_loops_hessian(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
+                      const double *multiplier, double *pair, double *own);
 
 /* √(eᵀe/6) of the substructure's worst loop (235), coupling errors alike, and which loop that is (-1: a coupling
  * or none). Scaled. */

@@ -39,7 +39,7 @@ static bool follow(km_model *model, const km_hold *holds, int count, km_status *
   return status == KM_OK;
 }
 
-km_status km_model_take_pose(km_model *model, int index, km_error *error) {
+km_status km_model_apply_pose(km_model *model, int index, km_error *error) {
   km_status status = km_check_given(model != NULL, "model", error);
   if (!status)
     status = km_check_index(index, model->pose_count, "pose", error);

@@ -56,7 +56,7 @@ static int place_of(int64_t key, const int64_t *keys, int count) {
 }
 
 /* The places of the listed entries, and the pattern that they make. */
-static void compress(km_closest *c, const km_substructure *sub, const listing *l, int64_t *sorted) {
+static void compress(km_nearest_configuration *c, const km_substructure *sub, const listing *l, int64_t *sorted) {
   int count = 0, next = 0, entries = (int)sub->pattern.size;
   memcpy(sorted, l->keys, (size_t)l->count * sizeof *sorted);
   qsort(sorted, (size_t)l->count, sizeof *sorted, ascending);
@@ -77,7 +77,8 @@ static void compress(km_closest *c, const km_substructure *sub, const listing *l
     c->own_at[i] = place_of(l->keys[next++], sorted, count);
 }
 
-static bool make_pattern(km_closest *c, const km_mechanism *m, const km_substructure *sub, km_arena *arena) {
+static bool make_pattern(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
+                         km_arena *arena) {
   size_t most = 2 * (size_t)c->pairs + 2 * sub->pattern.size + (size_t)c->size;
   km_arena scratch = {0};
   int *pairs = KM_ARENA_NEW(&scratch, int, 2 * (size_t)c->pairs + 1);
@@ -92,7 +93,7 @@ static bool make_pattern(km_closest *c, const km_mechanism *m, const km_substruc
   c->own_at = KM_ARENA_NEW(arena, int, (size_t)c->size);
   bool made = !scratch.failed && !arena->failed;
   if (made) {
-    km_loops_pairs(m, sub, pairs);
+    km_loops_hessian_entries(m, sub, pairs);
     list_entries(sub, pairs, c->pairs, &l);
     compress(c, sub, &l, sorted);
   }
@@ -100,8 +101,9 @@ static bool make_pattern(km_closest *c, const km_mechanism *m, const km_substruc
   return made;
 }
 
-bool km_closest_reserve(km_closest *c, const km_mechanism *m, const km_substructure *sub, km_arena *arena) {
-  *c = (km_closest){.size = sub->columns + sub->rows, .pairs = km_loops_pairs(m, sub, NULL)};
+bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
+                                      km_arena *arena) {
+  *c = (km_nearest_configuration){.size = sub->columns + sub->rows, .pairs = km_loops_hessian_entries(m, sub, NULL)};
   size_t size = (size_t)c->size;
   c->pair = KM_ARENA_NEW(arena, double, (size_t)c->pairs + 1);
   c->own = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
@@ -120,7 +122,8 @@ bool km_closest_reserve(km_closest *c, const km_mechanism *m, const km_substruct
   return true;
 }
 
-static void fix(km_closest *c, const km_substructure *sub, int driver, const bool *locked, const km_partition *pivots) {
+static void fix(km_nearest_configuration *c, const km_substructure *sub, int driver, const bool *locked,
+                const km_partition *pivots) {
   bool *before = c->fixed, *now = c->fixed_next;
   for (int i = 0; i < c->size; ++i)
     now[i] = i >= sub->columns || i == driver || (locked && locked[i]);
@@ -132,15 +135,16 @@ static void fix(km_closest *c, const km_substructure *sub, int driver, const boo
 }
 
 /* Fixed rows say that their unknown is 0. */
-static void put(km_closest *c, int at, double value) {
+static void put(km_nearest_configuration *c, int at, double value) {
   if (!c->fixed[c->row[at]])
     c->value[at] += value;
 }
 
 /* The matrix with the bend by the multipliers λ. */
-static void fill(km_closest *c, const km_mechanism *m, km_state *s, const km_substructure *sub, const double *lambda) {
+static void fill(km_nearest_configuration *c, const km_mechanism *m, km_state *s, const km_substructure *sub,
+                 const double *lambda) {
   const double *weight = m->column_weight + sub->column_start, *J = km_state_jacobian(s, sub);
-  km_loops_bends(m, s, sub, lambda, c->pair, c->own);
+  km_loops_hessian(m, s, sub, lambda, c->pair, c->own);
   c->is_current = false;
   memset(c->value, 0, (size_t)c->start[c->size] * sizeof *c->value);
   for (int i = 0; i < 2 * c->pairs; ++i)
@@ -166,7 +170,7 @@ static double largest_of(const double *x, int count) {
 
 /* Solves by the factor of a matrix before, from the x at hand: what the solution leaves of b is solved again until rounding is left.
  * False where that takes long, since the matrix has changed too much. */
-static bool correct(km_closest *c) {
+static bool correct(km_nearest_configuration *c) {
   enum { MOST_CORRECTIONS = 6 };
   static const double grain = 1e-14, coarse_grain = 1e-10, most_share = 0.05;
   double last = HUGE_VAL;
@@ -189,12 +193,12 @@ static bool correct(km_closest *c) {
 }
 
 /* Does a factor take as long as all corrections that may be tried? Little fills in where the loops make a chain. */
-static bool is_costly(const km_closest *c) {
+static bool is_costly(const km_nearest_configuration *c) {
   static const double most = 100.0; /* multiplications of each entry of the matrix */
   return km_partition_multiplications(&c->factor) > most * c->start[c->size];
 }
 
-static bool factor(km_closest *c) {
+static bool factor(km_nearest_configuration *c) {
   if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
     return true;
   km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
@@ -202,7 +206,7 @@ static bool factor(km_closest *c) {
   return !c->factor.failed && c->factor.rank == c->size;
 }
 
-static bool solve(km_closest *c) {
+static bool solve(km_nearest_configuration *c) {
   if (!c->is_current && c->is_factored && c->is_costly && correct(c))
     return true;
   if (!c->is_current)
@@ -212,8 +216,8 @@ static bool solve(km_closest *c) {
   return c->is_current;
 }
 
-bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int index, int driver,
-                     const km_partition *pivots, double *away) {
+bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechanism *m, km_state *s, int index,
+                                   int driver, const km_partition *pivots, double *away) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
   double *lambda = c->x + sub->columns, largest = HUGE_VAL;
@@ -221,7 +225,7 @@ bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int inde
   fix(c, sub, driver, s->partition[index].locked, pivots);
   memset(c->x, 0, (size_t)c->size * sizeof *c->x);
   for (int pass = 0; pass <= MOST_ITERATIONS && !settled; ++pass) {
-    km_loops_update_anew(m, s, sub);
+    km_loops_recompute(m, s, sub);
     fill(c, m, s, sub, lambda);
     for (int i = 0; i < c->size; ++i)
       c->b[i] = c->fixed[i] ? 0.0 : i < sub->columns ? -weight[i] * weight[i] * away[i] : -error[i - sub->columns];
@@ -243,7 +247,8 @@ bool km_closest_find(km_closest *c, const km_mechanism *m, km_state *s, int inde
   return settled;
 }
 
-void km_closest_follow(km_closest *c, const km_mechanism *m, const km_substructure *sub, double *step) {
+void km_nearest_configuration_follow(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
+                                     double *step) {
   const double *weight = m->column_weight + sub->column_start;
   memset(c->b, 0, (size_t)c->size * sizeof *c->b);
   for (int k = 0; k < sub->columns; ++k)

@@ -7,15 +7,15 @@
 /* Newton's method on the conditions for the least |D (x − y)| with closed loops, whose matrix is sparse:
  * [D² − Σ λ_r ∂²e_r, −Jᵀ; J, 0]. Least steps leave out how the loops bend, and part from the closest pose where its distance
  * passes the radius of their bend; these don't. */
-typedef struct km_closest {
+typedef struct km_nearest_configuration {
   int size;              /* columns and rows of J: of the matrix */
   int *start, *row;      /* its pattern, by columns */
   double *value;         /* [start[size]] */
-  int pairs;             /* of km_loops_pairs */
+  int pairs;             /* of km_loops_hessian_entries */
   int *pair_at;          /* [2 · pairs] where both entries of each are in `value`; */
   int *J_at, *turned_at; /* [pattern.size] the same of J, and of −Jᵀ; */
   int *own_at;           /* [size] and of the diagonal */
-  double *pair, *own;    /* [pairs], [columns] of km_loops_bends */
+  double *pair, *own;    /* [pairs], [columns] of km_loops_hessian */
   double *b, *x;         /* [size] right side; the step, and behind it λ */
   double *rest, *change; /* [size] of a solution by the factor of a matrix before */
   double *away, *ahead;  /* [columns] for the caller */
@@ -25,19 +25,20 @@ typedef struct km_closest {
   bool is_factored;      /* is there one? */
   bool is_current;       /* is it of the matrix as it is now? */
   bool is_costly;        /* does it take longer than corrections of solutions by one before? */
-} km_closest;
+} km_nearest_configuration;
 
 /* For a substructure, whose mechanism has no ball joints: two turns about different axes have no difference. False when out of
  * memory. O(entries of J and pairs of columns in a loop). */
-bool km_closest_reserve(km_closest *closest, const km_mechanism *mechanism, const km_substructure *sub,
-                        km_arena *arena);
+bool km_nearest_configuration_reserve(km_nearest_configuration *closest, const km_mechanism *mechanism,
+                                      const km_substructure *sub, km_arena *arena);
 
 /* From the state's pose, which is `away` (scaled) from y, to the closed pose closest to y; `away` is then what leads from y
  * there. The coordinate of `driver` (a column, or KM_NO_DRIVER) doesn't move, and `pivots` tells the primary rows. False where
  * Newton's method gives out. Leaves the state at its last pose. */
-bool km_closest_find(km_closest *closest, const km_mechanism *mechanism, km_state *state, int substructure, int driver,
-                     const km_partition *pivots, double *away);
+bool km_nearest_configuration_find(km_nearest_configuration *closest, const km_mechanism *mechanism, km_state *state,
+                                   int substructure, int driver, const km_partition *pivots, double *away);
 /* How the closest pose found last moves where y moves by `step`, which is then that. */
-void km_closest_follow(km_closest *closest, const km_mechanism *mechanism, const km_substructure *sub, double *step);
+void km_nearest_configuration_follow(km_nearest_configuration *closest, const km_mechanism *mechanism,
+                                     const km_substructure *sub, double *step);
 
 #endif

@@ -25,10 +25,10 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->error = KM_ARENA_NEW(arena, double, (size_t)m->error_size);
   s->misfit = KM_ARENA_NEW(arena, km_twist, (size_t)t->loop_count);
   s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
-  s->normal = KM_ARENA_NEW(arena, km_normal *, (size_t)t->substructure_count);
+  s->normal = KM_ARENA_NEW(arena, km_normal_equations *, (size_t)t->substructure_count);
   s->normal_count = t->substructure_count;
-  s->aside = KM_ARENA_NEW(arena, km_aside, (size_t)t->substructure_count);
-  s->shown = KM_ARENA_NEW(arena, km_shown, (size_t)t->substructure_count);
+  s->aside = KM_ARENA_NEW(arena, km_stashed_partition, (size_t)t->substructure_count);
+  s->shown = KM_ARENA_NEW(arena, km_cached_configuration, (size_t)t->substructure_count);
   s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
   s->numbers = KM_ARENA_NEW(arena, double, coordinates);
@@ -45,7 +45,8 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->locked_column = KM_ARENA_NEW(arena, bool, coordinates);
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     if (reserve_partition(&m->substructures[i], &s->partition[i], arena))
-      km_partition_keep_normal(&s->partition[i], &s->normal[i], m->column_weight + m->substructures[i].column_start);
+      km_partition_set_normal_equations(&s->partition[i], &s->normal[i],
+                                        m->column_weight + m->substructures[i].column_start);
   /* Small ones never grow: kernels don't allocate. */
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i)
     if (!m->substructures[i].pattern.start)
@@ -86,7 +87,7 @@ km_status km_check_state(const km_mechanism *m, const km_state *s, km_error *err
   return status || s->mechanism == m ? status : km_fail(error, KM_USAGE, "the state is one of another mechanism");
 }
 
-bool km_state_knows_motion(const km_mechanism *m, const km_state *s) {
+bool km_state_mobility_is_known(const km_mechanism *m, const km_state *s) {
   if (!km_state_fits(m, s))
     return false;
   for (int i = 0; i < m->topology.substructure_count; ++i)
@@ -131,7 +132,7 @@ void km_state_free(km_state *s) {
   if (!s)
     return;
   for (int i = 0; s->normal && i < s->normal_count; ++i)
-    km_normal_free(s->normal[i]);
+    km_normal_equations_free(s->normal[i]);
   km_arena_free(&s->arena);
   km_free(s);
 }
@@ -210,7 +211,7 @@ static bool basis_waits(const km_partition *p) {
   return freedom > KM_MANY_VECTORS && (p->sparse || p->rank < freedom);
 }
 
-void km_state_know_motions(km_state *s, int index) {
+void km_state_mark_mobility_known(km_state *s, int index) {
   if (basis_waits(&s->partition[index]))
     s->basis[index].known = s->basis[index].waits = true;
   else
@@ -224,7 +225,7 @@ static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, dou
   if (!basis_waits(p) ||
       !km_partition_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
     return false;
-  km_state_know_motions(s, index);
+  km_state_mark_mobility_known(s, index);
   return true;
 }
 
@@ -263,7 +264,7 @@ void km_state_turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 tu
   show_ball(m, s, ball);
 }
 
-void km_state_place_ball(const km_mechanism *m, km_state *s, int ball, km_quaternion q) {
+void km_state_set_ball(const km_mechanism *m, km_state *s, int ball, km_quaternion q) {
   s->ball[ball] = km_quaternion_normalised(q);
   show_ball(m, s, ball);
 }

@@ -26,14 +26,14 @@ typedef struct km_basis {
   unsigned edition; /* of the partition that they were made from */
 } km_basis;
 
-/* A second partition: of the present pose, or of one to come back to. By km_state_set_aside */
-typedef struct km_aside {
+/* A second partition: of the present pose, or of one to come back to. By km_partition_stash */
+typedef struct km_stashed_partition {
   km_partition other;
   bool is_reserved, is_out; /* is_out: the other one is the pose's to come back to */
-} km_aside;
+} km_stashed_partition;
 
 /* The pose of a substructure's errors and Jacobian, and the last search for pivots. */
-typedef struct km_shown {
+typedef struct km_cached_configuration {
   double *pose;       /* as km_state_save leaves it */
   bool known;         /* errors and Jacobian are of `pose` */
   unsigned numbers;   /* the mechanism's edition then */
@@ -43,7 +43,7 @@ typedef struct km_shown {
   int driver;         /* what was asked for: of km_pivot, */
   bool held;          /* and of the partition */
   double tolerance;
-} km_shown;
+} km_cached_configuration;
 
 /* Who states a coordinate's rate. Of rates that contradict each other, those of the caller come before the model's. */
 typedef enum km_rate_source {
@@ -65,22 +65,22 @@ struct km_state {
   double *error;           /* [error_size] by substructure, the rows' errors. By km_loops_update */
   km_twist *misfit;        /* [loop] whole error screws, scaled. By km_loops_update */
   km_partition *partition; /* [substructure] of the Jacobian. By km_closure */
-  km_normal **normal;      /* [substructure] what their least steps keep. By km_state_free */
-  int normal_count;        /* the mechanism may be gone by then */
-  km_aside *aside;         /* [substructure] large ones' second partitions */
-  km_shown *shown;         /* [substructure] the pose and the search at hand. By km_loops_update, km_pivot */
-  int *pivoted;            /* [substructure] driver column that its pivots were searched for; KM_NEVER */
-  km_basis *basis;         /* [substructure] Z: columns × freedom. By km_state_null */
-  double *numbers;         /* [coordinate] mobility numbers. By km_mobility_update */
-  km_pose *pose;           /* [body] in the inertial frame, model's length unit. By km_poses_update */
-  km_pose *slot;           /* [largest_slots] workspace of spatial programs */
+  km_normal_equations **normal;   /* [substructure] what their least steps keep. By km_state_free */
+  int normal_count;               /* the mechanism may be gone by then */
+  km_stashed_partition *aside;    /* [substructure] large ones' second partitions */
+  km_cached_configuration *shown; /* [substructure] the pose and the search at hand. By km_loops_update, km_pivot */
+  int *pivoted;                   /* [substructure] driver column that its pivots were searched for; KM_NEVER */
+  km_basis *basis;                /* [substructure] Z: columns × freedom. By km_state_null */
+  double *numbers;                /* [coordinate] mobility numbers. By km_mobility_compute */
+  km_pose *pose;                  /* [body] in the inertial frame, model's length unit. By km_poses_compute */
+  km_pose *slot;                  /* [largest_slots] workspace of spatial programs */
   km_planar_pose *planar_slot;
   km_twist *twist; /* [twist_count] columns of the programs' steps, a planar one's as (x, y, turn) in v. By
                     * km_loops_update */
   km_vec3 *place;  /* [loop] in space: where its rows are taken, from its first branch's origin. By the same */
   km_slot_motion *slot_motion; /* [largest_slots] workspace of km_loops_velocity_products */
   double *work;                /* [largest_columns] */
-  double *part;                /* [largest_columns] of km_least_step */
+  double *part;                /* [largest_columns] of km_minimum_norm_step */
   bool *forced;                /* [largest_columns] */
   bool *locked;                /* [coordinate] held by the state, beside what the mechanism holds. By km_state_lock */
   bool *locked_column;         /* [columns of all substructures] the same, for their partitions */
@@ -106,7 +106,7 @@ const double *km_state_basis(const km_state *state, int substructure);
 bool km_state_fits(const km_mechanism *mechanism, const km_state *state);
 km_status km_check_state(const km_mechanism *mechanism, const km_state *state, km_error *error);
 /* Have pivots been searched and null spaces made for every substructure? Else nobody may read them. */
-bool km_state_knows_motion(const km_mechanism *mechanism, const km_state *state);
+bool km_state_mobility_is_known(const km_mechanism *mechanism, const km_state *state);
 
 /* Of the row of a rate, or of forces, row[coordinate] over the scales, what it has of a substructure's motions D · range(N): y[columns],
  * without a basis of them, by the Jacobian at hand. False where there are few freedoms, whose basis serves, or as
@@ -123,7 +123,7 @@ double *km_state_null(const km_mechanism *mechanism, const km_state *state, int 
  * other. Until the partition is factored anew. */
 void km_state_take_basis(km_state *state, int substructure, const double *z, size_t apart);
 /* What moves is known from the partition at hand: the basis is made, unless many motions let it wait. */
-void km_state_know_motions(km_state *state, int substructure);
+void km_state_mark_mobility_known(km_state *state, int substructure);
 /* Mobility numbers by column. Those of many freedoms need no basis, which is made when someone asks for it. */
 void km_state_numbers(const km_mechanism *mechanism, km_state *state, int substructure, double *numbers);
 /* km_partition_rows in the same place: R[rank × columns]. NULL when out of memory. */
@@ -139,7 +139,7 @@ void km_state_move_aside(const km_mechanism *mechanism, km_state *state, const k
 /* Turns a ball by a rotation vector along the parent frame's axes. */
 void km_state_turn_ball(const km_mechanism *mechanism, km_state *state, int ball, km_vec3 turn);
 /* Puts a ball at a quaternion of any length; its coordinates become the rotation vector nearest to theirs. */
-void km_state_place_ball(const km_mechanism *mechanism, km_state *state, int ball, km_quaternion place);
+void km_state_set_ball(const km_mechanism *mechanism, km_state *state, int ball, km_quaternion place);
 /* Sets every coordinate (radians, model's length unit). */
 void km_state_set(const km_mechanism *mechanism, km_state *state, const double *q);
 /* Keeps a coordinate at its value until km_state_unlock: closing, driving, following, tangents and mobility numbers of
@@ -148,7 +148,7 @@ void km_state_set(const km_mechanism *mechanism, km_state *state, const double *
 void km_state_lock(km_state *state, int coordinate);
 void km_state_unlock(km_state *state); /* all of them */
 /* Does the coordinate keep its value, by the mechanism or by the state? */
-static inline bool km_state_holds(const km_state *s, int coordinate) {
+static inline bool km_state_is_fixed(const km_state *s, int coordinate) {
   return s->mechanism->held[coordinate] || s->locked[coordinate];
 }
 /* Value of a coordinate in the model's unit, of which q is `factor` times as much. */

@@ -110,7 +110,7 @@ static void load(km_partition *p, const double *matrix) {
   }
 }
 
-/* km_small_factor for any size. */
+/* km_register_factor for any size. */
 static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   load(p, matrix);
   p->scale = km_largest_size(matrix, p->rows * p->columns);
@@ -204,7 +204,7 @@ static void search_pivots(km_partition *p, const double *matrix, const bool *for
   }
   int candidates = order_columns(p, forced);
   if (is_small(p))
-    km_small_factor(p, matrix, candidates, tolerance);
+    km_register_factor(p, matrix, candidates, tolerance);
   else
     factor(p, matrix, candidates, tolerance);
   finish(p);
@@ -214,8 +214,8 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
                          double tolerance) {
   bool same_size = p->rows == rows && p->columns == columns, changes = true;
   p->waits = false;
-  if (p->sparse && same_size && km_sparse_knows(p, matrix, forced, tolerance)) {
-    changes = km_sparse_go_on(p, matrix, forced, tolerance);
+  if (p->sparse && same_size && km_sparse_has_factor(p, matrix, forced, tolerance)) {
+    changes = km_sparse_finish(p, matrix, forced, tolerance);
   } else {
     p->rows = rows;
     p->columns = columns;
@@ -230,7 +230,7 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->edition++;
 }
 
-void km_partition_wait(km_partition *p) {
+void km_partition_defer(km_partition *p) {
   p->waits = true;
   p->edition++;
 }
@@ -250,7 +250,7 @@ static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole
   if (p->sparse) {
     finite = km_sparse_refactor(p, matrix, whole);
   } else {
-    finite = is_small(p) ? km_small_refactor(p, matrix) : refactor(p, matrix);
+    finite = is_small(p) ? km_register_refactor(p, matrix) : refactor(p, matrix);
     finite = finish(p) && finite;
   }
   double inverse = largest_inverse(p), smallest = p->rank == 0 ? 0.0 : p->smallest_pivot;
@@ -261,7 +261,7 @@ bool km_partition_refactor(km_partition *p, const double *matrix) {
   return refactor_and_watch(p, matrix, false);
 }
 
-bool km_partition_refactor_whole(km_partition *p, const double *matrix) {
+bool km_partition_refactor_full_pattern(km_partition *p, const double *matrix) {
   return refactor_and_watch(p, matrix, true);
 }
 

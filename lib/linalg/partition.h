@@ -15,7 +15,7 @@
 #include <stdbool.h>
 
 typedef struct km_sparse km_sparse;
-typedef struct km_normal km_normal;
+typedef struct km_normal_equations km_normal_equations;
 
 /* Entries whose sizes differ by less than this factor are nearly as large as each other (up to 12 × 64: if no step between powers
  * of 2, eight of them, lies between them). Designs that differ a little then mostly have the same pivots. The sparse engine
@@ -51,7 +51,8 @@ typedef struct km_partition {
   bool held;   /* set by the caller: forced columns are no pivots, whatever rank that leaves */
   bool any_independent; /* set by the caller: any null vectors will do, and km_partition_null_entries alone is asked for
                          * them; the sparse engine doesn't keep |B| small then, and makes no B */
-  bool rows_only; /* set by the caller: the rank and which rows are primary are enough, for km_partition_least; the
+  bool
+      rows_only; /* set by the caller: the rank and which rows are primary are enough, for km_partition_minimum_norm; the
                        * sparse engine makes no null vectors then */
   double
       kept_rows; /* set by the caller, beside `rows_only`: the primary rows at hand are tried before others, and stay where
@@ -63,7 +64,7 @@ typedef struct km_partition {
   bool
       unwatched; /* set by the caller: the independent columns are asked for nothing but which ones they are; of many the
                        * sparse engine takes any then, and a refactor doesn't measure B */
-  bool waits;    /* by km_partition_wait */
+  bool waits;    /* by km_partition_defer */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Columns of what doesn't move: their entries
                        * are 0, they come last and count as no freedom */
   int locked_count;   /* at the last search */
@@ -83,10 +84,10 @@ bool km_partition_reserve_like(km_partition *partition, const km_partition *othe
                                km_arena *arena);
 
 /* Where what least solutions by the sparse engine keep from one to the next is to be kept, NULL at first: for this partition and
- * those that are reserved like it later; and the weights that they will be taken with. Both are borrowed; *place is for km_normal_free.
+ * those that are reserved like it later; and the weights that they will be taken with. Both are borrowed; *place is for km_normal_equations_free.
  * Without a place they take longer. */
-void km_partition_keep_normal(km_partition *partition, km_normal **place, const double *weight);
-void km_normal_free(km_normal *normal);
+void km_partition_set_normal_equations(km_partition *partition, km_normal_equations **place, const double *weight);
+void km_normal_equations_free(km_normal_equations *normal);
 
 /* Complete pivoting. Pivots stop at |pivot| ≤ tolerance · (largest entry). Columns with forced[c] (may be
  * NULL) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to 2^-42, so that
@@ -102,13 +103,13 @@ void km_partition_factor(km_partition *partition, const double *matrix, int rows
 bool km_partition_refactor(km_partition *partition, const double *matrix);
 /* The same for who needs these pivots and no others. The sparse engine skips what is 0 at the search, and of a mechanism as it was
  * drawn much is; a refactor is false where it isn't any longer, and this goes on without skipping it. As long as a search then. */
-bool km_partition_refactor_whole(km_partition *partition, const double *matrix);
+bool km_partition_refactor_full_pattern(km_partition *partition, const double *matrix);
 
 /* Do normal equations give least solutions, so that a sparse partition may wait? */
-bool km_partition_may_wait(const km_partition *partition);
-/* The pivots at hand on a new matrix, of which only their rows and columns are known until a refactor: for km_partition_least and
+bool km_partition_may_defer(const km_partition *partition);
+/* The pivots at hand on a new matrix, of which only their rows and columns are known until a refactor: for km_partition_minimum_norm and
  * km_partition_reject_null, which are false where that isn't enough. */
-void km_partition_wait(km_partition *partition);
+void km_partition_defer(km_partition *partition);
 
 /* Pivots serve while max |B| has grown by the first at most, and the smallest pivot has shrunk by the second. */
 static const double km_most_growth_of_b = 2.0, km_most_shrinking = 10.0;
@@ -172,13 +173,13 @@ bool km_partition_along_null(const km_partition *partition, const double *matrix
 
 /* The x of least |diag(weight) x| with the primary rows of J x = rhs[rows], in the same columns and on the same terms: 0 in the
  * others. No block of pivots is inverted, which may be a bad one where many columns are independent. */
-bool km_partition_least(const km_partition *partition, const double *matrix, const double *weight, int count,
-                        const double *rhs, double *x);
+bool km_partition_minimum_norm(const km_partition *partition, const double *matrix, const double *weight, int count,
+                               const double *rhs, double *x);
 
 /* The same by the matrix of the last one that normal equations have given, which is near the present one: half of what one takes is
  * to factor them. False where it had other rows or columns, or there was none. */
-bool km_partition_least_again(const km_partition *partition, const double *weight, int count, const double *rhs,
-                              double *x);
+bool km_partition_minimum_norm_again(const km_partition *partition, const double *weight, int count, const double *rhs,
+                                     double *x);
 
 /* The null vector that moves independent column `column` by 1 and the other independent ones not at all. */
 void km_partition_direction(const km_partition *partition, int column, double *direction);

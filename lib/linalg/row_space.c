@@ -16,18 +16,18 @@ static const double rounding = 1e-13;
 
 /* The rows, to be factored, in the order of all rows that is given; NULL: in that of their pivots. The independent columns behind the
  * first `count` are left out. NULL where SPQR isn't installed or memory is out. */
-static km_orthogonal *rows_of(const km_partition *p, const double *matrix, const double *weight, int count,
-                              const long *order) {
-  km_orthogonal *q = NULL;
+static km_sparse_qr *rows_of(const km_partition *p, const double *matrix, const double *weight, int count,
+                             const long *order) {
+  km_sparse_qr *q = NULL;
   km_error error;
   bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
-  if (left_out && !km_orthogonal_create(p->columns, p->rank, p->sparse->start[p->columns], &q, &error)) {
+  if (left_out && !km_sparse_qr_create(p->columns, p->rank, p->sparse->start[p->columns], &q, &error)) {
     for (int k = p->rank + count; k < p->columns; ++k)
       left_out[p->column[k]] = true;
     for (int i = 0, k = 0; i < p->rows && k < p->rank; ++i) {
       int row = order ? (int)order[i] : p->row[i];
       if (p->sparse->step_of[row] >= 0)
-        km_sparse_fill_row(p->sparse, matrix, weight, left_out, row, k++, km_orthogonal_columns(q));
+        km_sparse_fill_row(p->sparse, matrix, weight, left_out, row, k++, km_sparse_qr_columns(q));
     }
   }
   km_free(left_out);
@@ -76,16 +76,16 @@ static void fill_null(const km_partition *p, const double *weight, int k, double
 
 /* The first `count` null vectors, to be factored, where they fill R less than the primary rows; else NULL, as where SPQR isn't
  * installed or memory is out. */
-static km_orthogonal *null_of(const km_partition *p, const double *weight, int count) {
-  km_orthogonal *q = NULL;
+static km_sparse_qr *null_of(const km_partition *p, const double *weight, int count) {
+  km_sparse_qr *q = NULL;
   km_error error;
   int entries;
-  double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_crowd(p);
+  double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_gram_cost(p);
   bool known = !p->sparse->by_rows && !p->any_independent;
   if (work && known && crowd_of_null(p, count, rows, &entries) < rows && km_sparse_size_of_b(p) <= km_largest_good_b &&
-      !km_orthogonal_create(p->columns, count, entries, &q, &error))
+      !km_sparse_qr_create(p->columns, count, entries, &q, &error))
     for (int k = 0; k < count; ++k)
-      fill_null(p, weight, k, work, km_orthogonal_columns(q));
+      fill_null(p, weight, k, work, km_sparse_qr_columns(q));
   km_free(work);
   return q;
 }
@@ -103,19 +103,19 @@ static bool dense_shares(const km_partition *p, const double *weight, double *sh
 }
 
 static bool sparse_shares(const km_partition *p, const double *matrix, const double *weight, double *shares) {
-  km_normal *normal = km_sparse_need_normal(p);
-  const long *order = normal ? km_normal_dissection(normal) : NULL;
-  km_orthogonal *q = rows_of(p, matrix, weight, km_partition_freedom(p), order);
-  bool found = q && km_orthogonal_shares(q, spanned, order != NULL, shares);
-  km_orthogonal_free(q);
+  km_normal_equations *normal = km_sparse_need_normal(p);
+  const long *order = normal ? km_normal_equations_dissection(normal) : NULL;
+  km_sparse_qr *q = rows_of(p, matrix, weight, km_partition_freedom(p), order);
+  bool found = q && km_sparse_qr_shares(q, spanned, order != NULL, shares);
+  km_sparse_qr_free(q);
   return found;
 }
 
 /* Of the null vectors themselves. */
 static bool null_shares(const km_partition *p, const double *weight, double *numbers) {
-  km_orthogonal *q = p->sparse ? null_of(p, weight, km_partition_freedom(p)) : NULL;
-  bool found = q && km_orthogonal_shares(q, spanned, false, numbers);
-  km_orthogonal_free(q);
+  km_sparse_qr *q = p->sparse ? null_of(p, weight, km_partition_freedom(p)) : NULL;
+  bool found = q && km_sparse_qr_shares(q, spanned, false, numbers);
+  km_sparse_qr_free(q);
   return found;
 }
 
@@ -131,13 +131,13 @@ bool km_partition_numbers(const km_partition *p, const double *matrix, const dou
 }
 
 /* Takes what the columns of q span, and of the rows the opposite, out of D x. */
-static bool reject(km_orthogonal *q, const km_partition *p, const double *weight, bool by_rows, int count, double *x,
+static bool reject(km_sparse_qr *q, const km_partition *p, const double *weight, bool by_rows, int count, double *x,
                    double *work) {
   for (int c = 0; c < p->columns; ++c)
     work[c] = weight[c] * x[c];
   for (int k = p->rank + count; k < p->columns && by_rows; ++k)
     work[p->column[k]] = 0.0; /* moved by none of these motions: x keeps it */
-  bool done = q && km_orthogonal_factor(q, spanned) && km_orthogonal_reject(q, work, 1);
+  bool done = q && km_sparse_qr_factor(q, spanned) && km_sparse_qr_reject(q, work, 1);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] = by_rows ? x[c] - work[c] / weight[c] : work[c] / weight[c];
   return done;
@@ -146,11 +146,11 @@ static bool reject(km_orthogonal *q, const km_partition *p, const double *weight
 /* The rest of D x is what the rows have of it. What is moved by none of the motions x keeps. */
 static bool reject_by_normal(const km_partition *p, const double *matrix, const double *weight, int count, double *x,
                              double *work) {
-  km_normal *normal = km_sparse_normal(p, matrix, weight, count);
+  km_normal_equations *normal = km_sparse_normal(p, matrix, weight, count);
   double *part = normal ? KM_NEW(double, (size_t)p->columns + 1) : NULL;
   for (int c = 0; c < p->columns; ++c)
     work[c] = weight[c] * x[c];
-  bool done = part && km_normal_part(normal, work, part);
+  bool done = part && km_normal_equations_part(normal, work, part);
   for (int k = 0; k < p->rank + count && done; ++k)
     x[p->column[k]] = part[p->column[k]] / weight[p->column[k]];
   km_free(part);
@@ -163,9 +163,9 @@ bool km_partition_reject_null(const km_partition *p, const double *matrix, const
     return true;
   if (p->waits)
     return false;
-  km_orthogonal *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count, NULL);
+  km_sparse_qr *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count, NULL);
   bool done = reject(q, p, weight, !null, count, x, work);
-  km_orthogonal_free(q);
+  km_sparse_qr_free(q);
   return done;
 }
 
@@ -182,11 +182,11 @@ static void keep_along(const km_partition *p, bool taken, const double *rest, do
 /* What the rows have of each of Y, by their normal equations. */
 static bool along_by_normal(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
   size_t n = (size_t)p->columns;
-  km_normal *normal = km_sparse_normal(p, matrix, weight, km_partition_freedom(p));
+  km_normal_equations *normal = km_sparse_normal(p, matrix, weight, km_partition_freedom(p));
   double *part = normal ? KM_NEW(double, n *(size_t)count + 1) : NULL;
   bool done = part != NULL;
   for (int k = 0; k < count && done; ++k)
-    done = km_normal_part(normal, Y + (size_t)k * n, part + (size_t)k * n);
+    done = km_normal_equations_part(normal, Y + (size_t)k * n, part + (size_t)k * n);
   for (int k = 0; k < count && done; ++k)
     keep_along(p, true, part + (size_t)k * n, Y + (size_t)k * n);
   km_free(part);
@@ -198,61 +198,62 @@ bool km_partition_along_null(const km_partition *p, const double *matrix, const 
     return true;
   int freedom = km_partition_freedom(p);
   size_t n = (size_t)p->columns, size = n * (size_t)count;
-  km_orthogonal *null = null_of(p, weight, freedom), *q = null ? null : rows_of(p, matrix, weight, freedom, NULL);
+  km_sparse_qr *null = null_of(p, weight, freedom), *q = null ? null : rows_of(p, matrix, weight, freedom, NULL);
   double *rest = KM_NEW(double, size + 1);
-  bool done = q && rest && km_orthogonal_factor(q, spanned);
+  bool done = q && rest && km_sparse_qr_factor(q, spanned);
   if (done)
     memcpy(rest, Y, size * sizeof *rest);
-  done = done && km_orthogonal_reject(q, rest, count);
+  done = done && km_sparse_qr_reject(q, rest, count);
   for (int k = 0; k < count && done; ++k)
     keep_along(p, null, rest + (size_t)k * n, Y + (size_t)k * n);
   km_free(rest);
-  km_orthogonal_free(q);
+  km_sparse_qr_free(q);
   return done;
 }
 
 /* Any solution, less what it has of the null vectors. */
 static bool least_by_null(const km_partition *p, const double *weight, int count, const double *rhs, double *x) {
-  km_orthogonal *q = null_of(p, weight, count);
+  km_sparse_qr *q = null_of(p, weight, count);
   double *work = KM_NEW(double, (size_t)p->columns + 1);
   if (q && work)
     km_partition_solve(p, rhs, x);
   bool done = work && reject(q, p, weight, false, count, x, work);
   km_free(work);
-  km_orthogonal_free(q);
+  km_sparse_qr_free(q);
   return done;
 }
 
 static bool least_by_rows(const km_partition *p, const double *matrix, const double *weight, int count,
                           const double *rhs, double *x) {
-  km_orthogonal *q = rows_of(p, matrix, weight, count, NULL);
+  km_sparse_qr *q = rows_of(p, matrix, weight, count, NULL);
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
     b[k] = rhs[p->row[k]];
-  bool done = q && b && km_orthogonal_factor(q, spanned) && km_orthogonal_least(q, b, x);
+  bool done = q && b && km_sparse_qr_factor(q, spanned) && km_sparse_qr_least(q, b, x);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] /= weight[c];
   km_free(b);
-  km_orthogonal_free(q);
+  km_sparse_qr_free(q);
   return done;
 }
 
 static bool least_by_normal(const km_partition *p, const double *matrix, const double *weight, int count,
                             const double *rhs, double *x) {
-  km_normal *normal = km_sparse_normal(p, matrix, weight, count);
-  bool done = normal && km_normal_least(normal, rhs, x);
+  km_normal_equations *normal = km_sparse_normal(p, matrix, weight, count);
+  bool done = normal && km_normal_equations_least(normal, rhs, x);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] /= weight[c];
   return done;
 }
 
-bool km_partition_least(const km_partition *p, const double *matrix, const double *weight, int count, const double *rhs,
-                        double *x) {
+bool km_partition_minimum_norm(const km_partition *p, const double *matrix, const double *weight, int count,
+                               const double *rhs, double *x) {
   if (least_by_normal(p, matrix, weight, count, rhs, x))
     return true;
   return !p->waits && (least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x));
 }
 
-bool km_partition_least_again(const km_partition *p, const double *weight, int count, const double *rhs, double *x) {
+bool km_partition_minimum_norm_again(const km_partition *p, const double *weight, int count, const double *rhs,
+                                     double *x) {
   return least_by_normal(p, NULL, weight, count, rhs, x);
 }

@@ -22,10 +22,10 @@ static int find_in_few(km_tangents *f, double *directions) {
   int found = 0;
   size_t k = (size_t)f->conditions.freedom;
   double length;
-  if (!km_tangents_make_basis(f) || km_tangents_are_regular(f) || km_tangents_all_real(f))
+  if (!km_tangents_make_basis(f) || km_tangents_are_regular(f) || km_tangents_all_finite(f))
     return 0;
-  double *known = KM_ARENA_NEW(f->arena, double, KM_MOST_BRANCHES *k);
-  while (known && found < KM_MOST_BRANCHES && km_tangents_next(f, known, found, &length)) {
+  double *known = KM_ARENA_NEW(f->arena, double, KM_MAX_BRANCHES *k);
+  while (known && found < KM_MAX_BRANCHES && km_tangents_next(f, known, found, &length)) {
     memcpy(known + (size_t)found * k, f->a, k * sizeof *known);
     km_tangents_direction(f, f->a, directions + (size_t)found++ * (size_t)f->sub->columns);
   }
@@ -33,15 +33,15 @@ static int find_in_few(km_tangents *f, double *directions) {
 }
 
 static int find_in_many(km_tangents *f, double *directions) {
-  km_many_tangents many;
+  km_sampled_tangents many;
   int found = 0;
   double length;
-  if (km_many_tangents_make(&many, f) && !km_many_tangents_all_real(&many, &length))
-    while (found < KM_MOST_BRANCHES && km_many_tangents_next(&many, &length)) {
+  if (km_sampled_tangents_make(&many, f) && !km_sampled_tangents_all_finite(&many, &length))
+    while (found < KM_MAX_BRANCHES && km_sampled_tangents_next(&many, &length)) {
       memcpy(directions + (size_t)found * (size_t)f->sub->columns, many.x, (size_t)f->sub->columns * sizeof *many.x);
       found = count_new(f, directions, found);
     }
-  km_many_tangents_free(&many);
+  km_sampled_tangents_free(&many);
   return found;
 }
 
@@ -54,8 +54,8 @@ static bool is_regular(const km_mechanism *m, km_state *s, int index) {
 /* Does the mechanism shake at the pose as it does all along its motion? That isn't a branch point. */
 static bool shakes_along(const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
-  km_steady steady = {0};
-  km_steady_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
+  km_constant_rank steady = {0};
+  km_constant_rank_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
   km_arena_free(&arena);
   return steady.on;
 }
@@ -126,8 +126,8 @@ static bool close(const departure *d, int driver, bool by_all) {
   km_partition *p = &d->s->partition[d->index];
   km_closure evidence;
   p->rows_only = p->sparse != NULL;
-  km_closure_outcome outcome = by_all ? km_close_fully(km_close_held, d->m, d->s, d->index, driver, &evidence)
-                                      : km_close_held(d->m, d->s, d->index, driver, &evidence);
+  km_closure_outcome outcome = by_all ? km_close_fully(km_close_with_driver, d->m, d->s, d->index, driver, &evidence)
+                                      : km_close_with_driver(d->m, d->s, d->index, driver, &evidence);
   p->rows_only = false;
   return outcome == KM_CLOSED;
 }
@@ -137,8 +137,8 @@ static bool close(const departure *d, int driver, bool by_all) {
 static void draw_near(departure *d) {
   enum { MOST_PARTS = 40 };
   static const double least_part = 1e-3;
-  km_closest closest;
-  if (d->m->ball_count > 0 || !km_closest_reserve(&closest, d->m, d->sub, &d->arena))
+  km_nearest_configuration closest;
+  if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, &d->arena))
     return;
   double part = 0.5, *away = closest.away;
   bool near = false;
@@ -148,7 +148,8 @@ static void draw_near(departure *d) {
     double length = km_step_length(d->m, d->sub, away);
     for (int k = 0; k < d->sub->columns; ++k)
       away[k] *= part;
-    bool found = km_closest_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index], away);
+    bool found =
+        km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index], away);
     km_state_difference(d->s, d->sub, d->from, away);
     double shorter = km_step_length(d->m, d->sub, away);
     const bool last = part == 1.0;
@@ -201,15 +202,15 @@ static void take_shortest(departure *d, const double *directions, int count, int
   km_state_restore(d->s, d->sub, d->best);
 }
 
-km_branch_exit km_branch_leave(const km_mechanism *m, km_state *s, int coordinate, double way) {
+km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double way) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
-  if (index < 0 || km_state_holds(s, coordinate) || is_regular(m, s, index) || shakes_along(m, s, index))
+  if (index < 0 || km_state_is_fixed(s, coordinate) || is_regular(m, s, index) || shakes_along(m, s, index))
     return out; /* a held one leads nowhere */
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
   departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
-  double *directions = KM_ARENA_NEW(&d.arena, double, KM_MOST_BRANCHES *n);
+  double *directions = KM_ARENA_NEW(&d.arena, double, KM_MAX_BRANCHES *n);
   d.from = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.there = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);

@@ -6,7 +6,7 @@
 #include "kmech/continuation.h"
 
 /* Where several motions meet at the state's pose: those that differ in more than their sense, as unit directions
- * (scaled steps) into directions[KM_MOST_BRANCHES × columns]. Returns their number, 0 at a regular pose, -1 when out of
+ * (scaled steps) into directions[KM_MAX_BRANCHES × columns]. Returns their number, 0 at a regular pose, -1 when out of
  * memory; of many freedoms those that a few starts find; the state stays, with its pivots searched afresh. */
 int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions);
 
@@ -21,6 +21,6 @@ typedef struct km_branch_exit {
  * most, from where the branch point can be passed smoothly. Where more freedoms than one are left on that motion, it is the
  * shortest found: the step ends at the closed pose closest to the branch point that has the coordinate moved by `way` (of the
  * model's unit) at most, to that side. */
-km_branch_exit km_branch_leave(const km_mechanism *mechanism, km_state *state, int coordinate, double way);
+km_branch_exit km_branch_depart(const km_mechanism *mechanism, km_state *state, int coordinate, double way);
 
 #endif

@@ -29,7 +29,7 @@ static int find_shares(const km_second_order *c, double within, km_arena *arena,
   return count;
 }
 
-int km_steady_shares(const km_second_order *c, int count, km_arena *arena, double **V) {
+int km_constant_rank_shares(const km_second_order *c, int count, km_arena *arena, double **V) {
   static const double still = 1e-6, most_within = 1e-2;
   const int k = c->freedom;
   double *shares = NULL;
@@ -45,7 +45,7 @@ int km_steady_shares(const km_second_order *c, int count, km_arena *arena, doubl
   return km_tangents_complete(*V, steady, k) ? steady : 0;
 }
 
-bool km_steady_others_may_move(const km_second_order *c, const double *V, int steady, km_arena *arena) {
+bool km_constant_rank_others_may_move(const km_second_order *c, const double *V, int steady, km_arena *arena) {
   int count = c->freedom - steady;
   km_second_order rest;
   uint64_t random = 1;

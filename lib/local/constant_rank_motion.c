@@ -7,8 +7,8 @@
 
 #include <string.h>
 
-bool km_steady_tangent(const km_steady *st, const km_mechanism *m, int index, int driver, const double *along,
-                       double *t) {
+bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m, int index, int driver,
+                              const double *along, double *t) {
   static const double hardly = 1e-6;
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
@@ -42,11 +42,11 @@ static bool find_split(split *p, const km_mechanism *m, km_state *s, int index, 
   if (!km_second_order_start(m, s, index, &p->c) || p->c.freedom < 1 ||
       !km_second_order_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c))
     return false;
-  p->steady = km_steady_shares(&p->c, count, arena, &p->V);
+  p->steady = km_constant_rank_shares(&p->c, count, arena, &p->V);
   return p->steady > 0 && (count == 0 || p->steady == count);
 }
 
-static bool keep_tangents(km_steady *st, const split *p) {
+static bool keep_tangents(km_constant_rank *st, const split *p) {
   if (p->steady > st->room)
     return false;
   st->count = p->steady;
@@ -80,7 +80,7 @@ static bool solve_shares(const split *p, const double *changes, km_arena *arena,
 }
 
 /* That step as one of the coordinates, with the driver where it is; returns its largest entry, infinite: there is none. */
-static double find_step(km_steady *st, const split *p, const km_mechanism *m, km_state *s, int index, int driver,
+static double find_step(km_constant_rank *st, const split *p, const km_mechanism *m, km_state *s, int index, int driver,
                         km_arena *arena, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
@@ -89,7 +89,7 @@ static double find_step(km_steady *st, const split *p, const km_mechanism *m, km
   double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
   double *shares = KM_ARENA_NEW(arena, double, (size_t)k);
   if (arena->failed || !km_second_order_changes(m, s, index, &p->c, changes) || !solve_shares(p, changes, arena, y) ||
-      (driver >= 0 && !km_steady_tangent(st, m, index, driver, NULL, t)))
+      (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
     return HUGE_VAL;
   for (int o = 0; o < k - p->steady; ++o)
     for (int r = 0; r < k; ++r)
@@ -106,7 +106,8 @@ static double find_step(km_steady *st, const split *p, const km_mechanism *m, km
 }
 
 /* One step towards the motion, if it is shorter than the last one; returns its size, infinite: there is no motion near by. */
-static double settle_once(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double last) {
+static double settle_once(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                          double last) {
   static const double most = 0.05, found = 1e-13;
   const km_substructure *sub = &m->substructures[index];
   km_arena arena = {0};
@@ -129,7 +130,8 @@ static bool close_exactly(const km_mechanism *m, km_state *s, int index, int dri
   return true;
 }
 
-static bool settle(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+static bool settle(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                   km_closure *evidence) {
   enum { MOST_STEPS = 8 };
   static const double settled = 1e-9;
   double size = HUGE_VAL;
@@ -144,7 +146,7 @@ static bool settle(km_steady *st, const km_mechanism *m, km_state *s, int index,
   return size < settled;
 }
 
-static void take_blunt(km_steady *st, const km_partition *p) {
+static void take_blunt(km_constant_rank *st, const km_partition *p) {
   static const double part = 0.1;
   st->blunt = part * p->last_pivot / p->scale;
 }
@@ -155,7 +157,8 @@ static double most_residual(const km_mechanism *m) {
   return m->closure_tolerance_given ? m->closure_tolerance : exact;
 }
 
-bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
+bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                            km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   int worst;
@@ -174,7 +177,7 @@ bool km_steady_close(km_steady *st, const km_mechanism *m, km_state *s, int inde
   return found;
 }
 
-bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index) {
+bool km_constant_rank_find(km_constant_rank *st, const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
   split here = {0};
   bool found = find_split(&here, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
@@ -187,13 +190,13 @@ bool km_steady_find(km_steady *st, const km_mechanism *m, km_state *s, int index
 typedef enum progress { GONE_ON, BLOCKED, REFUTED } progress;
 
 /* A step on along the steady tangents, with the driver or as `along` goes, which becomes the step's tangent. */
-static progress go_on(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double step,
+static progress go_on(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver, double step,
                       double *along) {
   const km_substructure *sub = &m->substructures[index];
   static const double open = 1e-5; /* a misfit that no tangency of high order makes in a step */
   km_closure evidence;
   double fastest = 0.0, *x = s->part;
-  if (!km_steady_tangent(st, m, index, driver, along, x))
+  if (!km_constant_rank_tangent(st, m, index, driver, along, x))
     return BLOCKED;
   for (int c = 0; c < sub->columns; ++c) {
     along[c] = x[c];
@@ -203,7 +206,7 @@ static progress go_on(km_steady *st, const km_mechanism *m, km_state *s, int ind
     x[c] *= step / fastest;
   km_state_move(m, s, sub, x);
   km_state_forget_pivots(s, index);
-  if (!km_steady_close(st, m, s, index, driver, &evidence))
+  if (!km_constant_rank_close(st, m, s, index, driver, &evidence))
     return evidence.residual > open ? BLOCKED : REFUTED;
   km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
   bool exact = m->closure_tolerance_given || evidence.residual <= km_closed;
@@ -212,7 +215,7 @@ static progress go_on(km_steady *st, const km_mechanism *m, km_state *s, int ind
 
 /* Is what shakes at the pose the same for a while, ahead or back? What ends a motion may be near on one side, or on both: then short steps
  * tell it too, though less surely. */
-static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved,
+static bool lasts(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved,
                   double *along) {
   static const double steps[] = {0.025, -0.025, 0.00625, -0.00625};
   enum { TRIES = sizeof steps / sizeof *steps, STEPS = 4 };
@@ -222,23 +225,24 @@ static bool lasts(km_steady *st, const km_mechanism *m, km_state *s, int index, 
   progress end = BLOCKED;
   km_state_save(s, sub, saved);
   for (int try = 0; try < TRIES && end == BLOCKED; ++try) {
-    end = km_steady_find(st, m, s, index) ? GONE_ON : REFUTED;
+    end = km_constant_rank_find(st, m, s, index) ? GONE_ON : REFUTED;
     for (int c = 0; c < sub->columns; ++c)
       along[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is as good as any */
     for (int i = 0; i < STEPS && end == GONE_ON; ++i)
       end = go_on(st, m, s, index, driver, steps[try], along);
-    km_loops_return(m, s, index, saved);
+    km_loops_restore_cached(m, s, index, saved);
     st->blunt = blunt;
   }
   return end == GONE_ON;
 }
 
-static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
+static bool begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   size_t n = (size_t)sub->columns;
   split here = {0};
-  if (!find_split(&here, m, s, index, 0, arena) || km_steady_others_may_move(&here.c, here.V, here.steady, arena))
+  if (!find_split(&here, m, s, index, 0, arena) ||
+      km_constant_rank_others_may_move(&here.c, here.V, here.steady, arena))
     return false;
   st->rank = p->rank;
   km_pivot_here(m, s, index, driver, 0.0); /* near a dead point of the driver its last pivot is small */
@@ -248,13 +252,14 @@ static bool begin(km_steady *st, const km_mechanism *m, km_state *s, int index, 
          keep_tangents(st, &here);
 }
 
-bool km_steady_begin(km_steady *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
+bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                            km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   km_arena scratch = {0};
   int freedom = km_partition_freedom(p);
   st->on = false;
-  if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_steady_is_small(sub))
+  if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_constant_rank_is_small(sub))
     return true;
   if (st->room < freedom) {
     st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);

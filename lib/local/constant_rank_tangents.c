@@ -4,13 +4,13 @@
 
 #include <string.h>
 
-int km_tangents_keep_steady(km_tangents *f, double *directions) {
+int km_tangents_keep_constant_rank(km_tangents *f, double *directions) {
   km_second_order *c = &f->conditions;
   km_arena arena = {0};
   int k = c->freedom;
   double *V = NULL, *out = NULL;
-  int steady = km_tangents_need_conditions(f) ? km_steady_shares(c, 0, &arena, &V) : 0, others = k - steady;
-  if (steady > 0 && !km_steady_others_may_move(c, V, steady, &arena))
+  int steady = km_tangents_need_conditions(f) ? km_constant_rank_shares(c, 0, &arena, &V) : 0, others = k - steady;
+  if (steady > 0 && !km_constant_rank_others_may_move(c, V, steady, &arena))
     out = KM_ARENA_NEW(&arena, double, (size_t)(k * k));
   if (out) { /* the steady ones are what is left when the others are taken out */
     memcpy(out, V + steady * k, (size_t)(others * k) * sizeof *out);

@@ -78,7 +78,7 @@ static double slack(const km_tangents *f) {
 
 /* Of many motions the rows are enough to go on. */
 static bool rows_are_enough(const km_partition *p) {
-  return p->sparse && km_partition_freedom(p) > KM_MOST_BASIS_TRIED;
+  return p->sparse && km_partition_freedom(p) > KM_MAX_BASIS_TRIED;
 }
 
 /* From here on pivots tell rows alone where these are enough. `kept`: the primary rows at hand are tried before others. */
@@ -113,7 +113,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   km_state_save(f->s, f->sub, f->last);
   km_state_move(f->m, f->s, f->sub, f->move);
   double length = km_step_length(f->m, f->sub, f->move);
-  bool closed = km_close_held(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
+  bool closed = km_close_with_driver(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
     if (!pivots_may_stay(p))
@@ -148,7 +148,7 @@ bool km_tangents_are_exact(const km_tangents *f) {
   return !f->m->closure_tolerance_given && f->residual < noise;
 }
 
-static km_reality judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
+static km_tangent_kind judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
   double way = r->count ? r->way[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
   bool exact = km_tangents_are_exact(f);
   if (way < short_way)
@@ -159,7 +159,7 @@ static km_reality judge(const km_tangents *f, const record *r, double tolerance,
   return whole && misfit <= tolerance ? KM_REAL : KM_UNDECIDED;
 }
 
-km_followed km_tangents_follow(km_tangents *f, const double *direction, double sign) {
+km_followed km_tangents_test_finite(km_tangents *f, const double *direction, double sign) {
   record r = {0};
   int column, columns = f->sub->columns, driver = -1;
   double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
@@ -169,7 +169,7 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
   double size = fastest(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
     f->move[c] = sign * h * direction[c] / size;
-  km_state_set_aside(f->s, f->index);
+  km_partition_stash(f->s, f->index);
   km_state_restore(f->s, f->sub, f->pose);
   km_state_forget_pivots(f->s, f->index);
   /* Past that place it goes on, to see how they open. */
@@ -195,7 +195,7 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
     look_ahead(f, driver, h);
   }
   ask_for_all(f);
-  km_state_take_back(f->s, f->index);
+  km_partition_unstash(f->s, f->index);
   km_state_forget_pivots(f->s, f->index);
   result.reality = judge(f, &r, tolerance, way >= whole_way);
   return result;
@@ -203,14 +203,14 @@ km_followed km_tangents_follow(km_tangents *f, const double *direction, double s
 
 bool km_tangents_are_fewer(km_tangents *f) {
   int worst;
-  km_state_set_aside(f->s, f->index);
+  km_partition_stash(f->s, f->index);
   km_loops_update(f->m, f->s, f->sub);
   double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
   ask_for_rows(f, true);
   km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
   bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom + f->conditions.idle;
   ask_for_all(f);
-  km_state_take_back(f->s, f->index);
+  km_partition_unstash(f->s, f->index);
   km_state_forget_pivots(f->s, f->index);
   return fewer;
 }

@@ -27,14 +27,14 @@ static void choose_of_many(const km_mechanism *m, km_state *s, int index, double
   double fastest = 0.0;
   km_arena arena = {0};
   km_tangents f;
-  km_many_tangents many = {0};
-  bool moves =
-      km_tangents_make(&f, m, s, index, &arena) && km_many_tangents_make(&many, &f) && km_many_tangents_likely(&many);
+  km_sampled_tangents many = {0};
+  bool moves = km_tangents_make(&f, m, s, index, &arena) && km_sampled_tangents_make(&many, &f) &&
+               km_sampled_tangents_likely(&many);
   for (int c = 0; c < columns && moves; ++c)
     fastest = fmax(fastest, fabs(many.x[c]));
   for (int c = 0; c < columns; ++c)
     move[c] = moves ? short_way / fastest * many.x[c] : 0.0;
-  km_many_tangents_free(&many);
+  km_sampled_tangents_free(&many);
   km_arena_free(&arena);
 }
 
@@ -42,20 +42,20 @@ static void choose_of_many(const km_mechanism *m, km_state *s, int index, double
 static bool go_steadily(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
   km_arena arena = {0};
-  km_steady steady = {0};
+  km_constant_rank steady = {0};
   km_closure evidence;
   km_state_save(s, sub, saved);
-  km_steady_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
+  km_constant_rank_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
   if (steady.on) {
     choose_move(m, index, steady.Z, steady.count, move);
     km_state_move(m, s, sub, move);
     km_state_forget_pivots(s, index);
-    steady.on = km_steady_close(&steady, m, s, index, KM_NO_DRIVER, &evidence);
+    steady.on = km_constant_rank_close(&steady, m, s, index, KM_NO_DRIVER, &evidence);
     if (steady.on) {
-      km_poses_update_in(m, s, index);
+      km_poses_compute_in(m, s, index);
       km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
     } else {
-      km_loops_return(m, s, index, saved);
+      km_loops_restore_cached(m, s, index, saved);
       km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
     }
   }
@@ -63,14 +63,14 @@ static bool go_steadily(const km_mechanism *m, km_state *s, int index, double *s
   return steady.on;
 }
 
-bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
+bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   bool moves = km_partition_freedom(p) > 0, many = km_partition_freedom(p) > KM_MANY_VECTORS;
   km_closure evidence;
   if (!many)
     choose_move(m, index, km_state_basis(s, index), km_partition_freedom(p), move);
-  km_state_set_aside(s, index);
+  km_partition_stash(s, index);
   if (!many && moves && go_steadily(m, s, index, saved, move))
     return true;
   s->partition[index].rows_only = p->sparse && many;
@@ -82,15 +82,15 @@ bool km_nearby_go(const km_mechanism *m, km_state *s, int index, double *saved, 
   km_state_forget_pivots(s, index);
   if (!moves || km_loops_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
     return false;
-  km_poses_update_in(m, s, index);
+  km_poses_compute_in(m, s, index);
   km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, evidence.residual));
   return true;
 }
 
-void km_nearby_return(const km_mechanism *m, km_state *s, int index, const double *saved) {
+void km_generic_neighbour_leave(const km_mechanism *m, km_state *s, int index, const double *saved) {
   s->partition[index].rows_only = false;
   s->partition[index].kept_rows = 0.0;
-  km_state_take_back(s, index);
-  km_loops_return(m, s, index, saved);
-  km_poses_update_in(m, s, index);
+  km_partition_unstash(s, index);
+  km_loops_restore_cached(m, s, index, saved);
+  km_poses_compute_in(m, s, index);
 }

@@ -50,7 +50,7 @@ static void go(const sphere *p, const gsl_vector *x) {
     p->y[k] = gsl_vector_get(x, (size_t)k);
   km_state_restore(f->s, f->sub, f->pose);
   km_state_move(f->m, f->s, f->sub, p->y);
-  km_loops_update_anew(f->m, f->s, f->sub);
+  km_loops_recompute(f->m, f->s, f->sub);
 }
 
 static int residuals(const gsl_vector *x, void *data, gsl_vector *out) {
@@ -176,7 +176,7 @@ static bool is_new(const sphere *p, const km_half_branches *out) {
 static bool count_new(sphere *p, km_half_branches *out) {
   km_tangents *f = p->f;
   const size_t bytes = (size_t)f->sub->columns * sizeof *p->y;
-  const bool is_full = out->count == KM_MOST_HALF_BRANCHES;
+  const bool is_full = out->count == KM_MAX_HALF_BRANCHES;
   if (out->truncated || !is_new(p, out))
     return false;
   memcpy(p->kept, p->y, bytes);
@@ -268,8 +268,8 @@ static void release(sphere *p) {
 bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
   size_t n = (size_t)f->sub->columns, k = (size_t)f->conditions.freedom;
   *out = (km_half_branches){.length = radius};
-  out->pose = KM_ARENA_NEW(f->arena, double, KM_MOST_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
-  out->shares = KM_ARENA_NEW(f->arena, double, KM_MOST_HALF_BRANCHES *k);
+  out->pose = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
+  out->shares = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *k);
   sphere p = {.f = f};
   bool made = reserve(&p);
   for (size_t i = 0; made && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)

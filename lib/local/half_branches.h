@@ -4,7 +4,7 @@
 
 #include "local/tangent_cone.h"
 
-enum { KM_MOST_HALF_BRANCHES = 32 };
+enum { KM_MAX_HALF_BRANCHES = 32 };
 
 /* The halves of the motions through the configuration of `tangents`, each by a closed configuration at a small
  * distance. */
@@ -12,8 +12,8 @@ typedef struct km_half_branches {
   int count;
   bool truncated; /* there are more than these */
   double length;  /* |D (q - q0)| of the configurations */
-  double *pose;   /* [KM_MOST_HALF_BRANCHES × 3 · columns] saved */
-  double *shares; /* [KM_MOST_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
+  double *pose;   /* [KM_MAX_HALF_BRANCHES × 3 · columns] saved */
+  double *shares; /* [KM_MAX_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
 } km_half_branches;
 
 /* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the

@@ -8,10 +8,10 @@ static void exchange(km_state *s, int index) {
   s->basis[index].count = 0; /* it was made from the one that goes */
 }
 
-void km_state_set_aside(km_state *s, int index) {
+void km_partition_stash(km_state *s, int index) {
   const km_substructure *sub = &s->mechanism->substructures[index];
   const km_partition *p = &s->partition[index];
-  km_aside *a = &s->aside[index];
+  km_stashed_partition *a = &s->aside[index];
   if (!p->sparse || a->is_out)
     return;
   a->is_reserved =
@@ -25,7 +25,7 @@ void km_state_set_aside(km_state *s, int index) {
     exchange(s, index);
 }
 
-void km_state_take_back(km_state *s, int index) {
+void km_partition_unstash(km_state *s, int index) {
   if (s->aside[index].is_out)
     exchange(s, index);
   s->aside[index].is_out = false;

@@ -5,8 +5,8 @@
 #include "kinematics/state.h"
 
 /* From here on the state's partition of a large substructure is another one, which begins with the same pivots, until
- * km_state_take_back: what was found at the pose needn't be found there again. Without memory for it, and of small ones, it stays. */
-void km_state_set_aside(km_state *state, int substructure);
-void km_state_take_back(km_state *state, int substructure);
+ * km_partition_unstash: what was found at the pose needn't be found there again. Without memory for it, and of small ones, it stays. */
+void km_partition_stash(km_state *state, int substructure);
+void km_partition_unstash(km_state *state, int substructure);
 
 #endif

@@ -12,7 +12,7 @@ typedef struct leaving {
   double *V;
 } leaving;
 
-static bool is_in(const km_idle_freedom *group, int body) {
+static bool is_in(const km_passive_freedom *group, int body) {
   bool found = false;
   for (int i = 0; i < group->body_count; ++i)
     found = found || group->bodies[i] == body;
@@ -20,7 +20,7 @@ static bool is_in(const km_idle_freedom *group, int body) {
 }
 
 /* Is the column one of a joint at a body of the group? */
-static bool belongs(const km_tangents *f, const km_idle_freedom *group, int column) {
+static bool belongs(const km_tangents *f, const km_passive_freedom *group, int column) {
   const km_model *model = f->m->model;
   const km_model_joint *joint =
       &model->joints[model->coordinates[f->m->column_coordinate[f->sub->column_start + column]].joint];
@@ -28,7 +28,7 @@ static bool belongs(const km_tangents *f, const km_idle_freedom *group, int colu
 }
 
 /* The shares of Z that move nothing but the group: the null space of its other rows. Returns how many. */
-static int find_shares(const leaving *l, const km_idle_freedom *group, km_arena *arena, double **shares) {
+static int find_shares(const leaving *l, const km_passive_freedom *group, km_arena *arena, double **shares) {
   static const double tolerance = 1e-7;
   const double *Z = l->f->conditions.Z;
   int n = l->f->sub->columns, k = l->freedom, rows = 0;
@@ -58,16 +58,16 @@ static int find_shares(const leaving *l, const km_idle_freedom *group, km_arena 
   return count;
 }
 
-static void take_out(leaving *l, const km_idle_freedom *group, km_arena *arena) {
+static void take_out(leaving *l, const km_passive_freedom *group, km_arena *arena) {
   double *shares = NULL;
   int k = l->freedom, count = find_shares(l, group, arena, &shares);
   for (int i = 0; i < count && l->count < k; ++i)
     if (km_tangents_add(l->V, l->count, k, shares + (size_t)i * (size_t)k) &&
-        km_tangents_is_real(l->f, l->V + (size_t)l->count * (size_t)k))
+        km_tangents_is_finite(l->f, l->V + (size_t)l->count * (size_t)k))
       l->count++;
 }
 
-int km_idle_tangents_leave(km_tangents *f, const km_idle_freedoms *idle, double *directions) {
+int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *idle, double *directions) {
   km_arena arena = {0};
   leaving l = {.f = f, .freedom = f->conditions.freedom};
   l.V = KM_ARENA_NEW(&arena, double, (size_t)(l.freedom * l.freedom) + 1);

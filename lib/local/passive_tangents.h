@@ -9,6 +9,6 @@
  * motion is real with them where it is without. What is left stands at right angles to them. Before random tangents are asked for.
  * directions[freedom × columns] (may be NULL): theirs, scaled and of unit length. Returns how many are taken out; 0 too when out of
  * memory, by the arena's flag. O(freedom² · columns · groups) and following each. */
-int km_idle_tangents_leave(km_tangents *tangents, const km_idle_freedoms *idle, double *directions);
+int km_passive_tangents_remove(km_tangents *tangents, const km_passive_freedoms *idle, double *directions);
 
 #endif

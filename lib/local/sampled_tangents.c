@@ -15,20 +15,20 @@ enum { TRIALS = 2 }; /* random directions that show that all are real */
 
 bool km_tangents_are_many(const km_tangents *f) {
   int freedom = f->conditions.freedom;
-  return freedom > 1 && (freedom > KM_MOST_BASIS_TRIED || f->sub->rows > MOST_ROWS);
+  return freedom > 1 && (freedom > KM_MAX_BASIS_TRIED || f->sub->rows > MOST_ROWS);
 }
 
-bool km_many_tangents_make(km_many_tangents *many, km_tangents *f) {
+bool km_sampled_tangents_make(km_sampled_tangents *many, km_tangents *f) {
   int starts = MOST_WORK / f->sub->columns;
-  *many = (km_many_tangents){.f = f,
-                             .most_starts = starts > LEAST_STARTS ? starts : LEAST_STARTS,
-                             .x = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns),
-                             .part = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
+  *many = (km_sampled_tangents){.f = f,
+                                .most_starts = starts > LEAST_STARTS ? starts : LEAST_STARTS,
+                                .x = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns),
+                                .part = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
   return !f->arena->failed;
 }
 
-void km_many_tangents_free(km_many_tangents *many) {
-  km_second_order_many_free(&many->conditions);
+void km_sampled_tangents_free(km_sampled_tangents *many) {
+  km_second_order_columns_free(&many->conditions);
 }
 
 static void return_to_pose(const km_tangents *f) {
@@ -44,7 +44,7 @@ double km_tangent_project(const km_mechanism *m, km_state *s, int index, double 
     x[c] = locked && locked[c] ? 0.0 : x[c];
     part[c] = x[c];
   }
-  km_least_step(m, s, index, KM_NO_DRIVER, part);
+  km_minimum_norm_step(m, s, index, KM_NO_DRIVER, part);
   for (int c = 0; c < sub->columns; ++c)
     x[c] -= part[c];
   double length = km_step_length(m, sub, x);
@@ -53,14 +53,14 @@ double km_tangent_project(const km_mechanism *m, km_state *s, int index, double 
   return length;
 }
 
-static bool project(km_many_tangents *many) {
+static bool project(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
   return_to_pose(f);
   double length = km_tangent_project(f->m, f->s, f->index, many->x, many->part);
   return isfinite(length) && length > 0.0;
 }
 
-bool km_many_tangents_any(km_many_tangents *many) {
+bool km_sampled_tangents_any(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = km_uniform(&many->f->random) / weight[c];
@@ -68,40 +68,40 @@ bool km_many_tangents_any(km_many_tangents *many) {
 }
 
 /* The conditions of second order at the pose, found when they are first asked for. */
-static bool need_conditions(km_many_tangents *many) {
+static bool need_conditions(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
   km_error error;
   if (many->built)
     return many->conditions.q != NULL;
   many->built = true;
   km_status status =
-      km_second_order_many_make(f->m, f->s, f->index, f->conditions.tolerance, f->arena, &many->conditions, &error);
+      km_second_order_columns_make(f->m, f->s, f->index, f->conditions.tolerance, f->arena, &many->conditions, &error);
   f->arena->failed = f->arena->failed || status == KM_MEMORY;
   return !status;
 }
 
 /* Shows the second order, before a single step, that the direction isn't real? Where following takes longer than that. */
-static bool is_refuted(km_many_tangents *many) {
+static bool is_refuted(km_sampled_tangents *many) {
   return many->f->conditions.redundant && many->f->conditions.freedom > KM_MANY_VECTORS && need_conditions(many) &&
-         km_second_order_many_breaks(&many->conditions, many->x);
+         km_second_order_columns_breaks(&many->conditions, many->x);
 }
 
-bool km_many_tangents_likely(km_many_tangents *many) {
+bool km_sampled_tangents_likely(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
-  if (!km_many_tangents_any(many))
+  if (!km_sampled_tangents_any(many))
     return false;
   if (!is_refuted(many))
     return true;
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = (1.0 + 0.3 * km_uniform(&many->f->random)) / weight[c];
-  return project(many) && km_second_order_many_solve(&many->conditions, many->x);
+  return project(many) && km_second_order_columns_solve(&many->conditions, many->x);
 }
 
-bool km_many_tangents_all_real(km_many_tangents *many, double *length) {
+bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
   int trials = many->f->conditions.redundant ? TRIALS : 1; /* where nothing is redundant all are real anyway */
   *length = HUGE_VAL;
   for (int trial = 0; trial < trials; ++trial) {
-    if (!km_many_tangents_any(many) || is_refuted(many))
+    if (!km_sampled_tangents_any(many) || is_refuted(many))
       return false;
     km_followed found = km_tangents_try(many->f, many->x);
     if (found.reality < many->f->enough)
@@ -114,18 +114,18 @@ bool km_many_tangents_all_real(km_many_tangents *many, double *length) {
 }
 
 /* The first start is even: neighbouring loops that are alike move alike then, and none of them runs away from the others. */
-static bool begin(km_many_tangents *many) {
+static bool begin(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   if (many->starts++ > 0)
-    return km_many_tangents_any(many);
+    return km_sampled_tangents_any(many);
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = 1.0 / weight[c];
   return project(many);
 }
 
-bool km_many_tangents_next(km_many_tangents *many, double *length) {
+bool km_sampled_tangents_next(km_sampled_tangents *many, double *length) {
   while (many->starts < many->most_starts) {
-    if (!begin(many) || !need_conditions(many) || !km_second_order_many_solve(&many->conditions, many->x))
+    if (!begin(many) || !need_conditions(many) || !km_second_order_columns_solve(&many->conditions, many->x))
       continue;
     km_followed found = km_tangents_try(many->f, many->x);
     *length = found.length;

@@ -14,7 +14,7 @@ static const double broken = 1e-3;   /* the same, of one that random directions 
 static const double spanned = 1e-14; /* primary rows are independent, and the others are damped */
 
 /* The entries of J by row, those of locked columns left out. */
-static bool list_rows(km_second_order_many *c, const bool *locked, km_arena *arena) {
+static bool list_rows(km_second_order_columns *c, const bool *locked, km_arena *arena) {
   const km_substructure *sub = c->sub;
   const km_pattern *pattern = &sub->pattern;
   c->row_start = KM_ARENA_NEW(arena, int, (size_t)sub->rows + 2);
@@ -44,7 +44,7 @@ static bool list_rows(km_second_order_many *c, const bool *locked, km_arena *are
 }
 
 /* Left null vectors from the sparse factor of Jᵀ: one for each row that others make superfluous, in few rows each. */
-static bool find_left(km_second_order_many *c, double tolerance, km_arena *scratch, km_arena *arena) {
+static bool find_left(km_second_order_columns *c, double tolerance, km_arena *scratch, km_arena *arena) {
   int rows = c->sub->rows, entries = c->row_start[rows];
   size_t row_room = 0, value_room = 0;
   km_partition p;
@@ -87,7 +87,7 @@ static int ascending(const void *a, const void *b) {
 }
 
 /* The columns that each condition depends on. */
-static bool list_columns(km_second_order_many *c, km_arena *scratch, km_arena *arena) {
+static bool list_columns(km_second_order_columns *c, km_arena *scratch, km_arena *arena) {
   size_t room = 0;
   int *seen = KM_ARENA_NEW(scratch, int, (size_t)c->sub->columns);
   c->g_start = KM_ARENA_NEW(arena, int, (size_t)c->conditions + 1);
@@ -111,7 +111,7 @@ static bool list_columns(km_second_order_many *c, km_arena *scratch, km_arena *a
   return true;
 }
 
-static bool reserve(km_second_order_many *c, km_arena *arena) {
+static bool reserve(km_second_order_columns *c, km_arena *arena) {
   size_t rows = (size_t)c->sub->rows, columns = (size_t)c->sub->columns, count = (size_t)c->conditions;
   c->slopes = KM_ARENA_NEW(arena, double, c->sub->pattern.size);
   c->gamma = KM_ARENA_NEW(arena, double, rows);
@@ -124,11 +124,11 @@ static bool reserve(km_second_order_many *c, km_arena *arena) {
   return !arena->failed;
 }
 
-km_status km_second_order_many_make(const km_mechanism *m, km_state *s, int index, double tolerance, km_arena *arena,
-                                    km_second_order_many *out, km_error *error) {
+km_status km_second_order_columns_make(const km_mechanism *m, km_state *s, int index, double tolerance, km_arena *arena,
+                                       km_second_order_columns *out, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
-  *out = (km_second_order_many){.m = m, .s = s, .sub = sub, .residual = km_loops_residual(m, s, sub, &worst)};
+  *out = (km_second_order_columns){.m = m, .s = s, .sub = sub, .residual = km_loops_residual(m, s, sub, &worst)};
   out->J = KM_ARENA_NEW(arena, double, sub->pattern.size);
   if (!out->J)
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
@@ -139,18 +139,18 @@ km_status km_second_order_many_make(const km_mechanism *m, km_state *s, int inde
   km_arena_free(&scratch);
   if (!made)
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
-  return km_orthogonal_create(
-      sub->columns + out->conditions, out->rank + out->conditions + 1,
-      out->row_start[sub->rows] + out->g_start[out->conditions] + out->conditions + sub->columns, &out->q, error);
+  return km_sparse_qr_create(sub->columns + out->conditions, out->rank + out->conditions + 1,
+                             out->row_start[sub->rows] + out->g_start[out->conditions] + out->conditions + sub->columns,
+                             &out->q, error);
 }
 
-void km_second_order_many_free(km_second_order_many *c) {
-  km_orthogonal_free(c->q);
+void km_second_order_columns_free(km_second_order_columns *c) {
+  km_sparse_qr_free(c->q);
   c->q = NULL;
 }
 
 /* The conditions' values and derivatives at x; returns the largest derivative, over the weights. */
-static double evaluate(km_second_order_many *c, const double *x) {
+static double evaluate(km_second_order_columns *c, const double *x) {
   const km_substructure *sub = c->sub;
   const double *weight = c->m->column_weight + sub->column_start;
   double steepest = 0.0;
@@ -180,7 +180,7 @@ static double evaluate(km_second_order_many *c, const double *x) {
   return steepest;
 }
 
-static double worst_value(const km_second_order_many *c) {
+static double worst_value(const km_second_order_columns *c) {
   double worst = 0.0;
   for (int k = 0; k < c->conditions; ++k)
     worst = fmax(worst, fabs(c->value[k]) / c->size);
@@ -190,9 +190,9 @@ static double worst_value(const km_second_order_many *c) {
 /* J over the weights, then the conditions' derivatives with an unknown of their own each, `damping` times which is what may be
  * left of it: the least step is that of least |D δx|² + |left / damping|². It is at right angles to x: where conditions are many,
  * nothing would meet them all but a shorter x, and that is no other direction. */
-static void fill(const km_second_order_many *c, double damping, const double *x) {
+static void fill(const km_second_order_columns *c, double damping, const double *x) {
   const double *weight = c->m->column_weight + c->sub->column_start;
-  km_columns out = km_orthogonal_columns(c->q);
+  km_columns out = km_sparse_qr_columns(c->q);
   long next = 0;
   for (int k = 0; k < c->rank; ++k) {
     for (int i = c->row_start[c->primary[k]]; i < c->row_start[c->primary[k] + 1]; ++i) {
@@ -219,13 +219,13 @@ static void fill(const km_second_order_many *c, double damping, const double *x)
 }
 
 /* One step, and back to length 1. */
-static bool step(km_second_order_many *c, double damping, double *x) {
+static bool step(km_second_order_columns *c, double damping, double *x) {
   const double *weight = c->m->column_weight + c->sub->column_start;
   fill(c, damping, x);
   memset(c->b, 0, ((size_t)c->rank + (size_t)c->conditions + 1) * sizeof *c->b);
   for (int k = 0; k < c->conditions; ++k)
     c->b[c->rank + k] = -c->value[k] / c->size;
-  if (!km_orthogonal_factor(c->q, spanned) || !km_orthogonal_least(c->q, c->b, c->z))
+  if (!km_sparse_qr_factor(c->q, spanned) || !km_sparse_qr_least(c->q, c->b, c->z))
     return false;
   for (int k = 0; k < c->sub->columns; ++k)
     x[k] += c->z[k] / weight[k];
@@ -236,17 +236,17 @@ static bool step(km_second_order_many *c, double damping, double *x) {
 }
 
 /* Evaluates at a first x. False where all conditions may be what the pose's misfit makes of 0. */
-static bool begin(km_second_order_many *c, const double *x) {
+static bool begin(km_second_order_columns *c, const double *x) {
   double noise = fmax(1e-7, 100.0 * c->residual), steepest = evaluate(c, x);
   c->size = fmax(c->size, 0.5 * steepest); /* a condition is half its derivative along x */
   return c->conditions > 0 && c->size >= noise;
 }
 
-bool km_second_order_many_breaks(km_second_order_many *c, const double *x) {
+bool km_second_order_columns_breaks(km_second_order_columns *c, const double *x) {
   return begin(c, x) && worst_value(c) > broken;
 }
 
-bool km_second_order_many_solve(km_second_order_many *c, double *x) {
+bool km_second_order_columns_solve(km_second_order_columns *c, double *x) {
   if (!begin(c, x))
     return true;
   for (int pass = 0; pass < MOST_PASSES; ++pass) {

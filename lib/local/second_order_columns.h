@@ -9,7 +9,7 @@
 /* Condition i on a direction x with J x = 0 is w_iᵀγ(x) = 0, w_i the left null vectors of J, each a unit vector that is kept by
  * its entries: γ = −J̇ q̇ is linear in J's pattern, so nothing of the size freedom² is made. A direction is scaled, |D x| = 1.
  */
-typedef struct km_second_order_many {
+typedef struct km_second_order_columns {
   const km_mechanism *m;
   km_state *s;
   const km_substructure *sub;
@@ -29,22 +29,23 @@ typedef struct km_second_order_many {
   double *sum;             /* [columns] 0 between conditions */
   double *b, *z;           /* of a step */
   double size;             /* of what the conditions are compared with */
-  km_orthogonal *q;
-} km_second_order_many;
+  km_sparse_qr *q;
+} km_second_order_columns;
 
 /* At the state's pose, to which km_loops_update was called and at which pivots stop by `tolerance`. KM_MEMORY, KM_IO: SPQR
  * isn't installed. To be freed in any case. O(entries of sparse factors). */
-km_status km_second_order_many_make(const km_mechanism *mechanism, km_state *state, int substructure, double tolerance,
-                                    km_arena *arena, km_second_order_many *out, km_error *error);
-void km_second_order_many_free(km_second_order_many *conditions);
+km_status km_second_order_columns_make(const km_mechanism *mechanism, km_state *state, int substructure,
+                                       double tolerance, km_arena *arena, km_second_order_columns *out,
+                                       km_error *error);
+void km_second_order_columns_free(km_second_order_columns *conditions);
 
 /* Does the unit direction x, which closes the loops to first order, break a condition by far more than rounding? The state is
  * at the same pose. */
-bool km_second_order_many_breaks(km_second_order_many *conditions, const double *x);
+bool km_second_order_columns_breaks(km_second_order_columns *conditions, const double *x);
 
 /* From the unit direction x, which closes the loops to first order, to one nearby that meets all conditions (damped
  * Gauss-Newton by steps of least |D δx|); false if there is none, or memory is out. The state is at the same pose. A sparse Q R
  * for each of up to 60 steps. */
-bool km_second_order_many_solve(km_second_order_many *conditions, double *x);
+bool km_second_order_columns_solve(km_second_order_columns *conditions, double *x);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-bool km_straighten(const double *basis, int count, int size, double *v) {
+bool km_orthonormalise(const double *basis, int count, int size, double *v) {
   double left = 0.0;
   for (int i = 0; i < count; ++i) {
     double along = 0.0;
@@ -22,7 +22,8 @@ bool km_straighten(const double *basis, int count, int size, double *v) {
 bool km_tangents_add(double *V, int count, int k, const double *a) {
   double *v = V + (size_t)count * (size_t)k;
   memcpy(v, a, (size_t)k * sizeof *v);
-  return km_straighten(V, count, k, v) && km_straighten(V, count, k, v); /* once more takes what rounding has left */
+  return km_orthonormalise(V, count, k, v) &&
+         km_orthonormalise(V, count, k, v); /* once more takes what rounding has left */
 }
 
 bool km_tangents_complete(double *V, int count, int k) {

@@ -60,7 +60,7 @@ static void add_chord(km_tangents *f, int sign) {
 km_followed km_tangents_try(km_tangents *f, const double *direction) {
   km_followed both = {HUGE_VAL, KM_REAL};
   for (int sign = 1; sign >= -1; sign -= 2) {
-    km_followed one = km_tangents_follow(f, direction, sign);
+    km_followed one = km_tangents_test_finite(f, direction, sign);
     f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
     if (one.reality < f->enough)
       return (km_followed){0.0, one.reality};
@@ -83,7 +83,7 @@ bool km_tangents_are_kept(const km_tangents *f, const double *direction) {
   return f->conditions.freedom == 1 || agree(f, direction, f->secant);
 }
 
-bool km_tangents_is_real(km_tangents *f, const double *a) {
+bool km_tangents_is_finite(km_tangents *f, const double *a) {
   km_tangents_direction(f, a, f->direction);
   return km_tangents_try(f, f->direction).reality >= f->enough && km_tangents_are_kept(f, f->direction);
 }
@@ -96,7 +96,7 @@ void km_tangents_normalise(double *a, int k) {
     a[i] /= sqrt(sum);
 }
 
-bool km_tangents_all_real(km_tangents *f) {
+bool km_tangents_all_finite(km_tangents *f) {
   int k = f->conditions.freedom, random = km_tangents_are_exact(f) ? 1 : k;
   random = k > 1 ? random : 0; /* of one tangent there are no combinations */
   for (int trial = 0; trial < k + random; ++trial) {
@@ -121,12 +121,12 @@ bool km_tangents_are_regular(km_tangents *f) {
     f->a[i] = km_uniform(&random);
   km_tangents_normalise(f->a, f->conditions.freedom);
   km_tangents_direction(f, f->a, f->direction);
-  if (km_tangents_follow(f, f->direction, 1.0).reality != KM_REAL || km_tangents_are_fewer(f))
+  if (km_tangents_test_finite(f, f->direction, 1.0).reality != KM_REAL || km_tangents_are_fewer(f))
     return false;
   if (f->conditions.freedom == 1 || agree(f, f->direction, f->chord))
     return true;
   add_chord(f, 1);
-  km_tangents_follow(f, f->direction, -1.0);
+  km_tangents_test_finite(f, f->direction, -1.0);
   add_chord(f, -1);
   return km_tangents_are_kept(f, f->direction);
 }
@@ -157,7 +157,7 @@ bool km_tangents_meet_second_order(km_tangents *f) {
 }
 
 bool km_tangents_random(km_tangents *f) {
-  return seek(f) && km_tangents_is_real(f, f->a);
+  return seek(f) && km_tangents_is_finite(f, f->a);
 }
 
 static bool are_same(int k, const double *a, const double *b) {

@@ -9,15 +9,15 @@
 
 enum { KM_STARTS_PER_FREEDOM = 40 };
 /* More freedoms are tried by single directions, and followed without a basis. */
-enum { KM_MOST_BASIS_TRIED = 12 };
+enum { KM_MAX_BASIS_TRIED = 12 };
 
 /* Does a motion follow the tangent? */
-typedef enum km_reality {
+typedef enum km_tangent_kind {
   KM_UNREAL,    /* the loops can't be closed along it, or open as a power of the way: a contact of finite order */
   KM_LOST,      /* they can't be closed even a short way, but don't fit at the pose itself either: rounded data */
   KM_UNDECIDED, /* they close for a part of the way, and what stops them shows no power */
   KM_REAL
-} km_reality;
+} km_tangent_kind;
 
 typedef struct km_tangents {
   const km_mechanism *m;
@@ -33,7 +33,7 @@ typedef struct km_tangents {
   double *secant;         /* [columns] of the tangent that was tried last: unit direction between such places */
   bool doubtful;          /* some tangent was neither confirmed nor refuted */
   int doubtful_dimension; /* by km_tangents_next: the most that a motion along such a one can have */
-  km_reality enough;      /* to count as real; KM_REAL */
+  km_tangent_kind enough; /* to count as real; KM_REAL */
   double *x, *move, *work;
   double *direction; /* of the tangent that is tried */
   double *a;         /* [freedom] a tangent by its share of each column of Z */
@@ -53,7 +53,7 @@ void km_tangents_normalise(double *a, int freedom);
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
 
 /* A unit vector at right angles to the `count` rows of basis[count × size], from v: false if nothing is left of it. */
-bool km_straighten(const double *basis, int count, int size, double *v);
+bool km_orthonormalise(const double *basis, int count, int size, double *v);
 /* Adds what of the shares a[freedom] lies outside the first `count` rows of V[freedom × freedom], which are orthonormal, as one more of
  * them; false where that is next to nothing. */
 bool km_tangents_add(double *V, int count, int freedom, const double *a);
@@ -66,13 +66,13 @@ bool km_tangents_take_out(km_tangents *tangents, double *V, int count);
 
 typedef struct km_followed {
   double length; /* arc length to which the loops were closed */
-  km_reality reality;
+  km_tangent_kind reality;
 } km_followed;
 
 /* Follows a direction (scaled) from the pose, `sign` ahead or back, with the fastest
  * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
  * the end. See trial.c. */
-km_followed km_tangents_follow(km_tangents *tangents, const double *direction, double sign);
+km_followed km_tangents_test_finite(km_tangents *tangents, const double *direction, double sign);
 /* Do the loops fit at the pose to rounding, so that a misfit further on means something however small it is? */
 bool km_tangents_are_exact(const km_tangents *tangents);
 /* Has the state's place, to which a way has led, fewer tangents than the pose? Then the pose's aren't all real: those of a
@@ -86,9 +86,9 @@ km_followed km_tangents_try(km_tangents *tangents, const double *direction);
  * motion there can be as many tangents as at the pose, of which no more are real. A single tangent has none beside it. */
 bool km_tangents_are_kept(const km_tangents *tangents, const double *direction);
 /* Can it be followed ahead and back? */
-bool km_tangents_is_real(km_tangents *tangents, const double *a);
+bool km_tangents_is_finite(km_tangents *tangents, const double *a);
 /* Are the basis vectors real, and a random combination of them, or, of data that aren't exact, as many combinations? */
-bool km_tangents_all_real(km_tangents *tangents);
+bool km_tangents_all_finite(km_tangents *tangents);
 /* Are all tangents real, by a single one? True is certain, of exact data: the primary equations leave a manifold, on which the
  * errors of the others are analytic. They are 0 along a random way on it only where they are 0 everywhere. */
 bool km_tangents_are_regular(km_tangents *tangents);
@@ -97,7 +97,7 @@ bool km_tangents_need_conditions(km_tangents *tangents);
 /* True if some tangent meets the conditions of second order, as far as random starts show. */
 bool km_tangents_meet_second_order(km_tangents *tangents);
 /* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
- * after km_tangents_all_real: the tangent of a single freedom isn't tried again. */
+ * after km_tangents_all_finite: the tangent of a single freedom isn't tried again. */
 bool km_tangents_random(km_tangents *tangents);
 /* The next one that is none of the `count` known[count × freedom], into `a`, and how far it was followed, ahead and back; false:
  * the starts that are left lead to none. There are as many for each that is known as for each freedom: who meets many branches

@@ -11,12 +11,12 @@
 /* Of `most`: so far a joint moves at a toggle, where its mobility number tells nothing of how it leaves. */
 static const double least_share = 0.02;
 
-const char *km_hand_stop_name(km_hand_stop stop) {
+const char *km_manipulation_stop_name(km_manipulation_stop stop) {
   static const char *const names[] = {"free", "limit", "toggle", "nearest"};
   return (unsigned)stop < sizeof names / sizeof *names ? names[stop] : "";
 }
 
-static bool allocate(km_hand *h) {
+static bool allocate(km_manipulation *h) {
   size_t n = (size_t)h->mechanism->coordinate_count, subs = (size_t)h->mechanism->topology.substructure_count;
   km_arena *a = &h->arena;
   h->ways = KM_ARENA_NEW(a, int, subs);
@@ -33,37 +33,37 @@ static bool allocate(km_hand *h) {
   return !a->failed;
 }
 
-km_status km_hand_create(const km_mechanism *m, km_state *s, km_hand **out, km_error *error) {
+km_status km_manipulation_create(const km_mechanism *m, km_state *s, km_manipulation **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
   km_status status = km_check_state(m, s, error);
   if (status)
     return status;
-  km_hand *h = KM_NEW(km_hand, 1);
+  km_manipulation *h = KM_NEW(km_manipulation, 1);
   if (h)
-    *h = (km_hand){.mechanism = m, .state = s, .driven = -1, .blocking = -1};
+    *h = (km_manipulation){.mechanism = m, .state = s, .driven = -1, .blocking = -1};
   if (!h || !allocate(h)) {
-    km_hand_free(h);
+    km_manipulation_free(h);
     return km_fail(error, KM_MEMORY, "out of memory for a hand");
   }
   *out = h;
   return KM_OK;
 }
 
-void km_hand_free(km_hand *h) {
+void km_manipulation_free(km_manipulation *h) {
   if (!h)
     return;
-  km_drive_free(h->drive);
+  km_driver_motion_free(h->drive);
   km_free(h->barrier);
   km_arena_free(&h->arena);
   km_free(h);
 }
 
-void km_hand_release(km_hand *h) {
+void km_manipulation_release(km_manipulation *h) {
   if (!h)
     return;
-  km_drive_free(h->drive);
+  km_driver_motion_free(h->drive);
   h->drive = NULL;
   h->driven = -1;
   for (int i = 0; i < h->mechanism->topology.substructure_count; ++i) {
@@ -72,47 +72,47 @@ void km_hand_release(km_hand *h) {
   }
 }
 
-void km_hand_save(km_hand *h) {
+void km_manipulation_save(km_manipulation *h) {
   memcpy(h->saved_q, h->state->q, (size_t)h->mechanism->coordinate_count * sizeof *h->saved_q);
   if (h->mechanism->ball_count)
     memcpy(h->saved_ball, h->state->ball, (size_t)h->mechanism->ball_count * sizeof *h->saved_ball);
 }
 
-void km_hand_restore(km_hand *h) {
+void km_manipulation_restore(km_manipulation *h) {
   memcpy(h->state->q, h->saved_q, (size_t)h->mechanism->coordinate_count * sizeof *h->saved_q);
   if (h->mechanism->ball_count)
     memcpy(h->state->ball, h->saved_ball, (size_t)h->mechanism->ball_count * sizeof *h->saved_ball);
 }
 
 /* The drive of a coordinate: the last one goes on, so that it knows its branch. */
-static km_status take(km_hand *h, int coordinate, km_error *error) {
+static km_status take(km_manipulation *h, int coordinate, km_error *error) {
   if (h->drive && h->driven == coordinate)
     return KM_OK;
-  km_hand_release(h);
-  if (km_branch_leave(h->mechanism, h->state, coordinate, 0.0).motions < 0)
+  km_manipulation_release(h);
+  if (km_branch_depart(h->mechanism, h->state, coordinate, 0.0).motions < 0)
     return km_fail(error, KM_MEMORY, "out of memory for a hand");
-  km_status status = km_drive_create(h->mechanism, h->state, coordinate, false, &h->drive, error);
+  km_status status = km_driver_motion_create(h->mechanism, h->state, coordinate, false, &h->drive, error);
   h->driven = status ? -1 : coordinate;
   return status;
 }
 
 /* How far the coordinate may go, model's unit. */
-static double share(const km_hand *h, int coordinate, double most) {
+static double share(const km_manipulation *h, int coordinate, double most) {
   const km_mechanism *m = h->mechanism;
   double number = h->state->numbers[coordinate];
   double part = fmax(sqrt(fmax(number, 0.0)), least_share) * most / m->scale[coordinate];
   return part / km_model_coordinate_factor(m->model, coordinate);
 }
 
-static void refresh(km_hand *h, int coordinate) {
+static void refresh(km_manipulation *h, int coordinate) {
   int index = h->mechanism->substructure_of[coordinate];
   if (index >= 0)
     km_numbers_update(h->mechanism, h->state, index);
-  km_poses_update(h->mechanism, h->state);
+  km_poses_compute(h->mechanism, h->state);
 }
 
 /* A component of a rotation vector outside loops turns freely, within its limits and the ball's. */
-static void turn(km_hand *h, int coordinate, double target, double most, km_hand_move *out) {
+static void turn(km_manipulation *h, int coordinate, double target, double most, km_manipulation_step *out) {
   const km_mechanism *m = h->mechanism;
   int first = m->ball_coordinate[m->ball_of[coordinate]];
   double factor = km_model_coordinate_factor(m->model, coordinate), goal = target * factor, others = 0.0;
@@ -125,28 +125,28 @@ static void turn(km_hand *h, int coordinate, double target, double most, km_hand
   h->z[coordinate] = q + fmin(fmax(within - q, -most), most);
   km_state_set(m, h->state, h->z);
   bool limited = h->z[coordinate] == within && within != goal;
-  *out = (km_hand_move){.stop = limited ? KM_HAND_LIMIT : KM_HAND_FREE,
-                        .coordinate = limited ? coordinate : -1,
-                        .there = h->z[coordinate] == goal,
-                        .left = (goal - h->z[coordinate]) / factor};
+  *out = (km_manipulation_step){.stop = limited ? KM_MANIPULATION_LIMIT : KM_MANIPULATION_FREE,
+                                .coordinate = limited ? coordinate : -1,
+                                .there = h->z[coordinate] == goal,
+                                .left = (goal - h->z[coordinate]) / factor};
 }
 
-static void drive(km_hand *h, int coordinate, double target, double most, km_hand_move *out) {
+static void drive(km_manipulation *h, int coordinate, double target, double most, km_manipulation_step *out) {
   double at = km_state_coordinate(h->state, coordinate), reach = share(h, coordinate, most);
   double goal = fabs(target - at) <= reach ? target : at + copysign(reach, target - at);
-  km_reach reached = km_drive_to(h->drive, goal);
-  *out = (km_hand_move){.coordinate = -1, .there = reached.stop == KM_STOP_NONE && goal == target};
+  km_motion_end reached = km_driver_motion_move_to(h->drive, goal);
+  *out = (km_manipulation_step){.coordinate = -1, .there = reached.stop == KM_STOP_NONE && goal == target};
   if (reached.stop == KM_STOP_LIMIT) {
-    out->stop = KM_HAND_LIMIT;
+    out->stop = KM_MANIPULATION_LIMIT;
     out->coordinate = reached.coordinate;
   } else if (reached.stop) {
-    out->stop = KM_HAND_TOGGLE;
+    out->stop = KM_MANIPULATION_TOGGLE;
     out->coordinate = coordinate;
   }
   out->left = out->there ? 0.0 : target - km_state_coordinate(h->state, coordinate);
 }
 
-static km_status check(const km_hand *h, double most, const km_hand_move *out, km_error *error) {
+static km_status check(const km_manipulation *h, double most, const km_manipulation_step *out, km_error *error) {
   km_status status = km_check_given(h != NULL, "hand", error);
   if (!status)
     status = km_check_given(out != NULL, "place for the result", error);
@@ -155,8 +155,8 @@ static km_status check(const km_hand *h, double most, const km_hand_move *out, k
   return status;
 }
 
-km_status km_hand_pull_joint(km_hand *h, int coordinate, double target, double most, km_hand_move *out,
-                             km_error *error) {
+km_status km_manipulation_pull_joint(km_manipulation *h, int coordinate, double target, double most,
+                                     km_manipulation_step *out, km_error *error) {
   km_status status = check(h, most, out, error);
   if (!status)
     status = km_check_index(coordinate, h->mechanism->coordinate_count, "coordinate", error);
@@ -166,7 +166,7 @@ km_status km_hand_pull_joint(km_hand *h, int coordinate, double target, double m
     return status;
   const km_mechanism *m = h->mechanism;
   if (m->ball_of[coordinate] >= 0 && m->substructure_of[coordinate] < 0 && !m->held[coordinate]) {
-    km_hand_release(h);
+    km_manipulation_release(h);
     turn(h, coordinate, target, most, out);
   } else {
     status = take(h, coordinate, error);

@@ -5,12 +5,12 @@
 #include "kinematics/state.h"
 #include "kmech/continuation.h"
 
-struct km_hand {
+struct km_manipulation {
   km_arena arena;
   const km_mechanism *mechanism;
   km_state *state;
-  km_drive *drive; /* of the joint that was pulled last; NULL: none */
-  int driven;      /* its coordinate */
+  km_driver_motion *drive; /* of the joint that was pulled last; NULL: none */
+  int driven;              /* its coordinate */
   /* Of pulled points. */
   int *ways, way_count; /* substructures on the way from the inertial frame to the body */
   bool *on_way;         /* [substructure] */
@@ -29,7 +29,7 @@ struct km_hand {
 };
 
 /* Keeps the coordinates, and brings them back. */
-void km_hand_save(km_hand *hand);
-void km_hand_restore(km_hand *hand);
+void km_manipulation_save(km_manipulation *hand);
+void km_manipulation_restore(km_manipulation *hand);
 
 #endif

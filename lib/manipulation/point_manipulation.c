@@ -23,8 +23,8 @@ static const double at_limit = 1e-9;    /* scaled: so near it stands at it */
 static const double settled = 1e-10;    /* a step that is no more than this leads nowhere */
 
 typedef struct pull {
-  km_hand *h;
-  const km_hand_grip *grip;
+  km_manipulation *h;
+  const km_manipulation_point *grip;
   double length; /* L */
   double e[3];   /* what is left, over L; without the part along the normal */
   int freedoms;
@@ -45,7 +45,7 @@ static double look(pull *p) {
 
 /* Which substructures and coordinates carry the body, and how each coordinate moves the point. */
 static void find_ways(pull *p) {
-  km_hand *h = p->h;
+  km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   km_vec3 at = place_of(p), normal = km_vec3_make(p->grip->normal);
   memset(h->column, 0, (size_t)m->coordinate_count * sizeof *h->column);
@@ -74,7 +74,7 @@ static void add_column(pull *p, km_vec3 v) {
   memcpy(p->h->A + 3 * (size_t)p->freedoms++, (const double[]){v.x, v.y, v.z}, 3 * sizeof *p->h->A);
 }
 
-static bool is_free_tree(const km_hand *h, int body, int *first, int *end) {
+static bool is_free_tree(const km_manipulation *h, int body, int *first, int *end) {
   const km_mechanism *m = h->mechanism;
   int joint = m->topology.arc[body];
   *first = m->model->joints[joint].first_coordinate;
@@ -93,7 +93,7 @@ static void take_column_out(const double *rows, int rank, int n, double *z) {
 }
 
 /* The basis rows of blocked coordinates, orthonormal, of one substructure; returns how many. */
-static int barriers(km_hand *h, int index, const double *Z, int freedom) {
+static int barriers(km_manipulation *h, int index, const double *Z, int freedom) {
   const km_substructure *sub = &h->mechanism->substructures[index];
   int count = 0;
   for (int k = 0; k < sub->columns && count < freedom; ++k) {
@@ -117,7 +117,7 @@ static int barriers(km_hand *h, int index, const double *Z, int freedom) {
 }
 
 static void columns_of(pull *p, int index) {
-  km_hand *h = p->h;
+  km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   const km_substructure *sub = &m->substructures[index];
   const double *Z = km_state_basis(h->state, index);
@@ -172,7 +172,7 @@ static void solve(const pull *p, double x[3]) {
 
 /* Fills A, then z; returns |z|. */
 static double find_step(pull *p) {
-  km_hand *h = p->h;
+  km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   double x[3], square = 0.0;
   int first, end, k = 0;
@@ -205,7 +205,7 @@ static double find_step(pull *p) {
 }
 
 /* Does the step push a coordinate that stands at its limit against it? Marks one more; false: none. */
-static bool meet_barrier(km_hand *h) {
+static bool meet_barrier(km_manipulation *h) {
   const km_mechanism *m = h->mechanism;
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (h->blocked[c] || fabs(h->z[c]) < settled || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
@@ -221,7 +221,7 @@ static bool meet_barrier(km_hand *h) {
 }
 
 /* The part of the step up to the first limit in a straight line; the coordinate, -1: none. */
-static double room_to_limits(const km_hand *h) {
+static double room_to_limits(const km_manipulation *h) {
   const km_mechanism *m = h->mechanism;
   double part = 1.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
@@ -240,7 +240,7 @@ static double turned(const double *q) {
 }
 
 /* Is a coordinate further outside its limits than before? Then it is the one that blocks; a ball only stops the hand. */
-static bool leaves_limits(km_hand *h) {
+static bool leaves_limits(km_manipulation *h) {
   const km_mechanism *m = h->mechanism;
   for (int c = 0; c < m->coordinate_count; ++c) {
     double q = h->state->q[c], old = h->saved_q[c], slack = 1e-12 * (m->unit[c] + fabs(q));
@@ -259,7 +259,7 @@ static bool leaves_limits(km_hand *h) {
 }
 
 /* The motions behind the step still hold it: no other branch, no singular pose. */
-static bool holds_course(km_hand *h, int index, double part, const km_closure *evidence) {
+static bool holds_course(km_manipulation *h, int index, double part, const km_closure *evidence) {
   const km_mechanism *m = h->mechanism;
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
@@ -280,7 +280,7 @@ static bool holds_course(km_hand *h, int index, double part, const km_closure *e
 }
 
 /* Goes by a part of z and closes the loops; false: not this far. */
-static bool go(km_hand *h, double part) {
+static bool go(km_manipulation *h, double part) {
   const km_mechanism *m = h->mechanism;
   for (int i = 0; i < h->way_count; ++i) {
     const km_substructure *sub = &m->substructures[h->ways[i]];
@@ -298,7 +298,7 @@ static bool go(km_hand *h, double part) {
 }
 
 static void go_tree(const pull *p, double part) {
-  km_hand *h = p->h;
+  km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   int first, end;
   for (int body = p->grip->body; body > 0; body = m->topology.parent[body])
@@ -315,18 +315,18 @@ static void go_tree(const pull *p, double part) {
 }
 
 /* Makes pivots, null spaces and Jacobians those of the present pose. */
-static void renew(km_hand *h) {
+static void renew(km_manipulation *h) {
   for (int i = 0; i < h->way_count; ++i) {
     km_loops_update(h->mechanism, h->state, &h->mechanism->substructures[h->ways[i]]);
     km_state_forget_pivots(h->state, h->ways[i]);
     km_numbers_update(h->mechanism, h->state, h->ways[i]);
   }
-  km_poses_update(h->mechanism, h->state);
+  km_poses_compute(h->mechanism, h->state);
 }
 
 /* At a branch point no direction is the mechanism's own; off it, ranks are what they are elsewhere. */
 static km_status begin(pull *p, km_error *error) {
-  km_hand *h = p->h;
+  km_manipulation *h = p->h;
   bool fresh = true;
   for (int i = 0; i < h->way_count; ++i) {
     int index = h->ways[i], best = -1;
@@ -339,7 +339,7 @@ static km_status begin(pull *p, km_error *error) {
       if (best < 0 || km_vec3_norm(h->column[c]) > km_vec3_norm(h->column[best]))
         best = c;
     }
-    int motions = best < 0 ? 0 : km_branch_leave(h->mechanism, h->state, best, 0.0).motions;
+    int motions = best < 0 ? 0 : km_branch_depart(h->mechanism, h->state, best, 0.0).motions;
     if (motions < 0)
       return km_fail(error, KM_MEMORY, "out of memory for a hand");
     h->left[index] = true;
@@ -357,7 +357,7 @@ static km_status begin(pull *p, km_error *error) {
 
 /* A step of at most `most`; returns its length, 0 where none is possible. */
 static double step(pull *p, double most) {
-  km_hand *h = p->h;
+  km_manipulation *h = p->h;
   double left = look(p), length;
   memset(h->blocked, 0, (size_t)h->mechanism->coordinate_count * sizeof *h->blocked);
   h->blocking = -1;
@@ -370,23 +370,23 @@ static double step(pull *p, double most) {
   if (length < settled)
     return 0.0;
   double part = fmin(fmin(1.0, most / length), room_to_limits(h));
-  km_hand_save(h);
+  km_manipulation_save(h);
   for (int i = 0; i < MOST_HALVINGS && part * length > settled; ++i, part *= 0.5) {
     bool closed = go(h, part);
     if (closed) {
       go_tree(p, part);
-      km_poses_update(h->mechanism, h->state);
+      km_poses_compute(h->mechanism, h->state);
     }
     if (closed && !leaves_limits(h) && look(p) < left)
       return part * length;
-    km_hand_restore(h);
+    km_manipulation_restore(h);
   }
   renew(h);
   return 0.0;
 }
 
-static km_status check(const km_hand *h, const km_hand_grip *grip, double most, const km_hand_move *out,
-                       km_error *error) {
+static km_status check(const km_manipulation *h, const km_manipulation_point *grip, double most,
+                       const km_manipulation_step *out, km_error *error) {
   km_status status = km_check_given(h != NULL, "hand", error);
   if (!status)
     status = km_check_given(grip != NULL, "grip", error);
@@ -402,13 +402,14 @@ static km_status check(const km_hand *h, const km_hand_grip *grip, double most, 
   return status;
 }
 
-km_status km_hand_pull_point(km_hand *h, const km_hand_grip *grip, double most, km_hand_move *out, km_error *error) {
+km_status km_manipulation_pull_point(km_manipulation *h, const km_manipulation_point *grip, double most,
+                                     km_manipulation_step *out, km_error *error) {
   km_status status = check(h, grip, most, out, error);
   if (status)
     return status;
-  *out = (km_hand_move){.coordinate = -1};
+  *out = (km_manipulation_step){.coordinate = -1};
   pull p = {.h = h, .grip = grip, .length = h->mechanism->length};
-  km_drive_free(h->drive);
+  km_driver_motion_free(h->drive);
   h->drive = NULL;
   h->driven = -1;
   find_ways(&p);
@@ -419,7 +420,7 @@ km_status km_hand_pull_point(km_hand *h, const km_hand_grip *grip, double most, 
   for (int i = 0; i < MOST_STEPS && left > arrived && gone > settled; ++i) {
     double length = step(&p, gone);
     if (length <= 0.0) {
-      out->stop = h->blocking >= 0 ? KM_HAND_LIMIT : KM_HAND_NEAREST;
+      out->stop = h->blocking >= 0 ? KM_MANIPULATION_LIMIT : KM_MANIPULATION_NEAREST;
       out->coordinate = h->blocking;
       break;
     }

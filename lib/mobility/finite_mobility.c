@@ -30,7 +30,7 @@ static int common_span(km_tangents *f, double *basis) {
           f->a[r] += share * basis[(size_t)i * (size_t)k + (size_t)r];
       }
       km_tangents_normalise(f->a, k);
-      together = km_tangents_is_real(f, f->a);
+      together = km_tangents_is_finite(f, f->a);
     }
     memcpy(f->tried, basis + (size_t)found * (size_t)k, (size_t)k * sizeof *basis);
     found += together && km_tangents_add(basis, found, k, f->tried); /* what the others span already adds nothing */
@@ -41,17 +41,17 @@ static int common_span(km_tangents *f, double *basis) {
 /* True if conditions of second order show that not all tangents are finite motions. False too where the conditions take
  * longer than following a few tangents. */
 static bool rank_changes(km_tangents *f) {
-  return km_steady_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
+  return km_constant_rank_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
 }
 
 /* True if the mechanism has as many idle tangents all along its motion as at the pose. Where branches touch with the
  * same tangent it hasn't. */
 static bool keeps_rank(km_tangents *f) {
-  km_steady steady = {0};
+  km_constant_rank steady = {0};
   km_arena scratch = {0};
   km_state_restore(f->s, f->sub, f->pose);
   km_pivot_here(f->m, f->s, f->index, KM_NO_DRIVER, f->residual);
-  if (!km_steady_begin(&steady, f->m, f->s, f->index, KM_NO_DRIVER, &scratch))
+  if (!km_constant_rank_begin(&steady, f->m, f->s, f->index, KM_NO_DRIVER, &scratch))
     f->arena->failed = true;
   km_arena_free(&scratch);
   return steady.on;
@@ -64,7 +64,7 @@ static bool are_steady(km_tangents *f, double *directions) {
   if (!km_tangents_need_conditions(f))
     return false;
   const km_second_order whole = f->conditions;
-  if (km_tangents_keep_steady(f, directions) > 0 && km_tangents_all_real(f) && keeps_rank(f))
+  if (km_tangents_keep_constant_rank(f, directions) > 0 && km_tangents_all_finite(f) && keeps_rank(f))
     return true;
   f->conditions = whole;
   f->doubtful = doubtful;
@@ -74,16 +74,16 @@ static bool are_steady(km_tangents *f, double *directions) {
 }
 
 /* The dimension of the motion through the state's present pose, assumed to be one where just one family passes. */
-static int dimension_here(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
-                          bool *doubtful) {
+static int dimension_here(const km_mechanism *m, km_state *s, int index, const km_passive_freedoms *idle,
+                          km_arena *arena, bool *doubtful) {
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena) || !km_tangents_make_basis(&f))
     return 0;
   int k = f.conditions.freedom, dimension = k, apart = 0;
-  if (k > 1 && (rank_changes(&f) || !km_tangents_are_regular(&f)) && !km_tangents_all_real(&f)) {
-    apart = km_idle_tangents_leave(&f, idle, NULL);
+  if (k > 1 && (rank_changes(&f) || !km_tangents_are_regular(&f)) && !km_tangents_all_finite(&f)) {
+    apart = km_passive_tangents_remove(&f, idle, NULL);
     k = dimension = f.conditions.freedom;
-    bool real = k <= 1 || (apart > 0 && km_tangents_all_real(&f));
+    bool real = k <= 1 || (apart > 0 && km_tangents_all_finite(&f));
     if (!real && are_steady(&f, NULL)) {
       k = dimension = f.conditions.freedom;
       real = true;
@@ -101,7 +101,7 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, const k
 /* A direction, scaled. */
 static void list_direction(const km_tangents *f, const double *x, km_motion_kind kind, double length,
                            km_finite_mobility *out) {
-  if (out->motion_count == KM_MOST_MOTIONS) {
+  if (out->motion_count == KM_MAX_FINITE_MOTIONS) {
     out->truncated = true;
     return;
   }
@@ -132,14 +132,14 @@ static void list_new(const km_tangents *f, const double *x, int first, double le
 }
 
 static double confirmed(km_tangents *f, const double *direction) {
-  double back = km_tangents_follow(f, direction, -1.0).length; /* the state is left at the end of the way ahead */
-  return fmin(back, km_tangents_follow(f, direction, 1.0).length);
+  double back = km_tangents_test_finite(f, direction, -1.0).length; /* the state is left at the end of the way ahead */
+  return fmin(back, km_tangents_test_finite(f, direction, 1.0).length);
 }
 
 /* What finds no place in the list isn't followed. */
 static void list_basis(km_tangents *f, km_motion_kind kind, km_finite_mobility *out) {
   int k = f->conditions.freedom;
-  int room = KM_MOST_MOTIONS - out->motion_count;
+  int room = KM_MAX_FINITE_MOTIONS - out->motion_count;
   out->truncated = out->truncated || k > room;
   for (int i = 0; i < k && i < room; ++i) {
     for (int r = 0; r < k; ++r)
@@ -214,13 +214,13 @@ static void add_space(branch_spaces *spaces, km_tangents *f, km_arena *arena) {
 }
 
 /* Collects the different real motions; their largest dimension, `most` at most, is the finite mobility. */
-static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most, km_arena *arena,
+static int find_branches(km_tangents *f, const km_passive_freedoms *idle, int most, km_arena *arena,
                          km_finite_mobility *out) {
   int k = f->conditions.freedom, best = 0, found = 0;
-  double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MOST_MOTIONS * k));
+  double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MAX_FINITE_MOTIONS * k));
   double length;
   branch_spaces spaces = {.freedom = k, .V = KM_ARENA_NEW(arena, double, (size_t)(MOST_SPACES * k * k))};
-  while (lines && spaces.V && found < KM_MOST_MOTIONS && km_tangents_next(f, lines, found, &length)) {
+  while (lines && spaces.V && found < KM_MAX_FINITE_MOTIONS && km_tangents_next(f, lines, found, &length)) {
     if (is_in_known_space(&spaces, f->a))
       continue;
     memcpy(lines + (size_t)found++ * (size_t)k, f->a, (size_t)k * sizeof *lines);
@@ -238,7 +238,7 @@ static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most,
     list_motion(f, f->a, KM_MOTION_BRANCH, length, out);
     add_space(&spaces, f, arena);
   }
-  out->truncated = out->truncated || found == KM_MOST_MOTIONS;
+  out->truncated = out->truncated || found == KM_MAX_FINITE_MOTIONS;
   return best;
 }
 
@@ -247,23 +247,23 @@ static int find_branches(km_tangents *f, const km_idle_freedoms *idle, int most,
 static int least_dimension_here(const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
   km_tangents f;
-  km_many_tangents many = {0};
+  km_sampled_tangents many = {0};
   double length;
   int dimension = 1;
-  if (km_tangents_make(&f, m, s, index, &arena) && km_many_tangents_make(&many, &f) &&
-      (f.conditions.freedom <= 1 || !f.conditions.redundant || km_many_tangents_all_real(&many, &length)))
+  if (km_tangents_make(&f, m, s, index, &arena) && km_sampled_tangents_make(&many, &f) &&
+      (f.conditions.freedom <= 1 || !f.conditions.redundant || km_sampled_tangents_all_finite(&many, &length)))
     dimension = f.conditions.freedom;
-  km_many_tangents_free(&many);
+  km_sampled_tangents_free(&many);
   km_arena_free(&arena);
   return dimension;
 }
 
 /* The real motions that were found from the starts that are tried, each once; the largest dimension of one. */
-static int find_some_branches(km_many_tangents *many, km_finite_mobility *out) {
+static int find_some_branches(km_sampled_tangents *many, km_finite_mobility *out) {
   km_tangents *f = many->f;
   int best = 0, first = out->motion_count;
   double length;
-  while (km_many_tangents_next(many, &length)) {
+  while (km_sampled_tangents_next(many, &length)) {
     int dimension = least_dimension_here(f->m, f->s, f->index);
     best = dimension > best ? dimension : best;
     list_new(f, many->x, first, length, out);
@@ -273,26 +273,26 @@ static int find_some_branches(km_many_tangents *many, km_finite_mobility *out) {
 
 /* Of many freedoms a bounded number of directions is tried. */
 static int find_in_many(km_tangents *f, km_finite_mobility *out) {
-  km_many_tangents many;
+  km_sampled_tangents many;
   double length;
   int k = f->conditions.freedom, mobility = k;
-  bool made = km_many_tangents_make(&many, f);
+  bool made = km_sampled_tangents_make(&many, f);
   out->truncated = true;
-  if (made && km_many_tangents_all_real(&many, &length)) {
+  if (made && km_sampled_tangents_all_finite(&many, &length)) {
     list_direction(f, many.x, KM_MOTION_REGULAR, length, out);
   } else if (made && f->conditions.redundant) {
     bool refuted = !f->doubtful; /* not all are real: k − 1 is the most that can be */
     mobility = find_some_branches(&many, out);
     out->undecided = out->undecided || !(refuted && mobility == k - 1);
   }
-  km_many_tangents_free(&many);
+  km_sampled_tangents_free(&many);
   return mobility;
 }
 
 /* Idle motions are listed by themselves; returns how many there are. */
-static int list_idle(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+static int list_idle(km_tangents *f, const km_passive_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   double *directions = KM_ARENA_NEW(arena, double, (size_t)f->conditions.freedom *(size_t)f->sub->columns);
-  int count = directions ? km_idle_tangents_leave(f, idle, directions) : 0;
+  int count = directions ? km_passive_tangents_remove(f, idle, directions) : 0;
   for (int i = 0; i < count; ++i) {
     const double *direction = directions + (size_t)i * (size_t)f->sub->columns;
     list_direction(f, direction, KM_MOTION_REGULAR, confirmed(f, direction), out);
@@ -322,7 +322,7 @@ static bool are_refuted(km_tangents *f) {
 
 /* True if motions may meet at an order that the second one doesn't decide: in a cusp, or with the same tangent. */
 static bool may_touch(const km_tangents *f, int mobility) {
-  return f->conditions.freedom > 1 && km_tangents_are_exact(f) && km_steady_is_small(f->sub) && mobility <= 1;
+  return f->conditions.freedom > 1 && km_tangents_are_exact(f) && km_constant_rank_is_small(f->sub) && mobility <= 1;
 }
 
 /* The index of the half-branch that makes up a motion with number i: the one that goes on most nearly opposite, else,
@@ -348,7 +348,7 @@ static int other_half(const km_half_branches *h, int freedom, int i, const bool 
 /* Lists the motions that half-branches make up, in place of those from `first` on; false, and nothing changes, unless
  * they are more. */
 static bool list_half_branches(km_tangents *f, const km_half_branches *h, int first, km_finite_mobility *out) {
-  bool is_used[KM_MOST_HALF_BRANCHES] = {false};
+  bool is_used[KM_MAX_HALF_BRANCHES] = {false};
   int freedom = f->conditions.freedom, motions = (h->count + 1) / 2;
   if (motions <= out->motion_count - first)
     return false;
@@ -367,7 +367,7 @@ static bool list_half_branches(km_tangents *f, const km_half_branches *h, int fi
 }
 
 /* The mobility of the motions through the half-branches. */
-static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h, const km_idle_freedoms *idle) {
+static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h, const km_passive_freedoms *idle) {
   int best = 0;
   for (int i = 0; i < h->count; ++i) {
     km_arena scratch = {0};
@@ -383,7 +383,7 @@ static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h,
 /* Finds motions that share a tangent or end in a cusp, which the second order can't separate. *mobility is that of
  * those found so far, which begin at `first`; it stays 0 where none is found, and then says nothing if tangents meet
  * the second order. */
-static void find_touching(km_tangents *f, const km_idle_freedoms *idle, int first, int *mobility, bool *undecided,
+static void find_touching(km_tangents *f, const km_passive_freedoms *idle, int first, int *mobility, bool *undecided,
                           km_finite_mobility *out) {
   km_half_branches halves;
   if (!may_touch(f, *mobility) || (*mobility == 0 && !km_tangents_meet_second_order(f)) ||
@@ -399,12 +399,12 @@ static void find_touching(km_tangents *f, const km_idle_freedoms *idle, int firs
   out->truncated = out->truncated || *mobility > 1;
 }
 
-static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+static int find_in_few(km_tangents *f, const km_passive_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   if (f->conditions.freedom == 0 || !km_tangents_make_basis(f))
     return 0;
-  bool regular = !f->conditions.redundant || km_tangents_all_real(f);
+  bool regular = !f->conditions.redundant || km_tangents_all_finite(f);
   int apart = regular ? 0 : list_idle(f, idle, arena, out);
-  regular = regular || f->conditions.freedom == 0 || (apart > 0 && km_tangents_all_real(f));
+  regular = regular || f->conditions.freedom == 0 || (apart > 0 && km_tangents_all_finite(f));
   int k = f->conditions.freedom, steady = regular ? -1 : find_steady(f, arena, out);
   if (steady >= 0)
     return apart + steady;
@@ -420,13 +420,13 @@ static int find_in_few(km_tangents *f, const km_idle_freedoms *idle, km_arena *a
   bool undecided = (alone && mobility < k) || mobility < smaller(f->doubtful_dimension, most);
   find_touching(f, idle, first, &mobility, &undecided, out);
   if (mobility == 0)
-    list_basis(f, undecided ? KM_MOTION_OPEN : KM_MOTION_SHAKY, out);
+    list_basis(f, undecided ? KM_MOTION_UNDECIDED : KM_MOTION_SHAKY, out);
   out->undecided = out->undecided || undecided;
   return apart + mobility;
 }
 
 /* Of the substructure. */
-static int count_idle(const km_tangents *f, const km_idle_freedoms *idle) {
+static int count_idle(const km_tangents *f, const km_passive_freedoms *idle) {
   int count = 0;
   for (int i = 0; i < idle->count; ++i)
     count += idle->items[i].substructure == f->index ? idle->items[i].freedoms : 0;
@@ -435,11 +435,11 @@ static int count_idle(const km_tangents *f, const km_idle_freedoms *idle) {
 
 /* The same of many, for which a basis is tried for this alone. */
 static int find_steady_of_many(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
-  bool tried = f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.redundant && km_steady_is_small(f->sub);
+  bool tried = f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.redundant && km_constant_rank_is_small(f->sub);
   return tried && km_tangents_make_basis(f) ? find_steady(f, arena, out) : -1;
 }
 
-static int find_in_tangents(km_tangents *f, const km_idle_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
+static int find_in_tangents(km_tangents *f, const km_passive_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   enum { VERY_FEW = 3 }; /* more of them have families of branches, each of which would be followed */
   int freedom = f->conditions.freedom, apart = count_idle(f, idle);
   if (!km_tangents_are_many(f) || (freedom <= KM_MANY_VECTORS && freedom - apart <= VERY_FEW))
@@ -449,13 +449,13 @@ static int find_in_tangents(km_tangents *f, const km_idle_freedoms *idle, km_are
   return mobility > apart ? mobility : apart;
 }
 
-static int find_in(const km_mechanism *m, km_state *s, int index, const km_idle_freedoms *idle, km_arena *arena,
+static int find_in(const km_mechanism *m, km_state *s, int index, const km_passive_freedoms *idle, km_arena *arena,
                    km_finite_mobility *out) {
   km_tangents f;
   if (!km_tangents_make(&f, m, s, index, arena))
     return 0;
   int mobility = find_in_tangents(&f, idle, arena, out);
-  km_loops_return(m, s, index, f.pose);
+  km_loops_restore_cached(m, s, index, f.pose);
   return mobility;
 }
 
@@ -463,7 +463,7 @@ static int find_in(const km_mechanism *m, km_state *s, int index, const km_idle_
 typedef struct search {
   const km_mechanism *m;
   km_state *s;
-  km_idle_freedoms idle;
+  km_passive_freedoms idle;
   km_finite_mobility *out;
 } search;
 
@@ -482,16 +482,16 @@ km_status km_finite_mobility_find(const km_mechanism *m, km_state *s, km_progres
   km_status fits = km_check_state(m, s, error);
   if (fits)
     return fits;
-  out->store = KM_NEW(double, (size_t)KM_MOST_MOTIONS *(size_t)(m->coordinate_count + 1));
+  out->store = KM_NEW(double, (size_t)KM_MAX_FINITE_MOTIONS *(size_t)(m->coordinate_count + 1));
   if (!out->store)
     return km_fail(error, KM_MEMORY, "out of memory for the finite mobility");
   for (int c = 0; c < m->coordinate_count; ++c)
     out->mobility += m->substructure_of[c] < 0 && !m->held[c];
   search f = {m, s, {0}, out};
-  km_status status = km_idle_freedoms_find(m, s, NULL, NULL, &f.idle, error);
+  km_status status = km_passive_freedoms_find(m, s, NULL, NULL, &f.idle, error);
   if (!status)
     status = km_each_substructure(m, look, &f, progress, context, "the finite mobility", error);
-  km_idle_freedoms_free(&f.idle);
+  km_passive_freedoms_free(&f.idle);
   return status;
 }
 

@@ -34,8 +34,8 @@ void km_coupling_entries(const km_mechanism *m, const km_state *s, const km_subs
   }
 }
 
-void km_whole_jacobian(const km_mechanism *m, const km_state *s, int index, const km_twist *twist, km_vec3 about,
-                       double *J) {
+void km_full_jacobian(const km_mechanism *m, const km_state *s, int index, const km_twist *twist, km_vec3 about,
+                      double *J) {
   const km_topology *t = &m->topology;
   const km_substructure *sub = &m->substructures[index];
   int rows = 6 * sub->loop_count + sub->coupling_count;

@@ -20,8 +20,8 @@ static inline void km_twist_entries(const km_substructure *sub, km_twist twist, 
 
 /* J: six rows a loop in the order of the substructure's loops (along the inertial axes, moments about `about`), then
  * the couplings; rows = 6 · loops + couplings, by the substructure's columns. twist[coordinate] of every coordinate. */
-void km_whole_jacobian(const km_mechanism *mechanism, const km_state *state, int substructure, const km_twist *twist,
-                       km_vec3 about, double *J);
+void km_full_jacobian(const km_mechanism *mechanism, const km_state *state, int substructure, const km_twist *twist,
+                      km_vec3 about, double *J);
 /* The couplings' entries alone: that of coupling i and a column at first[i · down + column · across]. */
 void km_coupling_entries(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
                          double *first, size_t down, size_t across);

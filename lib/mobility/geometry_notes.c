@@ -90,7 +90,7 @@ km_status km_rank_doubts(const km_mechanism *m, km_state *s, km_messages *messag
   km_status status = km_check_state(m, s, error);
   if (status)
     return status;
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_rank_evidence e;
     status = km_rank_evidence_find(m, s, i, &e, error);

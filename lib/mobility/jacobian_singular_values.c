@@ -3,17 +3,17 @@
 
 #include <gsl/gsl_linalg.h>
 
-struct km_singular {
+struct km_singular_value_workspace {
   km_arena arena;
   double *J, *values;
-  km_svd_room room;
+  km_svd_workspace room;
 };
 
 static int least(int a, int b) {
   return a < b ? a : b;
 }
 
-bool km_svd_reserve(km_svd_room *room, int rows, int columns, km_arena *arena) {
+bool km_svd_reserve(km_svd_workspace *room, int rows, int columns, km_arena *arena) {
   size_t wide = (size_t)least(rows, columns);
   gsl_set_error_handler_off();
   room->A = KM_ARENA_NEW(arena, double, (size_t)rows *(size_t)columns);
@@ -22,7 +22,7 @@ bool km_svd_reserve(km_svd_room *room, int rows, int columns, km_arena *arena) {
   return !arena->failed;
 }
 
-int km_svd_values(const double *J, int rows, int columns, km_svd_room *room, double *values) {
+int km_svd_values(const double *J, int rows, int columns, km_svd_workspace *room, double *values) {
   size_t wide = (size_t)least(rows, columns), tall = (size_t)(rows + columns) - wide;
   if (wide == 0)
     return 0;
@@ -36,31 +36,31 @@ int km_svd_values(const double *J, int rows, int columns, km_svd_room *room, dou
   return (int)wide;
 }
 
-bool km_singular_fits(const km_substructure *sub) {
-  return sub->rows <= KM_MOST_SINGULAR && sub->columns <= KM_MOST_SINGULAR;
+bool km_singular_values_fit(const km_substructure *sub) {
+  return sub->rows <= KM_MAX_SINGULAR && sub->columns <= KM_MAX_SINGULAR;
 }
 
-km_singular *km_singular_create(const km_mechanism *m) {
-  km_singular *w = KM_NEW(km_singular, 1);
+km_singular_value_workspace *km_singular_value_workspace_create(const km_mechanism *m) {
+  km_singular_value_workspace *w = KM_NEW(km_singular_value_workspace, 1);
   if (!w)
     return NULL;
-  int rows = least(m->largest_rows, KM_MOST_SINGULAR), columns = least(m->largest_columns, KM_MOST_SINGULAR);
+  int rows = least(m->largest_rows, KM_MAX_SINGULAR), columns = least(m->largest_columns, KM_MAX_SINGULAR);
   w->J = KM_ARENA_NEW(&w->arena, double, (size_t)rows *(size_t)columns);
   w->values = KM_ARENA_NEW(&w->arena, double, (size_t)least(rows, columns));
   if (km_svd_reserve(&w->room, rows, columns, &w->arena))
     return w;
-  km_singular_free(w);
+  km_singular_value_workspace_free(w);
   return NULL;
 }
 
-void km_singular_free(km_singular *w) {
+void km_singular_value_workspace_free(km_singular_value_workspace *w) {
   if (w)
     km_arena_free(&w->arena);
   km_free(w);
 }
 
-const double *km_singular_values(km_singular *w, const km_mechanism *m, const km_state *s, const km_substructure *sub,
-                                 int *count) {
+const double *km_singular_values(km_singular_value_workspace *w, const km_mechanism *m, const km_state *s,
+                                 const km_substructure *sub, int *count) {
   const double *weight = m->column_weight + sub->column_start;
   km_state_jacobian_dense(s, sub, w->J);
   for (int c = 0; c < sub->columns; ++c)

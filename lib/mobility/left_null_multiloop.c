@@ -328,7 +328,7 @@ static bool list_by_place(const km_left_space *a, km_arena *arena, km_left_null 
   return true;
 }
 
-bool km_left_null_find_whole(const km_left_space *a, km_arena *arena, km_left_null *out) {
+bool km_left_null_find_multiloop(const km_left_space *a, km_arena *arena, km_left_null *out) {
   km_arena scratch = {0};
   reduced R = {.a = a};
   bool found = find_complements(&R, out, &scratch) &&

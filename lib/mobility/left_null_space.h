@@ -61,7 +61,7 @@ void km_left_visit(const km_left_space *space, int place, km_left_take take, voi
  * entries. -1: out of memory. */
 int km_left_solve(const double *T, int height, int rows, double tolerance, km_arena *arena, double *W);
 /* The vectors of several loops, where `null` holds those of single loops already. False when out of memory. */
-bool km_left_null_find_whole(const km_left_space *space, km_arena *arena, km_left_null *null);
+bool km_left_null_find_multiloop(const km_left_space *space, km_arena *arena, km_left_null *null);
 
 /* Where the part of a place begins among the rows, and how many rows it has. */
 static inline int km_left_row(const km_left_space *a, int place) {

@@ -19,7 +19,7 @@ void km_motions_update(const km_mechanism *m, km_state *s, int index) {
     int worst;
     km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }
-  km_state_know_motions(s, index);
+  km_state_mark_mobility_known(s, index);
 }
 
 void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
@@ -41,7 +41,7 @@ static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
 
 /* Does it move freely, outside loops and couplings? */
 static bool is_outside(const km_mechanism *m, const km_state *s, int coordinate) {
-  return m->substructure_of[coordinate] < 0 && !km_state_holds(s, coordinate);
+  return m->substructure_of[coordinate] < 0 && !km_state_is_fixed(s, coordinate);
 }
 
 void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
@@ -74,7 +74,7 @@ km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
   return status;
 }
 
-km_status km_mobility_update(const km_mechanism *m, km_state *s, km_mobility *out) {
+km_status km_mobility_compute(const km_mechanism *m, km_state *s, km_mobility *out) {
   static const km_mobility unknown = {.residual = (double)NAN};
   if (!out)
     return KM_USAGE;

@@ -12,7 +12,7 @@ void km_motions_update(const km_mechanism *mechanism, km_state *state, int subst
 /* The same with its mobility numbers. */
 void km_numbers_update(const km_mechanism *mechanism, km_state *state, int substructure);
 
-/* km_mobility_update without the mobility numbers, which it leaves as they are. */
+/* km_mobility_compute without the mobility numbers, which it leaves as they are. */
 void km_ranks_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
 /* KM_MEMORY: a partition of the state, or its basis, found no memory. Its pivots are forgotten then, so that the next request searches

@@ -79,13 +79,13 @@ static void count_joints(const groups *g, int group, int *joints, int *coordinat
 /* The equations of a group by their entries: six rows for each joint, six columns for each body and one for each coordinate. */
 typedef struct equations {
   int rows, columns;
-  int *start, *row;                           /* of column c the rows are row[start[c] … start[c + 1]-1], */
-  double *value;                              /* and these its entries */
-  int next[KM_MOST_IDLE_BODIES], next_column; /* of each body, how many of its joints are filled */
+  int *start, *row;                             /* of column c the rows are row[start[c] … start[c + 1]-1], */
+  double *value;                                /* and these its entries */
+  int next[KM_MAX_PASSIVE_BODIES], next_column; /* of each body, how many of its joints are filled */
 } equations;
 
 static bool reserve_equations(const groups *g, int group, int bodies, km_arena *scratch, equations *e) {
-  int joints, coordinates, ends[KM_MOST_IDLE_BODIES] = {0};
+  int joints, coordinates, ends[KM_MAX_PASSIVE_BODIES] = {0};
   count_joints(g, group, &joints, &coordinates);
   *e = (equations){.rows = 6 * joints, .columns = 6 * bodies + coordinates, .next_column = 6 * bodies};
   e->start = KM_ARENA_NEW(scratch, int, (size_t)e->columns + 1);
@@ -227,22 +227,22 @@ static bool make_groups(groups *g, const km_mechanism *m, km_state *s, int index
   return list_joints(g, arena);
 }
 
-static bool add(const groups *g, int group, int count, km_idle_freedoms *out, size_t *capacity) {
+static bool add(const groups *g, int group, int count, km_passive_freedoms *out, size_t *capacity) {
   void *items = out->items;
   if (!km_reserve(&items, capacity, (size_t)out->count + 1, sizeof *out->items))
     return false;
   out->items = items;
-  km_idle_freedom *item = &out->items[out->count++];
-  *item = (km_idle_freedom){.substructure = g->index, .freedoms = count};
+  km_passive_freedom *item = &out->items[out->count++];
+  *item = (km_passive_freedom){.substructure = g->index, .freedoms = count};
   for (int b = 1; b < g->m->model->body_count; ++b)
     if (g->place[b] >= 0 && find(g, b) == group)
       item->bodies[item->body_count++] = b;
   return true;
 }
 
-static bool find_in(const groups *g, km_idle_freedoms *out, size_t *capacity) {
+static bool find_in(const groups *g, km_passive_freedoms *out, size_t *capacity) {
   for (int b = 1; b < g->m->model->body_count; ++b) {
-    if (g->place[b] < 0 || find(g, b) != b || g->fixed[b] || g->size[b] > KM_MOST_IDLE_BODIES)
+    if (g->place[b] < 0 || find(g, b) != b || g->fixed[b] || g->size[b] > KM_MAX_PASSIVE_BODIES)
       continue;
     int count = freedoms(g, b, g->size[b]);
     if (count < 0 || (count > 0 && !add(g, b, count, out, capacity)))
@@ -252,15 +252,15 @@ static bool find_in(const groups *g, km_idle_freedoms *out, size_t *capacity) {
 }
 
 /* How many of a group's freedoms a motion follows, where the pose has none that would show it. */
-static int count_real(const groups *g, const km_idle_freedom *group) {
+static int count_real(const groups *g, const km_passive_freedom *group) {
   km_arena arena = {0};
   km_tangents f;
-  km_idle_freedom item = *group;
-  const km_idle_freedoms alone = {1, group->freedoms, &item};
+  km_passive_freedom item = *group;
+  const km_passive_freedoms alone = {1, group->freedoms, &item};
   int count = group->freedoms;
   if (km_tangents_make(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
-    count = km_tangents_make_basis(&f) ? km_idle_tangents_leave(&f, &alone, NULL) : -1;
-    km_loops_return(g->m, g->s, g->index, f.pose);
+    count = km_tangents_make_basis(&f) ? km_passive_tangents_remove(&f, &alone, NULL) : -1;
+    km_loops_restore_cached(g->m, g->s, g->index, f.pose);
   }
   count = arena.failed ? -1 : count;
   km_arena_free(&arena);
@@ -276,18 +276,18 @@ static bool has_moved(const groups *g, const double *saved, double *way) {
 }
 
 /* Keeps of the groups found from `first` on what they also have a short way along the motion, or what is real where there is none. */
-static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_freedoms *out) {
+static bool keep_lasting(const groups *g, int first, km_arena *arena, km_passive_freedoms *out) {
   size_t columns = (size_t)g->m->substructures[g->index].columns;
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns),
          *move = KM_ARENA_NEW(arena, double, columns);
   if (arena->failed)
     return false;
-  bool moved = km_nearby_go(g->m, g->s, g->index, saved, move) && has_moved(g, saved, move), whole = true;
+  bool moved = km_generic_neighbour_enter(g->m, g->s, g->index, saved, move) && has_moved(g, saved, move), whole = true;
   if (!moved)
-    km_nearby_return(g->m, g->s, g->index, saved);
+    km_generic_neighbour_leave(g->m, g->s, g->index, saved);
   int kept = first;
   for (int i = first; i < out->count; ++i) {
-    km_idle_freedom item = out->items[i];
+    km_passive_freedom item = out->items[i];
     int there = moved ? freedoms(g, find(g, item.bodies[0]), item.body_count) : count_real(g, &item);
     whole = whole && there >= 0;
     item.freedoms = there < item.freedoms ? there : item.freedoms;
@@ -297,7 +297,7 @@ static bool keep_lasting(const groups *g, int first, km_arena *arena, km_idle_fr
   }
   out->count = kept;
   if (moved)
-    km_nearby_return(g->m, g->s, g->index, saved);
+    km_generic_neighbour_leave(g->m, g->s, g->index, saved);
   return whole;
 }
 
@@ -314,7 +314,7 @@ static bool worth_looking(const km_mechanism *m, int index) {
 typedef struct search {
   const km_mechanism *m;
   km_state *s;
-  km_idle_freedoms *out;
+  km_passive_freedoms *out;
   size_t capacity;
 } search;
 
@@ -330,29 +330,29 @@ static km_status look(void *self, int index, km_arena *arena, km_error *error) {
   return done ? KM_OK : KM_MEMORY;
 }
 
-km_status km_idle_freedoms_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
-                                km_idle_freedoms *out, km_error *error) {
+km_status km_passive_freedoms_find(const km_mechanism *m, km_state *s, km_progress progress, void *context,
+                                   km_passive_freedoms *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  *out = (km_idle_freedoms){0};
+  *out = (km_passive_freedoms){0};
   km_status fits = km_check_state(m, s, error);
   if (fits)
     return fits;
   search f = {m, s, out, 0};
   km_mobility mobility;
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   km_ranks_update(m, s, &mobility);
   return km_each_substructure(m, look, &f, progress, context, "the idle freedoms", error);
 }
 
-static bool in_group(const km_idle_freedom *group, int body) {
+static bool in_group(const km_passive_freedom *group, int body) {
   for (int i = 0; i < group->body_count; ++i)
     if (group->bodies[i] == body)
       return true;
   return false;
 }
 
-void km_idle_coordinates(const km_mechanism *m, const km_idle_freedoms *freedoms, bool *marks) {
+void km_passive_coordinates(const km_mechanism *m, const km_passive_freedoms *freedoms, bool *marks) {
   if (!m || !freedoms || !marks)
     return;
   memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
@@ -366,9 +366,9 @@ void km_idle_coordinates(const km_mechanism *m, const km_idle_freedoms *freedoms
     }
 }
 
-void km_idle_freedoms_free(km_idle_freedoms *freedoms) {
+void km_passive_freedoms_free(km_passive_freedoms *freedoms) {
   if (!freedoms)
     return;
   km_free(freedoms->items);
-  *freedoms = (km_idle_freedoms){0};
+  *freedoms = (km_passive_freedoms){0};
 }

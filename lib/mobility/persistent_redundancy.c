@@ -12,8 +12,8 @@ typedef struct comparison {
   const km_left_space *a;
   const km_left_null *null, *nearby;
   const double *local;
-  km_orthogonal *span; /* of the nearby vectors of several loops, where they aren't orthonormal; NULL: they are */
-  double *v;           /* [BLOCK · rows] */
+  km_sparse_qr *span; /* of the nearby vectors of several loops, where they aren't orthonormal; NULL: they are */
+  double *v;          /* [BLOCK · rows] */
 } comparison;
 
 static void place_parts(const comparison *c, const km_left_null *null, int n, double *v) {
@@ -28,10 +28,10 @@ static km_status find_span(comparison *c, km_error *error) {
   if (near->orthonormal || near->whole_count == 0)
     return KM_OK;
   km_status status =
-      km_orthogonal_create(c->a->rows, near->whole_count, 6 * near->part_start[near->whole_count], &c->span, error);
+      km_sparse_qr_create(c->a->rows, near->whole_count, 6 * near->part_start[near->whole_count], &c->span, error);
   if (status)
     return status;
-  km_columns columns = km_orthogonal_columns(c->span);
+  km_columns columns = km_sparse_qr_columns(c->span);
   long next = 0;
   for (int k = 0; k < near->whole_count; ++k) {
     for (int i = near->part_start[k]; i < near->part_start[k + 1]; ++i)
@@ -41,7 +41,7 @@ static km_status find_span(comparison *c, km_error *error) {
       }
     columns.start[k + 1] = next;
   }
-  return km_orthogonal_factor(c->span, spanned) ? KM_OK : KM_MEMORY;
+  return km_sparse_qr_factor(c->span, spanned) ? KM_OK : KM_MEMORY;
 }
 
 /* Vector k in all rows: those of single loops come first. */
@@ -102,7 +102,7 @@ static bool compare_block(const comparison *c, int first, int count, bool *lasti
     size[k] = square(v, c->a->rows);
     along[k] = along_local(c, v) + (c->span ? 0.0 : along_whole(c, v));
   }
-  if (c->span && !km_orthogonal_squares(c->span, c->v, count, squares))
+  if (c->span && !km_sparse_qr_squares(c->span, c->v, count, squares))
     return false;
   for (int k = 0; k < count; ++k)
     lasting[first + k] = along[k] + (c->span ? squares[k] : 0.0) > 0.5 * size[k];
@@ -119,8 +119,8 @@ static bool compare_all(comparison *c, bool *lasting) {
   return done;
 }
 
-km_status km_lasting_find(const km_left_space *a, const km_left_null *null, const double *local,
-                          const km_left_null *nearby, bool *lasting, km_error *error) {
+km_status km_persistent_redundancy_find(const km_left_space *a, const km_left_null *null, const double *local,
+                                        const km_left_null *nearby, bool *lasting, km_error *error) {
   comparison c = {.a = a, .null = null, .nearby = nearby, .local = local};
   if (km_left_null_count(nearby) == km_left_null_count(null)) { /* all of them last */
     memset(lasting, true, (size_t)km_left_null_count(null) * sizeof *lasting);
@@ -129,6 +129,6 @@ km_status km_lasting_find(const km_left_space *a, const km_left_null *null, cons
   km_status status = find_span(&c, error);
   if (!status && !compare_all(&c, lasting))
     status = KM_MEMORY;
-  km_orthogonal_free(c.span);
+  km_sparse_qr_free(c.span);
   return status;
 }

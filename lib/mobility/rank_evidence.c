@@ -140,7 +140,7 @@ static void judge(const km_mechanism *m, const double *values, int count, int ra
 static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_rank_evidence *out) {
   axes a = {.m = m, .sub = &m->substructures[index]};
   int rows = 6 * a.sub->loop_count + a.sub->coupling_count;
-  km_svd_room room;
+  km_svd_workspace room;
   double *values = KM_ARENA_NEW(arena, double, (size_t)a.sub->columns),
          *J = KM_ARENA_NEW(arena, double, (size_t)(rows * a.sub->columns));
   a.twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->coordinate_count);
@@ -151,7 +151,7 @@ static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km
     a.twist[c] = km_coordinate_twist(m, s, c);
   }
   find_centre(&a);
-  km_whole_jacobian(m, s, index, a.twist, a.about, J);
+  km_full_jacobian(m, s, index, a.twist, a.about, J);
   rescale(&a, rows, J);
   whiten(m, index, rows, arena, J);
   if (arena->failed)
@@ -167,7 +167,7 @@ km_status km_rank_evidence_find(const km_mechanism *m, km_state *s, int index, k
   bool found = true;
   *out = (km_rank_evidence){0};
   gsl_set_error_handler_off();
-  if (6 * sub->loop_count + sub->coupling_count <= KM_MOST_SINGULAR && sub->columns <= KM_MOST_SINGULAR) {
+  if (6 * sub->loop_count + sub->coupling_count <= KM_MAX_SINGULAR && sub->columns <= KM_MAX_SINGULAR) {
     found = by_singular_values(m, s, index, &arena, out);
   } else {
     km_substructure_mobility e;

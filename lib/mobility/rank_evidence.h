@@ -12,11 +12,11 @@ typedef struct km_rank_evidence {
   double dropped; /* the largest one that it doesn't; 0: there is none */
 } km_rank_evidence;
 
-/* At the state's pose after km_mobility_update and km_poses_update. The singular values are those of W J: J the whole
+/* At the state's pose after km_mobility_compute and km_poses_compute. The singular values are those of W J: J the whole
  * Jacobian, lengths over the root mean square distance of the joints' axes from the point that is nearest to them all;
  * W⁻² the Gram matrix of the loops as chains of joints, so that W J doesn't depend on which loops are chosen. Mirror
  * images, the order and senses of the joints, the frames of the bodies change nothing. Substructures of more than
- * KM_MOST_SINGULAR rows or columns are judged by their pivots. O(n³). KM_MEMORY. */
+ * KM_MAX_SINGULAR rows or columns are judged by their pivots. O(n³). KM_MEMORY. */
 km_status km_rank_evidence_find(const km_mechanism *mechanism, km_state *state, int substructure, km_rank_evidence *out,
                                 km_error *error);
 

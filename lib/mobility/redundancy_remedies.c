@@ -95,18 +95,18 @@ static double meets(const km_left_space *a, km_vec3 about, km_twist h, const dou
 }
 
 static void add_remedy(km_redundancy *item, km_remedy remedy) {
-  int at = item->remedy_count < KM_MOST_REMEDIES ? item->remedy_count++ : KM_MOST_REMEDIES;
+  int at = item->remedy_count < KM_MAX_REMEDIES ? item->remedy_count++ : KM_MAX_REMEDIES;
   while (at > 0) {
     const km_remedy *before = &item->remedies[at - 1];
     bool better = remedy.freedoms < before->freedoms ||
                   (remedy.freedoms == before->freedoms && remedy.strength > before->strength + 1e-9);
     if (!better)
       break;
-    if (at < KM_MOST_REMEDIES)
+    if (at < KM_MAX_REMEDIES)
       item->remedies[at] = *before;
     --at;
   }
-  if (at < KM_MOST_REMEDIES)
+  if (at < KM_MAX_REMEDIES)
     item->remedies[at] = remedy;
 }
 

@@ -29,8 +29,9 @@ static bool look_nearby(finder *f, km_arena *arena) {
   if (arena->failed)
     return false;
   f->nearby = f->null;
-  bool found = !km_nearby_go(a->m, a->s, a->index, saved, move) || km_left_null_find(a, arena, &f->nearby);
-  km_nearby_return(a->m, a->s, a->index, saved);
+  bool found =
+      !km_generic_neighbour_enter(a->m, a->s, a->index, saved, move) || km_left_null_find(a, arena, &f->nearby);
+  km_generic_neighbour_leave(a->m, a->s, a->index, saved);
   return found;
 }
 
@@ -181,7 +182,7 @@ static km_status find_in(finder *f, km_arena *arena, km_error *error) {
   if (!found)
     return KM_MEMORY;
   separate_all(f);
-  km_status status = km_lasting_find(&f->space, &f->null, f->separated, &f->nearby, f->lasting, error);
+  km_status status = km_persistent_redundancy_find(&f->space, &f->null, f->separated, &f->nearby, f->lasting, error);
   return !status && !(single_loops(f) && several_loops(f)) ? KM_MEMORY : status;
 }
 
@@ -209,7 +210,7 @@ km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_progress p
     return fits;
   search all = {m, s, out, 0};
   km_mobility mobility;
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   km_ranks_update(m, s, &mobility);
   return km_each_substructure(m, look, &all, progress, context, "the redundant constraints", error);
 }

@@ -31,8 +31,8 @@ static km_status check(const km_mechanism *m, const km_state *s, int index, cons
     status = km_check_given(out != NULL, "place for the result", error);
   if (!status)
     status = km_check_index(index, m->topology.substructure_count, "substructure", error);
-  if (!status && !km_state_knows_motion(m, s))
-    status = km_fail(error, KM_USAGE, "the mobility of the state isn't known; expected km_mobility_update before");
+  if (!status && !km_state_mobility_is_known(m, s))
+    status = km_fail(error, KM_USAGE, "the mobility of the state isn't known; expected km_mobility_compute before");
   return status;
 }
 
@@ -82,8 +82,8 @@ km_status km_motions_basis(const km_mechanism *m, const km_state *s, double *N, 
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_given(N && freedom, "place for the result", error);
-  if (!status && !km_state_knows_motion(m, s))
-    status = km_fail(error, KM_USAGE, "the mobility of the state isn't known; expected km_mobility_update before");
+  if (!status && !km_state_mobility_is_known(m, s))
+    status = km_fail(error, KM_USAGE, "the mobility of the state isn't known; expected km_mobility_compute before");
   if (status)
     return status;
   size_t n = (size_t)m->coordinate_count;

@@ -95,7 +95,7 @@ static bool begin(km_builder *b) {
   m->units = km_units_default();
   m->closure_tolerance = 1e-9;
   m->sweep = (km_model_sweep){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
-  m->advantage_input = m->advantage_output = (km_model_handle){-1, -1, {0, 0, 0}, NULL};
+  m->advantage_input = m->advantage_output = (km_model_port){-1, -1, {0, 0, 0}, NULL};
   memcpy(m->sha256, "", 1);
   return add_body(b, (km_model_body){.name = "fixed", .assembly = KM_NO_ASSEMBLY, .where = "fixed", .density = -1.0});
 }

@@ -28,8 +28,9 @@ static km_status copy_law(km_builder *b, const km_force_def *def, const char *wh
 }
 
 /* Where a force measures and acts. */
-static bool find_port(const km_builder *b, const km_force_def *def, const char *who, km_port *out, km_error *error) {
-  *out = (km_port){KM_PORT_FRAMES, {0, 0}};
+static bool find_port(const km_builder *b, const km_force_def *def, const char *who, km_module_port *out,
+                      km_error *error) {
+  *out = (km_module_port){KM_MODULE_PORT_FRAMES, {0, 0}};
   if (def->coordinate.joint.value)
     return km_builder_coordinate(b, def->coordinate, who, &out->coordinate, error);
   return km_builder_frame(b, def->from, who, &out->frame[0], error) &&
@@ -176,9 +177,9 @@ km_status km_model_set_sweep(km_builder *b, const km_sweep_def *def, km_error *e
 }
 
 /* An end as the file's own: a point's name tells body, frame and direction. */
-static km_status find_end(km_builder *b, const km_end_def *def, km_model_handle *out, km_error *error) {
+static km_status find_end(km_builder *b, const km_end_def *def, km_model_port *out, km_error *error) {
   static const char who[] = "a mechanical advantage";
-  *out = (km_model_handle){-1, -1, km_vec3_make(def->direction), NULL};
+  *out = (km_model_port){-1, -1, km_vec3_make(def->direction), NULL};
   if (def->coordinate.joint.value) {
     out->direction = (km_vec3){0, 0, 0};
     return km_builder_coordinate(b, def->coordinate, who, &out->coordinate, error) ? KM_OK : KM_MODEL;
@@ -197,7 +198,7 @@ static km_status find_end(km_builder *b, const km_end_def *def, km_model_handle 
 }
 
 km_status km_model_set_advantage(km_builder *b, const km_end_def *input, const km_end_def *output, km_error *error) {
-  km_model_handle from, to;
+  km_model_port from, to;
   if (!b || !b->model || !input || !output)
     return km_fail(error, KM_USAGE, "found no builder, no input or no output");
   km_status status = find_end(b, input, &from, error);

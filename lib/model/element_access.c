@@ -126,7 +126,7 @@ km_status km_model_find_pose(const km_model *model, const char *name, int *pose,
   for (*pose = 0; *pose < model->pose_count; ++*pose) {
     if (strcmp(model->poses[*pose].name, name) == 0)
       return KM_OK;
-    km_nearest_offer(&nearest, model->poses[*pose].name);
+    km_nearest_add(&nearest, model->poses[*pose].name);
   }
   if (model->pose_count == 0)
     return km_fail(error, KM_USAGE, "\"%.80s\" names no pose: the model names none", name);

@@ -100,13 +100,13 @@ typedef struct km_model_coupling {
   double *polynomial; /* [polynomial_count] lowest power first; radians, lengths */
 } km_model_coupling;
 
-enum { KM_PORT_FRAMES = -1 };
+enum { KM_MODULE_PORT_FRAMES = -1 };
 
 /* Where a force module measures or acts: a coordinate, or between two frames. */
-typedef struct km_port {
-  int coordinate; /* KM_PORT_FRAMES: between two frames */
+typedef struct km_module_port {
+  int coordinate; /* KM_MODULE_PORT_FRAMES: between two frames */
   int frame[2];   /* the parent's, the child's */
-} km_port;
+} km_module_port;
 
 /* "stiffness", "damping" …, as the format writes them. */
 const char *km_module_type_word(km_module_type type);
@@ -131,7 +131,7 @@ typedef struct km_tire {
 typedef struct km_model_module {
   const char *name, *where;
   km_module_type type;
-  km_port input, output;
+  km_module_port input, output;
   km_distance distance;
   km_law law;
   double reference, kp, ki, kd; /* of a controller */
@@ -148,11 +148,11 @@ typedef struct km_applied_load {
 } km_applied_load;
 
 /* An end of a mechanical advantage: a joint, or a frame's origin along a direction. */
-typedef struct km_model_handle {
+typedef struct km_model_port {
   int coordinate, frame; /* -1: not this kind; both -1: none given */
   km_vec3 direction;     /* inertial axes */
   const char *name;      /* of a point: body/frame:dx,dy,dz */
-} km_model_handle;
+} km_model_port;
 
 typedef struct km_model_hold {
   int coordinate;
@@ -226,7 +226,7 @@ struct km_model {
   km_model_pose *poses;
   int *actuators;       /* coordinates */
   bool actuators_given; /* also where the list is empty */
-  km_model_handle advantage_input, advantage_output;
+  km_model_port advantage_input, advantage_output;
   km_model_sweep sweep;
   const km_unedited *unedited; /* NULL: nothing was changed */
   int assembly_count, body_count, frame_count, shape_count, joint_count, coordinate_count, coupling_count, module_count;

@@ -20,17 +20,17 @@ static const km_option options[OPTIONS] = {
 };
 
 typedef struct own {
-  km_handle ends[2]; /* input, output */
+  km_port ends[2]; /* input, output */
   km_advantage_sweep sweep;
 } own;
 
 /* An end as the options have it, else the model. A joint's columns bear its label. */
-static bool take_end(const km_question *q, int option, km_handle *out) {
+static bool take_end(const km_question *q, int option, km_port *out) {
   const km_option_value *v = km_question_own_value(q, option);
   if (!v)
-    return km_handle_default(q->m->model, option == OUTPUT, out);
+    return km_port_default(q->m->model, option == OUTPUT, out);
   *out = v->end;
-  if (out->kind == KM_HANDLE_JOINT)
+  if (out->kind == KM_PORT_JOINT)
     out->name = km_model_coordinate_label(q->m->model, out->coordinate);
   return true;
 }
@@ -104,6 +104,6 @@ const km_advantage_sweep *km_question_advantage(const km_question *q) {
   return km_question_has(q, &km_advantage_question) ? &((const own *)q->own)->sweep : NULL;
 }
 
-const km_handle *km_question_end(const km_question *q, bool output) {
+const km_port *km_question_end(const km_question *q, bool output) {
   return km_question_is(q, &km_advantage_question) ? &((const own *)q->own)->ends[output] : NULL;
 }

@@ -48,13 +48,13 @@ static km_status gather_loads(const km_question *q, const km_option_value *set, 
   return status;
 }
 
-static void add_joint(const km_question *q, int coordinate, km_handle *out, int *count) {
-  out[(*count)++] = (km_handle){
-      .kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = km_model_coordinate_label(q->m->model, coordinate)};
+static void add_joint(const km_question *q, int coordinate, km_port *out, int *count) {
+  out[(*count)++] = (km_port){
+      .kind = KM_PORT_JOINT, .coordinate = coordinate, .name = km_model_coordinate_label(q->m->model, coordinate)};
 }
 
 /* The model's actuators that aren't held. */
-static void add_own(km_question *q, km_handle *out, int *count) {
+static void add_own(km_question *q, km_port *out, int *count) {
   const km_model *model = q->m->model;
   for (int i = 0; i < model->actuator_count; ++i) {
     if (!q->m->held[model->actuators[i]])
@@ -79,7 +79,7 @@ static km_status prepare_balance(km_question *q, own *o, km_error *error) {
   size_t most =
       (size_t)model->actuator_count + (joints ? (size_t)joints->count : 0) + (pushes ? (size_t)pushes->count : 0);
   int count = 0;
-  km_handle *handles = KM_NEW(km_handle, most);
+  km_port *handles = KM_NEW(km_port, most);
   if (!handles)
     return km_fail(error, KM_MEMORY, "out of memory for the actuators");
   for (int i = 0; joints && i < joints->count; ++i)

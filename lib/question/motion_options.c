@@ -9,9 +9,9 @@
 const km_option km_motion_options[KM_MOTION_OPTIONS] = {
     {"joint", KM_OPTION_COORDINATE, "JOINT", "", "the model's analysis.sweep", "The driver", 0, 0, NULL, true},
     {"range", KM_OPTION_RANGE, "FROM:TO", "driver's", NULL, "Its range in the model's unit", 0, 0, NULL, true},
-    {"steps", KM_OPTION_WHOLE, "N", "", NULL, "Number of intervals; N + 1 rows", 1, KM_MOST_SWEEP_STEPS, NULL, true},
+    {"steps", KM_OPTION_WHOLE, "N", "", NULL, "Number of intervals; N + 1 rows", 1, KM_MAX_SWEEP_STEPS, NULL, true},
     {"arclength", KM_OPTION_NUMBER, "DS", "", NULL,
-     "Follow the motion by arc length instead, DS a row: through dead points", KM_LEAST_ARCLENGTH, KM_MOST_ARCLENGTH,
+     "Follow the motion by arc length instead, DS a row: through dead points", KM_LEAST_ARCLENGTH, KM_MAX_ARCLENGTH,
      NULL, true},
     {"direction", KM_OPTION_SENSE, "JOINT=+1", "", NULL, "Start so that this joint moves forwards (or -1: backwards)",
      0, 0, NULL, true},
@@ -118,7 +118,7 @@ static int stop_count(const km_sweep *motion) {
 }
 
 static km_question_event stop_at(const km_question *q, const km_sweep *motion, int index) {
-  const km_reach *reach = motion->start.stop != KM_STOP_NONE && index == 0 ? &motion->start : &motion->end;
+  const km_motion_end *reach = motion->start.stop != KM_STOP_NONE && index == 0 ? &motion->start : &motion->end;
   const char *subject = reach->stop == KM_STOP_LIMIT ? label(q, reach->coordinate) : "";
   return (km_question_event){stop_name(reach->stop), subject, reach->position, nan("")};
 }

@@ -87,7 +87,7 @@ void km_question_free(km_question *q) {
   forget(q);
   unprepare(q);
   km_messages_free(q->notes);
-  km_sweep_room_free(&q->room);
+  km_sweep_workspace_free(&q->room);
   km_arena_free(&q->arena);
   km_free(q);
 }
@@ -164,7 +164,7 @@ static km_option_value copy_of(km_question *q, km_option_type type, const km_opt
   if (type == KM_OPTION_END && v.end.name)
     v.end.name = km_arena_string(&q->arena, v.end.name);
   if (type == KM_OPTION_ENDS) {
-    km_handle *ends = copied(q, v.ends, v.count, sizeof *v.ends);
+    km_port *ends = copied(q, v.ends, v.count, sizeof *v.ends);
     for (int i = 0; i < v.count && ends; ++i)
       ends[i].name = km_arena_string(&q->arena, ends[i].name);
     v.ends = ends;
@@ -205,7 +205,7 @@ km_status km_question_set(km_question *q, const char *option, const km_option_va
   return KM_OK;
 }
 
-void km_question_watch(km_question *q, km_progress progress, void *context) {
+void km_question_observe(km_question *q, km_progress progress, void *context) {
   if (!q)
     return;
   q->progress = progress;
@@ -301,14 +301,14 @@ static km_status make_ready(km_question *q, const km_state *s, km_error *error) 
   return status;
 }
 
-km_status km_question_ask(km_question *q, km_state *s, km_error *error) {
+km_status km_question_compute(km_question *q, km_state *s, km_error *error) {
   km_status status = make_ready(q, s, error);
   return status ? status : answer(q, s, error);
 }
 
-void km_questions_ask(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
-  km_sweep_job jobs[KM_DRIVE_LANES];
-  int of[KM_DRIVE_LANES], going = 0;
+void km_questions_compute(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
+  km_sweep_job jobs[KM_BATCH_LANES];
+  int of[KM_BATCH_LANES], going = 0;
   for (int i = 0; i < count; ++i) {
     statuses[i] = make_ready(q[i], s[i], &errors[i]);
     if (statuses[i])
@@ -325,7 +325,7 @@ void km_questions_ask(km_question *const *q, km_state *const *s, int count, km_s
     statuses[of[k]] = conclude(q[of[k]], &jobs[k]);
 }
 
-km_status km_question_ask_here(km_question *q, km_state *s, km_error *error) {
+km_status km_question_compute_here(km_question *q, km_state *s, km_error *error) {
   km_status status = km_question_prepare(q, error);
   if (!status)
     status = km_check_state(q->m, s, error);

@@ -41,10 +41,10 @@ struct km_question {
   km_progress progress;
   void *context;
   bool prepared, answered;
-  bool no_reactions;  /* nobody reads their columns, which a question about forces leaves at NaN */
-  bool table_only;    /* see km_sweep_job; nor is anything concluded from it */
-  const char **reads; /* the same */
-  km_sweep_room room; /* of the last answer, for the next one */
+  bool no_reactions;       /* nobody reads their columns, which a question about forces leaves at NaN */
+  bool table_only;         /* see km_sweep_job; nor is anything concluded from it */
+  const char **reads;      /* the same */
+  km_sweep_workspace room; /* of the last answer, for the next one */
   void *own;
 };
 
@@ -71,10 +71,10 @@ void km_question_keep_table(km_question *question, km_sweep *motion);
 const km_option_value *km_question_own_value(const km_question *question, int index);
 const km_option_value *km_question_motion_value(const km_question *question, int index);
 
-/* km_question_ask of up to KM_DRIVE_LANES questions, each about a mechanism and a state of its own: those of one kind go side
+/* km_question_compute of up to KM_BATCH_LANES questions, each about a mechanism and a state of its own: those of one kind go side
  * by side where that is faster, with the same bits. */
-void km_questions_ask(km_question *const *questions, km_state *const *states, int count, km_status *statuses,
-                      km_error *errors);
+void km_questions_compute(km_question *const *questions, km_state *const *states, int count, km_status *statuses,
+                          km_error *errors);
 
 /* Is it a question of this kind, with an answer (or ready for one)? */
 bool km_question_is(const km_question *question, const km_question_class *kind);

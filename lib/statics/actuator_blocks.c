@@ -35,9 +35,9 @@ static void join(void *context, int coordinate, bool against) {
 
 static km_status join_parts(groups *g, const km_statics *st, km_error *error) {
   for (int a = 0; a < st->actuator_count; ++a) {
-    const km_handle *point = &st->work->actuators[a];
+    const km_port *point = &st->work->actuators[a];
     g->first = -1;
-    if (point->kind != KM_HANDLE_POINT)
+    if (point->kind != KM_PORT_POINT)
       continue;
     km_point_each_mover(g->m, point, join, g);
     if (g->first < 0)
@@ -49,7 +49,7 @@ static km_status join_parts(groups *g, const km_statics *st, km_error *error) {
 }
 
 /* Blocks in the order of their first substructures, then those of lone joints. One lone joint needs no block. */
-static void number_blocks(groups *g, km_statics_work *w) {
+static void number_blocks(groups *g, km_statics_workspace *w) {
   int substructures = g->m->topology.substructure_count;
   for (int part = 0; part < substructures + g->m->coordinate_count; ++part) {
     int coordinate = part - substructures, root = find(g, part);
@@ -63,10 +63,10 @@ static int block_of(const groups *g, int part) {
   return g->block[find(g, part)];
 }
 
-static void add_members(const groups *g, km_statics_work *w) {
+static void add_members(const groups *g, km_statics_workspace *w) {
   const km_mechanism *m = g->m;
   for (int i = 0; i < m->topology.substructure_count; ++i) {
-    km_holding *h = &w->holding[block_of(g, i)];
+    km_actuator_workspace *h = &w->holding[block_of(g, i)];
     h->part[h->part_count++] = i;
     h->columns += m->substructures[i].columns;
   }
@@ -74,7 +74,7 @@ static void add_members(const groups *g, km_statics_work *w) {
     int block = m->substructure_of[c] < 0 && !m->held[c] ? block_of(g, part_of(m, c)) : -1;
     if (block < 0)
       continue;
-    km_holding *h = &w->holding[block];
+    km_actuator_workspace *h = &w->holding[block];
     h->alone[h->alone_count++] = c;
     h->columns++;
     w->actuated[c] = true; /* the block tells what becomes of it */
@@ -82,7 +82,7 @@ static void add_members(const groups *g, km_statics_work *w) {
 }
 
 /* The columns of a block. Where it isn't one substructure, its basis has to be put together. */
-static void list_columns(const km_mechanism *m, km_holding *h, km_arena *arena) {
+static void list_columns(const km_mechanism *m, km_actuator_workspace *h, km_arena *arena) {
   if (h->part_count == 1 && h->alone_count == 0) {
     h->coordinate = m->column_coordinate + m->substructures[h->part[0]].column_start;
     return;
@@ -97,7 +97,7 @@ static void list_columns(const km_mechanism *m, km_holding *h, km_arena *arena) 
     coordinate[count++] = h->alone[i];
 }
 
-static int column_in(const km_holding *h, int coordinate) {
+static int column_in(const km_actuator_workspace *h, int coordinate) {
   int k = 0;
   while (k < h->columns && h->coordinate[k] != coordinate)
     ++k;
@@ -105,9 +105,9 @@ static int column_in(const km_holding *h, int coordinate) {
 }
 
 /* A joint in no loop that moves by itself is held by one actuator. */
-static km_status place(const groups *g, km_statics_work *w, int a, km_error *error) {
-  const km_handle *actuator = &w->actuators[a];
-  bool joint = actuator->kind == KM_HANDLE_JOINT;
+static km_status place(const groups *g, km_statics_workspace *w, int a, km_error *error) {
+  const km_port *actuator = &w->actuators[a];
+  bool joint = actuator->kind == KM_PORT_JOINT;
   int part = joint ? part_of(g->m, actuator->coordinate) : w->column[a];
   w->part[a] = block_of(g, part);
   w->alone[a] = w->part[a] < 0 ? part - g->m->topology.substructure_count : -1;
@@ -124,7 +124,7 @@ static km_status place(const groups *g, km_statics_work *w, int a, km_error *err
 }
 
 km_status km_blocks_make(const km_mechanism *m, km_statics *st, km_error *error) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   km_arena scratch = {0};
   int count = m->topology.substructure_count + m->coordinate_count;
   groups g = {.m = m,
@@ -139,7 +139,7 @@ km_status km_blocks_make(const km_mechanism *m, km_statics *st, km_error *error)
   km_status status = scratch.failed ? KM_MEMORY : join_parts(&g, st, error);
   if (!status) {
     number_blocks(&g, w);
-    w->holding = KM_ARENA_NEW(&w->arena, km_holding, (size_t)w->block_count);
+    w->holding = KM_ARENA_NEW(&w->arena, km_actuator_workspace, (size_t)w->block_count);
     for (int b = 0; b < w->block_count && w->holding; ++b) {
       w->holding[b].part = KM_ARENA_NEW(&w->arena, int, (size_t)m->topology.substructure_count);
       w->holding[b].alone = KM_ARENA_NEW(&w->arena, int, (size_t)m->coordinate_count);

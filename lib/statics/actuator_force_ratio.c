@@ -10,7 +10,7 @@
 static const double rounding = 0.1; /* of what loads may be rounding at single poses: digits that a root has to spare */
 
 /* The sign of det(turn), rank × rank. */
-static double sense_of(km_holding *h, int rank) {
+static double sense_of(km_actuator_workspace *h, int rank) {
   int sign;
   if (rank == 1)
     return gsl_matrix_get(h->turn, 0, 0) < 0.0 ? -1.0 : 1.0;
@@ -21,7 +21,7 @@ static double sense_of(km_holding *h, int rank) {
 }
 
 /* Component j of the motion Z v_k. */
-static double moved(const km_holding *h, int k, int j) {
+static double moved(const km_actuator_workspace *h, int k, int j) {
   double sum = 0.0;
   for (int i = 0; i < h->freedom; ++i)
     sum += h->Z[(size_t)i * (size_t)h->columns + (size_t)j] * gsl_matrix_get(h->V, (size_t)i, (size_t)k);
@@ -29,7 +29,7 @@ static double moved(const km_holding *h, int k, int j) {
 }
 
 /* Of one actuator and one freedom: does it go with the motion, or against it? 0: there is no motion to go by. */
-static double along(const km_mechanism *m, const km_holding *h, const double *motion) {
+static double along(const km_mechanism *m, const km_actuator_workspace *h, const double *motion) {
   double dot = 0.0;
   for (int j = 0; j < h->columns && motion && h->freedom == 1 && h->count == 1; ++j) {
     int c = h->coordinate[j];
@@ -40,7 +40,7 @@ static double along(const km_mechanism *m, const km_holding *h, const double *mo
 }
 
 /* How U and Z V are turned against those of the last sample, or, where there is one freedom, against the motion: ±1. */
-static double orientation(const km_mechanism *m, km_holding *h, int rank, const double *motion) {
+static double orientation(const km_mechanism *m, km_actuator_workspace *h, int rank, const double *motion) {
   int columns = h->columns;
   double way = along(m, h, motion);
   if (way != 0.0)
@@ -64,7 +64,7 @@ static double orientation(const km_mechanism *m, km_holding *h, int rank, const 
   return sense * sense_of(h, rank);
 }
 
-static void keep(km_holding *h, double sense) {
+static void keep(km_actuator_workspace *h, double sense) {
   int columns = h->columns;
   for (int b = 0; b < h->most_rank; ++b) {
     for (int i = 0; i < h->count; ++i)
@@ -76,7 +76,7 @@ static void keep(km_holding *h, double sense) {
 }
 
 /* At right angles to the vectors before it, and of unit length. */
-static void straighten(const km_holding *h, int rank, gsl_vector *last) {
+static void straighten(const km_actuator_workspace *h, int rank, gsl_vector *last) {
   for (int k = 0; k + 1 < rank; ++k) {
     gsl_vector_view other = gsl_matrix_subcolumn(h->U, (size_t)k, 0, (size_t)h->count);
     double along;
@@ -87,7 +87,7 @@ static void straighten(const km_holding *h, int rank, gsl_vector *last) {
 }
 
 /* The unit vector that has most at right angles to the vectors before the last one. */
-static size_t farthest(const km_holding *h, int rank) {
+static size_t farthest(const km_actuator_workspace *h, int rank) {
   double best = 0.0;
   size_t place = 0;
   for (int i = 0; i < h->count; ++i) {
@@ -105,7 +105,7 @@ static size_t farthest(const km_holding *h, int rank) {
 /* The last vector of U, U x / σ, has no more digits than σ, and may be missing where σ is 0. Of as many actuators as motions
  * it is at right angles to the others, which tells it with all digits; it keeps its sense. Of more actuators a missing one is that
  * of the last sample. */
-static void complete(km_holding *h, int rank) {
+static void complete(km_actuator_workspace *h, int rank) {
   gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
   gsl_vector_view before = gsl_matrix_subcolumn(h->fixed, (size_t)rank - 1, 0, (size_t)h->count);
   bool missing = gsl_blas_dnrm2(&last.vector) < 0.5;
@@ -128,7 +128,7 @@ static double clear(double x, double grain) {
 }
 
 /* ∏ σ of all but one (-1: of all). */
-static double product(const km_holding *h, int rank, int but) {
+static double product(const km_actuator_workspace *h, int rank, int but) {
   double result = 1.0;
   for (int k = 0; k < rank; ++k)
     if (k != but)
@@ -137,7 +137,7 @@ static double product(const km_holding *h, int rank, int but) {
 }
 
 /* Do loads act on motions that the actuators never reach? */
-static bool falls(const km_holding *h) {
+static bool falls(const km_actuator_workspace *h) {
   double size = 0.0;
   for (int k = h->most_rank; k < h->freedom; ++k)
     size = hypot(size, gsl_vector_get(h->load, (size_t)k));
@@ -145,7 +145,7 @@ static bool falls(const km_holding *h) {
 }
 
 static bool divide(const km_mechanism *m, int index, const km_statics *st, const double *motion, double *n, double *d) {
-  km_holding *h = &st->work->holding[index];
+  km_actuator_workspace *h = &st->work->holding[index];
   bool grown = h->rank > h->most_rank, lost = false;
   if (grown) {
     h->most_rank = h->rank;
@@ -185,7 +185,7 @@ bool km_statics_ratios(const km_mechanism *m, km_statics *st, const double *moti
 
 void km_statics_refer(const km_mechanism *m, km_statics *st) {
   for (int i = 0; i < st->work->block_count; ++i) {
-    km_holding *h = &st->work->holding[i];
+    km_actuator_workspace *h = &st->work->holding[i];
     if (h->count && h->rank == h->most_rank && h->rank > 0)
       keep(h, orientation(m, h, h->most_rank, NULL));
   }

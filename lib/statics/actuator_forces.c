@@ -6,10 +6,10 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-bool km_holding_reserve(km_statics *st) {
-  km_statics_work *w = st->work;
+bool km_actuator_workspace_reserve(km_statics *st) {
+  km_statics_workspace *w = st->work;
   for (int i = 0; i < w->block_count && !w->arena.failed; ++i) {
-    km_holding *h = &w->holding[i];
+    km_actuator_workspace *h = &w->holding[i];
     h->actuator = KM_ARENA_NEW(&w->arena, int, (size_t)st->actuator_count);
     for (int a = 0; a < st->actuator_count && !w->arena.failed; ++a)
       if (w->part[a] == i)
@@ -32,7 +32,8 @@ static double *entry(const gsl_matrix *a, size_t row, size_t column) {
 }
 
 /* Adds the motion Z x as a direction. */
-static void add_direction(const km_mechanism *m, const km_holding *h, const double *x, bool falls, km_statics *st) {
+static void add_direction(const km_mechanism *m, const km_actuator_workspace *h, const double *x, bool falls,
+                          km_statics *st) {
   double *rates = km_direction_begin(m, falls, st);
   for (int j = 0; j < h->columns && rates; ++j)
     for (int k = 0; k < h->freedom; ++k)
@@ -49,7 +50,8 @@ static void add_joint(const km_mechanism *m, int coordinate, double sense, bool 
 }
 
 /* The loads g = Yᵀτ of the free motions into h->load; returns what rounding can make of them. */
-static double loads_on(const km_mechanism *m, const km_holding *h, const km_statics_work *w, gsl_vector *g) {
+static double loads_on(const km_mechanism *m, const km_actuator_workspace *h, const km_statics_workspace *w,
+                       gsl_vector *g) {
   const double *z = h->Z;
   double noise = 0.0;
   for (size_t k = 0; k < g->size; ++k, z += h->columns) {
@@ -66,10 +68,10 @@ static double loads_on(const km_mechanism *m, const km_holding *h, const km_stat
 }
 
 /* How far an actuator moves, scaled, in the motion z of D · range(N). */
-static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_holding *h, int actuator,
+static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h, int actuator,
                           const double *z) {
   double sum = 0.0;
-  if (st->actuators[actuator].kind == KM_HANDLE_JOINT)
+  if (st->actuators[actuator].kind == KM_PORT_JOINT)
     return z[st->work->column[actuator]];
   for (int j = 0; j < h->columns; ++j) {
     int c = h->coordinate[j];
@@ -80,7 +82,7 @@ static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_
 
 /* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. Of an actuator that stands rounding is left, which near a pole of
  * the others would pass for a motion. */
-static void fill(const km_mechanism *m, const km_statics *st, const km_holding *h, gsl_matrix *U) {
+static void fill(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h, gsl_matrix *U) {
   static const double stands = 1e-14;
   for (size_t a = 0; a < U->size1; ++a)
     for (size_t k = 0; k < U->size2; ++k) {
@@ -91,7 +93,7 @@ static void fill(const km_mechanism *m, const km_statics *st, const km_holding *
 
 /* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
  * whether nothing falls. */
-static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st) {
+static bool unreached(const km_mechanism *m, const km_actuator_workspace *h, km_statics *st) {
   int freedom = h->freedom, rank = h->rank;
   double size = 0.0, *basis = h->basis;
   int kept = 0;
@@ -99,7 +101,7 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
     size = hypot(size, h->load->data[i]);
   bool falls = size > h->noise;
   for (int i = falls ? rank - 1 : rank; i < freedom && kept < freedom - rank; ++i) {
-    if (st->direction_count >= KM_MOST_DIRECTIONS) { /* the others are counted */
+    if (st->direction_count >= KM_MAX_DIRECTIONS) { /* the others are counted */
       st->direction_count += freedom - rank - kept;
       break;
     }
@@ -111,7 +113,7 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
       for (int n = rank; n < freedom && i < rank; ++n)
         x[k] += *entry(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
     }
-    if (km_straighten(basis, kept, freedom, x)) {
+    if (km_orthonormalise(basis, kept, freedom, x)) {
       add_direction(m, h, x, i < rank, st);
       ++kept;
     }
@@ -119,7 +121,7 @@ static bool unreached(const km_mechanism *m, const km_holding *h, km_statics *st
   return !falls;
 }
 
-static int count_freedom(const km_state *s, const km_holding *h) {
+static int count_freedom(const km_state *s, const km_actuator_workspace *h) {
   int freedom = h->alone_count;
   for (int i = 0; i < h->part_count; ++i)
     freedom += km_partition_freedom(&s->partition[h->part[i]]);
@@ -127,7 +129,7 @@ static int count_freedom(const km_state *s, const km_holding *h) {
 }
 
 /* Z of the block: that of its only substructure, or those of all, side by side, and 1 for a joint in no loop. */
-static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
+static void gather(const km_mechanism *m, const km_state *s, km_actuator_workspace *h) {
   if (!h->gathers) {
     h->Z = km_state_basis(s, h->part[0]);
     h->freedom = km_partition_freedom(&s->partition[h->part[0]]);
@@ -152,15 +154,16 @@ static void gather(const km_mechanism *m, const km_state *s, km_holding *h) {
     h->gathered[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
 }
 
-static bool push_joints(const km_statics *st, const km_holding *h) {
+static bool push_joints(const km_statics *st, const km_actuator_workspace *h) {
   bool all = true;
   for (int a = 0; a < h->count; ++a)
-    all = all && st->actuators[h->actuator[a]].kind == KM_HANDLE_JOINT;
+    all = all && st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
   return all;
 }
 
 /* U S Vᵀ of the actuators' rows, in their place. */
-static void decompose(const km_statics *st, const km_holding *h, gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
+static void decompose(const km_statics *st, const km_actuator_workspace *h, gsl_matrix *U, gsl_matrix *V,
+                      gsl_vector *S) {
   bool many = U->size2 > KM_MANY_VECTORS, wide = (size_t)h->count < U->size2;
   if (many && (wide ? km_decompose_wide(U, V, S, h->count) : push_joints(st, h) && km_decompose_straight(U, V, S)))
     return;
@@ -178,10 +181,10 @@ static void decompose(const km_statics *st, const km_holding *h, gsl_matrix *U, 
 }
 
 static void hold_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  km_holding *h = &st->work->holding[index];
-  if (km_hold_many(m, s, index, st))
+  km_actuator_workspace *h = &st->work->holding[index];
+  if (km_actuator_forces_solve_columns(m, s, index, st))
     return;
-  if (!km_holding_fit(h, count_freedom(s, h), &st->work->arena)) {
+  if (!km_actuator_workspace_fit(h, count_freedom(s, h), &st->work->arena)) {
     for (int a = 0; a < h->count; ++a)
       st->actuator_forces[h->actuator[a]] = nan("");
     h->freedom = h->rank = 0;
@@ -223,7 +226,7 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
 
 /* The force against the load of a joint in no loop. A point that stands still in its direction holds nothing. */
 static double hold_alone(const km_mechanism *m, km_statics *st, int actuator) {
-  const km_statics_work *w = st->work;
+  const km_statics_workspace *w = st->work;
   int c = w->alone[actuator];
   if (!w->row[actuator])
     return 0.0 - w->tau[c];
@@ -236,8 +239,8 @@ static double hold_alone(const km_mechanism *m, km_statics *st, int actuator) {
   return loaded ? nan("") : 0.0;
 }
 
-void km_actuators_hold(const km_mechanism *m, const km_state *s, km_statics *st) {
-  const km_statics_work *w = st->work;
+void km_actuator_forces_solve(const km_mechanism *m, const km_state *s, km_statics *st) {
+  const km_statics_workspace *w = st->work;
   st->held = true;
   st->redundant = false;
   st->direction_count = 0;

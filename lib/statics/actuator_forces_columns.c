@@ -18,7 +18,7 @@ static const double rounding = 1e-13;
 typedef struct block {
   const km_mechanism *m;
   km_statics *st;
-  km_holding *h;
+  km_actuator_workspace *h;
   int n, count; /* columns; actuators */
   double *load; /* [n] P τ, scaled */
   double *v;    /* [count × n] P Aᵀ, then Householder's vectors */
@@ -27,7 +27,7 @@ typedef struct block {
   int known;
   gsl_matrix *U, *W; /* [count × count] of Rᵀ = U S Wᵀ */
   gsl_vector *S;
-  double *kept; /* [KM_MOST_DIRECTIONS × n] directions that are told */
+  double *kept; /* [KM_MAX_DIRECTIONS × n] directions that are told */
 } block;
 
 static double dot(const double *a, const double *b, int n) {
@@ -44,7 +44,7 @@ static void add(double factor, const double *a, double *b, int n) {
 
 /* The row of an actuator in the columns, scaled. */
 static void fill_row(const block *b, int actuator, double *row) {
-  const km_statics_work *w = b->st->work;
+  const km_statics_workspace *w = b->st->work;
   double scale = km_actuator_scale(b->m, b->st, actuator);
   memset(row, 0, (size_t)b->n * sizeof *row);
   if (!w->row[actuator]) {
@@ -65,7 +65,7 @@ static gsl_matrix *square(km_arena *arena, int size) {
 
 static bool reserve(block *b, int freedom, km_arena *arena) {
   size_t n = (size_t)b->n, count = (size_t)b->count;
-  b->known = b->count + KM_MOST_DIRECTIONS + 1; /* the direction in which loads fall is spanned by the others */
+  b->known = b->count + KM_MAX_DIRECTIONS + 1; /* the direction in which loads fall is spanned by the others */
   b->known = b->known < freedom ? b->known : freedom;
   b->load = KM_ARENA_NEW(arena, double, n);
   b->v = KM_ARENA_NEW(arena, double, count *n);
@@ -75,7 +75,7 @@ static bool reserve(block *b, int freedom, km_arena *arena) {
   b->W = square(arena, b->count);
   b->S = KM_ARENA_NEW(arena, gsl_vector, 1);
   double *values = KM_ARENA_NEW(arena, double, count);
-  b->kept = KM_ARENA_NEW(arena, double, KM_MOST_DIRECTIONS *n);
+  b->kept = KM_ARENA_NEW(arena, double, KM_MAX_DIRECTIONS *n);
   if (!arena->failed)
     *b->S = (gsl_vector){.size = count, .stride = 1, .data = values};
   return !arena->failed;
@@ -178,14 +178,14 @@ static bool tell_unreached(const block *b) {
   double size = sqrt(dot(b->load, b->load, b->n));
   bool falls = unreached > 0 && size > noise_of(b, size);
   for (int i = falls ? b->h->rank - 1 : b->h->rank; i < b->known && kept < unreached; ++i) {
-    if (b->st->direction_count >= KM_MOST_DIRECTIONS)
+    if (b->st->direction_count >= KM_MAX_DIRECTIONS)
       break;
     double *x = b->kept + (size_t)kept * (size_t)b->n;
     if (i >= b->h->rank)
       singular_motion(b, i, x);
     for (int j = 0; j < b->n && i < b->h->rank; ++j)
       x[j] = b->load[j] / size;
-    if (km_straighten(b->kept, kept, b->n, x)) {
+    if (km_orthonormalise(b->kept, kept, b->n, x)) {
       tell(b, x, i < b->h->rank);
       ++kept;
     }
@@ -195,14 +195,14 @@ static bool tell_unreached(const block *b) {
 }
 
 /* Where every free coordinate has an actuator they hold everything, by the least forces. */
-static bool push_all(const km_statics *st, const km_holding *h, const km_partition *p) {
+static bool push_all(const km_statics *st, const km_actuator_workspace *h, const km_partition *p) {
   bool joints = true;
   for (int a = 0; a < h->count; ++a)
-    joints = joints && st->actuators[h->actuator[a]].kind == KM_HANDLE_JOINT;
+    joints = joints && st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
   return joints && h->count == p->columns - p->locked_count;
 }
 
-static void take_least(const km_holding *h, km_statics *st) {
+static void take_least(const km_actuator_workspace *h, km_statics *st) {
   for (int a = 0; a < h->count; ++a)
     st->actuator_forces[h->actuator[a]] = st->least_norm[st->actuators[h->actuator[a]].coordinate];
 }
@@ -222,8 +222,8 @@ static bool find_motions(block *b, const km_state *s, int index) {
   return true;
 }
 
-bool km_hold_many(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  km_holding *h = &st->work->holding[index];
+bool km_actuator_forces_solve_columns(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+  km_actuator_workspace *h = &st->work->holding[index];
   km_arena arena = {0};
   block b = {.m = m, .st = st, .h = h, .n = h->columns, .count = h->count};
   if (h->gathers || st->work->compares)

@@ -29,7 +29,7 @@ static gsl_permutation *permutation(km_arena *arena, int size) {
 }
 
 /* What is seen from the last sample keeps its signs. */
-static void keep_reference(km_holding *to, const km_holding *from) {
+static void keep_reference(km_actuator_workspace *to, const km_actuator_workspace *from) {
   for (int b = 0; b < from->most_rank; ++b)
     for (int i = 0; i < from->count; ++i)
       gsl_matrix_set(to->fixed, (size_t)i, (size_t)b, gsl_matrix_get(from->fixed, (size_t)i, (size_t)b));
@@ -37,11 +37,11 @@ static void keep_reference(km_holding *to, const km_holding *from) {
     memcpy(to->moving, from->moving, (size_t)from->most_rank * (size_t)from->columns * sizeof *to->moving);
 }
 
-bool km_holding_fit(km_holding *h, int freedom, km_arena *arena) {
+bool km_actuator_workspace_fit(km_actuator_workspace *h, int freedom, km_arena *arena) {
   if (freedom <= h->capacity)
     return true;
   int rows = h->count > freedom ? h->count : freedom; /* points may be more than what they move */
-  km_holding grown = *h;
+  km_actuator_workspace grown = *h;
   grown.capacity = freedom;
   grown.U = matrix(arena, rows, freedom);
   grown.V = matrix(arena, freedom, freedom);

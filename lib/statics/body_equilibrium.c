@@ -12,7 +12,7 @@
 
 enum { LOOKS = 3 }; /* random self-stresses that are looked at */
 
-typedef struct km_equilibrium {
+typedef struct km_body_equilibrium {
   const km_mechanism *m;
   const km_substructure *sub;
   int index, joints, bodies;
@@ -27,7 +27,7 @@ typedef struct km_equilibrium {
   double *one;            /* [coupled] */
   km_partition couplings; /* of Kᵀ */
   int free_count;         /* combinations that no coupling has a part in, at the last pose */
-  km_orthogonal *q;
+  km_sparse_qr *q;
   double *b, *x, *row; /* [equations], [6 · joints], [6 · joints] of one equation */
   int equations;       /* so many at the last pose */
 } equilibrium;
@@ -92,7 +92,7 @@ static int most_entries(const equilibrium *e) {
   return 54 * e->joints + 6 * e->sub->columns + 6 * e->coupled_count * e->coupled_count;
 }
 
-km_status km_equilibrium_create(const km_mechanism *m, int index, equilibrium **out, km_error *error) {
+km_status km_body_equilibrium_create(const km_mechanism *m, int index, equilibrium **out, km_error *error) {
   const km_topology *t = &m->topology;
   equilibrium *e = KM_NEW(equilibrium, 1);
   *out = e;
@@ -107,13 +107,13 @@ km_status km_equilibrium_create(const km_mechanism *m, int index, equilibrium **
                      .body = t->body + t->body_start[index]};
   if (!reserve(e))
     return km_fail(error, KM_MEMORY, "out of memory for the reactions");
-  return km_orthogonal_create(6 * e->joints, 6 * e->bodies + e->sub->columns, most_entries(e), &e->q, error);
+  return km_sparse_qr_create(6 * e->joints, 6 * e->bodies + e->sub->columns, most_entries(e), &e->q, error);
 }
 
-void km_equilibrium_free(equilibrium *e) {
+void km_body_equilibrium_free(equilibrium *e) {
   if (!e)
     return;
-  km_orthogonal_free(e->q);
+  km_sparse_qr_free(e->q);
   km_arena_free(&e->arena);
   km_free(e);
 }
@@ -144,7 +144,8 @@ static double component(km_vec3 v, int axis) {
 }
 
 /* The balance of a body about the frame of its arc: forces along the inertial axes, then moments over L. */
-static void balance_body(equations *s, const km_statics_work *w, int place, const int *first, const int *touching) {
+static void balance_body(equations *s, const km_statics_workspace *w, int place, const int *first,
+                         const int *touching) {
   const equilibrium *e = s->e;
   double length = e->m->length;
   km_vec3 about = w->frame[e->m->topology.arc[e->body[place]]].p;
@@ -183,7 +184,7 @@ static void list_touching(const equilibrium *e, int *first, int *touching) {
 }
 
 /* Six entries of what the wrench of its joint does along the motion of a column, in units of the coordinate. */
-static int motion_entries(const equilibrium *e, const km_statics_work *w, int column, double out[6]) {
+static int motion_entries(const equilibrium *e, const km_statics_workspace *w, int column, double out[6]) {
   int c = e->m->column_coordinate[e->sub->column_start + column], joint = e->m->model->coordinates[c].joint;
   const km_pose *X = &w->frame[joint];
   km_twist h = w->twist[c];
@@ -195,13 +196,13 @@ static int motion_entries(const equilibrium *e, const km_statics_work *w, int co
   return w->place[joint];
 }
 
-static double given_force(const equilibrium *e, const km_statics_work *w, int column) {
+static double given_force(const equilibrium *e, const km_statics_workspace *w, int column) {
   int c = e->m->column_coordinate[e->sub->column_start + column];
   return e->m->unit[c] * (w->force[c] + w->tau[c]);
 }
 
 /* Along a motion of its own, over the size of the entries. */
-static void know_column(equations *s, const km_statics_work *w, int column) {
+static void know_column(equations *s, const km_statics_workspace *w, int column) {
   double entry[6], square = 0.0;
   int j = motion_entries(s->e, w, column, entry);
   for (int k = 0; k < 6; ++k)
@@ -234,7 +235,7 @@ static void free_combinations(equilibrium *e, const km_state *state) {
 }
 
 /* Along a combination of coupled motions. */
-static void know_combination(equations *s, const km_statics_work *w, const double *share) {
+static void know_combination(equations *s, const km_statics_workspace *w, const double *share) {
   equilibrium *e = s->e;
   double given = 0.0, square = 0.0, entry[6];
   memset(e->row, 0, 6 * (size_t)e->joints * sizeof *e->row);
@@ -253,8 +254,8 @@ static void know_combination(equations *s, const km_statics_work *w, const doubl
 }
 
 /* All equations. False when out of memory. */
-static bool fill(equilibrium *e, const km_statics_work *w, const km_state *state, const double *r0) {
-  equations s = {.e = e, .c = km_orthogonal_columns(e->q), .r0 = r0};
+static bool fill(equilibrium *e, const km_statics_workspace *w, const km_state *state, const double *r0) {
+  equations s = {.e = e, .c = km_sparse_qr_columns(e->q), .r0 = r0};
   int *first = KM_NEW(int, (size_t)e->bodies + 2), *touching = KM_NEW(int, 2 * (size_t)e->joints);
   e->equations = 0;
   memset(e->b, 0, (size_t)(6 * e->bodies + e->sub->columns) * sizeof *e->b);
@@ -285,7 +286,7 @@ static bool mark(equilibrium *e, bool *mixed) {
     double largest = 0.0;
     for (int i = 0; i < 6 * e->joints; ++i)
       e->row[i] = km_uniform(&random);
-    if (!km_orthogonal_reject(e->q, e->row, 1))
+    if (!km_sparse_qr_reject(e->q, e->row, 1))
       return false;
     for (int i = 0; i < 6 * e->joints; ++i)
       largest = fmax(largest, fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size));
@@ -295,15 +296,15 @@ static bool mark(equilibrium *e, bool *mixed) {
   return true;
 }
 
-int km_equilibrium_solve(equilibrium *e, const km_statics_work *w, const km_state *state, double tolerance,
-                         double *carried, bool *mixed) {
+int km_body_equilibrium_solve(equilibrium *e, const km_statics_workspace *w, const km_state *state, double tolerance,
+                              double *carried, bool *mixed) {
   for (int i = 0; i < 6 * e->joints; ++i)
     e->x[i] = carried[i] / (i % 6 < 3 ? 1.0 : e->m->length);
-  if (!fill(e, w, state, e->x) || !km_orthogonal_factor(e->q, tolerance) || !km_orthogonal_least(e->q, e->b, e->x))
+  if (!fill(e, w, state, e->x) || !km_sparse_qr_factor(e->q, tolerance) || !km_sparse_qr_least(e->q, e->b, e->x))
     return -1;
   for (int i = 0; i < 6 * e->joints; ++i)
     carried[i] = e->x[i] * (i % 6 < 3 ? 1.0 : e->m->length);
-  int stresses = 6 * e->joints - km_orthogonal_rank(e->q);
+  int stresses = 6 * e->joints - km_sparse_qr_rank(e->q);
   int among_couplings = e->sub->coupling_count - (e->coupled_count - e->free_count);
   if (stresses > 0 && !mark(e, mixed))
     return -1;

@@ -33,7 +33,7 @@ static void draw(int degree, km_pair *share) {
 }
 
 /* parts[6 · joints]: what both do in the joints, along the reactions' axes. */
-static void mark(const km_carrying *c, const km_pair *parts, km_reaction *reactions) {
+static void mark(const km_reaction_workspace *c, const km_pair *parts, km_reaction *reactions) {
   km_pair force = {0.0, 0.0}, torque = {0.0, 0.0};
   for (int j = 0; j < c->joints; ++j)
     for (int k = 0; k < 3; ++k) {
@@ -53,7 +53,7 @@ static void mark(const km_carrying *c, const km_pair *parts, km_reaction *reacti
 }
 
 /* L⁻ᵀ r: of these none outweighs the others. */
-static void weigh(const km_carrying *c, int degree, km_pair *share) {
+static void weigh(const km_reaction_workspace *c, int degree, km_pair *share) {
   size_t n = (size_t)degree;
   for (size_t k = n; k-- > 0;) {
     const double *l = c->gram + k * n;
@@ -64,7 +64,8 @@ static void weigh(const km_carrying *c, int degree, km_pair *share) {
 }
 
 /* What both do in a joint. */
-static void look_at_joint(const km_carrying *c, const km_rotation *R, int j, const km_pair *chords, km_pair *parts) {
+static void look_at_joint(const km_reaction_workspace *c, const km_rotation *R, int j, const km_pair *chords,
+                          km_pair *parts) {
   pair3 f = {{0}, {0}, {0}}, t = f;
   for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
     const km_pair *chord = chords + 6 * c->passing[i].loop;
@@ -79,7 +80,7 @@ static void look_at_joint(const km_carrying *c, const km_rotation *R, int j, con
   turn_back(R, (pair3){t.x - moved.x, t.y - moved.y, t.z - moved.z}, parts + 3);
 }
 
-void km_stresses_mark(km_carrying *c, const km_statics_work *w, km_reaction *reactions) {
+void km_indeterminate_components_mark(km_reaction_workspace *c, const km_statics_workspace *w, km_reaction *reactions) {
   km_pair *share = c->looks, *chords = share + c->rows, *parts = chords + c->rows;
   draw(c->degree, share);
   weigh(c, c->degree, share);

@@ -10,7 +10,7 @@
 static const double no_stress = 1e-12, no_square = 1e-18;
 
 /* What the chords' wrenches μ do in a joint, along the inertial axes and about its reaction's place. */
-static km_wrench in_joint(const km_carrying *c, int j, const double *mu) {
+static km_wrench in_joint(const km_reaction_workspace *c, int j, const double *mu) {
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
   for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
     const double *chord = mu + 6 * c->passing[i].loop, sense = c->passing[i].sense;
@@ -21,13 +21,13 @@ static km_wrench in_joint(const km_carrying *c, int j, const double *mu) {
   return km_wrench_about(sum, c->arm[j]);
 }
 
-static void add_chords(const km_carrying *c, km_wrench *carried) {
+static void add_chords(const km_reaction_workspace *c, km_wrench *carried) {
   for (int j = 0; j < c->joints; ++j)
     carried[c->joint[j]] = km_wrench_axpy(1.0, in_joint(c, j, c->mu), carried[c->joint[j]]);
 }
 
 /* Σ over the joints that two loops share: how they add up there, times 1, d and the products of d's components. */
-static void gather_moments(km_carrying *c) {
+static void gather_moments(km_reaction_workspace *c) {
   memset(c->moments, 0, (size_t)c->loops * (size_t)c->loops * sizeof *c->moments);
   for (int j = 0; j < c->joints; ++j) {
     km_vec3 d = c->arm[j], squares = {d.x * d.x, d.y * d.y, d.z * d.z}, products = {d.y * d.z, d.z * d.x, d.x * d.y};
@@ -57,7 +57,7 @@ static void fill_block(const km_arm_moments *sum, double size, double length, do
 }
 
 /* M: 0 for couplings, which stress no joint. */
-static void fill_metric(km_carrying *c, double length) {
+static void fill_metric(km_reaction_workspace *c, double length) {
   size_t rows = (size_t)c->rows;
   gather_moments(c);
   memset(c->metric, 0, rows * rows * sizeof *c->metric);
@@ -71,7 +71,7 @@ static void fill_metric(km_carrying *c, double length) {
 }
 
 /* g: half the slope of Σ in μ at μ = 0. */
-static void fill_gradient(km_carrying *c, const km_wrench *carried, double length) {
+static void fill_gradient(km_reaction_workspace *c, const km_wrench *carried, double length) {
   double inverse = 1.0 / c->size, turn = 1.0 / (length * length);
   memset(c->gradient, 0, (size_t)c->rows * sizeof *c->gradient);
   for (int j = 0; j < c->joints; ++j) {
@@ -86,7 +86,7 @@ static void fill_gradient(km_carrying *c, const km_wrench *carried, double lengt
 
 /* The entries of N that aren't 0: of the partition's null vectors [-B; I], and 1 for what no motion feels. Returns how many
  * self-stresses there are. */
-static int list_stresses(km_carrying *c) {
+static int list_stresses(km_reaction_workspace *c) {
   const km_partition *p = &c->partition;
   int count = 0, degree = 0;
   for (int k = p->rank; k < c->rows; ++k) {
@@ -101,25 +101,25 @@ static int list_stresses(km_carrying *c) {
   return degree;
 }
 
-static inline double along_stress(const km_carrying *c, int k, const double *v) {
+static inline double along_stress(const km_reaction_workspace *c, int k, const double *v) {
   double sum = 0.0;
   for (int i = c->stress_start[k]; i < c->stress_start[k + 1]; ++i)
     sum += c->stress[i].value * v[c->stress[i].row];
   return sum;
 }
 
-static inline void add_stress(const km_carrying *c, int k, double share, double *mu) {
+static inline void add_stress(const km_reaction_workspace *c, int k, double share, double *mu) {
   for (int i = c->stress_start[k]; i < c->stress_start[k + 1]; ++i)
     mu[c->stress[i].row] += share * c->stress[i].value;
 }
 
-static void add_column(const km_carrying *c, double factor, int column, double *out) {
+static void add_column(const km_reaction_workspace *c, double factor, int column, double *out) {
   const double *from = c->metric + (size_t)column * (size_t)c->rows;
   for (int r = 0; r < c->rows; ++r)
     out[r] += factor * from[r];
 }
 
-static void fill_gram(km_carrying *c, int degree) {
+static void fill_gram(km_reaction_workspace *c, int degree) {
   memset(c->image, 0, (size_t)degree * (size_t)c->rows * sizeof *c->image);
   for (int k = 0; k < degree; ++k) {
     double *image = c->image + (size_t)k * (size_t)c->rows;
@@ -131,7 +131,7 @@ static void fill_gram(km_carrying *c, int degree) {
 }
 
 /* Nᵀ M N = L Lᵀ, L in the lower triangle of `gram`, without the self-stresses that stress no joint: their columns are 0. */
-static void factor_gram(km_carrying *c, int degree) {
+static void factor_gram(km_reaction_workspace *c, int degree) {
   size_t n = (size_t)degree;
   double largest = 0.0;
   for (size_t k = 0; k < n; ++k)
@@ -149,7 +149,7 @@ static void factor_gram(km_carrying *c, int degree) {
   }
 }
 
-static void solve_gram(const km_carrying *c, int degree, double *x) {
+static void solve_gram(const km_reaction_workspace *c, int degree, double *x) {
   size_t n = (size_t)degree;
   for (size_t k = 0; k < n; ++k) {
     const double *l = c->gram + k * n;
@@ -175,7 +175,7 @@ static double dot(const double *a, const double *b, int count) {
 }
 
 /* Adds self-stresses to μ until Nᵀ (g + M μ) = 0. The second pass takes away what the first has left by rounding. */
-static void correct_chords(km_carrying *c, int degree) {
+static void correct_chords(km_reaction_workspace *c, int degree) {
   for (int k = 0; k < degree; ++k)
     c->slope[k] = along_stress(c, k, c->gradient);
   for (int pass = 0; pass < 2; ++pass) {
@@ -188,7 +188,7 @@ static void correct_chords(km_carrying *c, int degree) {
   }
 }
 
-void km_chords_make_least(km_carrying *c, km_statics_work *w, double length) {
+void km_reactions_minimise_norm(km_reaction_workspace *c, km_statics_workspace *w, double length) {
   c->degree = list_stresses(c);
   if (c->degree > 0) {
     fill_metric(c, length);

@@ -2,11 +2,11 @@
  * coordinate, so that a force f along d does the work f r · δq, and Z_A has the row r D⁻¹ Z. */
 #include "statics/statics.h"
 
-static int body_of(const km_mechanism *m, const km_handle *point) {
+static int body_of(const km_mechanism *m, const km_port *point) {
   return m->model->frames[point->frame].body;
 }
 
-void km_point_each_mover(const km_mechanism *m, const km_handle *point, km_mover_visit at, void *context) {
+void km_point_each_mover(const km_mechanism *m, const km_port *point, km_mover_visit at, void *context) {
   for (int b = body_of(m, point); b > 0; b = m->topology.parent[b]) {
     int joint = m->topology.arc[b], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c)
@@ -16,7 +16,7 @@ void km_point_each_mover(const km_mechanism *m, const km_handle *point, km_mover
 }
 
 /* The unit force of a point, about the forces' origin. */
-static km_wrench unit_push(const km_mechanism *m, const km_forces *f, const km_handle *point) {
+static km_wrench unit_push(const km_mechanism *m, const km_forces *f, const km_port *point) {
   const km_model_frame *frame = &m->model->frames[point->frame];
   km_vec3 d = km_vec3_make(point->direction), none = {0, 0, 0};
   return km_wrench_at(d, none, km_pose_point(&f->pose[frame->body], frame->pose.p));
@@ -34,10 +34,10 @@ static void fill_row(void *context, int c, bool against) {
 }
 
 void km_pushed_points_update(const km_mechanism *m, const km_forces *f, km_statics *st) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   for (int a = 0; a < st->actuator_count; ++a) {
-    const km_handle *point = &st->actuators[a];
-    if (point->kind != KM_HANDLE_POINT)
+    const km_port *point = &st->actuators[a];
+    if (point->kind != KM_PORT_POINT)
       continue;
     row r = {w->twist, unit_push(m, f, point), w->row[a]};
     km_point_each_mover(m, point, fill_row, &r);
@@ -45,11 +45,11 @@ void km_pushed_points_update(const km_mechanism *m, const km_forces *f, km_stati
 }
 
 void km_pushed_points_apply(const km_mechanism *m, const km_forces *f, km_statics *st) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   for (int a = 0; a < st->actuator_count; ++a) {
-    const km_handle *point = &st->actuators[a];
+    const km_port *point = &st->actuators[a];
     double force = st->actuator_forces[a];
-    if (point->kind != KM_HANDLE_POINT)
+    if (point->kind != KM_PORT_POINT)
       continue;
     for (int b = body_of(m, point); b > 0; b = m->topology.parent[b])
       w->subtree[b] = km_wrench_axpy(force, unit_push(m, f, point), w->subtree[b]);
@@ -58,29 +58,29 @@ void km_pushed_points_apply(const km_mechanism *m, const km_forces *f, km_static
   }
 }
 
-bool km_pushes_by_force(const km_model *model, const km_handle *actuator) {
-  if (actuator->kind == KM_HANDLE_POINT)
+bool km_pushes_by_force(const km_model *model, const km_port *actuator) {
+  if (actuator->kind == KM_PORT_POINT)
     return true;
   const km_model_coordinate *def = &model->coordinates[actuator->coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 
-double km_actuator_most(const km_mechanism *m, const km_handle *actuator) {
-  bool joint = m && actuator && actuator->kind == KM_HANDLE_JOINT;
+double km_actuator_most(const km_mechanism *m, const km_port *actuator) {
+  bool joint = m && actuator && actuator->kind == KM_PORT_JOINT;
   return joint && actuator->coordinate >= 0 && actuator->coordinate < m->coordinate_count
              ? m->max_force[actuator->coordinate]
              : HUGE_VAL;
 }
 
-bool km_actuator_passes(const km_mechanism *m, const km_handle *actuator, double force) {
+bool km_actuator_passes(const km_mechanism *m, const km_port *actuator, double force) {
   return fabs(force) > (1.0 + 1e-9) * km_actuator_most(m, actuator);
 }
 
-void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out) {
+void km_push_unit(const km_model *model, const km_port *actuator, km_text *out) {
   bool sound = model && actuator && actuator->coordinate < model->coordinate_count;
-  if (!sound || (actuator->kind == KM_HANDLE_JOINT && actuator->coordinate < 0))
+  if (!sound || (actuator->kind == KM_PORT_JOINT && actuator->coordinate < 0))
     return;
-  if (actuator->kind == KM_HANDLE_POINT)
+  if (actuator->kind == KM_PORT_POINT)
     km_text_add(out, model->units.force->suffix);
   else
     km_force_unit(model, actuator->coordinate, out);

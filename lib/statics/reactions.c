@@ -10,7 +10,8 @@
 enum { MOST_DENSE_ROWS = 120 };
 
 /* The loops that go through each joint, by the topology alone. */
-static void list_passing(const km_mechanism *m, const km_statics_work *w, int index, km_arena *arena, km_carrying *c) {
+static void list_passing(const km_mechanism *m, const km_statics_workspace *w, int index, km_arena *arena,
+                         km_reaction_workspace *c) {
   const km_topology *t = &m->topology;
   int start = t->loop_start[index], end = t->loop_start[index + 1], count = 0;
   c->first = KM_ARENA_NEW(arena, int, (size_t)c->joints + 2);
@@ -30,7 +31,7 @@ static void list_passing(const km_mechanism *m, const km_statics_work *w, int in
           (km_passing){i - start, km_member_sense(&t->member[n])};
 }
 
-static void reserve_dense(km_carrying *c, km_arena *arena) {
+static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
   size_t rows = (size_t)c->rows, columns = (size_t)c->columns;
   c->arm = KM_ARENA_NEW(arena, km_vec3, (size_t)c->joints);
   c->T = KM_ARENA_NEW(arena, double, rows *columns);
@@ -50,17 +51,17 @@ static void reserve_dense(km_carrying *c, km_arena *arena) {
   km_partition_reserve(&c->partition, c->columns, c->rows, arena);
 }
 
-km_status km_carrying_make_large(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
-  km_carrying *c = &w->carrying[index];
+km_status km_reaction_workspace_make_large(const km_mechanism *m, km_statics_workspace *w, int index, km_error *error) {
+  km_reaction_workspace *c = &w->carrying[index];
   c->reported = KM_ARENA_NEW(&w->arena, double, 6 * (size_t)c->joints);
   c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
-  return km_equilibrium_create(m, index, &c->large, error);
+  return km_body_equilibrium_create(m, index, &c->large, error);
 }
 
-static km_status reserve_one(const km_mechanism *m, km_statics_work *w, int index, km_error *error) {
+static km_status reserve_one(const km_mechanism *m, km_statics_workspace *w, int index, km_error *error) {
   const km_topology *t = &m->topology;
   const km_substructure *sub = &m->substructures[index];
-  km_carrying *c = &w->carrying[index];
+  km_reaction_workspace *c = &w->carrying[index];
   c->rows = 6 * sub->loop_count + sub->coupling_count;
   c->columns = sub->columns;
   c->loops = sub->loop_count;
@@ -70,17 +71,17 @@ static km_status reserve_one(const km_mechanism *m, km_statics_work *w, int inde
   for (int j = 0; j < c->joints; ++j)
     w->place[c->joint[j]] = j;
   if (c->rows > MOST_DENSE_ROWS)
-    return km_carrying_make_large(m, w, index, error);
+    return km_reaction_workspace_make_large(m, w, index, error);
   list_passing(m, w, index, &w->arena, c);
   reserve_dense(c, &w->arena);
   return KM_OK;
 }
 
-km_status km_carrying_reserve(const km_mechanism *m, km_statics_work *w, km_error *error) {
+km_status km_reaction_workspace_reserve(const km_mechanism *m, km_statics_workspace *w, km_error *error) {
   const km_topology *t = &m->topology;
   km_arena *arena = &w->arena;
   km_status status = KM_OK;
-  w->carrying = KM_ARENA_NEW(arena, km_carrying, (size_t)t->substructure_count);
+  w->carrying = KM_ARENA_NEW(arena, km_reaction_workspace, (size_t)t->substructure_count);
   w->frame = KM_ARENA_NEW(arena, km_pose, (size_t)t->joint_count);
   w->carried = KM_ARENA_NEW(arena, km_wrench, (size_t)t->joint_count);
   w->place = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
@@ -89,9 +90,9 @@ km_status km_carrying_reserve(const km_mechanism *m, km_statics_work *w, km_erro
   return status || !arena->failed ? status : km_fail(error, KM_MEMORY, "out of memory for the reactions");
 }
 
-void km_carrying_free(km_statics_work *w) {
+void km_reaction_workspace_free(km_statics_workspace *w) {
   for (int i = 0; w->carrying && i < w->mechanism->topology.substructure_count; ++i)
-    km_equilibrium_free(w->carrying[i].large);
+    km_body_equilibrium_free(w->carrying[i].large);
 }
 
 /* The frame that a reaction is reported in. */
@@ -106,7 +107,7 @@ static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_a
 }
 
 /* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
-static km_wrench from_tree(const km_mechanism *m, const km_statics_work *w, int joint) {
+static km_wrench from_tree(const km_mechanism *m, const km_statics_workspace *w, int joint) {
   const km_model_joint *def = &m->model->joints[joint];
   bool against = m->topology.against[joint];
   int body = m->model->frames[def->frame[!against]].body;
@@ -121,9 +122,9 @@ static double tolerance_of(const km_mechanism *m, const km_state *s, int index) 
   return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
 }
 
-/* Jᵀ of all six rows of every loop, as km_whole_jacobian has them: each joint's columns once, for every loop through it. */
+/* Jᵀ of all six rows of every loop, as km_full_jacobian has them: each joint's columns once, for every loop through it. */
 static void fill_transposed(const km_mechanism *m, const km_state *s, const km_substructure *sub, km_vec3 about,
-                            const km_twist *twist, km_carrying *c) {
+                            const km_twist *twist, km_reaction_workspace *c) {
   size_t columns = (size_t)c->columns;
   memset(c->T, 0, columns * (size_t)c->rows * sizeof *c->T);
   for (int j = 0; j < c->joints; ++j) {
@@ -144,7 +145,7 @@ static void fill_transposed(const km_mechanism *m, const km_state *s, const km_s
 }
 
 /* Leaves out of Jᵀ the components of chords that no motion feels, as those across a plane: self-stresses by themselves. */
-static void leave_unfelt(km_carrying *c) {
+static void leave_unfelt(km_reaction_workspace *c) {
   int columns = c->columns, unfelt = c->rows;
   c->felt_count = 0;
   for (int r = 0; r < c->rows; ++r) {
@@ -164,9 +165,9 @@ static void leave_unfelt(km_carrying *c) {
 
 /* Chord wrenches of one substructure that balance the loads: Jᵀ μ = f + τ. The null space of Jᵀ are the self-stresses,
  * which leave every joint free of force along its motion. */
-static void solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_work *w) {
+static void solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_workspace *w) {
   const km_substructure *sub = &m->substructures[index];
-  km_carrying *c = &w->carrying[index];
+  km_reaction_workspace *c = &w->carrying[index];
   fill_transposed(m, s, sub, about, w->twist, c);
   leave_unfelt(c);
   for (int k = 0; k < c->columns; ++k) { /* τ holds the force of a spring in the joint already */
@@ -181,26 +182,26 @@ static void solve_chords(const km_mechanism *m, const km_state *s, int index, km
 }
 
 static void carry_small(const km_mechanism *m, const km_state *s, const km_forces *f, int index, km_statics *st) {
-  km_statics_work *w = st->work;
-  km_carrying *c = &w->carrying[index];
+  km_statics_workspace *w = st->work;
+  km_reaction_workspace *c = &w->carrying[index];
   const km_model_frame *frame = &m->model->frames[m->model->joints[c->joint[0]].frame[0]];
   km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
   solve_chords(m, s, index, about, w);
   for (int j = 0; j < c->joints; ++j)
     c->arm[j] = km_vec3_sub(w->frame[c->joint[j]].p, about);
-  km_chords_make_least(c, w, m->length);
+  km_reactions_minimise_norm(c, w, m->length);
   st->degree += c->degree;
 }
 
 /* From what the tree alone makes them carry. Without memory nothing is known of its joints. */
 static void carry_large(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  km_carrying *c = &st->work->carrying[index];
+  km_reaction_workspace *c = &st->work->carrying[index];
   for (int j = 0; j < c->joints; ++j) {
     memcpy(c->reported + 6 * j, st->reactions[c->joint[j]].force, 3 * sizeof *c->reported);
     memcpy(c->reported + 6 * j + 3, st->reactions[c->joint[j]].torque, 3 * sizeof *c->reported);
   }
   memset(c->mixed, 0, 6 * (size_t)c->joints * sizeof *c->mixed);
-  int degree = km_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->reported, c->mixed);
+  int degree = km_body_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->reported, c->mixed);
   for (int i = 0; i < 6 * c->joints && degree < 0; ++i)
     c->reported[i] = nan("");
   for (int j = 0; j < c->joints; ++j) {
@@ -213,7 +214,7 @@ static void carry_large(const km_mechanism *m, const km_state *s, int index, km_
 }
 
 /* Along the axes of the joint's frame. */
-static void report(const km_statics_work *w, int joint, km_reaction *r) {
+static void report(const km_statics_workspace *w, int joint, km_reaction *r) {
   const km_rotation *R = &w->frame[joint].R;
   for (int k = 0; k < 3; ++k) {
     r->force[k] = km_vec3_dot(R->axis[k], w->carried[joint].f);
@@ -221,8 +222,8 @@ static void report(const km_statics_work *w, int joint, km_reaction *r) {
   }
 }
 
-void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {
-  km_statics_work *w = st->work;
+void km_reactions_compute(const km_mechanism *m, km_state *s, const km_forces *f, km_statics *st) {
+  km_statics_workspace *w = st->work;
   st->degree = 0;
   for (int j = 0; j < m->topology.joint_count; ++j) {
     set_frame(m, f, j, st->axes, &w->frame[j]);
@@ -240,8 +241,8 @@ void km_statics_carry(const km_mechanism *m, km_state *s, const km_forces *f, km
 }
 
 void km_statics_mark(const km_mechanism *m, km_statics *st) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (!w->carrying[i].large && w->carrying[i].degree > 0)
-      km_stresses_mark(&w->carrying[i], w, st->reactions);
+      km_indeterminate_components_mark(&w->carrying[i], w, st->reactions);
 }

@@ -12,20 +12,20 @@
 static const double rounding = 1e-10; /* of all applied forces: a generalised force below this is 0 */
 
 static km_status take_joint(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   const char *label = m->model->coordinates[coordinate].label;
   if (m->held[coordinate])
     return km_fail(error, KM_USAGE, "actuator \"%s\" is held; expected a joint that is free to move", label);
   if (w->actuated[coordinate])
     return km_fail(error, KM_USAGE, "actuator \"%s\" is named twice; expected each joint once", label);
   int i = st->actuator_count++;
-  w->actuators[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = label};
+  w->actuators[i] = (km_port){.kind = KM_PORT_JOINT, .coordinate = coordinate, .name = label};
   w->actuated[coordinate] = true;
   return KM_OK;
 }
 
-static km_status take_point(const km_mechanism *m, const km_handle *point, km_statics *st, km_error *error) {
-  km_statics_work *w = st->work;
+static km_status take_point(const km_mechanism *m, const km_port *point, km_statics *st, km_error *error) {
+  km_statics_workspace *w = st->work;
   int i = st->actuator_count++;
   w->actuators[i] = *point;
   w->row[i] = KM_ARENA_NEW(&w->arena, double, (size_t)m->coordinate_count);
@@ -33,7 +33,7 @@ static km_status take_point(const km_mechanism *m, const km_handle *point, km_st
 }
 
 /* NULL: every free coordinate. */
-static km_status take_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_statics *st,
+static km_status take_actuators(const km_mechanism *m, const km_port *actuators, int count, km_statics *st,
                                 km_error *error) {
   km_status status = KM_OK;
   st->actuators = st->work->actuators;
@@ -41,15 +41,15 @@ static km_status take_actuators(const km_mechanism *m, const km_handle *actuator
     if (!m->held[c])
       status = take_joint(m, c, st, error);
   for (int i = 0; i < count && actuators && !status; ++i)
-    status = actuators[i].kind == KM_HANDLE_JOINT ? take_joint(m, actuators[i].coordinate, st, error)
-                                                  : take_point(m, &actuators[i], st, error);
+    status = actuators[i].kind == KM_PORT_JOINT ? take_joint(m, actuators[i].coordinate, st, error)
+                                                : take_point(m, &actuators[i], st, error);
   return status;
 }
 
 static km_status allocate(const km_mechanism *m, int asked, km_statics *st, km_error *error) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   size_t coordinates = (size_t)m->coordinate_count, actuators = coordinates + (size_t)asked;
-  w->actuators = KM_ARENA_NEW(&w->arena, km_handle, actuators);
+  w->actuators = KM_ARENA_NEW(&w->arena, km_port, actuators);
   w->part = KM_ARENA_NEW(&w->arena, int, actuators);
   w->alone = KM_ARENA_NEW(&w->arena, int, actuators);
   w->column = KM_ARENA_NEW(&w->arena, int, actuators);
@@ -62,21 +62,21 @@ static km_status allocate(const km_mechanism *m, int asked, km_statics *st, km_e
   w->least_load = KM_ARENA_NEW(&w->arena, double, coordinates);
   st->actuator_forces = KM_ARENA_NEW(&w->arena, double, actuators);
   st->least_norm = KM_ARENA_NEW(&w->arena, double, coordinates);
-  st->directions = KM_ARENA_NEW(&w->arena, double, KM_MOST_DIRECTIONS *coordinates);
-  st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MOST_DIRECTIONS);
+  st->directions = KM_ARENA_NEW(&w->arena, double, KM_MAX_DIRECTIONS *coordinates);
+  st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MAX_DIRECTIONS);
   st->reactions = KM_ARENA_NEW(&w->arena, km_reaction, (size_t)m->topology.joint_count);
   return w->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the balance of forces")
-                         : km_carrying_reserve(m, w, error);
+                         : km_reaction_workspace_reserve(m, w, error);
 }
 
-static km_status check_actuators(const km_mechanism *m, const km_handle *actuators, int count, km_error *error) {
+static km_status check_actuators(const km_mechanism *m, const km_port *actuators, int count, km_error *error) {
   km_status status = actuators ? km_check_list(actuators, count, "actuators", error) : KM_OK;
   for (int i = 0; i < count && actuators && !status; ++i) {
-    const km_handle *h = &actuators[i];
+    const km_port *h = &actuators[i];
     double length = km_vec3_norm(km_vec3_make(h->direction));
-    if (h->kind == KM_HANDLE_JOINT)
+    if (h->kind == KM_PORT_JOINT)
       status = km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
-    else if (h->kind != KM_HANDLE_POINT || !h->name || !(fabs(length - 1.0) < 1e-6))
+    else if (h->kind != KM_PORT_POINT || !h->name || !(fabs(length - 1.0) < 1e-6))
       status = km_fail(error, KM_USAGE, "an actuator that is neither a joint nor a point with a name and a direction");
     else
       status = km_check_index(h->frame, m->model->frame_count, "frame", error);
@@ -84,7 +84,7 @@ static km_status check_actuators(const km_mechanism *m, const km_handle *actuato
   return status;
 }
 
-km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuators, int actuator_count, km_axes axes,
+km_status km_statics_create_for(const km_mechanism *m, const km_port *actuators, int actuator_count, km_axes axes,
                                 km_statics *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
@@ -97,7 +97,7 @@ km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuator
                                                           : km_fail(error, KM_USAGE, "%d names no axes", (int)axes);
   if (fits)
     return fits;
-  *out = (km_statics){.work = KM_NEW(km_statics_work, 1)};
+  *out = (km_statics){.work = KM_NEW(km_statics_workspace, 1)};
   if (!out->work)
     return km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
   out->work->mechanism = m;
@@ -107,7 +107,7 @@ km_status km_statics_create_for(const km_mechanism *m, const km_handle *actuator
     status = take_actuators(m, actuators, actuator_count, out, error);
   if (!status)
     status = km_blocks_make(m, out, error);
-  if (!status && !km_holding_reserve(out))
+  if (!status && !km_actuator_workspace_reserve(out))
     status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
   return status;
 }
@@ -117,13 +117,13 @@ km_status km_statics_create(const km_mechanism *m, const int *actuators, int act
   if (!actuators)
     return km_statics_create_for(m, NULL, 0, axes, out, error);
   km_status status = km_check_list(actuators, actuator_count, "actuators", error);
-  km_handle *handles = KM_NEW(km_handle, (size_t)(status ? 0 : actuator_count));
+  km_port *handles = KM_NEW(km_port, (size_t)(status ? 0 : actuator_count));
   if (out)
     *out = (km_statics){0};
   if (!status && !handles)
     status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
   for (int i = 0; i < actuator_count && !status; ++i)
-    handles[i] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = actuators[i]};
+    handles[i] = (km_port){.kind = KM_PORT_JOINT, .coordinate = actuators[i]};
   if (!status)
     status = km_statics_create_for(m, handles, actuator_count, axes, out, error);
   km_free(handles);
@@ -134,7 +134,7 @@ void km_statics_free(km_statics *st) {
   if (!st)
     return;
   if (st->work) {
-    km_carrying_free(st->work);
+    km_reaction_workspace_free(st->work);
     km_arena_free(&st->work->arena);
   }
   km_free(st->work);
@@ -153,7 +153,7 @@ static double reach(const km_mechanism *m, const km_forces *f) {
 }
 
 /* τ = Hᵀ C⁻ᵀ g by one pass from the leaves (theory 5), and what rounding can make of it. */
-static void gather_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics_work *w) {
+static void gather_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics_workspace *w) {
   const km_topology *t = &m->topology;
   double size = reach(m, f);
   km_twists_about(m, s, f->pose, w->twist);
@@ -205,7 +205,7 @@ static void find_loads(const km_mechanism *m, const km_state *s, const km_forces
 
 void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
   find_loads(m, s, f, st);
-  km_actuators_hold(m, s, st);
+  km_actuator_forces_solve(m, s, st);
 }
 
 static void forget_reactions(const km_mechanism *m, km_statics *st) {
@@ -236,26 +236,26 @@ void km_statics_leave_reactions(const km_mechanism *m, km_statics *st) {
 
 /* The forces of the actuators where they hold, else f̄. */
 static void apply_holding(const km_mechanism *m, const km_forces *f, km_statics *st) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   size_t bytes = (size_t)m->coordinate_count * sizeof *w->force;
   memcpy(w->force, st->least_norm, bytes);
   if (!st->held)
     return;
   memset(w->force, 0, bytes);
   for (int i = 0; i < st->actuator_count; ++i)
-    if (st->actuators[i].kind == KM_HANDLE_JOINT)
+    if (st->actuators[i].kind == KM_PORT_JOINT)
       w->force[st->actuators[i].coordinate] = st->actuator_forces[i];
   km_pushed_points_apply(m, f, st);
 }
 
 km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
-  km_statics_work *w = st->work;
+  km_statics_workspace *w = st->work;
   find_loads(m, s, f, st);
   least_norm(m, s, st);
-  km_actuators_hold(m, s, st);
+  km_actuator_forces_solve(m, s, st);
   if (!w->no_reactions) {
     apply_holding(m, f, st);
-    km_statics_carry(m, s, f, st);
+    km_reactions_compute(m, s, f, st);
   }
   return w->arena.failed ? KM_MEMORY : KM_OK;
 }
@@ -263,21 +263,21 @@ km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, k
 void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, const double *driving, km_statics *st) {
   gather_loads(m, s, f, st->work);
   memcpy(st->work->force, driving, (size_t)m->coordinate_count * sizeof *driving);
-  km_statics_carry(m, s, f, st);
+  km_reactions_compute(m, s, f, st);
 }
 
 km_status km_statics_find(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
     return KM_USAGE;
-  if (!km_state_knows_motion(m, s)) {
+  if (!km_state_mobility_is_known(m, s)) {
     forget(m, st);
     return KM_USAGE;
   }
-  km_forces_update(m, s, f);
+  km_forces_compute(m, s, f);
   return km_statics_balance(m, s, f, st);
 }
 
-km_status km_statics_update(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+km_status km_statics_compute(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   km_status status = km_statics_find(m, s, f, st);
   if (!status)
     km_statics_mark(m, st);

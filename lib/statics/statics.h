@@ -12,7 +12,7 @@
 
 /* Solving for the actuators of one block: a substructure, or several and joints in no loop that pushed points move
  * together. A motion x of its freedoms moves the actuators by Z_A x. */
-typedef struct km_holding {
+typedef struct km_actuator_workspace {
   int part_count, alone_count;
   int *part, *alone; /* its substructures; its joints in no loop, by their coordinates */
   int columns;
@@ -34,7 +34,7 @@ typedef struct km_holding {
   double *moving;    /* [rank × column] Z V there */
   gsl_matrix *turn;  /* [rank × rank] */
   gsl_permutation *pivots;
-} km_holding;
+} km_actuator_workspace;
 
 /* A motion whose largest actuator moves less than this share of it is out of the actuators' reach. */
 static const double km_out_of_reach = 1e-9;
@@ -60,9 +60,9 @@ typedef struct km_stress_entry {
 } km_stress_entry;
 
 /* Reactions of one substructure. */
-typedef struct km_carrying {
-  struct km_equilibrium *large; /* NULL: it is small, and J is solved as a dense matrix */
-  int rows, columns;            /* of J: 6 · loops + couplings */
+typedef struct km_reaction_workspace {
+  struct km_body_equilibrium *large; /* NULL: it is small, and J is solved as a dense matrix */
+  int rows, columns;                 /* of J: 6 · loops + couplings */
   int loops, joints;
   const int *joint; /* [joints] */
   double size;      /* of the substructure: the chords' forces are counted times it */
@@ -79,49 +79,49 @@ typedef struct km_carrying {
   km_arm_moments *moments; /* [loops × loops] with b ≤ a, a · loops + b */
   int *stress_start;       /* [rows + 1] into `stress` */
   km_stress_entry *stress; /* self-stresses N by their entries */
-  double *metric;          /* [rows × rows] M: μᵀ M μ is the Σ of km_chords_make_least */
+  double *metric;          /* [rows × rows] M: μᵀ M μ is the Σ of km_reactions_minimise_norm */
   double *image;           /* [rows × rows] M N */
-  km_pair *looks;          /* [2 · rows + 6 · joints] workspace of km_stresses_mark */
+  km_pair *looks;          /* [2 · rows + 6 · joints] workspace of km_indeterminate_components_mark */
   double *gram;            /* [rows × rows] Nᵀ M N; its Cholesky factor, the diagonal as reciprocals */
   double *gradient;        /* [rows] half the slope of Σ where μ is 0, */
   double *slope;           /* [rows] the same along each self-stress, */
   double *share;           /* [rows] and how much of each is added */
   int degree;              /* self-stresses at the last pose */
   km_partition partition;  /* of T */
-} km_carrying;
+} km_reaction_workspace;
 
-struct km_statics_work {
+struct km_statics_workspace {
   km_arena arena;
   const km_mechanism *mechanism;
-  km_handle *actuators;
-  int *part;           /* [actuator] its block, -1: a joint in no loop that moves by itself */
-  int *alone;          /* [actuator] that joint's coordinate; -1 */
-  int *column;         /* [actuator] a joint's place among the columns of its block */
-  double **row;        /* [actuator] of points: rate along the direction per unit rate of each coordinate; else NULL */
-  bool *actuated;      /* [coordinate] */
-  km_twist *twist;     /* [coordinate] child against parent, about the forces' origin */
-  km_wrench *subtree;  /* [body] applied wrenches on it and all that hangs on it in the tree */
-  double *tau;         /* [coordinate] generalised forces of what is applied, springs in joints included */
-  double *force;       /* [coordinate] of the actuators, or f̄ */
-  bool no_reactions;   /* see km_statics_leave_reactions */
-  bool compares;       /* km_statics_ratios is asked for: every block keeps its Z, U, S, V */
-  double *least_load;  /* [coordinate] below this a generalised force is rounding */
-  km_pose *frame;      /* [joint] in which its reaction is reported, about the forces' origin */
-  km_wrench *carried;  /* [joint] its reaction along the inertial axes */
-  int *place;          /* [joint] among the joints of its substructure */
-  km_holding *holding; /* [block_count] */
+  km_port *actuators;
+  int *part;          /* [actuator] its block, -1: a joint in no loop that moves by itself */
+  int *alone;         /* [actuator] that joint's coordinate; -1 */
+  int *column;        /* [actuator] a joint's place among the columns of its block */
+  double **row;       /* [actuator] of points: rate along the direction per unit rate of each coordinate; else NULL */
+  bool *actuated;     /* [coordinate] */
+  km_twist *twist;    /* [coordinate] child against parent, about the forces' origin */
+  km_wrench *subtree; /* [body] applied wrenches on it and all that hangs on it in the tree */
+  double *tau;        /* [coordinate] generalised forces of what is applied, springs in joints included */
+  double *force;      /* [coordinate] of the actuators, or f̄ */
+  bool no_reactions;  /* see km_statics_leave_reactions */
+  bool compares;      /* km_statics_ratios is asked for: every block keeps its Z, U, S, V */
+  double *least_load; /* [coordinate] below this a generalised force is rounding */
+  km_pose *frame;     /* [joint] in which its reaction is reported, about the forces' origin */
+  km_wrench *carried; /* [joint] its reaction along the inertial axes */
+  int *place;         /* [joint] among the joints of its substructure */
+  km_actuator_workspace *holding; /* [block_count] */
   int block_count;
-  km_carrying *carrying;
+  km_reaction_workspace *carrying;
 };
 
 /* The scale of an actuator's force, D: that of its coordinate, or of a length. */
 static inline double km_actuator_scale(const km_mechanism *m, const km_statics *st, int actuator) {
-  const km_handle *h = &st->actuators[actuator];
-  return h->kind == KM_HANDLE_JOINT ? m->scale[h->coordinate] : 1.0 / m->length;
+  const km_port *h = &st->actuators[actuator];
+  return h->kind == KM_PORT_JOINT ? m->scale[h->coordinate] : 1.0 / m->length;
 }
 /* Calls for every free coordinate between a point's body and the inertial frame in the tree. */
 typedef void (*km_mover_visit)(void *context, int coordinate, bool against);
-void km_point_each_mover(const km_mechanism *mechanism, const km_handle *point, km_mover_visit at, void *context);
+void km_point_each_mover(const km_mechanism *mechanism, const km_port *point, km_mover_visit at, void *context);
 /* Which substructures and lone joints the actuators move together, into work->holding, part, alone, column. KM_USAGE: a
  * point can't move, or pushes the same lone joint as another actuator. KM_MEMORY. */
 km_status km_blocks_make(const km_mechanism *mechanism, km_statics *statics, km_error *error);
@@ -129,16 +129,16 @@ km_status km_blocks_make(const km_mechanism *mechanism, km_statics *statics, km_
 void km_pushed_points_update(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
 void km_pushed_points_apply(const km_mechanism *mechanism, const km_forces *forces, km_statics *statics);
 /* Is an actuator's force a force, not a torque? */
-bool km_pushes_by_force(const km_model *model, const km_handle *actuator);
+bool km_pushes_by_force(const km_model *model, const km_port *actuator);
 /* Space for the parts; false when out of memory. */
-bool km_holding_reserve(km_statics *statics);
+bool km_actuator_workspace_reserve(km_statics *statics);
 /* The same for a block at a pose of so many freedoms. */
-bool km_holding_fit(km_holding *holding, int freedom, km_arena *arena);
-km_status km_carrying_reserve(const km_mechanism *mechanism, km_statics_work *work, km_error *error);
+bool km_actuator_workspace_fit(km_actuator_workspace *holding, int freedom, km_arena *arena);
+km_status km_reaction_workspace_reserve(const km_mechanism *mechanism, km_statics_workspace *work, km_error *error);
 /* From now on the substructure is solved as a large one. */
-km_status km_carrying_make_large(const km_mechanism *mechanism, km_statics_work *work, int substructure,
-                                 km_error *error);
-void km_carrying_free(km_statics_work *work);
+km_status km_reaction_workspace_make_large(const km_mechanism *mechanism, km_statics_workspace *work, int substructure,
+                                           km_error *error);
+void km_reaction_workspace_free(km_statics_workspace *work);
 
 /* U S Vᵀ of a matrix whose first `rows` rows alone aren't 0, fewer than its columns, in its place; V is whole. False when out of
  * memory. O(columns² · rows), where Jacobi's method takes O(columns³) a sweep. */
@@ -149,13 +149,14 @@ bool km_decompose_straight(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S);
 /* A direction to be filled with rates of the coordinates, all 0 yet; NULL: it is counted only. Then its largest scaled rate
  * becomes 1. */
 double *km_direction_begin(const km_mechanism *mechanism, bool falls, km_statics *statics);
-void km_direction_end(const km_mechanism *mechanism, const km_holding *holding, double *rates);
+void km_direction_end(const km_mechanism *mechanism, const km_actuator_workspace *holding, double *rates);
 /* Holds a block of many freedoms and few actuators, or all, from st->least_norm; false: its basis has to be made. */
-bool km_hold_many(const km_mechanism *mechanism, const km_state *state, int block, km_statics *statics);
+bool km_actuator_forces_solve_columns(const km_mechanism *mechanism, const km_state *state, int block,
+                                      km_statics *statics);
 /* Actuator forces, directions out of their reach, and whether they hold, from work->tau and where they don't compare from
  * st->least_norm. */
-void km_actuators_hold(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
-/* km_statics_update without the marks of components that are indeterminate, which km_statics_mark adds: few ask for them. */
+void km_actuator_forces_solve(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
+/* km_statics_compute without the marks of components that are indeterminate, which km_statics_mark adds: few ask for them. */
 km_status km_statics_find(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
 void km_statics_mark(const km_mechanism *mechanism, km_statics *statics);
 /* The same for forces that are at hand, as those of a motion (km_dynamics_balance). */
@@ -177,22 +178,23 @@ bool km_statics_ratios(const km_mechanism *mechanism, km_statics *statics, const
 void km_statics_refer(const km_mechanism *mechanism, km_statics *statics);
 /* Reactions of a large substructure, by sparse matrices: one wrench a joint, six equations a body. KM_IO: SPQR isn't
  * installed. KM_MEMORY. */
-km_status km_equilibrium_create(const km_mechanism *mechanism, int substructure, struct km_equilibrium **out,
-                                km_error *error);
-void km_equilibrium_free(struct km_equilibrium *equilibrium);
+km_status km_body_equilibrium_create(const km_mechanism *mechanism, int substructure, struct km_body_equilibrium **out,
+                                     km_error *error);
+void km_body_equilibrium_free(struct km_body_equilibrium *equilibrium);
 /* Of least norm, into carried[6 · joints], which holds what the joints carry by the tree alone; `mixed` is set where
  * statics alone doesn't determine a component. Returns the degree of indeterminacy, -1 when out of memory. */
-int km_equilibrium_solve(struct km_equilibrium *equilibrium, const km_statics_work *work, const km_state *state,
-                         double tolerance, double *carried, bool *mixed);
+int km_body_equilibrium_solve(struct km_body_equilibrium *equilibrium, const km_statics_workspace *work,
+                              const km_state *state, double tolerance, double *carried, bool *mixed);
 
 /* From a μ that balances the loads, and what the joints carry by the tree alone in work->carried: what they carry of
  * least Σ |force|² + |torque / length|², into the same; and the degree of indeterminacy. */
-void km_chords_make_least(km_carrying *carrying, km_statics_work *work, double length);
+void km_reactions_minimise_norm(km_reaction_workspace *carrying, km_statics_workspace *work, double length);
 
-/* Marks the components along the reactions' axes in which some self-stress has a part, after km_chords_make_least. */
-void km_stresses_mark(km_carrying *carrying, const km_statics_work *work, km_reaction *reactions);
+/* Marks the components along the reactions' axes in which some self-stress has a part, after km_reactions_minimise_norm. */
+void km_indeterminate_components_mark(km_reaction_workspace *carrying, const km_statics_workspace *work,
+                                      km_reaction *reactions);
 
 /* Reactions from work->force. */
-void km_statics_carry(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);
+void km_reactions_compute(const km_mechanism *mechanism, km_state *state, const km_forces *forces, km_statics *statics);
 
 #endif

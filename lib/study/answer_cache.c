@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-struct km_kept_answer {
+struct km_cached_answer {
   uint64_t hash;
   int question;
   km_design_outcome outcome;
@@ -30,22 +30,22 @@ static uint64_t hash(int question, const double *key, int count) {
   return h ^ (h >> 33);
 }
 
-static bool is_of(const km_kept_answer *a, uint64_t h, const km_store_shape *shape, const double *key) {
+static bool is_of(const km_cached_answer *a, uint64_t h, const km_store_shape *shape, const double *key) {
   return a->hash == h && a->question == shape->question &&
          memcmp(a->numbers, key, (size_t)shape->parameters * sizeof *key) == 0;
 }
 
 /* The slot of the design, or the empty one where it would go. */
-static km_kept_answer **slot(const km_answer_map *map, uint64_t h, const km_store_shape *shape, const double *key) {
+static km_cached_answer **slot(const km_answer_cache *map, uint64_t h, const km_store_shape *shape, const double *key) {
   size_t i = h & (map->capacity - 1);
   while (map->slots[i] && !is_of(map->slots[i], h, shape, key))
     i = (i + 1) & (map->capacity - 1);
   return &map->slots[i];
 }
 
-static bool grow(km_answer_map *map) {
+static bool grow(km_answer_cache *map) {
   size_t capacity = map->capacity ? 2 * map->capacity : 64;
-  km_kept_answer **slots = KM_NEW(km_kept_answer *, capacity);
+  km_cached_answer **slots = KM_NEW(km_cached_answer *, capacity);
   if (!slots)
     return false;
   for (size_t i = 0; i < map->capacity; ++i) {
@@ -66,16 +66,16 @@ static bool has_bands(const km_store_shape *shape, const km_design_answer *a) {
   return shape->band_numbers && a->outcome <= KM_DESIGN_SHORT;
 }
 
-static km_kept_answer *copy_of(km_answer_map *map, uint64_t h, const km_store_shape *shape, const double *key,
-                               const km_design_answer *a) {
+static km_cached_answer *copy_of(km_answer_cache *map, uint64_t h, const km_store_shape *shape, const double *key,
+                                 const km_design_answer *a) {
   const size_t parameters = (size_t)shape->parameters, figures = (size_t)shape->figures;
   const size_t bands = has_bands(shape, a) ? (size_t)shape->band_numbers : 0;
   const size_t numbers = (parameters + figures + bands) * sizeof(double);
-  km_kept_answer *copy = km_arena_alloc(&map->arena, 1, sizeof *copy + numbers);
+  km_cached_answer *copy = km_arena_alloc(&map->arena, 1, sizeof *copy + numbers);
   const char *reason = a->reason[0] ? km_arena_string(&map->arena, a->reason) : "";
   if (!copy || !reason)
     return NULL;
-  *copy = (km_kept_answer){h, shape->question, a->outcome, reason, bands > 0};
+  *copy = (km_cached_answer){h, shape->question, a->outcome, reason, bands > 0};
   memcpy(copy->numbers, key, parameters * sizeof *key);
   memcpy(copy->numbers + parameters, a->figures, figures * sizeof *key);
   if (bands)
@@ -83,12 +83,12 @@ static km_kept_answer *copy_of(km_answer_map *map, uint64_t h, const km_store_sh
   return copy;
 }
 
-bool km_answer_map_put(km_answer_map *map, const km_store_shape *shape, const double *key,
-                       const km_design_answer *answer) {
+bool km_answer_cache_put(km_answer_cache *map, const km_store_shape *shape, const double *key,
+                         const km_design_answer *answer) {
   if (2 * (map->count + 1) > map->capacity && !grow(map))
     return false;
   const uint64_t h = hash(shape->question, key, shape->parameters);
-  km_kept_answer *copy = copy_of(map, h, shape, key, answer), **at = slot(map, h, shape, key);
+  km_cached_answer *copy = copy_of(map, h, shape, key, answer), **at = slot(map, h, shape, key);
   if (!copy)
     return false;
   map->count += !*at;
@@ -96,11 +96,11 @@ bool km_answer_map_put(km_answer_map *map, const km_store_shape *shape, const do
   return true;
 }
 
-bool km_answer_map_get(const km_answer_map *map, const km_store_shape *shape, const double *key,
-                       km_design_answer *out) {
+bool km_answer_cache_get(const km_answer_cache *map, const km_store_shape *shape, const double *key,
+                         km_design_answer *out) {
   if (!map->capacity)
     return false;
-  const km_kept_answer *kept = *slot(map, hash(shape->question, key, shape->parameters), shape, key);
+  const km_cached_answer *kept = *slot(map, hash(shape->question, key, shape->parameters), shape, key);
   const size_t figures = (size_t)shape->figures;
   if (!kept)
     return false;
@@ -113,8 +113,8 @@ bool km_answer_map_get(const km_answer_map *map, const km_store_shape *shape, co
   return true;
 }
 
-void km_answer_map_free(km_answer_map *map) {
+void km_answer_cache_free(km_answer_cache *map) {
   km_arena_free(&map->arena);
   km_free(map->slots);
-  *map = (km_answer_map){0};
+  *map = (km_answer_cache){0};
 }

@@ -4,22 +4,23 @@
 
 #include "study/result_store.h"
 
-typedef struct km_kept_answer km_kept_answer;
+typedef struct km_cached_answer km_cached_answer;
 
 /* Zeroed it is empty. */
-typedef struct km_answer_map {
+typedef struct km_answer_cache {
   km_arena arena;
-  km_kept_answer **slots; /* NULL: empty */
-  size_t capacity;        /* 0 or a power of two */
+  km_cached_answer **slots; /* NULL: empty */
+  size_t capacity;          /* 0 or a power of two */
   size_t count;
-} km_answer_map;
+} km_answer_cache;
 
 /* Takes a copy of the answer in place of one that is there, in O(1). `key`: as km_store makes it, with one pattern for each
  * number. False: out of memory. */
-bool km_answer_map_put(km_answer_map *map, const km_store_shape *shape, const double *key,
-                       const km_design_answer *answer);
+bool km_answer_cache_put(km_answer_cache *map, const km_store_shape *shape, const double *key,
+                         const km_design_answer *answer);
 /* Copies the answer; its figures and bands must have room. False: it isn't there. */
-bool km_answer_map_get(const km_answer_map *map, const km_store_shape *shape, const double *key, km_design_answer *out);
-void km_answer_map_free(km_answer_map *map);
+bool km_answer_cache_get(const km_answer_cache *map, const km_store_shape *shape, const double *key,
+                         km_design_answer *out);
+void km_answer_cache_free(km_answer_cache *map);
 
 #endif

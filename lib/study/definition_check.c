@@ -28,7 +28,7 @@ static km_status no_figure(const km_design_study_def *def, const char *place, co
   km_nearest nearest = {.wanted = name};
   for (int q = 0; q < def->question_count; ++q)
     for (int f = 0; f < def->questions[q].figure_count; ++f)
-      km_nearest_offer(&nearest, def->questions[q].figures[f].name);
+      km_nearest_add(&nearest, def->questions[q].figures[f].name);
   return km_fail(error, KM_USAGE, "%s: there is no figure \"%.80s\"; the nearest ones are %s", place, name,
                  km_nearest_text(&nearest, names));
 }
@@ -41,9 +41,9 @@ static km_status check_named_figure(const km_design_study_def *def, const char *
 }
 
 static km_status check_parameters(const km_design_study_def *def, km_error *error) {
-  if (def->parameter_count > KM_MOST_DESIGN_PARAMETERS)
+  if (def->parameter_count > KM_MAX_DESIGN_PARAMETERS)
     return km_fail(error, KM_USAGE, "parameters: found %d; expected at most %d", def->parameter_count,
-                   KM_MOST_DESIGN_PARAMETERS);
+                   KM_MAX_DESIGN_PARAMETERS);
   km_status status = km_check_list(def->parameters, def->parameter_count, "parameters", error);
   for (int p = 0; p < def->parameter_count && !status; ++p) {
     status = km_check_given(def->parameters[p].name && def->parameters[p].path, "name or path of a parameter", error);
@@ -140,11 +140,11 @@ static km_status check_sample(const km_design_study_def *def, const km_design_sa
                          def->parameters[s->spreads[i].parameter].name);
   }
   int dimensions = km_sampler_dimensions(s);
-  if (!status && s->method == KM_SAMPLING_SOBOL && dimensions > KM_MOST_SOBOL)
+  if (!status && s->method == KM_SAMPLING_SOBOL && dimensions > KM_MAX_SOBOL)
     return km_fail(error, KM_USAGE,
                    "sample.method: a Sobol sequence has at most %d dimensions, and %d are needed; expected latin or "
                    "random",
-                   KM_MOST_SOBOL, dimensions);
+                   KM_MAX_SOBOL, dimensions);
   if (!status && s->accuracy_figure)
     status = check_named_figure(def, "sample.accuracy", s->accuracy_figure, error);
   if (!status && s->accuracy_figure && !(s->accuracy > 0.0 && !s->indices))
@@ -214,9 +214,9 @@ static km_status check_figure(const km_design_question *q, const km_design_figur
 
 static km_status check_questions(const km_design_study_def *def, km_error *error) {
   int figures = 0;
-  if (def->question_count < 1 || def->question_count > KM_MOST_DESIGN_QUESTIONS || !def->questions)
+  if (def->question_count < 1 || def->question_count > KM_MAX_DESIGN_QUESTIONS || !def->questions)
     return km_fail(error, KM_USAGE, "ask: found %d questions; expected 1 to %d", def->question_count,
-                   KM_MOST_DESIGN_QUESTIONS);
+                   KM_MAX_DESIGN_QUESTIONS);
   for (int q = 0; q < def->question_count; ++q) {
     const km_design_question *question = &def->questions[q];
     if (!question->name || !*question->name || (!def->function && !question->kind))
@@ -225,8 +225,8 @@ static km_status check_questions(const km_design_study_def *def, km_error *error
       if (strcmp(def->questions[k].name, question->name) == 0)
         return km_fail(error, KM_USAGE, "ask: two questions are called \"%.80s\"", question->name);
     figures += question->figure_count;
-    if (figures > KM_MOST_DESIGN_FIGURES)
-      return km_fail(error, KM_USAGE, "ask: more than %d figures", KM_MOST_DESIGN_FIGURES);
+    if (figures > KM_MAX_DESIGN_FIGURES)
+      return km_fail(error, KM_USAGE, "ask: more than %d figures", KM_MAX_DESIGN_FIGURES);
     for (int f = 0; f < question->figure_count; ++f) {
       km_status status = check_figure(question, &question->figures[f], error);
       if (status)

@@ -42,7 +42,7 @@ int km_design_band_numbers(const km_design_study *s, int question) {
 
 void km_design_gather(const km_design_study *s, const km_design_answer *answers, km_design_result *out) {
   *out = (km_design_result){.outcome = KM_DESIGN_DONE};
-  for (int f = 0; f < KM_MOST_DESIGN_FIGURES; ++f)
+  for (int f = 0; f < KM_MAX_DESIGN_FIGURES; ++f)
     out->figures[f] = nan("");
   for (int q = 0; q < s->def->question_count; ++q) {
     const km_design_answer *a = &answers[q];
@@ -59,7 +59,7 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
-static km_status make_room(km_batch *b, km_error *error) {
+static km_status make_room(km_evaluation *b, km_error *error) {
   const km_design_study_def *def = b->study->def;
   size_t room = (size_t)b->room, jobs = (size_t)b->jobs;
   b->values = KM_ARENA_NEW(&b->arena, double, room *(size_t)(def->parameter_count + 1));
@@ -74,8 +74,8 @@ static km_status make_room(km_batch *b, km_error *error) {
   return b->arena.failed ? no_memory(error) : KM_OK;
 }
 
-km_status km_batch_open(km_batch *b, km_design_study *study, int jobs, int room, km_error *error) {
-  *b = (km_batch){.study = study, .jobs = jobs, .room = room};
+km_status km_evaluation_open(km_evaluation *b, km_design_study *study, int jobs, int room, km_error *error) {
+  *b = (km_evaluation){.study = study, .jobs = jobs, .room = room};
   km_status status = make_room(b, error);
   for (int i = 0; i < jobs && !status; ++i)
     status = km_design_worker_create(study, &b->workers[i], error);
@@ -84,18 +84,18 @@ km_status km_batch_open(km_batch *b, km_design_study *study, int jobs, int room,
   return status;
 }
 
-void km_batch_close(km_batch *b) {
+void km_evaluation_close(km_evaluation *b) {
   km_team_free(b->team);
   for (int i = 0; b->workers && i < b->jobs; ++i)
     km_design_worker_free(b->workers[i]);
   km_arena_free(&b->arena);
 }
 
-void km_batch_clear(km_batch *b) {
+void km_evaluation_clear(km_evaluation *b) {
   b->count = 0;
 }
 
-km_status km_batch_add(km_batch *b, const double *values, km_error *error) {
+km_status km_evaluation_add(km_evaluation *b, const double *values, km_error *error) {
   const km_design_study_def *def = b->study->def;
   int i = b->count++;
   bool *wanted = b->wanted + i * def->question_count;
@@ -111,7 +111,7 @@ km_status km_batch_add(km_batch *b, const double *values, km_error *error) {
   return status;
 }
 
-static bool wants(const km_batch *b, int i) {
+static bool wants(const km_evaluation *b, int i) {
   for (int q = 0; q < b->study->def->question_count; ++q)
     if (b->wanted[i * b->study->def->question_count + q])
       return true;
@@ -124,21 +124,21 @@ static int pieces_each(int jobs) {
 }
 
 /* How many designs a thread takes at once: enough for the lanes, and not so many that others have nothing to do. */
-static int piece_of(const km_batch *b) {
+static int piece_of(const km_evaluation *b) {
   int share = b->count / (pieces_each(b->jobs) * b->jobs);
-  return share < 1 ? 1 : share > KM_DRIVE_LANES ? KM_DRIVE_LANES : share;
+  return share < 1 ? 1 : share > KM_BATCH_LANES ? KM_BATCH_LANES : share;
 }
 
 int km_batch_next_size(int size, double seconds, double target, int jobs, int most) {
   const double longest = 2.0;
-  double each = fmax(seconds, 1e-6) / size, full = (double)KM_DRIVE_LANES * pieces_each(jobs) * jobs;
+  double each = fmax(seconds, 1e-6) / size, full = (double)KM_BATCH_LANES * pieces_each(jobs) * jobs;
   double wanted = fmax(target / each, fmin(full, longest / each));
   return (int)fmax(fmax(1.0, jobs), fmin(most, fmin(4.0 * size, wanted)));
 }
 
 /* A turn: pieces take the next worker that is free, one a thread. */
 typedef struct turn {
-  km_batch *batch;
+  km_evaluation *batch;
   int piece; /* designs of each */
   atomic_int next;
   const void *caller; /* its thread stores what is answered, in the order of the designs; NULL: nothing is stored now */
@@ -147,7 +147,7 @@ typedef struct turn {
   km_error *error;
 } turn;
 
-static turn begin_turn(km_batch *b, km_error *error) {
+static turn begin_turn(km_evaluation *b, km_error *error) {
   turn r = {.batch = b, .piece = piece_of(b), .error = error};
   atomic_init(&r.next, 0);
   for (int i = 0; i < b->count; ++i)
@@ -156,11 +156,11 @@ static turn begin_turn(km_batch *b, km_error *error) {
 }
 
 static void answer(const turn *r, int worker, int first) {
-  km_batch *b = r->batch;
+  km_evaluation *b = r->batch;
   const km_design_study_def *def = b->study->def;
   int end = first + r->piece < b->count ? first + r->piece : b->count;
-  km_design_task tasks[KM_DRIVE_LANES];
-  int of[KM_DRIVE_LANES], count = 0;
+  km_design_task tasks[KM_BATCH_LANES];
+  int of[KM_BATCH_LANES], count = 0;
   for (int i = first; i < end; ++i) {
     b->statuses[i] = KM_OK;
     if (!wants(b, i))
@@ -178,7 +178,7 @@ static void answer(const turn *r, int worker, int first) {
     atomic_store(&b->answered[i], true);
 }
 
-static km_status store_one(km_batch *b, int i, km_error *error) {
+static km_status store_one(km_evaluation *b, int i, km_error *error) {
   const km_design_study_def *def = b->study->def;
   if (b->statuses[i])
     return km_fail(error, b->statuses[i], "%s", b->errors[i].text);
@@ -196,7 +196,7 @@ static km_status store_one(km_batch *b, int i, km_error *error) {
 
 /* As far as the answers are there. */
 static void store_answered(turn *r) {
-  const km_batch *b = r->batch;
+  const km_evaluation *b = r->batch;
   while (!r->status && r->stored < b->count && atomic_load(&b->answered[r->stored]))
     r->status = store_one(r->batch, r->stored++, r->error);
 }
@@ -212,18 +212,18 @@ static void work(void *context, int worker) {
   }
 }
 
-void km_batch_compute(km_batch *b) {
+void km_evaluation_compute(km_evaluation *b) {
   turn r = begin_turn(b, NULL);
   km_team_run(b->team, b->jobs, work, &r);
 }
 
-km_status km_batch_store(km_batch *b, km_error *error) {
+km_status km_evaluation_store(km_evaluation *b, km_error *error) {
   turn r = {.batch = b, .error = error};
   store_answered(&r);
   return r.status;
 }
 
-km_status km_batch_run(km_batch *b, km_error *error) {
+km_status km_batch_run(km_evaluation *b, km_error *error) {
   turn r = begin_turn(b, error);
   r.caller = km_thread_mark();
   km_team_run(b->team, b->jobs, work, &r);
@@ -231,6 +231,6 @@ km_status km_batch_run(km_batch *b, km_error *error) {
   return r.status;
 }
 
-void km_batch_result(const km_batch *b, int i, km_design_result *out) {
+void km_evaluation_result(const km_evaluation *b, int i, km_design_result *out) {
   km_design_gather(b->study, b->answers[i], out);
 }

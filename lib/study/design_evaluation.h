@@ -8,7 +8,7 @@
 #include <stdatomic.h>
 
 /* Some designs that are asked together, each on one of several threads. */
-typedef struct km_batch {
+typedef struct km_evaluation {
   km_design_study *study;
   km_arena arena;
   int room, count;
@@ -22,26 +22,26 @@ typedef struct km_batch {
   struct km_team *team;
   int jobs;
   bool is_new; /* the store has had nothing to begin with, and isn't asked for designs that are added */
-} km_batch;
+} km_evaluation;
 
 /* Free in any case. KM_MEMORY, KM_MODEL. */
-km_status km_batch_open(km_batch *batch, km_design_study *study, int jobs, int room, km_error *error);
-void km_batch_close(km_batch *batch);
+km_status km_evaluation_open(km_evaluation *batch, km_design_study *study, int jobs, int room, km_error *error);
+void km_evaluation_close(km_evaluation *batch);
 /* Adds a design, with what the store knows of it; there must be room. */
-km_status km_batch_add(km_batch *batch, const double *values, km_error *error);
+km_status km_evaluation_add(km_evaluation *batch, const double *values, km_error *error);
 /* Asks what is wanted of all, on the batch's threads; and stores it, on the caller's. The answers stay until the next add
  * after a clear. */
-void km_batch_compute(km_batch *batch);
-km_status km_batch_store(km_batch *batch, km_error *error);
+void km_evaluation_compute(km_evaluation *batch);
+km_status km_evaluation_store(km_evaluation *batch, km_error *error);
 /* Both, so that the caller stores what is answered while the others go on. */
-km_status km_batch_run(km_batch *batch, km_error *error);
-void km_batch_clear(km_batch *batch);
+km_status km_batch_run(km_evaluation *batch, km_error *error);
+void km_evaluation_clear(km_evaluation *batch);
 /* After a batch of `size` designs that took so many seconds: how many the next one takes, so that it takes about `target`
  * seconds; and longer where that is too short to fill the lanes of all `jobs` threads, but not more than two seconds. Four
  * times as many at most. */
 int km_batch_next_size(int size, double seconds, double target, int jobs, int most);
 /* The figures of all questions of design i of the batch, and its worst outcome. */
-void km_batch_result(const km_batch *batch, int index, km_design_result *out);
+void km_evaluation_result(const km_evaluation *batch, int index, km_design_result *out);
 /* The same of any answers [questions]. */
 void km_design_gather(const km_design_study *study, const km_design_answer *answers, km_design_result *out);
 

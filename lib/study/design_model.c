@@ -27,7 +27,7 @@ static int assignments_of(const km_design_study *s, const double *values, km_ass
 }
 
 km_status km_design_read_model(const km_design_study *s, const double *values, km_model **out, km_error *error) {
-  km_assignment assignments[KM_MOST_DESIGN_PARAMETERS];
+  km_assignment assignments[KM_MAX_DESIGN_PARAMETERS];
   km_read_def how = {
       .file = s->def->model, .assignments = assignments, .assignment_count = assignments_of(s, values, assignments)};
   km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, out, error);
@@ -73,7 +73,7 @@ km_status km_design_bring(const km_model *m, const km_design_question *q, km_mec
   goals g;
   km_status status = find_goals(m, q, &g, error);
   if (!status)
-    status = km_reach_pose(m, g.holds, g.hold_count, g.sets, g.set_count, mechanism, state, error);
+    status = km_mechanism_compile_at(m, g.holds, g.hold_count, g.sets, g.set_count, mechanism, state, error);
   free_goals(&g);
   return status;
 }
@@ -83,13 +83,13 @@ km_status km_design_bring_again(const km_mechanism *free, km_state *there, const
   goals g;
   km_status status = find_goals(free->model, q, &g, error);
   if (!status)
-    status = km_reach_pose_again(free, there, g.holds, g.hold_count, g.sets, g.set_count, held, at, error);
+    status = km_mechanism_recompile_at(free, there, g.holds, g.hold_count, g.sets, g.set_count, held, at, error);
   free_goals(&g);
   return status;
 }
 
 km_status km_design_study_model(const km_design_study *s, int design, km_model **out, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_status status = km_check_given(s && out, "study or place for its model", error);
   if (out)
     *out = NULL;
@@ -100,21 +100,21 @@ km_status km_design_study_model(const km_design_study *s, int design, km_model *
   return status ? status : km_design_read_model(s, values, out, error);
 }
 
-void km_asked_design_free(km_asked_design *a) {
+void km_evaluated_design_free(km_evaluated_design *a) {
   if (!a)
     return;
   km_question_free(a->question);
   km_state_free(a->state);
   km_mechanism_free(a->mechanism);
   km_model_free(a->model);
-  *a = (km_asked_design){0};
+  *a = (km_evaluated_design){0};
 }
 
-km_status km_design_study_ask(const km_design_study *s, int design, int question, km_asked_design *out,
-                              km_error *error) {
+km_status km_design_study_evaluate(const km_design_study *s, int design, int question, km_evaluated_design *out,
+                                   km_error *error) {
   if (!out)
     return km_check_given(false, "place for the answer", error);
-  *out = (km_asked_design){0};
+  *out = (km_evaluated_design){0};
   km_status status = km_design_study_model(s, design, &out->model, error);
   if (!status)
     status = km_check_index(question, s->def->question_count, "question", error);
@@ -126,5 +126,5 @@ km_status km_design_study_ask(const km_design_study *s, int design, int question
     status = km_question_create(out->mechanism, q->kind, &out->question, error);
   if (!status)
     status = km_design_set_options(s->def, q, out->model, out->question, error);
-  return status ? status : km_question_ask(out->question, out->state, error);
+  return status ? status : km_question_compute(out->question, out->state, error);
 }

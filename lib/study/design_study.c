@@ -58,11 +58,11 @@ static km_status ask_briefly(km_question *q, km_state *state, int *rows, km_erro
   *rows = status ? 0 : plan.steps + 1;
   if (!status)
     status = km_question_set(q, "steps", &short_motion, error);
-  return status ? status : km_question_ask(q, state, error);
+  return status ? status : km_question_compute(q, state, error);
 }
 
 static km_status ask_track(km_question *q, km_state *state, int *rows, km_error *error) {
-  km_status status = km_question_ask(q, state, error);
+  km_status status = km_question_compute(q, state, error);
   *rows = km_question_track(q) ? km_track_samples(km_question_track(q)) : 0;
   return status;
 }

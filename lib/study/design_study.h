@@ -45,11 +45,11 @@ struct km_design_study {
   double length;      /* that length, in the model's unit */
   const char *meshes; /* what they weigh in it, as text; "" */
   km_patch patch;
-  int figure_count, first_figure[KM_MOST_DESIGN_QUESTIONS + 1];
-  const km_design_figure *figures[KM_MOST_DESIGN_FIGURES];
-  const char *units[KM_MOST_DESIGN_FIGURES]; /* by the reference design's answers; "" */
-  int band_rows[KM_MOST_DESIGN_QUESTIONS];   /* rows that are kept of each band */
-  int question_ids[KM_MOST_DESIGN_QUESTIONS];
+  int figure_count, first_figure[KM_MAX_DESIGN_QUESTIONS + 1];
+  const km_design_figure *figures[KM_MAX_DESIGN_FIGURES];
+  const char *units[KM_MAX_DESIGN_FIGURES]; /* by the reference design's answers; "" */
+  int band_rows[KM_MAX_DESIGN_QUESTIONS];   /* rows that are kept of each band */
+  int question_ids[KM_MAX_DESIGN_QUESTIONS];
   km_store *store;
   km_sampler *sampler; /* of a sample; NULL: none */
   km_trail trail;
@@ -123,7 +123,7 @@ typedef struct km_design_task {
 typedef struct km_design_worker km_design_worker;
 km_status km_design_worker_create(const km_design_study *study, km_design_worker **out, km_error *error);
 void km_design_worker_free(km_design_worker *worker);
-/* Answers the questions of up to KM_DRIVE_LANES tasks. */
+/* Answers the questions of up to KM_BATCH_LANES tasks. */
 void km_design_worker_answer(km_design_worker *worker, km_design_task *tasks, int count);
 
 /* model.c: the model of a design by the whole reader, with the length that serves all. */
@@ -134,7 +134,7 @@ bool km_design_is_reference(const km_design_study *study, const double *values);
 km_status km_design_bring(const km_model *model, const km_design_question *question, km_mechanism **mechanism,
                           km_state **state, km_error *error);
 
-/* The same with a mechanism that holds nothing and has the design's numbers: see km_reach_pose_again. *held stays NULL where
+/* The same with a mechanism that holds nothing and has the design's numbers: see km_mechanism_recompile_at. *held stays NULL where
  * nothing is held. */
 km_status km_design_bring_again(const km_mechanism *free, km_state *there, const km_design_question *question,
                                 km_mechanism **held, km_state **at, km_error *error);

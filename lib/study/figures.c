@@ -136,7 +136,7 @@ static km_status no_column(const km_table *t, const char *where, const char *nam
   char names[KM_NEAREST_TEXT];
   km_nearest nearest = {.wanted = name};
   for (size_t c = 0; c < km_table_columns(t); ++c)
-    km_nearest_offer(&nearest, km_table_name(t, c));
+    km_nearest_add(&nearest, km_table_name(t, c));
   return km_fail(error, KM_USAGE, "\"%.80s\": there is no column \"%.80s\"; the nearest ones are %s", where, name,
                  km_nearest_text(&nearest, names));
 }

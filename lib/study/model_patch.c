@@ -67,7 +67,7 @@ static bool find_places(const probe *base, const probe *probes, const double *va
 
 /* s->patch.works tells what came out. */
 static km_status probe_parameter(km_design_study *s, const probe *base, int parameter, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS], tried[PROBES];
+  double values[KM_MAX_DESIGN_PARAMETERS], tried[PROBES];
   probe probes[PROBES] = {{0}};
   km_status status = KM_OK;
   bool alike = true;
@@ -85,7 +85,7 @@ static km_status probe_parameter(km_design_study *s, const probe *base, int para
 
 /* Does patching give what the reader gives, where all parameters change at once? */
 static km_status trial(km_design_study *s, probe *base, int k, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   probe read;
   for (int p = 0; p < s->def->parameter_count; ++p) {
     values[p] = moved(s->base[p], PROBES + (k + p) % TRIALS);
@@ -103,9 +103,9 @@ static km_status trial(km_design_study *s, probe *base, int k, km_error *error) 
 
 km_status km_patch_find(km_design_study *s, km_error *error) {
   int count = s->def->parameter_count;
-  const char *paths[KM_MOST_DESIGN_PARAMETERS];
-  bool plain[KM_MOST_DESIGN_PARAMETERS];
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  const char *paths[KM_MAX_DESIGN_PARAMETERS];
+  bool plain[KM_MAX_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   probe base = {0};
   for (int p = 0; p < count; ++p)
     paths[p] = s->def->parameters[p].path;

@@ -78,7 +78,7 @@ km_status km_design_check_bounds(const km_design_study *s, km_error *error) {
   const km_design_study_def *def = s->def;
   km_arena arena = {0};
   const km_value *root;
-  bounds of[KM_MOST_DESIGN_PARAMETERS];
+  bounds of[KM_MAX_DESIGN_PARAMETERS];
   km_status status = km_json_parse(s->bytes, s->size, &arena, &root, NULL);
   if (!status) { /* a model that isn't JSON has no parameters */
     for (int p = 0; p < def->parameter_count; ++p)

@@ -60,13 +60,13 @@ static bool read_direction(const char *text, double out[3]) {
 
 /* A joint's label, or body/frame:dx,dy,dz. */
 static km_status read_end(const km_design_option *o, const km_model *model, const char *text, km_arena *arena,
-                          km_handle *out, km_error *error) {
+                          km_port *out, km_error *error) {
   const char *colon = strrchr(text, ':');
-  *out = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = -1, .name = text};
+  *out = (km_port){.kind = KM_PORT_JOINT, .coordinate = -1, .name = text};
   km_status status = km_model_find_coordinate(model, text, &out->coordinate, error);
   if (!status || !colon)
     return status;
-  out->kind = KM_HANDLE_POINT;
+  out->kind = KM_PORT_POINT;
   if (!read_direction(colon + 1, out->direction))
     return expected(o, "a joint, or BODY/FRAME:DX,DY,DZ, a point and a direction", error);
   return find_frame(model, text, (size_t)(colon - text), arena, &out->frame, error);
@@ -76,7 +76,7 @@ static km_status read_lists(const km_option *what, const km_design_option *o, co
                             km_option_value *v, km_error *error) {
   int *coordinates = KM_ARENA_NEW(arena, int, (size_t)o->text_count + 1);
   km_sweep_point *points = KM_ARENA_NEW(arena, km_sweep_point, (size_t)o->text_count + 1);
-  km_handle *ends = KM_ARENA_NEW(arena, km_handle, (size_t)o->text_count + 1);
+  km_port *ends = KM_ARENA_NEW(arena, km_port, (size_t)o->text_count + 1);
   km_status status = ends ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for options");
   if (!status && (o->text_count == 0 || o->number_count > 0))
     status = expected(o, "at least one name, and names alone", error);
@@ -186,15 +186,15 @@ static km_status no_option(const km_design_question *q, const char *name, km_err
 /* Points that figures of distance need are traced too. */
 static km_status set_points(const km_design_question *q, const km_model *model, km_question *question,
                             km_error *error) {
-  const char *texts[KM_MOST_DESIGN_FIGURES];
+  const char *texts[KM_MAX_DESIGN_FIGURES];
   km_design_option o = {.name = "point", .texts = texts};
   for (int i = 0; i < q->option_count; ++i)
     for (int k = 0; strcmp(q->options[i].name, "point") == 0 && k < q->options[i].text_count; ++k)
-      if (o.text_count < KM_MOST_DESIGN_FIGURES)
+      if (o.text_count < KM_MAX_DESIGN_FIGURES)
         texts[o.text_count++] = q->options[i].texts[k];
   int given = o.text_count;
   for (int f = 0; f < q->figure_count; ++f) {
-    bool there = q->figures[f].kind != KM_DESIGN_DISTANCE || o.text_count == KM_MOST_DESIGN_FIGURES;
+    bool there = q->figures[f].kind != KM_DESIGN_DISTANCE || o.text_count == KM_MAX_DESIGN_FIGURES;
     for (int k = 0; k < o.text_count && !there; ++k)
       there = strcmp(texts[k], q->figures[f].column) == 0;
     if (!there)

@@ -31,7 +31,7 @@ struct km_store {
   bool writing;                   /* a transaction is open */
   bool appends;                   /* what is put is appended, and sorted later */
   double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
-  km_answer_map kept;
+  km_answer_cache kept;
   km_arena arena;
 };
 
@@ -265,7 +265,7 @@ void km_store_free(km_store *s) {
   sqlite3_finalize(s->put);
   sqlite3_finalize(s->append);
   sqlite3_close(s->db);
-  km_answer_map_free(&s->kept);
+  km_answer_cache_free(&s->kept);
   km_arena_free(&s->arena);
   km_free(s);
 }
@@ -335,10 +335,10 @@ static bool read_answer(sqlite3_stmt *row, const km_store_shape *shape, km_desig
 
 km_status km_store_get(km_store *s, const km_store_shape *shape, const double *values, km_design_answer *out,
                        bool *found, km_error *error) {
-  double key[KM_MOST_DESIGN_PARAMETERS];
+  double key[KM_MAX_DESIGN_PARAMETERS];
   key_of(values, shape->parameters, key);
   if (s->in_memory) {
-    *found = km_answer_map_get(&s->kept, shape, key, out);
+    *found = km_answer_cache_get(&s->kept, shape, key, out);
     return KM_OK;
   }
   sqlite3_bind_int(s->get, 1, shape->question);
@@ -353,11 +353,11 @@ km_status km_store_get(km_store *s, const km_store_shape *shape, const double *v
 
 km_status km_store_put(km_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
                        km_error *error) {
-  double key[KM_MOST_DESIGN_PARAMETERS];
+  double key[KM_MAX_DESIGN_PARAMETERS];
   sqlite3_stmt *put = s->appends ? s->append : s->put;
   key_of(values, shape->parameters, key);
   if (s->in_memory)
-    return km_answer_map_put(&s->kept, shape, key, a)
+    return km_answer_cache_put(&s->kept, shape, key, a)
                ? KM_OK
                : km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
   km_status status = s->read_only ? fail_to_write(s, error) : begin(s, error);

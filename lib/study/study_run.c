@@ -17,12 +17,12 @@ static const double batch_seconds = 0.1;
 
 typedef struct run {
   km_design_study *study;
-  km_batch batch;
+  km_evaluation batch;
   int total, next, size; /* designs: in all, the first of the next batch, how many that takes */
   int figure;            /* whose accuracy stops the run, -1: none */
   km_moments moments;
   bool compute;
-  km_crew *crew; /* NULL: none */
+  km_worker_processes *crew; /* NULL: none */
   km_progress progress;
   void *context;
   double committed; /* when the store was last safe */
@@ -55,13 +55,13 @@ static km_status take_figures(run *r, int begin, int end, km_error *error) {
 
 /* One batch up to `end`; r->next moves past it. */
 static km_status run_batch(run *r, int end, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_status status = KM_OK;
   end = r->next + r->size < end ? r->next + r->size : end;
-  km_batch_clear(&r->batch);
+  km_evaluation_clear(&r->batch);
   for (int i = r->next; i < end && !status; ++i) {
     km_design_values(r->study, i, values);
-    status = km_batch_add(&r->batch, values, error);
+    status = km_evaluation_add(&r->batch, values, error);
   }
   if (!status && r->compute)
     status = km_batch_run(&r->batch, error);
@@ -88,16 +88,16 @@ static km_status run_part(run *r, int end, km_error *error) {
   while (!status && r->next < end) {
     double begin = km_clock();
     if (r->crew)
-      status = km_crew_give(r->crew, &r->next, end, error);
+      status = km_worker_processes_give(r->crew, &r->next, end, error);
     if (!status && r->next < end)
       status = run_batch(r, end, error);
     if (!status && r->crew)
-      status = km_crew_take(r->crew, false, error);
+      status = km_worker_processes_take(r->crew, false, error);
     r->size = km_batch_next_size(r->size, km_clock() - begin, batch_seconds, r->batch.jobs, r->batch.room);
     if (!status)
       status = breathe(r, error);
   }
-  km_status taken = r->crew ? km_crew_take(r->crew, true, status ? NULL : error) : KM_OK;
+  km_status taken = r->crew ? km_worker_processes_take(r->crew, true, status ? NULL : error) : KM_OK;
   return status ? status : taken;
 }
 
@@ -127,7 +127,7 @@ static km_status run_designs(run *r, int jobs, km_error *error) {
     r->figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
   s->stopped_at = 0;
   int room = jobs * LEAST_ROOM < MOST_ROOM ? jobs * LEAST_ROOM : MOST_ROOM; /* at least one a thread */
-  km_status status = km_batch_open(&r->batch, s, r->compute ? jobs : 0, room, error);
+  km_status status = km_evaluation_open(&r->batch, s, r->compute ? jobs : 0, room, error);
   r->size = r->compute ? jobs : room;
   if (!status)
     status = km_store_is_empty(s->store, &r->batch.is_new, error);
@@ -135,7 +135,7 @@ static km_status run_designs(run *r, int jobs, km_error *error) {
     km_store_append(s->store);
   if (!status)
     status = go(r, error);
-  km_batch_close(&r->batch);
+  km_evaluation_close(&r->batch);
   return status;
 }
 
@@ -167,9 +167,9 @@ km_status km_design_study_run(km_design_study *s, int jobs, km_progress progress
   return run_designs(&r, jobs, error);
 }
 
-km_status km_design_study_lead(km_design_study *s, int jobs, const km_design_crew *members, km_progress progress,
-                               void *context, km_error *error) {
-  km_status status = km_crew_check(members, error);
+km_status km_design_study_run_leader(km_design_study *s, int jobs, const km_design_workers *members,
+                                     km_progress progress, void *context, km_error *error) {
+  km_status status = km_worker_processes_check(members, error);
   if (!status && s && s->def->optimise)
     return km_design_study_run(s, jobs, progress, context, error);
   if (!status)
@@ -179,14 +179,14 @@ km_status km_design_study_lead(km_design_study *s, int jobs, const km_design_cre
   if (status)
     return status;
   run r = {.study = s, .compute = true, .progress = progress, .context = context};
-  status = km_crew_open(s, members, &r.crew, error);
+  status = km_worker_processes_open(s, members, &r.crew, error);
   if (!status)
     status = run_designs(&r, jobs, error);
-  km_crew_close(r.crew);
+  km_worker_processes_close(r.crew);
   return status;
 }
 
-km_status km_design_study_recall(km_design_study *s, km_error *error) {
+km_status km_design_study_lookup(km_design_study *s, km_error *error) {
   km_status status = start(s, error);
   if (status)
     return status;
@@ -205,14 +205,14 @@ int km_design_study_found(const km_design_study *s) {
 }
 
 km_status km_design_study_result(const km_design_study *s, int design, km_design_result *out, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_status status = km_check_given(out != NULL, "place for the result", error);
   if (!status)
     status = km_design_study_values(s, design, values, error);
   if (status)
     return status;
-  double figures[KM_MOST_DESIGN_FIGURES];
-  km_design_answer answers[KM_MOST_DESIGN_QUESTIONS]; /* without bands */
+  double figures[KM_MAX_DESIGN_FIGURES];
+  km_design_answer answers[KM_MAX_DESIGN_QUESTIONS]; /* without bands */
   for (int q = 0; q < s->def->question_count && !status; ++q) {
     bool found;
     answers[q] = (km_design_answer){.outcome = KM_DESIGN_MISSING, .figures = figures + s->first_figure[q]};

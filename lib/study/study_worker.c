@@ -23,12 +23,12 @@ typedef struct seat {
   double *own; /* [numbers] of the file */
   km_mechanism *mechanism;
   km_state *state;
-  visit visits[KM_MOST_DESIGN_QUESTIONS]; /* by question */
+  visit visits[KM_MAX_DESIGN_QUESTIONS]; /* by question */
 } seat;
 
 struct km_design_worker {
   const km_design_study *study;
-  seat seats[KM_DRIVE_LANES]; /* opened as designs come side by side */
+  seat seats[KM_BATCH_LANES]; /* opened as designs come side by side */
 };
 
 static km_status no_memory(km_error *error) {
@@ -43,7 +43,7 @@ static void close_visit(visit *v) {
 }
 
 static void close_seat(seat *at) {
-  for (int q = 0; q < KM_MOST_DESIGN_QUESTIONS; ++q)
+  for (int q = 0; q < KM_MAX_DESIGN_QUESTIONS; ++q)
     close_visit(&at->visits[q]);
   km_state_free(at->state);
   km_mechanism_free(at->mechanism);
@@ -55,13 +55,13 @@ static void close_seat(seat *at) {
 void km_design_worker_free(km_design_worker *w) {
   if (!w)
     return;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+  for (int i = 0; i < KM_BATCH_LANES; ++i)
     close_seat(&w->seats[i]);
   km_free(w);
 }
 
 static km_status open_seat(const km_design_study *s, seat *at, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_design_clear(s, values);
   km_read_def how = {.file = s->def->model};
   km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, &at->model, error);
@@ -139,7 +139,7 @@ static void tell_track(const km_track *track, km_design_answer *a) {
   static const char *const reasons[] = {
       [KM_TRACK_LIMIT] = "a joint is at its limit", [KM_TRACK_RATE] = "a joint would be too fast",
       [KM_TRACK_SINGULAR] = "the pose is singular", [KM_TRACK_HELD] = "with the held joints the arm can't go on",
-      [KM_TRACK_EDGE] = "the workspace ends here",  [KM_TRACK_GAVE_OUT] = "dynamic programming gave out"};
+      [KM_TRACK_EDGE] = "the workspace ends here",  [KM_TRACK_NOT_CONVERGED] = "dynamic programming gave out"};
   km_track_end end = km_track_ending(track);
   const char *reason = (size_t)end.stop < sizeof reasons / sizeof *reasons ? reasons[end.stop] : NULL;
   snprintf(a->reason, sizeof a->reason, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
@@ -154,17 +154,17 @@ static void tell_end(const km_model *model, const km_question *q, km_design_answ
   const km_sweep *motion = km_question_motion(q);
   const km_sweep_plan *plan = km_question_plan(q);
   const km_statics_sweep *statics = km_question_statics(q);
-  const km_reach *reach = motion->end.stop != KM_STOP_NONE ? &motion->end : &motion->start;
+  const km_motion_end *reach = motion->end.stop != KM_STOP_NONE ? &motion->end : &motion->start;
   const char *unit = plan->coordinate >= 0 ? km_model_coordinate_unit(model, plan->coordinate) : "";
   if (reach->stop == KM_STOP_LIMIT)
     snprintf(a->reason, sizeof a->reason, "ends at %.9g %s, the limit of %.80s", reach->position, unit,
              km_model_coordinate_label(model, reach->coordinate));
-  else if (reach->stop == KM_STOP_AWAY)
+  else if (reach->stop == KM_STOP_UNBOUNDED)
     snprintf(a->reason, sizeof a->reason, "ends at %.9g %s: %.80s slides away without bound", reach->position, unit,
              km_model_coordinate_label(model, reach->coordinate));
   else if (reach->stop != KM_STOP_NONE)
     snprintf(a->reason, sizeof a->reason, "ends at %.9g %s%s", reach->position, unit,
-             reach->stop == KM_STOP_GAVE_OUT ? ": too many steps" : "");
+             reach->stop == KM_STOP_MAX_STEPS ? ": too many steps" : "");
   else if (statics && statics->unheld)
     snprintf(a->reason, sizeof a->reason, "the actuators can't hold %zu rows, first at %.9g %s", statics->unheld,
              statics->first_unheld, unit);
@@ -252,18 +252,18 @@ static void settle_answer(const km_design_worker *w, int index, const asking *a,
   else
     fail_answer(answer, &w->study->def->questions[index],
                 status == KM_NO_RESULT  ? KM_DESIGN_EMPTY
-                : status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT
+                : status == KM_DIVERGED ? KM_DESIGN_MAX_STEPS
                                         : KM_DESIGN_UNASSEMBLED,
                 found->text);
 }
 
 /* Asks question `index` of several designs, side by side where its kind can. */
 static void ask(const km_design_worker *w, int index, const asking *designs, int count) {
-  km_question *questions[KM_DRIVE_LANES];
-  km_state *states[KM_DRIVE_LANES];
-  km_status statuses[KM_DRIVE_LANES];
-  km_error found[KM_DRIVE_LANES];
-  int of[KM_DRIVE_LANES], ready = 0;
+  km_question *questions[KM_BATCH_LANES];
+  km_state *states[KM_BATCH_LANES];
+  km_status statuses[KM_BATCH_LANES];
+  km_error found[KM_BATCH_LANES];
+  int of[KM_BATCH_LANES], ready = 0;
   for (int i = 0; i < count; ++i) {
     const asking *a = &designs[i];
     km_question_refresh(*a->question);
@@ -277,7 +277,7 @@ static void ask(const km_design_worker *w, int index, const asking *designs, int
     of[ready++] = i;
   }
   if (ready > 0)
-    km_questions_ask(questions, states, ready, statuses, found);
+    km_questions_compute(questions, states, ready, statuses, found);
   for (int k = 0; k < ready; ++k)
     settle_answer(w, index, &designs[of[k]], statuses[k], &found[k]);
 }
@@ -296,7 +296,7 @@ static void fail_assembly(const km_design_worker *w, int question, const design 
     d->task->status = no_memory(d->task->error);
   else
     fail_answer(&d->task->answers[question], &w->study->def->questions[question],
-                status == KM_DIVERGED ? KM_DESIGN_GAVE_OUT : KM_DESIGN_UNASSEMBLED, reason);
+                status == KM_DIVERGED ? KM_DESIGN_MAX_STEPS : KM_DESIGN_UNASSEMBLED, reason);
 }
 
 /* A design whose numbers are in its seat, at the pose that holds and sets ask for. */
@@ -327,8 +327,8 @@ static km_status get_ready(const km_design_worker *w, int question, const design
 
 /* Those that can be asked together. */
 static void answer_question(const km_design_worker *w, int question, const design *designs, int count) {
-  asking together[KM_DRIVE_LANES];
-  visit own[KM_DRIVE_LANES] = {{0}};
+  asking together[KM_BATCH_LANES];
+  visit own[KM_BATCH_LANES] = {{0}};
   int ready = 0;
   for (int i = 0; i < count; ++i) {
     const design *d = &designs[i];
@@ -374,7 +374,7 @@ static void open_design(km_design_worker *w, seat *at, km_design_task *task, des
 
 void km_design_worker_answer(km_design_worker *w, km_design_task *tasks, int count) {
   const km_design_study_def *def = w->study->def;
-  design designs[KM_DRIVE_LANES];
+  design designs[KM_BATCH_LANES];
   if (def->function) {
     for (int i = 0; i < count; ++i)
       tasks[i].status = answer_function(w, &tasks[i]);

@@ -19,24 +19,25 @@ typedef struct member {
   int outstanding; /* designs that it answers now; 0: it has nothing to do */
 } member;
 
-struct km_crew {
+struct km_worker_processes {
   km_design_study *study;
-  const km_design_crew *members;
+  const km_design_workers *members;
   member *state; /* [1 + size] */
   km_arena arena;
   km_design_answer *answers; /* of one design, while it is read or looked up */
 };
 
-km_status km_crew_check(const km_design_crew *c, km_error *error) {
+km_status km_worker_processes_check(const km_design_workers *c, km_error *error) {
   km_status status = km_check_given(c && c->send && c->receive, "crew with its ways of sending and receiving", error);
   return status || c->size >= 0 ? status : km_fail(error, KM_USAGE, "found a crew of %d members", c->size);
 }
 
-km_status km_crew_open(km_design_study *study, const km_design_crew *members, km_crew **out, km_error *error) {
-  km_crew *c = *out = KM_NEW(km_crew, 1);
+km_status km_worker_processes_open(km_design_study *study, const km_design_workers *members, km_worker_processes **out,
+                                   km_error *error) {
+  km_worker_processes *c = *out = KM_NEW(km_worker_processes, 1);
   if (!c)
     return km_fail(error, KM_MEMORY, "out of memory for a crew");
-  *c = (km_crew){.study = study, .members = members};
+  *c = (km_worker_processes){.study = study, .members = members};
   c->state = KM_ARENA_NEW(&c->arena, member, (size_t)members->size + 1);
   c->answers = km_design_answers(study, &c->arena);
   for (int m = 1; m <= members->size && c->state; ++m)
@@ -44,7 +45,7 @@ km_status km_crew_open(km_design_study *study, const km_design_crew *members, km
   return c->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a crew") : KM_OK;
 }
 
-void km_crew_close(km_crew *c) {
+void km_worker_processes_close(km_worker_processes *c) {
   if (!c)
     return;
   km_arena_free(&c->arena);
@@ -55,7 +56,7 @@ static void add_whole(km_text *message, int number) {
   km_text_bytes(message, &number, sizeof number);
 }
 
-static km_status send(const km_design_crew *c, int to, km_text *message, km_error *error) {
+static km_status send(const km_design_workers *c, int to, km_text *message, km_error *error) {
   km_status status = KM_OK;
   if (message->failed)
     status = km_fail(error, KM_MEMORY, "out of memory for a message");
@@ -66,8 +67,8 @@ static km_status send(const km_design_crew *c, int to, km_text *message, km_erro
 }
 
 /* Which questions of a design the store hasn't got, as bits; 0: it has all. */
-static km_status find_missing(const km_crew *c, int design, int *wanted, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+static km_status find_missing(const km_worker_processes *c, int design, int *wanted, km_error *error) {
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_status status = KM_OK;
   *wanted = 0;
   km_design_values(c->study, design, values);
@@ -79,7 +80,7 @@ static km_status find_missing(const km_crew *c, int design, int *wanted, km_erro
   return status;
 }
 
-static km_status give_one(km_crew *c, int m, int *next, int end, km_error *error) {
+static km_status give_one(km_worker_processes *c, int m, int *next, int end, km_error *error) {
   km_text message = {0};
   km_status status = KM_OK;
   add_whole(&message, WORD_PIECE);
@@ -101,7 +102,7 @@ static km_status give_one(km_crew *c, int m, int *next, int end, km_error *error
   return status;
 }
 
-km_status km_crew_give(km_crew *c, int *next, int end, km_error *error) {
+km_status km_worker_processes_give(km_worker_processes *c, int *next, int end, km_error *error) {
   km_status status = KM_OK;
   for (int m = 1; m <= c->members->size && !status && *next < end; ++m)
     if (!c->state[m].outstanding)
@@ -149,8 +150,8 @@ static void add_answer(const km_design_study *s, int question, const km_design_a
 }
 
 /* The answers of one piece: design, questions, then each answer. */
-static km_status store_answers(km_crew *c, int from, reading *r, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS], seconds = 0.0;
+static km_status store_answers(km_worker_processes *c, int from, reading *r, km_error *error) {
+  double values[KM_MAX_DESIGN_PARAMETERS], seconds = 0.0;
   km_status status = KM_OK;
   member *m = &c->state[from];
   take(r, &seconds, sizeof seconds);
@@ -173,14 +174,14 @@ static km_status store_answers(km_crew *c, int from, reading *r, km_error *error
   return status || r->good ? status : km_fail(error, KM_IO, "rank %d sent an answer that can't be read", from);
 }
 
-static bool is_waiting(const km_crew *c) {
+static bool is_waiting(const km_worker_processes *c) {
   for (int m = 1; m <= c->members->size; ++m)
     if (c->state[m].outstanding)
       return true;
   return false;
 }
 
-km_status km_crew_take(km_crew *c, bool all, km_error *error) {
+km_status km_worker_processes_take(km_worker_processes *c, bool all, km_error *error) {
   km_status status = KM_OK;
   while (!status && is_waiting(c)) {
     const void *bytes = NULL;
@@ -198,7 +199,7 @@ km_status km_crew_take(km_crew *c, bool all, km_error *error) {
   return status;
 }
 
-void km_design_crew_dismiss(const km_design_crew *c) {
+void km_design_workers_stop(const km_design_workers *c) {
   if (!c || !c->send)
     return;
   int end = WORD_END;
@@ -207,23 +208,23 @@ void km_design_crew_dismiss(const km_design_crew *c) {
 }
 
 /* The designs of a piece, answered on the member's threads. */
-static km_status answer_piece(km_batch *b, reading *r, km_text *reply, km_error *error) {
+static km_status answer_piece(km_evaluation *b, reading *r, km_text *reply, km_error *error) {
   const km_design_study *s = b->study;
-  double values[KM_MOST_DESIGN_PARAMETERS], begin = km_clock(), seconds;
+  double values[KM_MAX_DESIGN_PARAMETERS], begin = km_clock(), seconds;
   int designs[MOST_PIECE], wanted[MOST_PIECE], questions = s->def->question_count;
   km_status status = KM_OK;
-  km_batch_clear(b);
+  km_evaluation_clear(b);
   while (r->good && r->left && !status && b->count < MOST_PIECE) {
     int i = b->count;
     designs[i] = take_whole(r);
     wanted[i] = take_whole(r);
     km_design_values(s, designs[i], values);
-    status = km_batch_add(b, values, error);
+    status = km_evaluation_add(b, values, error);
     for (int q = 0; q < questions; ++q)
       b->wanted[i * questions + q] = (wanted[i] & 1 << q) != 0;
   }
   if (!status)
-    km_batch_compute(b);
+    km_evaluation_compute(b);
   seconds = km_clock() - begin;
   add_whole(reply, WORD_ANSWERS);
   km_text_bytes(reply, &seconds, sizeof seconds);
@@ -239,7 +240,7 @@ static km_status answer_piece(km_batch *b, reading *r, km_text *reply, km_error 
   return status;
 }
 
-static km_status serve(km_batch *b, const km_design_crew *c, km_error *error) {
+static km_status serve(km_evaluation *b, const km_design_workers *c, km_error *error) {
   for (;;) {
     const void *bytes = NULL;
     size_t size = 0;
@@ -257,20 +258,20 @@ static km_status serve(km_batch *b, const km_design_crew *c, km_error *error) {
   }
 }
 
-km_status km_design_study_serve(km_design_study *s, int jobs, const km_design_crew *c, km_error *error) {
-  km_batch batch = {0};
+km_status km_design_study_run_worker(km_design_study *s, int jobs, const km_design_workers *c, km_error *error) {
+  km_evaluation batch = {0};
   km_error found = {.text = ""};
   km_status status = km_check_given(s != NULL, "study", error);
   if (!status)
-    status = km_crew_check(c, error);
+    status = km_worker_processes_check(c, error);
   if (!status && (jobs < 1 || jobs > 1024))
     status = km_fail(error, KM_USAGE, "found %d threads; expected 1 to 1024", jobs);
   if (status)
     return status;
-  status = km_batch_open(&batch, s, jobs, MOST_PIECE, &found);
+  status = km_evaluation_open(&batch, s, jobs, MOST_PIECE, &found);
   if (!status)
     status = serve(&batch, c, &found);
-  km_batch_close(&batch);
+  km_evaluation_close(&batch);
   if (!status)
     return KM_OK;
   km_text message = {0};

@@ -16,16 +16,16 @@ static const double together = 1e-8;  /* a zero of both rates: neither 0 nor inf
 typedef struct watch {
   km_advantage_sweep *out;
   km_observer observer;
-  km_lever *lever;
-  km_transmission_work *transmission; /* NULL: not asked for */
-  km_losses_work *losses;             /* NULL: no joint has friction */
-  bool followed;                      /* r->rates is the motion at the pose that is looked at */
-  bool between;                       /* that pose lies between rows */
-  bool failed;                        /* the losses of the last row found no memory */
-  double *reference;                  /* [coordinate] the motion at the last sample: a basis has no sense of its own */
+  km_transfer *lever;
+  km_transmission_workspace *transmission; /* NULL: not asked for */
+  km_losses_workspace *losses;             /* NULL: no joint has friction */
+  bool followed;                           /* r->rates is the motion at the pose that is looked at */
+  bool between;                            /* that pose lies between rows */
+  bool failed;                             /* the losses of the last row found no memory */
+  double *reference;        /* [coordinate] the motion at the last sample: a basis has no sense of its own */
   double sense;             /* of the lever's motion at the pose that was looked at last, beside the sweep's: ±1 */
   km_advantage_state state; /* at the row that was written last */
-  km_scan scan;
+  km_event_search scan;
   km_events events;
   km_advantage_state last_state; /* of the row before */
 } watch;
@@ -54,7 +54,7 @@ static void look_in_lane(const watch *w, const km_sweeper *r, km_advantage *out)
   r->mover.direction(r->mover.self, r->scratch);
   for (int c = 0; c < m->coordinate_count; ++c)
     r->scratch[c] /= m->scale[c];
-  km_lever_along(m, r->s, w->lever, r->scratch, out);
+  km_transfer_along(m, r->s, w->lever, r->scratch, out);
 }
 
 /* At a branch point there are more freedoms for an instant: the motion that is followed counts, r->rates. */
@@ -67,9 +67,9 @@ static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
   bool meeting = sub && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom &&
                  w->lever->moves[r->m->column_coordinate[sub->column_start]];
   if (meeting && w->followed)
-    km_lever_along(r->m, r->s, w->lever, r->rates, out);
+    km_transfer_along(r->m, r->s, w->lever, r->rates, out);
   else
-    km_lever_update(r->m, r->s, w->lever, out);
+    km_transfer_compute(r->m, r->s, w->lever, out);
 }
 
 static double *write_value(void *self, km_sweeper *r, double *cell) {
@@ -84,12 +84,12 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   *cell++ = a.value;
   if (w->losses) {
     km_losses losses;
-    w->failed = km_losses_update(r->m, r->s, w->losses, &losses) == KM_MEMORY;
+    w->failed = km_losses_compute(r->m, r->s, w->losses, &losses) == KM_MEMORY;
     *cell++ = losses.ratio;
   }
   if (w->transmission) {
     km_transmission t;
-    km_transmission_update(r->m, r->s, w->transmission, &t);
+    km_transmission_compute(r->m, r->s, w->transmission, &t);
     km_transmission_values(&t, cell);
     if (!w->between)
       w->out->last = t;
@@ -115,7 +115,7 @@ static void values(void *self, km_sweeper *r, double *n, double *d) {
   km_advantage a;
   look(w, r, &a);
   w->sense = sense_of(w, r);
-  const km_lever_end *ends[2] = {&w->lever->input, &w->lever->output};
+  const km_transfer_end *ends[2] = {&w->lever->input, &w->lever->output};
   double *const out[2] = {n, d};
   for (int i = 0; i < 2; ++i)
     *out[i] = fabs(ends[i]->rate) > rounding * ends[i]->size ? w->sense * ends[i]->rate : 0.0;
@@ -158,7 +158,7 @@ static km_status note_dead_centre(watch *w, double s, km_error *error) {
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   w->followed = r->rides || km_sweeper_motion(r);
-  return km_scan_sample(&w->scan, r, s, error);
+  return km_event_search_sample(&w->scan, r, s, error);
 }
 
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
@@ -173,7 +173,7 @@ static void forget(void *self) {
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  return km_scan_end(&w->scan, r, s, error);
+  return km_event_at_end(&w->scan, r, s, error);
 }
 
 /* Zeros and poles as toggles: two in one place leave the advantage undefined there. */
@@ -242,17 +242,17 @@ static void take_extremes(watch *w) {
       widen(w->out, 0.0, w->out->toggles[i].s);
 }
 
-static km_status check_job(const km_sweep_job *job, const km_handle *input, const km_handle *output) {
+static km_status check_job(const km_sweep_job *job, const km_port *input, const km_port *output) {
   km_status status = km_check_sweep(job->m, job->s, job->plan, job->error);
   if (!status)
-    status = km_check_handles(job->m, input, output, job->error);
+    status = km_check_ports(job->m, input, output, job->error);
   if (!status)
     status = km_check_given(input->name && output->name, "name of input or output", job->error);
   return status;
 }
 
 /* Does the lever belong to what moves by the plan's driver, and to nothing else? Then the direction of motion tells all. */
-static bool moves_with_driver(const km_mechanism *m, const km_sweep_plan *plan, const km_lever *lever) {
+static bool moves_with_driver(const km_mechanism *m, const km_sweep_plan *plan, const km_transfer *lever) {
   if (!km_plan_is_driven(plan))
     return false;
   int moving = m->substructure_of[plan->coordinate];
@@ -264,8 +264,8 @@ static bool moves_with_driver(const km_mechanism *m, const km_sweep_plan *plan, 
 
 static km_status open_instruments(watch *w, const km_sweep_job *job, bool transmission) {
   const km_mechanism *m = job->m;
-  const km_handle *input = &w->out->input, *output = &w->out->output;
-  km_status status = km_lever_create(m, input, output, &w->lever, job->error);
+  const km_port *input = &w->out->input, *output = &w->out->output;
+  km_status status = km_transfer_create(m, input, output, &w->lever, job->error);
   if (!status && transmission)
     status = km_transmission_create(m, input, output, &w->transmission, job->error);
   w->out->friction = km_model_has_friction(m->model);
@@ -288,8 +288,8 @@ static void close_watch(void *self) {
   watch *w = self;
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);
-  km_lever_free(w->lever);
-  km_scan_free(&w->scan);
+  km_transfer_free(w->lever);
+  km_event_search_free(&w->scan);
   km_free(w->reference);
   km_free(w->events.items);
   km_free(w);
@@ -309,14 +309,14 @@ static km_observer observer_of(watch *w) {
                        .asks_direction = true};
 }
 
-static km_scan scan_of(watch *w, bool table_only) {
-  return (km_scan){.self = w,
-                   .values = values,
-                   .sampled = sampled,
-                   .between = between,
-                   .ratios = true,
-                   .extremes = true,
-                   .events = table_only ? NULL : &w->events};
+static km_event_search scan_of(watch *w, bool table_only) {
+  return (km_event_search){.self = w,
+                           .values = values,
+                           .sampled = sampled,
+                           .between = between,
+                           .ratios = true,
+                           .extremes = true,
+                           .events = table_only ? NULL : &w->events};
 }
 
 static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_sweep *out) {
@@ -332,12 +332,12 @@ static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_s
     return status;
   w->observer.reads_jacobian = w->transmission || w->losses || !moves_with_driver(job->m, job->plan, w->lever);
   w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
-  if (!w->reference || !km_scan_reserve(&w->scan, 1))
+  if (!w->reference || !km_event_search_reserve(&w->scan, 1))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }
 
-void km_advantage_sweep_open(km_sweep_job *job, const km_handle *input, const km_handle *output, bool transmission,
+void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_port *output, bool transmission,
                              km_advantage_sweep *out) {
   const km_peak none = {nan(""), nan("")};
   *out = (km_advantage_sweep){.motion = {.substructure = -1}, .lowest = none, .highest = none, .least = none};
@@ -350,8 +350,8 @@ void km_advantage_sweep_open(km_sweep_job *job, const km_handle *input, const km
   job->status = open_watch(job, transmission, out);
 }
 
-km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_handle *input,
-                                 const km_handle *output, bool transmission, km_advantage_sweep *out, km_error *error) {
+km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_port *input,
+                                 const km_port *output, bool transmission, km_advantage_sweep *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   km_sweep_job job = {.m = m, .s = s, .plan = plan, .error = error};

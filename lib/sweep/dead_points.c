@@ -44,7 +44,7 @@ void km_root_search_narrow(km_root_search *at, double f) {
   choose_place(at);
 }
 
-bool km_dip_shows(const km_dip *dip, double *lowest) {
+bool km_minimum_search_is_zero(const km_minimum_search *dip, double *lowest) {
   const double *s = dip->s, *f = dip->f;
   if (!(f[0] * f[1] > 0.0 && f[1] * f[2] > 0.0))
     return false;
@@ -53,7 +53,7 @@ bool km_dip_shows(const km_dip *dip, double *lowest) {
   double bend = (second - first) / (s[2] - s[0]), slope = first + bend * (s[1] - s[0]);
   *lowest = s[1] - 0.5 * slope / bend;
   double least = b - 0.25 * slope * slope / bend;
-  return bend > 0.0 && (*lowest - s[0]) * (*lowest - s[2]) < 0.0 && least < km_drive_dip * fmin(a, fmin(b, c));
+  return bend > 0.0 && (*lowest - s[0]) * (*lowest - s[2]) < 0.0 && least < km_driver_motion_dip * fmin(a, fmin(b, c));
 }
 
 /* The entry as GSL sees it, by its sign at the places that show the dip. */
@@ -81,7 +81,7 @@ typedef struct trough {
 } trough;
 
 /* The trough that the parabola shows; false where the entry has none there. */
-static bool find_trough(entry *e, const km_dip *dip, double lowest, trough *t) {
+static bool find_trough(entry *e, const km_minimum_search *dip, double lowest, trough *t) {
   double s[4] = {dip->s[0], dip->s[1], dip->s[2], lowest}, f[4];
   for (int i = 0; i < 3; ++i)
     f[i] = fabs(dip->f[i]);
@@ -135,7 +135,8 @@ double km_dead_point_between(km_sweeper *r, const km_directions *d, int i, int c
   return find_root(&e, d->s[i], km_directions_entry(d, i, c), d->s[i + 1], km_directions_entry(d, i + 1, c));
 }
 
-int km_dip_search(km_sweeper *r, int coordinate, const km_dip *dip, double lowest, double roots[2]) {
+int km_minimum_search_find(km_sweeper *r, int coordinate, const km_minimum_search *dip, double lowest,
+                           double roots[2]) {
   entry e = {r, coordinate, dip->f[1] < 0.0 ? -1.0 : 1.0, false};
   trough t;
   gsl_set_error_handler_off();

@@ -25,15 +25,16 @@ void km_root_search_narrow(km_root_search *search, double f);
 double km_dead_point_between(km_sweeper *sweeper, const km_directions *directions, int i, int coordinate);
 
 /* An entry at three places, the newest last. */
-typedef struct km_dip {
+typedef struct km_minimum_search {
   double s[3], f[3];
-} km_dip;
+} km_minimum_search;
 
 /* May the entry, which has one sign at the three places, be 0 between two of them? Where the parabola through them stays above
- * km_drive_dip of the least one it hardly is. `lowest`: where the parabola is nearest to 0. */
-bool km_dip_shows(const km_dip *dip, double *lowest);
+ * km_driver_motion_dip of the least one it hardly is. `lowest`: where the parabola is nearest to 0. */
+bool km_minimum_search_is_zero(const km_minimum_search *dip, double *lowest);
 /* Looks for the places, two where the entry changes its sign and back, or the one that it touches 0 in; returns how many there
  * are. */
-int km_dip_search(km_sweeper *sweeper, int coordinate, const km_dip *dip, double lowest, double roots[2]);
+int km_minimum_search_find(km_sweeper *sweeper, int coordinate, const km_minimum_search *dip, double lowest,
+                           double roots[2]);
 
 #endif

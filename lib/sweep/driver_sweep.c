@@ -17,7 +17,7 @@ static bool reachable(const km_sweeper *r, double s) {
 }
 
 /* The driver's next value; false where the sweep is over. */
-static bool next(km_walk *w, double *target) {
+static bool next(km_driver_sweep *w, double *target) {
   km_sweeper *r = w->r;
   const km_sweep_plan *plan = r->plan;
   if (w->job->status || w->over)
@@ -33,7 +33,7 @@ static bool next(km_walk *w, double *target) {
       w->job->status = km_fail(w->job->error, KM_CANCELLED, "stopped at %g", s);
       return false;
     }
-    w->crossings = km_drive_crossings(w->at.drive);
+    w->crossings = km_driver_motion_crossings(w->at.drive);
     *target = s;
     return true;
   }
@@ -48,14 +48,14 @@ static double rank_value(const km_mechanism *m, km_state *s, int substructure) {
   if (!m->closure_tolerance_given)
     return 0.0;
   km_pivot_here(m, s, substructure, KM_NO_DRIVER, 0.0);
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   if (km_rank_evidence_find(m, s, substructure, &e, NULL))
     return 0.0;
   return e.dropped > tolerance / near ? e.dropped : e.kept < near * tolerance ? e.kept : 0.0;
 }
 
 /* Why the driver came no further, of the start and of the end. */
-static void note_cause(const km_walk *w, const km_reach *reach) {
+static void note_cause(const km_driver_sweep *w, const km_motion_end *reach) {
   km_sweep *out = w->r->out;
   char **cause = &out->causes[w->step > 0];
   if (reach->stop != KM_STOP_TOGGLE || reach->substructure < 0 || out->freedom == 0 || *cause)
@@ -66,17 +66,17 @@ static void note_cause(const km_walk *w, const km_reach *reach) {
 }
 
 /* The row where the drive has arrived; then what the observer wants to see near it has to follow. */
-static void write_row(km_walk *w, km_reach reach) {
+static void write_row(km_driver_sweep *w, km_motion_end reach) {
   km_sweeper *r = w->r;
   km_status status = KM_OK;
   if (w->job->status) /* on the way */
     return;
-  km_walk_get_ready(w);
+  km_driver_sweep_prepare(w);
   r->out->end = reach;
   if (w->step == 0)
     r->out->start = reach;
   bool again = w->step > 0 && reach.stop && fabs(reach.position - w->last) <= 1e-9 * (1.0 + fabs(w->last));
-  if (reach.stop == KM_STOP_GAVE_OUT)
+  if (reach.stop == KM_STOP_MAX_STEPS)
     status = km_fail(
         w->job->error, KM_DIVERGED,
         "the sweep gave out at %.9g: too many steps to the next row; expected a range that so many rows resolve",
@@ -89,7 +89,7 @@ static void write_row(km_walk *w, km_reach reach) {
 }
 
 /* The first row at the branch point from which the drive has set out already, whose tangent it shows there. */
-static void write_branch_point(km_walk *w) {
+static void write_branch_point(km_driver_sweep *w) {
   km_sweeper *r = w->r;
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
   double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *columns);
@@ -97,18 +97,18 @@ static void write_branch_point(km_walk *w) {
     w->job->status = km_fail(w->job->error, KM_MEMORY, "out of memory for a sweep");
     return;
   }
-  km_drive_expect_stiff(w->at.drive);
-  km_drive_tangent(w->at.drive, r->rates);
+  km_driver_motion_expect_stiff(w->at.drive);
+  km_driver_motion_tangent(w->at.drive, r->rates);
   km_state_save(r->s, &r->m->substructures[r->substructure], pose);
-  km_loops_return(r->m, r->s, r->substructure, r->branch_point);
-  write_row(w, (km_reach){KM_STOP_NONE, r->plan->from, -1, -1});
-  km_loops_return(r->m, r->s, r->substructure, pose);
+  km_loops_restore_cached(r->m, r->s, r->substructure, r->branch_point);
+  write_row(w, (km_motion_end){KM_STOP_NONE, r->plan->from, -1, -1});
+  km_loops_restore_cached(r->m, r->s, r->substructure, pose);
   km_free(pose);
 }
 
 /* Shows the walks `going` what their observers want to see near the row, side by side as long as they ride. */
-static void show_beside(km_walk *walks, unsigned going, km_drive_lanes *lanes) {
-  double places[KM_DRIVE_LANES], *rates[KM_DRIVE_LANES];
+static void show_beside(km_driver_sweep *walks, unsigned going, km_batch *lanes) {
+  double places[KM_BATCH_LANES], *rates[KM_BATCH_LANES];
   while (going) {
     unsigned wanting = going;
     for (unsigned rest = wanting; rest; rest &= rest - 1) {
@@ -118,32 +118,32 @@ static void show_beside(km_walk *walks, unsigned going, km_drive_lanes *lanes) {
       if (walks[i].job->status || !observer->wants || !observer->wants(observer->self, &places[i]))
         wanting &= ~(1u << i);
     }
-    going = wanting ? km_drive_lanes_visit(lanes, wanting, places, rates) : 0;
+    going = wanting ? km_batch_sample(lanes, wanting, places, rates) : 0;
     for (unsigned rest = going; rest; rest &= rest - 1) {
-      const km_walk *w = &walks[__builtin_ctz(rest)];
+      const km_driver_sweep *w = &walks[__builtin_ctz(rest)];
       w->job->status = w->r->observer->shown(w->r->observer->self, w->r, w->r->rates, w->job->error);
     }
   }
 }
 
 /* What is left to be seen near the row is looked at by each drive alone. */
-static void show_near_rows(km_walk *walks, unsigned going, km_drive_lanes *lanes) {
+static void show_near_rows(km_driver_sweep *walks, unsigned going, km_batch *lanes) {
   if (lanes)
     show_beside(walks, going, lanes);
   for (unsigned rest = going; rest; rest &= rest - 1) {
-    const km_walk *w = &walks[__builtin_ctz(rest)];
+    const km_driver_sweep *w = &walks[__builtin_ctz(rest)];
     if (!w->job->status)
       w->job->status = km_sweeper_near_row(w->r, w->job->error);
   }
 }
 
 /* Behind the row. */
-static void leave_row(km_walk *w) {
+static void leave_row(km_driver_sweep *w) {
   km_sweeper *r = w->r;
-  const km_reach *reach = &r->out->end;
+  const km_motion_end *reach = &r->out->end;
   km_status status = w->job->status;
   r->rides = false;
-  if (!status && w->step > 0 && km_drive_crossings(w->at.drive) > w->crossings && r->substructure >= 0)
+  if (!status && w->step > 0 && km_driver_motion_crossings(w->at.drive) > w->crossings && r->substructure >= 0)
     status = km_sweeper_find_branch(r, w->job->error);
   w->last = reach->position;
   w->over = w->step > 0 && reach->stop;
@@ -152,12 +152,12 @@ static void leave_row(km_walk *w) {
 }
 
 /* Behind the last row: where the driver itself gives out. */
-static km_status finish(const km_walk *w) {
+static km_status finish(const km_driver_sweep *w) {
   km_sweeper *r = w->r;
-  const km_reach *start = &r->out->start, *end = &r->out->end;
+  const km_motion_end *start = &r->out->start, *end = &r->out->end;
   km_status status = KM_OK;
   for (int i = 0; i < 2 && !status; ++i) {
-    const km_reach *reach = i ? end : start;
+    const km_motion_end *reach = i ? end : start;
     bool again = i && end->position == start->position;
     if (reach->stop == KM_STOP_TOGGLE && !again && r->observer->ended)
       status = r->observer->ended(r->observer->self, r, reach->position, w->job->error);
@@ -168,35 +168,35 @@ static km_status finish(const km_walk *w) {
 }
 
 static bool rates(void *self, double *out) {
-  return km_drive_tangent(((const km_seat *)self)->drive, out);
+  return km_driver_motion_tangent(((const km_seat *)self)->drive, out);
 }
 
 static bool probe(void *self, double s, double *out) {
   km_seat *at = self;
   if (!at->away)
-    km_drive_mark(at->drive);
-  if (!km_drive_return_before(at->drive, s) && at->away)
-    km_drive_return(at->drive);
+    km_driver_motion_save(at->drive);
+  if (!km_driver_motion_restore_previous(at->drive, s) && at->away)
+    km_driver_motion_restore(at->drive);
   at->away = true;
-  return !km_drive_to(at->drive, s).stop && km_drive_tangent(at->drive, out);
+  return !km_driver_motion_move_to(at->drive, s).stop && km_driver_motion_tangent(at->drive, out);
 }
 
 static void settle(void *self) {
   km_seat *at = self;
   if (at->away)
-    km_drive_return(at->drive);
+    km_driver_motion_restore(at->drive);
   at->away = false;
 }
 
 static bool pass(void *self) {
-  return km_drive_pass(((const km_seat *)self)->drive);
+  return km_driver_motion_pass(((const km_seat *)self)->drive);
 }
 
 static void direction(void *self, double *z) {
-  km_drive_ridden_direction(((const km_seat *)self)->drive, z);
+  km_driver_motion_batched_direction(((const km_seat *)self)->drive, z);
 }
 
-static km_status begin_walk(km_walk *w) {
+static km_status begin_walk(km_driver_sweep *w) {
   km_sweeper *r = w->r;
   km_error *error = w->job->error;
   r->substructure = r->out->substructure = r->m->substructure_of[r->plan->coordinate];
@@ -204,19 +204,19 @@ static km_status begin_walk(km_walk *w) {
   if (!status)
     status = km_sweep_enter_limits(r->m, r->s, r->plan, error);
   if (!status)
-    status = km_drive_create_in(&w->job->room->drive, r->m, r->s, r->plan->coordinate, r->plan->ignore_limits,
-                                &w->at.drive, error);
+    status = km_driver_motion_create_in(&w->job->room->drive, r->m, r->s, r->plan->coordinate, r->plan->ignore_limits,
+                                        &w->at.drive, error);
   if (status)
     return status;
-  km_drive_watch(w->at.drive, km_sweeper_step_watch(r));
+  km_driver_motion_watch(w->at.drive, km_sweeper_step_watch(r));
   r->mover = (km_mover){&w->at, rates, probe, settle, pass, direction};
   return km_sweeper_prepare(r, error);
 }
 
 /* Moves each of the walks that goes on to its next row, or over several. False where none does. */
-static bool advance(km_walk *walks, int count, km_drive_lanes *lanes) {
-  double targets[KM_DRIVE_LANES] = {0.0};
-  km_reach reaches[KM_DRIVE_LANES];
+static bool advance(km_driver_sweep *walks, int count, km_batch *lanes) {
+  double targets[KM_BATCH_LANES] = {0.0};
+  km_motion_end reaches[KM_BATCH_LANES];
   unsigned going = 0;
   unsigned setting_out = 0;
   for (int i = 0; i < count; ++i) {
@@ -225,12 +225,12 @@ static bool advance(km_walk *walks, int count, km_drive_lanes *lanes) {
     setting_out |= walks[i].step == 0 && walks[i].r->branch_point ? lane : 0;
   }
   for (unsigned rest = setting_out; rest; rest &= rest - 1) {
-    km_walk *w = &walks[__builtin_ctz(rest)];
+    km_driver_sweep *w = &walks[__builtin_ctz(rest)];
     write_branch_point(w);
     leave_row(w);
   }
   going &= ~setting_out;
-  km_walks_move(walks, going, lanes, targets, reaches);
+  km_driver_sweeps_advance(walks, going, lanes, targets, reaches);
   for (int i = 0; i < count; ++i)
     if (going >> i & 1)
       write_row(&walks[i], reaches[i]);
@@ -242,32 +242,32 @@ static bool advance(km_walk *walks, int count, km_drive_lanes *lanes) {
 }
 
 /* Side by side, if there are several and lanes are for them. */
-static km_status advance_all(km_walk *walks, int count) {
-  km_drive *drives[KM_DRIVE_LANES];
+static km_status advance_all(km_driver_sweep *walks, int count) {
+  km_driver_motion *drives[KM_BATCH_LANES];
   km_arena *memory = &walks[0].job->room->lanes;
-  km_drive_lanes *lanes = NULL;
+  km_batch *lanes = NULL;
   for (int i = 0; i < count; ++i)
     drives[i] = walks[i].at.drive;
-  km_status status = count > 1 ? km_drive_lanes_create(memory, drives, count, &lanes, NULL) : KM_OK;
+  km_status status = count > 1 ? km_batch_create(memory, drives, count, &lanes, NULL) : KM_OK;
   while (!status && advance(walks, count, lanes))
     continue;
   for (int i = 0; i < count; ++i)
     if (walks[i].job->table_only)
-      km_drive_leave(walks[i].at.drive);
-  km_drive_lanes_free(memory, lanes);
+      km_driver_motion_leave_batch(walks[i].at.drive);
+  km_batch_free(memory, lanes);
   return status;
 }
 
 void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count) {
-  km_walk walks[KM_DRIVE_LANES];
+  km_driver_sweep walks[KM_BATCH_LANES];
   int going = 0;
   for (int i = 0; i < count; ++i) {
     if (jobs[i].status || !km_plan_is_driven(jobs[i].plan))
       continue;
-    walks[going] = (km_walk){.r = &sweepers[i], .job = &jobs[i]};
+    walks[going] = (km_driver_sweep){.r = &sweepers[i], .job = &jobs[i]};
     jobs[i].status = begin_walk(&walks[going]);
     if (jobs[i].status)
-      km_drive_free_into(&jobs[i].room->drive, walks[going].at.drive);
+      km_driver_motion_free_into(&jobs[i].room->drive, walks[going].at.drive);
     else
       ++going;
   }
@@ -278,6 +278,6 @@ void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count) {
       job->status = km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
     else if (!job->status)
       job->status = finish(&walks[i]);
-    km_drive_free_into(&job->room->drive, walks[i].at.drive);
+    km_driver_motion_free_into(&job->room->drive, walks[i].at.drive);
   }
 }

@@ -6,12 +6,12 @@
 
 /* A drive, and whether it has left the row for a look at poses beside it. */
 typedef struct km_seat {
-  km_drive *drive;
+  km_driver_motion *drive;
   bool away;
 } km_seat;
 
 /* The rows of one sweep as they come: what is left to do, beside the sweeper. */
-typedef struct km_walk {
+typedef struct km_driver_sweep {
   km_sweeper *r;
   km_sweep_job *job;
   km_seat at;
@@ -19,7 +19,7 @@ typedef struct km_walk {
   double last;
   int crossings; /* of the drive, at the last row */
   bool over;
-} km_walk;
+} km_driver_sweep;
 
 /* The driver's value at a step of the plan, from 1 on. */
 static inline double km_walk_value(const km_sweep_plan *plan, int step) {
@@ -27,11 +27,12 @@ static inline double km_walk_value(const km_sweep_plan *plan, int step) {
 }
 
 /* The observer is going to look where the drive has arrived: gets ready for it. */
-void km_walk_get_ready(km_walk *walk);
+void km_driver_sweep_prepare(km_driver_sweep *walk);
 
 /* Moves the walks `going` to their next rows, at targets[lane], side by side where there are lanes (NULL: none), and shows their
  * observers the way. Where an observer doesn't look at all rows several are passed and written: targets[lane] is then of the
  * row where the walk arrives. */
-void km_walks_move(km_walk *walks, unsigned going, km_drive_lanes *lanes, double *targets, km_reach *reaches);
+void km_driver_sweeps_advance(km_driver_sweep *walks, unsigned going, km_batch *lanes, double *targets,
+                              km_motion_end *reaches);
 
 #endif

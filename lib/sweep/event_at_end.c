@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-void km_scan_keep_ending(km_scan *scan) {
+void km_event_keep_ending(km_event_search *scan) {
   size_t n = (size_t)scan->count, row = n * sizeof(double);
   km_ending *last = &scan->last, *first = &scan->first;
   memmove(last->s + 1, last->s, (KM_ENDING - 1) * sizeof *last->s);
@@ -87,11 +87,11 @@ static int nearest(const km_ending *ending, double end) {
 
 /* The sweep has left no such samples: by chance its last one before the end was too near to it. Takes them anew, on the way to
  * `inside`: 0, the first of them; −1: there aren't any. */
-static int sample_anew(const km_scan *scan, km_sweeper *r, km_ending *ending, double end, double inside) {
+static int sample_anew(const km_event_search *scan, km_sweeper *r, km_ending *ending, double end, double inside) {
   size_t n = (size_t)scan->count;
   for (int k = 0; k < 3; ++k) {
     double way = 1e-6 * (1.0 + fabs(end)) * ldexp(1.0, 2 * k), s = end + copysign(way, inside - end);
-    if (way > fabs(inside - end) || !km_scan_visit(scan, r, s))
+    if (way > fabs(inside - end) || !km_event_search_visit(scan, r, s))
       return -1;
     ending->s[k] = s;
     memcpy(ending->n + (size_t)k * n, scan->probe_n, n * sizeof *ending->n);
@@ -112,7 +112,7 @@ static void forget_end(km_events *events, int function, double s, double way) {
   events->count = kept;
 }
 
-km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error) {
+km_status km_event_at_end(km_event_search *scan, km_sweeper *r, double end, km_error *error) {
   const km_table *table = r->out->table;
   size_t rows = km_table_rows(table);
   if (rows < 2 || !scan->events)
@@ -132,7 +132,7 @@ km_status km_scan_end(km_scan *scan, km_sweeper *r, double end, km_error *error)
     /* Of several freedoms a way back from an end needn't be the one that led to it. */
     if (kind != KM_EVENT_POLE || status || scan->shown == end || r->out->freedom > 1)
       continue;
-    status = km_scan_show(scan, r, km_table_row(table, away ? 1 : rows - 2)[1], end, away, error);
+    status = km_event_search_add_row(scan, r, km_table_row(table, away ? 1 : rows - 2)[1], end, away, error);
     scan->shown = end;
   }
   r->mover.settle(r->mover.self);

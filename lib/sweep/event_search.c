@@ -19,7 +19,7 @@ static const double nearest = 4.0 * GSL_SQRT_DBL_EPSILON;
 /* What of a smooth function is left at its own root, or at one that it shares; of its values beside it. */
 static const double left_over = 1e-7;
 
-bool km_scan_reserve(km_scan *scan, int count) {
+bool km_event_search_reserve(km_event_search *scan, int count) {
   size_t n = (size_t)count;
   scan->count = count;
   scan->shown = nan("");
@@ -39,7 +39,7 @@ bool km_scan_reserve(km_scan *scan, int count) {
   return true;
 }
 
-void km_scan_free(km_scan *scan) {
+void km_event_search_free(km_event_search *scan) {
   km_free(scan->probe_n);
   km_free(scan->runs);
   km_free(scan->first.n);
@@ -65,7 +65,7 @@ void km_events_sort(km_events *events, const km_sweep_plan *plan) {
     }
 }
 
-static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
+static void evaluate(const km_event_search *scan, km_sweeper *r, double *n, double *d) {
   if (r->substructure >= 0 && !r->rides)
     km_motions_update(r->m, r->s, r->substructure);
   for (int i = 0; i < scan->count; ++i)
@@ -73,7 +73,7 @@ static void evaluate(const km_scan *scan, km_sweeper *r, double *n, double *d) {
   scan->values(scan->self, r, n, d);
 }
 
-bool km_scan_visit(const km_scan *scan, km_sweeper *r, double s) {
+bool km_event_search_visit(const km_event_search *scan, km_sweeper *r, double s) {
   r->rides = false; /* from here on the drive goes alone */
   if (!r->mover.probe(r->mover.self, s, r->rates))
     return false;
@@ -85,7 +85,7 @@ typedef enum part { NUMERATOR, DENOMINATOR, QUOTIENT } part;
 
 /* One function between two samples, as GSL sees it. */
 typedef struct search {
-  km_scan *scan;
+  km_event_search *scan;
   km_sweeper *r;
   int function;
   part part;
@@ -95,7 +95,7 @@ typedef struct search {
 
 static double at(double s, void *context) {
   search *q = context;
-  bool there = km_scan_visit(q->scan, q->r, s);
+  bool there = km_event_search_visit(q->scan, q->r, s);
   double n = q->scan->probe_n[q->function], d = q->scan->probe_d[q->function];
   double f = q->part == NUMERATOR ? n : q->part == DENOMINATOR ? d : n / d;
   q->lost = q->lost || !there || isnan(f);
@@ -103,7 +103,7 @@ static double at(double s, void *context) {
 }
 
 /* Between two places the part of function i changes its sign: where. False if it can't be told. The state is left at the root. */
-static bool find_root(km_scan *scan, km_sweeper *r, int i, part which, double from, double to, double *root) {
+static bool find_root(km_event_search *scan, km_sweeper *r, int i, part which, double from, double to, double *root) {
   search q = {scan, r, i, which, 1.0, false};
   gsl_function f = {at, &q};
   double low = fmin(from, to), high = fmax(from, to);
@@ -129,7 +129,7 @@ static bool vanishes(double x, double a, double b) {
 }
 
 /* Function i has an extreme at s beyond 0, where the three samples about it are on one side: its zeros between them. */
-static km_status find_zeros_about(km_scan *scan, km_sweeper *r, int i, double s, km_error *error) {
+static km_status find_zeros_about(km_event_search *scan, km_sweeper *r, int i, double s, km_error *error) {
   const km_run *run = &scan->runs[i];
   km_status status = KM_OK;
   for (int side = 0; side < 3 && !status; side += 2) {
@@ -141,7 +141,7 @@ static km_status find_zeros_about(km_scan *scan, km_sweeper *r, int i, double s,
 }
 
 /* The middle one of the last three samples of a run is the largest (sign -1: of -f, smallest) or smallest. */
-static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, km_error *error) {
+static km_status find_extreme(km_event_search *scan, km_sweeper *r, int i, double sign, km_error *error) {
   const km_run *run = &scan->runs[i];
   search q = {scan, r, i, QUOTIENT, sign, false};
   gsl_function f = {at, &q};
@@ -164,7 +164,7 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
   if (q.lost && !scan->best_counts)
     return KM_OK;
   /* A denominator that touches 0 without a change of sign. */
-  bool flat = !q.lost && km_scan_visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
+  bool flat = !q.lost && km_event_search_visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
   bool pole = flat && !vanishes(scan->probe_n[i], scan->n[0][i], scan->n[1][i]);
   if (flat && !pole)
     return KM_OK; /* of two that vanish together the quotient is rounding */
@@ -175,7 +175,7 @@ static km_status find_extreme(km_scan *scan, km_sweeper *r, int i, double sign, 
 }
 
 /* One more sample of a run. Of those that are alike, as two beside an extreme may be, the first one counts. */
-static km_status take(km_scan *scan, km_sweeper *r, int i, double s, double f, bool *moved, km_error *error) {
+static km_status take(km_event_search *scan, km_sweeper *r, int i, double s, double f, bool *moved, km_error *error) {
   km_run *run = &scan->runs[i];
   if (run->have > 0 && fabs(f - run->f[0]) <= least_swing * (fabs(f) + fabs(run->f[0])))
     return KM_OK;
@@ -197,13 +197,13 @@ static double place(double s, double pole, bool away, int k) {
 }
 
 /* The way from s to a pole, or away from it: function i takes its samples there, -1: none does, and `between` sees them. */
-static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double pole, bool away, bool seen,
+static km_status approach(km_event_search *scan, km_sweeper *r, int i, double s, double pole, bool away, bool seen,
                           km_error *error) {
   km_status status = KM_OK;
   bool moved = false, takes = scan->extremes && i >= 0, shows = scan->between && !seen;
   for (int k = 0; k < APPROACHES && (takes || shows) && !status; ++k) {
     double x = place(s, pole, away, k);
-    if (!km_scan_visit(scan, r, x))
+    if (!km_event_search_visit(scan, r, x))
       continue;
     if (shows && !scan->between(scan->self, r, x))
       return km_fail(error, KM_MEMORY, "out of memory for a sweep");
@@ -213,12 +213,13 @@ static km_status approach(km_scan *scan, km_sweeper *r, int i, double s, double 
   return status;
 }
 
-km_status km_scan_show(km_scan *scan, km_sweeper *r, double s, double pole, bool away, km_error *error) {
+km_status km_event_search_add_row(km_event_search *scan, km_sweeper *r, double s, double pole, bool away,
+                                  km_error *error) {
   return approach(scan, r, -1, s, pole, away, false, error);
 }
 
 /* Both sides of a pole between the last two samples, as far as they lie between them: a run ends there, another begins. */
-static km_status pass_pole(km_scan *scan, km_sweeper *r, int i, double pole, km_error *error) {
+static km_status pass_pole(km_event_search *scan, km_sweeper *r, int i, double pole, km_error *error) {
   km_status status = KM_OK;
   bool seen = pole == scan->shown;
   for (int away = 0; away < 2 && !status; ++away) {
@@ -236,7 +237,7 @@ static km_status pass_pole(km_scan *scan, km_sweeper *r, int i, double pole, km_
 }
 
 /* The sample itself is a zero or a pole of function i. */
-static km_status look_here(km_scan *scan, int i, km_error *error) {
+static km_status look_here(km_event_search *scan, int i, km_error *error) {
   double n = scan->n[0][i], d = scan->d[0][i];
   bool nil = n == 0.0 && !(scan->have > 1 && scan->n[1][i] == 0.0);
   bool pole = d == 0.0 && !(scan->have > 1 && scan->d[1][i] == 0.0);
@@ -247,7 +248,7 @@ static km_status look_here(km_scan *scan, int i, km_error *error) {
 }
 
 /* Zeros and poles of function i between the last two samples; the pole's place, NaN if there is none. */
-static km_status look_between(km_scan *scan, km_sweeper *r, int i, double *pole, km_error *error) {
+static km_status look_between(km_event_search *scan, km_sweeper *r, int i, double *pole, km_error *error) {
   const double *n[2] = {&scan->n[0][i], &scan->n[1][i]}, *d[2] = {&scan->d[0][i], &scan->d[1][i]};
   km_status status = KM_OK;
   bool undefined = false;
@@ -266,7 +267,7 @@ static km_status look_between(km_scan *scan, km_sweeper *r, int i, double *pole,
   return status;
 }
 
-static km_status look(km_scan *scan, km_sweeper *r, int i, bool *moved, km_error *error) {
+static km_status look(km_event_search *scan, km_sweeper *r, int i, bool *moved, km_error *error) {
   bool before = scan->have > 1 && isfinite(scan->n[1][i]) && isfinite(scan->d[1][i]);
   double n = scan->n[0][i], d = scan->d[0][i], pole = nan("");
   if (!isfinite(n) || !isfinite(d)) {
@@ -291,7 +292,7 @@ static km_status look(km_scan *scan, km_sweeper *r, int i, bool *moved, km_error
   return status || d == 0.0 ? status : take(scan, r, i, scan->s[0], n / d, moved, error);
 }
 
-km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error) {
+km_status km_event_search_sample(km_event_search *scan, km_sweeper *r, double s, km_error *error) {
   if (!scan->events)
     return KM_OK;
   if (scan->have > 1 && (s - scan->s[0]) * (scan->s[0] - scan->s[1]) <= 0.0)
@@ -308,7 +309,7 @@ km_status km_scan_sample(km_scan *scan, km_sweeper *r, double s, km_error *error
   evaluate(scan, r, n, d);
   if (scan->sampled)
     scan->sampled(scan->self, r);
-  km_scan_keep_ending(scan);
+  km_event_keep_ending(scan);
   bool moved = false;
   km_status status = KM_OK;
   for (int i = 0; i < scan->count && !status; ++i)

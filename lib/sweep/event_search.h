@@ -39,7 +39,7 @@ typedef struct km_ending {
 
 /* Functions f_i = n_i / d_i of the pose, sampled along a sweep. n_i and d_i are smooth where the motion is: what f_i
  * does between samples is told by them, never by the size of its neighbours. */
-typedef struct km_scan {
+typedef struct km_event_search {
   int count;
   void *self;
   /* n[count] and d[count] at the state's pose; d is 1 where nothing else is written; NaN where f has no value. */
@@ -57,23 +57,24 @@ typedef struct km_scan {
   km_run *runs;              /* [count] */
   km_ending first, last;
   double shown; /* the pole that `between` has been shown last */
-} km_scan;
+} km_event_search;
 
 /* Space for `count` functions; false when out of memory. */
-bool km_scan_reserve(km_scan *scan, int count);
-void km_scan_free(km_scan *scan);
+bool km_event_search_reserve(km_event_search *scan, int count);
+void km_event_search_free(km_event_search *scan);
 /* The state stands at s: samples the functions, and looks between this sample and the last ones (Brent's methods, GSL).
  * Comes back to where the mover settles. KM_MEMORY. */
-km_status km_scan_sample(km_scan *scan, km_sweeper *sweeper, double s, km_error *error);
+km_status km_event_search_sample(km_event_search *scan, km_sweeper *sweeper, double s, km_error *error);
 /* Moves the state to s, and fills probe_n and probe_d there; false where the pose can't be reached. */
-bool km_scan_visit(const km_scan *scan, km_sweeper *sweeper, double s);
+bool km_event_search_visit(const km_event_search *scan, km_sweeper *sweeper, double s);
 /* Shows `between` the poses on the way from s to a pole, or away from it. Leaves the state at one of them. */
-km_status km_scan_show(km_scan *scan, km_sweeper *sweeper, double s, double pole, bool away, km_error *error);
+km_status km_event_search_add_row(km_event_search *scan, km_sweeper *sweeper, double s, double pole, bool away,
+                                  km_error *error);
 /* The newest sample becomes the first of the last ones, and, while there is room, the last of the first ones. */
-void km_scan_keep_ending(km_scan *scan);
+void km_event_keep_ending(km_event_search *scan);
 /* The driver gives out at `end`, which is the first or the last row. Whatever else stands there comes to it as the root
  * of the way: tells the zeros and poles. After the last sample. */
-km_status km_scan_end(km_scan *scan, km_sweeper *sweeper, double end, km_error *error);
+km_status km_event_at_end(km_event_search *scan, km_sweeper *sweeper, double end, km_error *error);
 
 km_status km_events_add(km_events *events, km_event event, km_error *error);
 /* Into the order in which the sweep passed them. */

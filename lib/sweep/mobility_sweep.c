@@ -1,8 +1,8 @@
 /* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
 #include "base/arguments.h"
 #include "base/table.h"
-#include "sweep/singular_value_minima.h"
 #include "sweep/dead_points.h"
+#include "sweep/singular_value_minima.h"
 #include "sweep/sweep_observer.h"
 
 #include <string.h>
@@ -28,7 +28,7 @@ typedef struct watch {
   size_t *cell;             /* [coordinate] of its number in a row; 0: it has none */
   bool *unread;             /* [coordinate] see km_observer */
   const char *const *reads; /* see km_sweep_job */
-  km_singular_watch singular;
+  km_singular_value_watch singular;
 } watch;
 
 /* The column of a number (m) or of a coordinate (q). */
@@ -75,7 +75,7 @@ static double *write_numbers(void *self, km_sweeper *r, double *cell) {
   for (int i = 0, count = w->shown_count; i < count; ++i)
     *cell++ = shown[i] < 0 ? 0.0 : numbers[shown[i]];
   if (r->plan->singularities)
-    *cell++ = km_singular_kept(&w->singular, r);
+    *cell++ = km_singular_value_kept(&w->singular, r);
   return cell;
 }
 
@@ -167,7 +167,7 @@ static bool has_last(const watch *w) {
 static int next_candidate(const watch *w) {
   int i = w->next;
   while (has_last(w) && i < w->watched_count &&
-         entry_here(w, w->watched[i]) * entry_before(w, w->watched[i]) > km_drive_quiet)
+         entry_here(w, w->watched[i]) * entry_before(w, w->watched[i]) > km_driver_motion_quiet)
     ++i;
   return i;
 }
@@ -222,7 +222,7 @@ static bool list_changes(watch *w, km_sweeper *r, int c, bool *moved) {
 }
 
 /* Is a toggle of the coordinate known there already? */
-static bool is_known(const km_mobility_sweep *out, int c, const km_dip *dip) {
+static bool is_known(const km_mobility_sweep *out, int c, const km_minimum_search *dip) {
   bool known = false;
   for (size_t i = out->toggle_count; i > 0 && !known; --i) {
     const km_toggle *toggle = &out->toggles[i - 1];
@@ -236,14 +236,14 @@ static bool list_dips(watch *w, km_sweeper *r, int c, bool *moved) {
   const km_directions *d = &w->directions;
   bool added = true;
   for (int i = d->last > 0 ? d->last - 1 : 0; i + 2 <= d->row && added; ++i) {
-    km_dip dip = {.s = {d->s[i], d->s[i + 1], d->s[i + 2]}};
+    km_minimum_search dip = {.s = {d->s[i], d->s[i + 1], d->s[i + 2]}};
     double lowest, roots[2];
     for (int k = 0; k < 3; ++k)
       dip.f[k] = km_directions_entry(d, i + k, c);
-    if (!km_dip_shows(&dip, &lowest) || is_known(w->out, c, &dip))
+    if (!km_minimum_search_is_zero(&dip, &lowest) || is_known(w->out, c, &dip))
       continue;
     *moved = true;
-    for (int k = km_dip_search(r, c, &dip, lowest, roots); k > 0 && added; --k)
+    for (int k = km_minimum_search_find(r, c, &dip, lowest, roots); k > 0 && added; --k)
       added = add_toggle(w->out, r->plan, c, roots[k - 1]);
   }
   return added;
@@ -286,7 +286,7 @@ static void note_motion(watch *w) {
 static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
   bool moves;
-  km_status status = km_singular_see(&w->singular, r, s, w->out, error);
+  km_status status = km_singular_value_observe(&w->singular, r, s, w->out, error);
   if (status)
     return status;
   if (!take_direction(w, r, s, &moves))
@@ -323,7 +323,7 @@ static km_status shown(void *self, km_sweeper *r, const double *rates, km_error 
 
 static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
   watch *w = self;
-  return km_singular_see(&w->singular, r, s, w->out, error);
+  return km_singular_value_observe(&w->singular, r, s, w->out, error);
 }
 
 static void forget(void *self) {
@@ -372,7 +372,7 @@ static km_status tell(void *self, const km_sweep_job *job) {
 
 static void close_watch(void *self) {
   watch *w = self;
-  km_singular_watch_free(&w->singular);
+  km_singular_value_watch_free(&w->singular);
   km_directions_free(&w->directions);
   km_free(w->listed);
   km_free(w->moved);
@@ -429,7 +429,7 @@ static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
   if (ready) {
     w->out = out;
     w->reads = job->table_only ? job->reads : NULL;
-    ready = reserve(w, job->m, job->plan) && (!singularities || km_singular_watch_make(&w->singular, job->m));
+    ready = reserve(w, job->m, job->plan) && (!singularities || km_singular_value_watch_make(&w->singular, job->m));
     w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;
   }

@@ -15,7 +15,7 @@ typedef struct watch {
   km_observer observer;
   km_forces *forces;
   km_statics *statics;
-  km_scan scan;
+  km_event_search scan;
   km_events events;
   bool moves; /* r->rates is the motion */
   bool grown; /* the actuators reach more freedoms than before */
@@ -27,7 +27,7 @@ static bool add_forces(const watch *w, const km_model *model, km_table *table) {
   bool added = true;
   km_text unit = {0};
   for (int i = 0; i < w->statics->actuator_count && added; ++i) {
-    const km_handle *actuator = &w->statics->actuators[i];
+    const km_port *actuator = &w->statics->actuators[i];
     unit.size = 0;
     km_push_unit(model, actuator, &unit);
     added = !unit.failed && km_table_join_column(table, "f.", actuator->name, "", unit.data);
@@ -83,8 +83,8 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
 
 /* Force of an actuator, 0 where rounding is all there is. */
 static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
-  const km_handle *handle = &w->statics->actuators[actuator];
-  double unit = handle->kind == KM_HANDLE_JOINT ? m->unit[handle->coordinate] : m->length;
+  const km_port *handle = &w->statics->actuators[actuator];
+  double unit = handle->kind == KM_PORT_JOINT ? m->unit[handle->coordinate] : m->length;
   double size = rounding * (w->forces->force_size * unit + w->forces->couple_size) / unit;
   double force = w->statics->actuator_forces[actuator];
   return fabs(force) <= size ? 0.0 : force;
@@ -103,7 +103,7 @@ static void values(void *self, km_sweeper *r, double *n, double *d) {
     return;
   }
   if (!w->known || w->edition != edition_of(r)) {
-    km_forces_update(r->m, r->s, w->forces);
+    km_forces_compute(r->m, r->s, w->forces);
     km_statics_hold(r->m, r->s, w->forces, w->statics);
   }
   w->known = false;
@@ -133,7 +133,7 @@ static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
   bool second = w->scan.have > 0;
   w->grown = false;
   w->moves = r->rides ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_motion(r);
-  km_status status = km_scan_sample(&w->scan, r, s, error);
+  km_status status = km_event_search_sample(&w->scan, r, s, error);
   if (w->grown && second && !status)
     status = start_at_pole(w, error);
   if (w->grown)
@@ -171,7 +171,7 @@ static bool between(void *self, km_sweeper *r, double s) {
 }
 
 static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  return km_scan_end(&((watch *)self)->scan, r, s, error);
+  return km_event_at_end(&((watch *)self)->scan, r, s, error);
 }
 
 static void forget(void *self) {
@@ -228,7 +228,7 @@ static km_status tell(void *self, const km_sweep_job *job) {
 static void close_watch(void *self) {
   watch *w = self;
   w->statics->work->compares = false;
-  km_scan_free(&w->scan);
+  km_event_search_free(&w->scan);
   km_free(w->events.items);
   km_free(w);
 }
@@ -247,21 +247,21 @@ static km_observer observer_of(watch *w) {
                        .reads_basis = true};
 }
 
-static km_scan scan_of(watch *w, bool table_only) {
-  return (km_scan){.self = w,
-                   .values = values,
-                   .sampled = sampled,
-                   .between = between,
-                   .ratios = true,
-                   .extremes = true,
-                   .events = table_only ? NULL : &w->events};
+static km_event_search scan_of(watch *w, bool table_only) {
+  return (km_event_search){.self = w,
+                           .values = values,
+                           .sampled = sampled,
+                           .between = between,
+                           .ratios = true,
+                           .extremes = true,
+                           .events = table_only ? NULL : &w->events};
 }
 
 /* The actuators, and what each of them has to give: nothing yet. */
 static bool take_actuators(const watch *w) {
   km_statics_sweep *out = w->out;
   const km_statics *st = w->statics;
-  out->actuators = KM_NEW(km_handle, (size_t)st->actuator_count);
+  out->actuators = KM_NEW(km_port, (size_t)st->actuator_count);
   out->largest = KM_NEW(km_force_event, (size_t)st->actuator_count);
   if (!out->actuators || !out->largest)
     return false;
@@ -284,7 +284,7 @@ static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *st
     job->observer = &w->observer;
     statics->work->compares = true;
   }
-  if (!w || !take_actuators(w) || !km_scan_reserve(&w->scan, statics->actuator_count))
+  if (!w || !take_actuators(w) || !km_event_search_reserve(&w->scan, statics->actuator_count))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }

@@ -52,7 +52,7 @@ static bool find_vector(cause *c) {
     int q = m->column_coordinate[c->sub->column_start + (int)k];
     twist[q] = km_coordinate_twist(m, c->s, q);
   }
-  km_whole_jacobian(m, c->s, c->index, twist, c->about, J);
+  km_full_jacobian(m, c->s, c->index, twist, c->about, J);
   for (size_t k = 0; k < columns; ++k) {
     const double *column = J + k * rows;
     if (m->column_coordinate[c->sub->column_start + (int)k] == c->driver) {
@@ -214,7 +214,7 @@ char *km_stop_cause(const km_mechanism *m, km_state *s, int substructure, int dr
   c.rows = 6 * sub->loop_count + sub->coupling_count;
   if (c.rows > MOST_ROWS || sub->loop_count == 0)
     return NULL;
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   c.about = km_joint_pose(m, s, m->model->coordinates[driver].joint).p;
   int *joint = KM_ARENA_NEW(&c.arena, int, (size_t)m->model->joint_count);
   int *link = KM_ARENA_NEW(&c.arena, int, (size_t)m->model->body_count);

@@ -23,10 +23,10 @@ static km_status check_range(const km_mechanism *m, const km_sweep_plan *plan, k
   if (plan->steps == 0)
     return KM_OK;
   if (plan->arclength > 0.0)
-    return plan->arclength > KM_LEAST_ARCLENGTH && plan->arclength <= KM_MOST_ARCLENGTH
+    return plan->arclength > KM_LEAST_ARCLENGTH && plan->arclength <= KM_MAX_ARCLENGTH
                ? KM_OK
                : km_fail(error, KM_USAGE, "steps of an arc length of %g; expected one greater than %g and at most %g",
-                         plan->arclength, KM_LEAST_ARCLENGTH, KM_MOST_ARCLENGTH);
+                         plan->arclength, KM_LEAST_ARCLENGTH, KM_MAX_ARCLENGTH);
   if (!isfinite(plan->from) || !isfinite(plan->to))
     return km_fail(error, KM_USAGE, "a range from %g to %g; expected finite values", plan->from, plan->to);
   return km_check_index(plan->coordinate, m->coordinate_count, "coordinate", error);
@@ -38,8 +38,8 @@ km_status km_check_sweep(const km_mechanism *m, const km_state *s, const km_swee
     status = km_check_given(plan != NULL, "plan", error);
   if (!status)
     status = check_range(m, plan, error);
-  if (!status && (plan->steps < 0 || plan->steps > KM_MOST_SWEEP_STEPS))
-    status = km_fail(error, KM_USAGE, "%d steps; expected 0 to %d", plan->steps, KM_MOST_SWEEP_STEPS);
+  if (!status && (plan->steps < 0 || plan->steps > KM_MAX_SWEEP_STEPS))
+    status = km_fail(error, KM_USAGE, "%d steps; expected 0 to %d", plan->steps, KM_MAX_SWEEP_STEPS);
   if (!status && plan->direction != -1)
     status = km_check_index(plan->direction, m->coordinate_count, "coordinate", error);
   if (!status)
@@ -109,7 +109,7 @@ double km_sweeper_near_end(double s, double end, int k) {
   return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
-void km_sweep_room_free(km_sweep_room *room) {
+void km_sweep_workspace_free(km_sweep_workspace *room) {
   km_table_free(room->table);
   km_arena_free(&room->drive);
   km_arena_free(&room->lanes);
@@ -134,11 +134,11 @@ static void end_sweep(km_sweeper *r, km_sweep_job *job) {
 }
 
 void km_sweeps_run(km_sweep_job *jobs, int count) {
-  km_sweeper sweepers[KM_DRIVE_LANES];
-  km_sweep_room rooms[KM_DRIVE_LANES];
+  km_sweeper sweepers[KM_BATCH_LANES];
+  km_sweep_workspace rooms[KM_BATCH_LANES];
   unsigned begun = 0;
   for (int i = 0; i < count; ++i) {
-    rooms[i] = (km_sweep_room){0};
+    rooms[i] = (km_sweep_workspace){0};
     if (jobs[i].status)
       continue;
     jobs[i].room = jobs[i].room ? jobs[i].room : &rooms[i];
@@ -151,7 +151,7 @@ void km_sweeps_run(km_sweep_job *jobs, int count) {
       end_sweep(&sweepers[i], &jobs[i]);
     if (jobs[i].observer)
       jobs[i].observer->close(jobs[i].observer->self);
-    km_sweep_room_free(&rooms[i]);
+    km_sweep_workspace_free(&rooms[i]);
   }
 }
 

@@ -87,7 +87,7 @@ enum { KM_LEAST_SAMPLES = 360 };
 #define KM_LONGEST_ARC 0.02
 /* Of a step by arc length: more than what the poses' own digits show, and what takes a moment. */
 #define KM_LEAST_ARCLENGTH 1e-8
-#define KM_MOST_ARCLENGTH  1000.0
+#define KM_MAX_ARCLENGTH   1000.0
 
 /* Does a driver move it, rather than the arc length or nothing? */
 static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
@@ -95,19 +95,19 @@ static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
 }
 
 /* Memory of an earlier sweep for the next one, which takes it and gives back what doesn't belong to its result. */
-typedef struct km_sweep_room {
+typedef struct km_sweep_workspace {
   km_table *table; /* NULL: a new one is made */
   km_arena drive, lanes;
-} km_sweep_room;
-void km_sweep_room_free(km_sweep_room *room);
+} km_sweep_workspace;
+void km_sweep_workspace_free(km_sweep_workspace *room);
 
 /* One of several sweeps. What it looks at sets `observer` and `out`, and a status where it can't: see observers.h. */
 struct km_sweep_job {
   const km_mechanism *m;
   km_state *s; /* of its own */
   const km_sweep_plan *plan;
-  km_sweep_room *room; /* NULL: none */
-  km_error *error;     /* may be NULL */
+  km_sweep_workspace *room; /* NULL: none */
+  km_error *error;          /* may be NULL */
   const km_observer *observer;
   km_sweep *out;
   /* Nobody reads more than rows and how the motion ended: what lies between rows isn't looked for, and the state's
@@ -118,7 +118,7 @@ struct km_sweep_job {
   km_status status; /* how it ended */
 };
 
-/* Moves the assembled states of up to KM_DRIVE_LANES jobs over their plans' ranges; see km_mobility_sweep_run. Those by a driver
+/* Moves the assembled states of up to KM_BATCH_LANES jobs over their plans' ranges; see km_mobility_sweep_run. Those by a driver
  * go side by side, with the same bits. Jobs that have a status already aren't begun. Closes the observers. Free what they have
  * found in any case. */
 void km_sweeps_run(km_sweep_job *jobs, int count);
@@ -137,9 +137,9 @@ km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *erro
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);
 
 /* The first `count` of the quiet rows that the drive has passed, behind the last one of the table. See
- * km_observer.number_cells. `step` and s[row × KM_DRIVE_LANES] of the first of them. */
-km_status km_sweeper_passed_rows(km_sweeper *sweeper, const km_drive *drive, int count, int step, const double *s,
-                                 km_error *error);
+ * km_observer.number_cells. `step` and s[row × KM_BATCH_LANES] of the first of them. */
+km_status km_sweeper_passed_rows(km_sweeper *sweeper, const km_driver_motion *drive, int count, int step,
+                                 const double *s, km_error *error);
 /* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
 bool km_sweeper_between(km_sweeper *sweeper, double s);
 /* Functions may turn close to an end of the motion, where a driver gives out as the root of the way: places k = 1, 2, …
@@ -156,7 +156,8 @@ int km_sweeper_parts(const km_sweeper *sweeper);
 double km_sweeper_part(double from, double to, int k, int parts);
 /* Shows the observer the poses between the parts of a way, and more of them near where the motion begins or ends. The drive
  * stands where part `first` begins, from 1; it goes on to the last of the poses or, where nothing ends the motion, to the row. */
-km_status km_sweeper_pass(km_sweeper *sweeper, km_drive *drive, const km_sweep_way *way, int first, km_error *error);
+km_status km_sweeper_pass(km_sweeper *sweeper, km_driver_motion *drive, const km_sweep_way *way, int first,
+                          km_error *error);
 /* Does the state stand where several motions meet? No pose next to it is well known. */
 bool km_sweeper_meets(km_sweeper *sweeper);
 
@@ -166,7 +167,7 @@ bool km_sweeper_motion(km_sweeper *sweeper);
 
 /* Lists a branch point. KM_MEMORY. */
 km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);
-/* How many motions meet at the state's pose, and their directions [KM_MOST_BRANCHES × columns]; 0 where fewer than two are
+/* How many motions meet at the state's pose, and their directions [KM_MAX_BRANCHES × columns]; 0 where fewer than two are
  * found, so that nothing is known of them. KM_MEMORY. */
 km_status km_sweeper_look_at_branch(const km_sweeper *sweeper, km_state *state, double *directions, int *count,
                                     km_error *error);

@@ -24,7 +24,7 @@ km_status km_sweeper_look_at_branch(const km_sweeper *r, km_state *state, double
 /* With `surely`, also where the motions that meet aren't found. */
 static km_status add_branch(km_sweeper *r, km_state *state, km_branch_point point, bool surely, km_error *error) {
   size_t columns = (size_t)r->m->substructures[r->substructure].columns;
-  double *directions = KM_NEW(double, KM_MOST_BRANCHES *columns);
+  double *directions = KM_NEW(double, KM_MAX_BRANCHES *columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
   km_status status = km_sweeper_look_at_branch(r, state, directions, &point.branches, error);
@@ -40,23 +40,23 @@ static km_status follow_to_branch(km_sweeper *r, km_state *state, size_t row, do
   for (int c = 0; c < r->m->coordinate_count; ++c)
     r->scratch[c] = cells[2 + c] * km_model_coordinate_factor(r->m->model, c);
   km_state_set(r->m, state, r->scratch);
-  km_follow *follow;
+  km_arc_motion *follow;
   km_branch_point point;
-  if (km_follow_create(r->m, state, r->plan->coordinate, to - from, true, &follow, NULL))
+  if (km_arc_motion_create(r->m, state, r->plan->coordinate, to - from, true, &follow, NULL))
     return KM_OK; /* a row that is singular itself has been added as such */
   km_status status = KM_OK;
   bool found = false, past = false;
-  while (!found && !past && !km_follow_closed(follow) && km_follow_length(follow) < most &&
-         !km_follow_advance(follow, 0.05)) {
-    found = km_follow_branch(follow, &point);
+  while (!found && !past && !km_arc_motion_closed(follow) && km_arc_motion_length(follow) < most &&
+         !km_arc_motion_advance(follow, 0.05)) {
+    found = km_arc_motion_branch(follow, &point);
     past = (km_state_coordinate(state, r->plan->coordinate) - to) * (to - from) > 0.0;
   }
   if (found) {
-    km_follow_at_branch(follow, r->scratch);
+    km_arc_motion_move_to_branch_point(follow, r->scratch);
     point.s = km_state_coordinate(state, r->plan->coordinate);
     status = add_branch(r, state, point, true, error);
   }
-  km_follow_free(follow);
+  km_arc_motion_free(follow);
   return status;
 }
 
@@ -99,7 +99,7 @@ km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
   km_branch_exit left = {.motions = -1};
   if (pose) {
     km_state_save(r->s, sub, pose);
-    left = km_branch_leave(r->m, r->s, coordinate, way);
+    left = km_branch_depart(r->m, r->s, coordinate, way);
   }
   r->out->start_branches = left.motions;
   if (left.motions < 0) {

@@ -8,7 +8,7 @@
 /* Each gives a job, which has its mechanism, state and plan, the observer that fills `out` in km_sweeps_run; the other arguments
  * are those of km_mobility_sweep_run, km_advantage_sweep_run and km_statics_sweep_run, and have to stay until then. */
 void km_mobility_sweep_open(km_sweep_job *job, km_mobility_sweep *out);
-void km_advantage_sweep_open(km_sweep_job *job, const km_handle *input, const km_handle *output, bool transmission,
+void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_port *output, bool transmission,
                              km_advantage_sweep *out);
 void km_statics_sweep_open(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out);
 

@@ -22,25 +22,25 @@ static int outside(const place *r) {
 }
 
 /* From an outer to an inner position of the driver: the innermost outer one, from inside. */
-static void locate(const place *r, km_drive *drive, double outer, double inner) {
+static void locate(const place *r, km_driver_motion *drive, double outer, double inner) {
   while (fabs(inner - outer) > 1e-12 * (1.0 + fabs(inner))) {
     double middle = 0.5 * (outer + inner);
-    km_drive_to(drive, middle);
+    km_driver_motion_move_to(drive, middle);
     if (outside(r) < 0)
       inner = middle;
     else
       outer = middle;
   }
-  km_drive_to(drive, inner);
+  km_driver_motion_move_to(drive, inner);
 }
 
 /* Moves from `*at` towards `to` until all limits hold; false if they don't on the way. */
-static bool enter(const place *r, km_drive *drive, double *at, double to) {
+static bool enter(const place *r, km_driver_motion *drive, double *at, double to) {
   int pieces = r->plan->steps > LEAST_PIECES ? r->plan->steps : LEAST_PIECES;
   double from = *at;
   for (int k = 1; k <= pieces; ++k) {
     double last = *at;
-    km_reach reach = km_drive_to(drive, k == pieces ? to : from + (to - from) * k / pieces);
+    km_motion_end reach = km_driver_motion_move_to(drive, k == pieces ? to : from + (to - from) * k / pieces);
     *at = reach.position;
     if (outside(r) < 0) {
       locate(r, drive, last, *at);
@@ -59,16 +59,16 @@ km_status km_sweep_enter_limits(const km_mechanism *m, km_state *s, const km_swe
   if (fits)
     return fits;
   const place r = {m, s, plan};
-  km_drive *drive;
+  km_driver_motion *drive;
   if (plan->ignore_limits || outside(&r) < 0)
     return KM_OK;
-  km_status status = km_drive_create(m, s, plan->coordinate, true, &drive, error);
+  km_status status = km_driver_motion_create(m, s, plan->coordinate, true, &drive, error);
   if (status)
     return status;
   double at = km_state_coordinate(s, plan->coordinate);
   if (!enter(&r, drive, &at, plan->from) && !enter(&r, drive, &at, plan->to))
     status = km_fail(error, KM_NO_RESULT, "no pose from %.9g to %.9g lies within the limits: joint %s is outside",
                      plan->from, plan->to, m->model->coordinates[outside(&r)].label);
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   return status;
 }

@@ -81,7 +81,7 @@ static void point_rates(const km_sweeper *r, int frame, double out[3]) {
 static double *write_points(const km_sweeper *r, double *cell) {
   if (r->plan->point_count == 0)
     return cell;
-  km_poses_update(r->m, r->s);
+  km_poses_compute(r->m, r->s);
   double factor = km_plan_is_driven(r->plan) ? km_model_coordinate_factor(r->m->model, r->plan->coordinate) : 1.0;
   for (int i = 0; i < r->plan->point_count; ++i) {
     km_frame_position(r->m, r->s, r->plan->points[i].frame, cell);
@@ -180,13 +180,13 @@ static void put_column(column_cells to, const double *from, size_t apart, double
 }
 
 /* Coordinates and mobility numbers of rows that were passed. */
-static void put_numbers(const km_sweeper *r, const km_ridden_rows *rows, column_cells row) {
+static void put_numbers(const km_sweeper *r, const km_batched_rows *rows, column_cells row) {
   const km_substructure *sub = &r->m->substructures[r->substructure];
   const int *coordinate = r->m->column_coordinate + sub->column_start;
   const bool *unread = r->observer->unread;
   for (int k = 0; k < sub->columns; ++k) {
     int c = coordinate[k];
-    size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_DRIVE_LANES;
+    size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_BATCH_LANES;
     if (!unread || !unread[c])
       put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->apart, r->m->factor[c]);
     if (number)
@@ -203,9 +203,9 @@ static bool has_more_cells(const km_sweeper *r, size_t width, size_t count) {
   return width > 2 + moving + count + 1;
 }
 
-km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count, int step, const double *s,
+km_status km_sweeper_passed_rows(km_sweeper *r, const km_driver_motion *drive, int count, int step, const double *s,
                                  km_error *error) {
-  const km_ridden_rows rows = km_drive_ridden_rows(drive);
+  const km_batched_rows rows = km_driver_motion_batched_rows(drive);
   const int freedom = km_partition_freedom(&r->s->partition[r->substructure]);
   const size_t mobilities = 1 + (size_t)r->m->topology.substructure_count;
   size_t width = km_table_columns(r->out->table), residual = width - 1, dof = residual - mobilities;
@@ -221,7 +221,7 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_drive *drive, int count
     repeat_row(first, width, (size_t)count);
   for (int i = 0; i < count; ++i, cells += width) {
     cells[0] = step + i;
-    cells[1] = s[i * KM_DRIVE_LANES];
+    cells[1] = s[i * KM_BATCH_LANES];
     for (size_t k = dof; k < residual; ++k)
       cells[k] = first[k];
     cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
@@ -247,32 +247,32 @@ km_status km_sweeper_near_row(km_sweeper *r, km_error *error) {
 
 /* Of several freedoms some may be idle. */
 static km_status find_idle(km_sweeper *r, km_error *error) {
-  km_idle_freedoms idle;
-  km_status status = km_idle_freedoms_find(r->m, r->s, NULL, NULL, &idle, error);
+  km_passive_freedoms idle;
+  km_status status = km_passive_freedoms_find(r->m, r->s, NULL, NULL, &idle, error);
   for (int i = 0; i < idle.count; ++i)
     r->out->idle += idle.items[i].substructure == r->substructure ? idle.items[i].freedoms : 0;
   if (!status && r->out->idle > 0) {
     r->out->idle_coordinates = KM_NEW(bool, (size_t)r->m->coordinate_count);
     if (r->out->idle_coordinates)
-      km_idle_coordinates(r->m, &idle, r->out->idle_coordinates);
+      km_passive_coordinates(r->m, &idle, r->out->idle_coordinates);
     else
       status = km_fail(error, KM_MEMORY, "out of memory for the idle freedoms");
   }
-  km_idle_freedoms_free(&idle);
+  km_passive_freedoms_free(&idle);
   return status;
 }
 
 static km_status find_shaking(const km_sweeper *r, km_error *error) {
   km_arena arena = {0};
-  km_steady steady = {0};
-  bool done = km_steady_begin(&steady, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
+  km_constant_rank steady = {0};
+  bool done = km_constant_rank_begin(&steady, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
   r->out->shaking = steady.on ? r->out->freedom - steady.count : 0;
   km_arena_free(&arena);
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the tangents");
 }
 
 km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
-  if (km_mobility_update(r->m, r->s, &r->out->first))
+  if (km_mobility_compute(r->m, r->s, &r->out->first))
     return km_fail(error, KM_MEMORY, "out of memory for the mobility");
   r->other_mobility = r->out->first.mobility;
   if (r->substructure >= 0)

@@ -53,7 +53,7 @@ double km_square_apart(km_vec3 a, km_vec3 b, double grain) {
   return square > grain * grain && square > rounding * rounding * sizes ? square : 0.0;
 }
 
-double km_longest_link(const km_model *model, const km_walks *walks, double grain) {
+double km_longest_link(const km_model *model, const km_loop_walks *walks, double grain) {
   int *parent = walks->parent, *first = walks->first, *frame = walks->frame;
   double longest = 0.0;
   memset(first, 0, ((size_t)model->body_count + 2) * sizeof *first);

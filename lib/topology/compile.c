@@ -33,7 +33,7 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   return status;
 }
 
-bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
+bool km_compile_allocate(km_mechanism *m, km_loop_walks *walks) {
   size_t steps, entries, terms = 0, curves = 0;
   km_compile_bounds(m, &steps, &entries);
   for (int i = 0; i < m->model->coupling_count; ++i) {
@@ -81,7 +81,7 @@ bool km_compile_allocate(km_mechanism *m, km_walks *walks) {
   return km_walks_create(m, steps, arena, walks);
 }
 
-static void set_length(km_mechanism *m, const km_compiling *how, const km_walks *walks) {
+static void set_length(km_mechanism *m, const km_compiling *how, const km_loop_walks *walks) {
   const km_model *model = m->model;
   if (how->length > 0.0) {
     m->length = how->length;
@@ -316,7 +316,7 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
-static void compile_substructure(km_mechanism *m, int s, km_walks *walks) {
+static void compile_substructure(km_mechanism *m, int s, km_loop_walks *walks) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
   sub->loop_start = t->loop_start[s];
@@ -362,7 +362,7 @@ static void set_arcs(km_mechanism *m) {
   }
 }
 
-void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walks) {
+void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_loop_walks *walks) {
   m->grain = km_place_grain(m->model);
   set_length(m, how, walks);
   set_coordinates(m, how->holds, how->hold_count);
@@ -381,7 +381,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_walks *walk
 
 static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
   km_status status = build_topology(m, error);
-  km_walks walks;
+  km_loop_walks walks;
   if (status)
     return status;
   m->coordinate_count = m->model->coordinate_count;

@@ -5,7 +5,7 @@
 #include "topology/chain.h"
 
 /* Where walks have been, by body: kept from program to program by a stamp instead of clearing. */
-typedef struct km_walks {
+typedef struct km_loop_walks {
   int *stamp, *via, *first_step, *step_count; /* [body] `via`: the joint by which it was reached */
   km_stand *stand;                            /* [body] */
   km_pose *zero;                              /* [slot] poses of a program's slots when all coordinates are 0 */
@@ -13,12 +13,12 @@ typedef struct km_walks {
   int *next;                                  /* [substructure] where its next column goes */
   int *parent, *first, *frame;                /* [body], [body + 2], [2 · joint] of km_longest_link */
   int program;                                /* the current stamp */
-} km_walks;
+} km_loop_walks;
 
-bool km_walks_create(const km_mechanism *mechanism, size_t steps, km_arena *arena, km_walks *out);
+bool km_walks_create(const km_mechanism *mechanism, size_t steps, km_arena *arena, km_loop_walks *out);
 /* Reads every loop's steps, motion space and closing frames of one substructure into the mechanism, whose
  * arrays are large enough. */
-void km_compile_loops(km_mechanism *mechanism, int substructure, km_walks *walks);
+void km_compile_loops(km_mechanism *mechanism, int substructure, km_loop_walks *walks);
 /* The larger of the substructure's span and the longest slide at q[coordinate]. At the start it is the substructure's size: a length
  * that every pose shares, and that scales with the units. */
 double km_substructure_size(const km_mechanism *mechanism, int substructure, const double *q);
@@ -33,20 +33,22 @@ double km_place_grain(const km_model *model);
 double km_square_apart(km_vec3 a, km_vec3 b, double grain);
 /* The greatest distance between the frames of two joints on one moving body, in the model's unit; bodies that rigid
  * joints tie to the inertial frame don't move. 0 where there is none. */
-double km_longest_link(const km_model *model, const km_walks *walks, double grain);
+double km_longest_link(const km_model *model, const km_loop_walks *walks, double grain);
 /* The arrays of a mechanism whose topology is known, zeroed, and the workspace of its walks, in its arena. False when out
  * of memory. */
-bool km_compile_allocate(km_mechanism *mechanism, km_walks *walks);
+bool km_compile_allocate(km_mechanism *mechanism, km_loop_walks *walks);
 /* Fills these arrays from the model's numbers, but for where Jacobians are stored. */
-void km_compile_numbers(km_mechanism *mechanism, const km_compiling *how, km_walks *walks);
+void km_compile_numbers(km_mechanism *mechanism, const km_compiling *how, km_loop_walks *walks);
 /* Upper bound of the steps (and entries) that the loops of the mechanism need. */
 void km_compile_bounds(const km_mechanism *mechanism, size_t *steps, size_t *entries);
 /* True if a hinge about `axis` or a slide along it moves what it carries in planes across `normal`; false for other primitives. */
 bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal);
 /* Do all loops of the program move in one plane, to the last digits? `plane` is then the base frame turned
  * so that its z is the normal, else the identity. */
-bool km_find_plane(const km_mechanism *mechanism, const km_program *program, const km_walks *walks, km_rotation *plane);
+bool km_find_plane(const km_mechanism *mechanism, const km_program *program, const km_loop_walks *walks,
+                   km_rotation *plane);
 /* Rewrites such a program into planar steps. */
-void km_compile_planar(km_mechanism *mechanism, km_program *program, const km_walks *walks, const km_rotation *plane);
+void km_compile_planar(km_mechanism *mechanism, km_program *program, const km_loop_walks *walks,
+                       const km_rotation *plane);
 
 #endif

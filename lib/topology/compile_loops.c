@@ -14,19 +14,19 @@ void km_compile_bounds(const km_mechanism *m, size_t *steps, size_t *entries) {
   *steps = *entries;
 }
 
-bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_walks *w) {
+bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_loop_walks *w) {
   size_t bodies = (size_t)m->model->body_count;
-  *w = (km_walks){.stamp = KM_ARENA_NEW(arena, int, bodies),
-                  .via = KM_ARENA_NEW(arena, int, bodies),
-                  .first_step = KM_ARENA_NEW(arena, int, bodies),
-                  .step_count = KM_ARENA_NEW(arena, int, bodies),
-                  .stand = KM_ARENA_NEW(arena, km_stand, bodies),
-                  .zero = KM_ARENA_NEW(arena, km_pose, steps + 1),
-                  .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
-                  .next = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
-                  .parent = KM_ARENA_NEW(arena, int, bodies),
-                  .first = KM_ARENA_NEW(arena, int, bodies + 2),
-                  .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
+  *w = (km_loop_walks){.stamp = KM_ARENA_NEW(arena, int, bodies),
+                       .via = KM_ARENA_NEW(arena, int, bodies),
+                       .first_step = KM_ARENA_NEW(arena, int, bodies),
+                       .step_count = KM_ARENA_NEW(arena, int, bodies),
+                       .stand = KM_ARENA_NEW(arena, km_stand, bodies),
+                       .zero = KM_ARENA_NEW(arena, km_pose, steps + 1),
+                       .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
+                       .next = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
+                       .parent = KM_ARENA_NEW(arena, int, bodies),
+                       .first = KM_ARENA_NEW(arena, int, bodies + 2),
+                       .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
   return !arena->failed;
 }
 
@@ -91,7 +91,7 @@ static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int
 }
 
 /* A body stands `at` in the present program, reached by a joint that became `count` steps. */
-static void remember(km_walks *w, int body, int joint, const km_stand *at, int first, int count) {
+static void remember(km_loop_walks *w, int body, int joint, const km_stand *at, int first, int count) {
   w->stamp[body] = w->program;
   w->via[body] = joint;
   w->stand[body] = *at;
@@ -102,7 +102,7 @@ static void remember(km_walks *w, int body, int joint, const km_stand *at, int f
 /* Walks from the base down one side of the loop; bodies that another loop has reached the same way are not walked
  * again. */
 static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side, km_stand from,
-                          km_walks *w) {
+                          km_loop_walks *w) {
   const km_topology *t = &m->topology;
   double size = m->substructures[t->substructure_of_loop[l]].size;
   km_stand at = from;
@@ -129,7 +129,7 @@ static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, i
 }
 
 /* Poses of the program's slots when every free coordinate is 0, each about the origin of its branch. */
-static void zero_poses(const km_mechanism *m, const km_program *program, km_walks *w) {
+static void zero_poses(const km_mechanism *m, const km_program *program, km_loop_walks *w) {
   w->zero[0] = km_pose_identity();
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
@@ -139,7 +139,7 @@ static void zero_poses(const km_mechanism *m, const km_program *program, km_walk
 
 /* The unit twists of a loop's steps about its point when all coordinates are 0, lengths over the loop's own radius: the
  * motion space doesn't depend on where the loop is, nor on how long its chain of joints is. */
-static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_walks *w,
+static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_loop_walks *w,
                        const km_rotation *plane) {
   double square = 1.0;
   int count = 0;
@@ -164,7 +164,7 @@ static int list_twists(const km_mechanism *m, const km_program *program, const k
   return count;
 }
 
-static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_walks *w,
+static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_loop_walks *w,
                               const km_rotation *plane) {
   int count = list_twists(m, program, loop, w, plane);
   /* Directions are told apart by what 1e-16 data can blur, or by what the file says it can. */
@@ -179,7 +179,7 @@ static void find_motion_space(km_mechanism *m, const km_program *program, km_loo
     loop->rows[i] = program->planar && space.rows[i] == TURN_IN_SPACE ? TURN_IN_PLANE : space.rows[i];
 }
 
-static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand base, km_walks *w, int *entries) {
+static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand base, km_loop_walks *w, int *entries) {
   km_loop *loop = &m->loops[l];
   const km_edge ends = {m->model->joints[m->topology.chord[l]].frame[0],
                         m->model->joints[m->topology.chord[l]].frame[1]};
@@ -198,7 +198,7 @@ static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand b
 }
 
 /* The point of the loop about which its rows are taken: where its frames meet when every coordinate is 0. */
-static void set_point(const km_walks *w, km_loop *loop) {
+static void set_point(const km_loop_walks *w, km_loop *loop) {
   loop->point[0] = km_pose_point(&w->zero[loop->slot[0]], loop->close[0].p);
   loop->point[1] = km_vec3_sub(loop->point[0], loop->apart);
 }
@@ -239,7 +239,7 @@ typedef struct cut_loop {
       behind; /* of what the ball joint carries, about the origin of the other side's branch; its origin is the joint's centre */
 } cut_loop;
 
-static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const km_walks *w) {
+static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const km_loop_walks *w) {
   km_pose own = km_pose_inverse(&w->zero[ball->to]);
   own = km_pose_product(&own, &w->zero[loop->slot[side]]);
   own = km_pose_product(&own, &loop->close[side]);
@@ -248,7 +248,7 @@ static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const
 }
 
 /* The axis of a step of the loop, in the base frame. Slots are numbered along the branches. */
-static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_entry *entry, const km_walks *w) {
+static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_entry *entry, const km_loop_walks *w) {
   km_vec3 axis = w->zero[step->to].R.axis[step->axis];
   if ((entry->side < 0.0) != cut->side || step->to < cut->ball->to)
     return axis;
@@ -257,7 +257,7 @@ static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_en
 
 /* True if all joints of the loop but the ball joint move in planes across `normal`, and one of them turns. */
 static bool is_planar_beside(const km_mechanism *m, const km_program *program, const km_loop *loop, const cut_loop *cut,
-                             const km_walks *w, km_vec3 *normal) {
+                             const km_loop_walks *w, km_vec3 *normal) {
   bool has_normal = false;
   for (int pass = 0; pass < 2; ++pass)
     for (int i = 0; i < loop->entry_count; ++i) {
@@ -279,7 +279,7 @@ static bool is_planar_beside(const km_mechanism *m, const km_program *program, c
 /* In a loop of hinges on parallel axes with one ball joint, nothing changes the height along the axes at which the
  * sides of the ball joint meet. The hinges' frames may lie anywhere along their axes: the ball joint is moved along
  * them by that height. */
-static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_walks *w) {
+static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_loop_walks *w) {
   int side = 0;
   km_step *ball = only_ball(m, program, loop, &side);
   if (!ball || is_shared(m, program, loop, ball))
@@ -298,7 +298,7 @@ static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loo
   zero_poses(m, program, w);
 }
 
-static void compile_program(km_mechanism *m, km_program *program, km_walks *w) {
+static void compile_program(km_mechanism *m, km_program *program, km_loop_walks *w) {
   const km_topology *t = &m->topology;
   int first = m->loop_order[program->loop_start];
   const km_member *member = &t->member[t->member_start[first]];
@@ -350,7 +350,7 @@ static void group_by_base(km_mechanism *m, km_substructure *sub) {
   sub->program_count = m->program_count - sub->program_start;
 }
 
-void km_compile_loops(km_mechanism *m, int s, km_walks *walks) {
+void km_compile_loops(km_mechanism *m, int s, km_loop_walks *walks) {
   km_substructure *sub = &m->substructures[s];
   group_by_base(m, sub);
   for (int i = 0; i < sub->program_count; ++i)

@@ -120,7 +120,7 @@ typedef struct km_arc {
 struct km_mechanism {
   km_arena arena;
   km_mechanism *spare; /* arrays of its own that the next renumbering fills; NULL until the first one */
-  struct km_walks *spare_walks;
+  struct km_loop_walks *spare_walks;
   km_hold *holds;
   int hold_count;
   unsigned edition; /* how often it was given new numbers */

@@ -14,7 +14,7 @@ static bool make_spare(km_mechanism *m) {
   spare->coordinate_count = m->coordinate_count;
   spare->closure_tolerance = m->closure_tolerance;
   spare->closure_tolerance_given = m->closure_tolerance_given;
-  spare->spare_walks = KM_ARENA_NEW(&spare->arena, km_walks, 1);
+  spare->spare_walks = KM_ARENA_NEW(&spare->arena, km_loop_walks, 1);
   if (spare->spare_walks && km_compile_allocate(spare, spare->spare_walks))
     return true;
   km_mechanism_free(spare);
@@ -69,7 +69,7 @@ static void exchange(km_mechanism *m, km_mechanism *spare) {
   *spare = old;
   m->spare = spare;
   spare->spare = NULL;
-  km_walks *walks = m->spare_walks ? m->spare_walks : spare->spare_walks;
+  km_loop_walks *walks = m->spare_walks ? m->spare_walks : spare->spare_walks;
   m->spare_walks = spare->spare_walks = walks;
   m->holds = old.holds;
   m->hold_count = old.hold_count;

@@ -5,11 +5,11 @@
 static const double exactly = 1e-13;
 
 /* The axis of a step when all coordinates are 0, in the base frame. */
-static km_vec3 axis_of(const km_step *step, const km_walks *w) {
+static km_vec3 axis_of(const km_step *step, const km_loop_walks *w) {
   return w->zero[step->to].R.axis[step->axis];
 }
 
-static bool find_normal(const km_mechanism *m, const km_program *program, const km_walks *w, km_vec3 *normal) {
+static bool find_normal(const km_mechanism *m, const km_program *program, const km_loop_walks *w, km_vec3 *normal) {
   const km_step *steps = &m->steps[program->step_start];
   for (int i = 0; i < program->step_count; ++i) {
     if (steps[i].primitive == KM_REVOLUTE) {
@@ -37,7 +37,7 @@ bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
   return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= exactly * exactly;
 }
 
-static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_walks *w, km_vec3 normal) {
+static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_loop_walks *w, km_vec3 normal) {
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
     if (!km_moves_in_plane(step->primitive, axis_of(step, w), normal))
@@ -62,7 +62,7 @@ static km_rotation plane_frame(km_vec3 normal) {
   return (km_rotation){{x, km_vec3_cross(normal, x), normal}};
 }
 
-static void planar_step(const km_step *step, const km_walks *w, const km_rotation *plane, km_planar_step *out) {
+static void planar_step(const km_step *step, const km_loop_walks *w, const km_rotation *plane, km_planar_step *out) {
   km_vec3 shift = km_rotate_back(plane, km_vec3_sub(w->zero[step->to].p, w->zero[step->from].p));
   km_vec3 axis = km_rotate_back(plane, axis_of(step, w));
   bool slides = step->primitive == KM_PRISMATIC;
@@ -87,7 +87,7 @@ static bool has_hinge(const km_mechanism *m, const km_program *program, const km
   return false;
 }
 
-static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *plane, const km_rotation *base,
+static void planar_loop(km_loop *loop, const km_loop_walks *w, const km_rotation *plane, const km_rotation *base,
                         bool has_hinge) {
   km_pose end[2];
   for (int side = 0; side < 2; ++side) {
@@ -120,7 +120,7 @@ static void planar_loop(km_loop *loop, const km_walks *w, const km_rotation *pla
   loop->fixed_misfit[4] = s * z.x;
 }
 
-bool km_find_plane(const km_mechanism *m, const km_program *program, const km_walks *w, km_rotation *plane) {
+bool km_find_plane(const km_mechanism *m, const km_program *program, const km_loop_walks *w, km_rotation *plane) {
   km_vec3 normal;
   *plane = km_rotation_identity();
   if (!find_normal(m, program, w, &normal) || !all_in_plane(m, program, w, normal))
@@ -129,7 +129,7 @@ bool km_find_plane(const km_mechanism *m, const km_program *program, const km_wa
   return true;
 }
 
-void km_compile_planar(km_mechanism *m, km_program *program, const km_walks *w, const km_rotation *plane) {
+void km_compile_planar(km_mechanism *m, km_program *program, const km_loop_walks *w, const km_rotation *plane) {
   int start = m->planar_step_count;
   for (int i = 0; i < program->step_count; ++i)
     planar_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);

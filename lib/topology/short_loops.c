@@ -158,7 +158,7 @@ static bool sort(finder *f, km_arena *scratch) {
 static void shorten(finder *f, int loop, int *used) {
   const km_topology *t = f->t;
   int s = t->substructure_of_loop[loop], length = length_of(t, loop);
-  bool large = t->loop_start[s + 1] - t->loop_start[s] > KM_MOST_TREE_LOOPS;
+  bool large = t->loop_start[s + 1] - t->loop_start[s] > KM_MAX_TREE_LOOPS;
   int joints = large && length > SHORTEST ? find_way(f, loop, length - 1) : 0;
   if (joints)
     write_loop(f, loop, joints, f->member + *used);
@@ -199,7 +199,7 @@ static bool make_finder(finder *f, km_arena *scratch) {
 static bool is_needed(const km_topology *t) {
   bool needed = false;
   for (int s = 0; s < t->substructure_count; ++s)
-    needed = needed || t->loop_start[s + 1] - t->loop_start[s] > KM_MOST_TREE_LOOPS;
+    needed = needed || t->loop_start[s + 1] - t->loop_start[s] > KM_MAX_TREE_LOOPS;
   return needed;
 }
 

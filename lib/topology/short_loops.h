@@ -5,7 +5,7 @@
 #include "topology/spanning_tree.h"
 
 /* Substructures of up to so many loops keep the loops that the tree gives. */
-enum { KM_MOST_TREE_LOOPS = 50 };
+enum { KM_MAX_TREE_LOOPS = 50 };
 
 /* Joints at each body in file order: the items of body b are item[start[b]] … item[start[b + 1] - 1]. */
 typedef struct km_incidence {

@@ -11,9 +11,9 @@
 /* A force smaller than this share of the largest one is what rounding leaves where nothing presses. */
 static const double rounded = 1e-12;
 
-struct km_losses_work {
+struct km_losses_workspace {
   km_arena arena;
-  km_lever *lever;
+  km_transfer *lever;
   km_forces *forces;
   km_statics statics;
   km_surface *surface; /* [surface_count] all that can rub */
@@ -33,17 +33,16 @@ bool km_model_has_friction(const km_model *model) {
 }
 
 /* A load of 1 against the output: in its joint, or at its point. */
-static km_status create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_losses_work *w,
+static km_status create(const km_mechanism *m, const km_port *input, const km_port *output, km_losses_workspace *w,
                         km_error *error) {
   static const double weightless[3] = {0, 0, 0};
   const double *d = output->direction;
   km_load load = {output->frame, {-d[0], -d[1], -d[2]}, {0, 0, 0}, false};
-  km_status status = km_lever_create(m, input, output, &w->lever, error);
+  km_status status = km_transfer_create(m, input, output, &w->lever, error);
   if (!status)
-    status = km_forces_create(m, weightless, &load, output->kind == KM_HANDLE_POINT, &w->forces, error);
+    status = km_forces_create(m, weightless, &load, output->kind == KM_PORT_POINT, &w->forces, error);
   if (!status)
-    status =
-        km_statics_create(m, &input->coordinate, input->kind == KM_HANDLE_JOINT, KM_AXES_FIXED, &w->statics, error);
+    status = km_statics_create(m, &input->coordinate, input->kind == KM_PORT_JOINT, KM_AXES_FIXED, &w->statics, error);
   size_t most = 2 * (size_t)m->coordinate_count;
   w->surface = KM_ARENA_NEW(&w->arena, km_surface, most);
   w->rubbing = KM_ARENA_NEW(&w->arena, km_surface, most);
@@ -57,15 +56,15 @@ static km_status create(const km_mechanism *m, const km_handle *input, const km_
   return status;
 }
 
-km_status km_losses_create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_losses_work **out,
-                           km_error *error) {
+km_status km_losses_create(const km_mechanism *m, const km_port *input, const km_port *output,
+                           km_losses_workspace **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
-  km_status fits = km_check_handles(m, input, output, error);
+  km_status fits = km_check_ports(m, input, output, error);
   if (fits)
     return fits;
-  km_losses_work *w = *out = KM_NEW(km_losses_work, 1);
+  km_losses_workspace *w = *out = KM_NEW(km_losses_workspace, 1);
   if (!w)
     return km_fail(error, KM_MEMORY, "out of memory for the losses");
   km_status status = create(m, input, output, w, error);
@@ -76,10 +75,10 @@ km_status km_losses_create(const km_mechanism *m, const km_handle *input, const 
   return status;
 }
 
-void km_losses_free(km_losses_work *w) {
+void km_losses_free(km_losses_workspace *w) {
   if (!w)
     return;
-  km_lever_free(w->lever);
+  km_transfer_free(w->lever);
   km_forces_free(w->forces);
   km_statics_free(&w->statics);
   km_arena_free(&w->arena);
@@ -87,7 +86,7 @@ void km_losses_free(km_losses_work *w) {
 }
 
 /* What rubs in the motion `rates`. */
-static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double *rates) {
+static void find_rubbing(const km_mechanism *m, km_losses_workspace *w, const double *rates) {
   w->friction.count = 0;
   for (int i = 0; i < w->surface_count; ++i) {
     int c = w->surface[i].coordinate;
@@ -100,7 +99,7 @@ static void find_rubbing(const km_mechanism *m, km_losses_work *w, const double 
 }
 
 /* What a thread's own friction adds to its load, for a normal force of 1: μ tan λ along the axis, with the sense of the rate. */
-static void add_own_friction(const km_mechanism *m, km_losses_work *w, int place) {
+static void add_own_friction(const km_mechanism *m, km_losses_workspace *w, int place) {
   int c = w->rubbing[place].coordinate;
   double *own = w->friction.B + 3 * (place * w->friction.count + place);
   double along = -w->resists[place] / km_slip_arm(m, c) * km_thread_slope(m, c);
@@ -110,14 +109,14 @@ static void add_own_friction(const km_mechanism *m, km_losses_work *w, int place
 
 /* Balances the load of 1 against the output, and friction from a normal force of 1 at one place (-1: none). Returns the
  * input's force. */
-static double balance(const km_mechanism *m, km_state *s, km_losses_work *w, int place) {
+static double balance(const km_mechanism *m, km_state *s, km_losses_workspace *w, int place) {
   int output = w->lever->output.handle.coordinate;
   memset(w->forces->extra, 0, (size_t)m->coordinate_count * sizeof *w->forces->extra);
   if (output >= 0)
     w->forces->extra[output] = -1.0;
   if (place >= 0)
     w->forces->extra[w->rubbing[place].coordinate] += w->resists[place];
-  km_statics_update(m, s, w->forces, &w->statics);
+  km_statics_compute(m, s, w->forces, &w->statics);
   return w->statics.held ? w->statics.actuator_forces[0] : nan("");
 }
 
@@ -141,7 +140,7 @@ static void put(km_vec3 a, double least, double *to) {
 /* Everything is linear in the load and the normal forces N: under the input force that holds a load of 1 without
  * friction there remains a load of 1 − Σ w N, and what presses on each place is a + Σ B N. False if the input alone
  * can't hold the output. */
-static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w) {
+static bool make_equations(const km_mechanism *m, km_state *s, km_losses_workspace *w) {
   km_friction *f = &w->friction;
   double ideal = balance(m, s, w, -1), alone = largest_reaction(m, &w->statics);
   for (int c = 0; c < f->count; ++c)
@@ -161,18 +160,18 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_work *w
   return isfinite(ideal);
 }
 
-km_status km_losses_update(const km_mechanism *m, km_state *s, km_losses_work *w, km_losses *out) {
+km_status km_losses_compute(const km_mechanism *m, km_state *s, km_losses_workspace *w, km_losses *out) {
   if (!out)
     return KM_USAGE;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan(""), .why = "the mobility isn't known"};
-  if (!w || w->lever->mechanism != m || !km_state_knows_motion(m, s))
+  if (!w || w->lever->mechanism != m || !km_state_mobility_is_known(m, s))
     return KM_USAGE;
   km_advantage a;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .locks_from = nan("")};
-  km_status status = km_lever_update(m, s, w->lever, &a);
+  km_status status = km_transfer_compute(m, s, w->lever, &a);
   if (status)
     return status;
-  if (w->lever->input.handle.kind != KM_HANDLE_JOINT || a.state != KM_ADVANTAGE_FINITE) {
+  if (w->lever->input.handle.kind != KM_PORT_JOINT || a.state != KM_ADVANTAGE_FINITE) {
     out->why = a.state != KM_ADVANTAGE_FINITE ? "the mechanical advantage isn't finite" : "the input is no joint";
     return KM_OK;
   }

@@ -20,9 +20,9 @@ static const double zero_rate_tolerance = 3e-8;
 static const double left_of_two = 1e-2;
 
 /* The coordinates that an end's rate is made of: its own, or those on the way to the point's body. */
-static void mark_direct(const km_mechanism *m, const km_handle *h, bool *marks) {
+static void mark_direct(const km_mechanism *m, const km_port *h, bool *marks) {
   const km_topology *t = &m->topology;
-  if (h->kind == KM_HANDLE_JOINT) {
+  if (h->kind == KM_PORT_JOINT) {
     marks[h->coordinate] = true;
     return;
   }
@@ -34,7 +34,7 @@ static void mark_direct(const km_mechanism *m, const km_handle *h, bool *marks) 
 }
 
 /* All free coordinates that move with an end: whole substructures. */
-static void mark_moving(const km_mechanism *m, const km_handle *h, bool *marks) {
+static void mark_moving(const km_mechanism *m, const km_port *h, bool *marks) {
   memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
   mark_direct(m, h, marks);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
@@ -49,18 +49,18 @@ static void mark_moving(const km_mechanism *m, const km_handle *h, bool *marks) 
 }
 
 /* "joint \"A\"" or "point of body \"b\"". */
-static void name_of(const km_mechanism *m, const km_handle *h, km_text *out) {
-  if (h->kind == KM_HANDLE_JOINT)
+static void name_of(const km_mechanism *m, const km_port *h, km_text *out) {
+  if (h->kind == KM_PORT_JOINT)
     km_text_format(out, "joint \"%s\"", m->model->coordinates[h->coordinate].label);
   else
     km_text_format(out, "the point of body \"%s\"", m->model->bodies[m->model->frames[h->frame].body].name);
 }
 
-static km_status check_end(const km_mechanism *m, const km_handle *h, bool output, const bool *marks, km_error *error) {
+static km_status check_end(const km_mechanism *m, const km_port *h, bool output, const bool *marks, km_error *error) {
   bool any = false;
   for (int c = 0; c < m->coordinate_count; ++c)
     any = any || marks[c];
-  if (h->kind == KM_HANDLE_JOINT && m->held[h->coordinate])
+  if (h->kind == KM_PORT_JOINT && m->held[h->coordinate])
     return km_fail(error, KM_USAGE, "%s \"%s\" is held; expected a joint that is free to move", km_end_word(output),
                    m->model->coordinates[h->coordinate].label);
   if (!any)
@@ -69,10 +69,10 @@ static km_status check_end(const km_mechanism *m, const km_handle *h, bool outpu
   return KM_OK;
 }
 
-static bool same(const km_handle *a, const km_handle *b) {
+static bool same(const km_port *a, const km_port *b) {
   if (a->kind != b->kind)
     return false;
-  if (a->kind == KM_HANDLE_JOINT)
+  if (a->kind == KM_PORT_JOINT)
     return a->coordinate == b->coordinate;
   km_vec3 difference = km_vec3_cross(km_vec3_make(a->direction), km_vec3_make(b->direction));
   return a->frame == b->frame && km_vec3_norm(difference) < 1e-12;
@@ -89,10 +89,10 @@ static void list(const km_mechanism *m, const bool *marks, int but, km_text *out
 }
 
 /* Both ends are one, or one doesn't move with the other: says which outputs would do. */
-static km_status refuse(const km_mechanism *m, const km_lever *l, km_error *error) {
-  const km_handle *in = &l->input.handle, *out = &l->output.handle;
+static km_status refuse(const km_mechanism *m, const km_transfer *l, km_error *error) {
+  const km_port *in = &l->input.handle, *out = &l->output.handle;
   km_text names = {0}, choice = {0};
-  list(m, l->moves, in->kind == KM_HANDLE_JOINT ? in->coordinate : -1, &choice);
+  list(m, l->moves, in->kind == KM_PORT_JOINT ? in->coordinate : -1, &choice);
   name_of(m, out, &names);
   const char *known = choice.size ? choice.data : "a point of a body that it moves";
   km_status status;
@@ -110,8 +110,8 @@ static km_status refuse(const km_mechanism *m, const km_lever *l, km_error *erro
   return status;
 }
 
-static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km_error *error) {
-  const km_handle *in = &l->input.handle, *out = &l->output.handle;
+static km_status check(const km_mechanism *m, const km_transfer *l, bool *other, km_error *error) {
+  const km_port *in = &l->input.handle, *out = &l->output.handle;
   mark_moving(m, out, other);
   km_status status = check_end(m, in, false, l->moves, error);
   if (!status)
@@ -123,9 +123,9 @@ static km_status check(const km_mechanism *m, const km_lever *l, bool *other, km
     meet = meet || (l->moves[c] && other[c]);
   return meet && !same(in, out) ? KM_OK : refuse(m, l, error);
 }
-static bool allocate(const km_mechanism *m, km_lever *l) {
+static bool allocate(const km_mechanism *m, km_transfer *l) {
   size_t coordinates = (size_t)m->coordinate_count;
-  km_lever_end *ends[2] = {&l->input, &l->output};
+  km_transfer_end *ends[2] = {&l->input, &l->output};
   for (int i = 0; i < 2; ++i) {
     ends[i]->row = KM_ARENA_NEW(&l->arena, double, coordinates);
     ends[i]->speed = KM_ARENA_NEW(&l->arena, double, coordinates);
@@ -133,21 +133,21 @@ static bool allocate(const km_mechanism *m, km_lever *l) {
   l->rates = KM_ARENA_NEW(&l->arena, double, coordinates);
   l->moves = KM_ARENA_NEW(&l->arena, bool, coordinates);
   l->pose = KM_ARENA_NEW(&l->arena, km_pose, (size_t)m->topology.body_count);
-  l->steady = KM_ARENA_NEW(&l->arena, km_steady, (size_t)m->topology.substructure_count + 1);
+  l->steady = KM_ARENA_NEW(&l->arena, km_constant_rank, (size_t)m->topology.substructure_count + 1);
   l->is_steady = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
   l->asked = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
   return !l->arena.failed;
 }
 
-km_status km_lever_create(const km_mechanism *m, const km_handle *input, const km_handle *output, km_lever **out,
-                          km_error *error) {
+km_status km_transfer_create(const km_mechanism *m, const km_port *input, const km_port *output, km_transfer **out,
+                             km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
-  km_status fits = km_check_handles(m, input, output, error);
+  km_status fits = km_check_ports(m, input, output, error);
   if (fits)
     return fits;
-  km_lever *l = KM_NEW(km_lever, 1);
+  km_transfer *l = KM_NEW(km_transfer, 1);
   bool *other = KM_NEW(bool, (size_t)m->coordinate_count);
   km_status status = KM_OK;
   if (!l || !other || !allocate(m, l)) {
@@ -161,26 +161,26 @@ km_status km_lever_create(const km_mechanism *m, const km_handle *input, const k
   }
   km_free(other);
   if (status)
-    km_lever_free(l);
+    km_transfer_free(l);
   else
     *out = l;
   return status;
 }
 
-void km_lever_free(km_lever *l) {
+void km_transfer_free(km_transfer *l) {
   if (!l)
     return;
   km_arena_free(&l->arena);
   km_free(l);
 }
 
-const double *km_lever_rates(const km_lever *l) {
+const double *km_transfer_rates(const km_transfer *l) {
   if (!l)
     return NULL;
   return l->rates;
 }
 
-static void point_row(const km_mechanism *m, const km_state *s, const km_lever *l, km_lever_end *end) {
+static void point_row(const km_mechanism *m, const km_state *s, const km_transfer *l, km_transfer_end *end) {
   const km_topology *t = &m->topology;
   const km_model_frame *frame = &m->model->frames[end->handle.frame];
   km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), along = km_vec3_make(end->handle.direction);
@@ -195,9 +195,9 @@ static void point_row(const km_mechanism *m, const km_state *s, const km_lever *
   }
 }
 
-static void update_row(const km_mechanism *m, const km_state *s, const km_lever *l, km_lever_end *end) {
+static void update_row(const km_mechanism *m, const km_state *s, const km_transfer *l, km_transfer_end *end) {
   memset(end->row, 0, (size_t)m->coordinate_count * sizeof *end->row);
-  if (end->handle.kind == KM_HANDLE_JOINT)
+  if (end->handle.kind == KM_PORT_JOINT)
     end->row[end->handle.coordinate] = 1.0;
   else
     point_row(m, s, l, end);
@@ -205,7 +205,7 @@ static void update_row(const km_mechanism *m, const km_state *s, const km_lever 
 
 /* Adds the free motion Y_k of a substructure, or of a joint in no loop, to the rates: once, or as often as it moves the
  * input. */
-static void add_motion(const km_mechanism *m, km_lever *l, const double *z, const int *coordinate, int count,
+static void add_motion(const km_mechanism *m, km_transfer *l, const double *z, const int *coordinate, int count,
                        bool alone) {
   double a = 0.0;
   for (int j = 0; j < count; ++j)
@@ -215,22 +215,22 @@ static void add_motion(const km_mechanism *m, km_lever *l, const double *z, cons
 }
 
 /* Does the substructure shake all along its motion? Whether it does is found at the first pose that leaves several freedoms. */
-static bool is_steady(const km_mechanism *m, km_state *s, int index, km_lever *l) {
-  km_steady *steady = &l->steady[index];
+static bool is_steady(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
+  km_constant_rank *steady = &l->steady[index];
   if (km_partition_freedom(&s->partition[index]) < 2)
     return false;
   if (!l->asked[index])
-    l->asked[index] = km_steady_begin(steady, m, s, index, KM_NO_DRIVER, &l->arena);
-  return steady->on && km_steady_find(steady, m, s, index);
+    l->asked[index] = km_constant_rank_begin(steady, m, s, index, KM_NO_DRIVER, &l->arena);
+  return steady->on && km_constant_rank_find(steady, m, s, index);
 }
 
-static int find_freedom(const km_mechanism *m, km_state *s, int index, km_lever *l) {
+static int find_freedom(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
   l->is_steady[index] = is_steady(m, s, index, l);
   return l->is_steady[index] ? l->steady[index].count : km_partition_freedom(&s->partition[index]);
 }
 
 /* The same of all free motions of a substructure. */
-static void add_motions(const km_mechanism *m, km_state *s, int index, km_lever *l, bool alone) {
+static void add_motions(const km_mechanism *m, km_state *s, int index, km_transfer *l, bool alone) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
   if (l->is_steady[index]) {
@@ -249,7 +249,7 @@ static void add_motions(const km_mechanism *m, km_state *s, int index, km_lever 
 }
 
 /* The motion that the advantage is about; returns the freedoms that it was chosen from. */
-static int choose_motion(const km_mechanism *m, km_state *s, km_lever *l) {
+static int choose_motion(const km_mechanism *m, km_state *s, km_transfer *l) {
   static const double one = 1.0;
   int freedom = 0;
   memset(l->rates, 0, (size_t)m->coordinate_count * sizeof *l->rates);
@@ -280,8 +280,8 @@ static double largest_rate(const km_mechanism *m, const double *rates) {
   return largest;
 }
 
-static void find_rate(const km_mechanism *m, const double *rates, double largest, km_lever_end *end) {
-  if (end->handle.kind == KM_HANDLE_JOINT) {
+static void find_rate(const km_mechanism *m, const double *rates, double largest, km_transfer_end *end) {
+  if (end->handle.kind == KM_PORT_JOINT) {
     int own = end->handle.coordinate;
     end->size = m->unit[own] * largest;
     end->rate = rates[own];
@@ -295,7 +295,7 @@ static void find_rate(const km_mechanism *m, const double *rates, double largest
   }
 }
 
-static double clear_rate(const km_lever_end *end) {
+static double clear_rate(const km_transfer_end *end) {
   return fabs(end->rate) > zero_rate_tolerance * end->size ? end->rate : 0.0;
 }
 
@@ -304,15 +304,15 @@ static double ratio(double a, double b) {
   return a == 0.0 ? (b == 0.0 ? nan("") : 0.0) : b == 0.0 ? HUGE_VAL : a / b;
 }
 
-static void update_rows(const km_mechanism *m, const km_state *s, km_lever *l) {
-  if (l->input.handle.kind == KM_HANDLE_POINT || l->output.handle.kind == KM_HANDLE_POINT) /* joints need no poses */
+static void update_rows(const km_mechanism *m, const km_state *s, km_transfer *l) {
+  if (l->input.handle.kind == KM_PORT_POINT || l->output.handle.kind == KM_PORT_POINT) /* joints need no poses */
     km_poses_nearby(m, s, l->pose);
   update_row(m, s, l, &l->input);
   update_row(m, s, l, &l->output);
 }
 
 /* The advantage in the motion l->rates, which was chosen from so many freedoms. */
-static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantage *out) {
+static void measure(const km_mechanism *m, km_transfer *l, int freedom, km_advantage *out) {
   double largest = largest_rate(m, l->rates);
   for (int c = 0; c < m->coordinate_count && largest > 0.0; ++c)
     l->rates[c] /= largest;
@@ -333,13 +333,13 @@ static void measure(const km_mechanism *m, km_lever *l, int freedom, km_advantag
   out->velocity_ratio = ratio(out->output_rate, out->input_rate);
 }
 
-km_status km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out) {
+km_status km_transfer_compute(const km_mechanism *m, km_state *s, km_transfer *l, km_advantage *out) {
   static const km_advantage unknown = {
       .state = KM_ADVANTAGE_UNDEFINED, .value = (double)NAN, .velocity_ratio = (double)NAN};
   if (!out)
     return KM_USAGE;
   *out = unknown;
-  if (!l || l->mechanism != m || !km_state_knows_motion(m, s))
+  if (!l || l->mechanism != m || !km_state_mobility_is_known(m, s))
     return KM_USAGE;
   update_rows(m, s, l);
   measure(m, l, choose_motion(m, s, l), out);
@@ -349,14 +349,15 @@ km_status km_lever_update(const km_mechanism *m, km_state *s, km_lever *l, km_ad
   return status;
 }
 
-void km_lever_along(const km_mechanism *m, const km_state *s, km_lever *l, const double *rates, km_advantage *out) {
+void km_transfer_along(const km_mechanism *m, const km_state *s, km_transfer *l, const double *rates,
+                       km_advantage *out) {
   update_rows(m, s, l);
   memcpy(l->rates, rates, (size_t)m->coordinate_count * sizeof *rates);
   measure(m, l, 1, out);
 }
 
-int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advantage *out, int most) {
-  if (!l || !out || l->mechanism != m || !km_state_knows_motion(m, s))
+int km_transfer_branches(const km_mechanism *m, km_state *s, km_transfer *l, km_advantage *out, int most) {
+  if (!l || !out || l->mechanism != m || !km_state_mobility_is_known(m, s))
     return 0;
   int index = -1, count = 0;
   for (int c = 0; c < m->coordinate_count && index < 0; ++c)
@@ -366,7 +367,7 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
   if (is_steady(m, s, index, l))
     return 0;
   const km_substructure *sub = &m->substructures[index];
-  double *directions = KM_NEW(double, KM_MOST_BRANCHES *(size_t)sub->columns);
+  double *directions = KM_NEW(double, KM_MAX_BRANCHES *(size_t)sub->columns);
   double *rates = KM_NEW(double, (size_t)m->coordinate_count);
   count = directions && rates ? km_branch_directions(m, s, index, directions) : -1;
   for (int i = 0; i < count && i < most; ++i) {
@@ -374,7 +375,7 @@ int km_lever_branches(const km_mechanism *m, km_state *s, km_lever *l, km_advant
       int c = m->column_coordinate[sub->column_start + k];
       rates[c] = directions[(size_t)i * (size_t)sub->columns + (size_t)k] * m->unit[c];
     }
-    km_lever_along(m, s, l, rates, &out[i]);
+    km_transfer_along(m, s, l, rates, &out[i]);
   }
   km_free(directions);
   km_free(rates);

@@ -4,37 +4,37 @@
 
 #include <string.h>
 
-bool km_handle_default(const km_model *model, bool output, km_handle *out) {
+bool km_port_default(const km_model *model, bool output, km_port *out) {
   if (!out)
     return false;
-  *out = (km_handle){0};
+  *out = (km_port){0};
   if (!model)
     return false;
-  const km_model_handle *d = output ? &model->advantage_output : &model->advantage_input;
+  const km_model_port *d = output ? &model->advantage_output : &model->advantage_input;
   double length = km_vec3_norm(d->direction);
-  km_handle_kind kind = d->coordinate >= 0 ? KM_HANDLE_JOINT : d->frame >= 0 ? KM_HANDLE_POINT : KM_HANDLE_NONE;
-  *out = (km_handle){.kind = kind, .coordinate = d->coordinate, .frame = d->frame, .name = d->name};
-  if (kind == KM_HANDLE_JOINT)
+  km_port_kind kind = d->coordinate >= 0 ? KM_PORT_JOINT : d->frame >= 0 ? KM_PORT_POINT : KM_PORT_NONE;
+  *out = (km_port){.kind = kind, .coordinate = d->coordinate, .frame = d->frame, .name = d->name};
+  if (kind == KM_PORT_JOINT)
     out->name = model->coordinates[d->coordinate].label;
-  if (kind == KM_HANDLE_POINT) {
+  if (kind == KM_PORT_POINT) {
     out->direction[0] = d->direction.x / length;
     out->direction[1] = d->direction.y / length;
     out->direction[2] = d->direction.z / length;
   }
-  return kind != KM_HANDLE_NONE;
+  return kind != KM_PORT_NONE;
 }
 
 const char *km_end_word(bool output) {
   return output ? "output" : "input";
 }
 
-static km_status check_handle(const km_mechanism *m, const km_handle *h, bool output, km_error *error) {
+static km_status check_handle(const km_mechanism *m, const km_port *h, bool output, km_error *error) {
   km_status status = km_check_given(h != NULL, km_end_word(output), error);
   if (status)
     return status;
-  if (h->kind == KM_HANDLE_JOINT)
+  if (h->kind == KM_PORT_JOINT)
     return km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
-  if (h->kind != KM_HANDLE_POINT)
+  if (h->kind != KM_PORT_POINT)
     return km_fail(error, KM_USAGE, "the %s is neither a joint nor a point", km_end_word(output));
   double length = km_vec3_norm(km_vec3_make(h->direction));
   if (!(length > 0.0 && isfinite(length)))
@@ -42,21 +42,21 @@ static km_status check_handle(const km_mechanism *m, const km_handle *h, bool ou
   return km_check_index(h->frame, m->model->frame_count, "frame", error);
 }
 
-km_status km_check_handles(const km_mechanism *m, const km_handle *input, const km_handle *output, km_error *error) {
+km_status km_check_ports(const km_mechanism *m, const km_port *input, const km_port *output, km_error *error) {
   km_status status = km_check_given(m != NULL, "mechanism", error);
   if (!status)
     status = check_handle(m, input, false, error);
   return status ? status : check_handle(m, output, true, error);
 }
 
-static bool is_angle(const km_model *model, const km_handle *h) {
-  if (h->kind != KM_HANDLE_JOINT || h->coordinate < 0 || h->coordinate >= model->coordinate_count)
+static bool is_angle(const km_model *model, const km_port *h) {
+  if (h->kind != KM_PORT_JOINT || h->coordinate < 0 || h->coordinate >= model->coordinate_count)
     return false;
   const km_model_coordinate *def = &model->coordinates[h->coordinate];
   return !km_joint_is_length(model->joints[def->joint].type, def->index);
 }
 
-const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output) {
+const char *km_advantage_unit(const km_model *model, const km_port *input, const km_port *output) {
   if (!model || !input || !output)
     return "";
   static const char *const over[4] = {"rad/m", "rad/mm", "rad/cm", "rad/in"}, *const under[4] = {"m/rad", "mm/rad",

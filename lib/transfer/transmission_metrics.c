@@ -14,10 +14,10 @@
 /* Symbols: w the transmission wrench (f; τ), s_o the output's unit twist, h pitches, P the wrench's point on the output
  * link. */
 
-struct km_transmission_work {
+struct km_transmission_workspace {
   km_arena arena;
   const km_mechanism *mechanism;
-  km_handle input, output;
+  km_port input, output;
   int substructure;    /* of the input; -1: none */
   const char *no_loop; /* why there is no single loop with both in it; NULL: there is */
   int *ring, joints;   /* the loop's joints in order, rigid ones left out */
@@ -27,11 +27,11 @@ struct km_transmission_work {
   km_twist *twist;
   double *T; /* passive columns and what keeps w in the loop's motion space, as rows */
   km_partition partition;
-  km_singular *singular; /* NULL: the substructure is too large for it, or there is none */
+  km_singular_value_workspace *singular; /* NULL: the substructure is too large for it, or there is none */
 };
 
 /* The loop's joints in the order of a walk round it, without those that don't move. */
-static void make_ring(const km_mechanism *m, int loop, km_transmission_work *w) {
+static void make_ring(const km_mechanism *m, int loop, km_transmission_workspace *w) {
   const km_topology *t = &m->topology;
   int first = t->member_start[loop], end = t->member_start[loop + 1], split = first;
   while (split < end && t->member[split].side > 0)
@@ -48,15 +48,15 @@ static void make_ring(const km_mechanism *m, int loop, km_transmission_work *w) 
   }
 }
 
-static int place_of(const km_transmission_work *w, int joint) {
+static int place_of(const km_transmission_workspace *w, int joint) {
   int place = 0;
   while (place < w->joints && w->ring[place] != joint)
     ++place;
   return place;
 }
 
-static const char *find_loop(const km_mechanism *m, km_transmission_work *w) {
-  if (w->input.kind != KM_HANDLE_JOINT || w->output.kind != KM_HANDLE_JOINT)
+static const char *find_loop(const km_mechanism *m, km_transmission_workspace *w) {
+  if (w->input.kind != KM_PORT_JOINT || w->output.kind != KM_PORT_JOINT)
     return "input and output aren't both joints";
   int sub = m->substructure_of[w->input.coordinate];
   if (sub < 0 || m->substructures[sub].loop_count != 1 || m->substructures[sub].coupling_count > 0)
@@ -73,7 +73,7 @@ static const char *find_loop(const km_mechanism *m, km_transmission_work *w) {
   return NULL;
 }
 
-static bool allocate(const km_mechanism *m, km_transmission_work *w) {
+static bool allocate(const km_mechanism *m, km_transmission_workspace *w) {
   km_arena *arena = &w->arena;
   size_t coordinates = (size_t)m->coordinate_count;
   int columns = w->substructure >= 0 ? m->substructures[w->substructure].columns : 0;
@@ -81,27 +81,27 @@ static bool allocate(const km_mechanism *m, km_transmission_work *w) {
   w->pose = KM_ARENA_NEW(arena, km_pose, (size_t)m->topology.body_count);
   w->twist = KM_ARENA_NEW(arena, km_twist, coordinates);
   w->T = KM_ARENA_NEW(arena, double, 6 * (size_t)(columns + 3));
-  bool fits = w->substructure >= 0 && km_singular_fits(&m->substructures[w->substructure]);
-  w->singular = fits ? km_singular_create(m) : NULL;
+  bool fits = w->substructure >= 0 && km_singular_values_fit(&m->substructures[w->substructure]);
+  w->singular = fits ? km_singular_value_workspace_create(m) : NULL;
   if (fits && !w->singular)
     return false;
   return km_partition_reserve(&w->partition, columns + 3, 6, arena);
 }
 
-km_status km_transmission_create(const km_mechanism *m, const km_handle *input, const km_handle *output,
-                                 km_transmission_work **out, km_error *error) {
+km_status km_transmission_create(const km_mechanism *m, const km_port *input, const km_port *output,
+                                 km_transmission_workspace **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
-  km_status fits = km_check_handles(m, input, output, error);
+  km_status fits = km_check_ports(m, input, output, error);
   if (fits)
     return fits;
-  km_transmission_work *w = KM_NEW(km_transmission_work, 1);
+  km_transmission_workspace *w = KM_NEW(km_transmission_workspace, 1);
   if (w) {
     w->mechanism = m;
     w->input = *input;
     w->output = *output;
-    w->substructure = input->kind == KM_HANDLE_JOINT ? m->substructure_of[input->coordinate] : -1;
+    w->substructure = input->kind == KM_PORT_JOINT ? m->substructure_of[input->coordinate] : -1;
   }
   if (!w || !allocate(m, w)) {
     km_transmission_free(w);
@@ -112,25 +112,25 @@ km_status km_transmission_create(const km_mechanism *m, const km_handle *input, 
   return KM_OK;
 }
 
-void km_transmission_free(km_transmission_work *w) {
+void km_transmission_free(km_transmission_workspace *w) {
   if (!w)
     return;
-  km_singular_free(w->singular);
+  km_singular_value_workspace_free(w->singular);
   km_arena_free(&w->arena);
   km_free(w);
 }
 
-static bool is_planar(const km_mechanism *m, const km_transmission_work *w) {
+static bool is_planar(const km_mechanism *m, const km_transmission_workspace *w) {
   return m->programs[m->substructures[w->substructure].program_start].planar;
 }
 
-static km_vec3 centre_of(const km_mechanism *m, const km_transmission_work *w, int joint) {
+static km_vec3 centre_of(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
   const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[0]];
   return km_pose_point(&w->pose[frame->body], frame->pose.p);
 }
 
 /* The turning joints' axis of a planar loop. */
-static km_vec3 normal_of(const km_mechanism *m, const km_transmission_work *w) {
+static km_vec3 normal_of(const km_mechanism *m, const km_transmission_workspace *w) {
   const km_substructure *sub = &m->substructures[w->substructure];
   for (int k = 0; k < sub->columns; ++k) {
     km_vec3 axis = w->twist[m->column_coordinate[sub->column_start + k]].w;
@@ -148,7 +148,7 @@ static void add_row(const double row[6], int rows, int *count, double *T) {
 
 /* w · h = 0 for the passive joints; in a planar loop w is a force in the plane: no part of it is normal, nor is a
  * moment about a direction of the plane. */
-static bool find_wrench(const km_mechanism *m, km_transmission_work *w, km_vec3 about, km_wrench *out) {
+static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_vec3 about, km_wrench *out) {
   const km_substructure *sub = &m->substructures[w->substructure];
   bool planar = is_planar(m, w);
   int rows = sub->columns - 2 + (planar ? 3 : 0), count = 0;
@@ -214,12 +214,13 @@ static double index_at(km_wrench w, km_twist s, km_vec3 P) {
   return most > 0.0 ? power / most : 0.0;
 }
 
-static bool is_point(const km_mechanism *m, const km_transmission_work *w, int joint) {
+static bool is_point(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
   km_joint_type type = m->model->joints[joint].type;
   return type == KM_SPHERICAL || (is_planar(m, w) && (type == KM_RX || type == KM_RY || type == KM_RZ));
 }
 
-static void find_indices(const km_mechanism *m, const km_transmission_work *w, km_wrench wrench, km_transmission *out) {
+static void find_indices(const km_mechanism *m, const km_transmission_workspace *w, km_wrench wrench,
+                         km_transmission *out) {
   km_twist s = w->twist[w->output.coordinate];
   out->virtual_coefficient = (km_metric){fabs(0.5 * km_wrench_power(wrench, s)), NULL};
   if (w->next == 0) {
@@ -245,7 +246,7 @@ static void find_indices(const km_mechanism *m, const km_transmission_work *w, k
 }
 
 /* Between the lines from the coupler's far joint to its near one and from there to the output's axis. */
-static void find_angle(const km_mechanism *m, const km_transmission_work *w, km_transmission *out) {
+static void find_angle(const km_mechanism *m, const km_transmission_workspace *w, km_transmission *out) {
   bool turning = w->joints == 4 && is_planar(m, w);
   for (int i = 0; i < w->joints && turning; ++i) {
     km_joint_type type = m->model->joints[w->ring[i]].type;
@@ -265,7 +266,7 @@ static void find_angle(const km_mechanism *m, const km_transmission_work *w, km_
   out->angle = (km_metric){angle / m->model->units.angle->si, NULL};
 }
 
-static void find_condition(const km_mechanism *m, km_state *s, km_transmission_work *w, km_transmission *out) {
+static void find_condition(const km_mechanism *m, km_state *s, km_transmission_workspace *w, km_transmission *out) {
   int rank = w->substructure >= 0 ? s->partition[w->substructure].rank : 0, count;
   out->manipulability.why = out->condition.why = w->substructure < 0 ? "the input is in no loop"
                                                  : rank == 0         ? "the loops constrain nothing"
@@ -283,7 +284,7 @@ static void find_condition(const km_mechanism *m, km_state *s, km_transmission_w
   out->condition = (km_metric){sigma[0] / sigma[rank - 1], NULL};
 }
 
-static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_transmission_work *w) {
+static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_transmission_workspace *w) {
   if (w->no_loop)
     return w->no_loop;
   const km_partition *p = &s->partition[w->substructure];
@@ -298,10 +299,10 @@ static void undefined(km_metric *metric, const char *why) {
   *metric = (km_metric){nan(""), why};
 }
 
-void km_transmission_update(const km_mechanism *m, km_state *s, km_transmission_work *w, km_transmission *out) {
+void km_transmission_compute(const km_mechanism *m, km_state *s, km_transmission_workspace *w, km_transmission *out) {
   if (!out)
     return;
-  if (!w || w->mechanism != m || !km_state_knows_motion(m, s)) {
+  if (!w || w->mechanism != m || !km_state_mobility_is_known(m, s)) {
     const km_metric unknown = {nan(""), "the mobility isn't known"};
     *out = (km_transmission){{0}, unknown.why, unknown, unknown, unknown, unknown, unknown, unknown};
     return;
@@ -337,10 +338,10 @@ const char *km_transmission_name(int metric) {
   return names[metric];
 }
 
-const char *km_transmission_unit(const km_model *model, const km_handle *output, int metric) {
+const char *km_transmission_unit(const km_model *model, const km_port *output, int metric) {
   if (metric == 0)
     return model->units.angle->suffix;
-  if (metric != 1 || output->kind != KM_HANDLE_JOINT)
+  if (metric != 1 || output->kind != KM_PORT_JOINT)
     return "";
   const km_model_coordinate *def = &model->coordinates[output->coordinate];
   return km_joint_is_length(model->joints[def->joint].type, def->index) ? "" : model->units.length->suffix;

@@ -7,7 +7,7 @@
 enum { KM_METRIC_COLUMNS = 6 };
 
 const char *km_transmission_name(int metric);
-const char *km_transmission_unit(const km_model *model, const km_handle *output, int metric);
+const char *km_transmission_unit(const km_model *model, const km_port *output, int metric);
 /* The values in that order; NaN where undefined. */
 void km_transmission_values(const km_transmission *transmission, double out[KM_METRIC_COLUMNS]);
 

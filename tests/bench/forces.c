@@ -15,14 +15,14 @@ typedef struct holding {
   bench_machine machine;
   km_forces *forces;
   km_statics statics;
-  km_lever *lever;
+  km_transfer *lever;
   bordered all;
   double *A, *rhs, *sigma;
 } holding;
 
 static void run_ours(void *context) {
   holding *h = context;
-  km_statics_update(h->machine.mechanism, h->machine.state, h->forces, &h->statics);
+  km_statics_compute(h->machine.mechanism, h->machine.state, h->forces, &h->statics);
 }
 
 static void run_lapack(void *context) {
@@ -37,7 +37,7 @@ static void run_lapack(void *context) {
 static void run_lever(void *context) {
   holding *h = context;
   km_advantage a;
-  km_lever_update(h->machine.mechanism, h->machine.state, h->lever, &a);
+  km_transfer_compute(h->machine.mechanism, h->machine.state, h->lever, &a);
 }
 
 static holding start(void) {
@@ -45,15 +45,15 @@ static holding start(void) {
   const km_mechanism *m = h.machine.mechanism;
   km_state *s = h.machine.state;
   km_mobility mobility;
-  km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = bench_machine_coordinate(&h.machine, "L")};
-  km_handle output = {.kind = KM_HANDLE_JOINT, .coordinate = bench_machine_coordinate(&h.machine, "C")};
-  km_mobility_update(m, s, &mobility);
+  km_port input = {.kind = KM_PORT_JOINT, .coordinate = bench_machine_coordinate(&h.machine, "L")};
+  km_port output = {.kind = KM_PORT_JOINT, .coordinate = bench_machine_coordinate(&h.machine, "C")};
+  km_mobility_compute(m, s, &mobility);
   if (km_forces_create(m, NULL, NULL, 0, &h.forces, NULL) ||
       km_statics_create(m, NULL, 0, KM_AXES_JOINT, &h.statics, NULL) ||
-      km_lever_create(m, &input, &output, &h.lever, NULL))
+      km_transfer_create(m, &input, &output, &h.lever, NULL))
     bench_fail("forces", "no balance");
   run_ours(&h);
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   h.all = bordered_make(m, s, h.forces, h.statics.least_norm, 1.0);
   size_t rows = (size_t)h.all.rows, columns = (size_t)h.all.columns;
   h.A = KM_NEW(double, rows *columns);
@@ -89,7 +89,7 @@ void bench_forces(void) {
   km_free(h.A);
   km_free(h.rhs);
   km_free(h.sigma);
-  km_lever_free(h.lever);
+  km_transfer_free(h.lever);
   km_statics_free(&h.statics);
   km_forces_free(h.forces);
   bench_machine_free(&h.machine);

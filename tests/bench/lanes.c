@@ -12,9 +12,9 @@ enum { POINTS = 200 };
 
 /* Equal machines, there and back. */
 typedef struct samples {
-  bench_machine machines[KM_DRIVE_LANES];
-  km_drive *drives[KM_DRIVE_LANES];
-  km_drive_lanes *lanes; /* NULL: one after the other */
+  bench_machine machines[KM_BATCH_LANES];
+  km_driver_motion *drives[KM_BATCH_LANES];
+  km_batch *lanes; /* NULL: one after the other */
   const char *name;
   double from, to;
   bool backwards;
@@ -26,19 +26,19 @@ static double target(const samples *s, int i) {
 
 static void numbers(const samples *s, int i) {
   const bench_machine *m = &s->machines[i];
-  if (!km_drive_rides(s->drives[i]))
+  if (!km_driver_motion_is_batched(s->drives[i]))
     km_numbers_update(m->mechanism, m->state, s->drives[i]->c.substructure);
 }
 
 static void run_beside(void *context) {
   samples *s = context;
-  double targets[KM_DRIVE_LANES];
-  km_reach reaches[KM_DRIVE_LANES];
+  double targets[KM_BATCH_LANES];
+  km_motion_end reaches[KM_BATCH_LANES];
   for (int p = 1; p <= POINTS; ++p) {
-    for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    for (int i = 0; i < KM_BATCH_LANES; ++i)
       targets[i] = target(s, p);
-    km_drive_lanes_to(s->lanes, (1u << KM_DRIVE_LANES) - 1, targets, reaches);
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    km_batch_move_to(s->lanes, (1u << KM_BATCH_LANES) - 1, targets, reaches);
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
       if (reaches[i].stop)
         bench_fail(s->name, "the driver stops at point %d", p);
       numbers(s, i);
@@ -49,9 +49,9 @@ static void run_beside(void *context) {
 
 static void run_alone(void *context) {
   samples *s = context;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+  for (int i = 0; i < KM_BATCH_LANES; ++i)
     for (int p = 1; p <= POINTS; ++p) {
-      if (km_drive_to(s->drives[i], target(s, p)).stop)
+      if (km_driver_motion_move_to(s->drives[i], target(s, p)).stop)
         bench_fail(s->name, "the driver stops at point %d", p);
       numbers(s, i);
     }
@@ -60,23 +60,23 @@ static void run_alone(void *context) {
 
 static samples open_samples(const char *model, const char *driver, double length, bool beside) {
   samples s = {.name = model};
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     s.machines[i] = bench_machine_load(model);
     int c = bench_machine_coordinate(&s.machines[i], driver);
     s.from = km_state_coordinate(s.machines[i].state, c);
-    if (km_drive_create(s.machines[i].mechanism, s.machines[i].state, c, false, &s.drives[i], NULL))
+    if (km_driver_motion_create(s.machines[i].mechanism, s.machines[i].state, c, false, &s.drives[i], NULL))
       bench_fail(model, "no drive");
   }
   s.to = s.from + length;
-  if (beside && (km_drive_lanes_create(NULL, s.drives, KM_DRIVE_LANES, &s.lanes, NULL) || !s.lanes))
+  if (beside && (km_batch_create(NULL, s.drives, KM_BATCH_LANES, &s.lanes, NULL) || !s.lanes))
     bench_fail(model, "no lanes");
   return s;
 }
 
 static void close_samples(samples *s) {
-  km_drive_lanes_free(NULL, s->lanes);
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
-    km_drive_free(s->drives[i]);
+  km_batch_free(NULL, s->lanes);
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
+    km_driver_motion_free(s->drives[i]);
     bench_machine_free(&s->machines[i]);
   }
 }
@@ -88,7 +88,7 @@ static void measure(const char *model, const char *driver, double length) {
   char name[64];
   bench_time(c, sizeof c / sizeof *c);
   snprintf(name, sizeof name, "lanes/%s", model);
-  bench_figure(name, "million_points_per_second", 1e3 * POINTS * KM_DRIVE_LANES / c[0].median);
+  bench_figure(name, "million_points_per_second", 1e3 * POINTS * KM_BATCH_LANES / c[0].median);
   bench_figure(name, "over_one_by_one", bench_ratio(&c[1], &c[0]));
   close_samples(&beside);
   close_samples(&alone);

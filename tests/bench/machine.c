@@ -10,7 +10,7 @@ bench_machine bench_machine_load(const char *name) {
   km_error error = {0};
   km_assembly evidence;
   snprintf(path, sizeof path, "%s/%s.json", BENCH_MODELS, name);
-  if (km_model_load(path, NULL, &machine.model, &error) ||
+  if (km_model_read_file(path, NULL, &machine.model, &error) ||
       km_mechanism_compile(machine.model, NULL, 0, &machine.mechanism, &error) ||
       km_state_create(machine.mechanism, &machine.state, &error) ||
       km_assemble(machine.mechanism, machine.state, &evidence, &error))

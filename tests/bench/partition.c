@@ -58,17 +58,17 @@ static void read_poses(problem *p, bench_machine *machine, int index) {
   a->columns = sub->columns;
   a->weight = m->column_weight + sub->column_start;
   a->coordinate = m->column_coordinate + sub->column_start;
-  km_drive *drive;
-  if (km_drive_create(m, machine->state, driver, false, &drive, NULL))
+  km_driver_motion *drive;
+  if (km_driver_motion_create(m, machine->state, driver, false, &drive, NULL))
     bench_fail(name, "no drive for %s", drivers[index]);
   double from = km_state_coordinate(machine->state, driver);
   for (int i = 0; i < POSES; ++i) {
-    if (km_drive_to(drive, from + stroke * (i + 1) / POSES).stop)
+    if (km_driver_motion_move_to(drive, from + stroke * (i + 1) / POSES).stop)
       bench_fail(name, "%s can't move", drivers[index]);
     memcpy(a->J[i], km_state_jacobian(machine->state, sub), (size_t)(a->rows * a->columns) * sizeof(double));
     place(p, i, a, sub->loop_start);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   km_partition_reserve(&a->found, a->rows, a->columns, &p->arena);
   km_partition_reserve(&a->kept, a->rows, a->columns, &p->arena);
   km_partition_factor(&a->kept, a->J[0], a->rows, a->columns, NULL, tolerance);

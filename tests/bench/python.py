@@ -23,7 +23,7 @@ PROGRAM = r"""
 static double seconds(void) { struct timespec t; clock_gettime(CLOCK_MONOTONIC, &t); return t.tv_sec + 1e-9 * t.tv_nsec; }
 int main(int argc, char **argv) {
   km_error e; km_model *model; km_mechanism *m; km_state *s; double best = 1e9, sum = 0;
-  if (argc < 2 || km_model_load(argv[1], NULL, &model, &e) || km_reach_pose(model, NULL, 0, NULL, 0, &m, &s, &e)) return 1;
+  if (argc < 2 || km_model_read_file(argv[1], NULL, &model, &e) || km_mechanism_compile_at(model, NULL, 0, NULL, 0, &m, &s, &e)) return 1;
   for (int round = 0; round < %d; ++round) {
     km_state *twin; km_question *q; double values[64];
     km_option_value range = {.numbers = {20, 32}}, steps = {.whole = %d};
@@ -31,7 +31,7 @@ int main(int argc, char **argv) {
     km_state_coordinates(m, s, values, &e);
     if (km_state_create(m, &twin, &e) || km_state_set_coordinates(m, twin, values, &e) || km_assemble(m, twin, NULL, &e)) return 2;
     if (km_question_create(m, "mobility", &q, &e) || km_question_set(q, "range", &range, &e) ||
-        km_question_set(q, "steps", &steps, &e) || km_question_ask(q, twin, &e)) return 3;
+        km_question_set(q, "steps", &steps, &e) || km_question_compute(q, twin, &e)) return 3;
     const km_table *t = km_question_table(q);
     sum += km_table_row(t, km_table_rows(t) - 1)[3];
     km_question_free(q); km_state_free(twin);

@@ -25,7 +25,7 @@ static double whole(const char *bench, const km_text *text, int mobility) {
       km_mechanism_compile(model, NULL, 0, &mechanism, &error) || km_state_create(mechanism, &state, &error) ||
       km_assemble(mechanism, state, NULL, &error))
     bench_fail(bench, "%s", error.text);
-  km_mobility_update(mechanism, state, &found);
+  km_mobility_compute(mechanism, state, &found);
   double end = bench_now();
   if (found.mobility != mobility)
     bench_fail(bench, "mobility %d instead of %d", found.mobility, mobility);
@@ -97,7 +97,7 @@ static void go_on(engines *e) {
   double *move = KM_NEW(double, (size_t)sub->columns);
   km_mobility mobility;
   km_closure closure;
-  km_mobility_update(e->mechanism, e->state, &mobility);
+  km_mobility_compute(e->mechanism, e->state, &mobility);
   const double *Z = km_state_basis(e->state, 0), *weight = e->mechanism->column_weight + sub->column_start;
   for (int k = 0; k < km_partition_freedom(&e->state->partition[0]) && move; ++k)
     for (int c = 0; c < sub->columns; ++c)

@@ -73,7 +73,7 @@ static void run_sweeps(void *context) {
   for (int i = 0; i < s->count; ++i) {
     km_state_restart(s->machine.state);
     if (km_assemble(s->machine.mechanism, s->machine.state, NULL, NULL) ||
-        km_question_ask(s->question, s->machine.state, NULL))
+        km_question_compute(s->question, s->machine.state, NULL))
       bench_fail("study", "a sweep failed");
     for (int f = 0; f < 3; ++f)
       km_table_figure(km_question_table(s->question), figures[f].column, (km_figure)figures[f].kind, 0.0, &value, NULL,
@@ -83,13 +83,13 @@ static void run_sweeps(void *context) {
 
 /* One question about as many slider-cranks as go side by side. */
 typedef struct group {
-  bench_machine machines[KM_DRIVE_LANES];
-  km_question *questions[KM_DRIVE_LANES];
+  bench_machine machines[KM_BATCH_LANES];
+  km_question *questions[KM_BATCH_LANES];
 } group;
 
 static group open_group(const char *kind) {
   group g;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     const km_option_value interval_count = {.whole = POSES - 1};
     km_error error;
     g.machines[i] = bench_machine_load("slider_crank");
@@ -97,9 +97,8 @@ static group open_group(const char *kind) {
     if (km_question_create(m, kind, &g.questions[i], &error) ||
         km_question_set(g.questions[i], "steps", &interval_count, &error))
       bench_fail("study", "%s", error.text);
-    const km_option_value input = {.end = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "A"}};
-    const km_option_value output = {
-        .end = {.kind = KM_HANDLE_JOINT, .coordinate = m->coordinate_count - 1, .name = "B"}};
+    const km_option_value input = {.end = {.kind = KM_PORT_JOINT, .coordinate = 0, .name = "A"}};
+    const km_option_value output = {.end = {.kind = KM_PORT_JOINT, .coordinate = m->coordinate_count - 1, .name = "B"}};
     if (strcmp(kind, "advantage") == 0 && (km_question_set(g.questions[i], "input", &input, &error) ||
                                            km_question_set(g.questions[i], "output", &output, &error)))
       bench_fail("study", "%s", error.text);
@@ -108,7 +107,7 @@ static group open_group(const char *kind) {
 }
 
 static void close_group(group *g) {
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     km_question_free(g->questions[i]);
     bench_machine_free(&g->machines[i]);
   }
@@ -123,13 +122,13 @@ static km_state *begin(const bench_machine *machine) {
 
 static void ask_together(void *context) {
   group *g = context;
-  km_state *states[KM_DRIVE_LANES];
-  km_status statuses[KM_DRIVE_LANES];
-  km_error errors[KM_DRIVE_LANES];
-  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+  km_state *states[KM_BATCH_LANES];
+  km_status statuses[KM_BATCH_LANES];
+  km_error errors[KM_BATCH_LANES];
+  for (int i = 0; i < KM_BATCH_LANES; ++i)
     states[i] = begin(&g->machines[i]);
-  km_questions_ask(g->questions, states, KM_DRIVE_LANES, statuses, errors);
-  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+  km_questions_compute(g->questions, states, KM_BATCH_LANES, statuses, errors);
+  for (int i = 0; i < KM_BATCH_LANES; ++i)
     if (statuses[i])
       bench_fail("study", "%s", errors[i].text);
 }
@@ -137,8 +136,8 @@ static void ask_together(void *context) {
 static void ask_alone(void *context) {
   group *g = context;
   km_error error;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i)
-    if (km_question_ask(g->questions[i], begin(&g->machines[i]), &error))
+  for (int i = 0; i < KM_BATCH_LANES; ++i)
+    if (km_question_compute(g->questions[i], begin(&g->machines[i]), &error))
       bench_fail("study", "%s", error.text);
 }
 
@@ -152,7 +151,7 @@ static void kinds(void) {
                            {.name = "one by one", .run = ask_alone, .context = &g}};
     bench_time(c, sizeof c / sizeof *c);
     snprintf(name, sizeof name, "%s_microseconds_a_pose", names[k]);
-    bench_figure("study", name, 1e-3 * c[0].median / (KM_DRIVE_LANES * POSES));
+    bench_figure("study", name, 1e-3 * c[0].median / (KM_BATCH_LANES * POSES));
     snprintf(name, sizeof name, "%s_one_by_one_over_side_by_side", names[k]);
     bench_figure("study", name, bench_ratio(&c[1], &c[0]));
     close_group(&g);

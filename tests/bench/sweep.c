@@ -14,7 +14,7 @@ enum { POINTS = 200 };
 /* A sweep there and back: every run goes the other way. */
 typedef struct sweep {
   bench_machine machine;
-  km_drive *drive;
+  km_driver_motion *drive;
   const char *name;
   int driver, substructure;
   double from, to;
@@ -32,7 +32,7 @@ static double target(double from, double to, int i, bool backwards) {
 }
 
 static void point(sweep *s, int i) {
-  if (km_drive_to(s->drive, target(s->from, s->to, i, s->backwards)).stop)
+  if (km_driver_motion_move_to(s->drive, target(s->from, s->to, i, s->backwards)).stop)
     bench_fail(s->name, "the driver stops at point %d", i);
   km_numbers_update(s->machine.mechanism, s->machine.state, s->substructure);
 }
@@ -57,13 +57,13 @@ static sweep start(const char *model, const char *driver, double length) {
   s.substructure = s.machine.mechanism->substructure_of[s.driver];
   s.from = km_state_coordinate(s.machine.state, s.driver);
   s.to = s.from + length;
-  if (km_drive_create(s.machine.mechanism, s.machine.state, s.driver, false, &s.drive, NULL))
+  if (km_driver_motion_create(s.machine.mechanism, s.machine.state, s.driver, false, &s.drive, NULL))
     bench_fail(model, "no drive");
   return s;
 }
 
 static void finish(sweep *s) {
-  km_drive_free(s->drive);
+  km_driver_motion_free(s->drive);
   bench_machine_free(&s->machine);
 }
 

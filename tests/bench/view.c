@@ -106,10 +106,10 @@ static void brake(void) {
   km_error error;
   open_file(&h, BENCH_MODELS "/brake.json");
   tell(&h.session, "1 hello 1");
-  km_handle input, output;
+  km_port input, output;
   km_sweep_plan plan = km_sweep_plan_default(h.session.model);
   char ask[160];
-  if (!km_handle_default(h.session.model, false, &input) || !km_handle_default(h.session.model, true, &output) ||
+  if (!km_port_default(h.session.model, false, &input) || !km_port_default(h.session.model, true, &output) ||
       km_model_find_joint(h.session.model, "D", &joint, &error))
     bench_fail("view", "the brake has no leverage");
   for (int kind = 0; kv_question_kind(&h.session, kind) >= 0; ++kind)

@@ -80,7 +80,7 @@ static void balance(const km_model *model, const km_mechanism *mechanism, km_sta
   bool alone = coordinates > 0 && choice % 3 == 0;
   status = status ? status : km_statics_create(mechanism, alone ? &one : NULL, 1, KM_AXES_JOINT, &statics, &error);
   if (!status) {
-    km_statics_update(mechanism, state, forces, &statics);
+    km_statics_compute(mechanism, state, forces, &statics);
     if (!statics.held && !alone)
       fuzz_fail("all joints together can't hold the mechanism");
     if (statics.degree < 0 || statics.direction_count < 0 || statics.direction_count > coordinates)
@@ -95,23 +95,23 @@ static void balance(const km_model *model, const km_mechanism *mechanism, km_sta
 
 static void lever(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
   int coordinates = km_model_coordinate_count(model);
-  km_lever *made;
+  km_transfer *made;
   km_advantage a;
   km_error error = {0};
   if (coordinates < 2)
     return;
-  km_handle from = {.kind = KM_HANDLE_JOINT, .coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
-  km_handle to = {.kind = KM_HANDLE_JOINT, .coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
-  km_status status = km_lever_create(mechanism, &from, &to, &made, &error);
+  km_port from = {.kind = KM_PORT_JOINT, .coordinate = (int)(choice % (size_t)coordinates), .name = "in"};
+  km_port to = {.kind = KM_PORT_JOINT, .coordinate = (int)(choice / 5 % (size_t)coordinates), .name = "out"};
+  km_status status = km_transfer_create(mechanism, &from, &to, &made, &error);
   if (status) {
     fuzz_refusal(status, &error);
     return;
   }
-  km_lever_update(mechanism, state, made, &a);
+  km_transfer_compute(mechanism, state, made, &a);
   bool number = a.value == a.value;
   if (number != (a.state != KM_ADVANTAGE_UNDEFINED))
     fuzz_fail("an advantage and its state don't agree");
-  km_lever_free(made);
+  km_transfer_free(made);
 }
 
 /* Long runs end here: stiff ones take as many steps as they like. */
@@ -173,9 +173,9 @@ static bool assemble(const km_model *model, size_t choice) {
   } else {
     if (!(evidence.residual < 0.1))
       fuzz_fail("loops that are said to be closed have a large residual");
-    km_poses_update(mechanism, state);
+    km_poses_compute(mechanism, state);
     fuzz_closed(model, mechanism, state, evidence.residual);
-    km_mobility_update(mechanism, state, &mobility);
+    km_mobility_compute(mechanism, state, &mobility);
     check_mobility(model, state, &mobility);
     balance(model, mechanism, state, choice);
     lever(model, mechanism, state, choice);

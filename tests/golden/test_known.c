@@ -16,22 +16,22 @@ static void expect(const km_value *known, const char *key, double found, double 
 /* The advantage that the model's own analysis asks for. */
 static void check_advantage(fixture *f, const km_value *known) {
   const km_value *value = km_value_get(known, "mechanical_advantage");
-  km_handle input, output;
-  km_lever *lever;
+  km_port input, output;
+  km_transfer *lever;
   km_advantage advantage;
   if (!value)
     return;
-  assert_true(km_handle_default(f->model, false, &input) && km_handle_default(f->model, true, &output));
-  assert_int_equal(km_lever_create(f->mechanism, &input, &output, &lever, NULL), KM_OK);
-  km_lever_update(f->mechanism, f->state, lever, &advantage);
+  assert_true(km_port_default(f->model, false, &input) && km_port_default(f->model, true, &output));
+  assert_int_equal(km_transfer_create(f->mechanism, &input, &output, &lever, NULL), KM_OK);
+  km_transfer_compute(f->mechanism, f->state, lever, &advantage);
   assert_near(advantage.value, value->number, 1e-9 * fabs(value->number));
-  km_lever_free(lever);
+  km_transfer_free(lever);
 }
 
 static void check_model(const char *name) {
   fixture f = fixture_open(name);
   km_mobility mobility;
-  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_mobility_compute(f.mechanism, f.state, &mobility);
   const km_value *known = km_value_get(f.model->origin->root, "known");
   assert_non_null(known);
   assert_non_null(km_value_get(f.model->origin->root, "source"));
@@ -93,7 +93,7 @@ static void robot_columns(void **state) {
                                         {1.0000, 0.0000, 0.1986, -0.1947, -0.0038, -0.0040, 0.2024},
                                         {0.0000, -0.0998, -0.9751, 0.0585, 0.9981, -0.0604, -0.9775}};
   fixture f = fixture_open("robot7r");
-  km_poses_update(f.mechanism, f.state);
+  km_poses_compute(f.mechanism, f.state);
   for (int c = 0; c < 7; ++c) {
     km_twist h = column_in_space(&f, c);
     /* The column is how the joint moves the effector: against the user's sense where that runs inwards. */
@@ -109,15 +109,15 @@ static void point_at(fixture *f, const char *body, const char *frame, double pla
   const char *const names[] = {body, frame};
   int index;
   assert_int_equal(km_model_find_frame(f->model, names, 2, &index, NULL), KM_OK);
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   km_frame_position(f->mechanism, f->state, index, place);
 }
 
-static km_drive *driven(fixture *f, const char *joint) {
+static km_driver_motion *driven(fixture *f, const char *joint) {
   int coordinate;
-  km_drive *drive;
+  km_driver_motion *drive;
   assert_int_equal(km_model_find_coordinate(f->model, joint, &coordinate, NULL), KM_OK);
-  assert_int_equal(km_drive_create(f->mechanism, f->state, coordinate, false, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f->mechanism, f->state, coordinate, false, &drive, NULL), KM_OK);
   return drive;
 }
 
@@ -125,17 +125,17 @@ static km_drive *driven(fixture *f, const char *joint) {
 static void peaucellier_runs_straight(void **state) {
   (void)state;
   fixture f = fixture_open("peaucellier");
-  km_drive *drive = driven(&f, "C");
+  km_driver_motion *drive = driven(&f, "C");
   double place[3], last = -1e9;
   for (double angle = -70.0; angle <= 40.0; angle += 5.0) {
-    assert_int_equal(km_drive_to(drive, angle).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, angle).stop, KM_STOP_NONE);
     point_at(&f, "AP", "P", place);
     assert_near(place[0], 100.0, 1e-9);
     assert_near(place[2], 0.0, 1e-12);
     assert_true(place[1] > last);
     last = place[1];
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -152,7 +152,7 @@ static void jansen_steps_as_drawn(void **state) {
   (void)state;
   static const double pivot[2] = {-38.0, -7.8};
   fixture f = fixture_open("jansen");
-  km_drive *drive = driven(&f, "A");
+  km_driver_motion *drive = driven(&f, "A");
   for (double angle = 0.0; angle <= 360.0; angle += 10.0) {
     double pin[2] = {15.0 * cos(angle * M_PI / 180.0), 15.0 * sin(angle * M_PI / 180.0)}, top[2], low[2], knee[2],
            shin[2], foot[2], place[3];
@@ -161,12 +161,12 @@ static void jansen_steps_as_drawn(void **state) {
     meet(pivot, 40.1, top, 55.8, 1.0, knee);
     meet(knee, 39.4, low, 36.7, -1.0, shin);
     meet(shin, 65.7, low, 49.0, -1.0, foot);
-    assert_int_equal(km_drive_to(drive, angle).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, angle).stop, KM_STOP_NONE);
     point_at(&f, "leg", "foot", place);
     assert_near(place[0], foot[0], 1e-9);
     assert_near(place[1], foot[1], 1e-9);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 

@@ -17,8 +17,8 @@ static void dead_centres(double out[2]) {
 }
 
 static km_advantage_sweep lever(fixture *f, int input, int output, km_sweep_plan plan) {
-  km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = input, .name = "in"},
-            out = {.kind = KM_HANDLE_JOINT, .coordinate = output, .name = "out"};
+  km_port in = {.kind = KM_PORT_JOINT, .coordinate = input, .name = "in"},
+          out = {.kind = KM_PORT_JOINT, .coordinate = output, .name = "out"};
   km_advantage_sweep sweep;
   km_error error;
   if (km_advantage_sweep_run(f->mechanism, f->state, &plan, &in, &out, false, &sweep, &error))
@@ -62,11 +62,11 @@ static void toggles_by_arc_length(void **state) {
     assert_in_range(sweep.toggle_count, 2, 4);
     for (size_t i = 0; i < sweep.toggle_count; ++i) {
       /* where is the crank there? go to it by arc length */
-      km_follow *follow;
-      assert_int_equal(km_follow_create(at.mechanism, at.state, 0, 1.0, false, &follow, NULL), KM_OK);
-      assert_int_equal(km_follow_advance(follow, sweep.toggles[i].s), KM_OK);
+      km_arc_motion *follow;
+      assert_int_equal(km_arc_motion_create(at.mechanism, at.state, 0, 1.0, false, &follow, NULL), KM_OK);
+      assert_int_equal(km_arc_motion_advance(follow, sweep.toggles[i].s), KM_OK);
       double crank = fmod(km_state_coordinate(at.state, 0), 2.0 * M_PI);
-      km_follow_free(follow);
+      km_arc_motion_free(follow);
       assert_near(fmin(fabs(crank - centre[0]), fabs(crank - centre[1])), 0.0, 1e-7);
       fixture_close(&at);
       at = fixture_open("fourbar");
@@ -205,11 +205,9 @@ static void no_leverage_over_a_pivot(void **state) {
   (void)state;
   fixture f = sliding_rocker();
   const km_sweep_plan plan = {.coordinate = 0, .from = 0.0, .to = 6.5, .steps = 50};
-  const km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"},
-                  out = {.kind = KM_HANDLE_POINT,
-                         .frame = f.model->joints[0].frame[1],
-                         .direction = {1, 0, 0},
-                         .name = "out"};
+  const km_port in = {.kind = KM_PORT_JOINT, .coordinate = 0, .name = "in"},
+                out = {
+                    .kind = KM_PORT_POINT, .frame = f.model->joints[0].frame[1], .direction = {1, 0, 0}, .name = "out"};
   km_advantage_sweep sweep;
   assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &in, &out, false, &sweep, NULL), KM_OK);
   assert_int_equal(sweep.toggle_count, 1); /* from the first row on */
@@ -233,7 +231,7 @@ static void excavator_under_gravity(void **state) {
     loads[i] = km_model_load_at(f.model, i);
   for (int i = 0; i < 4; ++i)
     assert_int_equal(km_model_find_coordinate(f.model, names[i], &all[i], NULL), KM_OK);
-  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_mobility_compute(f.mechanism, f.state, &mobility);
   assert_int_equal(km_forces_create(f.mechanism, NULL, loads, count, &forces, NULL), KM_OK);
   for (int without = -1; without < 4; ++without) {
     km_statics statics;
@@ -242,7 +240,7 @@ static void excavator_under_gravity(void **state) {
       if (i != without)
         some[used++] = all[i];
     assert_int_equal(km_statics_create(f.mechanism, some, used, KM_AXES_JOINT, &statics, NULL), KM_OK);
-    km_statics_update(f.mechanism, f.state, forces, &statics);
+    km_statics_compute(f.mechanism, f.state, forces, &statics);
     assert_int_equal(statics.held, without < 2); /* one of the twins would do */
     if (without < 0)
       assert_near(statics.actuator_forces[0], statics.actuator_forces[1], 1e-9 * fabs(statics.actuator_forces[0]));

@@ -86,17 +86,15 @@ static void test_wedge(void **state) {
     fixture f = fixture_read(text);
     int frame, c = f.model->coordinate_count - 1;
     assert_int_equal(km_model_find_frame(f.model, (const char *const[]){"wedge", "o"}, 2, &frame, NULL), KM_OK);
-    const km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = c, .name = "in"}, out = {.kind = KM_HANDLE_POINT,
-                                                                                          .frame = frame,
-                                                                                          .direction = {1, 0, 0},
-                                                                                          .coordinate = -1,
-                                                                                          .name = "out"};
-    km_losses_work *work;
+    const km_port in = {.kind = KM_PORT_JOINT, .coordinate = c, .name = "in"},
+                  out = {
+                      .kind = KM_PORT_POINT, .frame = frame, .direction = {1, 0, 0}, .coordinate = -1, .name = "out"};
+    km_losses_workspace *work;
     km_losses losses;
     km_mobility mobility;
     assert_int_equal(km_losses_create(f.mechanism, &in, &out, &work, NULL), KM_OK);
-    km_mobility_update(f.mechanism, f.state, &mobility);
-    assert_int_equal(km_losses_update(f.mechanism, f.state, work, &losses), KM_OK);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
+    assert_int_equal(km_losses_compute(f.mechanism, f.state, work, &losses), KM_OK);
     assert_near(fabs(losses.ratio), tan(slope) - 0.45, 1e-12);
     km_losses_free(work);
     fixture_close(&f);

@@ -19,7 +19,7 @@ static void need(km_status status, const km_error *error) {
 }
 
 static void open_model(world *w, const char *file, km_model **model, km_mechanism **mechanism) {
-  need(km_model_load(file, w->messages, model, &w->error), &w->error);
+  need(km_model_read_file(file, w->messages, model, &w->error), &w->error);
   need(km_mechanism_compile(*model, NULL, 0, mechanism, &w->error), &w->error);
 }
 
@@ -48,10 +48,10 @@ static void open_study(world *w) {
 /* What can't be made in this world stays NULL, and is a bad value more. */
 static void open_handles(world *w) {
   int last_coordinate = km_model_coordinate_count(w->model) - 1;
-  w->input = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"};
-  w->output = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = last_coordinate, .name = "out"};
-  if (km_handle_default(w->model, false, &w->input))
-    km_handle_default(w->model, true, &w->output);
+  w->input = (km_port){.kind = KM_PORT_JOINT, .coordinate = 0, .name = "in"};
+  w->output = (km_port){.kind = KM_PORT_JOINT, .coordinate = last_coordinate, .name = "out"};
+  if (km_port_default(w->model, false, &w->input))
+    km_port_default(w->model, true, &w->output);
   w->plan = km_sweep_plan_default(w->model);
   w->plan.steps = 3;
   if (w->plan.coordinate < 0)
@@ -68,14 +68,14 @@ static void open_handles(world *w) {
   w->history_def.every = 0.05;
   km_simulation_create(w->dynamics, w->state, &w->simulation_def, &w->simulation, NULL);
   km_statics_create(w->mechanism, NULL, 0, KM_AXES_JOINT, &w->statics, NULL);
-  km_lever_create(w->mechanism, &w->input, &w->output, &w->lever, NULL);
+  km_transfer_create(w->mechanism, &w->input, &w->output, &w->lever, NULL);
   km_losses_create(w->mechanism, &w->input, &w->output, &w->losses, NULL);
   km_transmission_create(w->mechanism, &w->input, &w->output, &w->transmission, NULL);
-  km_drive_create(w->mechanism, w->state, w->plan.coordinate, false, &w->drive, NULL);
+  km_driver_motion_create(w->mechanism, w->state, w->plan.coordinate, false, &w->drive, NULL);
   km_question_create(w->mechanism, "mobility", &w->question, NULL);
-  km_follow_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
-  km_hand_create(w->mechanism, w->state, &w->hand, NULL);
-  w->grip = (km_hand_grip){.body = 1};
+  km_arc_motion_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
+  km_manipulation_create(w->mechanism, w->state, &w->hand, NULL);
+  w->grip = (km_manipulation_point){.body = 1};
 }
 
 /* A builder with a body and a joint, and a definition of each kind. */
@@ -124,7 +124,7 @@ static void open_designs(world *w) {
   static const km_design_variant variants[2] = {{"one", &values[0]}, {"two", &values[1]}};
   static const char *const bands[1] = {"none"};
   static km_design_question question = {.name = "parabola", .figure_count = 1, .bands = bands};
-  w->crew = (km_design_crew){.send = send_nothing, .receive = receive_nothing};
+  w->crew = (km_design_workers){.send = send_nothing, .receive = receive_nothing};
   w->figure = km_design_figure_default();
   w->figure.name = "y";
   question.figures = &w->figure;
@@ -147,7 +147,7 @@ static void open_pictures(world *w) {
   w->history_shown = (km_plotted_history){.mechanism = w->mechanism, .table = w->sweep.motion.table, .name = "model"};
   need(km_table_chart(&w->plotted, 1, 1, &w->chart, &w->error), &w->error);
   need(km_drawing_create(w->mechanism, &w->drawing, &w->error), &w->error);
-  km_poses_update(w->mechanism, w->state);
+  km_poses_compute(w->mechanism, w->state);
   need(km_drawing_add_pose(w->drawing, w->mechanism, w->state, &w->error), &w->error);
   w->page = (km_motion_page){.quantity = "way", .values = w->numbers, .seconds = 1.0};
   w->tracks = (km_tracks){w->study, "study", "model", &w->track, w->track ? 1 : 0};
@@ -174,7 +174,7 @@ void world_open(world *w, world_kind kind) {
   if (kind != WORLD_UNASSEMBLED) {
     km_mobility mobility;
     need(km_assemble(w->mechanism, w->state, NULL, &w->error), &w->error);
-    km_mobility_update(w->mechanism, w->state, &mobility);
+    km_mobility_compute(w->mechanism, w->state, &mobility);
   }
   if (kind == WORLD_ARM)
     open_study(w);
@@ -198,10 +198,10 @@ void world_close(world *w) {
   km_study_def_free(&w->other_study_def);
   km_builder_free(w->builder);
   km_question_free(w->question);
-  km_drive_free(w->drive);
-  km_follow_free(w->follow);
-  km_hand_free(w->hand);
-  km_lever_free(w->lever);
+  km_driver_motion_free(w->drive);
+  km_arc_motion_free(w->follow);
+  km_manipulation_free(w->hand);
+  km_transfer_free(w->lever);
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);
   km_linear_free(&w->linear);

@@ -11,20 +11,20 @@
 #include <stdio.h>
 #include <string.h>
 
-static km_handle joint(const km_model *model, int coordinate) {
-  return (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = model->coordinates[coordinate].label};
+static km_port joint(const km_model *model, int coordinate) {
+  return (km_port){.kind = KM_PORT_JOINT, .coordinate = coordinate, .name = model->coordinates[coordinate].label};
 }
 
-static km_advantage advantage_of(fixture *f, const km_handle *input, const km_handle *output) {
-  km_lever *lever;
+static km_advantage advantage_of(fixture *f, const km_port *input, const km_port *output) {
+  km_transfer *lever;
   km_advantage a;
   km_error error;
   km_mobility mobility;
-  if (km_lever_create(f->mechanism, input, output, &lever, &error))
+  if (km_transfer_create(f->mechanism, input, output, &lever, &error))
     fail_msg("%s", error.text);
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  km_lever_update(f->mechanism, f->state, lever, &a);
-  km_lever_free(lever);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
+  km_transfer_compute(f->mechanism, f->state, lever, &a);
+  km_transfer_free(lever);
   return a;
 }
 
@@ -32,7 +32,7 @@ static km_advantage advantage_of(fixture *f, const km_handle *input, const km_ha
 static bool choose(const fixture *f, randomness *r, int *in, int *out) {
   const km_mechanism *m = f->mechanism;
   km_mobility mobility;
-  km_mobility_update(m, f->state, &mobility);
+  km_mobility_compute(m, f->state, &mobility);
   for (int tries = 0; tries < 50 && m->topology.substructure_count; ++tries) {
     int s = below(r, m->topology.substructure_count);
     const km_substructure *sub = &m->substructures[s];
@@ -49,13 +49,13 @@ static bool choose(const fixture *f, randomness *r, int *in, int *out) {
 }
 
 /* The output where the input is driven to start + h; *reached is cleared if it can't go there. */
-static double output_at(fixture *f, km_drive *drive, double start, double h, int out, bool *reached) {
-  *reached = !km_drive_to(drive, start + h).stop && *reached;
+static double output_at(fixture *f, km_driver_motion *drive, double start, double h, int out, bool *reached) {
+  *reached = !km_driver_motion_move_to(drive, start + h).stop && *reached;
   return f->state->q[out];
 }
 
 /* The fourth-order difference over steps of h. */
-static double difference(fixture *f, km_drive *drive, double start, double h, int out, bool *reached) {
+static double difference(fixture *f, km_driver_motion *drive, double start, double h, int out, bool *reached) {
   double y[4];
   for (int k = 0; k < 4; ++k)
     y[k] = output_at(f, drive, start, h * (k < 2 ? k - 2 : k - 1), out, reached);
@@ -73,16 +73,16 @@ static void inverse_of_the_rate(void **state) {
       int in, out;
       go_somewhere(&f, &r);
       if (choose(&f, &r, &in, &out)) {
-        km_handle input = joint(f.model, in), output = joint(f.model, out);
+        km_port input = joint(f.model, in), output = joint(f.model, out);
         km_advantage a = advantage_of(&f, &input, &output);
         double factor = km_model_coordinate_factor(f.model, in), start = km_state_coordinate(f.state, in);
         double h = 1e-3 * f.mechanism->unit[in] / factor;
         bool reached = true;
-        km_drive *drive;
-        assert_int_equal(km_drive_create(f.mechanism, f.state, in, true, &drive, NULL), KM_OK);
+        km_driver_motion *drive;
+        assert_int_equal(km_driver_motion_create(f.mechanism, f.state, in, true, &drive, NULL), KM_OK);
         double rate = difference(&f, drive, start, h, out, &reached) / factor;
         double coarse = difference(&f, drive, start, 2.0 * h, out, &reached) / factor;
-        km_drive_free(drive);
+        km_driver_motion_free(drive);
         double scale = f.mechanism->unit[out] / f.mechanism->unit[in];
         double ratio = a.state == KM_ADVANTAGE_INFINITE ? 0.0 : a.velocity_ratio;
         if (reached && fabs(rate) < 30.0 * scale) {
@@ -110,10 +110,10 @@ static void an_arm_in_no_loop(void **state) {
       "\"bodies\": [\"fixed\", \"d\"], \"at\": [9, 9]}]}]}");
   static const char *const tip[] = {"c", "tip"};
   static const double rates[3] = {3.0, 1.0, 0.0};
-  km_handle output = {.kind = KM_HANDLE_POINT, .direction = {0, 1, 0}, .name = "tip"};
+  km_port output = {.kind = KM_PORT_POINT, .direction = {0, 1, 0}, .name = "tip"};
   assert_int_equal(km_model_find_frame(f.model, tip, 2, &output.frame, NULL), KM_OK);
   for (int c = 0; c < 2; ++c) {
-    km_handle input = joint(f.model, c);
+    km_port input = joint(f.model, c);
     km_advantage a = advantage_of(&f, &input, &output);
     assert_int_equal(a.state, KM_ADVANTAGE_FINITE);
     assert_near(a.velocity_ratio, rates[c], 1e-14);
@@ -154,16 +154,16 @@ static void minus_the_ratio_of_forces(void **state) {
       bool chosen = choose(&f, &r, &in, &out);
       const km_model_joint *def = chosen ? &f.model->joints[f.model->coordinates[out].joint] : NULL;
       if (chosen && def->type != KM_SCREW && f.model->module_count == 0) {
-        km_handle input = joint(f.model, in), output = joint(f.model, out);
+        km_port input = joint(f.model, in), output = joint(f.model, out);
         km_advantage a = advantage_of(&f, &input, &output);
         km_load loads[2];
         km_forces *forces;
         km_statics statics;
-        km_poses_update(f.mechanism, f.state);
+        km_poses_compute(f.mechanism, f.state);
         pair_of_loads(&f, out, loads);
         assert_int_equal(km_forces_create(f.mechanism, weightless, loads, 2, &forces, NULL), KM_OK);
         assert_int_equal(km_statics_create(f.mechanism, &in, 1, KM_AXES_JOINT, &statics, NULL), KM_OK);
-        km_statics_update(f.mechanism, f.state, forces, &statics);
+        km_statics_compute(f.mechanism, f.state, forces, &statics);
         double scale = f.mechanism->unit[out] / f.mechanism->unit[in];
         if (a.state == KM_ADVANTAGE_FINITE)
           assert_near(statics.actuator_forces[0], -a.velocity_ratio, 1e-8 * (fabs(a.velocity_ratio) + scale));
@@ -189,7 +189,7 @@ static void characteristic_length_does_not_count(void **state) {
     g = fixture_of(g.model);
     go_somewhere(&f, &r);
     if (choose(&f, &r, &in, &out)) {
-      km_handle input = joint(f.model, in), output = joint(f.model, out);
+      km_port input = joint(f.model, in), output = joint(f.model, out);
       km_state_copy(g.mechanism, g.state, f.state);
       km_advantage a = advantage_of(&f, &input, &output), b = advantage_of(&g, &input, &output);
       assert_int_equal(a.state, b.state);
@@ -223,16 +223,16 @@ static void single_cardan_joint(void **state) {
            "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"out\"], \"out\"]}]}]}",
            frame, beta);
   fixture f = fixture_read(text);
-  km_handle input = joint(f.model, 0), output = joint(f.model, 3);
-  km_drive *drive;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  km_port input = joint(f.model, 0), output = joint(f.model, 3);
+  km_driver_motion *drive;
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
   for (int i = 0; i <= 24; ++i) {
     double theta = 2.0 * M_PI * i / 24, c = cos(theta), s = sin(beta);
-    assert_int_equal(km_drive_to(drive, theta).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, theta).stop, KM_STOP_NONE);
     km_advantage a = advantage_of(&f, &input, &output);
     assert_near(a.velocity_ratio, cos(beta) / (1.0 - s * s * c * c), 1e-12);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -255,14 +255,14 @@ static void double_cardan_joint(void **state) {
              "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"out\"], \"out\"]}]}]}",
              frame, length, beta, bend);
     fixture f = fixture_read(text);
-    km_handle input = joint(f.model, 0), output = joint(f.model, 5);
-    km_drive *drive;
-    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+    km_port input = joint(f.model, 0), output = joint(f.model, 5);
+    km_driver_motion *drive;
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
     for (int i = 0; i <= 12; ++i) {
-      assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(drive, 0.5 * i).stop, KM_STOP_NONE);
       assert_near(advantage_of(&f, &input, &output).value, 1.0, 1e-9);
     }
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
     fixture_close(&f);
   }
 }
@@ -271,17 +271,17 @@ static void double_cardan_joint(void **state) {
 static void transmission_of_a_four_bar(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
-  km_handle input = joint(f.model, 0), output = joint(f.model, 3);
-  km_transmission_work *work;
-  km_drive *drive;
+  km_port input = joint(f.model, 0), output = joint(f.model, 3);
+  km_transmission_workspace *work;
+  km_driver_motion *drive;
   assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
   for (int i = 0; i < 12; ++i) {
     km_transmission t;
     km_mobility mobility;
-    assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
-    km_mobility_update(f.mechanism, f.state, &mobility);
-    km_transmission_update(f.mechanism, f.state, work, &t);
+    assert_int_equal(km_driver_motion_move_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
+    km_transmission_compute(f.mechanism, f.state, work, &t);
     double diagonal = 0.4 * 0.4 + 0.15 * 0.15 - 2.0 * 0.4 * 0.15 * cos(0.5 * i);
     double angle = acos((0.5 * 0.5 + 0.45 * 0.45 - diagonal) / (2.0 * 0.5 * 0.45));
     assert_near(t.angle.value, angle, 1e-12);
@@ -289,7 +289,7 @@ static void transmission_of_a_four_bar(void **state) {
     assert_near(t.chen_angeles.value, sin(angle), 1e-12);
     assert_near(t.virtual_coefficient.value, 0.5 * 0.45 * sin(angle), 1e-12);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   km_transmission_free(work);
   fixture_close(&f);
 }
@@ -301,23 +301,23 @@ static void friction_of_a_slide(void **state) {
   char *text = read_model_text("slider_crank");
   char *rubbing = edited(text, NULL, "\"damping\": 1.0", "\"friction\": {\"coefficient\": 0.2}");
   fixture f = fixture_read(rubbing);
-  km_handle input = joint(f.model, 0), output = joint(f.model, 1);
-  km_losses_work *work;
-  km_drive *drive;
+  km_port input = joint(f.model, 0), output = joint(f.model, 1);
+  km_losses_workspace *work;
+  km_driver_motion *drive;
   assert_int_equal(km_losses_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
   for (int i = 1; i < 6; ++i) {
     km_losses losses;
     km_mobility mobility;
-    assert_int_equal(km_drive_to(drive, 0.5 * i).stop, KM_STOP_NONE);
-    km_mobility_update(f.mechanism, f.state, &mobility);
-    km_losses_update(f.mechanism, f.state, work, &losses);
+    assert_int_equal(km_driver_motion_move_to(drive, 0.5 * i).stop, KM_STOP_NONE);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
+    km_losses_compute(f.mechanism, f.state, work, &losses);
     double beta = asin(0.6 * sin(0.5 * i) / 1.5);
     assert_null(losses.why);
     assert_false(losses.locks);
     assert_near(losses.efficiency, 1.0 - 0.2 * tan(beta), 1e-10);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   km_losses_free(work);
   fixture_close(&f);
   km_free(rubbing);
@@ -347,13 +347,13 @@ static void friction_of_threads(void **state) {
     double lambda = atan(slope), sense = i % 2 ? 1.0 : -1.0;
     fixture f = jack(sense * slope * 2.0 * M_PI * radius, radius, tan(phi));
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     for (int back = 0; back < 2; ++back) {
-      km_handle input = joint(f.model, back ? 2 : 0), output = joint(f.model, back ? 0 : 2);
-      km_losses_work *work;
+      km_port input = joint(f.model, back ? 2 : 0), output = joint(f.model, back ? 0 : 2);
+      km_losses_workspace *work;
       km_losses losses;
       assert_int_equal(km_losses_create(f.mechanism, &input, &output, &work, NULL), KM_OK);
-      km_losses_update(f.mechanism, f.state, work, &losses);
+      km_losses_compute(f.mechanism, f.state, work, &losses);
       double efficiency = back ? tan(lambda - phi) / slope : slope / tan(lambda + phi);
       bool locks = back ? phi >= lambda : lambda + phi >= 0.5 * M_PI;
       assert_null(losses.why);
@@ -375,7 +375,7 @@ static void rows_are_those_of_their_poses(void **state) {
     int in, out;
     assert_int_equal(km_model_find_coordinate(f.model, cases[i][1], &in, NULL), KM_OK);
     assert_int_equal(km_model_find_coordinate(f.model, cases[i][2], &out, NULL), KM_OK);
-    km_handle input = joint(f.model, in), output = joint(f.model, out);
+    km_port input = joint(f.model, in), output = joint(f.model, out);
     km_advantage at_pose = advantage_of(&f, &input, &output);
     km_sweep_plan plan = {.coordinate = in, .direction = -1, .steps = 2};
     plan.from = km_state_coordinate(f.state, in);
@@ -404,7 +404,7 @@ static void pole_at_the_drivers_end(void **state) {
     int crank, slider;
     assert_int_equal(km_model_find_coordinate(f.model, "A", &crank, NULL), KM_OK);
     assert_int_equal(km_model_find_coordinate(f.model, "B", &slider, NULL), KM_OK);
-    km_handle input = joint(f.model, crank), output = joint(f.model, slider);
+    km_port input = joint(f.model, crank), output = joint(f.model, slider);
     km_sweep_plan plan = {.coordinate = slider, .direction = -1, .sign = 1.0, .from = from, .steps = 40};
     plan.to = from + (end - pow(10.0, -k) - from) * 360.0 / 250.0;
     km_advantage_sweep sweep;

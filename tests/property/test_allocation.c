@@ -23,7 +23,7 @@ static km_status open_pose(const char *json, fixture *f) {
   km_error error;
   *f = (fixture){0};
   km_status status = km_model_read(json, strlen(json), NULL, &f->model, &error);
-  return status ? status : km_reach_pose(f->model, NULL, 0, NULL, 0, &f->mechanism, &f->state, &error);
+  return status ? status : km_mechanism_compile_at(f->model, NULL, 0, NULL, 0, &f->mechanism, &f->state, &error);
 }
 
 static km_status diagnose(const char *json) {
@@ -77,7 +77,7 @@ static km_status ask(const char *json, const char *kind) {
   if (!status && strcmp(kind, "forces") != 0)
     status = km_question_set(q, strcmp(kind, "mobility") == 0 ? "redundancies" : "transmission", &yes, NULL);
   if (!status)
-    status = km_question_ask(q, f.state, NULL);
+    status = km_question_compute(q, f.state, NULL);
   if (!status)
     status = write_answer(&f, q);
   km_question_free(q);
@@ -408,10 +408,10 @@ typedef struct told {
   double numbers;
 } told;
 
-static km_status tell(const fixture *f, km_lever *lever, told *out) {
-  km_status status = km_mobility_update(f->mechanism, f->state, &out->mobility);
+static km_status tell(const fixture *f, km_transfer *lever, told *out) {
+  km_status status = km_mobility_compute(f->mechanism, f->state, &out->mobility);
   if (!status)
-    status = km_lever_update(f->mechanism, f->state, lever, &out->advantage);
+    status = km_transfer_compute(f->mechanism, f->state, lever, &out->advantage);
   out->numbers = 0.0;
   for (int c = 0; c < km_model_coordinate_count(f->model) && !status; ++c)
     out->numbers += (c + 1.0) * km_mobility_number(f->state, c);
@@ -419,8 +419,8 @@ static km_status tell(const fixture *f, km_lever *lever, told *out) {
 }
 
 /* A state of the closed pose in which no pivots were searched yet. */
-static void open_fresh(const char *json, fixture *f, km_lever **lever) {
-  km_handle ends[2] = {{.kind = KM_HANDLE_JOINT, .coordinate = 0}, {.kind = KM_HANDLE_JOINT, .coordinate = 3}};
+static void open_fresh(const char *json, fixture *f, km_transfer **lever) {
+  km_port ends[2] = {{.kind = KM_PORT_JOINT, .coordinate = 0}, {.kind = KM_PORT_JOINT, .coordinate = 3}};
   assert_int_equal(open_pose(json, f), KM_OK);
   km_state *fresh;
   assert_int_equal(km_state_create(f->mechanism, &fresh, NULL), KM_OK);
@@ -430,19 +430,19 @@ static void open_fresh(const char *json, fixture *f, km_lever **lever) {
   f->state = fresh;
   ends[0].name = km_model_coordinate_label(f->model, 0);
   ends[1].name = km_model_coordinate_label(f->model, 3);
-  assert_int_equal(km_lever_create(f->mechanism, &ends[0], &ends[1], lever, NULL), KM_OK);
+  assert_int_equal(km_transfer_create(f->mechanism, &ends[0], &ends[1], lever, NULL), KM_OK);
 }
 
 /* Every call for memory fails once: the request says so, gives no number, and the next one is right. */
 static long failures_leave_no_trace(const char *json) {
   fixture f;
-  km_lever *lever;
+  km_transfer *lever;
   told wanted, found;
   open_fresh(json, &f, &lever);
   failing_arm(0);
   assert_int_equal(tell(&f, lever, &wanted), KM_OK);
   long calls = failing_calls();
-  km_lever_free(lever);
+  km_transfer_free(lever);
   fixture_close(&f);
   for (long n = 1; n <= calls; ++n) {
     open_fresh(json, &f, &lever);
@@ -458,7 +458,7 @@ static long failures_leave_no_trace(const char *json) {
         fail_msg("after call %ld: mobility %d, numbers %.17g; expected %d, %.17g", n, found.mobility.mobility,
                  found.numbers, wanted.mobility.mobility, wanted.numbers);
     }
-    km_lever_free(lever);
+    km_transfer_free(lever);
     fixture_close(&f);
   }
   return calls;

@@ -33,7 +33,7 @@ static char *tables_of(fixture *f) {
     km_forces_free(forces);
   }
   km_mobility mobility;
-  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
   for (int c = 0; c < f->model->coordinate_count; ++c)
     km_text_format(&out, "%s %.17g %.17g\n", f->model->coordinates[c].label, f->state->q[c], f->state->numbers[c]);
   return out.data;

@@ -33,7 +33,7 @@ static void length_costs_no_digits(void **state) {
     fixture f = chain_of(n);
     km_mobility mobility;
     km_substructure_mobility evidence;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     km_substructure_evidence(f.mechanism, f.state, 0, &evidence);
     assert_int_equal(mobility.mobility, 2);
     assert_true(evidence.last_pivot > 0.1);

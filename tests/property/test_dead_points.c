@@ -74,10 +74,10 @@ static void along_the_arc(void **state) {
   enum { PARTS = 200000 };
   for (double step = 0.04; step < 0.5; step *= 2.0) {
     fixture f = open_cubic(e);
-    km_drive *drive;
-    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
-    assert_int_equal(km_drive_to(drive, -1.0).stop, KM_STOP_NONE);
-    km_drive_free(drive);
+    km_driver_motion *drive;
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
+    assert_int_equal(km_driver_motion_move_to(drive, -1.0).stop, KM_STOP_NONE);
+    km_driver_motion_free(drive);
     km_sweep_plan plan = {.arclength = step, .steps = (int)(2.2 / step), .direction = 0, .sign = 1.0};
     km_mobility_sweep sweep = swept(&f, plan);
     double size = f.mechanism->unit[0], arc = 0.0, expected[2];
@@ -112,20 +112,20 @@ static void dips_are_shown(void **state) {
   (void)state;
   double lowest;
   for (double at = -0.9; at < 1.0; at += 0.1) {
-    km_dip through = {.s = {-1.0, 0.2, 1.0}};
+    km_minimum_search through = {.s = {-1.0, 0.2, 1.0}};
     for (int i = 0; i < 3; ++i)
       through.f[i] = -((through.s[i] - at) * (through.s[i] - at) - 1e-12);
     bool same_sign = through.f[0] * through.f[1] > 0.0 && through.f[1] * through.f[2] > 0.0;
-    assert_int_equal(km_dip_shows(&through, &lowest), same_sign);
+    assert_int_equal(km_minimum_search_is_zero(&through, &lowest), same_sign);
     if (same_sign)
       assert_near(lowest, at, 1e-12);
     for (int i = 0; i < 3; ++i)
       through.f[i] -= 10.0;
-    assert_false(km_dip_shows(&through, &lowest));
+    assert_false(km_minimum_search_is_zero(&through, &lowest));
   }
-  assert_false(km_dip_shows(&(km_dip){{0, 1, 2}, {3, 2, 1}}, &lowest));
-  assert_false(km_dip_shows(&(km_dip){{0, 1, 2}, {1, 2, 1}}, &lowest));
-  assert_false(km_dip_shows(&(km_dip){{0, 1, 2}, {1, NAN, 1}}, &lowest));
+  assert_false(km_minimum_search_is_zero(&(km_minimum_search){{0, 1, 2}, {3, 2, 1}}, &lowest));
+  assert_false(km_minimum_search_is_zero(&(km_minimum_search){{0, 1, 2}, {1, 2, 1}}, &lowest));
+  assert_false(km_minimum_search_is_zero(&(km_minimum_search){{0, 1, 2}, {1, NAN, 1}}, &lowest));
 }
 
 int main(void) {

@@ -417,7 +417,7 @@ static void starts_on_threads(void **state) {
     assert_memory_equal(x, y, sizeof x);
   }
   int computed = km_design_study_computed(one);
-  assert_int_equal(km_design_study_recall(one, NULL), KM_OK);
+  assert_int_equal(km_design_study_lookup(one, NULL), KM_OK);
   assert_int_equal(km_design_study_designs(one), km_design_study_designs(three));
   assert_true(computed > 0);
   km_design_study_free(one);

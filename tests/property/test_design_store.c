@@ -278,7 +278,7 @@ static void damaged_answers_are_asked_again(void **state) {
     assert_int_equal(sqlite3_exec(db, sql, NULL, NULL, NULL), SQLITE_OK);
     sqlite3_close(db);
     assert_int_equal(km_design_study_open(&d.def, path, false, &s, NULL), KM_OK);
-    assert_int_equal(km_design_study_recall(s, NULL), KM_OK);
+    assert_int_equal(km_design_study_lookup(s, NULL), KM_OK);
     assert_false(km_design_study_is_complete(s));
     for (int design = 0; design < 8; ++design) {
       km_design_result r = designs_result(s, design);
@@ -450,7 +450,7 @@ static void optimisations_that_end_early_are_told(void **state) {
     if (lost)
       change(path, "DELETE FROM results WHERE design = (SELECT max(design) FROM results)");
     assert_int_equal(km_design_study_open(&d.def, path, false, &s, NULL), KM_OK);
-    assert_int_equal(km_design_study_recall(s, NULL), KM_OK);
+    assert_int_equal(km_design_study_lookup(s, NULL), KM_OK);
     assert_int_equal(km_design_study_is_complete(s), !lost);
     km_design_study_free(s);
   }
@@ -481,7 +481,7 @@ static void stores_may_be_read_only(void **state) {
       assert_int_equal(seteuid(NOBODY), 0);
     if (km_design_study_open(&d.def, path, false, &s, &error))
       fail_msg("%s", error.text);
-    assert_int_equal(km_design_study_recall(s, &error), KM_OK);
+    assert_int_equal(km_design_study_lookup(s, &error), KM_OK);
     assert_true(km_design_study_is_complete(s));
     assert_turned(s, COUNT);
     assert_int_equal(km_design_study_run(s, 1, NULL, NULL, &error), KM_OK); /* everything is there */
@@ -490,7 +490,7 @@ static void stores_may_be_read_only(void **state) {
     more.sample.count = COUNT + 1;
     more.def.sample = &more.sample;
     assert_int_equal(km_design_study_open(&more.def, path, false, &s, &error), KM_OK);
-    assert_int_equal(km_design_study_recall(s, &error), KM_OK);
+    assert_int_equal(km_design_study_lookup(s, &error), KM_OK);
     assert_false(km_design_study_is_complete(s));
     assert_int_equal(km_design_study_run(s, 1, NULL, NULL, &error), KM_IO);
     if (!strstr(error.text, "can't be written, only shown and exported"))

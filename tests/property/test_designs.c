@@ -103,7 +103,7 @@ static double by_hand(int c, const double *values, double length) {
   double value = nan("");
   km_option_value steps = {.whole = 20};
   snprintf(path, sizeof path, "%s/%s.json", MODELS_DIR, cases[c].model);
-  if (km_model_load_varied(path, assignments, 2, NULL, &model, &error))
+  if (km_model_read_file_varied(path, assignments, 2, NULL, &model, &error))
     fail_msg("%s", error.text);
   if (length > 0.0)
     km_model_share_length(model, length);
@@ -115,11 +115,11 @@ static double by_hand(int c, const double *values, double length) {
     holds[held++] = as_hold(model, &cases[c].holds[h]);
   if (sets)
     set = as_hold(model, &cases[c].set);
-  if (km_reach_pose(model, holds, held, &set, sets, &m, &state, &error) ||
+  if (km_mechanism_compile_at(model, holds, held, &set, sets, &m, &state, &error) ||
       km_question_create(m, cases[c].kind, &q, &error))
     fail_msg("%s", error.text);
   assert_int_equal(km_question_set(q, "steps", &steps, &error), KM_OK);
-  km_status status = km_question_ask(q, state, &error);
+  km_status status = km_question_compute(q, state, &error);
   assert_true(status == KM_OK || status == KM_PARTIAL);
   assert_int_equal(km_table_figure(km_question_table(q), cases[c].column, KM_FIGURE_MEAN, 0, &value, NULL, &error),
                    KM_OK);
@@ -179,10 +179,10 @@ static double track_by_hand(const double *base, double length) {
   km_error error;
   double value = nan("");
   km_study_def def = km_study_def_default();
-  assert_int_equal(km_model_load_varied(MODELS_DIR "/iiwa14.json", assignments, 2, NULL, &model, &error), KM_OK);
+  assert_int_equal(km_model_read_file_varied(MODELS_DIR "/iiwa14.json", assignments, 2, NULL, &model, &error), KM_OK);
   if (length > 0.0)
     km_model_share_length(model, length);
-  assert_int_equal(km_reach_pose(model, NULL, 0, NULL, 0, &m, &state, &error), KM_OK);
+  assert_int_equal(km_mechanism_compile_at(model, NULL, 0, NULL, 0, &m, &state, &error), KM_OK);
   assert_int_equal(km_file_read(STUDIES_DIR "/iiwa_weld/study.json", &text, &error), KM_OK);
   assert_int_equal(km_study_read(text.data, text.size, "", NULL, &def, &error), KM_OK);
   assert_int_equal(km_study_bind(m, state, &def, 1, NULL, &study, &error), KM_OK);

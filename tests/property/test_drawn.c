@@ -77,8 +77,8 @@ static void assert_same_as_frames(fixture *f) {
   km_json_write(tree, &text);
   assert_null(strstr(text.data, "drawn"));
   fixture g = fixture_read(text.data);
-  km_mobility_update(f->mechanism, f->state, &drawn);
-  km_mobility_update(g.mechanism, g.state, &framed);
+  km_mobility_compute(f->mechanism, f->state, &drawn);
+  km_mobility_compute(g.mechanism, g.state, &framed);
   assert_int_equal(drawn.mobility, framed.mobility);
   assert_int_equal(drawn.kutzbach, framed.kutzbach);
   for (int c = 0; c < f->model->coordinate_count; ++c) {
@@ -100,7 +100,7 @@ static void a_drawing_is_assembled(void **state) {
     fixture f = fixture_read(text.data);
     for (int c = 0; c < f.model->coordinate_count; ++c)
       assert_near(km_state_coordinate(f.state, c), f.model->coordinates[c].position, 1e-9);
-    km_poses_update(f.mechanism, f.state);
+    km_poses_compute(f.mechanism, f.state);
     for (int frame = 0; frame < f.model->frame_count; ++frame)
       if (strcmp(f.model->frames[frame].name, "origin") == 0)
         assert_identity(&f, frame, 1e-12);
@@ -155,11 +155,11 @@ static double hinge_torque(fixture *f, int hinge) {
   km_forces *forces;
   km_statics statics;
   km_mobility mobility;
-  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
   assert_int_equal(mobility.mobility, 1);
   assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
   assert_int_equal(km_statics_create(f->mechanism, &hinge, 1, KM_AXES_JOINT, &statics, NULL), KM_OK);
-  km_statics_update(f->mechanism, f->state, forces, &statics);
+  km_statics_compute(f->mechanism, f->state, forces, &statics);
   double torque = statics.actuator_forces[0];
   km_statics_free(&statics);
   km_forces_free(forces);
@@ -172,19 +172,19 @@ static void check_strut(const char *law, double constant, double rate, int way, 
   snprintf(text, sizeof text, lid, offset, ways[way][0], ways[way][1], planar ? "true" : "false", law);
   fixture f = fixture_read(text);
   int hinge, strut;
-  km_drive *drive;
+  km_driver_motion *drive;
   assert_int_equal(km_model_find_coordinate(f.model, "J", &hinge, NULL), KM_OK);
   assert_int_equal(km_model_find_coordinate(f.model, "s", &strut, NULL), KM_OK);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, hinge, false, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, hinge, false, &drive, NULL), KM_OK);
   for (int i = 0; i <= 5; ++i) {
     double slope, angle = 13.0 * i;
     double length = length_at(angle * M_PI / 180.0, planar ? 0.0 : offset, &slope);
-    assert_int_equal(km_drive_to(drive, angle).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, angle).stop, KM_STOP_NONE);
     assert_near(km_state_coordinate(f.state, strut), length, 1e-10 * length);
     double force = constant - rate * length, torque = hinge_torque(&f, hinge);
     assert_near(torque, -force * slope, 1e-8 * fabs(force * slope) + 1e-6);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -209,7 +209,7 @@ static void a_strut_takes_no_freedom(void **state) {
       "\"struts\": [{\"name\": \"s\", \"from\": \"fixed\", \"to\": \"b/q\", \"cylinder\": true}]}]}";
   fixture f = fixture_read(free_body);
   km_mobility mobility;
-  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_mobility_compute(f.mechanism, f.state, &mobility);
   assert_int_equal(mobility.kutzbach, 6);
   assert_int_equal(mobility.mobility, 6);
   assert_int_equal(mobility.redundant_constraints, 0);

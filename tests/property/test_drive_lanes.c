@@ -19,7 +19,7 @@ enum { ROWS = 120 };
 /* A design, and the drive of its sweep's joint. */
 typedef struct design {
   fixture f;
-  km_drive *drive;
+  km_driver_motion *drive;
   double from, to;
 } design;
 
@@ -171,12 +171,13 @@ static design open_design(const char *name, uint64_t seed, bool ignore_limits) {
   km_sweep_plan plan = plan_of(name, d.f.model);
   d.from = plan.from;
   d.to = plan.to;
-  assert_int_equal(km_drive_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(d.f.mechanism, d.f.state, plan.coordinate, ignore_limits, &d.drive, NULL),
+                   KM_OK);
   return d;
 }
 
 static void close_design(design *d) {
-  km_drive_free(d->drive);
+  km_driver_motion_free(d->drive);
   fixture_close(&d->f);
 }
 
@@ -191,10 +192,10 @@ static shown look(design *d) {
   int sub = d->drive->c.substructure, worst;
   const km_substructure *s = &m->substructures[sub];
   shown out = {0};
-  if (km_drive_rides(d->drive)) {
-    out.residual = km_drive_ridden_residual(d->drive);
+  if (km_driver_motion_is_batched(d->drive)) {
+    out.residual = km_driver_motion_batched_residual(d->drive);
     if (km_partition_freedom(&d->f.state->partition[sub]) == 1)
-      km_drive_ridden_direction(d->drive, out.direction);
+      km_driver_motion_batched_direction(d->drive, out.direction);
     return out;
   }
   km_numbers_update(m, d->f.state, sub);
@@ -223,12 +224,12 @@ static void same_bits(const char *name, int row, design *a, design *b) {
 static void same_end(design *a, design *b) {
   double x[64], y[64];
   const km_mechanism *m = a->f.mechanism;
-  assert_true(km_drive_tangent(a->drive, x) == km_drive_tangent(b->drive, y));
+  assert_true(km_driver_motion_tangent(a->drive, x) == km_driver_motion_tangent(b->drive, y));
   assert_memory_equal(x, y, (size_t)m->coordinate_count * sizeof *x);
   assert_memory_equal(a->f.state->jacobian, b->f.state->jacobian, m->matrix_size * sizeof(double));
 }
 
-static void same_reach(const km_reach *a, const km_reach *b) {
+static void same_reach(const km_motion_end *a, const km_motion_end *b) {
   assert_int_equal(a->stop, b->stop);
   assert_true(a->position == b->position);
   assert_int_equal(a->coordinate, b->coordinate);
@@ -245,47 +246,47 @@ typedef struct manner {
   int rows;
   bool ignore_limits, uneven;
   bool in_turns; /* not all of them at once: mostly most of them, sometimes few */
-  bool tries;    /* by km_drive_lanes_try, and those that can't in their lanes alone */
+  bool tries;    /* by km_batch_try, and those that can't in their lanes alone */
 } manner;
 
 static const manner plain = {.rows = ROWS};
 
 static unsigned whose_turn(const manner *how, int round) {
   unsigned most = 0;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i)
+  for (int i = 0; i < KM_BATCH_LANES; ++i)
     most |= (round + i) % 4 ? 1u << i : 0;
   return !how->in_turns ? ~0u : round % 9 == 8 ? 0x21u : most;
 }
 
-static void move_beside(const manner *how, km_drive_lanes *lanes, unsigned wanted, const double *targets,
-                        km_reach *reaches) {
+static void move_beside(const manner *how, km_batch *lanes, unsigned wanted, const double *targets,
+                        km_motion_end *reaches) {
   if (!how->tries) {
-    km_drive_lanes_to(lanes, wanted, targets, reaches);
+    km_batch_move_to(lanes, wanted, targets, reaches);
     return;
   }
-  unsigned there = km_drive_lanes_try(lanes, wanted, targets, reaches);
+  unsigned there = km_batch_try(lanes, wanted, targets, reaches);
   for (unsigned left = wanted & ~there; left; left &= left - 1) {
     int i = __builtin_ctz(left);
-    reaches[i] = km_drive_to(lanes->drives[i], targets[i]);
+    reaches[i] = km_driver_motion_move_to(lanes->drives[i], targets[i]);
   }
 }
 
 /* Drives `count` designs side by side, and the same ones alone. Returns how many rows were reached in lanes. */
 static int compare(const char *name, int count, uint64_t seed, manner how) {
-  design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
-  km_drive *drives[KM_DRIVE_LANES] = {NULL};
-  km_drive_lanes *lanes;
-  int ridden = 0, rows[KM_DRIVE_LANES] = {0};
+  design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
+  km_driver_motion *drives[KM_BATCH_LANES] = {NULL};
+  km_batch *lanes;
+  int ridden = 0, rows[KM_BATCH_LANES] = {0};
   for (int i = 0; i < count; ++i) {
     beside[i] = open_design(name, seed ? seed + (uint64_t)i : 0, how.ignore_limits);
     alone[i] = open_design(name, seed ? seed + (uint64_t)i : 0, how.ignore_limits);
     drives[i] = beside[i].drive;
   }
-  assert_int_equal(km_drive_lanes_create(NULL, drives, count, &lanes, NULL), KM_OK);
+  assert_int_equal(km_batch_create(NULL, drives, count, &lanes, NULL), KM_OK);
   unsigned going = lanes ? (1u << count) - 1 : 0;
   for (int round = 0; going; ++round) {
-    double targets[KM_DRIVE_LANES];
-    km_reach reaches[KM_DRIVE_LANES];
+    double targets[KM_BATCH_LANES];
+    km_motion_end reaches[KM_BATCH_LANES];
     unsigned wanted = going & whose_turn(&how, round);
     if (!wanted)
       continue;
@@ -295,7 +296,7 @@ static int compare(const char *name, int count, uint64_t seed, manner how) {
     ridden += __builtin_popcount(lanes->ahead & wanted);
     for (unsigned left = wanted; left; left &= left - 1) {
       int i = __builtin_ctz(left);
-      km_reach reach = km_drive_to(alone[i].drive, targets[i]);
+      km_motion_end reach = km_driver_motion_move_to(alone[i].drive, targets[i]);
       same_reach(&reaches[i], &reach);
       same_bits(name, rows[i], &beside[i], &alone[i]);
       if ((rows[i] > 0 && reach.stop) || rows[i] == how.rows)
@@ -303,7 +304,7 @@ static int compare(const char *name, int count, uint64_t seed, manner how) {
       ++rows[i];
     }
   }
-  km_drive_lanes_free(NULL, lanes);
+  km_batch_free(NULL, lanes);
   for (int i = 0; i < count; ++i) {
     same_bits(name, -1, &beside[i], &alone[i]);
     same_end(&beside[i], &alone[i]);
@@ -327,9 +328,9 @@ static void as_alone(void **state) {
   for (const char *const *name = all_models; *name; ++name) {
     if (!has_sweep(*name))
       continue;
-    int steps = compare(*name, KM_DRIVE_LANES, 1, plain) +
-                compare(*name, KM_DRIVE_LANES, 100, (manner){.rows = ROWS, .ignore_limits = true}) +
-                compare(*name, KM_DRIVE_LANES, 200, (manner){.rows = ROWS / 10, .uneven = true});
+    int steps = compare(*name, KM_BATCH_LANES, 1, plain) +
+                compare(*name, KM_BATCH_LANES, 100, (manner){.rows = ROWS, .ignore_limits = true}) +
+                compare(*name, KM_BATCH_LANES, 200, (manner){.rows = ROWS / 10, .uneven = true});
     rode += steps > 0;
   }
   assert_true(rode >= 5);
@@ -338,9 +339,9 @@ static void as_alone(void **state) {
 /* Any number of drives, equal ones too. */
 static void any_number(void **state) {
   (void)state;
-  for (int count = 1; count <= KM_DRIVE_LANES; ++count)
+  for (int count = 1; count <= KM_BATCH_LANES; ++count)
     assert_true(compare("slider_crank", count, 7, plain) > count * ROWS / 2);
-  assert_true(compare("excavator", KM_DRIVE_LANES, 0, plain) > KM_DRIVE_LANES * ROWS / 2);
+  assert_true(compare("excavator", KM_BATCH_LANES, 0, plain) > KM_BATCH_LANES * ROWS / 2);
 }
 
 /* What a lane remembers of its last steps stays while others go on, and where it can't go with them. */
@@ -349,7 +350,7 @@ static void in_turns(void **state) {
   static const char *const names[] = {"slider_crank", "excavator", "klann", "toggle_press", "bennett", "delta"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
     for (int tries = 0; tries < 2; ++tries)
-      assert_true(compare(names[k], KM_DRIVE_LANES, 1, (manner){.rows = ROWS, .in_turns = true, .tries = tries}) >
+      assert_true(compare(names[k], KM_BATCH_LANES, 1, (manner){.rows = ROWS, .in_turns = true, .tries = tries}) >
                   ROWS);
 }
 
@@ -359,60 +360,60 @@ static void in_space(void **state) {
   int rode = 0;
   for (int shape = 0; shape < SHAPES; ++shape) {
     uint64_t seed = 100 * (uint64_t)shape + 1;
-    int steps = compare(space_loop, KM_DRIVE_LANES, seed, plain) +
+    int steps = compare(space_loop, KM_BATCH_LANES, seed, plain) +
                 compare(space_loop, 5, seed + 40, (manner){.rows = ROWS / 4, .ignore_limits = true, .uneven = true});
     rode += steps > 0;
   }
   assert_true(rode > SHAPES / 2); /* the others end at once */
   static const char *const names[] = {"bennett", "bricard", "sarrus3", "delta", "stewart"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
-    assert_true(compare(names[k], KM_DRIVE_LANES, 0, plain) > KM_DRIVE_LANES * ROWS / 2);
-  assert_true(compare(beside_pendulum, KM_DRIVE_LANES, 1, plain) > KM_DRIVE_LANES * ROWS / 2);
+    assert_true(compare(names[k], KM_BATCH_LANES, 0, plain) > KM_BATCH_LANES * ROWS / 2);
+  assert_true(compare(beside_pendulum, KM_BATCH_LANES, 1, plain) > KM_BATCH_LANES * ROWS / 2);
 }
 
 /* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has changed for
  * the rows that follow. */
 static void compare_visits(const char *name) {
-  design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
-  km_drive *drives[KM_DRIVE_LANES];
-  double rates[KM_DRIVE_LANES][64], expected[64], *out[KM_DRIVE_LANES];
-  const unsigned all = (1u << KM_DRIVE_LANES) - 1;
-  km_drive_lanes *lanes;
+  design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
+  km_driver_motion *drives[KM_BATCH_LANES];
+  double rates[KM_BATCH_LANES][64], expected[64], *out[KM_BATCH_LANES];
+  const unsigned all = (1u << KM_BATCH_LANES) - 1;
+  km_batch *lanes;
   int visited = 0;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     beside[i] = open_design(name, 50 + (uint64_t)i, false);
     alone[i] = open_design(name, 50 + (uint64_t)i, false);
     drives[i] = beside[i].drive;
     out[i] = rates[i];
   }
-  assert_int_equal(km_drive_lanes_create(NULL, drives, KM_DRIVE_LANES, &lanes, NULL), KM_OK);
+  assert_int_equal(km_batch_create(NULL, drives, KM_BATCH_LANES, &lanes, NULL), KM_OK);
   for (int row = 0; row <= ROWS; ++row) {
-    double targets[KM_DRIVE_LANES], places[KM_DRIVE_LANES];
-    km_reach reaches[KM_DRIVE_LANES];
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    double targets[KM_BATCH_LANES], places[KM_BATCH_LANES];
+    km_motion_end reaches[KM_BATCH_LANES];
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
       targets[i] = target_at(&beside[i], i, row, ROWS, false);
       places[i] = targets[i] - 0.4 * (beside[i].to - beside[i].from) / ROWS * (i % 5 - 2);
     }
-    km_drive_lanes_to(lanes, all, targets, reaches);
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
-      km_drive_to(alone[i].drive, targets[i]);
+    km_batch_move_to(lanes, all, targets, reaches);
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
+      km_driver_motion_move_to(alone[i].drive, targets[i]);
       same_bits(name, row, &beside[i], &alone[i]);
     }
-    unsigned there = km_drive_lanes_visit(lanes, all & ~(1u << row % KM_DRIVE_LANES), places, out);
+    unsigned there = km_batch_sample(lanes, all & ~(1u << row % KM_BATCH_LANES), places, out);
     visited += __builtin_popcount(there);
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
       if (!(there >> i & 1))
         continue;
-      km_drive_mark(alone[i].drive);
-      assert_int_equal(km_drive_to(alone[i].drive, places[i]).stop, KM_STOP_NONE);
-      assert_true(km_drive_tangent(alone[i].drive, expected));
-      km_drive_return(alone[i].drive);
+      km_driver_motion_save(alone[i].drive);
+      assert_int_equal(km_driver_motion_move_to(alone[i].drive, places[i]).stop, KM_STOP_NONE);
+      assert_true(km_driver_motion_tangent(alone[i].drive, expected));
+      km_driver_motion_restore(alone[i].drive);
       assert_memory_equal(rates[i], expected, (size_t)beside[i].f.mechanism->coordinate_count * sizeof *expected);
     }
   }
   assert_true(visited > ROWS);
-  km_drive_lanes_free(NULL, lanes);
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  km_batch_free(NULL, lanes);
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     same_end(&beside[i], &alone[i]);
     close_design(&beside[i]);
     close_design(&alone[i]);
@@ -447,19 +448,19 @@ static void sweeps_as_alone(void **state) {
   static const char *const models[] = {"slider_crank", "fourbar", "excavator", "klann", "brake",
                                        "rssr",         "delta",   "stewart",   twice};
   for (size_t k = 0; k < sizeof models / sizeof *models; ++k) {
-    design d[KM_DRIVE_LANES];
-    km_mobility_sweep beside[KM_DRIVE_LANES];
-    km_sweep_job jobs[KM_DRIVE_LANES];
-    km_error errors[KM_DRIVE_LANES];
+    design d[KM_BATCH_LANES];
+    km_mobility_sweep beside[KM_BATCH_LANES];
+    km_sweep_job jobs[KM_BATCH_LANES];
+    km_error errors[KM_BATCH_LANES];
     km_sweep_plan plan;
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
       d[i] = open_design(models[k], 300 + (uint64_t)i, false);
       plan = plan_of(models[k], d[i].f.model);
       jobs[i] = (km_sweep_job){.m = d[i].f.mechanism, .s = d[i].f.state, .plan = &plan, .error = &errors[i]};
       km_mobility_sweep_open(&jobs[i], &beside[i]);
     }
-    km_sweeps_run(jobs, KM_DRIVE_LANES);
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    km_sweeps_run(jobs, KM_BATCH_LANES);
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
       design again = open_design(models[k], 300 + (uint64_t)i, false);
       km_mobility_sweep alone;
       assert_int_equal(km_mobility_sweep_run(again.f.mechanism, again.f.state, &plan, &alone, NULL), jobs[i].status);
@@ -484,7 +485,7 @@ static void sweeps_as_alone(void **state) {
       km_mobility_sweep_free(&alone);
       close_design(&again);
     }
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
       km_mobility_sweep_free(&beside[i]);
       close_design(&d[i]);
     }
@@ -499,32 +500,32 @@ static void search_pivots(design *d) {
 /* A drive that is looked at stays in its lane, and its state shows what it shows alone. It leaves it where pivots were searched
  * meanwhile. Returns how many looks found the drive in its lane. */
 static int compare_looks(const char *name) {
-  design beside[KM_DRIVE_LANES], alone[KM_DRIVE_LANES];
-  km_drive *drives[KM_DRIVE_LANES];
-  km_drive_lanes *lanes;
-  const unsigned all = (1u << KM_DRIVE_LANES) - 1;
+  design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
+  km_driver_motion *drives[KM_BATCH_LANES];
+  km_batch *lanes;
+  const unsigned all = (1u << KM_BATCH_LANES) - 1;
   int ridden = 0;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     beside[i] = open_design(name, 1 + (uint64_t)i, true);
     alone[i] = open_design(name, 1 + (uint64_t)i, true);
     drives[i] = beside[i].drive;
   }
-  assert_int_equal(km_drive_lanes_create(NULL, drives, KM_DRIVE_LANES, &lanes, NULL), KM_OK);
+  assert_int_equal(km_batch_create(NULL, drives, KM_BATCH_LANES, &lanes, NULL), KM_OK);
   assert_non_null(lanes);
   for (int row = 0; row <= ROWS; ++row) {
-    double targets[KM_DRIVE_LANES];
-    km_reach reaches[KM_DRIVE_LANES];
-    for (int i = 0; i < KM_DRIVE_LANES; ++i)
+    double targets[KM_BATCH_LANES];
+    km_motion_end reaches[KM_BATCH_LANES];
+    for (int i = 0; i < KM_BATCH_LANES; ++i)
       targets[i] = target_at(&beside[i], i, row, ROWS, false);
-    km_drive_lanes_to(lanes, all, targets, reaches);
-    for (int i = 0; i < KM_DRIVE_LANES; ++i) {
-      bool rides = km_drive_rides(drives[i]);
-      km_drive_to(alone[i].drive, targets[i]);
-      km_drive_look(drives[i]);
-      assert_int_equal(km_drive_rides(drives[i]), rides);
+    km_batch_move_to(lanes, all, targets, reaches);
+    for (int i = 0; i < KM_BATCH_LANES; ++i) {
+      bool rides = km_driver_motion_is_batched(drives[i]);
+      km_driver_motion_move_to(alone[i].drive, targets[i]);
+      km_driver_motion_prepare_read(drives[i]);
+      assert_int_equal(km_driver_motion_is_batched(drives[i]), rides);
       same_bits(name, row, &beside[i], &alone[i]);
       same_end(&beside[i], &alone[i]);
-      assert_int_equal(km_drive_rides(drives[i]), rides);
+      assert_int_equal(km_driver_motion_is_batched(drives[i]), rides);
       ridden += rides;
       if (i % 3 == 0 && row % 7 == 3) {
         search_pivots(&beside[i]);
@@ -532,8 +533,8 @@ static int compare_looks(const char *name) {
       }
     }
   }
-  km_drive_lanes_free(NULL, lanes);
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  km_batch_free(NULL, lanes);
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     same_end(&beside[i], &alone[i]);
     close_design(&beside[i]);
     close_design(&alone[i]);
@@ -545,7 +546,7 @@ static void looks(void **state) {
   (void)state;
   static const char *const names[] = {"slider_crank", "excavator", "klann", "bennett", "rssr", "delta"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
-    assert_true(compare_looks(names[k]) > KM_DRIVE_LANES * ROWS / 2);
+    assert_true(compare_looks(names[k]) > KM_BATCH_LANES * ROWS / 2);
 }
 
 /* A target that takes too many steps: given up at the same place. */
@@ -553,20 +554,21 @@ static void too_far(void **state) {
   (void)state;
   design beside[2] = {open_design("slider_crank", 1, false), open_design("slider_crank", 2, false)};
   design alone[2] = {open_design("slider_crank", 1, false), open_design("slider_crank", 2, false)};
-  km_drive *drives[2] = {beside[0].drive, beside[1].drive};
+  km_driver_motion *drives[2] = {beside[0].drive, beside[1].drive};
   static const double targets[2] = {1e6, -1e300};
-  km_drive_lanes *lanes;
-  km_reach reaches[2];
-  assert_int_equal(km_drive_lanes_create(NULL, drives, 2, &lanes, NULL), KM_OK);
+  km_batch *lanes;
+  km_motion_end reaches[2];
+  assert_int_equal(km_batch_create(NULL, drives, 2, &lanes, NULL), KM_OK);
   for (int i = 0; i < 2; ++i)
-    assert_int_equal(km_drive_to(beside[i].drive, 0.1).stop, km_drive_to(alone[i].drive, 0.1).stop);
-  km_drive_lanes_to(lanes, 3, targets, reaches);
+    assert_int_equal(km_driver_motion_move_to(beside[i].drive, 0.1).stop,
+                     km_driver_motion_move_to(alone[i].drive, 0.1).stop);
+  km_batch_move_to(lanes, 3, targets, reaches);
   for (int i = 0; i < 2; ++i) {
-    km_reach reach = km_drive_to(alone[i].drive, targets[i]);
-    assert_int_equal(reach.stop, KM_STOP_GAVE_OUT);
+    km_motion_end reach = km_driver_motion_move_to(alone[i].drive, targets[i]);
+    assert_int_equal(reach.stop, KM_STOP_MAX_STEPS);
     same_reach(&reaches[i], &reach);
   }
-  km_drive_lanes_free(NULL, lanes);
+  km_batch_free(NULL, lanes);
   for (int i = 0; i < 2; ++i) {
     same_end(&beside[i], &alone[i]);
     close_design(&beside[i]);
@@ -580,21 +582,21 @@ static void slides_leave(void **state) {
   for (uint64_t seed = 0; seed < 3; ++seed) {
     design d = open_design(tangent, seed, false);
     const km_mechanism *m = d.f.mechanism;
-    const double height = 1.0 + 1e-3 * (double)seed, end = atan(km_drive_away * m->unit[3] / height);
+    const double height = 1.0 + 1e-3 * (double)seed, end = atan(km_driver_motion_away * m->unit[3] / height);
     assert_string_equal(d.f.model->coordinates[3].label, "D");
     for (double to = 2.0, part = 0.1; to >= -2.0; to -= 4.0, part = 1.0) {
-      km_reach reach = km_drive_to(d.drive, part * to);
-      reach = reach.stop ? reach : km_drive_to(d.drive, to);
-      assert_int_equal(reach.stop, KM_STOP_AWAY);
+      km_motion_end reach = km_driver_motion_move_to(d.drive, part * to);
+      reach = reach.stop ? reach : km_driver_motion_move_to(d.drive, to);
+      assert_int_equal(reach.stop, KM_STOP_UNBOUNDED);
       assert_int_equal(reach.coordinate, 3);
       assert_near(reach.position, copysign(end, to), 1e-9);
-      assert_near(d.f.state->q[3], -height * tan(reach.position), 1e-9 * km_drive_away * km_drive_away);
+      assert_near(d.f.state->q[3], -height * tan(reach.position), 1e-9 * km_driver_motion_away * km_driver_motion_away);
     }
     close_design(&d);
   }
-  assert_true(compare(tangent, KM_DRIVE_LANES, 1, plain) > 0);
-  compare(tangent_end, KM_DRIVE_LANES, 0, (manner){.rows = 400}); /* whether lanes go there or not */
-  assert_true(compare(tangent, KM_DRIVE_LANES, 9, (manner){.rows = 20 * ROWS}) > ROWS);
+  assert_true(compare(tangent, KM_BATCH_LANES, 1, plain) > 0);
+  compare(tangent_end, KM_BATCH_LANES, 0, (manner){.rows = 400}); /* whether lanes go there or not */
+  assert_true(compare(tangent, KM_BATCH_LANES, 9, (manner){.rows = 20 * ROWS}) > ROWS);
 }
 
 int main(void) {

@@ -35,7 +35,7 @@ static void test_dalembert(void **data) {
     if (!any_mechanism(seed, &m, &r))
       continue;
     assert_int_equal(km_dynamics_accelerate(m.dynamics, m.f.state, &error), KM_OK);
-    km_poses_update(m.f.mechanism, m.f.state);
+    km_poses_compute(m.f.mechanism, m.f.state);
     assert_near(dalembert(&m, 1e-5), 0.0, 1e-7);
     judged++;
     moving_close(&m);

@@ -17,7 +17,7 @@ typedef struct way {
 /* A model with a drive of one of its joints. */
 typedef struct machine {
   fixture f;
-  km_drive *drive;
+  km_driver_motion *drive;
   double from;
 } machine;
 
@@ -27,21 +27,21 @@ static machine open_machine(const way *of) {
   km_error error;
   if (km_assemble(m.f.mechanism, m.f.state, NULL, &error) ||
       km_model_find_coordinate(m.f.model, of->driver, &c, &error) ||
-      km_drive_create(m.f.mechanism, m.f.state, c, true, &m.drive, &error))
+      km_driver_motion_create(m.f.mechanism, m.f.state, c, true, &m.drive, &error))
     fail_msg("%s", error.text);
   m.from = km_state_coordinate(m.f.state, c);
   return m;
 }
 
 static void close_machine(machine *m) {
-  km_drive_free(m->drive);
+  km_driver_motion_free(m->drive);
   fixture_close(&m->f);
 }
 
 /* Did the last step end where it was predicted? The driver gets its own value. */
-static bool at_once(const km_drive *d) {
-  const km_course *course = &d->c.course;
-  for (int k = 0; k < km_drive_driven(d)->columns; ++k)
+static bool at_once(const km_driver_motion *d) {
+  const km_step_history *course = &d->c.course;
+  for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
     if (k != d->c.column && !(fabs(course->last_move[k] - d->c.move[k]) <= 1e-14))
       return false;
   return true;
@@ -49,7 +49,7 @@ static bool at_once(const km_drive *d) {
 
 static double residual_of(const machine *m) {
   int worst;
-  return km_loops_residual(m->f.mechanism, m->f.state, km_drive_driven(m->drive), &worst);
+  return km_loops_residual(m->f.mechanism, m->f.state, km_driver_motion_substructure(m->drive), &worst);
 }
 
 /* Closing ends with errors of 1e-12 rms over the rows and steps below 1e-12, or with a step of Newton below 1e-9, whose rest is
@@ -65,10 +65,11 @@ static void poses_are_those_of_uneven_steps(void **state) {
     int found = 0;
     for (int row = 1; row <= ways[i].steps; ++row) {
       double step = ways[i].length / ways[i].steps, target = even.from + row * step;
-      assert_int_equal(km_drive_to(even.drive, target).stop, KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(even.drive, target).stop, KM_STOP_NONE);
       found += at_once(even.drive);
-      assert_int_equal(km_drive_to(uneven.drive, target - (row % 2 ? 0.37 : 0.61) * step).stop, KM_STOP_NONE);
-      assert_int_equal(km_drive_to(uneven.drive, target).stop, KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(uneven.drive, target - (row % 2 ? 0.37 : 0.61) * step).stop,
+                       KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(uneven.drive, target).stop, KM_STOP_NONE);
       assert_at_most(residual_of(&even), 1e-12 * sqrt(6.0) * 10.0);
       for (int c = 0; c < m->coordinate_count; ++c)
         assert_near(even.f.state->q[c] / m->unit[c], uneven.f.state->q[c] / m->unit[c], 2e-11);

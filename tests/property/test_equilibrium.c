@@ -25,11 +25,11 @@ static km_forces *load_randomly(fixture *f, randomness *r) {
 }
 
 static void make_large(fixture *f, km_statics *statics) {
-  km_statics_work *w = statics->work;
+  km_statics_workspace *w = statics->work;
   for (int i = 0; i < f->mechanism->topology.substructure_count; ++i) {
     if (w->carrying[i].large)
       continue;
-    assert_int_equal(km_carrying_make_large(f->mechanism, w, i, NULL), KM_OK);
+    assert_int_equal(km_reaction_workspace_make_large(f->mechanism, w, i, NULL), KM_OK);
     assert_false(w->arena.failed);
   }
 }
@@ -47,12 +47,12 @@ static void compare(fixture *f, randomness *r) {
   km_mobility mobility;
   km_forces *forces = load_randomly(f, r);
   int joints = f->model->joint_count;
-  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
   assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &small, NULL), KM_OK);
   assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &large, NULL), KM_OK);
   make_large(f, &large);
-  km_statics_update(f->mechanism, f->state, forces, &small);
-  km_statics_update(f->mechanism, f->state, forces, &large);
+  km_statics_compute(f->mechanism, f->state, forces, &small);
+  km_statics_compute(f->mechanism, f->state, forces, &large);
   assert_int_equal(small.degree, large.degree);
   /* Both lose as many digits as the smallest pivot has less than 1: a thousandth is left to them. */
   double tolerance = 1e-9 * fmax(1.0, largest_of(&small, joints));

@@ -14,13 +14,14 @@
 static void far_targets_are_given_up_early(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
-  km_drive *drive;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, f.model->sweep.coordinate, false, &drive, NULL), KM_OK);
-  km_reach reach = km_drive_to(drive, 1e9);
+  km_driver_motion *drive;
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, f.model->sweep.coordinate, false, &drive, NULL),
+                   KM_OK);
+  km_motion_end reach = km_driver_motion_move_to(drive, 1e9);
   double turned = fabs(reach.position) * km_model_coordinate_factor(f.model, f.model->sweep.coordinate);
-  assert_int_equal(reach.stop, KM_STOP_GAVE_OUT);
+  assert_int_equal(reach.stop, KM_STOP_MAX_STEPS);
   assert_true(turned > 100.0 && turned <= 10000 * 0.3 + 10.0);
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -75,13 +76,13 @@ static void short_steps_end(void **state) {
   for (size_t r = 0; r < 6; ++r)
     assert_near(km_table_row(sweep.motion.table, r)[1], 2e-8 * (double)r, 1e-13);
   km_mobility_sweep_free(&sweep);
-  km_follow *follow;
-  assert_int_equal(km_follow_create(f.mechanism, f.state, -1, 1.0, false, &follow, NULL), KM_OK);
-  assert_int_equal(km_follow_advance(follow, 1e-320), KM_OK);
-  assert_near(km_follow_length(follow), 0.0, 1e-13);
-  assert_int_equal(km_follow_advance(follow, 1e9), KM_USAGE);
-  assert_int_equal(km_follow_advance(follow, (double)NAN), KM_USAGE);
-  km_follow_free(follow);
+  km_arc_motion *follow;
+  assert_int_equal(km_arc_motion_create(f.mechanism, f.state, -1, 1.0, false, &follow, NULL), KM_OK);
+  assert_int_equal(km_arc_motion_advance(follow, 1e-320), KM_OK);
+  assert_near(km_arc_motion_length(follow), 0.0, 1e-13);
+  assert_int_equal(km_arc_motion_advance(follow, 1e9), KM_USAGE);
+  assert_int_equal(km_arc_motion_advance(follow, (double)NAN), KM_USAGE);
+  km_arc_motion_free(follow);
   fixture_close(&f);
 }
 

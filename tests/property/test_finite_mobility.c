@@ -26,7 +26,7 @@ static void expect(fixture f, int mobility, int motions, km_motion_kind kind) {
                                         : found.motions[i].confirmed_length > 0.01);
   }
   km_mobility mobility_there; /* the state is where it was */
-  km_mobility_update(f.mechanism, f.state, &mobility_there);
+  km_mobility_compute(f.mechanism, f.state, &mobility_there);
   assert_true(mobility_there.residual < 1e-11);
   km_finite_mobility_free(&found);
   fixture_close(&f);
@@ -48,12 +48,12 @@ static void regular_models(void **state) {
 static void bricard_in_its_plane(void **state) {
   (void)state;
   fixture f = fixture_open("bricard");
-  km_drive *drive;
+  km_driver_motion *drive;
   int b;
   assert_int_equal(km_model_find_coordinate(f.model, "B", &b, NULL), KM_OK);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, b, true, &drive, NULL), KM_OK);
-  assert_int_equal(km_drive_to(drive, 0.0).stop, KM_STOP_NONE);
-  km_drive_free(drive);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, b, true, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_move_to(drive, 0.0).stop, KM_STOP_NONE);
+  km_driver_motion_free(drive);
   expect(f, 1, 1, KM_MOTION_REGULAR);
 }
 
@@ -151,7 +151,7 @@ static void flat_ring(void **state) {
   fixture f = fixture_read(t.data);
   km_text_free(&t);
   km_mobility first_order;
-  km_mobility_update(f.mechanism, f.state, &first_order);
+  km_mobility_compute(f.mechanism, f.state, &first_order);
   assert_int_equal(first_order.mobility, 4);
   km_finite_mobility found = find(&f);
   assert_int_equal(found.mobility, 3);

@@ -30,7 +30,7 @@ static void bends_are_velocity_products(fixture *f, randomness *r) {
   for (int s = 0; s < m->topology.substructure_count && m->ball_count == 0; ++s) {
     const km_substructure *sub = &m->substructures[s];
     size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
-    int count = km_loops_pairs(m, sub, NULL), *pairs = KM_NEW(int, 2 * (size_t)count + 1);
+    int count = km_loops_hessian_entries(m, sub, NULL), *pairs = KM_NEW(int, 2 * (size_t)count + 1);
     double *x = KM_NEW(double, columns), *part = KM_NEW(double, columns), *own = KM_NEW(double, columns);
     double *rate = KM_NEW(double, (size_t)m->coordinate_count), *pair = KM_NEW(double, (size_t)count + 1);
     double *lambda = KM_NEW(double, rows), *gamma = KM_NEW(double, rows), sum = 0.0, product = 0.0, size = 0.0;
@@ -47,8 +47,8 @@ static void bends_are_velocity_products(fixture *f, randomness *r) {
     for (size_t i = 0; i < rows; ++i)
       lambda[i] = uniform(r, -1.0, 1.0);
     km_loops_velocity_products(m, f->state, sub, rate, gamma);
-    km_loops_pairs(m, sub, pairs);
-    km_loops_bends(m, f->state, sub, lambda, pair, own);
+    km_loops_hessian_entries(m, sub, pairs);
+    km_loops_hessian(m, f->state, sub, lambda, pair, own);
     for (int i = 0; i < count; ++i) {
       double term = 2.0 * pair[i] * x[pairs[2 * i]] * x[pairs[2 * i + 1]];
       sum += term;
@@ -89,10 +89,10 @@ static void judge_closest(fixture *f, double apart, randomness *r) {
   size_t n = (size_t)sub->columns;
   int driver = 0;
   km_arena arena = {0};
-  km_closest closest;
+  km_nearest_configuration closest;
   km_closure evidence;
   double *y = KM_NEW(double, 3 * n), *away = KM_NEW(double, n), *rest = KM_NEW(double, n);
-  assert_true(km_closest_reserve(&closest, m, sub, &arena));
+  assert_true(km_nearest_configuration_reserve(&closest, m, sub, &arena));
   for (size_t k = 0; k < n; ++k)
     away[k] = (int)k == driver ? 0.0 : uniform(r, -apart, apart);
   km_state_move(m, f->state, sub, away);
@@ -100,14 +100,14 @@ static void judge_closest(fixture *f, double apart, randomness *r) {
   assert_int_equal(km_loops_close(m, f->state, 0, driver, &evidence), KM_CLOSED);
   km_state_difference(f->state, sub, y, away);
   double length = km_step_length(m, sub, away);
-  assert_true(km_closest_find(&closest, m, f->state, 0, driver, &f->state->partition[0], away));
+  assert_true(km_nearest_configuration_find(&closest, m, f->state, 0, driver, &f->state->partition[0], away));
   km_state_difference(f->state, sub, y, rest);
   for (size_t k = 0; k < n; ++k)
     assert_near(rest[k], away[k], 1e-12);
   assert_true(km_step_length(m, sub, away) <= length * (1.0 + 1e-12));
   assert_int_equal(km_loops_close(m, f->state, 0, driver, &evidence), KM_CLOSED);
   assert_at_most(evidence.correction, 1e-9);
-  km_least_step(m, f->state, 0, driver, rest);
+  km_minimum_norm_step(m, f->state, 0, driver, rest);
   for (size_t k = 0; k < n; ++k)
     assert_near(rest[k], away[k], 1e-9);
   km_free(y);
@@ -176,8 +176,8 @@ static void flat_five_bars_have_leverage(void **state) {
   for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
     fixture f = fixture_written(write_flat_five_bars, sizes[i]);
     const km_sweep_plan plan = {.coordinate = 0, .direction = -1, .from = 0.0, .to = 0.3, .steps = 20};
-    const km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "in"},
-                    out = {.kind = KM_HANDLE_JOINT, .coordinate = sizes[i], .name = "out"};
+    const km_port in = {.kind = KM_PORT_JOINT, .coordinate = 0, .name = "in"},
+                  out = {.kind = KM_PORT_JOINT, .coordinate = sizes[i], .name = "out"};
     km_advantage_sweep sweep;
     assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &in, &out, false, &sweep, NULL), KM_OK);
     assert_true(sweep.motion.start_branches > 0);

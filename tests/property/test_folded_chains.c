@@ -75,7 +75,7 @@ static void all_branches_of_folded_chains(void **state) {
     km_finite_mobility found = find(&f);
     bool met[64] = {false};
     assert_int_equal(found.motion_count, 1 << n);
-    assert_int_equal(found.truncated, found.motion_count == KM_MOST_MOTIONS);
+    assert_int_equal(found.truncated, found.motion_count == KM_MAX_FINITE_MOTIONS);
     for (int i = 0; i < found.motion_count; ++i) {
       bool crossed[6];
       int word = 0;
@@ -99,15 +99,15 @@ static void starts_in_folded_chains(void **state) {
     fixture f = folded_chain(loops[i]);
     km_arena arena = {0};
     km_tangents t;
-    km_many_tangents many;
+    km_sampled_tangents many;
     double length;
     int found = 0;
     km_loops_update(f.mechanism, f.state, &f.mechanism->substructures[0]);
-    assert_true(km_tangents_make(&t, f.mechanism, f.state, 0, &arena) && km_many_tangents_make(&many, &t));
-    while (km_many_tangents_next(&many, &length))
+    assert_true(km_tangents_make(&t, f.mechanism, f.state, 0, &arena) && km_sampled_tangents_make(&many, &t));
+    while (km_sampled_tangents_next(&many, &length))
       ++found;
     assert_int_equal(found, many.most_starts);
-    km_many_tangents_free(&many);
+    km_sampled_tangents_free(&many);
     km_arena_free(&arena);
     fixture_close(&f);
   }

@@ -58,16 +58,16 @@ static void a_held_platform_comes_back(void **state) {
   km_state *held;
   km_mobility_sweep sweep;
   km_error error;
-  assert_int_equal(km_reach_pose(f.model, holds, 5, NULL, 0, &mechanism, &held, &error), KM_OK);
+  assert_int_equal(km_mechanism_compile_at(f.model, holds, 5, NULL, 0, &mechanism, &held, &error), KM_OK);
   km_sweep_plan plan = {.coordinate = -1, .steps = 2000, .arclength = 0.05, .direction = -1, .sign = 1.0};
   plan.cycle = plan.ignore_limits = true;
   size_t size = (size_t)f.model->body_count * sizeof(km_pose);
   km_pose *before = KM_NEW(km_pose, (size_t)f.model->body_count);
-  km_poses_update(mechanism, held);
+  km_poses_compute(mechanism, held);
   memcpy(before, held->pose, size);
   assert_int_equal(km_mobility_sweep_run(mechanism, held, &plan, &sweep, &error), KM_OK);
   assert_true(sweep.motion.cycle > 10.0);
-  km_poses_update(mechanism, held);
+  km_poses_compute(mechanism, held);
   for (int b = 1; b < f.model->body_count; ++b) {
     assert_near(km_vec3_norm(km_vec3_sub(held->pose[b].p, before[b].p)), 0.0, 1e-9);
     for (int k = 0; k < 3; ++k)

@@ -14,21 +14,21 @@ static const char *const models[] = {"excavator", "fourbar",      "slider_crank"
 
 typedef struct held {
   fixture f;
-  km_hand *hand;
+  km_manipulation *hand;
 } held;
 
 static held take_hold(const char *name) {
   held h = {.f = fixture_open(name)};
   km_mobility mobility;
   km_error error;
-  km_mobility_update(h.f.mechanism, h.f.state, &mobility);
-  km_poses_update(h.f.mechanism, h.f.state);
-  assert_int_equal(km_hand_create(h.f.mechanism, h.f.state, &h.hand, &error), KM_OK);
+  km_mobility_compute(h.f.mechanism, h.f.state, &mobility);
+  km_poses_compute(h.f.mechanism, h.f.state);
+  assert_int_equal(km_manipulation_create(h.f.mechanism, h.f.state, &h.hand, &error), KM_OK);
   return h;
 }
 
 static void let_go(held *h) {
-  km_hand_free(h->hand);
+  km_manipulation_free(h->hand);
   fixture_close(&h->f);
 }
 
@@ -62,14 +62,14 @@ static double way(const fixture *f, const double *from) {
   return sqrt(square);
 }
 
-static km_hand_grip grip_of(const fixture *f, randomness *r) {
-  km_hand_grip grip = {.body = 1 + below(r, f->model->body_count - 1)};
+static km_manipulation_point grip_of(const fixture *f, randomness *r) {
+  km_manipulation_point grip = {.body = 1 + below(r, f->model->body_count - 1)};
   for (int k = 0; k < 3; ++k)
     grip.point[k] = uniform(r, -0.5, 0.5) * f->mechanism->length;
   return grip;
 }
 
-static void aim(const fixture *f, km_hand_grip *grip, randomness *r, double far) {
+static void aim(const fixture *f, km_manipulation_point *grip, randomness *r, double far) {
   km_vec3 at = km_pose_point(&f->state->pose[grip->body], km_vec3_make(grip->point));
   const double p[3] = {at.x, at.y, at.z};
   for (int k = 0; k < 3; ++k)
@@ -86,9 +86,9 @@ static void points_keep_the_loops(void **state) {
     randomness r = {7};
     double *from = km_alloc((size_t)h.f.model->coordinate_count, sizeof *from);
     double *numbers = km_alloc((size_t)h.f.model->coordinate_count, sizeof *numbers);
-    km_hand_grip grip = {0};
+    km_manipulation_point grip = {0};
     for (int i = 0; i < PULLS; ++i) {
-      km_hand_move move;
+      km_manipulation_step move;
       km_error error;
       km_mobility mobility;
       if (i % 10 == 0)
@@ -96,13 +96,13 @@ static void points_keep_the_loops(void **state) {
       if (i % 5 == 0)
         aim(&h.f, &grip, &r, i % 3 ? 0.2 : 3.0);
       memcpy(from, h.f.state->q, (size_t)h.f.model->coordinate_count * sizeof *from);
-      assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.1, &move, &error), KM_OK);
+      assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.1, &move, &error), KM_OK);
       assert_true(opened(&h.f) <= 1e-11);
       assert_true(i == 0 || way(&h.f, from) <= 0.14); /* the first one may leave a branch point */
       is_within_limits(&h.f);
       for (int c = 0; c < h.f.model->coordinate_count; ++c)
         numbers[c] = km_mobility_number(h.f.state, c);
-      km_mobility_update(h.f.mechanism, h.f.state, &mobility);
+      km_mobility_compute(h.f.mechanism, h.f.state, &mobility);
       for (int c = 0; c < h.f.model->coordinate_count; ++c)
         assert_near(numbers[c], km_mobility_number(h.f.state, c), 1e-9);
     }
@@ -121,15 +121,15 @@ static void nearest_points_are_nearest(void **state) {
     held h = take_hold(*name);
     randomness r = {11};
     for (int i = 0; i < 25; ++i) {
-      km_hand_move move = {0}, again;
+      km_manipulation_step move = {0}, again;
       km_error error;
-      km_hand_grip grip = grip_of(&h.f, &r);
+      km_manipulation_point grip = grip_of(&h.f, &r);
       aim(&h.f, &grip, &r, i % 3 ? 0.3 : 2.0);
-      for (int k = 0; k < 400 && move.stop == KM_HAND_FREE && !move.there; ++k)
-        assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.35, &move, &error), KM_OK);
-      if (move.stop != KM_HAND_NEAREST || move.there)
+      for (int k = 0; k < 400 && move.stop == KM_MANIPULATION_FREE && !move.there; ++k)
+        assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.35, &move, &error), KM_OK);
+      if (move.stop != KM_MANIPULATION_NEAREST || move.there)
         continue;
-      assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.35, &again, &error), KM_OK);
+      assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.35, &again, &error), KM_OK);
       assert_true(again.left >= move.left - 1e-4 * h.f.mechanism->length);
       judged++;
     }
@@ -147,26 +147,26 @@ static void reachable_points_are_reached(void **state) {
     fixture other = fixture_open(*name);
     randomness r = {3};
     for (int i = 0; i < 10; ++i) {
-      km_hand *elsewhere;
-      km_hand_move move = {0};
+      km_manipulation *elsewhere;
+      km_manipulation_step move = {0};
       km_error error;
-      km_hand_grip grip = grip_of(&h.f, &r);
+      km_manipulation_point grip = grip_of(&h.f, &r);
       km_mobility mobility;
       memcpy(other.state->q, h.f.state->q, (size_t)h.f.model->coordinate_count * sizeof(double));
       km_state_set(other.mechanism, other.state, other.state->q);
-      km_mobility_update(other.mechanism, other.state, &mobility);
-      km_poses_update(other.mechanism, other.state);
-      assert_int_equal(km_hand_create(other.mechanism, other.state, &elsewhere, &error), KM_OK);
-      km_hand_grip away = grip;
+      km_mobility_compute(other.mechanism, other.state, &mobility);
+      km_poses_compute(other.mechanism, other.state);
+      assert_int_equal(km_manipulation_create(other.mechanism, other.state, &elsewhere, &error), KM_OK);
+      km_manipulation_point away = grip;
       aim(&other, &away, &r, 0.15);
       for (int k = 0; k < 5; ++k)
-        assert_int_equal(km_hand_pull_point(elsewhere, &away, 0.05, &move, &error), KM_OK);
-      km_hand_free(elsewhere);
+        assert_int_equal(km_manipulation_pull_point(elsewhere, &away, 0.05, &move, &error), KM_OK);
+      km_manipulation_free(elsewhere);
       km_vec3 goal = km_pose_point(&other.state->pose[grip.body], km_vec3_make(grip.point));
       memcpy(grip.target, (const double[]){goal.x, goal.y, goal.z}, sizeof grip.target);
       move.there = false;
       for (int k = 0; k < 60 && !move.there; ++k)
-        assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.2, &move, &error), KM_OK);
+        assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.2, &move, &error), KM_OK);
       km_vec3 at = km_pose_point(&h.f.state->pose[grip.body], km_vec3_make(grip.point));
       assert_true(km_vec3_norm(km_vec3_sub(at, goal)) <= 1e-6 * h.f.mechanism->length);
     }
@@ -191,18 +191,18 @@ static void joints_end_where_drives_do(void **state) {
     km_error error;
     km_hold goal = {.value = cases[i].to};
     assert_int_equal(km_model_find_coordinate(h.f.model, cases[i].joint, &goal.coordinate, &error), KM_OK);
-    km_hand_move move = {0};
+    km_manipulation_step move = {0};
     double *from = km_alloc((size_t)h.f.model->coordinate_count, sizeof *from);
     int calls = 0;
     for (; calls < 2000 && !move.there; ++calls) {
       memcpy(from, h.f.state->q, (size_t)h.f.model->coordinate_count * sizeof *from);
-      assert_int_equal(km_hand_pull_joint(h.hand, goal.coordinate, goal.value, 0.1, &move, &error), KM_OK);
+      assert_int_equal(km_manipulation_pull_joint(h.hand, goal.coordinate, goal.value, 0.1, &move, &error), KM_OK);
       assert_true(way(&h.f, from) <= 0.2);
       assert_true(opened(&h.f) <= 1e-11);
     }
     assert_true(calls > 3 && move.there);
     fixture other = fixture_open(cases[i].model);
-    assert_int_equal(km_state_reach(other.mechanism, other.state, &goal, 1, &error), KM_OK);
+    assert_int_equal(km_state_move_to(other.mechanism, other.state, &goal, 1, &error), KM_OK);
     for (int c = 0; c < h.f.model->coordinate_count; ++c)
       assert_near(h.f.state->q[c], other.state->q[c], 1e-8 * (1.0 + fabs(other.state->q[c])));
     km_free(from);
@@ -218,11 +218,11 @@ static int coordinate_of(const fixture *f, const char *label) {
   return coordinate;
 }
 
-static km_hand_move pull_on(held *h, int coordinate, double target, int calls) {
-  km_hand_move move = {0};
+static km_manipulation_step pull_on(held *h, int coordinate, double target, int calls) {
+  km_manipulation_step move = {0};
   km_error error;
   for (int i = 0; i < calls; ++i)
-    assert_int_equal(km_hand_pull_joint(h->hand, coordinate, target, 0.1, &move, &error), KM_OK);
+    assert_int_equal(km_manipulation_pull_joint(h->hand, coordinate, target, 0.1, &move, &error), KM_OK);
   return move;
 }
 
@@ -233,8 +233,8 @@ static void toggles_stop_softly(void **state) {
   held h = take_hold("slider_crank");
   int slider = coordinate_of(&h.f, "B"), crank = coordinate_of(&h.f, "A");
   double end = 0.0, before;
-  km_hand_move move = pull_on(&h, slider, 100.0, 200);
-  assert_int_equal(move.stop, KM_HAND_TOGGLE);
+  km_manipulation_step move = pull_on(&h, slider, 100.0, 200);
+  assert_int_equal(move.stop, KM_MANIPULATION_TOGGLE);
   assert_int_equal(move.coordinate, slider);
   end = km_state_coordinate(h.f.state, slider);
   assert_near(km_mobility_number(h.f.state, slider), 0.0, 1e-9);
@@ -254,15 +254,15 @@ static void limits_are_named(void **state) {
   int boom = coordinate_of(&h.f, "C"), left = coordinate_of(&h.f, "L"), right = coordinate_of(&h.f, "M");
   double low, high;
   km_model_coordinate_limits(h.f.model, left, &low, &high);
-  km_hand_move move = pull_on(&h, boom, 3.0, 400);
-  assert_int_equal(move.stop, KM_HAND_LIMIT);
+  km_manipulation_step move = pull_on(&h, boom, 3.0, 400);
+  assert_int_equal(move.stop, KM_MANIPULATION_LIMIT);
   assert_true(move.coordinate == left || move.coordinate == right);
   assert_near(km_state_coordinate(h.f.state, left), high, 1e-9);
-  km_hand_grip grip = {.body = 3, .point = {5.7, 0, 0}, .target = {3, 0, -20}};
+  km_manipulation_point grip = {.body = 3, .point = {5.7, 0, 0}, .target = {3, 0, -20}};
   km_error error;
   for (int i = 0; i < 400; ++i)
-    assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.1, &move, &error), KM_OK);
-  assert_int_equal(move.stop, KM_HAND_LIMIT);
+    assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.1, &move, &error), KM_OK);
+  assert_int_equal(move.stop, KM_MANIPULATION_LIMIT);
   assert_true(move.coordinate == left || move.coordinate == right);
   assert_near(km_state_coordinate(h.f.state, left), low, 1e-6);
   let_go(&h);
@@ -275,44 +275,44 @@ static void balls_keep_their_limit(void **state) {
       "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"t\", \"T\": [1, 0, 0]}]}], "
       "\"joints\": [{\"name\": \"S\", \"type\": \"spherical\", \"limits\": [0, 0.5], \"body_frame_pairs\": "
       "[[\"fixed\", \"origin\"], [\"b\", \"origin\"]]}]}]}");
-  km_hand *hand;
+  km_manipulation *hand;
   km_mobility mobility;
   km_error error;
-  km_hand_move move = {0};
-  km_mobility_update(f.mechanism, f.state, &mobility);
-  km_poses_update(f.mechanism, f.state);
-  assert_int_equal(km_hand_create(f.mechanism, f.state, &hand, &error), KM_OK);
+  km_manipulation_step move = {0};
+  km_mobility_compute(f.mechanism, f.state, &mobility);
+  km_poses_compute(f.mechanism, f.state);
+  assert_int_equal(km_manipulation_create(f.mechanism, f.state, &hand, &error), KM_OK);
   for (int i = 0; i < 40; ++i)
-    assert_int_equal(km_hand_pull_joint(hand, 2, 2.0, 0.1, &move, &error), KM_OK);
-  assert_int_equal(move.stop, KM_HAND_LIMIT);
+    assert_int_equal(km_manipulation_pull_joint(hand, 2, 2.0, 0.1, &move, &error), KM_OK);
+  assert_int_equal(move.stop, KM_MANIPULATION_LIMIT);
   assert_near(km_state_coordinate(f.state, 2), 0.5, 1e-12);
-  km_hand_grip grip = {.body = 1, .point = {1, 0, 0}, .target = {0, 0, 5}};
+  km_manipulation_point grip = {.body = 1, .point = {1, 0, 0}, .target = {0, 0, 5}};
   for (int i = 0; i < 60; ++i) {
-    assert_int_equal(km_hand_pull_point(hand, &grip, 0.1, &move, &error), KM_OK);
+    assert_int_equal(km_manipulation_pull_point(hand, &grip, 0.1, &move, &error), KM_OK);
     km_vec3 q = km_vec3_make(f.state->q);
     assert_true(km_vec3_norm(q) <= 0.5 + 1e-9);
   }
-  assert_int_equal(move.stop, KM_HAND_LIMIT);
-  km_hand_free(hand);
+  assert_int_equal(move.stop, KM_MANIPULATION_LIMIT);
+  km_manipulation_free(hand);
   fixture_close(&f);
 }
 
 static void misuse_is_refused(void **state) {
   (void)state;
   held h = take_hold("excavator");
-  km_hand_move move;
+  km_manipulation_step move;
   km_error error;
-  km_hand_grip grip = {.body = 1};
-  assert_int_equal(km_hand_pull_joint(h.hand, 0, (double)NAN, 0.1, &move, &error), KM_USAGE);
-  assert_int_equal(km_hand_pull_joint(h.hand, 0, 0.0, 0.0, &move, &error), KM_USAGE);
-  assert_int_equal(km_hand_pull_joint(h.hand, 999, 0.0, 0.1, &move, &error), KM_USAGE);
-  assert_int_equal(km_hand_pull_point(h.hand, &grip, (double)NAN, &move, &error), KM_USAGE);
+  km_manipulation_point grip = {.body = 1};
+  assert_int_equal(km_manipulation_pull_joint(h.hand, 0, (double)NAN, 0.1, &move, &error), KM_USAGE);
+  assert_int_equal(km_manipulation_pull_joint(h.hand, 0, 0.0, 0.0, &move, &error), KM_USAGE);
+  assert_int_equal(km_manipulation_pull_joint(h.hand, 999, 0.0, 0.1, &move, &error), KM_USAGE);
+  assert_int_equal(km_manipulation_pull_point(h.hand, &grip, (double)NAN, &move, &error), KM_USAGE);
   grip.target[1] = HUGE_VAL;
-  assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.1, &move, &error), KM_USAGE);
-  grip = (km_hand_grip){.body = 99};
-  assert_int_equal(km_hand_pull_point(h.hand, &grip, 0.1, &move, &error), KM_USAGE);
-  assert_string_equal(km_hand_stop_name(KM_HAND_TOGGLE), "toggle");
-  assert_string_equal(km_hand_stop_name((km_hand_stop)99), "");
+  assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.1, &move, &error), KM_USAGE);
+  grip = (km_manipulation_point){.body = 99};
+  assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.1, &move, &error), KM_USAGE);
+  assert_string_equal(km_manipulation_stop_name(KM_MANIPULATION_TOGGLE), "toggle");
+  assert_string_equal(km_manipulation_stop_name((km_manipulation_stop)99), "");
   let_go(&h);
 }
 

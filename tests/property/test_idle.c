@@ -6,10 +6,10 @@
 
 #include <string.h>
 
-static km_idle_freedoms idle_of(fixture *f) {
-  km_idle_freedoms idle;
+static km_passive_freedoms idle_of(fixture *f) {
+  km_passive_freedoms idle;
   km_error error;
-  if (km_idle_freedoms_find(f->mechanism, f->state, NULL, NULL, &idle, &error))
+  if (km_passive_freedoms_find(f->mechanism, f->state, NULL, NULL, &idle, &error))
     fail_msg("%s", error.text);
   return idle;
 }
@@ -64,14 +64,14 @@ static void legs(void **state) {
       fixture f =
           leg(all[i].types, all[i].joints, uniform(&r, 0.5, 0.9), uniform(&r, 0.1, 0.4), uniform(&r, -0.6, -0.4));
       double before = f.state->q[0];
-      km_idle_freedoms idle = idle_of(&f);
+      km_passive_freedoms idle = idle_of(&f);
       assert_int_equal(idle.mobility, all[i].mobility);
       assert_int_equal(idle.count, all[i].groups);
       assert_true(f.state->q[0] == before);
       for (int n = 0; n < idle.count; ++n)
         for (int b = 0; b < idle.items[n].body_count; ++b)
           assert_string_not_equal(km_model_body_name(f.model, idle.items[n].bodies[b]), "link");
-      km_idle_freedoms_free(&idle);
+      km_passive_freedoms_free(&idle);
       fixture_close(&f);
     }
 }
@@ -85,9 +85,9 @@ static void a_shaft_is_not_idle(void **state) {
       "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"shaft\"]},"
       "{\"name\": \"B\", \"type\": \"cylindrical\", \"body_frame_pairs\": [[\"fixed\", \"g\"], [\"shaft\", "
       "\"e\"]]}]}]}");
-  km_idle_freedoms idle = idle_of(&f);
+  km_passive_freedoms idle = idle_of(&f);
   assert_int_equal(idle.mobility, 0);
-  km_idle_freedoms_free(&idle);
+  km_passive_freedoms_free(&idle);
   fixture_close(&f);
 }
 
@@ -95,9 +95,9 @@ static void shipped_models_have_none_but_a_rod(void **state) {
   (void)state;
   for (const char *const *name = all_models; *name; ++name) {
     fixture f = fixture_open(*name);
-    km_idle_freedoms idle = idle_of(&f);
+    km_passive_freedoms idle = idle_of(&f);
     assert_int_equal(idle.mobility, strcmp(*name, "rssr") == 0);
-    km_idle_freedoms_free(&idle);
+    km_passive_freedoms_free(&idle);
     fixture_close(&f);
   }
 }
@@ -110,11 +110,11 @@ static bool refuse(void *context, double done) {
 static void searches_can_be_cancelled(void **state) {
   (void)state;
   fixture f = fixture_open("rssr");
-  km_idle_freedoms idle;
+  km_passive_freedoms idle;
   km_error error;
-  assert_int_equal(km_idle_freedoms_find(f.mechanism, f.state, refuse, NULL, &idle, &error), KM_CANCELLED);
+  assert_int_equal(km_passive_freedoms_find(f.mechanism, f.state, refuse, NULL, &idle, &error), KM_CANCELLED);
   assert_string_equal(error.text, "the search for the idle freedoms was cancelled");
-  km_idle_freedoms_free(&idle);
+  km_passive_freedoms_free(&idle);
   fixture_close(&f);
 }
 

@@ -17,9 +17,9 @@ static void multiply(const double *J, const double *rates, int coordinates, doub
 }
 
 /* Origin and first axis of a frame with the drive at s. */
-static void look(fixture *f, km_drive *drive, double s, int frame, km_frame_pose *out) {
-  assert_int_equal(km_drive_to(drive, s).stop, KM_STOP_NONE);
-  km_poses_update(f->mechanism, f->state);
+static void look(fixture *f, km_driver_motion *drive, double s, int frame, km_frame_pose *out) {
+  assert_int_equal(km_driver_motion_move_to(drive, s).stop, KM_STOP_NONE);
+  km_poses_compute(f->mechanism, f->state);
   assert_int_equal(km_frame_place(f->mechanism, f->state, frame, out, NULL), KM_OK);
 }
 
@@ -31,15 +31,15 @@ static void test_twists_are_derivatives(void **context) {
     fixture f = fixture_open(names[n]);
     int count = f.mechanism->coordinate_count, driver = f.model->sweep.coordinate >= 0 ? f.model->sweep.coordinate : 0;
     double *rates = KM_NEW(double, (size_t)count), *J = KM_NEW(double, 6 * (size_t)count), twist[6], other[6];
-    km_drive *drive;
-    assert_int_equal(km_drive_create(f.mechanism, f.state, driver, true, &drive, NULL), KM_OK);
+    km_driver_motion *drive;
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, driver, true, &drive, NULL), KM_OK);
     double factor = km_model_coordinate_factor(f.model, driver),
            s = km_state_coordinate(f.state, driver) + 0.1 / factor;
     double h = 1e-4 / factor, size = f.mechanism->length;
     for (int frame = 0; frame < km_model_frame_count(f.model); ++frame) {
       km_frame_pose here, ahead, back;
       look(&f, drive, s, frame, &here);
-      assert_true(km_drive_tangent(drive, rates));
+      assert_true(km_driver_motion_tangent(drive, rates));
       assert_int_equal(km_frame_twist(f.mechanism, f.state, frame, rates, twist, NULL), KM_OK);
       assert_int_equal(km_frame_jacobian(f.mechanism, f.state, frame, J, NULL), KM_OK);
       multiply(J, rates, count, other);
@@ -54,7 +54,7 @@ static void test_twists_are_derivatives(void **context) {
         assert_near(slope, twist[3 + i] * here.R[3 * j] - twist[3 + j] * here.R[3 * i], 1e-5);
       }
     }
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
     km_free(rates);
     km_free(J);
     fixture_close(&f);
@@ -81,7 +81,7 @@ static void test_matrices_agree_with_mobility(void **context) {
     assert_int_equal(km_motions_basis(f.mechanism, fresh, all, &freedom, NULL),
                      km_substructure_count(f.mechanism) ? KM_USAGE : KM_OK);
     km_state_free(fresh);
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(km_motions_basis(f.mechanism, f.state, all, &freedom, NULL), KM_OK);
     assert_int_equal(freedom, mobility.mobility);
     for (int s = 0; s < km_substructure_count(f.mechanism); ++s) {
@@ -127,19 +127,19 @@ static void test_set_coordinates_stay_on_the_branch(void **context) {
     double *was = KM_NEW(double, (size_t)n), *off = KM_NEW(double, (size_t)n), *is = KM_NEW(double, (size_t)n);
     assert_int_equal(km_state_coordinates(f.mechanism, f.state, was, NULL), KM_OK);
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
-    assert_true(km_state_knows_motion(f.mechanism, f.state));
+    km_mobility_compute(f.mechanism, f.state, &mobility);
+    assert_true(km_state_mobility_is_known(f.mechanism, f.state));
     for (int c = 0; c < n; ++c)
       off[c] = was[c] + uniform(&r, -1e-3, 1e-3) * f.mechanism->unit[c] / km_model_coordinate_factor(f.model, c);
     assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, off, NULL), KM_OK);
     bool loops = f.mechanism->topology.substructure_count > 0; /* what is known is of loops */
-    assert_int_equal(km_state_knows_motion(f.mechanism, f.state), !loops);
+    assert_int_equal(km_state_mobility_is_known(f.mechanism, f.state), !loops);
     for (int i = 0; i < f.mechanism->topology.substructure_count; ++i)
       assert_int_equal(f.state->pivoted[i], KM_NEVER);
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(km_state_set_coordinate(f.mechanism, f.state, 0, off[0], NULL),
                      f.mechanism->held[0] ? KM_USAGE : KM_OK);
-    assert_int_equal(km_state_knows_motion(f.mechanism, f.state), !loops || f.mechanism->held[0]);
+    assert_int_equal(km_state_mobility_is_known(f.mechanism, f.state), !loops || f.mechanism->held[0]);
     assert_int_equal(km_state_coordinates(f.mechanism, f.state, is, NULL), KM_OK);
     for (int c = 0; c < n; ++c)
       assert_near(is[c], off[c], 1e-9 * (1.0 + fabs(off[c])));
@@ -177,7 +177,7 @@ static void test_arms_agree_with_frames(void **context) {
         near[k] = q[k] + uniform(&r, -0.02, 0.02);
         km_state_set_coordinate(f.mechanism, f.state, c, q[k], NULL);
       }
-      km_poses_update(f.mechanism, f.state);
+      km_poses_compute(f.mechanism, f.state);
       assert_int_equal(km_arm_place(arm, q, &a, NULL), KM_OK);
       assert_int_equal(km_frame_place(f.mechanism, f.state, frame, &b, NULL), KM_OK);
       assert_int_equal(km_arm_jacobian(arm, q, J, NULL), KM_OK);

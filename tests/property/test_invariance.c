@@ -62,8 +62,8 @@ static void assert_same(fixture *a, fixture *b, const char *driver, double toler
   double from = 0.0, by = 0.0;
   for (int pose = 0; pose < 3; ++pose) {
     km_mobility ma, mb;
-    km_mobility_update(a->mechanism, a->state, &ma);
-    km_mobility_update(b->mechanism, b->state, &mb);
+    km_mobility_compute(a->mechanism, a->state, &ma);
+    km_mobility_compute(b->mechanism, b->state, &mb);
     assert_int_equal(ma.mobility, mb.mobility);
     assert_int_equal(ma.kutzbach, mb.kutzbach);
     assert_int_equal(ma.redundant_constraints, mb.redundant_constraints);
@@ -78,7 +78,7 @@ static void assert_same(fixture *a, fixture *b, const char *driver, double toler
     fixture *both[2] = {a, b};
     for (int k = 0; k < 2; ++k) {
       int c;
-      km_drive *drive;
+      km_driver_motion *drive;
       assert_int_equal(km_model_find_coordinate(both[k]->model, driver, &c, NULL), KM_OK);
       double factor = km_model_coordinate_factor(both[k]->model, c), q = both[k]->state->q[c];
       if (pose == 0 && k == 0)
@@ -86,9 +86,9 @@ static void assert_same(fixture *a, fixture *b, const char *driver, double toler
       by = 0.07 * a->mechanism->unit[km_model_find_coordinate(a->model, driver, &c, NULL) == KM_OK ? c : 0];
       assert_near(q, from + pose * by, 1e-9);
       assert_int_equal(km_model_find_coordinate(both[k]->model, driver, &c, NULL), KM_OK);
-      assert_int_equal(km_drive_create(both[k]->mechanism, both[k]->state, c, true, &drive, NULL), KM_OK);
-      assert_int_equal(km_drive_to(drive, (from + (pose + 1) * by) / factor).stop, KM_STOP_NONE);
-      km_drive_free(drive);
+      assert_int_equal(km_driver_motion_create(both[k]->mechanism, both[k]->state, c, true, &drive, NULL), KM_OK);
+      assert_int_equal(km_driver_motion_move_to(drive, (from + (pose + 1) * by) / factor).stop, KM_STOP_NONE);
+      km_driver_motion_free(drive);
     }
   }
 }
@@ -97,10 +97,10 @@ static km_statics balance(fixture *f, const double *gravity) {
   km_forces *forces;
   km_statics statics;
   km_mobility mobility;
-  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
   assert_int_equal(km_forces_create(f->mechanism, gravity, NULL, 0, &forces, NULL), KM_OK);
   assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &statics, NULL), KM_OK);
-  km_statics_update(f->mechanism, f->state, forces, &statics);
+  km_statics_compute(f->mechanism, f->state, forces, &statics);
   km_forces_free(forces);
   return statics;
 }

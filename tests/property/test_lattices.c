@@ -48,7 +48,7 @@ static void check(const km_text *text, int loops, bool planar) {
   fixture f = fixture_read(text->data);
   km_mobility mobility;
   km_substructure_mobility evidence;
-  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_mobility_compute(f.mechanism, f.state, &mobility);
   assert_int_equal(km_substructure_count(f.mechanism), 1);
   km_substructure_evidence(f.mechanism, f.state, 0, &evidence);
   assert_int_equal(evidence.loops, loops);
@@ -103,7 +103,7 @@ static void laws_of_large_lattices(void **state) {
     randomness r = {i + 1};
     writers[i](&text, 8, 9, 0.0);
     fixture f = fixture_read(text.data);
-    assert_true(f.mechanism->topology.loop_count > KM_MOST_TREE_LOOPS);
+    assert_true(f.mechanism->topology.loop_count > KM_MAX_TREE_LOOPS);
     go_somewhere(&f, &r);
     for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
       laws[k](&f, &r);
@@ -169,7 +169,7 @@ static void shapes_move_as_is_said(void **state) {
     shapes[i].write(&text, R, C);
     fixture f = fixture_read(text.data);
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(f.mechanism->topology.loop_count, shapes[i].loops);
     assert_int_equal(km_substructure_count(f.mechanism), 1);
     assert_int_equal(mobility.mobility, shapes[i].mobility);
@@ -207,7 +207,7 @@ static void many_motions(void **state) {
     for (size_t c = 0; c < columns; ++c)
       rest[c] -= along * Z[(size_t)k * columns + c] / weight[c];
   }
-  km_least_step(m, f.state, 0, KM_NO_DRIVER, x);
+  km_minimum_norm_step(m, f.state, 0, KM_NO_DRIVER, x);
   for (size_t c = 0; c < columns; ++c)
     assert_near(x[c], rest[c], 1e-11);
   km_free(zero);
@@ -228,15 +228,15 @@ static void cranks_turn_alike(void **state) {
     km_text text = {0};
     write_ball_couplers(&text, loops[i]);
     fixture f = fixture_read(text.data);
-    km_drive *drive;
-    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
-    assert_int_equal(km_drive_to(drive, 0.1).stop, KM_STOP_NONE);
+    km_driver_motion *drive;
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+    assert_int_equal(km_driver_motion_move_to(drive, 0.1).stop, KM_STOP_NONE);
     for (int k = 0; k <= FIRST; ++k)
       if (i == 0)
         turned[k] = km_state_coordinate(f.state, k);
       else
         assert_near(km_state_coordinate(f.state, k), turned[k], 1e-12);
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
     fixture_close(&f);
     km_text_free(&text);
   }

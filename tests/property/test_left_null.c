@@ -72,9 +72,9 @@ static void check_lasting(const km_left_space *space, const km_left_null *null) 
   km_left_null nearby = *null;
   if (null->whole_count && null->orthonormal) {
     nearby.whole_count--;
-    assert_int_equal(km_lasting_find(space, null, null->local, &nearby, by_sums, NULL), KM_OK);
+    assert_int_equal(km_persistent_redundancy_find(space, null, null->local, &nearby, by_sums, NULL), KM_OK);
     nearby.orthonormal = false;
-    assert_int_equal(km_lasting_find(space, null, null->local, &nearby, by_qr, NULL), KM_OK);
+    assert_int_equal(km_persistent_redundancy_find(space, null, null->local, &nearby, by_qr, NULL), KM_OK);
     for (int k = 0; k < count; ++k) {
       assert_int_equal(by_sums[k], by_qr[k]);
       gone += !by_qr[k];
@@ -99,7 +99,7 @@ static int check(fixture *f, int index) {
   double *w = KM_ARENA_NEW(&arena, double, (size_t)space.rows), *x = KM_ARENA_NEW(&arena, double, (size_t)space.rows);
   for (int c = 0; c < f->mechanism->coordinate_count; ++c)
     twist[c] = km_coordinate_twist(f->mechanism, f->state, c);
-  km_whole_jacobian(f->mechanism, f->state, index, twist, (km_vec3){0, 0, 0}, J);
+  km_full_jacobian(f->mechanism, f->state, index, twist, (km_vec3){0, 0, 0}, J);
   double size = 1.0;
   for (int i = 0; i < space.rows * sub->columns; ++i)
     size = fmax(size, fabs(J[i]));
@@ -125,8 +125,8 @@ static int check(fixture *f, int index) {
 static int check_all_of(fixture *f) {
   int whole = 0;
   km_mobility mobility;
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  km_poses_update(f->mechanism, f->state);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
+  km_poses_compute(f->mechanism, f->state);
   for (int i = 0; i < f->mechanism->topology.substructure_count; ++i)
     whole += check(f, i);
   return whole;

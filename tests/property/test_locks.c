@@ -48,8 +48,8 @@ static void shake_and_close(fixture *f, const km_mechanism *m, km_state *s, uint
 
 static void compare(fixture *f, const km_mechanism *held, km_state *other) {
   km_mobility a, b;
-  km_mobility_update(f->mechanism, f->state, &a);
-  km_mobility_update(held, other, &b);
+  km_mobility_compute(f->mechanism, f->state, &a);
+  km_mobility_compute(held, other, &b);
   assert_int_equal(a.mobility, b.mobility);
   assert_int_equal(a.redundant_constraints, b.redundant_constraints);
   for (int c = 0; c < f->model->coordinate_count; ++c) {
@@ -65,7 +65,7 @@ static void as_compiled_with_holds(void **unused) {
     randomness r = {seed};
     fixture f = open_random_mechanism(&r, true);
     km_mobility before, after;
-    km_mobility_update(f.mechanism, f.state, &before);
+    km_mobility_compute(f.mechanism, f.state, &before);
     km_hold *holds = KM_NEW(km_hold, (size_t)f.model->coordinate_count + 1);
     int count = lock_some(&f, &r, holds);
     km_mechanism *held;
@@ -82,10 +82,10 @@ static void as_compiled_with_holds(void **unused) {
     compare(&f, held, other);
     for (int i = 0; i < count; ++i) /* to the bit: nothing moves it */
       assert_near(f.state->q[holds[i].coordinate], other->q[holds[i].coordinate], 0.0);
-    km_mobility_update(f.mechanism, f.state, &after);
+    km_mobility_compute(f.mechanism, f.state, &after);
     fewer += after.mobility < before.mobility;
     km_state_unlock(f.state);
-    km_mobility_update(f.mechanism, f.state, &after);
+    km_mobility_compute(f.mechanism, f.state, &after);
     assert_int_equal(after.mobility, before.mobility);
     km_state_free(other);
     km_mechanism_free(held);
@@ -98,15 +98,16 @@ static void as_compiled_with_holds(void **unused) {
 static void a_locked_joint_is_no_driver(void **unused) {
   (void)unused;
   fixture f = fixture_open("fourbar");
-  km_drive *drive;
-  km_follow *follow;
+  km_driver_motion *drive;
+  km_arc_motion *follow;
   km_state_lock(f.state, 0);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_USAGE);
-  assert_int_equal(km_follow_create(f.mechanism, f.state, 0, 1.0, true, &follow, NULL), KM_USAGE);
-  assert_int_equal(km_follow_create(f.mechanism, f.state, 1, 1.0, true, &follow, NULL), KM_NO_RESULT); /* a structure */
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_USAGE);
+  assert_int_equal(km_arc_motion_create(f.mechanism, f.state, 0, 1.0, true, &follow, NULL), KM_USAGE);
+  assert_int_equal(km_arc_motion_create(f.mechanism, f.state, 1, 1.0, true, &follow, NULL),
+                   KM_NO_RESULT); /* a structure */
   km_state_unlock(f.state);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
-  km_drive_free(drive);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 

@@ -113,7 +113,7 @@ static void bases_wait(void **state) {
   (void)state;
   fixture f = five_bars(LOOPS);
   km_mobility mobility;
-  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_mobility_compute(f.mechanism, f.state, &mobility);
   assert_int_equal(mobility.mobility, LOOPS + 1);
   assert_int_equal(f.state->basis[0].count, 0);
   size_t n = (size_t)f.mechanism->coordinate_count;
@@ -141,11 +141,11 @@ static void bars_of_a_platform(void **state) {
   randomness r = {1};
   for (size_t k = 0; k < sizeof laws / sizeof *laws; ++k)
     laws[k](&f, &r);
-  km_idle_freedoms idle;
-  assert_int_equal(km_idle_freedoms_find(f.mechanism, f.state, NULL, NULL, &idle, NULL), KM_OK);
+  km_passive_freedoms idle;
+  assert_int_equal(km_passive_freedoms_find(f.mechanism, f.state, NULL, NULL, &idle, NULL), KM_OK);
   assert_int_equal(idle.mobility, LOOPS);
   assert_int_equal(idle.count, LOOPS);
-  km_idle_freedoms_free(&idle);
+  km_passive_freedoms_free(&idle);
   km_finite_mobility found;
   assert_int_equal(km_finite_mobility_find(f.mechanism, f.state, NULL, NULL, &found, NULL), KM_OK);
   assert_int_equal(found.mobility, LOOPS);
@@ -194,25 +194,25 @@ static bool compare(fixture f) {
   km_finite_mobility few = find(&f);
   km_arena arena = {0};
   km_tangents t;
-  km_many_tangents many;
-  bool met[KM_MOST_MOTIONS] = {false};
+  km_sampled_tangents many;
+  bool met[KM_MAX_FINITE_MOTIONS] = {false};
   double length;
   assert_false(few.undecided || few.truncated);
   km_loops_update(m, f.state, &m->substructures[0]);
-  assert_true(km_tangents_make(&t, m, f.state, 0, &arena) && km_many_tangents_make(&many, &t));
+  assert_true(km_tangents_make(&t, m, f.state, 0, &arena) && km_sampled_tangents_make(&many, &t));
   bool regular = few.motion_count == 0 || few.motions[0].kind == KM_MOTION_REGULAR;
   bool branches = few.motion_count > 0 && few.motions[0].kind == KM_MOTION_BRANCH;
   if (t.conditions.freedom > 0)
-    assert_int_equal(km_many_tangents_all_real(&many, &length), regular);
+    assert_int_equal(km_sampled_tangents_all_finite(&many, &length), regular);
   many.most_starts = regular ? 0 : 100 * t.conditions.freedom;
-  while (km_many_tangents_next(&many, &length)) {
+  while (km_sampled_tangents_next(&many, &length)) {
     int i = motion_along(&f, &few, &t, many.x);
     assert_true(i >= 0 && few.motions[i].kind == KM_MOTION_BRANCH);
     met[i] = true;
   }
   for (int i = 0; i < few.motion_count && branches; ++i)
     assert_true(met[i]);
-  km_many_tangents_free(&many);
+  km_sampled_tangents_free(&many);
   km_arena_free(&arena);
   km_finite_mobility_free(&few);
   fixture_close(&f);
@@ -293,7 +293,7 @@ static void assert_unreached(const fixture *f, const km_statics *st, const int *
   size_t rows = (size_t)sub->rows;
   double *J = KM_NEW(double, rows *(size_t)sub->columns), *error = KM_NEW(double, rows);
   km_state_jacobian_dense(f->state, sub, J);
-  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+  for (int d = 0; d < st->direction_count && d < KM_MAX_DIRECTIONS; ++d) {
     const double *rates = st->directions + (size_t)d * (size_t)f->mechanism->coordinate_count;
     for (int i = 0; i < st->actuator_count; ++i)
       assert_near(rates[actuators[i]], 0.0, 1e-9);
@@ -322,7 +322,7 @@ static void assert_same_forces(const fixture *f, const km_statics *a, const km_s
     if (a->direction_count > 0 && a->falls[0]) /* of the others only the span is theirs */
       assert_near(a->directions[c], b->directions[c], 1e-9);
   }
-  for (int d = 0; d < a->direction_count && d < KM_MOST_DIRECTIONS; ++d)
+  for (int d = 0; d < a->direction_count && d < KM_MAX_DIRECTIONS; ++d)
     assert_int_equal(a->falls[d], b->falls[d]);
 }
 
@@ -341,8 +341,8 @@ static void forces_of_many_freedoms(void **state) {
   for (int n = 0; n < 40; ++n) {
     int actuators[MOST], count = n % 8 == 7 ? coordinates : n % (MOST + 1);
     km_statics many, whole;
-    km_mobility_update(f.mechanism, f.state, &mobility);
-    km_forces_update(f.mechanism, f.state, forces);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
+    km_forces_compute(f.mechanism, f.state, forces);
     forces->couple_size = 1.0;
     for (int c = 0; c < coordinates; ++c)
       forces->joint[c] = n % 3 == 0 ? 0.0 : uniform(&r, -1.0, 1.0);

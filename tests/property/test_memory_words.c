@@ -101,10 +101,10 @@ static km_status check_mesh(km_error *error) {
 }
 
 static km_status factor(km_error *error) {
-  km_orthogonal *q = NULL;
+  km_sparse_qr *q = NULL;
   begin();
-  km_status status = end(km_orthogonal_create(3, 2, 6, &q, error));
-  km_orthogonal_free(q);
+  km_status status = end(km_sparse_qr_create(3, 2, 6, &q, error));
+  km_sparse_qr_free(q);
   return status;
 }
 
@@ -120,11 +120,11 @@ static fixture trellis(void) {
 static km_status set_conditions(km_error *error) {
   fixture f = trellis();
   km_arena arena = {0};
-  km_second_order_many conditions;
+  km_second_order_columns conditions;
   km_loops_update(f.mechanism, f.state, &f.mechanism->substructures[0]);
   begin();
-  km_status status = end(km_second_order_many_make(f.mechanism, f.state, 0, 1e-9, &arena, &conditions, error));
-  km_second_order_many_free(&conditions);
+  km_status status = end(km_second_order_columns_make(f.mechanism, f.state, 0, 1e-9, &arena, &conditions, error));
+  km_second_order_columns_free(&conditions);
   km_arena_free(&arena);
   fixture_close(&f);
   return status;
@@ -148,17 +148,17 @@ static km_status sum(void *context, const double *x, double *f, km_error *error)
 static km_status open_crew(km_error *error) {
   static const double values[] = {0.0, 1.0};
   static const km_design_axis axis = {0, 2, values};
-  const km_design_crew members = {.size = 2};
+  const km_design_workers members = {.size = 2};
   designs d;
   km_design_study *study = NULL;
-  km_crew *crew = NULL;
+  km_worker_processes *crew = NULL;
   designs_of_function(&d, sum, 1, 1);
   d.def.axes = &axis;
   d.def.axis_count = 1;
   assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, error), KM_OK);
   begin();
-  km_status status = end(km_crew_open(study, &members, &crew, error));
-  km_crew_close(crew);
+  km_status status = end(km_worker_processes_open(study, &members, &crew, error));
+  km_worker_processes_close(crew);
   km_design_study_free(study);
   return status;
 }

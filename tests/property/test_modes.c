@@ -7,13 +7,13 @@
 static void expect(const char *name, const char *driver, double value, int count) {
   fixture f = fixture_open(name);
   int c;
-  km_drive *drive;
+  km_driver_motion *drive;
   km_modes modes;
   km_error error = {0};
   assert_int_equal(km_model_find_coordinate(f.model, driver, &c, &error), KM_OK);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, c, true, &drive, &error), KM_OK);
-  assert_int_equal(km_drive_to(drive, value).stop, KM_STOP_NONE);
-  km_drive_free(drive);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, c, true, &drive, &error), KM_OK);
+  assert_int_equal(km_driver_motion_move_to(drive, value).stop, KM_STOP_NONE);
+  km_driver_motion_free(drive);
   if (km_modes_find(f.mechanism, f.state, c, 300, 1, NULL, NULL, &modes, &error))
     fail_msg("%s", error.text);
   assert_int_equal(modes.count, count);

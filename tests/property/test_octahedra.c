@@ -82,7 +82,7 @@ static void judge(octahedron o, int freedom) {
   fixture f = build(&o, twin);
   km_mobility there;
   km_finite_mobility found;
-  km_mobility_update(f.mechanism, f.state, &there);
+  km_mobility_compute(f.mechanism, f.state, &there);
   assert_int_equal(there.kutzbach, -18);
   assert_int_equal(there.mobility, freedom);
   assert_int_equal(there.redundant_constraints, 18 + freedom);

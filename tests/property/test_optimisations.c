@@ -90,7 +90,7 @@ static km_status parts(void *context, const double *x, double *f, km_error *erro
 /* Rows of a file may have an order: quantiles and ranks of some of them must not be those of the first ones. */
 static void ordered_lists_are_drawn_from(void **state) {
   (void)state;
-  enum { COUNT = KM_MOST_RANKED_DESIGNS + 50001 };
+  enum { COUNT = KM_MAX_RANKED_DESIGNS + 50001 };
   static double list[COUNT];
   designs d;
   km_design_statistics st;

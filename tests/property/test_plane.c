@@ -45,7 +45,7 @@ static void test_tilted_planes(void **unused) {
     double t = uniform(&r, -M_PI, M_PI), normal[3], loop[3], expected[3] = {0.0, -sin(t), cos(t)};
     fixture f = tilted_slider_crank(t);
     go_somewhere(&f, &r);
-    km_poses_update(f.mechanism, f.state);
+    km_poses_compute(f.mechanism, f.state);
     assert_true(km_mechanism_plane(f.mechanism, f.state, normal));
     assert_true(km_loop_plane(f.mechanism, f.state, 0, loop));
     double along = 0.0, apart = 0.0;
@@ -57,7 +57,7 @@ static void test_tilted_planes(void **unused) {
     assert_near(apart, 0.0, 1e-12);
     assert_true(fmax(normal[0], fmax(normal[1], normal[2])) >= -fmin(normal[0], fmin(normal[1], normal[2])) - 1e-9);
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(mobility.kutzbach_planar, 1);
     km_redundancies found = redundancies_of(&f);
     assert_int_equal(found.count, 3);
@@ -80,7 +80,7 @@ static void test_models(void **unused) {
     int loops = 0, across = 0;
     for (size_t i = 0; i < sizeof planar / sizeof *planar; ++i)
       expected = expected || strcmp(*name, planar[i]) == 0;
-    km_poses_update(f.mechanism, f.state);
+    km_poses_compute(f.mechanism, f.state);
     bool found_plane = km_mechanism_plane(f.mechanism, f.state, normal);
     if (found_plane != expected)
       fail_msg("%s: planar %d", *name, found_plane);
@@ -103,9 +103,9 @@ static void test_idle_freedoms_hide_no_toggle(void **unused) {
   km_sweep_plan plan = km_sweep_plan_default(f.model);
   km_mobility_sweep numbers;
   km_advantage_sweep leverage;
-  km_handle input, output;
+  km_port input, output;
   km_error error;
-  assert_true(km_handle_default(f.model, false, &input) && km_handle_default(f.model, true, &output));
+  assert_true(km_port_default(f.model, false, &input) && km_port_default(f.model, true, &output));
   assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &numbers, &error), KM_OK);
   assert_int_equal(numbers.motion.freedom, 2);
   assert_int_equal(numbers.motion.idle, 1);

@@ -32,7 +32,7 @@ static void least_squares_close_loops(void **state) {
         step[k] = uniform(&r, -0.2, 0.2);
       km_state_move(f.mechanism, f.state, sub, step);
       double before = sum_of_squares(&f, sub);
-      assert_int_equal(km_relax(f.mechanism, f.state, i, NULL), KM_OK);
+      assert_int_equal(km_damped_least_squares(f.mechanism, f.state, i, NULL), KM_OK);
       double after = sum_of_squares(&f, sub);
       assert_true(after <= before + 1e-9);
       closed += after < 1e-12;
@@ -53,10 +53,10 @@ static void a_branch_point_is_left_by_a_short_step(void **state) {
     double saved[3 * 4], step[4];
     int worst;
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(mobility.mobility, 2);
     km_state_save(f.state, sub, saved);
-    assert_int_equal(km_branch_leave(f.mechanism, f.state, c, 0.0).motions, 2);
+    assert_int_equal(km_branch_depart(f.mechanism, f.state, c, 0.0).motions, 2);
     km_state_difference(f.state, sub, saved, step);
     double size = 0.0;
     for (int k = 0; k < sub->columns; ++k)
@@ -64,7 +64,7 @@ static void a_branch_point_is_left_by_a_short_step(void **state) {
     assert_true(size > 1e-3 && size < 1e-2);
     km_loops_update(f.mechanism, f.state, sub);
     assert_true(km_loops_residual(f.mechanism, f.state, sub, &worst) < 1e-12);
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(mobility.mobility, 1);
     fixture_close(&f);
   }

@@ -9,7 +9,7 @@
 #include <string.h>
 
 /* The balance of some actuators under gravity and loads, at the fixture's pose. */
-static km_statics balance(fixture *f, const km_handle *actuators, int count, const km_load *loads, int load_count) {
+static km_statics balance(fixture *f, const km_port *actuators, int count, const km_load *loads, int load_count) {
   static const double gravity[3] = {0.3, -9.81, 0.0};
   km_statics statics;
   km_forces *forces;
@@ -18,15 +18,15 @@ static km_statics balance(fixture *f, const km_handle *actuators, int count, con
   if (km_forces_create(f->mechanism, gravity, loads, load_count, &forces, &error) ||
       km_statics_create_for(f->mechanism, actuators, count, KM_AXES_JOINT, &statics, &error))
     fail_msg("%s", error.text);
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  km_statics_update(f->mechanism, f->state, forces, &statics);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
+  km_statics_compute(f->mechanism, f->state, forces, &statics);
   km_forces_free(forces);
   return statics;
 }
 
 /* A frame of a body that moves, and a direction in the plane of planar models. */
-static km_handle some_point(const fixture *f, randomness *r) {
-  km_handle point = {.kind = KM_HANDLE_POINT, .coordinate = -1, .name = "hand"};
+static km_port some_point(const fixture *f, randomness *r) {
+  km_port point = {.kind = KM_PORT_POINT, .coordinate = -1, .name = "hand"};
   double turn = uniform(r, -M_PI, M_PI);
   point.direction[0] = cos(turn);
   point.direction[1] = sin(turn);
@@ -40,7 +40,7 @@ static km_handle some_point(const fixture *f, randomness *r) {
 }
 
 static void check_push(fixture *f, int driver, randomness *r) {
-  const km_handle point = some_point(f, r), joint = {.kind = KM_HANDLE_JOINT, .coordinate = driver, .name = "driver"};
+  const km_port point = some_point(f, r), joint = {.kind = KM_PORT_JOINT, .coordinate = driver, .name = "driver"};
   km_load own[8];
   int loads = km_model_load_count(f->model);
   for (int i = 0; i < loads; ++i)
@@ -97,14 +97,14 @@ static void test_lever(void **unused) {
   const char *const path[] = {"lever", "end"};
   assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, &error), KM_OK);
   for (int sign = -1; sign <= 1; sign += 2) {
-    const km_handle up = {.kind = KM_HANDLE_POINT, .frame = frame, .direction = {0, sign, 0}, .name = "end"};
+    const km_port up = {.kind = KM_PORT_POINT, .frame = frame, .direction = {0, sign, 0}, .name = "end"};
     km_statics held = balance(&f, &up, 1, NULL, 0);
     assert_true(held.held);
     assert_near(held.actuator_forces[0], sign * 0.75 * 3 * 9.81, 1e-12 * 30);
     assert_near(held.reactions[0].force[1], 0.25 * 3 * 9.81, 1e-12 * 30);
     km_statics_free(&held);
   }
-  const km_handle along = {.kind = KM_HANDLE_POINT, .frame = frame, .direction = {1, 0, 0}, .name = "end"};
+  const km_port along = {.kind = KM_PORT_POINT, .frame = frame, .direction = {1, 0, 0}, .name = "end"};
   km_statics falls = balance(&f, &along, 1, NULL, 0); /* the end stands still in this direction */
   assert_false(falls.held);
   assert_true(isnan(falls.actuator_forces[0]));
@@ -120,11 +120,11 @@ static void test_refusals(void **unused) {
   int frame;
   const char *const path[] = {"bucket", "tip"};
   assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, &error), KM_OK);
-  km_handle tip = {.kind = KM_HANDLE_POINT, .direction = {0, 0, 1}, .name = "bucket/tip"};
+  km_port tip = {.kind = KM_PORT_POINT, .direction = {0, 0, 1}, .name = "bucket/tip"};
   tip.frame = 0; /* of the inertial frame */
   assert_int_equal(km_statics_create_for(f.mechanism, &tip, 1, KM_AXES_JOINT, &statics, &error), KM_USAGE);
   km_statics_free(&statics);
-  tip = (km_handle){.kind = KM_HANDLE_POINT, .frame = frame, .direction = {0, 0, 2}, .name = "bucket/tip"};
+  tip = (km_port){.kind = KM_PORT_POINT, .frame = frame, .direction = {0, 0, 2}, .name = "bucket/tip"};
   assert_int_equal(km_statics_create_for(f.mechanism, &tip, 1, KM_AXES_JOINT, &statics, &error), KM_USAGE);
   km_statics_free(&statics);
   fixture_close(&f);

@@ -23,7 +23,7 @@ static void set(km_question *q, const char *option, km_option_value value) {
 
 static void ask(km_question *q, fixture *f, km_status expected) {
   km_error error = {0};
-  km_status status = km_question_ask(q, f->state, &error);
+  km_status status = km_question_compute(q, f->state, &error);
   if (status != expected)
     fail_msg("status %d instead of %d: %s", (int)status, (int)expected, error.text);
 }
@@ -100,7 +100,7 @@ static void test_row_at_a_pose_is_the_sweeps_row(void **unused) {
     size_t last = km_table_rows(km_question_table(q)) - 1, columns = km_table_columns(km_question_table(q));
     double *row = KM_NEW(double, columns);
     memcpy(row, km_table_row(km_question_table(q), last), columns * sizeof *row);
-    assert_int_equal(km_question_ask_here(q, f.state, &error), KM_OK);
+    assert_int_equal(km_question_compute_here(q, f.state, &error), KM_OK);
     const km_table *here = km_question_table(q);
     assert_int_equal(km_table_rows(here), 1);
     assert_int_equal(km_table_columns(here), columns);
@@ -154,7 +154,7 @@ static void test_minima_are_events(void **unused) {
       km_question *q = question(&f, "mobility");
       km_error error;
       set(q, "singularities", (km_option_value){.flag = true});
-      km_status status = km_question_ask(q, f.state, &error);
+      km_status status = km_question_compute(q, f.state, &error);
       const km_mobility_sweep *sweep = km_question_mobility(q);
       assert_true(status == KM_OK || status == KM_PARTIAL);
       assert_int_equal(km_question_event_count(q),
@@ -218,10 +218,10 @@ static void test_refusals(void **unused) {
   assert_int_equal(km_question_set(q, "point", &value, &error), KM_USAGE);
   assert_null(km_question_table(q));
   set(q, "derivatives", (km_option_value){.flag = true});
-  assert_int_equal(km_question_ask(q, f.state, &error), KM_USAGE);
+  assert_int_equal(km_question_compute(q, f.state, &error), KM_USAGE);
   set(q, "derivatives", (km_option_value){.flag = false});
   set(q, "branch", (km_option_value){.whole = 2});
-  assert_int_equal(km_question_ask(q, f.state, &error), KM_USAGE);
+  assert_int_equal(km_question_compute(q, f.state, &error), KM_USAGE);
   km_question_free(q);
   fixture_close(&f);
 }

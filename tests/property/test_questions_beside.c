@@ -39,10 +39,10 @@ static int moving_frame(const fixture *f) {
 }
 
 static void set_ends(km_question *q, const fixture *f, int driver, bool point) {
-  km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = driver, .name = "in"};
-  km_handle out = {.kind = KM_HANDLE_JOINT, .coordinate = other_coordinate(f, driver), .name = "out"};
+  km_port in = {.kind = KM_PORT_JOINT, .coordinate = driver, .name = "in"};
+  km_port out = {.kind = KM_PORT_JOINT, .coordinate = other_coordinate(f, driver), .name = "out"};
   if (point)
-    out = (km_handle){.kind = KM_HANDLE_POINT, .frame = moving_frame(f), .direction = {0.6, 0.0, 0.8}, .name = "out"};
+    out = (km_port){.kind = KM_PORT_POINT, .frame = moving_frame(f), .direction = {0.6, 0.0, 0.8}, .name = "out"};
   set(q, "input", (km_option_value){.end = in});
   set(q, "output", (km_option_value){.end = out});
 }
@@ -80,7 +80,7 @@ static void same_table(const char *what, int index, const km_table *x, const km_
 
 static void same_answer(const char *what, int index, const km_question *x, const km_question *y) {
   same_table(what, index, km_question_table(x), km_question_table(y));
-  const km_reach *end = &km_question_motion(x)->end, *alone = &km_question_motion(y)->end;
+  const km_motion_end *end = &km_question_motion(x)->end, *alone = &km_question_motion(y)->end;
   assert_int_equal(end->stop, alone->stop);
   assert_true(same(end->position, alone->position));
   if (x->table_only)
@@ -98,23 +98,23 @@ static void same_answer(const char *what, int index, const km_question *x, const
 
 /* Returns how many of the variants gave an answer. */
 static int compare(const char *name, const asked *a, uint64_t seed) {
-  fixture beside[KM_DRIVE_LANES];
-  km_question *questions[KM_DRIVE_LANES];
-  km_state *states[KM_DRIVE_LANES];
-  km_status statuses[KM_DRIVE_LANES];
-  km_error errors[KM_DRIVE_LANES];
+  fixture beside[KM_BATCH_LANES];
+  km_question *questions[KM_BATCH_LANES];
+  km_state *states[KM_BATCH_LANES];
+  km_status statuses[KM_BATCH_LANES];
+  km_error errors[KM_BATCH_LANES];
   int answered = 0;
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     beside[i] = fixture_open_variant(name, seed + (uint64_t)i);
     questions[i] = make(&beside[i], a, i);
     questions[i]->table_only = a->table_only;
     states[i] = beside[i].state;
   }
-  km_questions_ask(questions, states, KM_DRIVE_LANES, statuses, errors);
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  km_questions_compute(questions, states, KM_BATCH_LANES, statuses, errors);
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     fixture f = fixture_open_variant(name, seed + (uint64_t)i);
     km_question *alone = make(&f, a, i);
-    km_status status = km_question_ask(alone, f.state, NULL);
+    km_status status = km_question_compute(alone, f.state, NULL);
     assert_int_equal(statuses[i], status);
     if (status == KM_OK || status == KM_PARTIAL) {
       same_answer(name, i, questions[i], alone);
@@ -123,7 +123,7 @@ static int compare(const char *name, const asked *a, uint64_t seed) {
     km_question_free(alone);
     fixture_close(&f);
   }
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     km_question_free(questions[i]);
     fixture_close(&beside[i]);
   }
@@ -136,7 +136,7 @@ static void over_models(const asked *a, uint64_t seed) {
   int answered = 0;
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k)
     answered += compare(names[k], a, seed);
-  assert_true(answered >= 5 * KM_DRIVE_LANES);
+  assert_true(answered >= 5 * KM_BATCH_LANES);
 }
 
 static void leverage(void **state) {

@@ -24,8 +24,8 @@ static void compare(const char *name, const km_hold *sets, int count) {
   km_state *state;
   km_error error;
   const km_mechanism *own = f.mechanism;
-  if (km_reach_pose(f.model, NULL, 0, sets, count, &mechanism, &state, &error) ||
-      km_state_reach(f.mechanism, f.state, sets, count, &error))
+  if (km_mechanism_compile_at(f.model, NULL, 0, sets, count, &mechanism, &state, &error) ||
+      km_state_move_to(f.mechanism, f.state, sets, count, &error))
     fail_msg("%s: %s", name, error.text);
   assert_ptr_equal(f.state->mechanism, own);
   for (int c = 0; c < f.model->coordinate_count; ++c)
@@ -62,14 +62,14 @@ static void test_balls_turn_together(void **unused) {
     int first = coordinate(&f, "S[0]");
     const km_hold sets[3] = {{first, 0.7}, {first + 1, -0.4}, {first + 2, 1.1}};
     km_error error;
-    if (km_state_reach(f.mechanism, f.state, sets, 3, &error))
+    if (km_state_move_to(f.mechanism, f.state, sets, 3, &error))
       fail_msg("%s", error.text);
     for (int k = 0; k < 3; ++k)
       assert_near(km_state_coordinate(f.state, first + k), sets[k].value, 1e-12);
     if (i) /* the other joint of the same two bodies turns as far */
       for (int k = 0; k < 3; ++k)
         assert_near(km_state_coordinate(f.state, coordinate(&f, "F[3]") + k), sets[k].value, 1e-12);
-    assert_int_equal(km_state_reach(f.mechanism, f.state, sets, 2, &error), KM_USAGE);
+    assert_int_equal(km_state_move_to(f.mechanism, f.state, sets, 2, &error), KM_USAGE);
     fixture_close(&f);
   }
 }
@@ -82,8 +82,8 @@ static void test_refusals_leave_the_state(void **unused) {
   double *before = KM_NEW(double, (size_t)f.model->coordinate_count);
   memcpy(before, f.state->q, (size_t)f.model->coordinate_count * sizeof *before);
   const km_hold far = {k, 1e4}, none = {999, 0.0};
-  assert_int_equal(km_state_reach(f.mechanism, f.state, &far, 1, &error), KM_NO_RESULT);
-  assert_int_equal(km_state_reach(f.mechanism, f.state, &none, 1, &error), KM_USAGE);
+  assert_int_equal(km_state_move_to(f.mechanism, f.state, &far, 1, &error), KM_NO_RESULT);
+  assert_int_equal(km_state_move_to(f.mechanism, f.state, &none, 1, &error), KM_USAGE);
   assert_memory_equal(before, f.state->q, (size_t)f.model->coordinate_count * sizeof *before);
   km_free(before);
   fixture_close(&f);
@@ -95,7 +95,7 @@ static km_status reach_again(const fixture *f, double value, km_mechanism **held
   const km_hold hold = {coordinate(f, "D"), value};
   assert_int_equal(km_mechanism_compile(f->model, NULL, 0, &free, NULL), KM_OK);
   assert_int_equal(km_state_create(free, &there, NULL), KM_OK);
-  km_status status = km_reach_pose_again(free, there, &hold, 1, NULL, 0, held, at, NULL);
+  km_status status = km_mechanism_recompile_at(free, there, &hold, 1, NULL, 0, held, at, NULL);
   km_state_free(there);
   km_mechanism_free(free);
   return status;

@@ -126,8 +126,8 @@ static bool is_part(const fixture *f, int c) {
 
 static void compare_poses(fixture *a, fixture *b, double tolerance) {
   km_mobility x, y;
-  km_mobility_update(a->mechanism, a->state, &x);
-  km_mobility_update(b->mechanism, b->state, &y);
+  km_mobility_compute(a->mechanism, a->state, &x);
+  km_mobility_compute(b->mechanism, b->state, &y);
   assert_int_equal(x.mobility, y.mobility);
   assert_int_equal(x.kutzbach, y.kutzbach);
   assert_int_equal(x.kutzbach_extended, y.kutzbach_extended);
@@ -145,8 +145,8 @@ static void compare_poses(fixture *a, fixture *b, double tolerance) {
     if (shared)
       assert_near(km_mobility_number(a->state, c), km_mobility_number(b->state, c), tolerance);
   }
-  km_poses_update(a->mechanism, a->state);
-  km_poses_update(b->mechanism, b->state);
+  km_poses_compute(a->mechanism, a->state);
+  km_poses_compute(b->mechanism, b->state);
   assert_true(compare_frames(a, b, tolerance) > 0);
 }
 
@@ -159,23 +159,23 @@ static void compare(fixture *a, fixture *b, double tolerance) {
 static void compare_motion(fixture *a, fixture *b, double tolerance) {
   enum { STEPS = 24 };
   const km_model_sweep *sweep = &a->model->sweep;
-  km_drive *drive[2];
+  km_driver_motion *drive[2];
   fixture *side[2] = {a, b};
   if (sweep->coordinate < 0)
     return;
   for (int i = 0; i < 2; ++i)
-    assert_int_equal(km_drive_create(side[i]->mechanism, side[i]->state, sweep->coordinate, true, &drive[i], NULL),
-                     KM_OK);
+    assert_int_equal(
+        km_driver_motion_create(side[i]->mechanism, side[i]->state, sweep->coordinate, true, &drive[i], NULL), KM_OK);
   for (int step = 0; step <= STEPS; ++step) {
     double goal = sweep->range[0] + (sweep->range[1] - sweep->range[0]) * step / STEPS;
-    km_reach x = km_drive_to(drive[0], goal), y = km_drive_to(drive[1], goal);
+    km_motion_end x = km_driver_motion_move_to(drive[0], goal), y = km_driver_motion_move_to(drive[1], goal);
     assert_int_equal(x.stop, y.stop);
     if (x.stop)
       break;
     compare_poses(a, b, tolerance);
   }
   for (int i = 0; i < 2; ++i)
-    km_drive_free(drive[i]);
+    km_driver_motion_free(drive[i]);
 }
 
 static void shipped_models(void **state) {

@@ -22,7 +22,7 @@ static void as_many_as_the_rank_says(void **state) {
     fixture f = fixture_open(*name);
     for (int pose = 0; pose < 3; ++pose) {
       km_mobility mobility;
-      km_mobility_update(f.mechanism, f.state, &mobility);
+      km_mobility_compute(f.mechanism, f.state, &mobility);
       km_redundancies found = find(&f);
       assert_int_equal(found.count, mobility.redundant_constraints);
       km_redundancies_free(&found);
@@ -116,14 +116,14 @@ static void remedies_work(void **state) {
     fixture f = fixture_open(*name);
     km_redundancies found = find(&f);
     km_mobility before, after;
-    km_mobility_update(f.mechanism, f.state, &before);
+    km_mobility_compute(f.mechanism, f.state, &before);
     for (int i = 0; i < found.count; ++i) {
       for (int k = 0; k < found.items[i].remedy_count; ++k) {
         const km_remedy *remedy = &found.items[i].remedies[k];
         if (f.model->joints[remedy->joint].type != KM_RZ || strcmp(remedy->to, "universal") == 0)
           continue;
         fixture changed = swapped(*name, &f, remedy);
-        km_mobility_update(changed.mechanism, changed.state, &after);
+        km_mobility_compute(changed.mechanism, changed.state, &after);
         assert_int_equal(after.mobility, before.mobility);
         assert_int_equal(after.redundant_constraints, before.redundant_constraints - remedy->freedoms);
         fixture_close(&changed);

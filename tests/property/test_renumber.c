@@ -26,8 +26,8 @@ static void scale(km_model *m, double factor) {
 static void same_bits(const fixture *a, const fixture *b) {
   size_t n = (size_t)a->model->coordinate_count;
   km_mobility x, y;
-  km_mobility_update(a->mechanism, a->state, &x);
-  km_mobility_update(b->mechanism, b->state, &y);
+  km_mobility_compute(a->mechanism, a->state, &x);
+  km_mobility_compute(b->mechanism, b->state, &y);
   assert_int_equal(x.mobility, y.mobility);
   assert_true(x.residual == y.residual);
   assert_memory_equal(a->state->q, b->state->q, n * sizeof(double));
@@ -67,11 +67,11 @@ static void another_structure_is_refused(void **state) {
   const int frame = f.model->joints[1].frame[1];
   const km_vec3 p = f.model->frames[frame].pose.p;
   const double T[3] = {p.x, p.y, p.z}, tilted[9] = {1, 0, 0, 0, cos(0.3), -sin(0.3), 0, sin(0.3), cos(0.3)};
-  km_mobility_update(f.mechanism, f.state, &before);
+  km_mobility_compute(f.mechanism, f.state, &before);
   double number = km_mobility_number(f.state, 0);
   assert_int_equal(km_model_set_frame(f.model, frame, T, tilted, &error), KM_OK);
   assert_int_equal(km_mechanism_renumber(f.mechanism, &error), KM_PARTIAL);
-  km_mobility_update(f.mechanism, f.state, &after);
+  km_mobility_compute(f.mechanism, f.state, &after);
   assert_int_equal(after.mobility, before.mobility);
   assert_true(km_mobility_number(f.state, 0) == number);
   fixture_close(&f);

@@ -53,7 +53,7 @@ static int coordinate(const fixture *f, const char *name) {
 static void assert_moves(fixture *f, int mobility, int finite) {
   km_finite_mobility found;
   km_mobility at;
-  km_mobility_update(f->mechanism, f->state, &at);
+  km_mobility_compute(f->mechanism, f->state, &at);
   assert_int_equal(at.mobility, mobility);
   assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
   assert_int_equal(found.mobility, finite);
@@ -61,7 +61,7 @@ static void assert_moves(fixture *f, int mobility, int finite) {
   for (int i = 0; i < found.motion_count; ++i)
     assert_int_equal(found.motions[i].kind, i < mobility - finite ? KM_MOTION_SHAKY : KM_MOTION_REGULAR);
   km_finite_mobility_free(&found);
-  km_mobility_update(f->mechanism, f->state, &at);
+  km_mobility_compute(f->mechanism, f->state, &at);
 }
 
 /* To within what a driven pose is closed to. */
@@ -82,14 +82,14 @@ static void platforms(void **state) {
   for (int i = 0; i < 24; ++i) {
     int rods = 4 + i % 3;
     fixture f = platform(&r, rods);
-    km_drive *drive;
+    km_driver_motion *drive;
     assert_moves(&f, 3, 2);
-    assert_int_equal(km_drive_create(f.mechanism, f.state, coordinate(&f, "U0[0]"), true, &drive, NULL), KM_OK);
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, coordinate(&f, "U0[0]"), true, &drive, NULL), KM_OK);
     for (int step = 1; step <= 3; ++step) {
-      assert_int_equal(km_drive_to(drive, (i % 2 ? -0.2 : 0.2) * step).stop, KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(drive, (i % 2 ? -0.2 : 0.2) * step).stop, KM_STOP_NONE);
       assert_alike(&f, rods);
     }
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
     assert_moves(&f, 3, 2);
     fixture_close(&f);
   }
@@ -101,14 +101,15 @@ static void platforms_by_arc_length(void **state) {
   for (int i = 0; i < 9; ++i) {
     int rods = 4 + i % 3;
     fixture f = platform(&r, rods);
-    km_follow *follow;
-    assert_int_equal(km_follow_create(f.mechanism, f.state, coordinate(&f, "U1[1]"), 1.0, true, &follow, NULL), KM_OK);
-    assert_int_equal(km_follow_start_branches(follow), 0);
+    km_arc_motion *follow;
+    assert_int_equal(km_arc_motion_create(f.mechanism, f.state, coordinate(&f, "U1[1]"), 1.0, true, &follow, NULL),
+                     KM_OK);
+    assert_int_equal(km_arc_motion_start_branches(follow), 0);
     for (int step = 0; step < 5; ++step) {
-      assert_int_equal(km_follow_advance(follow, 0.1), KM_OK);
+      assert_int_equal(km_arc_motion_advance(follow, 0.1), KM_OK);
       assert_alike(&f, rods);
     }
-    km_follow_free(follow);
+    km_arc_motion_free(follow);
     fixture_close(&f);
   }
 }
@@ -184,27 +185,27 @@ static void stretched_chains(void **state) {
   for (int i = 0; i < 20; ++i) {
     const cranks c = drawn_cranks(&r);
     fixture f = cranks_fixture(&c);
-    km_drive *drive;
-    km_lever *lever;
+    km_driver_motion *drive;
+    km_transfer *lever;
     km_advantage a;
     km_error error;
-    const km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate(&f, "A")},
-                    output = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate(&f, "G")};
+    const km_port input = {.kind = KM_PORT_JOINT, .coordinate = coordinate(&f, "A")},
+                  output = {.kind = KM_PORT_JOINT, .coordinate = coordinate(&f, "G")};
     assert_moves(&f, 2, 1);
-    assert_int_equal(km_lever_create(f.mechanism, &input, &output, &lever, &error), KM_OK);
-    assert_int_equal(km_drive_create(f.mechanism, f.state, input.coordinate, true, &drive, NULL), KM_OK);
+    assert_int_equal(km_transfer_create(f.mechanism, &input, &output, &lever, &error), KM_OK);
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, input.coordinate, true, &drive, NULL), KM_OK);
     for (int step = 1; step <= 4; ++step) {
       km_mobility at;
-      assert_int_equal(km_drive_to(drive, (i % 2 ? -0.2 : 0.2) * step).stop, KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(drive, (i % 2 ? -0.2 : 0.2) * step).stop, KM_STOP_NONE);
       assert_near(km_state_coordinate(f.state, coordinate(&f, "F")), 0.0, 1e-10);
-      km_mobility_update(f.mechanism, f.state, &at);
+      km_mobility_compute(f.mechanism, f.state, &at);
       assert_int_equal(at.mobility, 2);
-      km_lever_update(f.mechanism, f.state, lever, &a);
+      km_transfer_compute(f.mechanism, f.state, lever, &a);
       assert_int_equal(a.method, KM_ADVANTAGE_SINGLE_FREEDOM);
       assert_near(fabs(a.value), 1.0, 1e-9);
     }
-    km_drive_free(drive);
-    km_lever_free(lever);
+    km_driver_motion_free(drive);
+    km_transfer_free(lever);
     fixture_close(&f);
   }
 }
@@ -222,21 +223,22 @@ static void chains_hinder_nothing(void **state) {
     fixture with = cranks_fixture(&c);
     c.chain = false;
     fixture without = cranks_fixture(&c);
-    km_drive *drives[2];
-    assert_int_equal(km_drive_create(with.mechanism, with.state, coordinate(&with, "A"), true, &drives[0], NULL),
-                     KM_OK);
+    km_driver_motion *drives[2];
     assert_int_equal(
-        km_drive_create(without.mechanism, without.state, coordinate(&without, "A"), true, &drives[1], NULL), KM_OK);
+        km_driver_motion_create(with.mechanism, with.state, coordinate(&with, "A"), true, &drives[0], NULL), KM_OK);
+    assert_int_equal(
+        km_driver_motion_create(without.mechanism, without.state, coordinate(&without, "A"), true, &drives[1], NULL),
+        KM_OK);
     for (int step = 1; step <= 8; ++step) {
       const double target = 0.785 * step;
-      km_stop stop = km_drive_to(drives[1], target).stop;
-      assert_int_equal(km_drive_to(drives[0], target).stop, stop);
+      km_stop stop = km_driver_motion_move_to(drives[1], target).stop;
+      assert_int_equal(km_driver_motion_move_to(drives[0], target).stop, stop);
       for (size_t k = 0; k < sizeof names / sizeof *names && stop == KM_STOP_NONE; ++k)
         assert_near(km_state_coordinate(with.state, coordinate(&with, names[k])),
                     km_state_coordinate(without.state, coordinate(&without, names[k])), 1e-7);
     }
     for (int k = 0; k < 2; ++k)
-      km_drive_free(drives[k]);
+      km_driver_motion_free(drives[k]);
     fixture_close(&with);
     fixture_close(&without);
   }

@@ -67,7 +67,7 @@ static void straight_loops_close_where_lengths_allow(void **state) {
       assert_near(strtod(told, NULL), over, 1e-3 * over);
     } else {
       km_mobility mobility;
-      km_mobility_update(f.mechanism, f.state, &mobility);
+      km_mobility_compute(f.mechanism, f.state, &mobility);
       assert_at_most(mobility.residual, 1e-12);
       assert_int_equal(mobility.mobility, count - 3 > 0 ? count - 3 : 0);
     }
@@ -93,8 +93,8 @@ static void pins_at_any_height_move_alike(void **state) {
       km_error error;
       km_mobility mobility;
       km_hold turn = {0, 0.5};
-      assert_int_equal(km_state_reach(f.mechanism, f.state, &turn, 1, &error), KM_OK);
-      km_mobility_update(f.mechanism, f.state, &mobility);
+      assert_int_equal(km_state_move_to(f.mechanism, f.state, &turn, 1, &error), KM_OK);
+      km_mobility_compute(f.mechanism, f.state, &mobility);
       assert_int_equal(mobility.mobility, 1);
       assert_at_most(mobility.residual, 1e-12);
       for (int c = 0; c < 3; ++c) {

@@ -65,23 +65,23 @@ static void least_motion_converges(void **state) {
 static void go_and_return(const char *name, bool looks, double *far, double *back) {
   fixture f = fixture_open(name);
   km_sweep_plan plan = km_sweep_plan_default(f.model);
-  km_drive *drive = NULL;
+  km_driver_motion *drive = NULL;
   double start = km_state_coordinate(f.state, plan.coordinate), length = 0.1 * (plan.to - plan.from);
   size_t bytes = (size_t)f.mechanism->coordinate_count * sizeof *far;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, plan.coordinate, true, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, plan.coordinate, true, &drive, NULL), KM_OK);
   for (int row = 1; row <= 400; ++row) {
     double at = start + length * (row <= 200 ? row : 400 - row) / 200.0;
-    assert_int_equal(km_drive_to(drive, at).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, at).stop, KM_STOP_NONE);
     if (looks) {
-      km_drive_mark(drive);
-      km_drive_to(drive, at + 0.003 * length);
-      km_drive_to(drive, at - 0.004 * length);
-      km_drive_return(drive);
+      km_driver_motion_save(drive);
+      km_driver_motion_move_to(drive, at + 0.003 * length);
+      km_driver_motion_move_to(drive, at - 0.004 * length);
+      km_driver_motion_restore(drive);
     }
     if (row % 200 == 0)
       memcpy(row == 200 ? far : back, f.state->q, bytes);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -109,14 +109,14 @@ static void least_motion_is_one_curve(void **state) {
 /* The pose behind `rows` rows towards start + length. */
 static void go(const char *name, double length, int rows, double *q) {
   fixture f = fixture_open(name);
-  km_drive *drive = NULL;
+  km_driver_motion *drive = NULL;
   int coordinate = km_sweep_plan_default(f.model).coordinate;
   double start = km_state_coordinate(f.state, coordinate);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, coordinate, true, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, coordinate, true, &drive, NULL), KM_OK);
   for (int row = 1; row <= rows; ++row)
-    assert_int_equal(km_drive_to(drive, start + length * row / rows).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, start + length * row / rows).stop, KM_STOP_NONE);
   memcpy(q, f.state->q, (size_t)f.mechanism->coordinate_count * sizeof *q);
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -185,16 +185,16 @@ static void ends_are_located(void **state) {
     snprintf(buffer, sizeof buffer, text, limited ? ", \"limits\": [0.4, 1.1]" : "");
     fixture f = fixture_read(buffer);
     double stretched = acos((16.0 + 9.0 - 4.5 * 4.5) / 24.0);
-    km_drive *drive;
-    assert_int_equal(km_drive_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
-    km_reach reach = km_drive_to(drive, 3.0);
+    km_driver_motion *drive;
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, false, &drive, NULL), KM_OK);
+    km_motion_end reach = km_driver_motion_move_to(drive, 3.0);
     assert_int_equal(reach.stop, limited ? KM_STOP_LIMIT : KM_STOP_TOGGLE);
     assert_near(reach.position, limited ? fmin(1.1, stretched) : stretched, 1e-9);
-    assert_int_equal(km_drive_to(drive, 3.0).stop, reach.stop); /* no further the second time */
-    reach = km_drive_to(drive, 0.41);                           /* and back again */
+    assert_int_equal(km_driver_motion_move_to(drive, 3.0).stop, reach.stop); /* no further the second time */
+    reach = km_driver_motion_move_to(drive, 0.41);                           /* and back again */
     assert_int_equal(reach.stop, KM_STOP_NONE);
     assert_near(km_state_coordinate(f.state, 0), 0.41, 0.0);
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
     fixture_close(&f);
   }
 }
@@ -283,7 +283,7 @@ static void numbers_belong_to_their_rows(void **state) {
         for (int c = 0; c < count; ++c)
           q[c] = row[2 + c] * km_model_coordinate_factor(at.model, c);
         km_state_set(at.mechanism, at.state, q);
-        km_mobility_update(at.mechanism, at.state, &mobility);
+        km_mobility_compute(at.mechanism, at.state, &mobility);
         for (int c = 0; c < count; ++c) {
           char column[64];
           snprintf(column, sizeof column, "m.%s", km_model_coordinate_label(at.model, c));

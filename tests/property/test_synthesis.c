@@ -105,15 +105,15 @@ static int trace(double points[][3], int room) {
   int frame, count = 0;
   static const char *const path[] = {"coupler", "tip"};
   km_error error;
-  km_drive *drive;
+  km_driver_motion *drive;
   assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, &error), KM_OK);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, &error), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, true, &drive, &error), KM_OK);
   for (; count < room; ++count) {
-    assert_int_equal(km_drive_to(drive, 10.0 + 30.0 * count).stop, KM_STOP_NONE);
-    km_poses_update(f.mechanism, f.state);
+    assert_int_equal(km_driver_motion_move_to(drive, 10.0 + 30.0 * count).stop, KM_STOP_NONE);
+    km_poses_compute(f.mechanism, f.state);
     km_frame_position(f.mechanism, f.state, frame, points[count]);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
   return count;
 }

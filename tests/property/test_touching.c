@@ -62,19 +62,19 @@ static void twins_agree_over_the_change_point(void **state) {
     randomness r = {seed};
     fixture f = tied_four_bars(uniform(&r, 0.4, 0.6), uniform(&r, 1.7, 2.2), uniform(&r, 1.2, 1.6),
                                uniform(&r, 0.4, 1.0), uniform(&r, 4.0, 5.0));
-    km_drive *drive;
+    km_driver_motion *drive;
     int driver = coordinate(&f, "A0");
-    assert_int_equal(km_drive_create(f.mechanism, f.state, driver, true, &drive, NULL), KM_OK);
+    assert_int_equal(km_driver_motion_create(f.mechanism, f.state, driver, true, &drive, NULL), KM_OK);
     for (int i = 1; i <= 60; ++i) {
       double target = (seed % 2 ? -0.05 : 0.05) * i;
-      assert_int_equal(km_drive_to(drive, target).stop, KM_STOP_NONE);
+      assert_int_equal(km_driver_motion_move_to(drive, target).stop, KM_STOP_NONE);
       for (int k = 0; k < 4; ++k) {
         char one[3] = {(char)('A' + k), '0', 0}, other[3] = {(char)('A' + k), '1', 0};
         assert_near(km_state_coordinate(f.state, coordinate(&f, one)),
                     km_state_coordinate(f.state, coordinate(&f, other)), 1e-7);
       }
     }
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
     fixture_close(&f);
   }
 }
@@ -131,19 +131,19 @@ static void drives_pass_where_branches_touch(void **state) {
   for (int power = 2; power <= 3; ++power)
     for (int steps = 1; steps <= 50; steps += 7) {
       fixture f = coupled_slides(2, 2 * power);
-      km_drive *drive;
+      km_driver_motion *drive;
       int t = coordinate(&f, "T"), s = coordinate(&f, "S");
       double sign = steps % 2 ? -1.0 : 1.0, start[3] = {sign * pow(0.5, power), -0.5, pow(0.5, 2 * power)};
       assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, start, NULL), KM_OK);
       assert_int_equal(km_assemble(f.mechanism, f.state, NULL, NULL), KM_OK);
-      assert_int_equal(km_drive_create(f.mechanism, f.state, t, true, &drive, NULL), KM_OK);
+      assert_int_equal(km_driver_motion_create(f.mechanism, f.state, t, true, &drive, NULL), KM_OK);
       for (int i = 1; i <= steps; ++i) {
         double x = -0.5 + (double)i / steps;
-        assert_int_equal(km_drive_to(drive, x).stop, KM_STOP_NONE);
+        assert_int_equal(km_driver_motion_move_to(drive, x).stop, KM_STOP_NONE);
         assert_near(km_state_coordinate(f.state, s), sign * pow(fabs(x), power) * (power == 3 && x > 0.0 ? -1.0 : 1.0),
                     1e-7);
       }
-      km_drive_free(drive);
+      km_driver_motion_free(drive);
       fixture_close(&f);
     }
 }

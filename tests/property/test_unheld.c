@@ -15,19 +15,19 @@
 enum { MOST_ACTUATORS = 200 };
 
 /* Some joints with a coordinate of their own, and up to two points. */
-static int choose(const fixture *f, randomness *r, km_handle *actuators) {
+static int choose(const fixture *f, randomness *r, km_port *actuators) {
   int count = 0;
   for (int c = 0; c < f->model->coordinate_count && count < MOST_ACTUATORS - 2; ++c)
     if (f->mechanism->ball_of[c] < 0 && below(r, 4) == 0)
-      actuators[count++] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = c, .name = "joint"};
+      actuators[count++] = (km_port){.kind = KM_PORT_JOINT, .coordinate = c, .name = "joint"};
   for (int i = below(r, 3); i > 0; --i) {
-    km_handle *point = &actuators[count];
+    km_port *point = &actuators[count];
     km_statics statics;
     double turn = uniform(r, -M_PI, M_PI);
-    *point = (km_handle){.kind = KM_HANDLE_POINT,
-                         .frame = below(r, f->model->frame_count),
-                         .direction = {0.6 * cos(turn), 0.6 * sin(turn), 0.8},
-                         .name = "point"};
+    *point = (km_port){.kind = KM_PORT_POINT,
+                       .frame = below(r, f->model->frame_count),
+                       .direction = {0.6 * cos(turn), 0.6 * sin(turn), 0.8},
+                       .name = "point"};
     /* Some points stand still, or push a joint in no loop that is held already. */
     count += km_statics_create_for(f->mechanism, actuators, count + 1, KM_AXES_JOINT, &statics, NULL) == KM_OK;
     km_statics_free(&statics);
@@ -36,9 +36,9 @@ static int choose(const fixture *f, randomness *r, km_handle *actuators) {
 }
 
 /* How fast an actuator moves: of a point by its frame's twist. */
-static double rate_of(fixture *f, const km_handle *actuator, const double *rates) {
+static double rate_of(fixture *f, const km_port *actuator, const double *rates) {
   double twist[6];
-  if (actuator->kind == KM_HANDLE_JOINT)
+  if (actuator->kind == KM_PORT_JOINT)
     return rates[actuator->coordinate];
   assert_int_equal(km_frame_twist(f->mechanism, f->state, actuator->frame, rates, twist, NULL), KM_OK);
   return twist[0] * actuator->direction[0] + twist[1] * actuator->direction[1] + twist[2] * actuator->direction[2];
@@ -71,13 +71,12 @@ static double largest_of(const fixture *f, const double *rates) {
   return largest;
 }
 
-static double unit_of(const fixture *f, const km_handle *actuator) {
-  return actuator->kind == KM_HANDLE_JOINT ? f->mechanism->unit[actuator->coordinate] : f->mechanism->length;
+static double unit_of(const fixture *f, const km_port *actuator) {
+  return actuator->kind == KM_PORT_JOINT ? f->mechanism->unit[actuator->coordinate] : f->mechanism->length;
 }
 
-static void check_directions(fixture *f, const km_statics *st, const km_handle *actuators, int count,
-                             const double *tau) {
-  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+static void check_directions(fixture *f, const km_statics *st, const km_port *actuators, int count, const double *tau) {
+  for (int d = 0; d < st->direction_count && d < KM_MAX_DIRECTIONS; ++d) {
     const double *rates = st->directions + (size_t)d * (size_t)f->model->coordinate_count;
     check_allowed(f, rates);
     assert_near(largest_of(f, rates), 1.0, 1e-12);
@@ -96,7 +95,7 @@ static void check_directions(fixture *f, const km_statics *st, const km_handle *
 }
 
 /* The power of loads and actuators in one motion. */
-static void check_power(fixture *f, const km_statics *st, const km_handle *actuators, int count, const double *tau,
+static void check_power(fixture *f, const km_statics *st, const km_port *actuators, int count, const double *tau,
                         const double *rates) {
   double power = 0.0, size = 1.0;
   for (int c = 0; c < f->model->coordinate_count; ++c) {
@@ -112,7 +111,7 @@ static void check_power(fixture *f, const km_statics *st, const km_handle *actua
 }
 
 /* In every motion of a basis: those of the substructures, and each joint in no loop. */
-static void check_balance(fixture *f, const km_statics *st, const km_handle *actuators, int count, const double *tau) {
+static void check_balance(fixture *f, const km_statics *st, const km_port *actuators, int count, const double *tau) {
   const km_mechanism *m = f->mechanism;
   double *rates = KM_NEW(double, (size_t)m->coordinate_count + 1);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
@@ -141,7 +140,7 @@ typedef struct tally {
 } tally;
 
 static void check(fixture *f, randomness *r, tally *all) {
-  km_handle actuators[MOST_ACTUATORS];
+  km_port actuators[MOST_ACTUATORS];
   int count = choose(f, r, actuators);
   double *tau = KM_NEW(double, (size_t)f->model->coordinate_count + 1);
   const km_load load = {.frame = f->model->frame_count - 1,
@@ -149,13 +148,13 @@ static void check(fixture *f, randomness *r, tally *all) {
   km_forces *forces;
   km_statics st, every;
   km_mobility mobility;
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  km_poses_update(f->mechanism, f->state);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
+  km_poses_compute(f->mechanism, f->state);
   assert_int_equal(km_forces_create(f->mechanism, NULL, &load, 1, &forces, NULL), KM_OK);
   assert_int_equal(km_statics_create_for(f->mechanism, actuators, count, KM_AXES_JOINT, &st, NULL), KM_OK);
   assert_int_equal(km_statics_create(f->mechanism, NULL, 0, KM_AXES_JOINT, &every, NULL), KM_OK);
-  km_statics_update(f->mechanism, f->state, forces, &every); /* its τ has no pushes */
-  km_statics_update(f->mechanism, f->state, forces, &st);
+  km_statics_compute(f->mechanism, f->state, forces, &every); /* its τ has no pushes */
+  km_statics_compute(f->mechanism, f->state, forces, &st);
   for (int c = 0; c < f->model->coordinate_count; ++c)
     tau[c] = every.work->tau[c];
   check_directions(f, &st, actuators, count, tau);
@@ -164,7 +163,7 @@ static void check(fixture *f, randomness *r, tally *all) {
   all->directions += st.direction_count;
   all->falling += st.direction_count > 0 && st.falls[0];
   all->held += st.held;
-  all->pushed += st.held && count && actuators[count - 1].kind == KM_HANDLE_POINT;
+  all->pushed += st.held && count && actuators[count - 1].kind == KM_PORT_POINT;
   km_statics_free(&st);
   km_statics_free(&every);
   km_forces_free(forces);

@@ -63,15 +63,15 @@ static bool pick(const fixture *f, randomness *r, int *in, int *out) {
 }
 
 static km_advantage leverage(fixture *f, int in, int out) {
-  km_handle input = {.kind = KM_HANDLE_JOINT, .coordinate = in, .name = "in"},
-            output = {.kind = KM_HANDLE_JOINT, .coordinate = out, .name = "out"};
-  km_lever *lever;
+  km_port input = {.kind = KM_PORT_JOINT, .coordinate = in, .name = "in"},
+          output = {.kind = KM_PORT_JOINT, .coordinate = out, .name = "out"};
+  km_transfer *lever;
   km_advantage a;
   km_error error;
-  if (km_lever_create(f->mechanism, &input, &output, &lever, &error))
+  if (km_transfer_create(f->mechanism, &input, &output, &lever, &error))
     fail_msg("%s", error.text);
-  km_lever_update(f->mechanism, f->state, lever, &a);
-  km_lever_free(lever);
+  km_transfer_compute(f->mechanism, f->state, lever, &a);
+  km_transfer_free(lever);
   return a;
 }
 
@@ -85,8 +85,8 @@ static int place_of(const fixture *f, int c) {
 
 static void assert_alike(fixture *a, fixture *b, int in, int out) {
   km_mobility ma, mb;
-  km_mobility_update(a->mechanism, a->state, &ma);
-  km_mobility_update(b->mechanism, b->state, &mb);
+  km_mobility_compute(a->mechanism, a->state, &ma);
+  km_mobility_compute(b->mechanism, b->state, &mb);
   assert_int_equal(ma.mobility, mb.mobility);
   double length = km_mechanism_characteristic_length(a->mechanism, NULL) * a->model->units.length->si;
   assert_near(km_mechanism_characteristic_length(b->mechanism, NULL) * b->model->units.length->si, length,

@@ -71,8 +71,8 @@ static void follow(pair *p) {
 static void same_bodies(pair *p) {
   const km_model *m = p->one->model, *w = p->two.model;
   double unit = m->units.length->si, size = 1e-30;
-  km_poses_update(p->one->mechanism, p->one->state);
-  km_poses_update(p->two.mechanism, p->two.state);
+  km_poses_compute(p->one->mechanism, p->one->state);
+  km_poses_compute(p->two.mechanism, p->two.state);
   for (int b = 0; b < m->body_count; ++b)
     size = fmax(size, unit * (km_vec3_norm(p->one->state->pose[b].p) + km_vec3_norm(m->bodies[b].center_of_mass)));
   for (int k = 0; k < m->frame_count; ++k)
@@ -101,7 +101,7 @@ static int mobility_of(const fixture *f) {
   km_error error;
   if (km_assemble(f->mechanism, f->state, NULL, &error))
     fail_msg("%s", error.text);
-  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
   return mobility.mobility;
 }
 
@@ -117,7 +117,7 @@ static void same_torques(pair *p) {
     assert_int_equal(km_forces_create(both[i]->mechanism, i ? gravity : NULL, NULL, 0, &forces[i], NULL), KM_OK);
     assert_int_equal(km_statics_create(both[i]->mechanism, NULL, 0, KM_AXES_JOINT, &statics[i], NULL), KM_OK);
     mobility_of(both[i]);
-    km_statics_update(both[i]->mechanism, both[i]->state, forces[i], &statics[i]);
+    km_statics_compute(both[i]->mechanism, both[i]->state, forces[i], &statics[i]);
   }
   double size = 1e-30;
   for (int c = 0; c < p->two.model->coordinate_count; ++c)

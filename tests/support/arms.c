@@ -87,7 +87,7 @@ km_pose effector_by_bodies(const fixture *f, const km_arm *arm, const double *q)
   for (int k = 0; k < arm->n; ++k)
     all[arm->coordinate[k]] = q[k] * arm->unit[k];
   km_state_set(f->mechanism, f->state, all);
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   return km_pose_product(&f->state->pose[frame->body], &frame->pose);
 }
 
@@ -139,7 +139,7 @@ opened_study study_open(const char *name) {
   km_text_free(&text);
   snprintf(model, sizeof model, "%s/%s", path, def.model);
   km_model *read;
-  if (km_model_load(model, NULL, &read, &error))
+  if (km_model_read_file(model, NULL, &read, &error))
     fail_msg("%s", error.text);
   o.f = fixture_of(read);
   if (km_study_bind(o.f.mechanism, o.f.state, &def, 1, NULL, &o.study, &error))

@@ -35,11 +35,11 @@ static balance balance_open(fixture *f, randomness *r, km_axes axes) {
     b.loads[i] = (km_load){
         below(r, model->frame_count), {force.x, force.y, force.z}, {torque.x, torque.y, torque.z}, below(r, 2) == 1};
   }
-  km_mobility_update(b.f->mechanism, b.f->state, &b.mobility);
+  km_mobility_compute(b.f->mechanism, b.f->state, &b.mobility);
   assert_int_equal(km_forces_create(b.f->mechanism, NULL, b.loads, LOADS, &b.forces, NULL), KM_OK);
   assert_int_equal(km_statics_create(f->mechanism, NULL, 0, axes, &b.statics, NULL), KM_OK);
-  km_statics_update(b.f->mechanism, b.f->state, b.forces, &b.statics);
-  km_poses_update(b.f->mechanism, b.f->state);
+  km_statics_compute(b.f->mechanism, b.f->state, b.forces, &b.statics);
+  km_poses_compute(b.f->mechanism, b.f->state);
   for (int i = 0; i < model->frame_count; ++i) {
     double place[3];
     km_frame_position(f->mechanism, f->state, i, place);
@@ -139,10 +139,10 @@ void law_virtual_work(fixture *f, randomness *r) {
   const km_mechanism *m = b.f->mechanism;
   double *rates = KM_NEW(double, (size_t)m->coordinate_count);
   for (int c = 0; c < m->coordinate_count; ++c) {
-    km_drive *drive;
-    if (km_drive_create(m, b.f->state, c, true, &drive, NULL))
+    km_driver_motion *drive;
+    if (km_driver_motion_create(m, b.f->state, c, true, &drive, NULL))
       continue;
-    if (km_drive_tangent(drive, rates)) {
+    if (km_driver_motion_tangent(drive, rates)) {
       double power = 0.0, size = 0.0;
       for (int i = 0; i < m->coordinate_count; ++i) {
         power += (b.statics.least_norm[i] + km_forces_in_joint(b.forces, i)) * rates[i];
@@ -156,7 +156,7 @@ void law_virtual_work(fixture *f, randomness *r) {
       }
       assert_near(power, 0.0, 1e-10 * size + 1e-13 * b.size * fmax(b.reach, 1.0));
     }
-    km_drive_free(drive);
+    km_driver_motion_free(drive);
   }
   km_free(rates);
   balance_close(&b);

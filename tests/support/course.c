@@ -35,34 +35,34 @@ static double place(const km_sweep_plan *plan, const km_sweep *motion, int i, in
 }
 
 /* To arc length s, past the end of the cycle. */
-static bool follow_to(km_follow *follow, double s) {
-  bool there = km_follow_advance(follow, s - km_follow_length(follow)) == KM_OK;
-  if (!km_follow_closed(follow))
+static bool follow_to(km_arc_motion *follow, double s) {
+  bool there = km_arc_motion_advance(follow, s - km_arc_motion_length(follow)) == KM_OK;
+  if (!km_arc_motion_closed(follow))
     return there;
-  km_follow_go_round(follow);
-  return km_follow_length(follow) >= s || km_follow_advance(follow, s - km_follow_length(follow)) == KM_OK;
+  km_arc_motion_pass_cycle(follow);
+  return km_arc_motion_length(follow) >= s || km_arc_motion_advance(follow, s - km_arc_motion_length(follow)) == KM_OK;
 }
 
 bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, int count, course_look look,
                  void *context) {
-  km_drive *drive = NULL;
-  km_follow *follow = NULL;
+  km_driver_motion *drive = NULL;
+  km_arc_motion *follow = NULL;
   km_mobility mobility;
   bool by_length = plan->arclength > 0.0, there = true;
-  km_mobility_update(f->mechanism, f->state, &mobility);
-  if (by_length ? km_follow_create(f->mechanism, f->state, -1, 1.0, false, &follow, NULL)
-                : km_drive_create(f->mechanism, f->state, plan->coordinate, false, &drive, NULL))
+  km_mobility_compute(f->mechanism, f->state, &mobility);
+  if (by_length ? km_arc_motion_create(f->mechanism, f->state, -1, 1.0, false, &follow, NULL)
+                : km_driver_motion_create(f->mechanism, f->state, plan->coordinate, false, &drive, NULL))
     return false;
   for (int i = 0; i < count && there; ++i) {
     double s = place(plan, motion, i, count);
     if (by_length)
       there = i == 0 || follow_to(follow, s);
     else
-      there = km_drive_to(drive, s).stop == KM_STOP_NONE || i + 1 == count;
+      there = km_driver_motion_move_to(drive, s).stop == KM_STOP_NONE || i + 1 == count;
     look(context, f, i, s);
   }
-  km_drive_free(drive);
-  km_follow_free(follow);
+  km_driver_motion_free(drive);
+  km_arc_motion_free(follow);
   return there;
 }
 

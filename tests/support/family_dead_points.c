@@ -16,15 +16,16 @@ static bool trace(const char *text, const km_sweep_plan *plan, const km_sweep *m
   const int count = f.mechanism->coordinate_count;
   const double from = motion->start.position, to = motion->end.position;
   double rates[PLANAR_MOST_JOINTS];
-  km_drive *drive;
+  km_driver_motion *drive;
   bool there = true;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, plan->coordinate, true, &drive, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, plan->coordinate, true, &drive, NULL), KM_OK);
   /* A driver stands where it gives out itself: the grid ends just before. */
   for (int i = 0; i <= GRID && there; ++i) {
-    there = !km_drive_to(drive, from + (to - from) * (i + 0.5) / (GRID + 1)).stop && km_drive_tangent(drive, rates);
+    there = !km_driver_motion_move_to(drive, from + (to - from) * (i + 0.5) / (GRID + 1)).stop &&
+            km_driver_motion_tangent(drive, rates);
     km_unit_direction(f.mechanism, rates, z + i * count);
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
   return there;
 }

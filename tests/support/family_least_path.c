@@ -22,13 +22,13 @@ static ending drive(const char *json, int driver, double way, int pieces) {
   double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * sub->columns)),
          from = km_state_coordinate(f.state, driver);
   ending end = {.stop = KM_STOP_NONE};
-  km_drive *d;
+  km_driver_motion *d;
   km_state_save(f.state, sub, saved);
-  assert_int_equal(km_drive_create(f.mechanism, f.state, driver, true, &d, NULL), KM_OK);
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, driver, true, &d, NULL), KM_OK);
   for (int i = 1; i <= pieces && !end.stop; ++i)
-    end.stop = km_drive_to(d, from + way * i / pieces).stop;
+    end.stop = km_driver_motion_move_to(d, from + way * i / pieces).stop;
   km_state_difference(f.state, sub, saved, end.step);
-  km_drive_free(d);
+  km_driver_motion_free(d);
   km_free(saved);
   fixture_close(&f);
   return end;
@@ -40,7 +40,7 @@ static bool least_rates(fixture *f, int index, int driver, double *t) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   int rows, n = sub->columns, rank;
-  km_poses_update(m, f->state);
+  km_poses_compute(m, f->state);
   double *J = whole_jacobian(f, index, &rows);
   int all = rows + 1, ld = all > n ? all : n;
   double *A = KM_NEW(double, (size_t)(all * n)), *b = KM_NEW(double, (size_t)ld), *values = KM_NEW(double, (size_t)ld);
@@ -105,7 +105,7 @@ static double distance(const double *a, const double *b, int count) {
 static int choose_driver(fixture *f, randomness *r, int *columns) {
   const km_mechanism *m = f->mechanism;
   km_mobility mobility;
-  km_mobility_update(m, f->state, &mobility);
+  km_mobility_compute(m, f->state, &mobility);
   for (int tries = 0; tries < 20 && m->coordinate_count > 0; ++tries) {
     int c = below(r, m->coordinate_count), index = m->substructure_of[c];
     if (index < 0 || m->held[c] || m->ball_of[c] >= 0 || km_partition_freedom(&f->state->partition[index]) < 2 ||

@@ -12,14 +12,14 @@ enum { GRID = 2000 };
 /* The watched coordinate with the driver at from … to, limits ignored. */
 static void trace(const char *name, int driver, int watched, double start, double from, double to, double *q) {
   fixture f = fixture_open(name);
-  km_drive *drive;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, driver, true, &drive, NULL), KM_OK);
-  km_drive_to(drive, start);
+  km_driver_motion *drive;
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, driver, true, &drive, NULL), KM_OK);
+  km_driver_motion_move_to(drive, start);
   for (int i = 0; i <= GRID; ++i) {
-    assert_int_equal(km_drive_to(drive, from + (to - from) * i / GRID).stop, KM_STOP_NONE);
+    assert_int_equal(km_driver_motion_move_to(drive, from + (to - from) * i / GRID).stop, KM_STOP_NONE);
     q[i] = f.state->q[watched];
   }
-  km_drive_free(drive);
+  km_driver_motion_free(drive);
   fixture_close(&f);
 }
 
@@ -67,10 +67,10 @@ bool family_limits(uint64_t seed) {
   bool some = passages(way, low, high, 1, &narrow) + passages(range, low, high, 1, &narrow) > 0 ||
               (way[0] >= low && way[0] <= high);
 
-  km_drive *drive;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, plan.coordinate, true, &drive, NULL), KM_OK);
-  km_drive_to(drive, start);
-  km_drive_free(drive);
+  km_driver_motion *drive;
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, plan.coordinate, true, &drive, NULL), KM_OK);
+  km_driver_motion_move_to(drive, start);
+  km_driver_motion_free(drive);
   double factor = km_model_coordinate_factor(f.model, watched);
   assert_int_equal(km_model_set_limits(f.model, watched, low / factor, high / factor, NULL), KM_OK);
   assert_int_equal(km_mechanism_renumber(f.mechanism, NULL), KM_OK);

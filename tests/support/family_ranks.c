@@ -63,8 +63,8 @@ static km_rank_evidence judge(const linkage *l, randomness *r, int *mobility) {
   fixture f = fixture_read(json);
   km_rank_evidence e;
   km_mobility found;
-  km_mobility_update(f.mechanism, f.state, &found);
-  km_poses_update(f.mechanism, f.state);
+  km_mobility_compute(f.mechanism, f.state, &found);
+  km_poses_compute(f.mechanism, f.state);
   assert_int_equal(km_rank_evidence_find(f.mechanism, f.state, 0, &e, NULL), KM_OK);
   *mobility = found.mobility;
   km_free(json);
@@ -102,8 +102,8 @@ static double last_pivot(const linkage *l, randomness *r, bool *doubtful) {
   km_mobility found;
   km_substructure_mobility e;
   km_rank_evidence verdict;
-  km_mobility_update(f.mechanism, f.state, &found);
-  km_poses_update(f.mechanism, f.state);
+  km_mobility_compute(f.mechanism, f.state, &found);
+  km_poses_compute(f.mechanism, f.state);
   km_substructure_evidence(f.mechanism, f.state, 0, &e);
   assert_int_equal(km_rank_evidence_find(f.mechanism, f.state, 0, &verdict, NULL), KM_OK);
   *doubtful = verdict.doubtful;

@@ -30,7 +30,7 @@ static bool keeps_promise(const linkage *l, writing how, uint64_t seed, const ch
   char *json = linkage_text(l, how, &again);
   bool kept = !fixture_try(json, &f, &error);
   if (kept)
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
   kept = kept && mobility.mobility == atoi(promise + strlen("mobility ")) && (mobility.mobility != 1 || may_move(&f));
   if (!kept)
     fprintf(stderr, "promised: %s\n  found: mobility %d %s\n", words, mobility.mobility, error.text);
@@ -82,7 +82,7 @@ bool family_short_link(uint64_t seed) {
   km_mobility mobility = {0};
   bool agrees = !fixture_try(json, &f, &error);
   if (agrees)
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
   agrees = agrees && mobility.mobility == bars - 3;
   if (!agrees)
     fprintf(stderr, "short link of seed %llu: %g beside %g: mobility %d %s\n", (unsigned long long)seed, link, side,

@@ -137,15 +137,15 @@ bool family_friction(uint64_t seed, family_count *count) {
     for (int j = 0; j < p.joints; ++j)
       rates[j] = back ? -rates[j] : rates[j];
     s.force = rates[s.input] < 0.0 ? -1.0 : 1.0;
-    km_handle ends[2] = {{.kind = KM_HANDLE_JOINT, .coordinate = s.input, .name = "in"},
-                         {.kind = KM_HANDLE_JOINT, .coordinate = s.output, .name = "out"}};
-    km_losses_work *work = NULL;
+    km_port ends[2] = {{.kind = KM_PORT_JOINT, .coordinate = s.input, .name = "in"},
+                       {.kind = KM_PORT_JOINT, .coordinate = s.output, .name = "out"}};
+    km_losses_workspace *work = NULL;
     km_losses told;
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     right = km_losses_create(f.mechanism, &ends[0], &ends[1], &work, NULL) == KM_OK;
     if (right) {
-      km_losses_update(f.mechanism, f.state, work, &told);
+      km_losses_compute(f.mechanism, f.state, work, &told);
       right = compare(&s, &told, count);
       if (!right)
         print_error("friction, seed %llu: efficiency %g, locks %d from %g, %s\n", (unsigned long long)seed,
@@ -179,15 +179,15 @@ bool family_wedge(uint64_t seed, family_count *count) {
       "\"friction\": {\"coefficient\": %.17g}}]}]}",
       cos(a), -sin(a), sin(a), cos(a), cos(a), -sin(a), sin(a), cos(a), mu[0], mu[1], mu[2]);
   fixture f = fixture_read(text);
-  km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "W"},
-            out = {.kind = KM_HANDLE_JOINT, .coordinate = 1, .name = "B"};
-  km_losses_work *work = NULL;
+  km_port in = {.kind = KM_PORT_JOINT, .coordinate = 0, .name = "W"},
+          out = {.kind = KM_PORT_JOINT, .coordinate = 1, .name = "B"};
+  km_losses_workspace *work = NULL;
   km_losses told;
   km_mobility mobility;
-  km_mobility_update(f.mechanism, f.state, &mobility);
+  km_mobility_compute(f.mechanism, f.state, &mobility);
   bool right = km_losses_create(f.mechanism, &in, &out, &work, NULL) == KM_OK;
   if (right) {
-    km_losses_update(f.mechanism, f.state, work, &told);
+    km_losses_compute(f.mechanism, f.state, work, &told);
     /* For a normal force of 1 on the plane. */
     double up = cos(a) - mu[2] * sin(a), aside = sin(a) + mu[2] * cos(a);
     double efficiency = tangent * (up - mu[1] * aside) / (aside + mu[0] * fabs(up));

@@ -92,7 +92,7 @@ void law_null_space(fixture *f, randomness *r) {
   (void)r;
   const km_mechanism *m = f->mechanism;
   km_mobility mobility;
-  km_mobility_update(m, f->state, &mobility);
+  km_mobility_compute(m, f->state, &mobility);
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     const km_substructure *sub = &m->substructures[s];
     const km_partition *p = &f->state->partition[s];
@@ -115,7 +115,7 @@ void law_numbers(fixture *f, randomness *r) {
   (void)r;
   const km_mechanism *m = f->mechanism;
   km_mobility mobility;
-  km_mobility_update(m, f->state, &mobility);
+  km_mobility_compute(m, f->state, &mobility);
   double sum = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
     assert_true(f->state->numbers[c] >= 0.0 && f->state->numbers[c] <= 1.0 + 1e-12);
@@ -139,7 +139,7 @@ static void assert_least_rates(fixture *f, int s, int driver) {
   const double *weight = m->column_weight + sub->column_start;
   size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
   double *t = KM_NEW(double, n), *J = KM_NEW(double, n *rows);
-  km_least_rates(m, f->state, s, driver, t);
+  km_minimum_norm_rates(m, f->state, s, driver, t);
   assert_near(t[driver], 1.0, 1e-12);
   double length = km_step_length(m, sub, t);
   km_state_jacobian_dense(f->state, sub, J);
@@ -166,7 +166,7 @@ void law_forced(fixture *f, randomness *r) {
   km_mobility mobility;
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     const km_substructure *sub = &m->substructures[s];
-    km_mobility_update(m, f->state, &mobility);
+    km_mobility_compute(m, f->state, &mobility);
     int driver = below(r, sub->columns);
     double *free_numbers = KM_NEW(double, (size_t)sub->columns);
     for (int k = 0; k < sub->columns; ++k)
@@ -194,7 +194,7 @@ static void move_all(fixture *f, const double *q, const km_quaternion *balls, co
       f->state->ball[ball] = km_quaternion_product(
           km_quaternion_exp((km_vec3){h * rates[c], h * rates[c + 1], h * rates[c + 2]}), balls[ball]);
   }
-  km_poses_update(m, f->state);
+  km_poses_compute(m, f->state);
 }
 
 typedef struct pose_rate {
@@ -240,7 +240,7 @@ int judge_twists(fixture *f, randomness *r) {
     if (m->ball_of[c] >= 0)
       balls[m->ball_of[c]] = f->state->ball[m->ball_of[c]];
   }
-  km_poses_update(m, f->state);
+  km_poses_compute(m, f->state);
   memcpy(poses, f->state->pose, bodies * sizeof *poses);
   differences(f, q, balls, rates, h, near);
   differences(f, q, balls, rates, 2.0 * h, far);

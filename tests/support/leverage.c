@@ -121,8 +121,8 @@ bool family_leverage(uint64_t seed, family_count *count) {
   char *text = planar_text(&p);
   fixture f = fixture_read(text), g = fixture_read(text);
   km_free(text);
-  km_handle in = {.kind = KM_HANDLE_JOINT, .coordinate = k.input, .name = "in"},
-            out = {.kind = KM_HANDLE_JOINT, .coordinate = k.output, .name = "out"};
+  km_port in = {.kind = KM_PORT_JOINT, .coordinate = k.input, .name = "in"},
+          out = {.kind = KM_PORT_JOINT, .coordinate = k.output, .name = "out"};
   km_advantage_sweep sweep = {0};
   km_status status = km_advantage_sweep_run(f.mechanism, f.state, &k.plan, &in, &out, false, &sweep, NULL);
   bool right = status == KM_OK || status == KM_PARTIAL;

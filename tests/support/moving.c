@@ -60,7 +60,7 @@ static void go_on(const km_mechanism *m, km_state *s, const km_state *from, doub
 /* Momenta of all bodies about the inertial origin. */
 static void momenta(const km_mechanism *m, km_state *s, km_wrench *out) {
   km_twist *V = (km_twist *)calloc((size_t)m->topology.body_count, sizeof *V);
-  km_poses_update(m, s);
+  km_poses_compute(m, s);
   for (int i = 0; i < m->topology.body_count - 1; ++i) {
     int b = m->arcs[i].body;
     const km_model_body *def = &m->model->bodies[b];

@@ -140,7 +140,7 @@ void planar_balance_at(const planar *p, const fixture *f, const double gravity[2
                        planar_balance *out) {
   *out = (planar_balance){.rows = 3 * p->bodies};
   size_t rows = (size_t)out->rows;
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   for (int i = 0; i < p->joints; ++i) {
     const planar_joint *j = &p->joint[i];
     double *first = out->A + 2 * (size_t)i * rows, *second = first + rows;

@@ -179,7 +179,7 @@ static void add_forces(const km_model *m, km_builder *b, const ids *to) {
   }
 }
 
-static km_end_def end_of(const km_model *m, const ids *to, const km_model_handle *from) {
+static km_end_def end_of(const km_model *m, const ids *to, const km_model_port *from) {
   km_end_def d = {.coordinate = ref(m, to, from->coordinate)};
   if (from->frame >= 0)
     d.frame = to->frame[from->frame];
@@ -209,7 +209,7 @@ static void add_analysis(const km_model *m, km_builder *b, const ids *to) {
   sweep.steps = m->sweep.steps;
   if (m->sweep.coordinate >= 0 || m->sweep.arclength > 0.0)
     check(km_model_set_sweep(b, &sweep, &error));
-  const km_model_handle *in = &m->advantage_input, *out = &m->advantage_output;
+  const km_model_port *in = &m->advantage_input, *out = &m->advantage_output;
   if ((in->coordinate >= 0 || in->frame >= 0) && (out->coordinate >= 0 || out->frame >= 0)) {
     km_end_def input = end_of(m, to, in), output = end_of(m, to, out);
     check(km_model_set_advantage(b, &input, &output, &error));

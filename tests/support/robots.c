@@ -43,7 +43,7 @@ km_frame_pose pose_of(const fixture *f, const char *body) {
   km_frame_pose pose;
   while (km_model_frame_body(f->model, frame) != b || strcmp(km_model_frame_name(f->model, frame), "origin") != 0)
     frame++;
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   assert_int_equal(km_frame_place(f->mechanism, f->state, frame, &pose, NULL), KM_OK);
   return pose;
 }
@@ -63,6 +63,6 @@ int mobility_of(fixture *f) {
   km_error error;
   if (km_assemble(f->mechanism, f->state, NULL, &error))
     fail_msg("%s", error.text);
-  km_mobility_update(f->mechanism, f->state, &mobility);
+  km_mobility_compute(f->mechanism, f->state, &mobility);
   return mobility.mobility;
 }

@@ -121,7 +121,7 @@ static int frame_of(const spatial_case *k, const fixture *f) {
 }
 
 static double work(const spatial_case *k, fixture *f) {
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   double sum = 0.0;
   for (int b = 1; b < k->l.joints; ++b)
     sum += k->l.mass[b] * km_vec3_dot(k->gravity, km_pose_point(&f->state->pose[b], k->l.centre[b]));

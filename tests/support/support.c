@@ -181,13 +181,13 @@ int below(randomness *r, int count) {
 }
 
 static void drive_a_bit(fixture *f, int coordinate, double by) {
-  km_drive *drive;
+  km_driver_motion *drive;
   km_error error;
-  if (km_drive_create(f->mechanism, f->state, coordinate, true, &drive, &error))
+  if (km_driver_motion_create(f->mechanism, f->state, coordinate, true, &drive, &error))
     fail_msg("%s", error.text);
   double factor = km_model_coordinate_factor(f->model, coordinate);
-  km_drive_to(drive, km_state_coordinate(f->state, coordinate) + by / factor);
-  km_drive_free(drive);
+  km_driver_motion_move_to(drive, km_state_coordinate(f->state, coordinate) + by / factor);
+  km_driver_motion_free(drive);
 }
 
 void go_somewhere(fixture *f, randomness *r) {
@@ -246,7 +246,7 @@ double *whole_jacobian(const fixture *f, int substructure, int *rows) {
   *rows = 6 * sub->loop_count + sub->coupling_count;
   size_t ld = (size_t)*rows;
   double *J = KM_NEW(double, ld *(size_t)sub->columns);
-  km_poses_update(m, f->state);
+  km_poses_compute(m, f->state);
   km_vec3 about = place_of(f, t->joint[t->joint_start[substructure]]);
   for (int i = 0; i < sub->loop_count; ++i) {
     int loop = t->loop[t->loop_start[substructure] + i];

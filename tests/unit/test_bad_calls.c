@@ -146,7 +146,7 @@ static void large_files(void **state) {
   int file = mkstemp(path);
   assert_true(file >= 0 && ftruncate(file, (off_t)1 << 33) == 0);
   close(file);
-  km_status status = km_model_load(path, NULL, &model, &e);
+  km_status status = km_model_read_file(path, NULL, &model, &e);
   unlink(path);
   expect(status, KM_IO, &e, "MiB; expected a model file");
 }
@@ -183,14 +183,14 @@ static void strangers(void **state) {
 static void ends_and_actuators(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");
-  km_lever *lever;
+  km_transfer *lever;
   km_statics statics;
   km_error e = {.text = ""};
-  const km_handle joint = {.kind = KM_HANDLE_JOINT, .coordinate = 0, .name = "A"};
-  const km_handle odd = {.kind = (km_handle_kind)7, .name = "x"}, still = {.kind = KM_HANDLE_POINT, .name = "x"};
-  expect(km_lever_create(f.mechanism, &joint, &odd, &lever, &e), KM_USAGE, &e,
+  const km_port joint = {.kind = KM_PORT_JOINT, .coordinate = 0, .name = "A"};
+  const km_port odd = {.kind = (km_port_kind)7, .name = "x"}, still = {.kind = KM_PORT_POINT, .name = "x"};
+  expect(km_transfer_create(f.mechanism, &joint, &odd, &lever, &e), KM_USAGE, &e,
          "the output is neither a joint nor a point");
-  expect(km_lever_create(f.mechanism, &still, &joint, &lever, &e), KM_USAGE, &e,
+  expect(km_transfer_create(f.mechanism, &still, &joint, &lever, &e), KM_USAGE, &e,
          "the input is a point without a direction");
   const int twice[2] = {1, 1};
   expect(km_statics_create(f.mechanism, twice, 2, KM_AXES_JOINT, &statics, &e), KM_USAGE, &e,
@@ -233,7 +233,7 @@ static void branches(void **state) {
 /* A polygon of hinges, one more than singular values are found of. */
 static void many_singular_values(void **state) {
   (void)state;
-  enum { HINGES = KM_MOST_SINGULAR + 1 };
+  enum { HINGES = KM_MAX_SINGULAR + 1 };
   km_text text = {0};
   km_mobility_sweep sweep;
   km_error e = {.text = ""};
@@ -288,7 +288,7 @@ static void poses(void **state) {
          "joint \"A\" is held; expected one that is free to move");
   expect(km_modes_find(held, of_held, 0, 1, 1, NULL, NULL, &modes, &e), KM_USAGE, &e,
          "joint \"A\" can't be the driver of assembly modes");
-  expect(km_state_reach(held, of_held, &still, 1, &e), KM_USAGE, &e,
+  expect(km_state_move_to(held, of_held, &still, 1, &e), KM_USAGE, &e,
          "\"A\" is held; expected a joint that is free to move");
   km_state_free(of_held);
   km_mechanism_free(held);

@@ -57,7 +57,7 @@ static void no_model(designs *d) {
   d->def.function = NULL;
 }
 static void too_many_parameters(designs *d) {
-  d->def.parameter_count = KM_MOST_DESIGN_PARAMETERS + 1;
+  d->def.parameter_count = KM_MAX_DESIGN_PARAMETERS + 1;
 }
 static void endless_variant(designs *d) {
   d->def.sample = NULL;
@@ -150,7 +150,7 @@ static void two_questions(designs *d) {
   d->def.question_count = 2;
 }
 static void too_many_figures(designs *d) {
-  d->questions[0].figure_count = KM_MOST_DESIGN_FIGURES + 1;
+  d->questions[0].figure_count = KM_MAX_DESIGN_FIGURES + 1;
 }
 static void figure_twice(designs *d) {
   d->figures[1].name = d->figures[0].name;
@@ -352,23 +352,23 @@ static void crews_are_refused(void **state) {
   km_error e = {.text = ""};
   sampled(&d);
   for (size_t i = 0; i < COUNT(led); ++i) {
-    const km_design_crew crew = {.context = &led[i].talk, .size = 1, .send = say, .receive = hear};
+    const km_design_workers crew = {.context = &led[i].talk, .size = 1, .send = say, .receive = hear};
     const told_text t = {"a crew", led[i].words};
     assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &e), KM_OK);
-    km_status status = km_design_study_lead(study, 1, &crew, NULL, NULL, &e);
+    km_status status = km_design_study_run_leader(study, 1, &crew, NULL, NULL, &e);
     assert_words(&t, status, KM_IO, NULL, &e);
     km_design_study_free(study);
   }
   talk nobody = {true, -1, NULL, 0};
-  const km_design_crew few = {&nobody, -1, say, hear}, alone = {&nobody, 1, say, hear};
+  const km_design_workers few = {&nobody, -1, say, hear}, alone = {&nobody, 1, say, hear};
   const told_text size = {"a crew", "found a crew of -1 members"}, leader = {"a crew", "the leader can't be reached"};
   const told_text threads = {"a crew", "found 0 threads; expected 1 to 1024"};
   assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &e), KM_OK);
-  km_status status = km_design_study_serve(study, 1, &few, &e);
+  km_status status = km_design_study_run_worker(study, 1, &few, &e);
   assert_words(&size, status, KM_USAGE, NULL, &e);
-  status = km_design_study_serve(study, 0, &alone, &e);
+  status = km_design_study_run_worker(study, 0, &alone, &e);
   assert_words(&threads, status, KM_USAGE, NULL, &e);
-  status = km_design_study_serve(study, 1, &alone, &e);
+  status = km_design_study_run_worker(study, 1, &alone, &e);
   assert_words(&leader, status, KM_IO, NULL, &e);
   km_design_study_free(study);
 }

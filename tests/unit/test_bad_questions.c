@@ -86,8 +86,8 @@ static void pictures(void **state) {
   km_text out = {0};
   km_table *table = short_table();
   km_question *first = asking(&f, "mobility"), *second = asking(&f, "forces"), *none = asking(&f, "advantage");
-  assert_int_equal(km_question_ask(first, f.state, &e), KM_OK);
-  assert_int_equal(km_question_ask(second, f.state, &e), KM_OK);
+  assert_int_equal(km_question_compute(first, f.state, &e), KM_OK);
+  assert_int_equal(km_question_compute(second, f.state, &e), KM_OK);
   const km_answered answers[2] = {{.question = first, .name = "a"}, {.question = second, .name = "b"}};
   const km_comparison two = {answers, 2, false};
   expect(km_question_chart(&two, &chart, &e), KM_USAGE, &e,
@@ -103,7 +103,7 @@ static void pictures(void **state) {
   km_meshes *meshes;
   assert_int_equal(km_drawing_create(f.mechanism, &drawing, &e), KM_OK);
   expect(km_drawing_add_rows(drawing, table, &e), KM_USAGE, &e, "a table of 1 coordinates (q.); expected one of 4");
-  km_poses_update(f.mechanism, f.state);
+  km_poses_compute(f.mechanism, f.state);
   assert_int_equal(km_drawing_add_pose(drawing, f.mechanism, f.state, &e), KM_OK);
   assert_int_equal(km_model_read_meshes(g.model, &meshes, &e), KM_OK);
   const km_drawing_look look = {.meshes = meshes}, plain = {0};
@@ -205,7 +205,7 @@ static void tracks_here(void **state) {
   km_question *q = asking(&f, "track");
   const km_option_value study = {.text = STUDIES_DIR "/panda_circle/study.json"};
   assert_int_equal(km_question_set(q, "study", &study, &e), KM_OK);
-  expect(km_question_ask_here(q, f.state, &e), KM_USAGE, &e, "a question about a track isn't about one pose");
+  expect(km_question_compute_here(q, f.state, &e), KM_USAGE, &e, "a question about a track isn't about one pose");
   km_question_free(q);
   fixture_close(&f);
 }
@@ -219,7 +219,7 @@ static void motions(void **state) {
   km_error e = {.text = ""};
   assert_int_equal(km_state_create(f.mechanism, &fresh, &e), KM_OK);
   expect(km_substructure_null(f.mechanism, fresh, 0, N, &e), KM_USAGE, &e,
-         "the mobility of the state isn't known; expected km_mobility_update before");
+         "the mobility of the state isn't known; expected km_mobility_compute before");
   km_state_free(fresh);
   fixture_close(&f);
 }

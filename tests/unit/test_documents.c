@@ -164,14 +164,14 @@ static void leverage_is_drawn_and_reported(void **state) {
   static const char *const names[] = {"brake", "fourbar", "toggle_press"};
   for (size_t n = 0; n < sizeof names / sizeof *names; ++n) {
     fixture f = fixture_open(names[n]);
-    km_handle input, output;
+    km_port input, output;
     km_transmission transmission = {.no_wrench = NULL};
     km_advantage_sweep sweep;
     km_sweep_plan plan = km_sweep_plan_default(f.model);
     km_error error = {0};
     km_arena arena = {0};
     km_plot plot;
-    assert_true(km_handle_default(f.model, false, &input) && km_handle_default(f.model, true, &output));
+    assert_true(km_port_default(f.model, false, &input) && km_port_default(f.model, true, &output));
     km_status status = km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, true, &sweep, &error);
     assert_true(status == KM_OK || status == KM_PARTIAL);
     km_plotted_advantage plotted = {{f.mechanism, &plan, &sweep.motion, names[n]}, &sweep};

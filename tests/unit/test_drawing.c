@@ -16,7 +16,7 @@ const char *__lsan_default_suppressions(void) {
 }
 
 static km_drawing_def drawing_of(fixture *f) {
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   return (km_drawing_def){
       .mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1, .title = "title", .name = "name"};
 }
@@ -246,8 +246,8 @@ static void overlay(const fixture *a, const fixture *b, km_text lines[2]) {
   const km_rectangle place = {10, 10, 180, 180};
   km_text out = {0};
   km_canvas *canvas;
-  km_poses_update(a->mechanism, a->state);
-  km_poses_update(b->mechanism, b->state);
+  km_poses_compute(a->mechanism, a->state);
+  km_poses_compute(b->mechanism, b->state);
   const km_drawing_def drawings[2] = {
       {.mechanism = a->mechanism, .poses = a->state->pose, .pose_count = 1, .bare = true},
       {.mechanism = b->mechanism, .poses = b->state->pose, .pose_count = 1, .bare = true}};
@@ -291,7 +291,7 @@ static void thumbnails_of_any_size(void **state) {
   assert_int_equal(km_canvas_create(KM_PICTURE_PNG, 640, 520, &out, &canvas, NULL), KM_OK);
   for (int m = 0; all_models[m]; ++m) {
     fixture f = fixture_open(all_models[m]);
-    km_poses_update(f.mechanism, f.state);
+    km_poses_compute(f.mechanism, f.state);
     km_rectangle place = {10 + 120 * (m % 5), 10 + 100 * (m / 5), 110, 90}, tiny = {600, 10, 2, 1};
     km_drawing_def drawing = {.mechanism = f.mechanism, .poses = f.state->pose, .pose_count = 1, .bare = true};
     assert_int_equal(km_drawing_place(&drawing, canvas, place, NULL), KM_OK);
@@ -318,11 +318,11 @@ static void a_row_of_poses_shares_its_scale(void **state) {
   km_pose *poses = KM_NEW(km_pose, 2 * bodies);
   km_drawing_def drawing = drawing_of(&f);
   memcpy(poses, f.state->pose, bodies * sizeof *poses);
-  km_drive *drive;
-  assert_int_equal(km_drive_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
-  km_drive_to(drive, 5.0);
-  km_drive_free(drive);
-  km_poses_update(f.mechanism, f.state);
+  km_driver_motion *drive;
+  assert_int_equal(km_driver_motion_create(f.mechanism, f.state, 0, true, &drive, NULL), KM_OK);
+  km_driver_motion_move_to(drive, 5.0);
+  km_driver_motion_free(drive);
+  km_poses_compute(f.mechanism, f.state);
   memcpy(poses + bodies, f.state->pose, bodies * sizeof *poses);
   drawing.poses = poses;
   drawing.pose_count = 2;

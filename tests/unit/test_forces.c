@@ -64,10 +64,10 @@ static double force_at(double x) {
 }
 
 /* The displacement of a port between frames, from the frames' positions alone. */
-static double displacement(const fixture *f, const km_port *port, const char *distance) {
+static double displacement(const fixture *f, const km_module_port *port, const char *distance) {
   if (port->coordinate >= 0)
     return f->state->q[port->coordinate];
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   double a[3], b[3];
   km_frame_position(f->mechanism, f->state, port->frame[0], a);
   km_frame_position(f->mechanism, f->state, port->frame[1], b);
@@ -108,10 +108,10 @@ static void springs_push_along_their_displacement(void **state) {
     km_forces *forces;
     km_statics statics;
     km_mobility mobility;
-    km_mobility_update(f.mechanism, f.state, &mobility);
+    km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
     assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, NULL), KM_OK);
-    km_statics_update(f.mechanism, f.state, forces, &statics);
+    km_statics_compute(f.mechanism, f.state, forces, &statics);
     const km_model_module *module = &f.model->modules[0];
     double force = force_at(displacement(&f, &module->input, cases[i].distance));
     for (int c = 0; c < 3; ++c) {
@@ -144,7 +144,7 @@ static void loads_act_at_their_frames(void **state) {
     double w[6];
     load.turning = turning;
     assert_int_equal(km_forces_create(f.mechanism, NULL, &load, 1, &forces, NULL), KM_OK);
-    km_forces_update(f.mechanism, f.state, forces);
+    km_forces_compute(f.mechanism, f.state, forces);
     km_forces_on_body(forces, f.model->frames[load.frame].body, w);
     double fx = turning ? 2.0 * c : 2.0, fy = turning ? 2.0 * s : 0.0;
     const double expected[6] = {fx, fy, 0.0, 0.0, 0.0, 0.5 + x * fy - y * fx};
@@ -175,8 +175,8 @@ static void points_in_one_place_have_no_direction(void **state) {
     km_forces *forces;
     double wrench[6];
     assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
-    km_poses_update(f.mechanism, f.state);
-    km_forces_update(f.mechanism, f.state, forces);
+    km_poses_compute(f.mechanism, f.state);
+    km_forces_compute(f.mechanism, f.state, forces);
     km_forces_on_body(forces, 2, wrench);
     for (int k = 0; k < 6; ++k)
       assert_near(wrench[k], 0.0, 0.0);

@@ -134,7 +134,7 @@ static km_status load(const char *mesh, km_model **out, km_error *error) {
                  mesh);
   put("m.json", &text);
   snprintf(path, sizeof path, "%s/m.json", folder);
-  return km_model_load(path, NULL, out, error);
+  return km_model_read_file(path, NULL, out, error);
 }
 
 static void files(void **state) {

@@ -15,7 +15,7 @@ const char *__lsan_default_suppressions(void) {
 }
 
 static km_drawing_def drawing_of(fixture *f) {
-  km_poses_update(f->mechanism, f->state);
+  km_poses_compute(f->mechanism, f->state);
   return (km_drawing_def){.mechanism = f->mechanism, .poses = f->state->pose, .pose_count = 1};
 }
 

@@ -26,7 +26,7 @@ static swept sweep(const char *model, const char *driver, double from, double to
   assert_int_equal(km_question_set(s.question, "joint", &joint, &error), KM_OK);
   assert_int_equal(km_question_set(s.question, "range", &range, &error), KM_OK);
   assert_int_equal(km_question_set(s.question, "steps", &whole, &error), KM_OK);
-  assert_int_equal(km_question_ask(s.question, s.f.state, &error), KM_OK);
+  assert_int_equal(km_question_compute(s.question, s.f.state, &error), KM_OK);
   assert_int_equal(km_drawing_create(s.f.mechanism, &s.drawing, &error), KM_OK);
   assert_int_equal(km_drawing_add_path(s.drawing, km_model_frame_count(s.f.model) - 1, "last", &error), KM_OK);
   assert_int_equal(km_drawing_add_rows(s.drawing, km_question_table(s.question), &error), KM_OK);
@@ -60,7 +60,7 @@ static void poses_are_those_of_rows(void **unused) {
   for (size_t r = 0; r < km_table_rows(table); ++r) {
     memcpy(values, km_table_row(table, r) + first, (size_t)s.f.mechanism->coordinate_count * sizeof *values);
     assert_int_equal(km_state_set_coordinates(s.f.mechanism, s.f.state, values, &error), KM_OK);
-    km_poses_update(s.f.mechanism, s.f.state);
+    km_poses_compute(s.f.mechanism, s.f.state);
     assert_int_equal(km_drawing_add_pose(one_by_one, s.f.mechanism, s.f.state, &error), KM_OK);
     assert_int_equal(km_drawing_lead_paths(one_by_one, s.f.mechanism, s.f.state, &error), KM_OK);
   }
@@ -106,7 +106,7 @@ static void pages_need_a_row_for_each_pose(void **unused) {
   assert_int_equal(page_of(&s, chart, values, &out, &error), KM_OK);
   assert_non_null(strstr(out.data, "<svg"));
   size_t before = out.size;
-  km_poses_update(s.f.mechanism, s.f.state);
+  km_poses_compute(s.f.mechanism, s.f.state);
   assert_int_equal(km_drawing_add_pose(s.drawing, s.f.mechanism, s.f.state, &error), KM_OK);
   assert_int_equal(page_of(&s, chart, values, &out, &error), KM_USAGE);
   assert_string_equal(error.text, "curves of 7 rows beside 8 poses; expected one for each pose");

@@ -50,14 +50,14 @@ static void products_of_rows(void **state) {
     int rows = 1 + index_below(SIZE), columns = 1 + index_below(SIZE);
     bool used[SIZE], upper = i % 2;
     double found[SIZE][SIZE] = {{0.0}};
-    km_products p;
+    km_row_products p;
     for (int r = 0; r < rows; ++r)
       used[r] = index_below(5) > 0;
     fill_pattern(rows, columns);
     leave_out(columns, used);
-    assert_true(km_products_make(rows, columns, start, row, place, upper, &p));
+    assert_true(km_row_products_make(rows, columns, start, row, place, upper, &p));
     for (int pass = 0; pass < 2; ++pass) /* nothing is left of the pass before */
-      km_products_find(&p, value, used);
+      km_row_products_find(&p, value, used);
     for (int k = 0; k < rows; ++k)
       for (long n = p.start[k]; n < p.start[k + 1]; ++n) {
         assert_true(n == p.start[k] || p.row[n] > p.row[n - 1]);
@@ -68,7 +68,7 @@ static void products_of_rows(void **state) {
         bool kept = upper ? place[a] <= place[b] : place[a] >= place[b];
         assert_near(found[place[a]][place[b]], kept ? product(a, b, columns, used) : 0.0, 1e-14);
       }
-    km_products_free(&p);
+    km_row_products_free(&p);
   }
 }
 

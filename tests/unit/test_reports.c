@@ -16,16 +16,16 @@ const char *__lsan_default_suppressions(void) {
 
 static void leverage(const char *model, bool html, km_text *out) {
   fixture f = fixture_open(model);
-  km_handle input, output;
-  km_transmission_work *work;
+  km_port input, output;
+  km_transmission_workspace *work;
   km_transmission transmission;
   km_advantage_sweep sweep;
   km_sweep_plan plan = km_sweep_plan_default(f.model);
   km_error error = {0};
-  assert_true(km_handle_default(f.model, false, &input) && km_handle_default(f.model, true, &output));
+  assert_true(km_port_default(f.model, false, &input) && km_port_default(f.model, true, &output));
   assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, true, &sweep, &error), KM_OK);
   assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, &error), KM_OK);
-  km_transmission_update(f.mechanism, f.state, work, &transmission);
+  km_transmission_compute(f.mechanism, f.state, work, &transmission);
   km_plotted_advantage plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep};
   if (km_advantage_report(&plotted, &transmission, "", html, out, &error))
     fail_msg("%s", error.text);

@@ -163,7 +163,7 @@ static void named_places_are_read(void **unused) {
       "<geom size='0.1'/><site name='own'/><site name='s' type='capsule' size='0.01' fromto='0.3 0.2 0.1 0 0 0'/>"));
   assert_int_equal(km_model_find_frame(f.model, (const char *const[]){"a", "own"}, 2, &frame, NULL), KM_OK);
   assert_int_equal(km_model_find_frame(f.model, (const char *const[]){"a", "s"}, 2, &frame, NULL), KM_OK);
-  km_poses_update(f.mechanism, f.state);
+  km_poses_compute(f.mechanism, f.state);
   assert_int_equal(km_frame_place(f.mechanism, f.state, frame, &pose, NULL), KM_OK);
   const double place[3] = {0.15, 0.1, 0.05}, along[3] = {0.801784, 0.534522, 0.267261};
   for (int k = 0; k < 3; ++k) {

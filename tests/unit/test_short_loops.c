@@ -149,7 +149,7 @@ static void small_substructures_keep_the_loops_of_the_tree(void **state) {
   int longest = 0;
   open_grid(&n, 6, 11);
   finish(&n);
-  assert_int_equal(n.t.loop_count, KM_MOST_TREE_LOOPS);
+  assert_int_equal(n.t.loop_count, KM_MAX_TREE_LOOPS);
   for (int l = 0; l < n.t.loop_count; ++l) {
     assert_int_equal(length_of(&n, l), tree_length(&n, l));
     longest = length_of(&n, l) > longest ? length_of(&n, l) : longest;

@@ -197,7 +197,7 @@ static void zeros_that_fill(void **state) {
     bool keeps = km_partition_refactor(&f.p, stored(&f.p));
     kept += keeps;
     refused += !keeps;
-    if (!keeps && km_partition_refactor_whole(&f.p, stored(&f.p)))
+    if (!keeps && km_partition_refactor_full_pattern(&f.p, stored(&f.p)))
       ++whole;
     else if (!keeps)
       continue;
@@ -236,15 +236,15 @@ static void null_vectors_by_their_entries(void **state) {
 }
 
 /* Every second partition has a place for its normal equations, and is to make some. */
-static km_normal *kept;
+static km_normal_equations *kept;
 
 static void keep_normal(int i) {
-  km_partition_keep_normal(&f.p, i % 2 ? &kept : NULL, f.D);
+  km_partition_set_normal_equations(&f.p, i % 2 ? &kept : NULL, f.D);
 }
 
 static void free_normal(int i) {
   assert_int_equal(kept != NULL, i % 2);
-  km_normal_free(kept);
+  km_normal_equations_free(kept);
   kept = NULL;
 }
 
@@ -287,14 +287,14 @@ static void pivots_that_wait(void **state) {
     keep_normal(i);
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p);
-    assert_int_equal(km_partition_may_wait(&f.p), i % 2);
+    assert_int_equal(km_partition_may_defer(&f.p), i % 2);
     for (int k = 0; k < f.rows * f.columns; ++k)
       f.J[k] *= 1.0 + 1e-3 * any();
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
-    km_partition_wait(&f.p);
-    if (!km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, waiting)) {
-      km_normal_free(kept);
+    km_partition_defer(&f.p);
+    if (!km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, waiting)) {
+      km_normal_equations_free(kept);
       kept = NULL;
       continue;
     }
@@ -303,7 +303,7 @@ static void pivots_that_wait(void **state) {
     free_normal(i);
     keep_normal(0);
     bool serves = km_partition_refactor(&f.p, stored(&f.p));
-    assert_true(!f.p.waits && km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    assert_true(!f.p.waits && km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
     for (int c = 0; c < f.columns && serves; ++c)
       assert_near(waiting[c], least[c], 1e-8);
   }
@@ -329,7 +329,7 @@ static void by_rows_alone(void **state) {
     f.p.rows_only = true;
     factor(&f.p);
     assert_int_equal(f.p.rank, rank);
-    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
     free_normal(i);
     check_rows(f.p.row, rank, least, rhs, 1e-9); /* the primary rows may be others: the solution of these */
     for (int k = 0; k < freedom; ++k) {
@@ -377,9 +377,9 @@ static void rows_that_hardly_differ(void **state) {
     assert_int_equal(f.p.rank, f.rows);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
-    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, by_qr));
+    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, by_qr));
     keep_normal(1);
-    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
     free_normal(1);
     for (int c = 0; c < f.columns; ++c)
       longest = fmax(longest, fabs(by_qr[c]));
@@ -452,7 +452,7 @@ static void rows_where_no_pivot_tells(void **state) {
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     keep_normal(i);
-    assert_true(km_partition_least(&f.p, stored(&f.p), f.D, km_partition_freedom(&f.p), rhs, least));
+    assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, km_partition_freedom(&f.p), rhs, least));
     free_normal(i);
     double longest = 1.0;
     for (int c = 0; c < f.columns; ++c)
@@ -539,7 +539,7 @@ static void crowded_rows(void **state) {
       rhs[r] = any();
     keep_normal(i);
     for (int count = freedom - 1; count <= freedom; ++count) {
-      assert_true(km_partition_least(&f.p, stored(&f.p), f.D, count, rhs, least));
+      assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, count, rhs, least));
       check_rows(f.p.row, f.p.rank, least, rhs, 1e-9); /* all of them */
       memcpy(step, least, sizeof step);
       assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, count, step, work));

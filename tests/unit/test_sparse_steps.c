@@ -39,10 +39,10 @@ static void columns_that_nobody_asks_for(void **state) {
   for (int i = 0; i < 20; ++i) {
     km_arena arena = {0};
     km_partition p, q;
-    km_normal *kept = NULL;
+    km_normal_equations *kept = NULL;
     fill_band();
     assert_true(km_partition_reserve_sparse(&p, ROWS, COLUMNS, start, row, &arena));
-    km_partition_keep_normal(&p, &kept, weight);
+    km_partition_set_normal_equations(&p, &kept, weight);
     assert_true(km_partition_reserve_like(&q, &p, ROWS, COLUMNS, &arena));
     factor_band(&p, true);
     factor_band(&q, false);
@@ -52,14 +52,14 @@ static void columns_that_nobody_asks_for(void **state) {
     others += memcmp(p.column, q.column, sizeof *p.column * COLUMNS) != 0;
     for (int r = 0; r < ROWS; ++r)
       rhs[r] = any();
-    assert_true(km_partition_least(&p, values, weight, freedom, rhs, least));
-    assert_true(km_partition_least(&q, values, weight, freedom, rhs, other));
+    assert_true(km_partition_minimum_norm(&p, values, weight, freedom, rhs, least));
+    assert_true(km_partition_minimum_norm(&q, values, weight, freedom, rhs, other));
     for (int c = 0; c < COLUMNS; ++c)
       assert_near(least[c], other[c], 1e-12);
     factor_band(&p, false);
     assert_memory_equal(p.column, q.column, sizeof *p.column * COLUMNS);
     assert_true(p.largest_b == q.largest_b);
-    km_normal_free(kept);
+    km_normal_equations_free(kept);
     km_arena_free(&arena);
   }
   assert_true(others > 5);
@@ -104,7 +104,7 @@ static void rows_that_are_kept(void **state) {
   for (int i = 0; i < 20; ++i) {
     km_arena arena = {0};
     km_partition p;
-    km_normal *kept = NULL;
+    km_normal_equations *kept = NULL;
     double J[ROWS][COLUMNS] = {{0}}, rhs[WITH_SUM], first[COLUMNS], least[COLUMNS], again[COLUMNS];
     int primary[WITH_SUM];
     for (int c = 0; c < COLUMNS; ++c)
@@ -114,7 +114,7 @@ static void rows_that_are_kept(void **state) {
         J[r][c] = any() + (c == 2 * r ? 2.0 : 0.0);
     store_with_sum(J, 0.0);
     assert_true(km_partition_reserve_sparse(&p, WITH_SUM, COLUMNS, start, row, &arena));
-    km_partition_keep_normal(&p, &kept, weight);
+    km_partition_set_normal_equations(&p, &kept, weight);
     p.rows_only = true;
     km_partition_factor(&p, values, WITH_SUM, COLUMNS, NULL, 1e-9);
     assert_int_equal(p.rank, ROWS);
@@ -123,17 +123,17 @@ static void rows_that_are_kept(void **state) {
     for (int r = 0; r < ROWS; ++r)
       rhs[r] = any();
     rhs[ROWS] = 0.7 * rhs[0] - 1.3 * rhs[1];
-    assert_true(km_partition_least(&p, values, weight, COLUMNS - ROWS, rhs, first));
+    assert_true(km_partition_minimum_norm(&p, values, weight, COLUMNS - ROWS, rhs, first));
     vary_band(J, 1e-6);
     store_with_sum(J, 0.0);
-    assert_true(km_partition_least_again(&p, weight, COLUMNS - ROWS, rhs, again));
+    assert_true(km_partition_minimum_norm_again(&p, weight, COLUMNS - ROWS, rhs, again));
     assert_memory_equal(first, again, sizeof first); /* of the matrix before */
 
     vary_band(J, 0.2);
     store_with_sum(J, 0.0);
     assert_int_equal(rank_keeping(&p), ROWS);
     assert_memory_equal(primary, p.row, sizeof primary);
-    assert_true(km_partition_least(&p, values, weight, COLUMNS - ROWS, rhs, least));
+    assert_true(km_partition_minimum_norm(&p, values, weight, COLUMNS - ROWS, rhs, least));
     for (int r = 0; r < WITH_SUM; ++r) {
       double sum = 0.0;
       for (int c = 0; c < COLUMNS; ++c)
@@ -146,7 +146,7 @@ static void rows_that_are_kept(void **state) {
     memset(J[2], 0, sizeof J[2]);
     store_with_sum(J, 0.0); /* and does again, beside a row of the primary ones */
     assert_int_equal(rank_keeping(&p), ROWS - 1);
-    km_normal_free(kept);
+    km_normal_equations_free(kept);
     km_arena_free(&arena);
   }
 }

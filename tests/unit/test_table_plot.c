@@ -84,7 +84,7 @@ static void expect_nearest(const char *wanted, const char *expected) {
   km_nearest nearest = {.wanted = wanted};
   char text[KM_NEAREST_TEXT];
   for (int i = 0; i < 5; ++i)
-    km_nearest_offer(&nearest, names[i]);
+    km_nearest_add(&nearest, names[i]);
   assert_int_equal(strncmp(km_nearest_text(&nearest, text), expected, strlen(expected)), 0);
 }
 

@@ -58,7 +58,7 @@ static void frames_come_back(void **unused) {
       int frame;
       km_frame_pose pose;
       assert_int_equal(km_model_find_frame(f.model, place, 2, &frame, NULL), KM_OK);
-      km_poses_update(f.mechanism, f.state);
+      km_poses_compute(f.mechanism, f.state);
       assert_int_equal(km_frame_place(f.mechanism, f.state, frame, &pose, NULL), KM_OK);
       for (int c = 0; c < 3; ++c)
         assert_near(pose.p[c], at[k][c], 1e-15);

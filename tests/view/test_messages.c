@@ -114,8 +114,8 @@ static void a_slider_leads_to_the_pose_of_kmob_at(void **unused) {
     km_state *state;
     km_error error;
     km_mobility mobility;
-    assert_int_equal(km_reach_pose(s.model, NULL, 0, &goal, 1, &mechanism, &state, &error), KM_OK);
-    km_mobility_update(mechanism, state, &mobility);
+    assert_int_equal(km_mechanism_compile_at(s.model, NULL, 0, &goal, 1, &mechanism, &state, &error), KM_OK);
+    km_mobility_compute(mechanism, state, &mobility);
     for (int c = 0; c < km_model_coordinate_count(s.model); ++c) {
       assert_true(fabs(km_state_coordinate(state, c) - km_state_coordinate(s.state, c)) <= 1e-8);
       assert_true(fabs(km_mobility_number(state, c) - km_mobility_number(s.state, c)) <= 1e-8);
@@ -150,7 +150,7 @@ static void the_bucket_keeps_its_branch(void **unused) {
     }
     km_mechanism *mechanism;
     km_state *state;
-    assert_int_equal(km_reach_pose(s.model, NULL, 0, goals, 4, &mechanism, &state, &error), KM_OK);
+    assert_int_equal(km_mechanism_compile_at(s.model, NULL, 0, goals, 4, &mechanism, &state, &error), KM_OK);
     for (int c = 0; c < n; ++c)
       assert_true(fabs(km_state_coordinate(state, c) - km_state_coordinate(s.state, c)) <= 1e-7);
     km_state_free(state);
@@ -293,7 +293,7 @@ static void reads_back(const kv_session *s, const char *json) {
       km_mechanism_compile(model, NULL, 0, &mechanism, &error) || km_state_create(mechanism, &state, &error) ||
       km_assemble(mechanism, state, NULL, &error))
     fail_msg("%s", error.text);
-  km_poses_update(mechanism, state);
+  km_poses_compute(mechanism, state);
   double length = km_mechanism_characteristic_length(mechanism, NULL);
   for (int j = 0; j < km_model_joint_count(model); ++j) {
     double a[3], b[3];

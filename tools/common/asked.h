@@ -47,7 +47,7 @@ kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_
                        const kt_texts *texts, km_arena *arena, km_option_value *out);
 /* An end of a leverage: a joint, or BODY/FRAME:DX,DY,DZ. */
 kt_exit kt_end(const kt_common *common, const km_model *model, const char *option, const char *text, km_arena *arena,
-               km_handle *out);
+               km_port *out);
 /* Where the direction of a point begins; NULL: it has none. */
 const char *kt_direction(const char *text);
 /* All loads that act: the model's own, as changed and added to by --load. */

@@ -74,7 +74,7 @@ static kt_exit read_points(const kt_common *common, const km_model *model, const
 
 static kt_exit read_ends(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
                          km_arena *arena, km_option_value *out) {
-  km_handle *ends = KM_ARENA_NEW(arena, km_handle, (size_t)texts->count);
+  km_port *ends = KM_ARENA_NEW(arena, km_port, (size_t)texts->count);
   kt_exit result = ends ? kt_each_once(common, name, texts->items, texts->count) : KT_NO_MEMORY;
   out->ends = ends;
   out->count = texts->count;

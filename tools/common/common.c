@@ -149,7 +149,7 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
                      .assignment_count = count,
                      .floating = common->floating,
                      .closure_tolerance = common->closure_tolerance};
-  km_status status = km_model_load_as(path, &def, messages, &model, &error);
+  km_status status = km_model_read_file_as(path, &def, messages, &model, &error);
   const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
   for (size_t i = 0; i < km_messages_count(messages); ++i) {
     km_severity severity = km_messages_severity(messages, i);

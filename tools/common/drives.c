@@ -1,7 +1,7 @@
 /* What actuators must give beyond what their drives can. */
 #include "common/drives.h"
 
-void kt_tell_drive(const kt_common *common, const char *name, const kt_pose *pose, const km_handle *actuator,
+void kt_tell_drive(const kt_common *common, const char *name, const kt_pose *pose, const km_port *actuator,
                    double force, const char *where) {
   km_text unit = {0};
   if (!km_actuator_passes(pose->mechanism, actuator, force))

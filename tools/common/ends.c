@@ -23,7 +23,7 @@ const char *kt_direction(const char *text) {
 }
 
 static kt_exit read_point(const kt_common *common, const km_model *model, const char *option, const char *text,
-                          km_arena *arena, km_handle *out) {
+                          km_arena *arena, km_port *out) {
   const char *direction = kt_direction(text);
   if (!read_direction(direction, out->direction)) {
     kt_say(common, KM_ERROR, "%s %s: expected BODY/FRAME:DX,DY,DZ, a point of a body and a direction", option, text);
@@ -31,7 +31,7 @@ static kt_exit read_point(const kt_common *common, const km_model *model, const 
   }
   size_t size = (size_t)(direction - text);
   char *place = KM_ARENA_NEW(arena, char, size), *name = kt_plain(text);
-  out->kind = KM_HANDLE_POINT;
+  out->kind = KM_PORT_POINT;
   out->coordinate = -1;
   out->name = km_arena_string(arena, name);
   km_free(name);
@@ -43,7 +43,7 @@ static kt_exit read_point(const kt_common *common, const km_model *model, const 
 
 /* A joint's label may hold a colon: a joint that is there wins. */
 kt_exit kt_end(const kt_common *common, const km_model *model, const char *option, const char *text, km_arena *arena,
-               km_handle *out) {
+               km_port *out) {
   const char *rest = text;
   kt_piece label = kt_split(&rest, "");
   bool known = km_model_find_coordinate(model, label.text, &out->coordinate, NULL) == KM_OK;
@@ -51,7 +51,7 @@ kt_exit kt_end(const kt_common *common, const km_model *model, const char *optio
   if (!known && kt_direction(text))
     return read_point(common, model, option, text, arena, out);
   kt_exit result = kt_coordinate(common, model, option, text, &out->coordinate);
-  out->kind = KM_HANDLE_JOINT;
+  out->kind = KM_PORT_JOINT;
   if (result != KT_DONE && strchr(text, '/'))
     kt_say(common, KM_NOTE, "a point of a body needs a direction: BODY/FRAME:DX,DY,DZ");
   return result;

@@ -53,7 +53,7 @@ static kt_exit unknown(const kt_common *common, const km_model *model, const cha
   km_nearest nearest = {.wanted = name};
   char names[KM_NEAREST_TEXT];
   for (int i = 0; i < km_model_load_count(model); ++i)
-    km_nearest_offer(&nearest, km_model_load_name(model, i));
+    km_nearest_add(&nearest, km_model_load_name(model, i));
   kt_say(common, KM_ERROR,
          "--load %s: \"%s\" is neither a load of the model (%s %s) nor a BODY/FRAME with a force "
          "FX,FY,FZ",

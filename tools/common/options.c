@@ -185,9 +185,9 @@ static void refuse_unknown(const kt_options *options, const char *command, const
   km_nearest nearest = {.wanted = name};
   for (int i = 0; i < options->count; ++i)
     if (options->items[i].group != KT_HIDDEN)
-      km_nearest_offer(&nearest, options->items[i].name);
+      km_nearest_add(&nearest, options->items[i].name);
   for (int i = 0; i < KNOWN; ++i)
-    km_nearest_offer(&nearest, known[i]);
+    km_nearest_add(&nearest, known[i]);
   const kt_common common = KT_COMMON(command);
   kt_say(&common, KM_ERROR, "there is no option --%s; the nearest are %s (%s --help)", name,
          km_nearest_text(&nearest, names), command);

@@ -46,8 +46,8 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
                      kt_pose *out) {
   km_error error;
   km_hold *held = as_holds(holds), *set = as_holds(sets);
-  km_status status = held && set ? km_reach_pose(out->model, held, holds->count, set, sets->count, &out->mechanism,
-                                                 &out->state, &error)
+  km_status status = held && set ? km_mechanism_compile_at(out->model, held, holds->count, set, sets->count,
+                                                           &out->mechanism, &out->state, &error)
                                  : km_fail(&error, KM_MEMORY, "out of memory");
   km_free(held);
   km_free(set);
@@ -67,7 +67,7 @@ static kt_exit take_pose(const kt_common *common, const char *path, km_model *mo
   km_status status = km_model_find_pose(model, common->pose, &pose, &error);
   if (status)
     kt_say(common, KM_ERROR, "--pose: %s", error.text);
-  else if ((status = km_model_take_pose(model, pose, &error)))
+  else if ((status = km_model_apply_pose(model, pose, &error)))
     kt_say(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);
 }

@@ -57,8 +57,8 @@ static void tell(kt_sweep_job *j, bool partial) {
 static void ask(kt_sweep_job *j) {
   kt_progress progress = kt_progress_start(&j->common);
   km_error error;
-  km_question_watch(j->question, kt_progress_show, &progress);
-  km_status status = km_question_ask(j->question, j->pose.state, &error);
+  km_question_observe(j->question, kt_progress_show, &progress);
+  km_status status = km_question_compute(j->question, j->pose.state, &error);
   kt_progress_end(&progress);
   j->empty = status == KM_NO_RESULT;
   if (status == KM_OK || status == KM_PARTIAL)

@@ -14,37 +14,37 @@ typedef struct options {
 
 /* The ends of the leverage. */
 typedef struct ends {
-  km_handle input, output;
+  km_port input, output;
 } ends;
 
 static km_status transmission_at(const kt_pose *pose, const ends *e, km_transmission *out, km_error *error) {
-  km_transmission_work *work;
+  km_transmission_workspace *work;
   km_status status = km_transmission_create(pose->mechanism, &e->input, &e->output, &work, error);
   if (!status)
-    km_transmission_update(pose->mechanism, pose->state, work, out);
+    km_transmission_compute(pose->mechanism, pose->state, work, out);
   km_transmission_free(work);
   return status;
 }
 
 /* `why` of losses that aren't asked for is the model's lack of friction. */
 static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, km_error *error) {
-  km_losses_work *work;
+  km_losses_workspace *work;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .why = "no joint has friction"};
   if (!km_model_has_friction(pose->model))
     return KM_OK;
   km_status status = km_losses_create(pose->mechanism, &e->input, &e->output, &work, error);
-  if (!status && km_losses_update(pose->mechanism, pose->state, work, out) == KM_MEMORY)
+  if (!status && km_losses_compute(pose->mechanism, pose->state, work, out) == KM_MEMORY)
     status = km_fail(error, KM_MEMORY, "out of memory for the losses");
   km_losses_free(work);
   return status;
 }
 
 /* What is said of the pose belongs to none of the motions that meet there. */
-static km_status tell_branches(const options *o, const kt_pose *pose, km_lever *lever, km_error *error) {
+static km_status tell_branches(const options *o, const kt_pose *pose, km_transfer *lever, km_error *error) {
   enum { MOST = 8 };
   km_advantage each[MOST];
   km_text words = {0};
-  int count = km_lever_branches(pose->mechanism, pose->state, lever, each, MOST);
+  int count = km_transfer_branches(pose->mechanism, pose->state, lever, each, MOST);
   for (int i = 0; i < count; ++i) {
     km_text_add(&words, i ? ", " : "");
     if (each[i].state == KM_ADVANTAGE_FINITE)
@@ -62,23 +62,23 @@ static km_status tell_branches(const options *o, const kt_pose *pose, km_lever *
 }
 
 static km_status describe(const options *o, const kt_pose *pose, const ends *e, km_text *out, km_error *error) {
-  km_lever *lever;
+  km_transfer *lever;
   km_advantage advantage;
   km_transmission transmission;
   km_losses losses;
   km_mobility mobility;
   km_arena arena = {0};
-  km_status status = km_lever_create(pose->mechanism, &e->input, &e->output, &lever, error);
+  km_status status = km_transfer_create(pose->mechanism, &e->input, &e->output, &lever, error);
   if (status)
     return status;
-  status = km_mobility_update(pose->mechanism, pose->state, &mobility);
+  status = km_mobility_compute(pose->mechanism, pose->state, &mobility);
   if (!status)
-    status = km_lever_update(pose->mechanism, pose->state, lever, &advantage);
+    status = km_transfer_compute(pose->mechanism, pose->state, lever, &advantage);
   if (status)
     km_fail(error, status, "out of memory for the leverage");
   else
     status = tell_branches(o, pose, lever, error);
-  km_lever_free(lever);
+  km_transfer_free(lever);
   if (!status)
     status = transmission_at(pose, e, &transmission, error);
   if (!status)

@@ -28,7 +28,7 @@ static kt_exit fail(const animation *a, km_status status, const km_error *error)
 static bool moves_in_plane(const animation *a) {
   const kt_pose *pose = &a->shots->pose;
   km_drawing *look;
-  km_poses_update(pose->mechanism, pose->state);
+  km_poses_compute(pose->mechanism, pose->state);
   bool planar = !km_drawing_create(pose->mechanism, &look, NULL) &&
                 !km_drawing_add_pose(look, pose->mechanism, pose->state, NULL) &&
                 km_drawing_is_planar(look, a->shots->options->look.view);
@@ -52,7 +52,7 @@ static kt_exit run_sweep(animation *a) {
     return result;
   km_status status = choose_steps(a, &error);
   if (!status)
-    status = km_question_ask(a->question, s->pose.state, &error);
+    status = km_question_compute(a->question, s->pose.state, &error);
   a->sweep = km_question_mobility(a->question);
   if (status != KM_PARTIAL)
     return fail(a, status, &error);

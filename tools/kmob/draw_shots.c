@@ -20,7 +20,7 @@ static kt_exit report(const kmob_shots *s, km_status status, const km_error *err
 /* Keeps the pose of a state, perhaps of another compilation of the model, as the next one. */
 static kt_exit keep_pose(kmob_shots *s, const km_mechanism *mechanism, km_state *state) {
   km_error error;
-  km_poses_update(mechanism, state);
+  km_poses_compute(mechanism, state);
   return report(s, km_drawing_add_pose(s->drawing, mechanism, state, &error), &error);
 }
 
@@ -49,16 +49,16 @@ typedef struct motion {
   const kmob_shots *shots;
   km_sweep_plan plan;
   km_state *state;
-  km_drive *drive;
-  km_follow *follow;
+  km_driver_motion *drive;
+  km_arc_motion *follow;
 } motion;
 
 static km_status start_drive(motion *m, km_error *error) {
   const kmob_shots *s = m->shots;
   km_status status = km_sweep_enter_limits(s->pose.mechanism, m->state, &m->plan, error);
   return status ? status
-                : km_drive_create(s->pose.mechanism, m->state, m->plan.coordinate, m->plan.ignore_limits, &m->drive,
-                                  error);
+                : km_driver_motion_create(s->pose.mechanism, m->state, m->plan.coordinate, m->plan.ignore_limits,
+                                          &m->drive, error);
 }
 
 kt_exit kmob_shots_ask(const kmob_shots *s, km_question **question, km_sweep_plan *plan) {
@@ -85,16 +85,16 @@ static kt_exit start(motion *m) {
   if (!status)
     status = km_state_assign(s->pose.mechanism, m->state, s->pose.state, &error);
   if (!status && m->plan.arclength > 0.0)
-    status = km_follow_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, m->plan.ignore_limits,
-                              &m->follow, &error);
+    status = km_arc_motion_create(s->pose.mechanism, m->state, m->plan.direction, m->plan.sign, m->plan.ignore_limits,
+                                  &m->follow, &error);
   else if (!status)
     status = start_drive(m, &error);
   return report(s, status, &error);
 }
 
 static void stop(motion *m) {
-  km_drive_free(m->drive);
-  km_follow_free(m->follow);
+  km_driver_motion_free(m->drive);
+  km_arc_motion_free(m->follow);
   km_state_free(m->state);
 }
 
@@ -110,10 +110,10 @@ static bool full_turn(const motion *m) {
 /* Moves to a part (0 … 1) of the range; false at its end within reach. */
 static bool go(motion *m, double part) {
   if (m->follow) {
-    double length = m->plan.arclength * m->plan.steps * part - km_follow_length(m->follow);
-    return length <= 0.0 || (!km_follow_closed(m->follow) && km_follow_advance(m->follow, length) == KM_OK);
+    double length = m->plan.arclength * m->plan.steps * part - km_arc_motion_length(m->follow);
+    return length <= 0.0 || (!km_arc_motion_closed(m->follow) && km_arc_motion_advance(m->follow, length) == KM_OK);
   }
-  return km_drive_to(m->drive, m->plan.from + (m->plan.to - m->plan.from) * part).stop == KM_STOP_NONE;
+  return km_driver_motion_move_to(m->drive, m->plan.from + (m->plan.to - m->plan.from) * part).stop == KM_STOP_NONE;
 }
 
 /* Goes to FROM, or as near as it gets, where the range then begins. False if that is all there is.
@@ -140,7 +140,7 @@ static kt_exit travel(motion *m, int count, double last, visit at, void *context
     whole = go(m, last * i / (count - 1));
     result = at(context, m->shots->pose.mechanism, m->state);
   }
-  bool closed = m->follow && km_follow_closed(m->follow);
+  bool closed = m->follow && km_arc_motion_closed(m->follow);
   if (result != KT_DONE || closed || (whole && !cut))
     return result;
   kt_say(&m->shots->options->common, KM_ERROR, "%s: a part of the range is out of reach", m->shots->options->path);
@@ -175,7 +175,7 @@ static kt_exit take_poses(kmob_shots *s) {
 static kt_exit visit_points(void *context, const km_mechanism *mechanism, km_state *state) {
   kmob_shots *s = context;
   km_error error;
-  km_poses_update(mechanism, state);
+  km_poses_compute(mechanism, state);
   return report(s, km_drawing_lead_paths(s->drawing, mechanism, state, &error), &error);
 }
 

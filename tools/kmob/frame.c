@@ -42,9 +42,9 @@ static void multiply(const double *J, const double *N, int coordinates, int free
 static km_status look(const kt_pose *pose, int frame, km_arena *arena, told *out, km_error *error) {
   km_mobility mobility;
   out->coordinates = km_model_coordinate_count(pose->model);
-  if (km_mobility_update(pose->mechanism, pose->state, &mobility))
+  if (km_mobility_compute(pose->mechanism, pose->state, &mobility))
     return km_fail(error, KM_MEMORY, "out of memory");
-  km_poses_update(pose->mechanism, pose->state);
+  km_poses_compute(pose->mechanism, pose->state);
   size_t n = (size_t)out->coordinates;
   double *N = KM_ARENA_NEW(arena, double, n *n);
   out->J = KM_ARENA_NEW(arena, double, 6 * n);

@@ -70,7 +70,7 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
   km_status status = diagnose(o, pose, &diagnosis, &error);
   if (!status && o->modes)
     status = kt_modes_find(&o->pose.common, &o->pose.sets, pose, &driver, &modes, &error);
-  if (!status && km_mobility_update(pose->mechanism, pose->state, &mobility))
+  if (!status && km_mobility_compute(pose->mechanism, pose->state, &mobility))
     status = km_fail(&error, KM_MEMORY, "out of memory for the mobility");
   if (!status)
     status = tell_doubts(o, pose, &error);

@@ -108,7 +108,7 @@ static kt_exit no_column(const work *w, size_t t, const char *option, const char
   km_nearest nearest = {.wanted = name};
   char names[KM_NEAREST_TEXT];
   for (size_t c = 0; c < km_table_columns(table); ++c)
-    km_nearest_offer(&nearest, km_table_name(table, c));
+    km_nearest_add(&nearest, km_table_name(table, c));
   kt_say(&w->options->common, KM_ERROR, "%s %s: %s has no such column; the nearest of its %zu are %s", option, name,
          w->options->tables.items[t], km_table_columns(table), km_nearest_text(&nearest, names));
   return KT_USAGE;

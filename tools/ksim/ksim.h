@@ -19,7 +19,7 @@ kt_exit ksim_read_number(const kt_common *common, const char *option, const char
                          double *out);
 /* BODY/FRAME of --frame; the caller frees `*out` (km_free). */
 kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const kt_texts *texts,
-                         const km_followed_frame **out, int *count);
+                         const km_traced_frame **out, int *count);
 /* Gravity, springs and the model's own loads. The caller frees `*out`. */
 kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out);
 

@@ -230,7 +230,7 @@ static kt_exit run(ksim_options *o) {
   km_history_free(&w.history);
   km_forces_free(w.forces);
   km_free(w.crossings);
-  km_free((km_followed_frame *)w.def.frames);
+  km_free((km_traced_frame *)w.def.frames);
   km_free(w.shown);
   kt_close(&w.pose);
   return result;

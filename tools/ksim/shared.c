@@ -34,8 +34,8 @@ bool ksim_read_rate(const km_model *model, int coordinate, const char *text, dou
 }
 
 kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const kt_texts *texts,
-                         const km_followed_frame **out, int *count) {
-  km_followed_frame *frames = KM_NEW(km_followed_frame, (size_t)texts->count + 1);
+                         const km_traced_frame **out, int *count) {
+  km_traced_frame *frames = KM_NEW(km_traced_frame, (size_t)texts->count + 1);
   kt_exit result = frames ? kt_each_once(common, "--frame", texts->items, texts->count) : KT_NO_MEMORY;
   *out = frames;
   for (int i = 0; i < texts->count && result == KT_DONE; ++i) {
@@ -80,7 +80,7 @@ void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *
     const char *label = km_model_coordinate_label(model, e->coordinate);
     km_text unit = {0};
     if (e->of_force)
-      km_push_unit(model, &(km_handle){.kind = KM_HANDLE_JOINT, .coordinate = e->coordinate}, &unit);
+      km_push_unit(model, &(km_port){.kind = KM_PORT_JOINT, .coordinate = e->coordinate}, &unit);
     else
       km_text_format(&unit, "%s/%s", km_model_coordinate_unit(model, e->coordinate), time);
     kt_say(common, KM_WARNING,

@@ -30,7 +30,7 @@ static kt_exit describe(const options *o, const kt_pose *pose, const km_statics 
 
 /* What the actuators can't hold, on the standard error. */
 static void tell_falls(const options *o, const kt_pose *pose, const km_statics *statics) {
-  for (int d = 0; d < statics->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+  for (int d = 0; d < statics->direction_count && d < KM_MAX_DIRECTIONS; ++d) {
     km_text words = {0};
     if (!statics->falls[d])
       continue;
@@ -48,8 +48,8 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   kt_exit result = kt_ask(&o->request.common, o->request.model, &o->asked, pose, &question);
   if (result == KT_DONE) {
     km_statics *statics = km_question_balance(question);
-    if (km_mobility_update(pose->mechanism, pose->state, &mobility) ||
-        km_statics_update(pose->mechanism, pose->state, km_question_forces(question), statics) == KM_MEMORY)
+    if (km_mobility_compute(pose->mechanism, pose->state, &mobility) ||
+        km_statics_compute(pose->mechanism, pose->state, km_question_forces(question), statics) == KM_MEMORY)
       result = KT_NO_MEMORY;
   }
   if (result == KT_DONE) {

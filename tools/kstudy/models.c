@@ -26,8 +26,8 @@ static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const c
 }
 
 static kt_exit write_design(const kstudy_request *r, const kstudy_open *o, int design, const char *word) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
-  km_assignment assignments[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
+  km_assignment assignments[KM_MAX_DESIGN_PARAMETERS];
   km_text bytes = {0};
   km_error error;
   int count = 0;

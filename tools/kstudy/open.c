@@ -55,10 +55,10 @@ static const char *header_of(const km_table *table, size_t column, km_arena *are
 static kt_exit take_rows(const kstudy_request *r, kstudy_open *out, const km_table *table, const char *file) {
   int parameters = (int)km_table_columns(table);
   size_t rows = km_table_rows(table);
-  km_design_parameter *list = KM_ARENA_NEW(&out->arena, km_design_parameter, KM_MOST_DESIGN_PARAMETERS);
-  if (parameters > KM_MOST_DESIGN_PARAMETERS || rows == 0 || rows > 1000000000) {
+  km_design_parameter *list = KM_ARENA_NEW(&out->arena, km_design_parameter, KM_MAX_DESIGN_PARAMETERS);
+  if (parameters > KM_MAX_DESIGN_PARAMETERS || rows == 0 || rows > 1000000000) {
     kt_say(&r->common, KM_ERROR, "%s: found %d columns and %zu rows; expected up to %d columns and at least one row",
-           file, parameters, rows, KM_MOST_DESIGN_PARAMETERS);
+           file, parameters, rows, KM_MAX_DESIGN_PARAMETERS);
     return KT_USAGE;
   }
   double *values = KM_ARENA_NEW(&out->arena, double, rows *(size_t)parameters);

@@ -66,10 +66,10 @@ static double memory_of(const kstudy_open *o, int piloted) {
   return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - results);
 }
 
-/* What statistics take in bytes: figures and ranks of up to KM_MOST_RANKED_DESIGNS designs, and one band at a time of up to 10 000. */
+/* What statistics take in bytes: figures and ranks of up to KM_MAX_RANKED_DESIGNS designs, and one band at a time of up to 10 000. */
 static double statistics_of(const kstudy_open *o, int designs) {
   static const double banded = 10000.0, of_rank = 16.0;
-  double ranked = fmin(designs, KM_MOST_RANKED_DESIGNS), bands = 0.0;
+  double ranked = fmin(designs, KM_MAX_RANKED_DESIGNS), bands = 0.0;
   int figures = km_design_study_figures(o->study);
   for (int q = 0; q < o->def.question_count; ++q)
     bands = fmax(bands, 8.0 * fmin(designs, banded) * (band_rows(o, q) + 1.0));

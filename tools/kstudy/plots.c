@@ -132,10 +132,10 @@ kt_exit kstudy_plot(const kstudy_request *r, kstudy_open *o, const kt_formats *f
     return KT_NO_MEMORY;
   kt_exit result = KT_DONE;
   int designs = km_design_study_designs(o->study);
-  if (!o->def.sample && !o->def.optimise && designs > KM_MOST_OVERLAID_DESIGNS)
+  if (!o->def.sample && !o->def.optimise && designs > KM_MAX_OVERLAID_DESIGNS)
     kt_say(&r->common, KM_NOTE,
            "%s: the answers of the first %d of %d designs are drawn; kstudy export has the figures of all", o->name,
-           KM_MOST_OVERLAID_DESIGNS, designs);
+           KM_MAX_OVERLAID_DESIGNS, designs);
   for (int f = KT_SVG; f <= KT_PNG; ++f)
     for (int i = 0; i < all.count && formats->wanted[f]; ++i)
       result = kt_worse(result, write_own(r, o, &all.items[i], (kt_format)f));

@@ -58,14 +58,14 @@ void kstudy_ranks_join(kstudy_ranks *ranks) {
     return;
   MPI_Comm_rank(MPI_COMM_WORLD, &ranks->rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks->count);
-  ranks->crew = (km_design_crew){.size = ranks->count - 1, .send = send, .receive = receive};
+  ranks->crew = (km_design_workers){.size = ranks->count - 1, .send = send, .receive = receive};
 }
 
 void kstudy_ranks_leave(kstudy_ranks *ranks) {
   if (!ranks->crew.send)
     return;
   if (ranks->rank == 0)
-    km_design_crew_dismiss(&ranks->crew);
+    km_design_workers_stop(&ranks->crew);
   MPI_Finalize();
   km_free(mail.bytes);
   mail = (mailbox){0};

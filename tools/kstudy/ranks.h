@@ -6,7 +6,7 @@
 
 typedef struct kstudy_ranks {
   int rank, count; /* 0 of 1 without mpirun */
-  km_design_crew crew;
+  km_design_workers crew;
 } kstudy_ranks;
 
 /* Joins the others; nothing happens without mpirun. */

@@ -53,8 +53,9 @@ static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_r
   sigaction(SIGINT, &action, &before[0]);
   sigaction(SIGTERM, &action, &before[1]);
   km_error error;
-  km_status status = ranks->count > 1 ? km_design_study_lead(o->study, r->common.jobs, &ranks->crew, show, &w, &error)
-                                      : km_design_study_run(o->study, r->common.jobs, show, &w, &error);
+  km_status status = ranks->count > 1
+                         ? km_design_study_run_leader(o->study, r->common.jobs, &ranks->crew, show, &w, &error)
+                         : km_design_study_run(o->study, r->common.jobs, show, &w, &error);
   watch_end(&w);
   sigaction(SIGINT, &before[0], NULL);
   sigaction(SIGTERM, &before[1], NULL);
@@ -107,7 +108,7 @@ static void tell_remarks(const kstudy_request *r, const kstudy_open *o) {
   km_messages *messages = km_messages_create();
   km_model *model = NULL;
   km_error ignored;
-  if (messages && !km_model_load(o->def.model, messages, &model, &ignored))
+  if (messages && !km_model_read_file(o->def.model, messages, &model, &ignored))
     kt_tell_messages(&r->common, o->def.model, messages, KM_OK, "");
   km_model_free(model);
   km_messages_free(messages);
@@ -136,7 +137,8 @@ static kt_exit serve(const kstudy_request *r, const kstudy_ranks *ranks) {
   quiet.common.quiet = true;
   signal(SIGINT, SIG_IGN); /* mpirun tells all; the first rank stops, and dismisses the others */
   kt_exit result = kstudy_bring(&quiet, false, &o);
-  km_status status = result == KT_DONE ? km_design_study_serve(o.study, r->common.jobs, &ranks->crew, &error) : KM_OK;
+  km_status status =
+      result == KT_DONE ? km_design_study_run_worker(o.study, r->common.jobs, &ranks->crew, &error) : KM_OK;
   if (status)
     kt_say(&r->common, KM_ERROR, "rank %d: %s", ranks->rank, error.text);
   kstudy_close(&o);

@@ -31,7 +31,7 @@ kt_exit kstudy_report(const kstudy_request *r, kstudy_open *o) {
 
 static kt_exit recall(const kstudy_request *r, const kstudy_open *o) {
   km_error error;
-  km_status status = km_design_study_recall(o->study, &error);
+  km_status status = km_design_study_lookup(o->study, &error);
   if (status)
     kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   return kt_exit_of(status);

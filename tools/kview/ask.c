@@ -33,7 +33,7 @@ static km_status set(km_question *question, int kind, const char *name, const km
 
 static km_status set_end(const kv_session *s, km_question *question, int kind, const char *name, int coordinate,
                          km_error *error) {
-  km_option_value value = {.end = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate}};
+  km_option_value value = {.end = {.kind = KM_PORT_JOINT, .coordinate = coordinate}};
   value.end.name = km_model_coordinate_label(s->model, coordinate);
   return coordinate < 0 ? KM_OK : set(question, kind, name, &value, error);
 }
@@ -64,11 +64,11 @@ static km_status make(const kv_session *s, const kv_asked *a, km_question **out,
 
 static km_status run(kv_session *s, km_question *question, km_error *error) {
   kv_limit limit = kv_limit_begin();
-  km_question_watch(question, kv_limit_goes_on, &limit);
+  km_question_observe(question, kv_limit_goes_on, &limit);
   km_status status = kv_session_probe(s, error);
   if (!status)
-    status = km_question_ask(question, s->probe, error);
-  km_question_watch(question, NULL, NULL);
+    status = km_question_compute(question, s->probe, error);
+  km_question_observe(question, NULL, NULL);
   if (status == KM_CANCELLED)
     km_fail(error, KM_CANCELLED, "the sweep took more than %g s; ask for fewer steps", kv_most_seconds);
   return status == KM_PARTIAL ? KM_OK : status;

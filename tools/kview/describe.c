@@ -79,7 +79,7 @@ static void add_joints(const km_model *m, km_text *out) {
 
 /* The unit of a force or torque in a coordinate. */
 static void add_push_unit(const km_model *m, int coordinate, km_text *out) {
-  const km_handle end = {.kind = KM_HANDLE_JOINT, .coordinate = coordinate};
+  const km_port end = {.kind = KM_PORT_JOINT, .coordinate = coordinate};
   km_text unit = {0};
   km_push_unit(m, &end, &unit);
   kv_add_string(out, unit.data ? unit.data : "");
@@ -124,8 +124,8 @@ static void add_substructures(const kv_session *s, km_text *out) {
 }
 
 static void add_end(const km_model *m, bool output, km_text *out) {
-  km_handle end;
-  bool joint = km_handle_default(m, output, &end) && end.kind == KM_HANDLE_JOINT;
+  km_port end;
+  bool joint = km_port_default(m, output, &end) && end.kind == KM_PORT_JOINT;
   km_text_format(out, "%d", joint ? end.coordinate : -1);
 }
 

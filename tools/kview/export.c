@@ -55,10 +55,10 @@ static km_status add_poses(kv_session *s, km_text *out, km_error *error) {
 
 static void ask_text(const kv_session *s, int kind, char *out, size_t size) {
   km_sweep_plan plan = km_sweep_plan_default(s->model);
-  km_handle input, output;
+  km_port input, output;
   int ends[2] = {-1, -1};
-  if (km_handle_default(s->model, false, &input) && km_handle_default(s->model, true, &output) &&
-      input.kind == KM_HANDLE_JOINT && output.kind == KM_HANDLE_JOINT) {
+  if (km_port_default(s->model, false, &input) && km_port_default(s->model, true, &output) &&
+      input.kind == KM_PORT_JOINT && output.kind == KM_PORT_JOINT) {
     ends[0] = input.coordinate;
     ends[1] = output.coordinate;
   }
@@ -81,8 +81,8 @@ static bool has_forces(const km_model *model) {
 
 static km_status add_tables(kv_session *s, km_text *out, km_error *error) {
   char text[256];
-  km_handle end;
-  bool lever = km_handle_default(s->model, false, &end) && end.kind == KM_HANDLE_JOINT;
+  km_port end;
+  bool lever = km_port_default(s->model, false, &end) && end.kind == KM_PORT_JOINT;
   km_status status = KM_OK;
   km_text_add(out, ",\"tables\":[");
   int count = 0;

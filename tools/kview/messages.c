@@ -49,7 +49,7 @@ static km_status pose(const kv_call *c, km_error *error) {
 static km_status pull_joint(const kv_call *c, km_error *error) {
   kv_session *s = c->session;
   double way = c->count > 2 && c->arguments[2] > 0.0 ? c->arguments[2] : most_way;
-  km_status status = km_hand_pull_joint(s->hand, kv_index(c, 0), c->arguments[1], way, &s->move, error);
+  km_status status = km_manipulation_pull_joint(s->hand, kv_index(c, 0), c->arguments[1], way, &s->move, error);
   if (status)
     return status;
   kv_session_follow(s);
@@ -59,7 +59,7 @@ static km_status pull_joint(const kv_call *c, km_error *error) {
 /* point BODY x y z X Y Z nx ny nz: the point in the body's frame, the target, the normal of the view. */
 static km_status pull_point(const kv_call *c, km_error *error) {
   kv_session *s = c->session;
-  km_hand_grip grip = {.body = kv_index(c, 0)};
+  km_manipulation_point grip = {.body = kv_index(c, 0)};
   memcpy(grip.point, c->arguments + 1, sizeof grip.point);
   memcpy(grip.target, c->arguments + 4, sizeof grip.target);
   memcpy(grip.normal, c->arguments + 7, sizeof grip.normal);
@@ -67,7 +67,7 @@ static km_status pull_point(const kv_call *c, km_error *error) {
       sqrt(grip.normal[0] * grip.normal[0] + grip.normal[1] * grip.normal[1] + grip.normal[2] * grip.normal[2]);
   for (int k = 0; k < 3 && size > 0.0; ++k)
     grip.normal[k] /= size;
-  km_status status = km_hand_pull_point(s->hand, &grip, most_way, &s->move, error);
+  km_status status = km_manipulation_pull_point(s->hand, &grip, most_way, &s->move, error);
   if (status)
     return status;
   kv_session_follow(s);
@@ -81,7 +81,7 @@ static km_status place(const kv_call *c, km_error *error) {
   if (c->count != n)
     return km_fail(error, KM_USAGE, "found %d values; expected one for each of the %d coordinates", c->count, n);
   km_status status = kv_session_place(s, c->arguments, error);
-  s->move = (km_hand_move){.coordinate = -1, .there = true};
+  s->move = (km_manipulation_step){.coordinate = -1, .there = true};
   return status ? status : give_pose(c);
 }
 
@@ -99,7 +99,7 @@ static km_status mark(const kv_call *c, km_error *error) {
 /* undo -1|1 */
 static km_status undo(const kv_call *c, km_error *error) {
   km_status status = kv_session_step(c->session, c->arguments[0] < 0.0 ? -1 : 1, error);
-  c->session->move = (km_hand_move){.coordinate = -1, .there = true};
+  c->session->move = (km_manipulation_step){.coordinate = -1, .there = true};
   return status ? status : give_pose(c);
 }
 

@@ -36,7 +36,7 @@ km_status kv_modes(const kv_call *c, km_error *error) {
 }
 
 static km_status give_pose(const kv_call *c) {
-  c->session->move = (km_hand_move){.coordinate = -1, .there = true};
+  c->session->move = (km_manipulation_step){.coordinate = -1, .there = true};
   c->answer->binary = true;
   kv_add_pose(c->session, c->request, &c->answer->bytes);
   return KM_OK;
@@ -84,8 +84,8 @@ static km_status go_to(kv_session *s, int pose, km_error *error) {
     status = kv_session_place(s, q, error);
     if (status || !stands(s, sets, count)) {
       kv_session_place(s, before, error);
-      status = km_state_reach(s->mechanism, s->state, sets, count, error);
-      km_hand_release(s->hand);
+      status = km_state_move_to(s->mechanism, s->state, sets, count, error);
+      km_manipulation_release(s->hand);
       kv_session_follow(s);
     }
   }

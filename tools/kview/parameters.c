@@ -71,7 +71,7 @@ static km_status load(const kv_session *s, const double *values, km_model **out,
       /* A parameter's name is a path of one part. */
       items[def.assignment_count++] = (km_assignment){p->items[i].name, values[i]};
     }
-  km_status status = km_model_load_as(s->opening.path, &def, NULL, out, error);
+  km_status status = km_model_read_file_as(s->opening.path, &def, NULL, out, error);
   free(items);
   return status;
 }

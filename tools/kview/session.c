@@ -13,11 +13,11 @@
 typedef struct compiled {
   km_mechanism *mechanism;
   km_state *state, *probe;
-  km_hand *hand;
+  km_manipulation *hand;
 } compiled;
 
 static void drop(compiled *c) {
-  km_hand_free(c->hand);
+  km_manipulation_free(c->hand);
   km_state_free(c->probe);
   km_state_free(c->state);
   km_mechanism_free(c->mechanism);
@@ -25,8 +25,8 @@ static void drop(compiled *c) {
 }
 
 static km_status follow(const compiled *c, km_mobility *mobility) {
-  km_poses_update(c->mechanism, c->state);
-  return km_mobility_update(c->mechanism, c->state, mobility);
+  km_poses_compute(c->mechanism, c->state);
+  return km_mobility_compute(c->mechanism, c->state, mobility);
 }
 
 /* Compiles with holds; q: where to start from, NULL: the model's own pose. */
@@ -44,14 +44,14 @@ static km_status compile(const km_model *model, const km_hold *holds, int count,
     if (!status)
       status = km_assemble(out->mechanism, out->state, &evidence, error);
   } else {
-    status = km_reach_pose(model, holds, count, NULL, 0, &out->mechanism, &out->state, error);
+    status = km_mechanism_compile_at(model, holds, count, NULL, 0, &out->mechanism, &out->state, error);
   }
   if (!status)
     status = km_state_create(out->mechanism, &out->probe, error);
   if (!status)
     status = follow(out, mobility);
   if (!status)
-    status = km_hand_create(out->mechanism, out->state, &out->hand, error);
+    status = km_manipulation_create(out->mechanism, out->state, &out->hand, error);
   if (status)
     drop(out);
   return status;
@@ -72,7 +72,7 @@ static void adopt(kv_session *s, compiled *c) {
   s->state = c->state;
   s->probe = c->probe;
   s->hand = c->hand;
-  s->move = (km_hand_move){.coordinate = -1, .there = true};
+  s->move = (km_manipulation_step){.coordinate = -1, .there = true};
   drop(&old);
 }
 
@@ -102,7 +102,7 @@ static km_status make_model(kv_session *s, const km_text *file, km_messages *mes
   if (!status && s->opening.pose) {
     status = km_model_find_pose(*out, s->opening.pose, &pose, error);
     if (!status)
-      status = km_model_take_pose(*out, pose, error);
+      status = km_model_apply_pose(*out, pose, error);
   }
   return status;
 }
@@ -328,7 +328,7 @@ km_status kv_session_place(kv_session *s, const double *q, km_error *error) {
     km_assemble(s->mechanism, s->state, &evidence, &ignored);
   }
   free(before);
-  km_hand_release(s->hand);
+  km_manipulation_release(s->hand);
   kv_session_follow(s);
   return status;
 }

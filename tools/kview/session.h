@@ -56,10 +56,10 @@ typedef struct kv_session {
   km_model *model;
   km_mechanism *mechanism;
   km_state *state, *probe; /* the page's pose; and one for sweeps and searches */
-  km_hand *hand;
+  km_manipulation *hand;
   km_mobility mobility;
-  km_hand_move move; /* of the last pull */
-  km_hold *holds;    /* [hold_count], room for every coordinate */
+  km_manipulation_step move; /* of the last pull */
+  km_hold *holds;            /* [hold_count], room for every coordinate */
   int hold_count;
   int *origin;         /* [body] its frame `origin` */
   double *file_places; /* [3 · frames] as the file has them */

@@ -76,8 +76,8 @@ km_status kv_diagnose(const kv_call *call, km_error *error) {
   km_status status = kv_session_probe(s, error);
   km_mobility mobility;
   if (!status) {
-    km_poses_update(s->mechanism, s->probe);
-    status = km_mobility_update(s->mechanism, s->probe, &mobility);
+    km_poses_compute(s->mechanism, s->probe);
+    status = km_mobility_compute(s->mechanism, s->probe, &mobility);
     if (status)
       km_fail(error, status, "out of memory for the mobility");
   }
@@ -174,7 +174,7 @@ km_status kv_forces(const kv_call *call, km_error *error) {
     status = km_forces_create(s->mechanism, NULL, load, loads, &forces, error);
   if (!status)
     status = km_statics_create(s->mechanism, count ? actuators : NULL, count, KM_AXES_FIXED, &statics, error);
-  if (!status && km_statics_update(s->mechanism, s->state, forces, &statics) == KM_MEMORY)
+  if (!status && km_statics_compute(s->mechanism, s->state, forces, &statics) == KM_MEMORY)
     status = km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
     km_text_format(&call->answer->bytes, "{\"kind\":\"forces\",\"request\":%u", call->request);
@@ -191,16 +191,16 @@ km_status kv_forces(const kv_call *call, km_error *error) {
 /* lever INPUT OUTPUT: mechanical advantage of two coordinates. */
 km_status kv_lever(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
-  km_handle ends[2];
-  km_lever *lever = NULL;
+  km_port ends[2];
+  km_transfer *lever = NULL;
   km_advantage advantage;
   for (int k = 0; k < 2; ++k) {
     int coordinate = kv_index(call, k);
-    ends[k] = (km_handle){.kind = KM_HANDLE_JOINT, .coordinate = coordinate};
+    ends[k] = (km_port){.kind = KM_PORT_JOINT, .coordinate = coordinate};
     ends[k].name = km_model_coordinate_label(s->model, coordinate);
   }
-  km_status status = km_lever_create(s->mechanism, &ends[0], &ends[1], &lever, error);
-  if (!status && km_lever_update(s->mechanism, s->state, lever, &advantage) == KM_MEMORY)
+  km_status status = km_transfer_create(s->mechanism, &ends[0], &ends[1], &lever, error);
+  if (!status && km_transfer_compute(s->mechanism, s->state, lever, &advantage) == KM_MEMORY)
     status = km_fail(error, KM_MEMORY, "out of memory for the leverage");
   if (!status) {
     km_text_format(&call->answer->bytes, "{\"kind\":\"lever\",\"request\":%u,\"state\":\"%s\",\"unit\":", call->request,
@@ -210,6 +210,6 @@ km_status kv_lever(const kv_call *call, km_error *error) {
     kv_add_number(&call->answer->bytes, advantage.value);
     km_text_add(&call->answer->bytes, "}");
   }
-  km_lever_free(lever);
+  km_transfer_free(lever);
   return status;
 }

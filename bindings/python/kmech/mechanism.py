@@ -93,7 +93,7 @@ class State:
         goals, error = _holds(self.mechanism.model, values, "value"), new_error()
         sets = ffi.new("km_hold[]", goals) if goals else ffi.NULL
         with self.mechanism.model._reading(), self._using():
-            check(lib.km_state_reach(self.mechanism._c, self._c, sets, len(goals), error), error)
+            check(lib.km_state_move_to(self.mechanism._c, self._c, sets, len(goals), error), error)
         return self
 
     def mobility(self) -> Mobility:
@@ -101,7 +101,7 @@ class State:
         model, out, closed = self.mechanism.model, ffi.new("km_mobility *"), new_error()
         with model._reading(), self._using():
             check(lib.km_assemble(self.mechanism._c, self._c, ffi.NULL, closed), closed)
-            check(lib.km_mobility_update(self.mechanism._c, self._c, out), closed)
+            check(lib.km_mobility_compute(self.mechanism._c, self._c, out), closed)
             found = {label: lib.km_mobility_number(self._c, c) for c, label in enumerate(model.coordinates)}
         return Mobility(out.mobility, out.kutzbach, out.kutzbach_extended, out.redundant_constraints, out.residual, found)
 
@@ -109,7 +109,7 @@ class State:
         """Where a frame is: "body/frame"."""
         index, out, error = self.mechanism.model._frame(path), ffi.new("km_frame_pose *"), new_error()
         with self.mechanism.model._reading(), self._using():
-            lib.km_poses_update(self.mechanism._c, self._c)
+            lib.km_poses_compute(self.mechanism._c, self._c)
             check(lib.km_frame_place(self.mechanism._c, self._c, index, out, error), error)
         return Pose(numpy.array(list(out.R)).reshape(3, 3), numpy.array(list(out.p)))
 
@@ -120,7 +120,7 @@ class State:
         out, error = numpy.zeros((6, columns), order="F"), new_error()
         index = self.mechanism.model._frame(path)
         with self.mechanism.model._reading(), self._using():
-            lib.km_poses_update(self.mechanism._c, self._c)
+            lib.km_poses_compute(self.mechanism._c, self._c)
             check(lib.km_frame_jacobian(self.mechanism._c, self._c, index,
                                         ffi.cast("double *", out.ctypes.data), error), error)
         return out
@@ -151,7 +151,7 @@ class Mechanism:
         holds, sets = _holds(model, hold, "hold"), _holds(model, set, "set")
         out, state, error = ffi.new("km_mechanism **"), ffi.new("km_state **"), new_error()
         with model._reading():
-            check(lib.km_reach_pose(model._c, ffi.new("km_hold[]", holds) if holds else ffi.NULL, len(holds),
+            check(lib.km_mechanism_compile_at(model._c, ffi.new("km_hold[]", holds) if holds else ffi.NULL, len(holds),
                                     ffi.new("km_hold[]", sets) if sets else ffi.NULL, len(sets), out, state, error), error)
         self._c, self.model, self._changes = ffi.gc(out[0], lib.km_mechanism_free), model, model._changes
         self.state, self._turn = State(self, state[0]), threading.Lock()

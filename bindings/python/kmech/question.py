@@ -107,7 +107,7 @@ class Values:
     def end(self, value: Any, option: Option) -> dict[str, Any]:
         if isinstance(value, str):
             c = self.model._coordinate(value)
-            return {"kind": lib.KM_HANDLE_JOINT, "coordinate": c, "frame": -1,
+            return {"kind": lib.KM_PORT_JOINT, "coordinate": c, "frame": -1,
                     "name": lib.km_model_coordinate_label(self.model._c, c)}
         if not isinstance(value, (tuple, list)) or len(value) != 2:
             raise TypeError(f"{option.argument}: found {value!r}; expected {_EXPECTED[option.type]}")
@@ -116,7 +116,7 @@ class Values:
         if not 0.0 < length < float("inf"):
             raise UsageError(f"{option.argument}: found the direction {direction}; expected one with a length")
         name = f"{value[0]}:" + ",".join(f"{d:g}" for d in direction)
-        return {"kind": lib.KM_HANDLE_POINT, "frame": self.model._frame(value[0]), "coordinate": -1,
+        return {"kind": lib.KM_PORT_POINT, "frame": self.model._frame(value[0]), "coordinate": -1,
                 "direction": [d / length for d in direction], "name": self.text(name)}
 
     def load(self, value: Any, option: Option) -> dict[str, Any]:
@@ -163,7 +163,7 @@ class Values:
             elif kind == lib.KM_OPTION_POINTS:
                 out.points = self.array("km_sweep_point", [{"frame": self.model._frame(v), "name": self.text(v)} for v in items])
             elif kind == lib.KM_OPTION_ENDS:
-                out.ends = self.array("km_handle", [self.end(v, option) for v in items])
+                out.ends = self.array("km_port", [self.end(v, option) for v in items])
             elif kind == lib.KM_OPTION_LOADS:
                 out.loads = self.array("km_load", [self.load(v, option) for v in items])
             else:
@@ -194,12 +194,12 @@ class Answer:
 
     def _ask(self, state: Any, here: bool, progress: Progress) -> None:
         watch, error = Watch(progress), new_error()
-        lib.km_question_watch(self._c, watch.call, watch.context)
+        lib.km_question_observe(self._c, watch.call, watch.context)
         try:
             with self._mechanism.model._reading(), state._using():
-                status = (lib.km_question_ask_here if here else lib.km_question_ask)(self._c, state._c, error)
+                status = (lib.km_question_compute_here if here else lib.km_question_compute)(self._c, state._c, error)
         finally:
-            lib.km_question_watch(self._c, ffi.NULL, ffi.NULL)
+            lib.km_question_observe(self._c, ffi.NULL, ffi.NULL)
         watch.finish()
         self.complete = check(status, error, partial=True)
 

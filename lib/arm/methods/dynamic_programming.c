@@ -147,7 +147,7 @@ static km_status stop_short(km_dp_grid *g) {
   km_arena_free(&arena);
   if (run->stop ==
       KM_TRACK_COMPLETE) /* a step of more parts than are tried here, or the sense of its columns was another */
-    run->stop = KM_TRACK_GAVE_OUT;
+    run->stop = KM_TRACK_NOT_CONVERGED;
   return KM_PARTIAL;
 }
 
@@ -213,7 +213,7 @@ static km_status solve(km_dp_grid *g, km_error *error) {
       return km_fail(error, KM_CANCELLED, "cancelled");
     if (g->now < g->stage_count && gives_out(g)) {
       trace(g, g->now, &now->states[0]);
-      run->stop = KM_TRACK_GAVE_OUT;
+      run->stop = KM_TRACK_NOT_CONVERGED;
       return KM_PARTIAL;
     }
   }

@@ -121,7 +121,7 @@ static bool unknown_joint(km_binder *b, const km_study_names *joints, const char
   km_nearest nearest = {.wanted = label};
   char names[KM_NEAREST_TEXT];
   for (int k = 0; k < a->n; ++k)
-    km_nearest_offer(&nearest, km_arm_label(a, k));
+    km_nearest_add(&nearest, km_arm_label(a, k));
   return km_binder_fault(b, &joints->place, "\"%.80s\" is no joint of the arm; the nearest of its %d are %s", label,
                          a->n, km_nearest_text(&nearest, names));
 }

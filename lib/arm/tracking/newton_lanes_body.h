@@ -86,7 +86,7 @@ typedef struct lanes_target {
   lanes_vec p, axes[3];
 } lanes_target;
 
-static inline lanes_vec vec_from(km_lanes_number *components, int first) {
+static inline lanes_vec vec_from(km_batch_number *components, int first) {
   return (lanes_vec){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
 }
 
@@ -111,7 +111,7 @@ static inline mask regular(const lanes_seven *k) {
 
 /* km_node_predict of lanes from `first` on: the predictors into q, the correctors to expect into moved. Returns how long these
  * may be. */
-static inline vector predict(const km_lanes_start *from, int first, vector *q, vector *moved) {
+static inline vector predict(const km_batch_start *from, int first, vector *q, vector *moved) {
   vector inverse = 1.0 / get(from->z + first), tilt = get(from->tilt + first), ds = get(from->ds + first);
   vector square = ZERO, far = ZERO;
   for (int i = 0; i < SEVEN; ++i) {

@@ -129,26 +129,26 @@ static inline void km_one_turn_of(const km_one_turns *turns, int j, double *sine
 
 /* Eight steps side by side, lane by lane. */
 enum { KM_LANES = 8 };
-typedef double km_lanes_number[KM_LANES];
+typedef double km_batch_number[KM_LANES];
 
 /* Where each begins, and what km_node_predict reads of that node and of the way from it. */
-typedef struct km_lanes_start {
-  km_lanes_number q[SEVEN], path[SEVEN], z, null[SEVEN];
-  km_lanes_number last[SEVEN], before[SEVEN]; /* the expected corrector is 2 last − before */
-  km_lanes_number tilt, ds;
-  km_lanes_number per_second, speed; /* 1 over the time that the step has, and dσ/dt where it ends */
-} km_lanes_start;
+typedef struct km_batch_start {
+  km_batch_number q[SEVEN], path[SEVEN], z, null[SEVEN];
+  km_batch_number last[SEVEN], before[SEVEN]; /* the expected corrector is 2 last − before */
+  km_batch_number tilt, ds;
+  km_batch_number per_second, speed; /* 1 over the time that the step has, and dσ/dt where it ends */
+} km_batch_start;
 
 typedef struct km_lanes {
-  km_lanes_start start;
+  km_batch_start start;
   /* What each is to reach: a pose, by its place and its axes' components, and the unit twist there. */
-  km_lanes_number place[3], axes[3][3], xi[6];
+  km_batch_number place[3], axes[3][3], xi[6];
   unsigned used; /* lanes (bits) that count; the others have numbers too */
   bool want_sigma;
   /* Out: the poses, how far they are from the predictor, and their columns. */
-  km_lanes_number q[SEVEN], moved[SEVEN], path[SEVEN + 1], null[SEVEN];
-  km_lanes_number sigma[6]; /* singular values in no order, if they are wanted */
-  km_lanes_number tries;    /* Jacobians that each took */
+  km_batch_number q[SEVEN], moved[SEVEN], path[SEVEN + 1], null[SEVEN];
+  km_batch_number sigma[6]; /* singular values in no order, if they are wanted */
+  km_batch_number tries;    /* Jacobians that each took */
   unsigned keeps;           /* lanes that keep limits and rates, at the step's end and in its mean */
 } km_lanes;
 

@@ -207,7 +207,7 @@ static void write_piece(void *context, int piece) {
 
 /* False when out of memory. */
 static bool write_rows(km_track *t, km_run *run, int count, km_arena *arena, tally **tallies) {
-  int most = t->plan.jobs < KM_MOST_THREADS ? t->plan.jobs : KM_MOST_THREADS;
+  int most = t->plan.jobs < KM_MAX_THREADS ? t->plan.jobs : KM_MAX_THREADS;
   most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
   w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;

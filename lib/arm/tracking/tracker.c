@@ -230,7 +230,7 @@ static void take_lane(const km_tracker *w, km_tracker_space *s, int sample, cons
 
 /* What km_node_predict reads of a node goes into lane l. */
 static void fill_lane(const km_tracker *w, int sample, int l, const km_node *from, const km_step_choice *way,
-                      km_lanes_start *start) {
+                      km_batch_start *start) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
   const double ds = point->s - here->s, *last = from->bend, *before = from->bend + SEVEN;
   const int known = km_node_known_bends(w->arm, from, way, ds);
@@ -266,7 +266,7 @@ static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, c
     }
     used |= 1u << l;
   }
-  km_lanes_number *numbers = (km_lanes_number *)&lanes->start;
+  km_batch_number *numbers = (km_batch_number *)&lanes->start;
   for (unsigned rest = used ? (1u << KM_LANES) - 1 - used : 0; rest; rest &= rest - 1)
     for (size_t i = 0; i < sizeof lanes->start / sizeof *numbers; ++i)
       numbers[i][__builtin_ctz(rest)] = numbers[i][__builtin_ctz(used)];

@@ -1,14 +1,14 @@
 /* Rotation vectors and displacements of ball joints at the end of a batch's step. */
 #include "continuation/batch/batch_arrays.h"
 
-void km_lanes_end_balls(km_drive_lanes *l, unsigned ended) {
+void km_batch_finish_ball_joints(km_batch *l, unsigned ended) {
   const km_mechanism *m = l->m;
   for (int b = 0; b < m->ball_count; ++b) {
     const int c = m->ball_coordinate[b], k = m->column_of[c];
     if (k < 0 || m->substructure_of[c] != l->drives[0]->c.substructure)
       continue;
-    const km_lanes_number *last = l->from + k;
-    km_lanes_number *q = l->q + c, *way = l->move + k;
+    const km_batch_number *last = l->from + k;
+    km_batch_number *q = l->q + c, *way = l->move + k;
     for (unsigned left = ended; left; left &= left - 1) {
       const int i = __builtin_ctz(left);
       km_quaternion now = km_lane_ball(&l->ball[b], i), from = km_lane_ball(&l->from_ball[b], i);

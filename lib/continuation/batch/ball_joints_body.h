@@ -1,6 +1,6 @@
 /* Ball joints of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what rotation.h, state.c and
  * least_path.c compute for one drive. The rotation vectors of balls are found where a step ends, by
- * km_lanes_end_balls; what stands in their place on the way there means nothing. */
+ * km_batch_finish_ball_joints; what stands in their place on the way there means nothing. */
 
 typedef struct quaternion {
   vector w, x, y, z;
@@ -62,17 +62,17 @@ static APART pose ball_step(double sign, const quaternion *ball, pose X, km_lane
 }
 
 /* The three columns of a ball. */
-static inline lanes_vec get_columns(const km_lanes_number *x, int lane) {
+static inline lanes_vec get_columns(const km_batch_number *x, int lane) {
   return (lanes_vec){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
 }
 
 /* km_state_turn_ball where the mask is set, for all balls that a step turns. */
-static APART void turn_balls(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
+static APART void turn_balls(km_batch *l, const km_batch_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
     if (!l->is_ball[k])
       continue;
-    const km_lanes_number *turn = step + k;
+    const km_batch_number *turn = step + k;
     km_lane_quaternion *at = &l->ball[l->m->ball_of[coordinate[k]]];
     EACH(r) {
       quaternion old = get_quaternion(at, AT(r));
@@ -86,7 +86,7 @@ static APART void turn_balls(km_drive_lanes *l, const km_lanes_number *step, con
   }
 }
 
-static APART void save_balls(km_drive_lanes *l, int first, int count) {
+static APART void save_balls(km_batch *l, int first, int count) {
   for (int b = 0; b < l->m->ball_count; ++b)
     EACH(r) {
       quaternion q = get_quaternion(&l->ball[b], AT(r));
@@ -95,11 +95,11 @@ static APART void save_balls(km_drive_lanes *l, int first, int count) {
 }
 
 /* Balls end where the step has led them, or where `took` isn't set they go back to where it began. */
-static APART void end_balls(km_drive_lanes *l, const mask *took, int first, int count) {
+static APART void end_balls(km_batch *l, const mask *took, int first, int count) {
   unsigned ended = 0;
   EACH(r)
   ended |= bits_of(took[r]) << AT(r);
-  km_lanes_end_balls(l, ended);
+  km_batch_finish_ball_joints(l, ended);
   for (int b = 0; b < l->m->ball_count; ++b)
     EACH(r) {
       quaternion q = get_quaternion(&l->ball[b], AT(r)), from = get_quaternion(&l->from_ball[b], AT(r));

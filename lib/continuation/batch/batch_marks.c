@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* The moves of one lane become older by one. */
-static void grow_older(km_drive_lanes *l, int i) {
+static void grow_older(km_batch *l, int i) {
   for (int k = 0; k < l->sub->columns; ++k) {
     double latest = l->past[KM_CURVE_MOVES - 1][k].of[i];
     for (int j = KM_CURVE_MOVES - 1; j > 0; --j)
@@ -14,7 +14,7 @@ static void grow_older(km_drive_lanes *l, int i) {
 }
 
 /* And younger, where all have grown older and this one took no step. */
-static void grow_younger(km_drive_lanes *l, int i) {
+static void grow_younger(km_batch *l, int i) {
   for (int k = 0; k < l->sub->columns; ++k) {
     double oldest = l->past[0][k].of[i];
     for (int j = 0; j < KM_CURVE_MOVES - 1; ++j)
@@ -23,7 +23,7 @@ static void grow_younger(km_drive_lanes *l, int i) {
   }
 }
 
-void km_lanes_grow_moves(km_drive_lanes *l, unsigned took) {
+void km_batch_extend_history(km_batch *l, unsigned took) {
   unsigned others = l->aboard & ~took;
   if (__builtin_popcount(took) <= __builtin_popcount(others)) {
     for (unsigned left = took; left; left &= left - 1)
@@ -31,28 +31,28 @@ void km_lanes_grow_moves(km_drive_lanes *l, unsigned took) {
     return;
   }
   /* The arrays change their places in place of all their numbers. */
-  km_lanes_number *latest = l->past[KM_CURVE_MOVES - 1];
+  km_batch_number *latest = l->past[KM_CURVE_MOVES - 1];
   memmove(l->past + 1, l->past, (KM_CURVE_MOVES - 1) * sizeof *l->past);
   l->past[0] = latest;
   for (unsigned left = others; left; left &= left - 1)
     grow_younger(l, __builtin_ctz(left));
 }
 
-void km_lanes_keep(km_drive_lanes *l) {
+void km_batch_save(km_batch *l) {
   l->kept_here = l->here;
   memcpy(l->kept_past, l->past, sizeof l->past);
   memcpy(l->kept, l->q, l->place_count * sizeof *l->q);
 }
 
-void km_lanes_come_back(km_drive_lanes *l) {
+void km_batch_restore(km_batch *l) {
   l->here = l->kept_here;
   memcpy(l->past, l->kept_past, sizeof l->past);
   memcpy(l->q, l->kept, l->place_count * sizeof *l->q);
 }
 
-void km_lanes_put_back(km_drive_lanes *l, int i) {
-  km_lanes_number *here = (km_lanes_number *)&l->here;
-  const km_lanes_number *kept = (const km_lanes_number *)&l->kept_here;
+void km_batch_restore_lane(km_batch *l, int i) {
+  km_batch_number *here = (km_batch_number *)&l->here;
+  const km_batch_number *kept = (const km_batch_number *)&l->kept_here;
   for (size_t k = 0; k < sizeof l->here / sizeof *here; ++k)
     here[k].of[i] = kept[k].of[i];
   for (size_t k = 0; k < l->place_count; ++k)

@@ -63,7 +63,7 @@ static bool same_couplings(const km_mechanism *a, const km_mechanism *b, const k
 }
 
 /* Limits of balls are left to drives that go alone. */
-static bool has_limited_ball(const km_drive *d) {
+static bool has_limited_ball(const km_driver_motion *d) {
   const km_mechanism *m = d->c.mechanism;
   for (int b = 0; b < m->ball_count && !d->c.ignore_limits; ++b) {
     const int c = m->ball_coordinate[b];
@@ -75,12 +75,12 @@ static bool has_limited_ball(const km_drive *d) {
 }
 
 /* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? */
-bool km_lanes_same_structure(const km_drive *d, const km_drive *e) {
+bool km_batch_has_same_structure(const km_driver_motion *d, const km_driver_motion *e) {
   const km_mechanism *a = d->c.mechanism, *b = e->c.mechanism;
   if (a->coordinate_count != b->coordinate_count || a->ball_count != b->ball_count || has_limited_ball(e) ||
       d->c.substructure != e->c.substructure || d->c.coordinate != e->c.coordinate || d->c.column != e->c.column)
     return false;
-  const km_substructure *s = km_drive_driven(d), *t = km_drive_driven(e);
+  const km_substructure *s = km_driver_motion_substructure(d), *t = km_driver_motion_substructure(e);
   if (s->rows != t->rows || s->columns != t->columns || s->column_start != t->column_start ||
       s->program_count != t->program_count || s->program_start != t->program_start || s->loop_start != t->loop_start ||
       s->loop_count != t->loop_count || s->coupling_start != t->coupling_start ||
@@ -98,8 +98,8 @@ bool km_lanes_same_structure(const km_drive *d, const km_drive *e) {
 }
 
 /* Are lanes for this drive at all? */
-bool km_lanes_fit(const km_drive *d) {
-  return d->c.substructure >= 0 && km_lanes_same_structure(d, d);
+bool km_batch_fits(const km_driver_motion *d) {
+  return d->c.substructure >= 0 && km_batch_has_same_structure(d, d);
 }
 
 static void take_vec3(km_lane_vec3 *to, km_vec3 a, int i) {
@@ -126,7 +126,7 @@ static void take_space_step(km_lane_space_step *to, const km_step *step, int i) 
   to->pitch.of[i] = step->pitch;
 }
 
-static void take_planar_loop(km_drive_lanes *l, int index, const km_loop *loop, int i) {
+static void take_planar_loop(km_batch *l, int index, const km_loop *loop, int i) {
   km_lane_planar_loop *to = &l->planar_loops[index];
   for (int a = 0; a < 2; ++a) {
     to->close[0][a].of[i] = loop->planar_close[0][a];
@@ -146,7 +146,7 @@ static void take_space_loop(km_lane_space_loop *to, const km_loop *loop, int i) 
   take_vec3(&to->point, loop->point[0], i);
 }
 
-static void take_program(km_drive_lanes *l, const km_mechanism *m, const km_program *program, int i) {
+static void take_program(km_batch *l, const km_mechanism *m, const km_program *program, int i) {
   for (int k = program->step_start; k < program->step_start + program->step_count; ++k)
     if (program->planar)
       take_planar_step(&l->steps[k], &m->planar_steps[k], i);
@@ -164,13 +164,13 @@ static void take_program(km_drive_lanes *l, const km_mechanism *m, const km_prog
 /* Places of the rows behind `start`; `none` for one that is no row of the loop. */
 static void place_rows(const km_loop *loop, int start, int none, int *place) {
   for (int a = 0; a < 6; ++a)
-    place[a] = none * KM_DRIVE_LANES;
+    place[a] = none * KM_BATCH_LANES;
   for (int r = 0; r < loop->lambda; ++r)
-    place[loop->rows[r]] = (start + r) * KM_DRIVE_LANES;
+    place[loop->rows[r]] = (start + r) * KM_BATCH_LANES;
 }
 
 /* The steps of a program that only the driver carries. */
-static void mark_still(km_drive_lanes *l, const km_program *program) {
+static void mark_still(km_batch *l, const km_program *program) {
   const km_planar_step *steps = l->m->planar_steps + program->step_start;
   km_lane_step *marks = l->steps + program->step_start;
   for (int i = 0; i < program->step_count; ++i) {
@@ -182,7 +182,7 @@ static void mark_still(km_drive_lanes *l, const km_program *program) {
 }
 
 /* The steps whose places are read from their slots: where a loop ends, or a step goes on that isn't the next one. */
-static void mark_kept(km_drive_lanes *l, const km_program *program) {
+static void mark_kept(km_batch *l, const km_program *program) {
   const km_planar_step *steps = l->m->planar_steps + program->step_start;
   for (int i = 0; i < program->step_count; ++i) {
     km_lane_step *mark = &l->steps[program->step_start + i];
@@ -197,8 +197,8 @@ static void mark_kept(km_drive_lanes *l, const km_program *program) {
 }
 
 /* Slot 0 of every program is its base, which stays; what isn't set is 0. */
-static void place_base(km_drive_lanes *l) {
-  for (int i = 0; i < KM_DRIVE_LANES; ++i) {
+static void place_base(km_batch *l) {
+  for (int i = 0; i < KM_BATCH_LANES; ++i) {
     if (l->slots)
       l->slots[0].cosine.of[i] = 1.0;
     if (l->poses)
@@ -207,7 +207,7 @@ static void place_base(km_drive_lanes *l) {
 }
 
 /* Where the numbers of a loop's rows and entries go. */
-static void place_loop(km_drive_lanes *l, const km_program *program, int index) {
+static void place_loop(km_batch *l, const km_program *program, int index) {
   const km_mechanism *m = l->m;
   const km_loop *loop = &m->loops[index];
   place_rows(loop, loop->row_start, l->sub->rows, l->loops[index].row);
@@ -219,12 +219,12 @@ static void place_loop(km_drive_lanes *l, const km_program *program, int index) 
     const int step = program->step_start + entry->step;
     to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[step].primitive);
     to->turn = program->planar && !m->planar_steps[step].slides ? m->planar_steps[step].sign : 0.0;
-    to->next = (int)entry->next * KM_DRIVE_LANES;
+    to->next = (int)entry->next * KM_BATCH_LANES;
     place_rows(loop, (int)entry->at, l->sub->rows * l->sub->columns, to->at);
   }
 }
 
-void km_lanes_take_structure(km_drive_lanes *l) {
+void km_batch_copy_structure(km_batch *l) {
   const km_mechanism *m = l->m;
   place_base(l);
   const km_program *program = &m->programs[l->sub->program_start], *end = program + l->sub->program_count;
@@ -238,7 +238,7 @@ void km_lanes_take_structure(km_drive_lanes *l) {
   }
 }
 
-static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {
+static void take_couplings(km_batch *l, const km_mechanism *m, int i) {
   for (int k = l->sub->coupling_start; k < l->sub->coupling_start + l->sub->coupling_count; ++k) {
     const km_coupling *coupling = &m->couplings[k];
     l->couplings[k].constant.of[i] = coupling->constant;
@@ -250,10 +250,10 @@ static void take_couplings(km_drive_lanes *l, const km_mechanism *m, int i) {
 }
 
 /* The numbers of drive i's mechanism into its lane. */
-void km_lanes_take_numbers(km_drive_lanes *l, int i) {
-  const km_drive *d = l->drives[i];
+void km_batch_copy_numbers(km_batch *l, int i) {
+  const km_driver_motion *d = l->drives[i];
   const km_mechanism *m = d->c.mechanism;
-  const km_substructure *sub = km_drive_driven(d);
+  const km_substructure *sub = km_driver_motion_substructure(d);
   for (int p = sub->program_start; p < sub->program_start + sub->program_count; ++p)
     take_program(l, m, &m->programs[p], i);
   take_couplings(l, m, i);
@@ -269,7 +269,7 @@ void km_lanes_take_numbers(km_drive_lanes *l, int i) {
   }
   l->size.of[i] = sub->size;
   l->inverse_size.of[i] = 1.0 / sub->size;
-  l->factor.of[i] = km_drive_factor(d);
+  l->factor.of[i] = km_driver_motion_factor(d);
   l->closure_tolerance.of[i] = m->closure_tolerance;
   l->driver_low.of[i] = d->c.ignore_limits ? -HUGE_VAL : m->low[l->coordinate] / m->unit[l->coordinate];
   l->driver_high.of[i] = d->c.ignore_limits ? HUGE_VAL : m->high[l->coordinate] / m->unit[l->coordinate];

@@ -7,10 +7,10 @@
 enum { MOST_ITERATIONS = 8 };
 
 /* km_partition_refactor: the reduced matrix in J, B and its largest entry. Clears the lanes whose pivots don't serve any more. */
-static WITHIN void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int first, int count) {
-  const km_replay *replay = &l->replay;
+static WITHIN void factor(km_batch *l, vector *largest_b, mask *fit, int first, int count) {
+  const km_recorded_elimination *replay = &l->replay;
   const int *scale = replay->scales;
-  const km_replay_update *update = replay->updates;
+  const km_recorded_elimination_update *update = replay->updates;
   double *J = l->J->of;
   vector largest_inverse[TOGETHER], sum[TOGETHER], inverse[TOGETHER];
   word sign[TOGETHER];
@@ -19,7 +19,7 @@ static WITHIN void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int f
     sign[r] = NONE;
   }
   for (int s = 0; s < replay->rank; ++s) {
-    const km_replay_step *step = &replay->steps[s];
+    const km_recorded_elimination_step *step = &replay->steps[s];
     EACH(r) {
       inverse[r] = 1.0 / get(J + step->pivot + AT(r));
       PUT(l->inverse[s], inverse[r]);
@@ -31,18 +31,18 @@ static WITHIN void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int f
       EACH(r)
       put(x + AT(r), get(x + AT(r)) * inverse[r]);
     }
-    for (const km_replay_update *end = update + step->update_count; update < end; ++update) {
+    for (const km_recorded_elimination_update *end = update + step->update_count; update < end; ++update) {
       double *x = J + update->x;
       const double *a = J + update->l, *u = J + update->u;
       EACH(r)
       put(x + AT(r), get(x + AT(r)) - get(a + AT(r)) * get(u + AT(r)));
     }
   }
-  km_lanes_number *B = l->B;
+  km_batch_number *B = l->B;
   for (int c = replay->rank; c < replay->column_count; ++c) {
-    const km_lanes_number *column = l->J + replay->column[c] * replay->row_count;
+    const km_batch_number *column = l->J + replay->column[c] * replay->row_count;
     for (int i = 0; i < replay->rank; ++i, ++B) {
-      const km_lanes_number *entry = &column[replay->row[i]];
+      const km_batch_number *entry = &column[replay->row[i]];
       EACH(r) {
         vector b = GET(*entry) * GET(l->inverse[i]);
         PUT(*B, b);
@@ -60,7 +60,7 @@ static WITHIN void factor(km_drive_lanes *l, vector *largest_b, mask *fit, int f
 }
 
 /* Newton's step x is the least one. */
-static APART void make_least(km_drive_lanes *l, vector *largest, int first, int count) {
+static APART void make_least(km_batch *l, vector *largest, int first, int count) {
   find_null_vectors(l, 0, l->beside, first, count);
   least_step(l, l->x, l->next_t, first, count);
   EACH(r) {
@@ -73,8 +73,8 @@ static APART void make_least(km_drive_lanes *l, vector *largest, int first, int 
 }
 
 /* newton_step of closure.c. `error`: the sum of the squares of the primary rows' errors, `largest`: the step's largest entry. */
-static WITHIN void newton(km_drive_lanes *l, vector *error, vector *largest, int first, int count) {
-  const km_replay *replay = &l->replay;
+static WITHIN void newton(km_batch *l, vector *error, vector *largest, int first, int count) {
+  const km_recorded_elimination *replay = &l->replay;
   const double *J = l->J->of;
   double *y = l->y->of;
   EACH(r)
@@ -82,7 +82,8 @@ static WITHIN void newton(km_drive_lanes *l, vector *error, vector *largest, int
   for (int i = 0; i < replay->row_count; ++i)
     EACH(r)
   PUT(l->y[i], GET(l->error[i]));
-  for (const km_replay_update *turn = replay->turns, *end = turn + replay->turn_count; turn < end; ++turn) {
+  for (const km_recorded_elimination_update *turn = replay->turns, *end = turn + replay->turn_count; turn < end;
+       ++turn) {
     double *x = y + turn->x;
     const double *a = J + turn->l, *u = y + turn->u;
     EACH(r)
@@ -105,12 +106,12 @@ static WITHIN void newton(km_drive_lanes *l, vector *error, vector *largest, int
 }
 
 /* Adds a scaled step where the mask is set. */
-static WITHIN void move(km_drive_lanes *l, const km_lanes_number *step, const mask *where, int first, int count) {
+static WITHIN void move(km_batch *l, const km_batch_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   if (l->m->ball_count > 0)
     turn_balls(l, step, where, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
-    km_lanes_number *to = &l->q[coordinate[k]];
+    km_batch_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
     EACH(r) {
       vector q = GET(*to), by = GET(step[k]);
@@ -119,14 +120,14 @@ static WITHIN void move(km_drive_lanes *l, const km_lanes_number *step, const ma
   }
 }
 
-static inline void grain(const km_drive_lanes *l, vector *coarse, int first, int count) {
+static inline void grain(const km_batch *l, vector *coarse, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   EACH(r)
   coarse[r] = all(0.0);
   for (int k = 0; k < l->sub->columns; ++k) {
     if (l->is_ball[k])
       continue;
-    const km_lanes_number *at = &l->q[coordinate[k]];
+    const km_batch_number *at = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
     EACH(r) {
       vector q = GET(*at);
@@ -151,8 +152,7 @@ static inline bool any(const mask *m, int count) {
  *
  * Squares stand for lengths, so that roots and quotients aren't waited for. Where that could decide otherwise than the
  * lengths do, the lane leaves. */
-static WITHIN void close_loops(km_drive_lanes *l, mask *trying, vector *correction, vector *largest_b, int first,
-                               int count) {
+static WITHIN void close_loops(km_batch *l, mask *trying, vector *correction, vector *largest_b, int first, int count) {
   vector coarse[TOGETHER], primary[TOGETHER], most[TOGETHER], sum[TOGETHER];
   mask done[TOGETHER], going[TOGETHER];
   int moves = 0;

@@ -18,7 +18,7 @@ static inline void put_place(km_lane_slot *slot, int lane, const planar_place *a
 }
 
 /* The place behind a slide, or a hinge, by `value`. */
-static inline void slide(const km_drive_lanes *l, const km_lane_step *n, vector value, double sign, km_lane_column *h,
+static inline void slide(const km_batch *l, const km_lane_step *n, vector value, double sign, km_lane_column *h,
                          planar_place *at, int r, int first) {
   const vector c = at->cosine, s = at->sine, ux = GET(n->ux), uy = GET(n->uy);
   const vector along_x = c * ux - s * uy, along_y = s * ux + c * uy;
@@ -37,7 +37,7 @@ static inline void turn_hinge(vector value, double sign, km_lane_column *h, plan
 
 /* planar_steps of loops.c; `again`: only Newton has moved since the last time. Clears the lanes whose angles are too large for
  * the sines. A step that follows the one before it finds its place in registers. */
-static WITHIN void steps(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first, int count) {
+static WITHIN void steps(km_batch *l, const km_program *program, bool again, mask *fit, int first, int count) {
   const km_planar_step *fixed = l->m->planar_steps + program->step_start;
   const km_lane_step *numbers = l->steps + program->step_start;
   km_lane_slot *slots = l->slots;
@@ -57,7 +57,7 @@ static WITHIN void steps(km_drive_lanes *l, const km_program *program, bool agai
       EACH(r)
     at[r] = get_place(&slots[step->from], AT(r));
     km_lane_column *h = &l->h[program->twist_start + i];
-    const km_lanes_number *q = &l->q[step->coordinate];
+    const km_batch_number *q = &l->q[step->coordinate];
     double sign = step->sign;
     bool slides = step->slides;
     EACH(r) {
@@ -86,7 +86,7 @@ static inline vector wrapped(vector angle) {
 }
 
 /* planar_error of loops.c. Clears the lanes whose misfit is large. */
-static WITHIN void find_misfit(km_drive_lanes *l, int index, mask *fit, int first, int count) {
+static WITHIN void find_misfit(km_batch *l, int index, mask *fit, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   km_lane_planar_loop *n = &l->planar_loops[index];
   km_lane_loop *out = &l->loops[index];
@@ -122,14 +122,14 @@ static WITHIN void find_misfit(km_drive_lanes *l, int index, mask *fit, int firs
 }
 
 /* The loop's entries of J; planar_loop of loops.c. */
-static WITHIN void set_entries(km_drive_lanes *l, int index, const km_lane_column *h, int first, int count) {
+static WITHIN void set_entries(km_batch *l, int index, const km_lane_column *h, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   const km_lane_planar_loop *n = &l->planar_loops[index];
   double *J = l->J->of;
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_lane_entry *entry = &l->entries[loop->entry_start + i];
     const km_lane_column *column = &h[entry->step];
-    const km_lanes_number *origin = n->origin[entry->side < 0.0];
+    const km_batch_number *origin = n->origin[entry->side < 0.0];
     const double side = entry->side, w = entry->turn;
     EACH(r) {
       put(J + entry->at[0] + AT(r), side * (GET(column->x) - w * GET(origin[1])));
@@ -140,7 +140,7 @@ static WITHIN void set_entries(km_drive_lanes *l, int index, const km_lane_colum
 }
 
 /* The error of a coupling, and its entries of J. */
-static inline void set_coupling(km_drive_lanes *l, int index, vector *square, mask *fit, int first, int count) {
+static inline void set_coupling(km_batch *l, int index, vector *square, mask *fit, int first, int count) {
   const km_coupling *coupling = &l->m->couplings[index];
   EACH(r) {
     vector sum = -GET(l->couplings[index].constant);
@@ -157,8 +157,7 @@ static inline void set_coupling(km_drive_lanes *l, int index, vector *square, ma
   }
 }
 
-static WITHIN void update_planar(km_drive_lanes *l, const km_program *program, bool again, mask *fit, int first,
-                                 int count) {
+static WITHIN void update_planar(km_batch *l, const km_program *program, bool again, mask *fit, int first, int count) {
   steps(l, program, again, fit, first, count);
   for (int i = 0; i < program->loop_count; ++i) {
     int index = l->m->loop_order[program->loop_start + i];
@@ -168,7 +167,7 @@ static WITHIN void update_planar(km_drive_lanes *l, const km_program *program, b
 }
 
 /* km_loops_update, and six times the square of km_loops_residual. Clears the lanes that the formulas aren't good for. */
-static WITHIN void update(km_drive_lanes *l, bool again, vector *square, mask *fit, int first, int count) {
+static WITHIN void update(km_batch *l, bool again, vector *square, mask *fit, int first, int count) {
   const km_mechanism *m = l->m;
   EACH(r)
   square[r] = all(0.0);

@@ -37,7 +37,7 @@ static inline void weigh_known(const vector *x, mask all_known, int less, const 
     weight[i] = pick(all_known, weight[i], fewer[i]);
 }
 
-static inline node_weights weigh_tangents(const km_drive_lanes *l, vector h, int r, int first) {
+static inline node_weights weigh_tangents(const km_batch *l, vector h, int r, int first) {
   static const double integral[KM_PATH_NODES] = {1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5};
   static const double slope[KM_PATH_NODES] = {0.0, 1.0}, bend[KM_PATH_NODES] = {0.0, 0.0, 2.0};
   node_weights w = {.slope = {all(0.0)}, .bend = {all(0.0)}};
@@ -57,7 +57,7 @@ static inline node_weights weigh_tangents(const km_drive_lanes *l, vector h, int
 }
 
 /* weighted_turn of least_path.c. */
-static inline lanes_vec weighted_turn(const km_lanes_number *const *t, const vector *weight, int column, int lane) {
+static inline lanes_vec weighted_turn(const km_batch_number *const *t, const vector *weight, int column, int lane) {
   lanes_vec sum = {all(0.0), all(0.0), all(0.0)};
   for (int i = 0; i < KM_PATH_NODES; ++i)
     sum = lanes_axpy(weight[i], get_columns(t[i] + column, lane), sum);
@@ -65,13 +65,13 @@ static inline lanes_vec weighted_turn(const km_lanes_number *const *t, const vec
 }
 
 /* wind_balls of least_path.c. */
-static inline void wind_balls(km_drive_lanes *l, const km_lanes_number *const *t, const node_weights *w,
-                              const vector *h, int first, int count) {
+static inline void wind_balls(km_batch *l, const km_batch_number *const *t, const node_weights *w, const vector *h,
+                              int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k) {
     if (!l->is_ball[k])
       continue;
-    const km_lanes_number *now = t[0] + k;
-    km_lanes_number *turn = l->move + k;
+    const km_batch_number *now = t[0] + k;
+    km_batch_number *turn = l->move + k;
     EACH(r) {
       lanes_vec bend = weighted_turn(t, w[r].bend, k, AT(r)), slope = weighted_turn(t, w[r].slope, k, AT(r));
       lanes_vec change = lanes_axpy(all(0.5), bend, slope);
@@ -84,9 +84,9 @@ static inline void wind_balls(km_drive_lanes *l, const km_lanes_number *const *t
   }
 }
 
-/* The strain of a step into `move`, whose error is the other number: see km_drive. */
-static inline void find_strain(const km_drive_lanes *l, const km_lanes_number *move, const vector *error,
-                               vector *strain, int first, int count) {
+/* The strain of a step into `move`, whose error is the other number: see km_driver_motion. */
+static inline void find_strain(const km_batch *l, const km_batch_number *move, const vector *error, vector *strain,
+                               int first, int count) {
   vector largest[TOGETHER];
   EACH(r)
   largest[r] = all(0.0);
@@ -97,9 +97,9 @@ static inline void find_strain(const km_drive_lanes *l, const km_lanes_number *m
   strain[r] = error[r] / (km_path_allowed * largest[r] + km_path_grain);
 }
 
-/* km_least_path_continue. `able`: lanes that know enough tangents, and whose step isn't too long for them. */
-static inline void continue_path(km_drive_lanes *l, const vector *h, vector *strain, mask *able, int first, int count) {
-  const km_lanes_number *t[KM_PATH_NODES] = {l->t, l->last_t};
+/* km_minimum_norm_path_continue. `able`: lanes that know enough tangents, and whose step isn't too long for them. */
+static inline void continue_path(km_batch *l, const vector *h, vector *strain, mask *able, int first, int count) {
+  const km_batch_number *t[KM_PATH_NODES] = {l->t, l->last_t};
   node_weights weights[TOGETHER];
   vector error[TOGETHER];
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
@@ -127,8 +127,7 @@ static inline void continue_path(km_drive_lanes *l, const vector *h, vector *str
 }
 
 /* h Σ share_i rate_i, of column k. */
-static inline vector combined(const km_drive_lanes *l, const double *share, int stages, int k, vector h, int r,
-                              int first) {
+static inline vector combined(const km_batch *l, const double *share, int stages, int k, vector h, int r, int first) {
   vector sum = all(0.0);
   for (int i = 0; i < stages; ++i)
     if (share[i] != 0.0)
@@ -146,7 +145,7 @@ static inline lanes_vec vector_rate(lanes_vec u, lanes_vec w) {
 }
 
 /* unwind_balls of least_path.c: the rates of a stage take the place of the move that led there. */
-static inline void set_stage(const km_drive_lanes *l, km_lanes_number *stage, int first, int count) {
+static inline void set_stage(const km_batch *l, km_batch_number *stage, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k) {
     bool is_ball = l->is_ball[k];
     EACH(r) {
@@ -163,7 +162,7 @@ static inline void set_stage(const km_drive_lanes *l, km_lanes_number *stage, in
   }
 }
 
-static inline void return_to_start(km_drive_lanes *l, int first, int count) {
+static inline void return_to_start(km_batch *l, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
@@ -176,8 +175,8 @@ static inline void return_to_start(km_drive_lanes *l, int first, int count) {
 }
 
 /* One stage of Runge and Kutta's method; clears the lanes that it leads too far. */
-static inline void run_stage(km_drive_lanes *l, int index, const vector *h, mask *fit, int first, int count) {
-  km_lanes_number *stage = l->stage[index];
+static inline void run_stage(km_batch *l, int index, const vector *h, mask *fit, int first, int count) {
+  km_batch_number *stage = l->stage[index];
   vector square[TOGETHER], largest_b[TOGETHER];
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
@@ -194,8 +193,8 @@ static inline void run_stage(km_drive_lanes *l, int index, const vector *h, mask
   return_to_start(l, first, count);
 }
 
-/* km_least_path_predict, where `fit` is set, into `move`; the other lanes keep theirs. */
-static APART void run_stages(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
+/* km_minimum_norm_path_predict, where `fit` is set, into `move`; the other lanes keep theirs. */
+static APART void run_stages(km_batch *l, const vector *h, vector *strain, mask *fit, int first, int count) {
   double difference[KM_PATH_STAGES];
   vector error[TOGETHER], own[TOGETHER];
   mask wanted[TOGETHER];
@@ -224,7 +223,7 @@ static APART void run_stages(km_drive_lanes *l, const vector *h, vector *strain,
 }
 
 /* follow_path of drive.c, where the path isn't stiff. Clears the lanes whose step is too long. */
-static APART void follow_path(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
+static APART void follow_path(km_batch *l, const vector *h, vector *strain, mask *fit, int first, int count) {
   mask able[TOGETHER], others[TOGETHER];
   continue_path(l, h, strain, able, first, count);
   EACH(r)
@@ -236,7 +235,7 @@ static APART void follow_path(km_drive_lanes *l, const vector *h, vector *strain
 }
 
 /* grow_older of continuation.c, before a step of h is accepted where `took` is set. */
-static APART void grow_older(km_drive_lanes *l, const vector *h, const mask *took, int first, int count) {
+static APART void grow_older(km_batch *l, const vector *h, const mask *took, int first, int count) {
   EACH(r) {
     vector last = GET(l->here.last_h), known = GET(l->here.older_count), most = all(KM_OLDER_STEPS);
     mask back = below(h[r] * last, all(0.0));

@@ -2,7 +2,7 @@
  * linalg/null_space.c and closure.c compute for one drive. */
 
 /* sum += (D a)·(D b) */
-static inline void add_product(const km_drive_lanes *l, const km_lanes_number *a, const km_lanes_number *b, vector *sum,
+static inline void add_product(const km_batch *l, const km_batch_number *a, const km_batch_number *b, vector *sum,
                                int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
@@ -12,10 +12,9 @@ static inline void add_product(const km_drive_lanes *l, const km_lanes_number *a
 }
 
 /* diag(weight) times the null vector of independent column k; and the square of its length. null_vector of partition/null.c. */
-static inline void set_null_vector(const km_drive_lanes *l, int k, km_lanes_number *z, vector *square, int first,
-                                   int count) {
-  const km_replay *replay = &l->replay;
-  const km_lanes_number *B = l->B + (size_t)k * (size_t)replay->rank;
+static inline void set_null_vector(const km_batch *l, int k, km_batch_number *z, vector *square, int first, int count) {
+  const km_recorded_elimination *replay = &l->replay;
+  const km_batch_number *B = l->B + (size_t)k * (size_t)replay->rank;
   const int own = replay->column[replay->rank + k];
   for (int c = replay->rank; l->beside > 0 && c < replay->column_count; ++c)
     EACH(r)
@@ -35,7 +34,7 @@ static inline void set_null_vector(const km_drive_lanes *l, int k, km_lanes_numb
   }
 }
 
-static inline void find_dot(const km_drive_lanes *l, const km_lanes_number *a, const km_lanes_number *b, vector *dot,
+static inline void find_dot(const km_batch *l, const km_batch_number *a, const km_batch_number *b, vector *dot,
                             int first, int count) {
   EACH(r)
   dot[r] = all(0.0);
@@ -45,7 +44,7 @@ static inline void find_dot(const km_drive_lanes *l, const km_lanes_number *a, c
 }
 
 /* z loses its part along the unit vector y. */
-static inline void subtract_part(const km_drive_lanes *l, const km_lanes_number *y, km_lanes_number *z, int first,
+static inline void subtract_part(const km_batch *l, const km_batch_number *y, km_batch_number *z, int first,
                                  int count) {
   vector dot[TOGETHER];
   find_dot(l, y, z, dot, first, count);
@@ -57,10 +56,10 @@ static inline void subtract_part(const km_drive_lanes *l, const km_lanes_number 
 }
 
 /* Vectors from … to-1 of the orthonormal null space; those before are known. km_partition_null_more. */
-static APART void find_null_vectors(km_drive_lanes *l, int from, int to, int first, int count) {
+static APART void find_null_vectors(km_batch *l, int from, int to, int first, int count) {
   const size_t columns = (size_t)l->sub->columns;
   for (int k = from; k < to; ++k) {
-    km_lanes_number *z = l->Z + (size_t)k * columns;
+    km_batch_number *z = l->Z + (size_t)k * columns;
     vector square[TOGETHER], factor[TOGETHER];
     set_null_vector(l, k, z, square, first, count);
     for (int pass = 0; pass < 2; ++pass)
@@ -76,14 +75,14 @@ static APART void find_null_vectors(km_drive_lanes *l, int from, int to, int fir
   }
 }
 
-/* km_least_step, by the vectors that leave the driver alone. `part`: room for [columns]. */
-static APART void least_step(const km_drive_lanes *l, km_lanes_number *x, km_lanes_number *part, int first, int count) {
+/* km_minimum_norm_step, by the vectors that leave the driver alone. `part`: room for [columns]. */
+static APART void least_step(const km_batch *l, km_batch_number *x, km_batch_number *part, int first, int count) {
   const int columns = l->sub->columns;
   for (int j = 0; j < columns; ++j)
     EACH(r)
   PUT(part[j], all(0.0));
   for (int k = 0; k < l->beside; ++k) {
-    const km_lanes_number *y = l->Z + (size_t)k * (size_t)columns;
+    const km_batch_number *y = l->Z + (size_t)k * (size_t)columns;
     vector dot[TOGETHER];
     EACH(r)
     dot[r] = all(0.0);
@@ -99,12 +98,12 @@ static APART void least_step(const km_drive_lanes *l, km_lanes_number *x, km_lan
   PUT(x[j], GET(x[j]) - GET(part[j]) / GET(l->weight[j]));
 }
 
-/* km_least_rates. */
-static WITHIN void set_next_tangent(km_drive_lanes *l, int first, int count) {
-  const km_replay *replay = &l->replay;
-  const km_lanes_number *B = l->B + (size_t)l->beside * (size_t)replay->rank;
+/* km_minimum_norm_rates. */
+static WITHIN void set_next_tangent(km_batch *l, int first, int count) {
+  const km_recorded_elimination *replay = &l->replay;
+  const km_batch_number *B = l->B + (size_t)l->beside * (size_t)replay->rank;
   for (int i = 0; i < replay->rank; ++i) {
-    km_lanes_number *to = &l->next_t[replay->column[i]];
+    km_batch_number *to = &l->next_t[replay->column[i]];
     EACH(r)
     PUT(*to, -GET(B[i]));
   }
@@ -118,7 +117,7 @@ static WITHIN void set_next_tangent(km_drive_lanes *l, int first, int count) {
 }
 
 /* Mobility numbers where `took` is set, and the direction of the driver's motion. */
-static APART void set_numbers_of_several(km_drive_lanes *l, const mask *took, int first, int count) {
+static APART void set_numbers_of_several(km_batch *l, const mask *took, int first, int count) {
   const int columns = l->sub->columns;
   const km_lane_row *row = l->row;
   vector sum[TOGETHER], factor[TOGETHER];

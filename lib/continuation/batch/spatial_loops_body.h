@@ -77,7 +77,7 @@ static inline pose motion_step(const km_step *step, vector pitch, vector value, 
 }
 
 /* spatial_steps of loops.c. */
-static inline void space_steps(km_drive_lanes *l, const km_program *program, mask *fit, int first, int count) {
+static inline void space_steps(km_batch *l, const km_program *program, mask *fit, int first, int count) {
   for (int i = program->step_start; i < program->step_start + program->step_count; ++i) {
     const km_step *step = &l->m->steps[i];
     const km_lane_space_step *n = &l->space_steps[i];
@@ -115,7 +115,7 @@ static inline twist twist_log(const pose *E, mask *fit) {
 }
 
 /* spatial_loop of loops.c without its entries: the loop's misfit and rows of error. */
-static inline void find_space_misfit(km_drive_lanes *l, int index, mask *fit, int r, int first) {
+static inline void find_space_misfit(km_batch *l, int index, mask *fit, int r, int first) {
   const km_loop *loop = &l->m->loops[index];
   km_lane_space_loop *n = &l->space_loops[index];
   km_lane_loop *out = &l->loops[index];
@@ -139,7 +139,7 @@ static inline void find_space_misfit(km_drive_lanes *l, int index, mask *fit, in
 }
 
 /* Its entries of J. */
-static inline void set_space_entries(km_drive_lanes *l, int index, const km_lane_twist *h, int first, int count) {
+static inline void set_space_entries(km_batch *l, int index, const km_lane_twist *h, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   const km_lane_space_loop *n = &l->space_loops[index];
   for (int i = 0; i < loop->entry_count; ++i) {
@@ -158,7 +158,7 @@ static inline void set_space_entries(km_drive_lanes *l, int index, const km_lane
 }
 
 /* update_spatial of loops.c. */
-static inline void update_spatial(km_drive_lanes *l, const km_program *program, mask *fit, int first, int count) {
+static inline void update_spatial(km_batch *l, const km_program *program, mask *fit, int first, int count) {
   space_steps(l, program, fit, first, count);
   for (int i = 0; i < program->loop_count; ++i) {
     int index = l->m->loop_order[program->loop_start + i];

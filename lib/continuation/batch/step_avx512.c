@@ -1,6 +1,6 @@
 /* The same lanes in registers of eight doubles. No fused multiply-add: the bits stay the same. */
 #ifdef KM_LANES_AVX512
-#define NAME  km_lanes_step_avx512
+#define NAME  km_batch_step_avx512
 #define WIDTH 8
 #include "continuation/batch/step_body.h"
 #else

@@ -22,17 +22,17 @@
 #include "continuation/batch/minimum_norm_path_body.h" /* on closure */
 
 /* Of continuation.c: is a step as long as the last one? */
-static inline mask as_long(const km_drive_lanes *l, vector h, int r, int first) {
+static inline mask as_long(const km_batch *l, vector h, int r, int first) {
   return at_most(size_of(h - GET(l->here.last_h)), km_continuation_same * size_of(h));
 }
 
 /* Is the last step long enough to tell of one of h? */
-static inline mask is_near(const km_drive_lanes *l, vector h, int r, int first) {
+static inline mask is_near(const km_batch *l, vector h, int r, int first) {
   return at_most(size_of(h), km_continuation_farther * size_of(GET(l->here.last_h)));
 }
 
 /* Where the last step tells nothing, or there is none: along the tangent. */
-static APART void set_out(km_drive_lanes *l, const vector *h, const mask *near, int first, int count) {
+static APART void set_out(km_batch *l, const vector *h, const mask *near, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->move[k], pick(near[r], GET(l->move[k]), h[r] * GET(l->t[k])));
@@ -52,15 +52,15 @@ static inline vector along_cubic(const cubic *c, vector last_move, vector last_t
   return -c->h00 * last_move + c->last_h * (c->h10 * last_t + c->h11 * t);
 }
 
-static WITHIN void follow_cubic(km_drive_lanes *l, const cubic *c, int first, int count) {
+static WITHIN void follow_cubic(km_batch *l, const cubic *c, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->move[k], along_cubic(&c[r], GET(l->last_move[k]), GET(l->last_t[k]), GET(l->t[k])));
 }
 
 /* look_farther of continuation.c: the polynomial through nine poses in place of the cubic, where `far` is set and they agree. */
-static WITHIN void look_farther(km_drive_lanes *l, const cubic *c, const vector *h, mask *far, const mask *fit,
-                                int first, int count) {
+static WITHIN void look_farther(km_batch *l, const cubic *c, const vector *h, mask *far, const mask *fit, int first,
+                                int count) {
   vector apart[TOGETHER];
   mask others[TOGETHER];
   EACH(r)
@@ -84,7 +84,7 @@ static WITHIN void look_farther(km_drive_lanes *l, const cubic *c, const vector 
   EACH(r)
   others[r] = fit[r] & ~far[r];
   if (!any(others, count)) { /* the two change places: both are this step's alone */
-    km_lanes_number *ways = l->x;
+    km_batch_number *ways = l->x;
     l->x = l->move;
     l->move = ways;
     return;
@@ -95,7 +95,7 @@ static WITHIN void look_farther(km_drive_lanes *l, const cubic *c, const vector 
 }
 
 /* km_continuation_predict, of one freedom. A step as long as the last one is near. */
-static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask *fit, int first, int count) {
+static WITHIN void continue_curve(km_batch *l, const vector *h, const mask *fit, int first, int count) {
   cubic c[TOGETHER];
   mask near[TOGETHER], lost[TOGETHER], far[TOGETHER];
   const bool has_balls = l->m->ball_count > 0;
@@ -113,8 +113,8 @@ static WITHIN void continue_curve(km_drive_lanes *l, const vector *h, const mask
     set_out(l, h, near, first, count);
 }
 
-/* predict of drive.c. Clears the lanes where it leads too far, or where a slide may leave. `strain`: as in km_drive. */
-static WITHIN void predict(km_drive_lanes *l, const vector *h, vector *strain, mask *fit, int first, int count) {
+/* predict of drive.c. Clears the lanes where it leads too far, or where a slide may leave. `strain`: as in km_driver_motion. */
+static WITHIN void predict(km_batch *l, const vector *h, vector *strain, mask *fit, int first, int count) {
   EACH(r)
   strain[r] = all(0.0);
   if (l->beside == 0)
@@ -123,24 +123,24 @@ static WITHIN void predict(km_drive_lanes *l, const vector *h, vector *strain, m
     follow_path(l, h, strain, fit, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
     EACH(r)
-    fit[r] &= at_most(size_of(GET(l->move[k])), all(km_drive_furthest));
+    fit[r] &= at_most(size_of(GET(l->move[k])), all(km_driver_motion_furthest));
     if (l->is_length[k])
       EACH(r)
-    fit[r] &= at_most(size_of(GET(l->from[k])), (km_drive_away - 1.0) * GET(l->unit[k]));
+    fit[r] &= at_most(size_of(GET(l->from[k])), (km_driver_motion_away - 1.0) * GET(l->unit[k]));
   }
 }
 
 /* The step that the step control allows towards the target; `arrives`: it leads there. */
-static inline void choose_step(const km_drive_lanes *l, vector *h, mask *arrives, int first, int count) {
+static inline void choose_step(const km_batch *l, vector *h, mask *arrives, int first, int count) {
   EACH(r) {
     vector left = GET(l->target) - GET(l->here.s), largest = GET(l->here.largest);
-    arrives[r] = at_most(size_of(left), largest * km_drive_reach);
+    arrives[r] = at_most(size_of(left), largest * km_driver_motion_reach);
     h[r] = pick(arrives[r], left, (vector)((word)largest | ((word)left & SIGN_BIT)));
   }
 }
 
 /* Clears the lanes whose target doesn't lie within the driver's limits, and, of several freedoms, whose last step tells nothing. */
-static inline void may_step(const km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
+static inline void may_step(const km_batch *l, const vector *h, mask *fit, int first, int count) {
   EACH(r) {
     vector s = GET(l->here.s), goal = GET(l->target);
     vector slack = 1e-12 * (1.0 + size_of(goal));
@@ -153,7 +153,7 @@ static inline void may_step(const km_drive_lanes *l, const vector *h, mask *fit,
 
 /* Clears the lanes where a coordinate can have come near a limit: outside one, by more than rounding, or beyond one on the
  * way, which is no longer than the ends of the cubic's hull. */
-static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mask *fit, int first, int count) {
+static inline void clear_of_limits(const km_batch *l, const vector *h, mask *fit, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
     if (!l->is_limited[k])
@@ -167,9 +167,8 @@ static inline void clear_of_limits(const km_drive_lanes *l, const vector *h, mas
 }
 
 /* Clears the lanes that were corrected too much for the way that was predicted. By squares, as in close_loops. */
-static inline void keep_to_prediction(const km_drive_lanes *l, const vector *correction, mask *fit, int first,
-                                      int count) {
-  const double part = km_drive_tightness;
+static inline void keep_to_prediction(const km_batch *l, const vector *correction, mask *fit, int first, int count) {
+  const double part = km_driver_motion_tightness;
   vector square[TOGETHER];
   mask corrected[TOGETHER];
   EACH(r) {
@@ -184,8 +183,8 @@ static inline void keep_to_prediction(const km_drive_lanes *l, const vector *cor
 }
 
 /* Clears the lanes that turned too sharply, or are on another branch, which one freedom shows. By squares too. */
-static WITHIN void keep_to_curve(const km_drive_lanes *l, mask *fit, int first, int count) {
-  const double cosine = km_drive_least_cosine(km_drive_tightness);
+static WITHIN void keep_to_curve(const km_batch *l, mask *fit, int first, int count) {
+  const double cosine = km_driver_motion_least_cosine(km_driver_motion_tightness);
   vector along[TOGETHER], before[TOGETHER], behind[TOGETHER];
   EACH(r)
   along[r] = before[r] = behind[r] = all(0.0);
@@ -203,16 +202,16 @@ static WITHIN void keep_to_curve(const km_drive_lanes *l, mask *fit, int first, 
     fit[r] &= equal(GET(l->next_sign), GET(l->sign));
 }
 
-/* grow_moves of continuation.c: the last move, `way`, takes the place of the oldest one; see km_lanes_grow_moves. */
-static WITHIN void take_move(km_drive_lanes *l, int k, vector way, mask took, int r, int first) {
-  km_lanes_number *to = &l->past[KM_CURVE_MOVES - 1][k];
+/* grow_moves of continuation.c: the last move, `way`, takes the place of the oldest one; see km_batch_extend_history. */
+static WITHIN void take_move(km_batch *l, int k, vector way, mask took, int r, int first) {
+  km_batch_number *to = &l->past[KM_CURVE_MOVES - 1][k];
   vector x = GET(l->x[k]), rest = GET(l->rest[k]);
   PUT(*to, pick(took, way + (x - rest), GET(*to)));
   PUT(l->rest[k], pick(took, x, rest));
 }
 
 /* The same of its count of equal steps. */
-static inline void count_equal(km_drive_lanes *l, const vector *h, const mask *took, int first, int count) {
+static inline void count_equal(km_batch *l, const vector *h, const mask *took, int first, int count) {
   EACH(r) {
     vector equals = GET(l->here.equal_count), most = all(KM_CURVE_MOVES);
     vector grown = pick(below(equals, most), equals + 1.0, most);
@@ -223,17 +222,17 @@ static inline void count_equal(km_drive_lanes *l, const vector *h, const mask *t
 /* lengthen of drive.c. */
 static inline vector lengthened(vector step, vector h, vector strain, bool alone) {
   vector longer = 2.0 * step;
-  vector longest = pick(below(longer, all(km_drive_longest)), longer, all(km_drive_longest));
+  vector longest = pick(below(longer, all(km_driver_longest_step)), longer, all(km_driver_longest_step));
   if (alone) /* there is no strain */
     return longest;
   vector share = step / size_of(h), square = share * share;
-  return pick(below(strain * (square * square), all(km_drive_easy)), longest, step);
+  return pick(below(strain * (square * square), all(km_driver_motion_easy)), longest, step);
 }
 
 /* km_continuation_accept where `took` is set, and what walk does after it; elsewhere back to where the step began. `x` is what
  * Newton has left undone. */
-static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arrives, const vector *h,
-                          const vector *strain, const vector *largest_b, int first, int count) {
+static WITHIN void accept(km_batch *l, const mask *took, const mask *arrives, const vector *h, const vector *strain,
+                          const vector *largest_b, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   const bool alone = l->beside == 0;
   if (l->m->ball_count > 0)
@@ -243,7 +242,7 @@ static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arriv
   else
     grow_older(l, h, took, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
-    km_lanes_number *to = &l->q[coordinate[k]];
+    km_batch_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k], is_ball = l->is_ball[k];
     vector way[TOGETHER];
     EACH(r) {
@@ -264,12 +263,12 @@ static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arriv
   EACH(r) {
     vector s = GET(l->here.s), largest = GET(l->here.largest), q = GET(l->q[l->coordinate]);
     vector longest = lengthened(largest, h[r], strain[r], alone);
-    mask away = took[r] & below(all(km_drive_leaves), size_of(h[r]));
+    mask away = took[r] & below(all(km_driver_motion_leaves), size_of(h[r]));
     PUT(l->here.largest_b, pick(took[r], largest_b[r], GET(l->here.largest_b)));
     PUT(l->here.last_h, pick(took[r], h[r], GET(l->here.last_h)));
     PUT(l->here.closed_at, pick(took[r], q, GET(l->here.closed_at)));
     PUT(l->here.s, pick(took[r], pick(arrives[r], GET(l->target), s + h[r]), s));
-    PUT(l->here.largest, pick(took[r], larger(longest, all(km_drive_least_first)), largest));
+    PUT(l->here.largest, pick(took[r], larger(longest, all(km_driver_motion_least_first)), largest));
     PUT(l->here.stopped, pick(away, all(0.0), GET(l->here.stopped)));
     if (!alone)
       PUT(l->sign, pick(took[r], GET(l->next_sign), GET(l->sign)));
@@ -278,8 +277,8 @@ static WITHIN void accept(km_drive_lanes *l, const mask *took, const mask *arriv
 }
 
 /* km_partition_null and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
-static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int first, int count) {
-  km_lanes_number *z = l->x; /* Newton is through */
+static WITHIN void set_numbers_of_one(km_batch *l, const mask *took, int first, int count) {
+  km_batch_number *z = l->x; /* Newton is through */
   const km_lane_row *row = l->row;
   vector sum[TOGETHER], factor[TOGETHER];
   set_null_vector(l, 0, z, sum, first, count);
@@ -293,29 +292,29 @@ static WITHIN void set_numbers_of_one(km_drive_lanes *l, const mask *took, int f
     }
 }
 
-/* km_dip_shows of sweep/dead_points.c at rows that are equally far from each other, and where that is so but for rounding. */
+/* km_minimum_search_is_zero of sweep/dead_points.c at rows that are equally far from each other, and where that is so but for rounding. */
 static inline mask may_dip(vector a, vector b, vector c) {
   const double slack = 1.01;
   vector bend = a - b - (b - c), slope = size_of(c - a), least = -larger(-a, larger(-b, -c));
   return below(all(0.0), bend) & at_most(slope, 2.0 * slack * bend) &
-         below(8.0 * bend * (b - slack * km_drive_dip * least), slope * slope);
+         below(8.0 * bend * (b - slack * km_driver_motion_dip * least), slope * slope);
 }
 
 /* Lanes whose pivots serve whoever looks at the row; and those of them, where it counts, in which no entry of the direction of
  * motion has changed its sign, or come near 0, since the row before. */
-static inline void find_quiet(const km_drive_lanes *l, mask *sound, mask *quiet, int first, int count) {
+static inline void find_quiet(const km_batch *l, mask *sound, mask *quiet, int first, int count) {
   EACH(r)
   quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
   for (int k = 0; k < l->sub->columns && l->looks; ++k)
     EACH(r) {
       vector z = GET(l->row->z[k]), before = GET(l->before[0][k]), earlier = GET(l->before[1][k]);
-      quiet[r] &= below(all(km_drive_quiet), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
+      quiet[r] &= below(all(km_driver_motion_quiet), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
       quiet[r] &= ~may_dip(size_of(earlier), size_of(before), size_of(z));
     }
 }
 
 /* km_loops_residual, of the lanes that `took` the step. */
-static inline void set_residual(km_drive_lanes *l, const mask *took, int first, int count) {
+static inline void set_residual(km_batch *l, const mask *took, int first, int count) {
   vector largest[TOGETHER];
   EACH(r)
   largest[r] = all(0.0);
@@ -327,7 +326,7 @@ static inline void set_residual(km_drive_lanes *l, const mask *took, int first, 
   EACH(r)
   largest[r] = root(largest[r] / all(6.0));
   for (int i = 0; i < l->sub->coupling_count; ++i) {
-    const km_lanes_number *error = &l->error[l->m->couplings[l->sub->coupling_start + i].row];
+    const km_batch_number *error = &l->error[l->m->couplings[l->sub->coupling_start + i].row];
     EACH(r)
     largest[r] = larger(size_of(GET(*error)) / all(sqrt(6.0)), largest[r]);
   }
@@ -336,7 +335,7 @@ static inline void set_residual(km_drive_lanes *l, const mask *took, int first, 
 }
 
 /* One step of lanes first … first + count · WIDTH-1. */
-static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int count) {
+static inline unsigned step(km_batch *l, unsigned wanted, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   vector h[TOGETHER], strain[TOGETHER], correction[TOGETHER], largest_b[TOGETHER];
   mask arrives[TOGETHER], took[TOGETHER], sound[TOGETHER], quiet[TOGETHER];
@@ -380,13 +379,13 @@ static inline unsigned step(km_drive_lanes *l, unsigned wanted, int first, int c
 }
 
 /* Two registers at a time, where lanes of both are wanted. */
-unsigned NAME(km_drive_lanes *lanes, unsigned wanted) {
+unsigned NAME(km_batch *lanes, unsigned wanted) {
   const unsigned own = (1u << WIDTH) - 1;
   unsigned took = 0;
   lanes->there = 0;
   lanes->sound &= ~wanted;
   lanes->quiet &= ~wanted;
-  for (int first = 0; first < KM_DRIVE_LANES; first += TOGETHER * WIDTH) {
+  for (int first = 0; first < KM_BATCH_LANES; first += TOGETHER * WIDTH) {
     unsigned one = wanted >> first & own, other = wanted >> (first + WIDTH) & own;
     if (one && other)
       took |= step(lanes, wanted, first, TOGETHER);

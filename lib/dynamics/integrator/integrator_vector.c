@@ -21,7 +21,7 @@ void km_simulation_unpack(km_simulation *run, const double *y, double time) {
   }
   for (int b = 0; b < m->ball_count; ++b) {
     const double *q = seen + run->place[m->ball_coordinate[b]];
-    km_state_place_ball(m, s, b, (km_quaternion){q[0], q[1], q[2], q[3]});
+    km_state_set_ball(m, s, b, (km_quaternion){q[0], q[1], q[2], q[3]});
   }
   s->time = time;
   const km_moving_forces *moving = run->dynamics->forces->moving;

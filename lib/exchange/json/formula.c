@@ -138,9 +138,9 @@ static km_status unknown(const km_formulas *f, const char *name, km_error *error
     return km_fail(error, KM_MODEL, "the parameter \"%s\" has no value yet; parameters may use earlier ones only",
                    name);
   for (size_t i = 0; i < f->count; ++i)
-    km_nearest_offer(&nearest, f->names[i]);
+    km_nearest_add(&nearest, f->names[i]);
   for (const char *const *word = functions; *word; ++word)
-    km_nearest_offer(&nearest, *word);
+    km_nearest_add(&nearest, *word);
   return km_fail(error, KM_MODEL, "there is no parameter or function \"%s\"; the nearest known names are %s", name,
                  km_nearest_text(&nearest, known));
 }

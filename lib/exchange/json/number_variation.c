@@ -64,7 +64,7 @@ static void reach(search *s, size_t token) {
 static void offer(search *s, size_t token, const char *name) {
   reach(s, token);
   if (token == s->deepest)
-    km_nearest_offer(&s->nearest, name);
+    km_nearest_add(&s->nearest, name);
 }
 
 static const char *name_of(const km_value *element) {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 typedef struct obj {
-  km_scan *scan;
+  km_event_search *scan;
   km_soup *soup;
   km_vec3 *points, *polygon;
   size_t count, room, polygon_count, polygon_room;
@@ -25,7 +25,8 @@ static bool append(obj *o, km_vec3 **list, size_t *count, size_t *room, km_vec3 
 
 static bool read_point(obj *o) {
   km_vec3 p;
-  return km_scan_point(o->scan, &p) && km_scan_end_line(o->scan) && append(o, &o->points, &o->count, &o->room, p);
+  return km_event_search_point(o->scan, &p) && km_event_search_end_line(o->scan) &&
+         append(o, &o->points, &o->count, &o->room, p);
 }
 
 /* "7", "7/1", "7//3", "-1/2/3": the first counts points, from the first one or back from the last. */
@@ -68,7 +69,7 @@ static bool is_flat_and_convex(const km_vec3 *p, size_t n) {
 /* Points and lines bound nothing. */
 static bool read_polygon(obj *o) {
   o->polygon_count = 0;
-  while (!km_scan_end_line(o->scan))
+  while (!km_event_search_end_line(o->scan))
     if (!read_corner(o))
       return false;
   size_t n = o->polygon_count;
@@ -81,20 +82,20 @@ static bool read_polygon(obj *o) {
 
 static bool read_line(obj *o) {
   static const char *const passed[] = {"vn", "vt", "g", "o", "s", "l", "p", "usemtl", "mtllib"};
-  if (km_scan_end_line(o->scan))
+  if (km_event_search_end_line(o->scan))
     return true;
-  if (km_scan_word(o->scan, "v"))
+  if (km_event_search_word(o->scan, "v"))
     return read_point(o);
-  if (km_scan_word(o->scan, "f"))
+  if (km_event_search_word(o->scan, "f"))
     return read_polygon(o);
   bool known = *o->scan->at == '#';
   for (size_t i = 0; i < sizeof passed / sizeof *passed; ++i)
-    known = known || km_scan_word(o->scan, passed[i]);
-  km_scan_skip_line(o->scan);
+    known = known || km_event_search_word(o->scan, passed[i]);
+  km_event_search_skip_line(o->scan);
   return known;
 }
 
-bool km_obj_scan(km_scan *scan, km_soup *soup) {
+bool km_obj_scan(km_event_search *scan, km_soup *soup) {
   obj o = {.scan = scan, .soup = soup};
   bool plain = true;
   while (plain && *scan->at)

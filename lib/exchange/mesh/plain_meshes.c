@@ -33,23 +33,23 @@ static bool is_end(char c) {
   return c == '\n' || c == '\0' || is_blank(c);
 }
 
-void km_scan_skip_blanks(km_scan *scan) {
+void km_event_search_skip_blanks(km_event_search *scan) {
   while (is_blank(*scan->at))
     ++scan->at;
 }
 
-bool km_scan_word(km_scan *scan, const char *expected) {
+bool km_event_search_word(km_event_search *scan, const char *expected) {
   size_t size = strlen(expected);
-  km_scan_skip_blanks(scan);
+  km_event_search_skip_blanks(scan);
   if (strncmp(scan->at, expected, size) != 0 || !is_end(scan->at[size]))
     return false;
   scan->at += size;
   return true;
 }
 
-static bool read_number(km_scan *scan, double *out) {
+static bool read_number(km_event_search *scan, double *out) {
   char *end;
-  km_scan_skip_blanks(scan);
+  km_event_search_skip_blanks(scan);
   if (!strchr("+-.0123456789", *scan->at) || is_end(*scan->at))
     return false;
   *out = km_number_read(scan->at, &end);
@@ -58,19 +58,19 @@ static bool read_number(km_scan *scan, double *out) {
   return sound;
 }
 
-bool km_scan_point(km_scan *scan, km_vec3 *out) {
+bool km_event_search_point(km_event_search *scan, km_vec3 *out) {
   return read_number(scan, &out->x) && read_number(scan, &out->y) && read_number(scan, &out->z);
 }
 
-bool km_scan_end_line(km_scan *scan) {
-  km_scan_skip_blanks(scan);
+bool km_event_search_end_line(km_event_search *scan) {
+  km_event_search_skip_blanks(scan);
   if (*scan->at != '\n' && *scan->at != '\0')
     return false;
   scan->at += *scan->at == '\n';
   return true;
 }
 
-void km_scan_skip_line(km_scan *scan) {
+void km_event_search_skip_line(km_event_search *scan) {
   scan->at += strcspn(scan->at, "\n");
   scan->at += *scan->at == '\n';
 }
@@ -85,10 +85,10 @@ static bool is_plain_text(const km_text *bytes) {
   return true;
 }
 
-static bool scan_text(const km_text *bytes, bool (*read)(km_scan *, km_soup *), km_soup *soup) {
+static bool scan_text(const km_text *bytes, bool (*read)(km_event_search *, km_soup *), km_soup *soup) {
   if (!is_plain_text(bytes))
     return false;
-  km_scan scan = {bytes->data};
+  km_event_search scan = {bytes->data};
   return read(&scan, soup) && soup->count > 0;
 }
 

@@ -20,21 +20,21 @@ typedef struct km_soup {
 void km_soup_add(km_soup *soup, km_vec3 a, km_vec3 b, km_vec3 c);
 
 /* What a text is read by. */
-typedef struct km_scan {
+typedef struct km_event_search {
   const char *at;
-} km_scan;
+} km_event_search;
 
 /* Each reads what comes next on the line; false: something else comes, or nothing. */
-bool km_scan_word(km_scan *scan, const char *expected);
-bool km_scan_point(km_scan *scan, km_vec3 *out); /* of finite numbers */
+bool km_event_search_word(km_event_search *scan, const char *expected);
+bool km_event_search_point(km_event_search *scan, km_vec3 *out); /* of finite numbers */
 /* Goes behind the line's end. False: there is more on the line. */
-bool km_scan_end_line(km_scan *scan);
-void km_scan_skip_line(km_scan *scan);
-void km_scan_skip_blanks(km_scan *scan);
+bool km_event_search_end_line(km_event_search *scan);
+void km_event_search_skip_line(km_event_search *scan);
+void km_event_search_skip_blanks(km_event_search *scan);
 
 /* Each adds triangles. False: the bytes aren't plain, or memory ran out; some may be added then. O(bytes). */
-bool km_obj_scan(km_scan *scan, km_soup *soup);
-bool km_stl_scan(km_scan *scan, km_soup *soup);
+bool km_obj_scan(km_event_search *scan, km_soup *soup);
+bool km_stl_scan(km_event_search *scan, km_soup *soup);
 bool km_stl_take(const km_text *bytes, km_soup *soup); /* a binary one */
 
 /* Adds the triangles of a file that has these bytes, of the format that the end of its name tells; false as above. */

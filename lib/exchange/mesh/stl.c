@@ -5,34 +5,37 @@
 #include <stdint.h>
 #include <string.h>
 
-static bool expect_line(km_scan *scan, const char *first, const char *second) {
-  return km_scan_word(scan, first) && (!second || km_scan_word(scan, second)) && km_scan_end_line(scan);
+static bool expect_line(km_event_search *scan, const char *first, const char *second) {
+  return km_event_search_word(scan, first) && (!second || km_event_search_word(scan, second)) &&
+         km_event_search_end_line(scan);
 }
 
 /* From behind "facet" to behind "endfacet". The normal follows from the corners. */
-static bool read_facet(km_scan *scan, km_soup *soup) {
+static bool read_facet(km_event_search *scan, km_soup *soup) {
   km_vec3 corners[3];
-  km_scan_skip_line(scan);
+  km_event_search_skip_line(scan);
   if (!expect_line(scan, "outer", "loop"))
     return false;
   for (int k = 0; k < 3; ++k)
-    if (!km_scan_word(scan, "vertex") || !km_scan_point(scan, &corners[k]) || !km_scan_end_line(scan))
+    if (!km_event_search_word(scan, "vertex") || !km_event_search_point(scan, &corners[k]) ||
+        !km_event_search_end_line(scan))
       return false;
   km_soup_add(soup, corners[0], corners[1], corners[2]);
   return expect_line(scan, "endloop", NULL) && expect_line(scan, "endfacet", NULL) && !soup->failed;
 }
 
-bool km_stl_scan(km_scan *scan, km_soup *soup) {
+bool km_stl_scan(km_event_search *scan, km_soup *soup) {
   bool inside = false, plain = true;
   while (plain && *scan->at) {
-    if (km_scan_end_line(scan))
+    if (km_event_search_end_line(scan))
       continue;
-    bool begins = !inside && km_scan_word(scan, "solid"), ends = inside && km_scan_word(scan, "endsolid");
+    bool begins = !inside && km_event_search_word(scan, "solid"),
+         ends = inside && km_event_search_word(scan, "endsolid");
     if (begins || ends) {
       inside = begins;
-      km_scan_skip_line(scan); /* a name */
+      km_event_search_skip_line(scan); /* a name */
     } else {
-      plain = inside && km_scan_word(scan, "facet") && read_facet(scan, soup);
+      plain = inside && km_event_search_word(scan, "facet") && read_facet(scan, soup);
     }
   }
   return plain && !inside;

@@ -37,7 +37,7 @@ int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *n
   char text[KM_NEAREST_TEXT];
   for (size_t i = 0; i < names->capacity; ++i)
     if (names->entries[i].name)
-      km_nearest_offer(&nearest, names->entries[i].name);
+      km_nearest_add(&nearest, names->entries[i].name);
   km_robot_error(m->robot, e, "%s: found the %s \"%.80s\", which isn't there; expected one of the file; nearest: %s",
                  key, kind, name ? name : "", km_nearest_text(&nearest, text));
   return -1;

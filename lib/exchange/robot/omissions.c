@@ -8,7 +8,7 @@ void km_omissions_add(km_omissions *o, const char *kind, const char *name) {
   int k = 0;
   while (k < o->count && strcmp(o->items[k].kind, kind) != 0)
     k++;
-  if (k == KM_MOST_OMISSIONS)
+  if (k == KM_MAX_OMISSIONS)
     return;
   if (k == o->count)
     o->items[o->count++] = (km_omission){kind, name ? name : "", 0};

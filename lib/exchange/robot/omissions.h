@@ -8,7 +8,7 @@
 #define KM_MJCF_TOLERANCE "kmech_closure_tolerance"
 #define KM_SDF_TOLERANCE  "kmech:closure_tolerance"
 
-enum { KM_MOST_OMISSIONS = 48 };
+enum { KM_MAX_OMISSIONS = 48 };
 
 typedef struct km_omission {
   const char *kind, *first; /* the name of the first one, "" if it has none; both borrowed */
@@ -16,7 +16,7 @@ typedef struct km_omission {
 } km_omission;
 
 typedef struct km_omissions {
-  km_omission items[KM_MOST_OMISSIONS];
+  km_omission items[KM_MAX_OMISSIONS];
   int count;
 } km_omissions;
 

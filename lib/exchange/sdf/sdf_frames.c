@@ -48,7 +48,7 @@ int km_sdf_need(km_sdf *sdf, int home, const char *name, const km_xml *at, const
   char text[KM_NEAREST_TEXT];
   for (int i = 1; i < sdf->entity_count; ++i)
     if (sdf->entities[i].scope == scope && !sdf->entities[i].is_merged)
-      km_nearest_offer(&nearest, sdf->entities[i].name);
+      km_nearest_add(&nearest, sdf->entities[i].name);
   if (sdf->incomplete)
     km_robot_warn(sdf->robot, at, "the %s \"%.80s\" isn't there; what uses it is left out with it", kind, name);
   else

@@ -60,7 +60,7 @@ static km_body_id find_link(km_urdf *urdf, const km_urdf_joint *joint, const cha
   km_nearest nearest = {.wanted = name ? name : ""};
   for (int i = 0; i < urdf->link_count; ++i)
     if (urdf->elements[i])
-      km_nearest_offer(&nearest, km_xml_attribute_of(urdf->elements[i], "name"));
+      km_nearest_add(&nearest, km_xml_attribute_of(urdf->elements[i], "name"));
   char text[KM_NEAREST_TEXT];
   km_robot_error(urdf->robot, at ? at : joint->at,
                  "joint \"%.80s\": its %s is the link \"%.80s\", which isn't there; expected a link of the file; "

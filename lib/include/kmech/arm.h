@@ -231,14 +231,14 @@ KM_API km_status km_method_check(const km_method *method, const char **key, km_e
 
 /* Why a track ends. */
 typedef enum km_track_stop {
-  KM_TRACK_COMPLETE, /* the path does */
-  KM_TRACK_LIMIT,    /* a joint is at its limit */
-  KM_TRACK_RATE,     /* a joint would be faster than it may */
-  KM_TRACK_SINGULAR, /* the pose can't move along the path, though another one could */
-  KM_TRACK_HELD,     /* fixed: the pose can't move along the path with the joints that are held */
-  KM_TRACK_EDGE,     /* the workspace ends here: no pose of the arm reaches what follows */
-  KM_TRACK_GAVE_OUT, /* dp: more work than it does; what was reached so far */
-  KM_TRACK_START     /* nowhere to begin: the first pose is out of reach or outside the limits */
+  KM_TRACK_COMPLETE,      /* the path does */
+  KM_TRACK_LIMIT,         /* a joint is at its limit */
+  KM_TRACK_RATE,          /* a joint would be faster than it may */
+  KM_TRACK_SINGULAR,      /* the pose can't move along the path, though another one could */
+  KM_TRACK_HELD,          /* fixed: the pose can't move along the path with the joints that are held */
+  KM_TRACK_EDGE,          /* the workspace ends here: no pose of the arm reaches what follows */
+  KM_TRACK_NOT_CONVERGED, /* dp: more work than it does; what was reached so far */
+  KM_TRACK_START          /* nowhere to begin: the first pose is out of reach or outside the limits */
 } km_track_stop;
 
 /* How a track ended. */

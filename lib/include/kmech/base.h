@@ -171,7 +171,7 @@ typedef struct km_nearest {
 } km_nearest;
 
 /* By edit distance in bytes. O(bytes²). */
-KM_API void km_nearest_offer(km_nearest *nearest, const char *name);
+KM_API void km_nearest_add(km_nearest *nearest, const char *name);
 
 enum {
   KM_NEAREST_TEXT = 256 /* bytes of the text, the NUL included */

@@ -150,17 +150,17 @@ KM_API km_crossing_met km_simulation_crossing(const km_simulation *simulation, i
 /* ---- A simulation as a table: coordinates, rates, accelerations, energies, points and reactions over time. */
 
 /* A frame that the table follows; its name is borrowed. */
-typedef struct km_followed_frame {
+typedef struct km_traced_frame {
   int frame;        /* of the model */
   const char *name; /* "body/frame" */
-} km_followed_frame;
+} km_traced_frame;
 
 /* What to write down. Times in the model's time unit; start from km_history_default(). */
 typedef struct km_history_def {
-  km_simulation_def simulation; /* crossings and frames are borrowed; `end` is set to `until` */
-  double start;                 /* the time at which the motion begins; 0 */
-  double until, every;          /* the end, and the time between rows, of which there are at most KM_MOST_SWEEP_STEPS */
-  const km_followed_frame *frames; /* whose origins are written down */
+  km_simulation_def simulation;  /* crossings and frames are borrowed; `end` is set to `until` */
+  double start;                  /* the time at which the motion begins; 0 */
+  double until, every;           /* the end, and the time between rows, of which there are at most KM_MAX_SWEEP_STEPS */
+  const km_traced_frame *frames; /* whose origins are written down */
   int frame_count;
   bool reactions; /* of every joint, too */
   km_axes axes;   /* of the reactions */
@@ -250,9 +250,9 @@ typedef struct km_constant_rate {
 typedef struct km_inverse_def {
   const km_constant_rate *rates; /* what moves, and how fast */
   int rate_count;
-  double until;                    /* the model's time unit */
-  int steps;                       /* intervals between rows */
-  const km_followed_frame *frames; /* whose origins are written down */
+  double until;                  /* the model's time unit */
+  int steps;                     /* intervals between rows */
+  const km_traced_frame *frames; /* whose origins are written down */
   int frame_count;
   bool reactions; /* of every joint, too */
   km_axes axes;   /* of the reactions */

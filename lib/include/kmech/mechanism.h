@@ -106,11 +106,11 @@ KM_API km_status km_assemble(const km_mechanism *mechanism, km_state *state, km_
 /* Makes a pose that the model names the one that it starts from: its joints have their values exactly where the others
  * can follow; else the first half of them, or a quarter …, while the rest is where the loops close next to its values. To be called before the model is compiled. KM_USAGE:
  * there is no such pose; KM_MEMORY. */
-KM_API km_status km_model_take_pose(km_model *model, int pose, km_error *error);
+KM_API km_status km_model_apply_pose(km_model *model, int pose, km_error *error);
 
 /* Poses of all bodies in the inertial frame from the state's coordinates. */
-KM_API void km_poses_update(const km_mechanism *mechanism, km_state *state);
-/* The `position` of a frame's origin in the inertial frame, model's length unit. After km_poses_update. */
+KM_API void km_poses_compute(const km_mechanism *mechanism, km_state *state);
+/* The `position` of a frame's origin in the inertial frame, model's length unit. After km_poses_compute. */
 KM_API void km_frame_position(const km_mechanism *mechanism, const km_state *state, int frame, double position[3]);
 
 /* ---- Where frames are and how they move.
@@ -129,18 +129,18 @@ typedef struct km_frame_pose {
  * radians, right-handed. KM_USAGE: not finite. */
 KM_API km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_pose *out, km_error *error);
 
-/* The pose of a frame of the model. After km_poses_update. KM_USAGE. O(1). */
+/* The pose of a frame of the model. After km_poses_compute. KM_USAGE. O(1). */
 KM_API km_status km_frame_place(const km_mechanism *mechanism, const km_state *state, int frame, km_frame_pose *out,
                                 km_error *error);
 
-/* The twist of a frame at rates[coordinate], which must be rates that the loops allow: those of km_drive_tangent,
- * km_follow_tangent, km_lever_rates, or a column of km_motions_basis. After km_poses_update. KM_USAGE. O(depth). */
+/* The twist of a frame at rates[coordinate], which must be rates that the loops allow: those of km_driver_motion_tangent,
+ * km_arc_motion_tangent, km_transfer_rates, or a column of km_motions_basis. After km_poses_compute. KM_USAGE. O(depth). */
 KM_API km_status km_frame_twist(const km_mechanism *mechanism, const km_state *state, int frame, const double *rates,
                                 double twist[6], km_error *error);
 
 /* J[6 × coordinate count], column-major: the twist per unit rate of each coordinate on the way from the inertial frame
  * to the body along the spanning tree, 0 for all others and for held ones (thesis (33)-(34)). With loops the rates
- * aren't free: the twists that the frame can have are J N, N by km_motions_basis. After km_poses_update. KM_USAGE.
+ * aren't free: the twists that the frame can have are J N, N by km_motions_basis. After km_poses_compute. KM_USAGE.
  * O(coordinates). */
 KM_API km_status km_frame_jacobian(const km_mechanism *mechanism, const km_state *state, int frame, double *J,
                                    km_error *error);
@@ -149,7 +149,7 @@ KM_API km_status km_frame_jacobian(const km_mechanism *mechanism, const km_state
  * beside what else acts (O. Khatib, A unified approach for motion and force control, 1987; N lets the loops keep closed).
  * M has the bodies' masses and the rotors' inertias. In one over mass, over mass × length, over mass × length² of the
  * model; symmetric, singular where the frame can't move. 1/Λ⁻¹_ii is the mass that a push along axis i feels. After
- * km_poses_update and km_mobility_update. KM_MODEL: a free motion moves no mass; KM_USAGE; KM_MEMORY.
+ * km_poses_compute and km_mobility_compute. KM_MODEL: a free motion moves no mass; KM_USAGE; KM_MEMORY.
  * O(bodies · freedom · (depth + freedom)). */
 KM_API km_status km_frame_inverse_inertia(const km_mechanism *mechanism, const km_state *state, int frame,
                                           double inverse[36], km_error *error);
@@ -167,7 +167,7 @@ typedef struct km_modes {
 } km_modes;
 
 enum {
-  KM_MOST_MODE_STARTS = 1000000 /* the most random starts */
+  KM_MAX_MODE_STARTS = 1000000 /* the most random starts */
 };
 
 /* Fixes `driver` where the state has it (-1, for a structure: nothing, in the largest substructure), starts the other
@@ -184,7 +184,7 @@ KM_API void km_modes_free(km_modes *modes);
 /* ---- Mechanisms that move in parallel planes. */
 
 /* Do all free joints of the mechanism, or of one loop (0 …), turn about one direction and slide across it, at a pose
- * whose poses are updated (km_poses_update)? Then `normal` is that direction, a unit vector along the inertial axes whose
+ * whose poses are updated (km_poses_compute)? Then `normal` is that direction, a unit vector along the inertial axes whose
  * largest component is positive. False too where nothing turns and all slides are parallel. O(joints). */
 KM_API bool km_mechanism_plane(const km_mechanism *mechanism, const km_state *state, double normal[3]);
 KM_API bool km_loop_plane(const km_mechanism *mechanism, const km_state *state, int loop, double normal[3]);

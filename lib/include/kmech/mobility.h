@@ -14,7 +14,7 @@ extern "C" {
 
 /* A limit of computations whose cost is cubic. */
 enum {
-  KM_MOST_SINGULAR = 300 /* coordinates of which singular values are found */
+  KM_MAX_SINGULAR = 300 /* coordinates of which singular values are found */
 };
 
 /* ---- Mobility of a pose. */
@@ -41,14 +41,14 @@ typedef struct km_mobility {
  * m_j = Σ_k Z_jk² (278)-(279), Z the orthonormal basis of D·range(N). O(rows · columns · rank) a
  * substructure. KM_USAGE: a pointer is missing, or the state is another mechanism's; KM_MEMORY: the mobility isn't known, and all is found
  * anew by the next call. `*out` is then all 0 with a residual of NaN. */
-KM_API km_status km_mobility_update(const km_mechanism *mechanism, km_state *state, km_mobility *out);
+KM_API km_status km_mobility_compute(const km_mechanism *mechanism, km_state *state, km_mobility *out);
 
 /* How many kinematic substructures there are. */
 KM_API int km_substructure_count(const km_mechanism *mechanism);
-/* Rank, mobility and pivots of one, as the last km_mobility_update found them. All 0 if there is no such substructure. */
+/* Rank, mobility and pivots of one, as the last km_mobility_compute found them. All 0 if there is no such substructure. */
 KM_API void km_substructure_evidence(const km_mechanism *mechanism, const km_state *state, int substructure,
                                      km_substructure_mobility *out);
-/* After km_mobility_update: number of a coordinate; 0 for held ones, 1 outside loops and couplings. */
+/* After km_mobility_compute: number of a coordinate; 0 for held ones, 1 outside loops and couplings. */
 KM_API double km_mobility_number(const km_state *state, int coordinate);
 
 /* ---- The matrices behind the mobility: J, N and Z of substructures, and all free motions together. */
@@ -64,7 +64,7 @@ KM_API int km_substructure_coordinate(const km_mechanism *mechanism, int substru
 KM_API double km_substructure_unit(const km_mechanism *mechanism, int substructure, int column);
 
 /* All matrices are dense, column-major, into the caller's memory, in scaled coordinates (angles as they are, lengths
- * over the substructure's size), at the state's pose after km_mobility_update. Each: KM_USAGE where something is
+ * over the substructure's size), at the state's pose after km_mobility_compute. Each: KM_USAGE where something is
  * missing or the mobility isn't known; KM_MEMORY. */
 
 /* J[rows × columns]: the rates of the loops' errors per scaled rate, each loop's independent rows in its own motion
@@ -81,7 +81,7 @@ KM_API km_status km_substructure_basis(const km_mechanism *mechanism, const km_s
 
 /* Every free motion of the whole mechanism as rates of all coordinates, in radians and the model's length unit:
  * N[coordinate count × *freedom], room for coordinate count squared: per substructure D⁻¹ Z, and each coordinate
- * outside loops and couplings by itself. After km_mobility_update. KM_USAGE: the mobility isn't known. */
+ * outside loops and couplings by itself. After km_mobility_compute. KM_USAGE: the mobility isn't known. */
 KM_API km_status km_motions_basis(const km_mechanism *mechanism, const km_state *state, double *N, int *freedom,
                                   km_error *error);
 
@@ -89,40 +89,40 @@ KM_API km_status km_motions_basis(const km_mechanism *mechanism, const km_state 
  * ball joints. They count in the mobility, but no other joint drives or feels them. */
 
 enum {
-  KM_MOST_IDLE_BODIES = 4 /* of one group */
+  KM_MAX_PASSIVE_BODIES = 4 /* of one group */
 };
 
 /* A group of bodies that hinges and slides tie together, all of whose other joints have several coordinates. */
-typedef struct km_idle_freedom {
+typedef struct km_passive_freedom {
   int substructure; /* that the group lies in */
   int freedoms;     /* of the group while all other bodies stand, at the pose and a short way along the motion */
   int body_count;
-  int bodies[KM_MOST_IDLE_BODIES]; /* of the model; 0 is the inertial frame and never in a group */
-} km_idle_freedom;
+  int bodies[KM_MAX_PASSIVE_BODIES]; /* of the model; 0 is the inertial frame and never in a group */
+} km_passive_freedom;
 
 /* All such groups. */
-typedef struct km_idle_freedoms {
-  int count, mobility;    /* groups; the sum of their freedoms */
-  km_idle_freedom *items; /* [count] */
-} km_idle_freedoms;
+typedef struct km_passive_freedoms {
+  int count, mobility;       /* groups; the sum of their freedoms */
+  km_passive_freedom *items; /* [count] */
+} km_passive_freedoms;
 
 /* At an assembled pose; the state is left at it. By test: rank of the group's own joints with its neighbours fixed.
  * Cost: linear in joints. Free `*out` in any case. */
-KM_API km_status km_idle_freedoms_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
-                                       void *context, km_idle_freedoms *out, km_error *error);
+KM_API km_status km_passive_freedoms_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
+                                          void *context, km_passive_freedoms *out, km_error *error);
 /* Which coordinates belong to the joints that idle bodies turn in: marks[coordinate count]. They say nothing of the rest of
  * the mechanism. O(joints · groups). */
-KM_API void km_idle_coordinates(const km_mechanism *mechanism, const km_idle_freedoms *freedoms, bool *marks);
-KM_API void km_idle_freedoms_free(km_idle_freedoms *freedoms);
+KM_API void km_passive_coordinates(const km_mechanism *mechanism, const km_passive_freedoms *freedoms, bool *marks);
+KM_API void km_passive_freedoms_free(km_passive_freedoms *freedoms);
 
 /* ---- Which of the motions that first order allows are real. */
 
 /* How real a motion is that first order allows. */
 typedef enum km_motion_kind {
-  KM_MOTION_REGULAR, /* every direction of the null space is one of a smooth family */
-  KM_MOTION_BRANCH,  /* one of several motions that meet at the pose */
-  KM_MOTION_SHAKY,   /* allowed to first order, or a few more: the structure shakes, but doesn't move */
-  KM_MOTION_OPEN     /* the loops were closed for a part of the way, and what stopped them tells neither */
+  KM_MOTION_REGULAR,  /* every direction of the null space is one of a smooth family */
+  KM_MOTION_BRANCH,   /* one of several motions that meet at the pose */
+  KM_MOTION_SHAKY,    /* allowed to first order, or a few more: the structure shakes, but doesn't move */
+  KM_MOTION_UNDECIDED /* the loops were closed for a part of the way, and what stopped them tells neither */
 } km_motion_kind;
 
 /* One direction of motion, and how far it was followed with the loops closed. */
@@ -134,7 +134,7 @@ typedef struct km_finite_motion {
 } km_finite_motion;
 
 enum {
-  KM_MOST_MOTIONS = 64 /* how many are listed */
+  KM_MAX_FINITE_MOTIONS = 64 /* how many are listed */
 };
 
 /* The real motions at a pose. */
@@ -142,9 +142,9 @@ typedef struct km_finite_mobility {
   int mobility;   /* dimension of the set of real motions through the pose; the least it can be where undecided */
   bool undecided; /* some direction was neither confirmed nor refuted */
   int motion_count;
-  bool truncated;                            /* there are more motions than are listed, or may be */
-  km_finite_motion motions[KM_MOST_MOTIONS]; /* [motion_count] */
-  double *store;                             /* of the directions */
+  bool truncated;                                  /* there are more motions than are listed, or may be */
+  km_finite_motion motions[KM_MAX_FINITE_MOTIONS]; /* [motion_count] */
+  double *store;                                   /* of the directions */
 } km_finite_mobility;
 
 /* The finite mobility at an assembled configuration (theory 5). A substructure without redundant constraints has its
@@ -178,7 +178,7 @@ typedef struct km_remedy {
 } km_remedy;
 
 enum {
-  KM_MOST_REMEDIES = 8 /* how many are listed */
+  KM_MAX_REMEDIES = 8 /* how many are listed */
 };
 
 /* One redundant constraint of a loop: a wrench that the loop's other constraints carry already. */
@@ -192,7 +192,7 @@ typedef struct km_redundancy {
   bool out_of_plane;      /* of one planar loop, across its plane: such a loop has three of them by nature */
   bool lasting;           /* also a short way along the motion, not only at this pose */
   int remedy_count;
-  km_remedy remedies[KM_MOST_REMEDIES]; /* what would end it: by `freedoms`, then the strongest first */
+  km_remedy remedies[KM_MAX_REMEDIES]; /* what would end it: by `freedoms`, then the strongest first */
 } km_redundancy;
 
 /* All of a pose. */
@@ -214,7 +214,7 @@ KM_API void km_redundancies_free(km_redundancies *redundancies);
 typedef struct km_diagnosis {
   km_finite_mobility finite;    /* which motions are real */
   km_redundancies redundancies; /* what is constrained twice */
-  km_idle_freedoms idle;        /* what moves by itself */
+  km_passive_freedoms idle;     /* what moves by itself */
 } km_diagnosis;
 
 /* All three at an assembled pose. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of them. */
@@ -237,7 +237,7 @@ KM_API km_status km_rank_doubts(const km_mechanism *mechanism, km_state *state, 
 typedef enum km_finding_severity {
   KM_FINDING_FAULT,     /* it can't work as it is described */
   KM_FINDING_WARNING,   /* likely to be a mistake */
-  KM_FINDING_REMARK,    /* so by nature */
+  KM_FINDING_HINT,      /* so by nature */
   KM_FINDING_SEVERITIES /* how many there are */
 } km_finding_severity;
 KM_API const char *km_finding_severity_name(km_finding_severity severity); /* "fault", "warning", "remark" */

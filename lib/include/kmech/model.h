@@ -22,7 +22,7 @@ typedef struct km_model km_model;
 KM_API km_status km_model_read(const char *bytes, size_t size, km_messages *messages, km_model **out, km_error *error);
 
 /* The same from a file; "-" is the standard input. KM_IO if it can't be read. */
-KM_API km_status km_model_load(const char *path, km_messages *messages, km_model **out, km_error *error);
+KM_API km_status km_model_read_file(const char *path, km_messages *messages, km_model **out, km_error *error);
 
 /* A number of a model file, and the value that it is read with instead of its own, in the file's units. */
 typedef struct km_assignment {
@@ -49,8 +49,8 @@ KM_API km_status km_model_read_varied(const char *bytes, size_t size, const char
                                       const km_assignment *assignments, int count, km_messages *messages,
                                       km_model **out, km_error *error);
 /* The same from a file; "-" is the standard input, which can be read once. KM_IO if it can't be read. */
-KM_API km_status km_model_load_varied(const char *path, const km_assignment *assignments, int count,
-                                      km_messages *messages, km_model **out, km_error *error);
+KM_API km_status km_model_read_file_varied(const char *path, const km_assignment *assignments, int count,
+                                           km_messages *messages, km_model **out, km_error *error);
 /* The present values of the numbers that paths name in a file of kmech's own format: values[count], NaN where it doesn't
  * state them. `plain` [count] (may be NULL): the file uses the number as it is, in no expression with anything else.
  * KM_USAGE as above, KM_MODEL. */
@@ -71,12 +71,12 @@ typedef struct km_read_def {
   double closure_tolerance; /* instead of the file's, relative, below 0.1; 0: the file's */
 } km_read_def;
 
-/* As km_model_read and km_model_load (which knows `file` itself), with all that can be asked of a reader. KM_USAGE: also
+/* As km_model_read and km_model_read_file (which knows `file` itself), with all that can be asked of a reader. KM_USAGE: also
  * assignments to the numbers of a format other than JSON, and a closure tolerance that is none. */
 KM_API km_status km_model_read_as(const char *bytes, size_t size, const km_read_def *def, km_messages *messages,
                                   km_model **out, km_error *error);
-KM_API km_status km_model_load_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
-                                  km_error *error);
+KM_API km_status km_model_read_file_as(const char *path, const km_read_def *def, km_messages *messages, km_model **out,
+                                       km_error *error);
 KM_API void km_model_free(km_model *model);
 
 /* Active elements, numbered in file order. Bodies don't count the inertial frame. */

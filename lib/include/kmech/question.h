@@ -5,7 +5,7 @@
  *   km_question_create(mechanism, "advantage", &question, &error);
  *   km_option_value range = {.numbers = {20.0, 32.0}};
  *   km_question_set(question, "range", &range, &error);
- *   km_question_ask(question, state, &error);
+ *   km_question_compute(question, state, &error);
  *   km_table_write_csv(km_question_table(question), "brake.advantage.csv", &error);
  *   km_question_free(question);
  */
@@ -61,8 +61,8 @@ typedef struct km_option_value {
   const int *coordinates;       /* of the model */
   const km_sweep_point *points; /* frames with the names of their columns */
   const km_load *loads;         /* instead of the model's */
-  const km_handle *ends;        /* that are pushed */
-  km_handle end;                /* of an advantage */
+  const km_port *ends;          /* that are pushed */
+  km_port end;                  /* of an advantage */
   const char *text;             /* of a file */
 } km_option_value;
 
@@ -86,7 +86,7 @@ KM_API void km_question_free(km_question *question);
 KM_API km_status km_question_set(km_question *question, const char *option, const km_option_value *value,
                                  km_error *error);
 /* Who is told how far the work is; NULL: nobody. */
-KM_API void km_question_watch(km_question *question, km_progress progress, void *context);
+KM_API void km_question_observe(km_question *question, km_progress progress, void *context);
 
 /* Checks what needs several options, and makes what answers need; asking does it by itself. KM_USAGE, KM_MODEL. */
 KM_API km_status km_question_prepare(km_question *question, km_error *error);
@@ -102,10 +102,10 @@ KM_API km_status km_question_make_plan(km_question *question, km_sweep_plan *out
 /* Moves the assembled state over the motion and answers at every row. KM_PARTIAL: the rows end (or begin) before the
  * range does, or the answer is no for a part of them; KM_NO_RESULT: there is no row. A new answer replaces the last
  * one. Cost: that of the sweep (km_mobility_sweep_run …). */
-KM_API km_status km_question_ask(km_question *question, km_state *state, km_error *error);
+KM_API km_status km_question_compute(km_question *question, km_state *state, km_error *error);
 /* One row at the state's pose, where nothing moves. Options of the motion don't count, but for the points. KM_USAGE: a
  * track isn't about one pose. */
-KM_API km_status km_question_ask_here(km_question *question, km_state *state, km_error *error);
+KM_API km_status km_question_compute_here(km_question *question, km_state *state, km_error *error);
 
 /* The last answer. Before the first one: NULL, 0. Borrowed until the next. A track has neither plan nor motion. */
 KM_API const km_sweep_plan *km_question_plan(const km_question *question);
@@ -131,7 +131,7 @@ KM_API const km_sweep_redundancies *km_question_redundancies(const km_question *
 KM_API const km_advantage_sweep *km_question_advantage(const km_question *question);
 KM_API const km_statics_sweep *km_question_statics(const km_question *question);
 /* Of a prepared question: input and output of "advantage"; forces, balance of "forces". NULL of another kind. */
-KM_API const km_handle *km_question_end(const km_question *question, bool output);
+KM_API const km_port *km_question_end(const km_question *question, bool output);
 KM_API km_forces *km_question_forces(const km_question *question);
 KM_API km_statics *km_question_balance(const km_question *question);
 

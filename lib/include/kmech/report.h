@@ -59,12 +59,12 @@ KM_API void km_findings_print(const km_findings *findings, const char *name, km_
 /* Adds `findings` to a record. */
 KM_API void km_findings_record(const km_findings *findings, km_value *record, km_arena *arena);
 /* What `kma at` gives (cli.md), of a driving `input` and a driven `output`. */
-KM_API km_value *km_advantage_record(const km_mechanism *mechanism, const km_state *state, const km_handle *input,
-                                     const km_handle *output, const km_advantage *advantage,
+KM_API km_value *km_advantage_record(const km_mechanism *mechanism, const km_state *state, const km_port *input,
+                                     const km_port *output, const km_advantage *advantage,
                                      const km_transmission *transmission, const km_losses *losses, const char *name,
                                      km_arena *arena);
 /* The same for people, appended; `input` and `output` as above. */
-KM_API void km_advantage_print(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+KM_API void km_advantage_print(const km_mechanism *mechanism, const km_port *input, const km_port *output,
                                const km_advantage *advantage, const km_transmission *transmission,
                                const km_losses *losses, const char *name, km_text *out);
 /* What `kstatic at` gives (cli.md). NULL when out of memory (arena->failed). */
@@ -183,7 +183,7 @@ KM_API km_status km_question_report(const km_answered *answer, const char *stopp
  * as moving pictures, as outlines of links, and its graph.
  *
  *   km_drawing_create(mechanism, &drawing, &error);
- *   km_poses_update(mechanism, state);
+ *   km_poses_compute(mechanism, state);
  *   km_drawing_add_pose(drawing, mechanism, state, &error);
  *   km_drawing_picture(drawing, &(km_drawing_look){.title = "Brake"}, KM_PICTURE_SVG, &text, &error);
  *   km_drawing_free(drawing); */
@@ -194,7 +194,7 @@ typedef struct km_drawing km_drawing;
 /* Of a mechanism, which must outlive it; without a pose yet. The caller frees `*out`. KM_USAGE, KM_MEMORY. */
 KM_API km_status km_drawing_create(const km_mechanism *mechanism, km_drawing **out, km_error *error);
 KM_API void km_drawing_free(km_drawing *drawing);
-/* Adds the pose of a state, after km_poses_update. The state's mechanism may be another one of the same model, with other
+/* Adds the pose of a state, after km_poses_compute. The state's mechanism may be another one of the same model, with other
  * holds. KM_USAGE, KM_MEMORY. O(bodies). */
 KM_API km_status km_drawing_add_pose(km_drawing *drawing, const km_mechanism *mechanism, const km_state *state,
                                      km_error *error);
@@ -203,7 +203,7 @@ KM_API km_status km_drawing_add_pose(km_drawing *drawing, const km_mechanism *me
 KM_API km_status km_drawing_add_rows(km_drawing *drawing, const km_table *table, km_error *error);
 /* Draws the path of a frame's origin, too; empty until it is led on. `name` is borrowed. KM_USAGE, KM_MEMORY. */
 KM_API km_status km_drawing_add_path(km_drawing *drawing, int frame, const char *name, km_error *error);
-/* Leads every path on to where its frame is, after km_poses_update; else as km_drawing_add_pose. */
+/* Leads every path on to where its frame is, after km_poses_compute; else as km_drawing_add_pose. */
 KM_API km_status km_drawing_lead_paths(km_drawing *drawing, const km_mechanism *mechanism, const km_state *state,
                                        km_error *error);
 /* How many poses there are; 0 without a drawing. */
@@ -365,12 +365,12 @@ typedef enum km_designs_plot {
 } km_designs_plot;
 
 enum {
-  KM_MOST_OVERLAID_DESIGNS = 64 /* of so many the answers and paths are drawn, the first ones */
+  KM_MAX_OVERLAID_DESIGNS = 64 /* of so many the answers and paths are drawn, the first ones */
 };
 
 /* `index`: of the figure, or of the question; `band`: which of its bands. KM_NO_RESULT: there is nothing to draw;
  * KM_INTERNAL: the graphics library's own failure. O(designs); answers and paths of a question are asked for again, of
- * KM_MOST_OVERLAID_DESIGNS at most. */
+ * KM_MAX_OVERLAID_DESIGNS at most. */
 KM_API km_status km_designs_picture(km_design_study *study, const km_design_study_def *def, const char *name,
                                     km_designs_plot plot, int index, int band, km_picture_format format, km_text *out,
                                     km_error *error);

@@ -37,9 +37,9 @@ KM_API const char *km_model_load_name(const km_model *model, int index);
 
 /* Computes every force at the state's pose: applied wrenches on the bodies, and generalised forces of springs in
  * joints, in the model's force unit and force × length. Never allocates. O(bodies + springs). */
-KM_API void km_forces_update(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+KM_API void km_forces_compute(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 
-/* After km_forces_update: the applied wrench on a body about the inertial origin, along the inertial axes
+/* After km_forces_compute: the applied wrench on a body about the inertial origin, along the inertial axes
  * (f; τ); the force of springs in a joint along +q of a coordinate, of an angle per radian. Body 0 is the inertial
  * frame. */
 KM_API void km_forces_on_body(const km_forces *forces, int body, double wrench[6]);
@@ -61,29 +61,29 @@ typedef struct km_reaction {
 } km_reaction;
 
 /* The workspace behind a balance. */
-typedef struct km_statics_work km_statics_work;
+typedef struct km_statics_workspace km_statics_workspace;
 
 enum {
-  KM_MOST_DIRECTIONS = 64 /* how many are kept */
+  KM_MAX_DIRECTIONS = 64 /* how many are kept */
 };
 
 /* The balance of one thread. Forces in the model's units, those of angles per radian; rates in radians and the
  * model's length. */
 typedef struct km_statics {
-  int actuator_count;         /* of the set */
-  const km_handle *actuators; /* joints, or points that are pushed along a direction */
-  double *actuator_forces;    /* [actuator] NaN where the set can't hold its substructure */
-  double *least_norm;         /* [coordinate] f̄; 0 of held ones */
-  bool held;                  /* the actuators balance the loads */
-  bool redundant;             /* the actuators are more than needed: theirs is the least-norm answer */
-  int direction_count;        /* independent motions that the actuators have no force against … */
-  double *directions; /* … [KM_MOST_DIRECTIONS × coordinate] the first of them: rates, the largest scaled one 1 */
-  bool *falls;        /* [KM_MOST_DIRECTIONS] the loads push in this one: the pose isn't held */
+  int actuator_count;       /* of the set */
+  const km_port *actuators; /* joints, or points that are pushed along a direction */
+  double *actuator_forces;  /* [actuator] NaN where the set can't hold its substructure */
+  double *least_norm;       /* [coordinate] f̄; 0 of held ones */
+  bool held;                /* the actuators balance the loads */
+  bool redundant;           /* the actuators are more than needed: theirs is the least-norm answer */
+  int direction_count;      /* independent motions that the actuators have no force against … */
+  double *directions;     /* … [KM_MAX_DIRECTIONS × coordinate] the first of them: rates, the largest scaled one 1 */
+  bool *falls;            /* [KM_MAX_DIRECTIONS] the loads push in this one: the pose isn't held */
   km_reaction *reactions; /* [joint] */
   km_axes axes;           /* of the reactions */
   int degree;             /* of static indeterminacy: redundant constraints */
   double gravity[3];      /* that the last balance counted, length / time² */
-  km_statics_work *work;  /* of the library */
+  km_statics_workspace *work; /* of the library */
 } km_statics;
 
 /* Prepares for a set of actuators (coordinates, copied; NULL: every free coordinate). KM_USAGE: an actuator is held
@@ -94,26 +94,26 @@ KM_API km_status km_statics_create(const km_mechanism *mechanism, const int *act
  * force is counted along the direction. What a point moves with, several substructures and joints outside of loops too,
  * is balanced together. Handles are copied; names of points are borrowed. KM_USAGE: also a point that can't move, or that
  * pushes just one joint outside of loops, which another actuator holds. */
-KM_API km_status km_statics_create_for(const km_mechanism *mechanism, const km_handle *actuators, int actuator_count,
+KM_API km_status km_statics_create_for(const km_mechanism *mechanism, const km_port *actuators, int actuator_count,
                                        km_axes axes, km_statics *out, km_error *error);
 KM_API void km_statics_free(km_statics *statics);
 
-/* Balances the forces at the state's pose, where mobility is up to date (km_mobility_update or a sweep's row).
+/* Balances the forces at the state's pose, where mobility is up to date (km_mobility_compute or a sweep's row).
  * f̄ = −D Z Zᵀ D⁻¹ τ, τ = Hᵀ C⁻ᵀ g (296). Actuators: Y_Aᵀ f_A = −Yᵀ τ, Y = D⁻¹ Z, of least |D⁻¹ f_A| where they are
  * redundant: all joints as actuators give f̄. Reactions: Jᵀ μ = f + τ for the wrenches μ of the loops' chords; where
  * the structure is indeterminate, of least Σ |force|² + |torque / L|² over all joints, L the characteristic length.
  * With the actuators' forces where they hold the pose, else with f̄. Updates the forces too.
  * O(coordinates · (6 loops + couplings)²) a substructure; allocates only where a pose has more freedoms than those before.
  * KM_USAGE: they don't belong together, or mobility isn't up to date: all is NaN then. KM_MEMORY: nothing is held. */
-KM_API km_status km_statics_update(const km_mechanism *mechanism, km_state *state, km_forces *forces,
-                                   km_statics *statics);
+KM_API km_status km_statics_compute(const km_mechanism *mechanism, km_state *state, km_forces *forces,
+                                    km_statics *statics);
 
 /* Is a force more than the drive of an actuator can give, rounding aside? And that most: infinite where it can give any,
  * as a point that is pushed. */
-KM_API bool km_actuator_passes(const km_mechanism *mechanism, const km_handle *actuator, double force);
-KM_API double km_actuator_most(const km_mechanism *mechanism, const km_handle *actuator);
+KM_API bool km_actuator_passes(const km_mechanism *mechanism, const km_port *actuator, double force);
+KM_API double km_actuator_most(const km_mechanism *mechanism, const km_port *actuator);
 /* " N", " N*mm": the unit of an actuator's force. Appended. */
-KM_API void km_push_unit(const km_model *model, const km_handle *actuator, km_text *out);
+KM_API void km_push_unit(const km_model *model, const km_port *actuator, km_text *out);
 
 #ifdef __cplusplus
 }

@@ -23,9 +23,9 @@ extern "C" {
 #endif
 
 enum {
-  KM_MOST_DESIGN_PARAMETERS = 32, /* of one study */
-  KM_MOST_DESIGN_FIGURES = 64,    /* of all its questions together */
-  KM_MOST_DESIGN_QUESTIONS = 16   /* of one study */
+  KM_MAX_DESIGN_PARAMETERS = 32, /* of one study */
+  KM_MAX_DESIGN_FIGURES = 64,    /* of all its questions together */
+  KM_MAX_DESIGN_QUESTIONS = 16   /* of one study */
 };
 
 /* A number that differs from design to design. */
@@ -229,7 +229,7 @@ KM_API km_status km_design_study_run(km_design_study *study, int jobs, km_progre
                                      km_error *error);
 /* Processes that answer designs together: one leads and has the store, the others serve it, each with a study of its own
  * of the same definition. How messages travel is the caller's. */
-typedef struct km_design_crew {
+typedef struct km_design_workers {
   void *context; /* handed to both functions */
   int size;      /* members beside the leader, 1 … size; the leader is 0 */
   /* False: the message didn't go. */
@@ -237,19 +237,20 @@ typedef struct km_design_crew {
   /* The next message, whoever sent it, borrowed until the next call: its sender; -1: there is none. `wait`: until there
    * is one. */
   int (*receive)(void *context, bool wait, const void **bytes, size_t *size);
-} km_design_crew;
+} km_design_workers;
 /* km_design_study_run by the leader, with the members' help: they get pieces of work as they ask for them. Optimisations
  * go on the leader's threads alone. KM_IO: a message didn't go, or a member failed. */
-KM_API km_status km_design_study_lead(km_design_study *study, int jobs, const km_design_crew *crew,
-                                      km_progress progress, void *context, km_error *error);
+KM_API km_status km_design_study_run_leader(km_design_study *study, int jobs, const km_design_workers *crew,
+                                            km_progress progress, void *context, km_error *error);
 /* Answers the leader's designs until it says that there are no more. KM_IO, KM_MEMORY. */
-KM_API km_status km_design_study_serve(km_design_study *study, int jobs, const km_design_crew *crew, km_error *error);
+KM_API km_status km_design_study_run_worker(km_design_study *study, int jobs, const km_design_workers *crew,
+                                            km_error *error);
 /* Ends the service of all members; by the leader, whatever went wrong. */
-KM_API void km_design_crew_dismiss(const km_design_crew *crew);
+KM_API void km_design_workers_stop(const km_design_workers *crew);
 
 /* The same without asking anything: takes what the store has, so that designs and results are those of a run that ended
  * here. */
-KM_API km_status km_design_study_recall(km_design_study *study, km_error *error);
+KM_API km_status km_design_study_lookup(km_design_study *study, km_error *error);
 /* Has every design of the last run or recall an answer? False too where the store can't be read. */
 KM_API bool km_design_study_is_complete(km_design_study *study);
 /* How many designs the last run computed, and how many it found in the store. */
@@ -263,7 +264,7 @@ typedef enum km_design_outcome {
   KM_DESIGN_EMPTY,       /* no pose of the range is in reach */
   KM_DESIGN_UNASSEMBLED, /* its loops can't close, or the pose asked for isn't in reach */
   KM_DESIGN_FAULTY,      /* it isn't a model: a negative mass … */
-  KM_DESIGN_GAVE_OUT,    /* an iteration gave out */
+  KM_DESIGN_MAX_STEPS,   /* an iteration gave out */
   KM_DESIGN_MISSING,     /* not asked yet */
   KM_DESIGN_OUTCOMES     /* how many there are */
 } km_design_outcome;
@@ -274,9 +275,9 @@ enum {
 };
 /* What a design answered. */
 typedef struct km_design_result {
-  km_design_outcome outcome;              /* the worst of its questions */
-  char reason[KM_DESIGN_REASON];          /* "" when done with a value of every figure */
-  double figures[KM_MOST_DESIGN_FIGURES]; /* of all questions in their order; NaN: none */
+  km_design_outcome outcome;             /* the worst of its questions */
+  char reason[KM_DESIGN_REASON];         /* "" when done with a value of every figure */
+  double figures[KM_MAX_DESIGN_FIGURES]; /* of all questions in their order; NaN: none */
 } km_design_result;
 /* From the store. KM_USAGE, KM_IO. */
 KM_API km_status km_design_study_result(const km_design_study *study, int design, km_design_result *out,
@@ -297,8 +298,8 @@ KM_API const char *km_design_algorithm(int index);
 KM_API const char *km_design_algorithm_about(int index);
 
 enum {
-  KM_DESIGN_QUANTILES = 7,        /* how many quantiles are told */
-  KM_MOST_RANKED_DESIGNS = 200000 /* from how many designs, which stand for all, quantiles and ranks are */
+  KM_DESIGN_QUANTILES = 7,       /* how many quantiles are told */
+  KM_MAX_RANKED_DESIGNS = 200000 /* from how many designs, which stand for all, quantiles and ranks are */
 };
 /* 1, 5, 25, 50, 75, 95, 99 %: the probability of quantile k. */
 KM_API double km_design_quantile(int k);
@@ -311,7 +312,7 @@ typedef struct km_design_statistics {
   double deviation;             /* s, with n − 1 */
   double least, greatest;       /* extreme values */
   int least_design, greatest_design;     /* -1: none */
-  double quantiles[KM_DESIGN_QUANTILES]; /* of up to KM_MOST_RANKED_DESIGNS designs */
+  double quantiles[KM_DESIGN_QUANTILES]; /* of up to KM_MAX_RANKED_DESIGNS designs */
   int good;                              /* designs within the figure's limits */
 } km_design_statistics;
 /* KM_USAGE, KM_IO, KM_MEMORY. The first call after a run reads all results: O(designs); the others O(1). */
@@ -331,7 +332,7 @@ KM_API km_status km_design_study_yield(km_design_study *study, km_design_yield *
 /* The k-th of `count` designs that stand for all of the study: the first ones of a sample that is drawn, which are as good a sample; of
  * other designs, which may have an order, one of each of `count` pieces of about one size. -1: there is none. O(1). */
 KM_API int km_design_study_drawn(const km_design_study *study, int k, int count);
-/* Values of a figure of the designs that stand for all, at most KM_MOST_RANKED_DESIGNS, NaN where there is none: values[room], or
+/* Values of a figure of the designs that stand for all, at most KM_MAX_RANKED_DESIGNS, NaN where there is none: values[room], or
  * NULL. Returns how many there are. */
 KM_API int km_design_study_column(km_design_study *study, int figure, double *values, int room);
 
@@ -358,16 +359,16 @@ KM_API const char *km_design_study_figure_unit(const km_design_study *study, int
 /* The model of a design. The caller frees it. KM_USAGE: the study has none. */
 KM_API km_status km_design_study_model(const km_design_study *study, int design, km_model **out, km_error *error);
 /* Brings a design to its pose and asks it a question: for pictures. The caller frees all four. KM_PARTIAL, KM_NO_RESULT
- * as km_question_ask. */
-typedef struct km_asked_design {
+ * as km_question_compute. */
+typedef struct km_evaluated_design {
   km_model *model;         /* with the design's numbers */
   km_mechanism *mechanism; /* compiled from it */
   km_state *state;         /* of that mechanism, where the question left it */
   km_question *question;   /* with its answer */
-} km_asked_design;
-KM_API km_status km_design_study_ask(const km_design_study *study, int design, int question, km_asked_design *out,
-                                     km_error *error);
-KM_API void km_asked_design_free(km_asked_design *asked);
+} km_evaluated_design;
+KM_API km_status km_design_study_evaluate(const km_design_study *study, int design, int question,
+                                          km_evaluated_design *out, km_error *error);
+KM_API void km_evaluated_design_free(km_evaluated_design *asked);
 
 /* Is the figure better in `a` than in `b`? By its `better`; a number is better than none. */
 KM_API bool km_design_is_better(const km_design_figure *figure, double a, double b);

@@ -23,7 +23,7 @@ typedef struct km_sweep_point {
 } km_sweep_point;
 
 enum {
-  KM_MOST_SWEEP_STEPS = 10000000 /* the most intervals */
+  KM_MAX_SWEEP_STEPS = 10000000 /* the most intervals */
 };
 
 /* What to sweep. Start from km_sweep_plan_default(). */
@@ -49,17 +49,17 @@ typedef struct km_sweep_plan {
 
 /* The rows of a sweep, and how the mechanism moved. */
 typedef struct km_sweep {
-  km_table *table;        /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
-  km_table *between;      /* the same columns at poses between rows, where a curve grows without bound; step 0 */
-  km_mobility first;      /* at the pose from which the sweep started */
-  int substructure;       /* the one that moves, -1: a joint in no loop */
-  int freedom;            /* of the driven substructure there: above 1 the others move least */
-  int idle;               /* how many of them are idle (kmech/idle.h): nothing else feels them */
-  int shaking;            /* how many of them no motion follows, though first order allows them all along */
-  bool *idle_coordinates; /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
-  int start_branches;     /* motions that meet at the starting pose, where it is a branch point; else 0 */
-  km_reach start, end;    /* how FROM and TO were reached */
-  char *causes[2];        /* of start and end at a dead point: the links that are in line, or the joints whose axes are
+  km_table *table;          /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
+  km_table *between;        /* the same columns at poses between rows, where a curve grows without bound; step 0 */
+  km_mobility first;        /* at the pose from which the sweep started */
+  int substructure;         /* the one that moves, -1: a joint in no loop */
+  int freedom;              /* of the driven substructure there: above 1 the others move least */
+  int idle;                 /* how many of them are idle (kmech/idle.h): nothing else feels them */
+  int shaking;              /* how many of them no motion follows, though first order allows them all along */
+  bool *idle_coordinates;   /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
+  int start_branches;       /* motions that meet at the starting pose, where it is a branch point; else 0 */
+  km_motion_end start, end; /* how FROM and TO were reached */
+  char *causes[2]; /* of start and end at a dead point: the links that are in line, or the joints whose axes are
                               * dependent; NULL: none, or it can't be told */
   double rank_value
       [2]; /* of start and end where the rank changes within the closure tolerance, which is no dead point: the
@@ -106,7 +106,7 @@ typedef struct km_mobility_sweep {
  * the range is out of reach the rows end (or begin) at the located bound and the status is KM_PARTIAL; start
  * and end say why. With one freedom the rows don't depend on `steps` (to 1e-8). With plan.singularities, the smallest
  * kept singular value of the moving substructure's J D⁻¹ (rows: lengths over its size, each loop about a point of its
- * own) is a column, and its minima are located; KM_USAGE above KM_MOST_SINGULAR coordinates. Free `*out` in any case.
+ * own) is a column, and its minima are located; KM_USAGE above KM_MAX_SINGULAR coordinates. Free `*out` in any case.
  */
 KM_API km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                        km_mobility_sweep *out, km_error *error);
@@ -128,7 +128,7 @@ typedef struct km_peak {
 /* The rows of a sweep with their advantages, and what lies between the rows. */
 typedef struct km_advantage_sweep {
   km_sweep motion;              /* its table has ma.<input>/<output>, and force_ratio. where joints have friction */
-  km_handle input, output;      /* the ends that were asked for */
+  km_port input, output;        /* the ends that were asked for */
   size_t column;                /* of the advantage, in the table */
   bool friction;                /* some joint has friction: the next column is the actual force ratio */
   km_advantage_method method;   /* of the first row */
@@ -141,9 +141,9 @@ typedef struct km_advantage_sweep {
 
 /* Sweeps as km_mobility_sweep_run does, and looks between the rows for toggles of the advantage (to 1e-9 of the
  * driver) and for its extremes. `transmission` adds the metrics of kmech/transmission.h as columns. KM_USAGE: the ends
- * can't be input and output (km_lever_create). Names of the ends are borrowed by `out`. Free `*out` in any case. */
+ * can't be input and output (km_transfer_create). Names of the ends are borrowed by `out`. Free `*out` in any case. */
 KM_API km_status km_advantage_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
-                                        const km_handle *input, const km_handle *output, bool transmission,
+                                        const km_port *input, const km_port *output, bool transmission,
                                         km_advantage_sweep *out, km_error *error);
 KM_API void km_advantage_sweep_free(km_advantage_sweep *sweep);
 
@@ -167,7 +167,7 @@ typedef struct km_force_event {
 typedef struct km_statics_sweep {
   km_sweep motion; /* its table has f., fbar., r., held */
   int actuator_count;
-  km_handle *actuators;   /* [actuator] */
+  km_port *actuators;     /* [actuator] */
   km_force_event *events; /* in the order of the sweep */
   size_t event_count;
   km_force_event *largest; /* [actuator] where its force is largest, rows and peaks; s NaN: it never holds */

@@ -15,20 +15,20 @@ extern "C" {
 /* ---- Mechanical advantage: how fast an input moves for its output. */
 
 /* An end of a mechanism that is pushed, or pushes: a joint, or a point of a body along a direction. */
-typedef enum km_handle_kind {
-  KM_HANDLE_NONE,  /* no end */
-  KM_HANDLE_JOINT, /* a joint's coordinate */
-  KM_HANDLE_POINT  /* a point of a body along a direction */
-} km_handle_kind;
+typedef enum km_port_kind {
+  KM_PORT_NONE,  /* no end */
+  KM_PORT_JOINT, /* a joint's coordinate */
+  KM_PORT_POINT  /* a point of a body along a direction */
+} km_port_kind;
 
 /* One such end. Start from {0}. */
-typedef struct km_handle {
-  km_handle_kind kind; /* which members count */
+typedef struct km_port {
+  km_port_kind kind;   /* which members count */
   int coordinate;      /* of a joint */
   int frame;           /* the point: a frame's origin */
   double direction[3]; /* unit vector along the inertial axes */
   const char *name;    /* as columns call it: a joint's label, or body/frame:dx,dy,dz; borrowed */
-} km_handle;
+} km_port;
 
 /* What kind of number an advantage is. */
 typedef enum km_advantage_state {
@@ -54,34 +54,35 @@ typedef struct km_advantage {
 } km_advantage;
 
 /* An end of the model's own analysis.mechanical_advantage, its `output` or its input: false where it has none. */
-KM_API bool km_handle_default(const km_model *model, bool output, km_handle *out);
+KM_API bool km_port_default(const km_model *model, bool output, km_port *out);
 
 /* An input and an output, with the workspace of one thread. */
-typedef struct km_lever km_lever;
+typedef struct km_transfer km_transfer;
 
 /* Prepares for a driving `input` and a driven `output`. KM_USAGE: an end that is held or can't move, both the same, or
  * of parts that don't move each other. The caller frees `*out`. */
-KM_API km_status km_lever_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                                 km_lever **out, km_error *error);
-KM_API void km_lever_free(km_lever *lever);
+KM_API km_status km_transfer_create(const km_mechanism *mechanism, const km_port *input, const km_port *output,
+                                    km_transfer **out, km_error *error);
+KM_API void km_transfer_free(km_transfer *lever);
 
 /* At the state's pose, whose mobility is up to date. One freedom: MA = q̇_i / q̇_k = (D_k/D_i) Z_i / Z_k; more: MA =
  * (D_k/D_i) m_i / (Z_k Z_iᵀ), the substructures that the input lies in moving, the others standing (theory 5; of
  * points: rows of the point's Jacobian). Rates below 3e-8 of the largest, each over its substructure's size, count as
  * 0. KM_USAGE: a pointer is missing, or the mobility isn't known; KM_MEMORY: the mobility is to be found again. `*out`
  * is undefined then. O(coordinates · freedoms). */
-KM_API km_status km_lever_update(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out);
+KM_API km_status km_transfer_compute(const km_mechanism *mechanism, km_state *state, km_transfer *lever,
+                                     km_advantage *out);
 /* Where several motions meet at the state's configuration (a branch point), the advantages in each of them. Returns
  * their number, at most `most`; 0 at a regular configuration, -1 when out of memory. The state keeps its
  * configuration. */
-KM_API int km_lever_branches(const km_mechanism *mechanism, km_state *state, km_lever *lever, km_advantage *out,
-                             int most);
+KM_API int km_transfer_branches(const km_mechanism *mechanism, km_state *state, km_transfer *lever, km_advantage *out,
+                                int most);
 /* The motion that the last update was about: rates[coordinate], radians and model's length, largest scaled one 1.
  * Borrowed. */
-KM_API const double *km_lever_rates(const km_lever *lever);
+KM_API const double *km_transfer_rates(const km_transfer *lever);
 
 /* "rad/mm" of input over output; "" where both are of one kind. Borrowed. */
-KM_API const char *km_advantage_unit(const km_model *model, const km_handle *input, const km_handle *output);
+KM_API const char *km_advantage_unit(const km_model *model, const km_port *input, const km_port *output);
 /* "finite", "zero", "infinite", "undefined"; "single freedom", "least motion". */
 KM_API const char *km_advantage_state_name(km_advantage_state state);
 KM_API const char *km_advantage_method_name(km_advantage_method method);
@@ -99,15 +100,15 @@ typedef struct km_losses {
 } km_losses;
 
 /* The workspace of one thread. */
-typedef struct km_losses_work km_losses_work;
+typedef struct km_losses_workspace km_losses_workspace;
 
 /* Does any joint of the model have friction? */
 KM_API bool km_model_has_friction(const km_model *model);
 
 /* Prepares for a driving `input` and a driven `output`. KM_MEMORY, KM_USAGE. The caller frees `*out`. */
-KM_API km_status km_losses_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                                  km_losses_work **out, km_error *error);
-KM_API void km_losses_free(km_losses_work *work);
+KM_API km_status km_losses_create(const km_mechanism *mechanism, const km_port *input, const km_port *output,
+                                  km_losses_workspace **out, km_error *error);
+KM_API void km_losses_free(km_losses_workspace *work);
 
 /* At the state's pose, whose mobility is up to date. Coulomb friction (`friction`: coefficient μ, radius r): a turning
  * coordinate resists with μ r N, a sliding one with μ N, N the force of its reaction across its axis (of ball joints all of
@@ -117,7 +118,8 @@ KM_API void km_losses_free(km_losses_work *work);
  * indeterminate counts as its least-norm part. N depends on friction: Newton's method, continued from no friction to
  * all of it. A lock is told where the load that a given input force moves passes through 0 on the way; where neither a
  * motion nor a lock is found, `why` says so. KM_USAGE: mobility isn't up to date, or the work belongs to another mechanism; KM_MEMORY. */
-KM_API km_status km_losses_update(const km_mechanism *mechanism, km_state *state, km_losses_work *work, km_losses *out);
+KM_API km_status km_losses_compute(const km_mechanism *mechanism, km_state *state, km_losses_workspace *work,
+                                   km_losses *out);
 
 /* ---- How well a mechanism transmits: transmission wrench, indices, transmission angle, condition of the Jacobian. */
 
@@ -143,15 +145,15 @@ typedef struct km_transmission {
 } km_transmission;
 
 /* The workspace of one thread. */
-typedef struct km_transmission_work km_transmission_work;
+typedef struct km_transmission_workspace km_transmission_workspace;
 /* Prepares for a driving `input` and a driven `output`. The caller frees `*out`. KM_MEMORY. */
-KM_API km_status km_transmission_create(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
-                                        km_transmission_work **out, km_error *error);
-KM_API void km_transmission_free(km_transmission_work *work);
+KM_API km_status km_transmission_create(const km_mechanism *mechanism, const km_port *input, const km_port *output,
+                                        km_transmission_workspace **out, km_error *error);
+KM_API void km_transmission_free(km_transmission_workspace *work);
 
 /* At the state's pose, whose mobility is up to date. Never allocates. O(columns · rows²). */
-KM_API void km_transmission_update(const km_mechanism *mechanism, km_state *state, km_transmission_work *work,
-                                   km_transmission *out);
+KM_API void km_transmission_compute(const km_mechanism *mechanism, km_state *state, km_transmission_workspace *work,
+                                    km_transmission *out);
 
 #ifdef __cplusplus
 }

@@ -3,13 +3,13 @@
 
 #include <string.h>
 
-bool km_replay_reserve(km_replay *r, int rows, int columns, int stride, km_arena *arena) {
+bool km_recorded_elimination_reserve(km_recorded_elimination *r, int rows, int columns, int stride, km_arena *arena) {
   size_t m = (size_t)rows, n = (size_t)columns, steps = m < n ? m : n;
-  *r = (km_replay){.row_count = rows, .column_count = columns, .stride = stride};
-  r->steps = KM_ARENA_NEW(arena, km_replay_step, steps);
+  *r = (km_recorded_elimination){.row_count = rows, .column_count = columns, .stride = stride};
+  r->steps = KM_ARENA_NEW(arena, km_recorded_elimination_step, steps);
   r->scales = KM_ARENA_NEW(arena, int, steps *m);
-  r->updates = KM_ARENA_NEW(arena, km_replay_update, steps * m * n);
-  r->turns = KM_ARENA_NEW(arena, km_replay_update, steps * m);
+  r->updates = KM_ARENA_NEW(arena, km_recorded_elimination_update, steps * m * n);
+  r->turns = KM_ARENA_NEW(arena, km_recorded_elimination_update, steps * m);
   r->fill = KM_ARENA_NEW(arena, int, m *n);
   r->row = KM_ARENA_NEW(arena, int, m);
   r->column = KM_ARENA_NEW(arena, int, n);
@@ -20,32 +20,33 @@ bool km_replay_reserve(km_replay *r, int rows, int columns, int stride, km_arena
 /* How far the lists have come. */
 typedef struct ends {
   int *scale;
-  km_replay_update *update, *turn;
+  km_recorded_elimination_update *update, *turn;
 } ends;
 
 /* The rows that lose a multiple of the pivot's: those with an entry in its column, `first` its first place. */
-static void list_targets(const km_replay *r, int first, int row, ends *to) {
+static void list_targets(const km_recorded_elimination *r, int first, int row, ends *to) {
   for (int i = 0; i < r->row_count; ++i) {
     if (i == row || !r->reduced[first + i])
       continue;
     *to->scale++ = (first + i) * r->stride;
-    *to->turn++ = (km_replay_update){i * r->stride, (first + i) * r->stride, row * r->stride};
+    *to->turn++ = (km_recorded_elimination_update){i * r->stride, (first + i) * r->stride, row * r->stride};
   }
 }
 
 /* A column that has an entry in the pivot's row: what the targets get may fill it. */
-static void list_updates(km_replay *r, int first, int row, int other, ends *to) {
+static void list_updates(km_recorded_elimination *r, int first, int row, int other, ends *to) {
   for (int i = 0; i < r->row_count; ++i) {
     if (i == row || !r->reduced[first + i])
       continue;
-    *to->update++ = (km_replay_update){(other + i) * r->stride, (first + i) * r->stride, (other + row) * r->stride};
+    *to->update++ =
+        (km_recorded_elimination_update){(other + i) * r->stride, (first + i) * r->stride, (other + row) * r->stride};
     if (!r->reduced[other + i])
       r->fill[r->fill_count++] = (other + i) * r->stride;
     r->reduced[other + i] = true;
   }
 }
 
-void km_replay_make(km_replay *r, const km_partition *p, const bool *used) {
+void km_recorded_elimination_make(km_recorded_elimination *r, const km_partition *p, const bool *used) {
   int rows = r->row_count;
   ends to = {r->scales, r->updates, r->turns};
   memcpy(r->reduced, used, (size_t)rows * (size_t)r->column_count * sizeof *used);
@@ -60,14 +61,14 @@ void km_replay_make(km_replay *r, const km_partition *p, const bool *used) {
     for (int k = s + 1; k < r->column_count; ++k)
       if (r->reduced[p->column[k] * rows + row])
         list_updates(r, first, row, p->column[k] * rows, &to);
-    r->steps[s] = (km_replay_step){.pivot = (first + row) * r->stride,
-                                   .scale_count = (int)(to.scale - from.scale),
-                                   .update_count = (int)(to.update - from.update)};
+    r->steps[s] = (km_recorded_elimination_step){.pivot = (first + row) * r->stride,
+                                                 .scale_count = (int)(to.scale - from.scale),
+                                                 .update_count = (int)(to.update - from.update)};
   }
   r->turn_count = (int)(to.turn - r->turns);
 }
 
-bool km_replay_fits(const km_replay *r, const km_partition *p) {
+bool km_recorded_elimination_fits(const km_recorded_elimination *r, const km_partition *p) {
   return r->rank == p->rank && memcmp(r->row, p->row, (size_t)r->rank * sizeof *r->row) == 0 &&
          memcmp(r->column, p->column, (size_t)r->column_count * sizeof *r->column) == 0;
 }

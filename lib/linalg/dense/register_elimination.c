@@ -187,7 +187,7 @@ INLINE bool refactor(const km_partition *in, const double *matrix, const int str
   return poison[0] + poison[1] == 0.0;
 }
 
-void km_small_factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
+void km_register_factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   switch (p->stride) {
   case 2:
     factor(p, matrix, candidates, tolerance, 2);
@@ -210,7 +210,7 @@ void km_small_factor(km_partition *p, const double *matrix, int candidates, doub
   }
 }
 
-bool km_small_refactor(const km_partition *p, const double *matrix) {
+bool km_register_refactor(const km_partition *p, const double *matrix) {
   switch (p->stride) {
   case 2:
     return refactor(p, matrix, 2);

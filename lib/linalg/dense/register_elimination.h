@@ -8,9 +8,9 @@ enum { KM_SMALL_ROWS = 12, KM_SMALL_COLUMNS = 64 };
 
 /* The pivots of a matrix, with columns in the order p->column, the first `candidates` of them to be preferred.
  * Fills row, column, reduced, inverse, scale, rank and the evidence about pivots. */
-void km_small_factor(km_partition *p, const double *matrix, int candidates, double tolerance);
+void km_register_factor(km_partition *p, const double *matrix, int candidates, double tolerance);
 
 /* The same pivots again: fills reduced and inverse; false if a value is not finite. */
-bool km_small_refactor(const km_partition *p, const double *matrix);
+bool km_register_refactor(const km_partition *p, const double *matrix);
 
 #endif

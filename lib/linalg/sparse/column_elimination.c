@@ -90,7 +90,7 @@ static void take_steps(km_partition *p, int step, int *upper_end) {
   km_sparse *s = p->sparse;
   for (int n = 0; n < KM_SPARSE_TOGETHER; ++n)
     s->upper_store.index[*upper_end + n] = step + n;
-  km_sparse_subtract_together(p, step, s->upper_store.value + *upper_end);
+  km_sparse_supernode_subtract(p, step, s->upper_store.value + *upper_end);
   *upper_end += KM_SPARSE_TOGETHER;
 }
 
@@ -102,7 +102,7 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
   double largest = 0.0;
   s->upper[c] = (km_run){*upper_end, *upper_end};
   s->lower[c] = (km_run){*lower_end, *lower_end};
-  if (!km_sparse_make_room(s, *upper_end + p->rows - top, *lower_end + p->rows - top)) {
+  if (!km_sparse_reserve_factor(s, *upper_end + p->rows - top, *lower_end + p->rows - top)) {
     for (int i = top; i < p->rows; ++i)
       s->seen[s->list[i]] = false;
     p->failed = true;
@@ -113,7 +113,7 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
     s->seen[s->list[i]] = false;
   for (int i = top; i < p->rows; ++i) {
     int row = s->list[i], step = s->step_of[row];
-    if (km_sparse_go_together(p, s->list + i, p->rows - i)) {
+    if (km_sparse_supernode_follows(p, s->list + i, p->rows - i)) {
       take_steps(p, step, upper_end);
       i += KM_SPARSE_TOGETHER - 1;
     } else if (step >= 0) {
@@ -146,7 +146,7 @@ static void use(km_partition *p, int c, int row) {
   }
   s->x[row] = 0.0;
   s->lower[c].end = kept;
-  km_sparse_nest(p, step);
+  km_sparse_supernode(p, step);
 }
 
 static void drop(km_partition *p, int c) {
@@ -236,7 +236,7 @@ bool km_sparse_eliminate_again(km_partition *p, const double *matrix) {
   bool good = true;
   s->singles = s->zero_count = 0;
   p->rank = 0;
-  km_sparse_forget_nests(p);
+  km_sparse_reset_supernodes(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
   memcpy(s->lead, p->column, (size_t)p->columns * sizeof *s->lead);
@@ -266,10 +266,10 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   p->first_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = HUGE_VAL;
   p->forced_dependent = false;
-  km_sparse_forget_nests(p);
+  km_sparse_reset_supernodes(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
-  int upper_end = km_sparse_take_singles(p, matrix, forced, fmax(threshold, single_share * p->scale));
+  int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, single_share * p->scale));
   int early = arrange(p, forced);
   s->overfull = false;
   for (int i = s->singles; i < p->columns; ++i) {

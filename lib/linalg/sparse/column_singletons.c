@@ -85,13 +85,13 @@ static void finish(km_partition *p) {
   s->singles = p->rank;
 }
 
-int km_sparse_take_singles(km_partition *p, const double *matrix, const bool *forced, double least) {
+int km_sparse_take_singletons(km_partition *p, const double *matrix, const bool *forced, double least) {
   km_sparse *s = p->sparse;
   km_open *const open = s->open;
   int rank = 0, upper_end = 0, listed = list_first(p, matrix), *const list = s->dropped;
   s->zero_count = 0;
   memset(s->lower, 0, (size_t)p->columns * sizeof *s->lower);
-  p->failed = p->failed || !km_sparse_make_room(s, s->start[p->columns], 0);
+  p->failed = p->failed || !km_sparse_reserve_factor(s, s->start[p->columns], 0);
   while (listed > 0 && !p->failed) { /* the last one listed first: its neighbours are at hand */
     int c = list[--listed], single = open[c].entries;
     if (open[c].count != 1 || s->late[c] || km_sparse_is_given(p, forced, c) || !(fabs(matrix[single]) > least))

@@ -55,7 +55,7 @@ static bool is_singular(const km_partition *p, const bool *forced, double thresh
   return *most >= 0 && fabs(y[*most]) * threshold >= first;
 }
 
-int km_sparse_hidden(const km_partition *p, const bool *forced, double threshold) {
+int km_sparse_hidden_column(const km_partition *p, const bool *forced, double threshold) {
   int most;
   return is_singular(p, forced, threshold, &most) ? p->column[most] : -1;
 }

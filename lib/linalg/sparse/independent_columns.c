@@ -195,7 +195,7 @@ static bool choose(choice *h) {
   return whole;
 }
 
-bool km_sparse_choose_late(km_partition *p, const bool *forced) {
+bool km_sparse_choose_independent(km_partition *p, const bool *forced) {
   choice h = {.p = p, .forced = forced};
   bool changed = false;
   memset(p->sparse->late, 0, (size_t)p->columns * sizeof *p->sparse->late);

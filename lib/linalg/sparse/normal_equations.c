@@ -31,15 +31,15 @@ typedef struct library {
 
 /* A, and its rows' products in the order in which they are eliminated; of a row that isn't used the product with itself alone counts,
  * so that the pattern is the same whatever is used. */
-struct km_normal {
+struct km_normal_equations {
   const library *cholmod;
   cholmod_common common;
   cholmod_factor *L;
   cholmod_dense *X, *Y, *E; /* of solutions */
   long rows, columns, *start, *row;
   long *place;      /* [rows] of each in the order of elimination */
-  long *dissection; /* [rows] see km_normal_dissection; NULL: not asked for yet */
-  km_products products;
+  long *dissection; /* [rows] see km_normal_equations_dissection; NULL: not asked for yet */
+  km_row_products products;
   bool *used;           /* [rows] in what is factored */
   bool *used_columns;   /* [columns] */
   double *value, *next; /* factored, and to be factored */
@@ -56,11 +56,11 @@ static const library *load(void) {
   return km_library_load(&cholmod) ? NULL : &functions;
 }
 
-bool km_normal_is_installed(void) {
+bool km_normal_equations_is_installed(void) {
   return load() != NULL;
 }
 
-static cholmod_sparse matrix_of(const km_normal *n) {
+static cholmod_sparse matrix_of(const km_normal_equations *n) {
   return (cholmod_sparse){.nrow = (size_t)n->rows,
                           .ncol = (size_t)n->columns,
                           .nzmax = (size_t)n->start[n->columns],
@@ -74,8 +74,8 @@ static cholmod_sparse matrix_of(const km_normal *n) {
 }
 
 /* Blocks are factored from the triangle below the diagonal, single columns from that above it: neither is transposed then. */
-static cholmod_sparse products_of(const km_normal *n, bool upper) {
-  const km_products *p = &n->products;
+static cholmod_sparse products_of(const km_normal_equations *n, bool upper) {
+  const km_row_products *p = &n->products;
   return (cholmod_sparse){.nrow = (size_t)n->rows,
                           .ncol = (size_t)n->rows,
                           .nzmax = (size_t)p->start[n->rows],
@@ -90,7 +90,7 @@ static cholmod_sparse products_of(const km_normal *n, bool upper) {
                           .packed = 1};
 }
 
-static bool reserve(km_normal *n, int rows, int columns, const int *start, const int *row) {
+static bool reserve(km_normal_equations *n, int rows, int columns, const int *start, const int *row) {
   size_t entries = (size_t)start[columns];
   n->rows = rows;
   n->columns = columns;
@@ -115,7 +115,7 @@ static bool reserve(km_normal *n, int rows, int columns, const int *start, const
 }
 
 /* The order of elimination from A itself, which COLAMD needs, and then the factor of the products in that order. */
-static bool analyse(km_normal *n, const int *start, const int *row) {
+static bool analyse(km_normal_equations *n, const int *start, const int *row) {
   cholmod_common *c = &n->common;
   n->cholmod->cholmod_l_start(c);
   c->print = 0;
@@ -130,7 +130,7 @@ static bool analyse(km_normal *n, const int *start, const int *row) {
   for (long k = 0; k < n->rows; ++k)
     n->place[((const long *)first->Perm)[k]] = k;
   n->cholmod->cholmod_l_free_factor(&first, c);
-  if (!km_products_make((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
+  if (!km_row_products_make((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
     return false;
   c->method[0].ordering = CHOLMOD_NATURAL;
   c->postorder = 0;
@@ -140,19 +140,19 @@ static bool analyse(km_normal *n, const int *start, const int *row) {
   return n->L != NULL;
 }
 
-km_normal *km_normal_create(int rows, int columns, const int *start, const int *row) {
+km_normal_equations *km_normal_equations_create(int rows, int columns, const int *start, const int *row) {
   const library *cholmod = load();
-  km_normal *n = cholmod ? KM_NEW(km_normal, 1) : NULL;
+  km_normal_equations *n = cholmod ? KM_NEW(km_normal_equations, 1) : NULL;
   if (!n)
     return NULL;
   n->cholmod = cholmod;
   if (reserve(n, rows, columns, start, row) && analyse(n, start, row))
     return n;
-  km_normal_free(n);
+  km_normal_equations_free(n);
   return NULL;
 }
 
-void km_normal_free(km_normal *n) {
+void km_normal_equations_free(km_normal_equations *n) {
   if (!n)
     return;
   n->cholmod->cholmod_l_free_dense(&n->X, &n->common);
@@ -160,14 +160,14 @@ void km_normal_free(km_normal *n) {
   n->cholmod->cholmod_l_free_dense(&n->E, &n->common);
   n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
   n->cholmod->cholmod_l_finish(&n->common);
-  km_products_free(&n->products);
+  km_row_products_free(&n->products);
   void *const all[] = {n->start, n->row,  n->place, n->dissection, n->used, n->used_columns,
                        n->value, n->next, n->b,     n->z,          n->step, n};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
 }
 
-const long *km_normal_dissection(km_normal *n) {
+const long *km_normal_equations_dissection(km_normal_equations *n) {
   if (n->dissection)
     return n->dissection;
   n->dissection = KM_NEW(long, (size_t)n->rows + 1);
@@ -179,39 +179,39 @@ const long *km_normal_dissection(km_normal *n) {
   return n->dissection;
 }
 
-bool km_normal_has(const km_normal *n, const bool *used_rows, const bool *used_columns) {
+bool km_normal_equations_has(const km_normal_equations *n, const bool *used_rows, const bool *used_columns) {
   return n->is_factored && memcmp(n->used, used_rows, (size_t)n->rows * sizeof *n->used) == 0 &&
          memcmp(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns) == 0;
 }
 
-bool km_normal_factor(km_normal *n, const double *matrix, const double *weight, const bool *used_rows,
-                      const bool *used_columns) {
+bool km_normal_equations_factor(km_normal_equations *n, const double *matrix, const double *weight,
+                                const bool *used_rows, const bool *used_columns) {
   size_t entries = (size_t)n->start[n->columns];
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
-  if (km_normal_has(n, used_rows, used_columns) && memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
+  if (km_normal_equations_has(n, used_rows, used_columns) && memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
     return true;
   memcpy(n->value, n->next, entries * sizeof *n->next);
   memcpy(n->used, used_rows, (size_t)n->rows * sizeof *n->used);
   memcpy(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns);
-  km_products_find(&n->products, n->value, n->used);
+  km_row_products_find(&n->products, n->value, n->used);
   cholmod_sparse P = products_of(n, !n->L->is_super);
-  int levels = km_one_thread_begin();
+  int levels = km_single_thread_begin();
   n->is_factored = n->cholmod->cholmod_l_factorize(&P, n->L, &n->common) && n->L->minor == n->L->n;
-  km_one_thread_end(levels);
+  km_single_thread_end(levels);
   return n->is_factored;
 }
 
 /* b − A x in the rows that are used, 0 in the others. */
-static void subtract_rows(const km_normal *n, const double *x, double *b) {
+static void subtract_rows(const km_normal_equations *n, const double *x, double *b) {
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       b[n->row[i]] -= n->value[i] * x[c];
 }
 
 /* (A Aᵀ)⁻¹ b; NULL: no memory. */
-static const double *solve_normal(km_normal *n) {
+static const double *solve_normal(km_normal_equations *n) {
   size_t rows = (size_t)n->rows;
   cholmod_dense B = {
       .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->z, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
@@ -224,7 +224,7 @@ static const double *solve_normal(km_normal *n) {
   return n->z;
 }
 
-double km_normal_smallest(km_normal *n) {
+double km_normal_equations_smallest(km_normal_equations *n) {
   enum { PASSES = 3 };
   double square = 0.0, largest = km_largest_size(n->value, (int)n->start[n->columns]);
   uint64_t seed = 1;
@@ -244,7 +244,7 @@ double km_normal_smallest(km_normal *n) {
 }
 
 /* step = Aᵀ(A Aᵀ)⁻¹ b; returns its length, NaN: no memory. */
-static double solve(km_normal *n) {
+static double solve(km_normal_equations *n) {
   const double *z = solve_normal(n);
   if (!z)
     return nan("");
@@ -259,7 +259,7 @@ static double solve(km_normal *n) {
 
 /* From n->b on, with what the rows that aren't used have in it 0. Every step is smaller than the one before it by about the same
  * share, which tells what is left. */
-static bool correct(km_normal *n, double *x) {
+static bool correct(km_normal_equations *n, double *x) {
   enum { MOST_CORRECTIONS = 4 };
   static const double most_share = 0.1, rounding = 1e-15;
   double last = solve(n), length = last;
@@ -278,13 +278,13 @@ static bool correct(km_normal *n, double *x) {
   return length == 0.0;
 }
 
-bool km_normal_least(km_normal *n, const double *b, double *x) {
+bool km_normal_equations_least(km_normal_equations *n, const double *b, double *x) {
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = n->used[r] ? b[r] : 0.0;
   return correct(n, x);
 }
 
-bool km_normal_part(km_normal *n, const double *y, double *x) {
+bool km_normal_equations_part(km_normal_equations *n, const double *y, double *x) {
   memset(n->b, 0, (size_t)n->rows * sizeof *n->b);
   subtract_rows(n, y, n->b);
   for (long r = 0; r < n->rows; ++r)

@@ -7,27 +7,27 @@
 #include "linalg/partition.h"
 
 /* Is the library there? It is loaded. */
-bool km_normal_is_installed(void);
+bool km_normal_equations_is_installed(void);
 
 /* For matrices in which column c can have entries in the rows row[start[c] … start[c+1]-1]. NULL where the library isn't
  * installed or memory is out. */
-km_normal *km_normal_create(int rows, int columns, const int *start, const int *row);
+km_normal_equations *km_normal_equations_create(int rows, int columns, const int *start, const int *row);
 
 /* All rows in the order that nested dissection of their products finds (METIS), whatever is used: found once. NULL: no memory. */
-const long *km_normal_dissection(km_normal *normal);
+const long *km_normal_equations_dissection(km_normal_equations *normal);
 
 /* A is the matrix, given by its entries, over the columns' weights. What isn't `used` counts as 0: rows and columns. False
  * where the rows that are used depend on each other. What was factored last isn't factored again. O(entries of the factor). */
-bool km_normal_factor(km_normal *normal, const double *matrix, const double *weight, const bool *used_rows,
-                      const bool *used_columns);
+bool km_normal_equations_factor(km_normal_equations *normal, const double *matrix, const double *weight,
+                                const bool *used_rows, const bool *used_columns);
 /* Was what was factored last of these rows and columns? */
-bool km_normal_has(const km_normal *normal, const bool *used_rows, const bool *used_columns);
+bool km_normal_equations_has(const km_normal_equations *normal, const bool *used_rows, const bool *used_columns);
 /* About the smallest singular value of A in the rows that are used, over its largest entry; 0 where it can't be found. */
-double km_normal_smallest(km_normal *normal);
+double km_normal_equations_smallest(km_normal_equations *normal);
 /* The x[columns] of least |x| with A x = b[rows] in the rows that are used. Corrected until nothing but rounding is left to
  * correct; false where that takes long, since the equations square the condition of A: then Q R is needed. */
-bool km_normal_least(km_normal *normal, const double *b, double *x);
+bool km_normal_equations_least(km_normal_equations *normal, const double *b, double *x);
 /* The same with b = A y: what the rows have of y[columns]. */
-bool km_normal_part(km_normal *normal, const double *y, double *x);
+bool km_normal_equations_part(km_normal_equations *normal, const double *y, double *x);
 
 #endif

@@ -20,7 +20,7 @@ void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *
   out.start[k + 1] = next;
 }
 
-double km_sparse_crowd(const km_partition *p) {
+double km_sparse_gram_cost(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
   for (int c = 0; c < p->columns; ++c) {
@@ -32,7 +32,7 @@ double km_sparse_crowd(const km_partition *p) {
   return sum;
 }
 
-double km_sparse_all_rows_crowd(const km_partition *p) {
+double km_sparse_full_gram_cost(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
   for (int c = 0; c < p->columns; ++c)
@@ -40,26 +40,26 @@ double km_sparse_all_rows_crowd(const km_partition *p) {
   return sum;
 }
 
-bool km_sparse_is_crowded(const km_partition *p) {
+bool km_sparse_gram_is_dense(const km_partition *p) {
   static const double most_crowd = 100.0; /* entries that share a column with one */
-  return km_sparse_all_rows_crowd(p) > most_crowd * p->sparse->start[p->columns];
+  return km_sparse_full_gram_cost(p) > most_crowd * p->sparse->start[p->columns];
 }
 
-bool km_partition_may_wait(const km_partition *p) {
-  return p->sparse && p->sparse->normal && !km_sparse_is_crowded(p) && km_normal_is_installed();
+bool km_partition_may_defer(const km_partition *p) {
+  return p->sparse && p->sparse->normal && !km_sparse_gram_is_dense(p) && km_normal_equations_is_installed();
 }
 
-km_normal *km_sparse_need_normal(const km_partition *p) {
+km_normal_equations *km_sparse_need_normal(const km_partition *p) {
   const km_sparse *s = p->sparse;
-  if (!km_partition_may_wait(p))
+  if (!km_partition_may_defer(p))
     return NULL;
   if (!*s->normal)
-    *s->normal = km_normal_create(p->rows, p->columns, s->start, s->row);
+    *s->normal = km_normal_equations_create(p->rows, p->columns, s->start, s->row);
   return *s->normal;
 }
 
-km_normal *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count) {
-  km_normal *normal = km_sparse_need_normal(p);
+km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count) {
+  km_normal_equations *normal = km_sparse_need_normal(p);
   if (!normal)
     return NULL;
   bool *rows = KM_NEW(bool, (size_t)p->rows + 1), *columns = KM_NEW(bool, (size_t)p->columns + 1);
@@ -68,7 +68,8 @@ km_normal *km_sparse_normal(const km_partition *p, const double *matrix, const d
   for (int k = 0; k < p->rank + count && columns; ++k)
     columns[p->column[k]] = true;
   bool good = rows && columns &&
-              (matrix ? km_normal_factor(normal, matrix, weight, rows, columns) : km_normal_has(normal, rows, columns));
+              (matrix ? km_normal_equations_factor(normal, matrix, weight, rows, columns)
+                      : km_normal_equations_has(normal, rows, columns));
   km_free(rows);
   km_free(columns);
   return good ? normal : NULL;
@@ -88,7 +89,7 @@ static int arrange_columns(const km_partition *p, const bool *forced) {
 
 /* How far from the primary rows, which the normal equations have, those that aren't primary are, over the largest entry: about the
  * length of what is left of a sum of them all, each with a factor as if by chance. */
-static double distance_of_others(const km_partition *p, km_normal *normal, const double *matrix, int used) {
+static double distance_of_others(const km_partition *p, km_normal_equations *normal, const double *matrix, int used) {
   const km_sparse *s = p->sparse;
   size_t n = (size_t)p->columns;
   double *sum = KM_NEW(double, n + 1), *part = KM_NEW(double, n + 1), largest = 0.0, square = 0.0;
@@ -100,7 +101,7 @@ static double distance_of_others(const km_partition *p, km_normal *normal, const
       sum[c] += s->step_of[s->row[i]] < 0 ? km_sparse_weight(s->row[i], 0) * entry : 0.0;
     }
   }
-  bool found = sum && part && km_normal_part(normal, sum, part);
+  bool found = sum && part && km_normal_equations_part(normal, sum, part);
   for (size_t c = 0; c < n && found; ++c)
     square += (sum[c] - part[c]) * (sum[c] - part[c]);
   km_free(sum);
@@ -120,7 +121,7 @@ static void list_rows(km_partition *p, bool kept) {
     s->step_of[p->row[k]] = k;
 }
 
-bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const bool kept = p->kept_rows > 0.0;
   const double least = kept ? p->kept_rows : tolerance;
@@ -128,8 +129,8 @@ bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *for
   if (most < (kept ? p->rank : p->rows))
     return false;
   list_rows(p, kept);
-  km_normal *normal = km_sparse_normal(p, matrix, s->weight, most - p->rank);
-  double smallest = normal ? km_normal_smallest(normal) : 0.0;
+  km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, most - p->rank);
+  double smallest = normal ? km_normal_equations_smallest(normal) : 0.0;
   if (!(smallest > least))
     return false;
   double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
@@ -148,23 +149,23 @@ bool km_sparse_rows_stand(km_partition *p, const double *matrix, const bool *for
   return true;
 }
 
-bool km_sparse_spare_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
-  km_orthogonal *q = NULL;
+bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  km_sparse_qr *q = NULL;
   km_error error;
   int rank = -1, *list = KM_NEW(int, (size_t)p->rows + 1);
   bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
-  if (list && left_out && !km_orthogonal_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
+  if (list && left_out && !km_sparse_qr_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
     for (int c = 0; c < p->columns; ++c)
       left_out[c] = km_sparse_is_locked(p, c) || (p->held && forced && forced[c]);
     for (int r = 0; r < p->rows; ++r)
-      km_sparse_fill_row(p->sparse, matrix, NULL, left_out, r, r, km_orthogonal_columns(q));
-    rank = km_orthogonal_independent(q, threshold, list);
+      km_sparse_fill_row(p->sparse, matrix, NULL, left_out, r, r, km_sparse_qr_columns(q));
+    rank = km_sparse_qr_independent(q, threshold, list);
   }
   for (int r = 0; r < p->rows && rank >= 0; ++r)
     p->sparse->spare[r] = true;
   for (int k = 0; k < rank; ++k)
     p->sparse->spare[list[k]] = false;
-  km_orthogonal_free(q);
+  km_sparse_qr_free(q);
   km_free(left_out);
   km_free(list);
   return rank >= 0 && rank < p->rows;

@@ -359,7 +359,7 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   t->by_rows = f->by_rows;
   t->by_normal = f->by_normal;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
-  to->failed = from->failed || !km_sparse_make_room(t, upper, lower);
+  to->failed = from->failed || !km_sparse_reserve_factor(t, upper, lower);
   if (to->failed)
     return;
   memcpy(t->upper_store.index, f->upper_store.index, (size_t)upper * sizeof *t->upper_store.index);

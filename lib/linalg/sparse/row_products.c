@@ -27,7 +27,7 @@ typedef struct listing {
   bool upper;
 } listing;
 
-static bool reserve(km_products *out, int rows, int columns, const int *start, km_arena *arena, listing *l) {
+static bool reserve(km_row_products *out, int rows, int columns, const int *start, km_arena *arena, listing *l) {
   double pairs = 0.0;
   for (int c = 0; c < columns; ++c)
     pairs += 0.5 * (start[c + 1] - start[c]) * (start[c + 1] - start[c] + 1.0);
@@ -61,7 +61,7 @@ static long meet(const listing *l, int r) {
 }
 
 /* The rows that have a product with row r, and which entries make it, in the order in which they are met. */
-static void list_column(const listing *l, int r, km_products *out) {
+static void list_column(const listing *l, int r, km_row_products *out) {
   const long k = l->place[r], first = out->start[k], count = meet(l, r);
   long end = first;
   out->row[end++] = k;
@@ -93,10 +93,10 @@ static void list_column(const listing *l, int r, km_products *out) {
   out->start[k + 1] = end;
 }
 
-bool km_products_make(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
-                      km_products *out) {
+bool km_row_products_make(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
+                          km_row_products *out) {
   km_arena arena = {0};
-  *out = (km_products){0};
+  *out = (km_row_products){0};
   int *order = KM_ARENA_NEW(&arena, int, (size_t)rows), *row_start = KM_ARENA_NEW(&arena, int, (size_t)rows + 2);
   km_row_entry *by_row = KM_ARENA_NEW(&arena, km_row_entry, (size_t)start[columns]);
   listing l = {.start = start, .row = row, .row_start = row_start, .by_row = by_row, .place = place, .upper = upper};
@@ -115,14 +115,14 @@ bool km_products_make(int rows, int columns, const int *start, const int *row, c
   return out->value != NULL;
 }
 
-void km_products_free(km_products *p) {
+void km_row_products_free(km_row_products *p) {
   void *const all[] = {p->start, p->row, p->value, p->diagonal, p->pair_start, p->pair};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
-  *p = (km_products){0};
+  *p = (km_row_products){0};
 }
 
-void km_products_find(km_products *p, const double *entries, const bool *used_rows) {
+void km_row_products_find(km_row_products *p, const double *entries, const bool *used_rows) {
   const km_factors *const pair = p->pair;
   for (long i = 0; i < p->start[p->rows]; ++i) {
     double sum = 0.0;

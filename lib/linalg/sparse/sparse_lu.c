@@ -33,8 +33,9 @@ static int find_hidden(const km_partition *p, const double *matrix, const bool *
                        bool rank_counts) {
   if (p->failed || p->sparse->overfull)
     return -1;
-  return rank_counts && km_sparse_hidden_row(p, matrix, forced, threshold) < 0 ? -1
-                                                                               : km_sparse_hidden(p, forced, threshold);
+  return rank_counts && km_sparse_hidden_row(p, matrix, forced, threshold) < 0
+             ? -1
+             : km_sparse_hidden_column(p, forced, threshold);
 }
 
 /* Until no column is dependent that no pivot tells, or that shows at least that the rank is right. What a column that comes
@@ -74,7 +75,7 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
 static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   enum { MOST_FILL = 4 };
   km_sparse *s = p->sparse;
-  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], km_sparse_all_rows_crowd(p)), INT_MAX);
+  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
   s->waits_to_fill = p->rows > p->columns;
   eliminate_all(p, matrix, forced, threshold, true);
   s->most_entries = 0;
@@ -82,7 +83,7 @@ static void find_rows(km_partition *p, const double *matrix, const bool *forced,
     return;
   s->waits = false;
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
-  km_sparse_spare_rows(p, matrix, forced, threshold);
+  km_sparse_find_dependent_rows(p, matrix, forced, threshold);
   eliminate_rows(p, matrix, forced, threshold);
 }
 
@@ -114,7 +115,7 @@ static bool are_kept(const bool *kept, const bool *flags, size_t count) {
   return flags ? memcmp(kept, flags, count * sizeof *kept) == 0 : memchr(kept, true, count * sizeof *kept) == NULL;
 }
 
-bool km_sparse_knows(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+bool km_sparse_has_factor(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   const km_sparse *s = p->sparse;
   const size_t columns = (size_t)p->columns;
   return s->is_known && !p->failed && s->known_tolerance == tolerance && s->known_flags == flags_of(p) &&
@@ -144,9 +145,9 @@ static void find_better_columns(km_partition *p, const double *matrix, const boo
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && largest_free_b(p, forced) <= most)
       break;
-    bool ends = !others && any_serve(p) && km_partition_may_wait(p);
+    bool ends = !others && any_serve(p) && km_partition_may_defer(p);
     p->sparse->next_pass = ends && finite ? pass + 1 : 0;
-    if (ends || (!others && (!finite || !km_sparse_choose_late(p, forced))))
+    if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
   }
 }
@@ -167,20 +168,20 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
     p->locked_count += p->locked[c];
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
   memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
-  s->by_rows = p->rows_only && !km_sparse_is_crowded(p);
-  s->by_normal = s->by_rows && km_sparse_rows_stand(p, matrix, forced, tolerance);
+  s->by_rows = p->rows_only && !km_sparse_gram_is_dense(p);
+  s->by_normal = s->by_rows && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
   if (!s->by_normal)
     (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   remember(p, matrix, forced, tolerance);
 }
 
-bool km_sparse_go_on(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+bool km_sparse_finish(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const int pass = s->next_pass;
   if (pass == 0 || any_serve(p))
     return false;
   s->next_pass = 0;
-  bool changes = km_sparse_choose_late(p, forced);
+  bool changes = km_sparse_choose_independent(p, forced);
   if (changes)
     find_better_columns(p, matrix, forced, tolerance * p->scale, pass);
   remember(p, matrix, forced, tolerance);

@@ -67,12 +67,12 @@ struct km_sparse {
   unsigned known_flags;
   bool is_known;
   int next_pass; /* of a search for good independent columns that ended since any serve: where it goes on; 0: it doesn't */
-  km_normal **normal;   /* borrowed, of all partitions of the pattern; NULL: none */
-  const double *weight; /* the same: of the columns, for the normal equations */
-  bool by_rows;         /* only the rows were asked for: the independent columns have no entries of U, and no B */
-  bool by_normal;       /* they were, and are independent by their normal equations: there is no L and no U */
-  bool b_waits;         /* the size of B wasn't measured with these values */
-  bool keeps_b;         /* else there is room for one column of B only: many are found when they are asked for */
+  km_normal_equations **normal; /* borrowed, of all partitions of the pattern; NULL: none */
+  const double *weight;         /* the same: of the columns, for the normal equations */
+  bool by_rows;   /* only the rows were asked for: the independent columns have no entries of U, and no B */
+  bool by_normal; /* they were, and are independent by their normal equations: there is no L and no U */
+  bool b_waits;   /* the size of B wasn't measured with these values */
+  bool keeps_b;   /* else there is room for one column of B only: many are found when they are asked for */
 };
 
 /* Null vectors with so many times the entries of the matrix, all together, are long: they reach through the whole mechanism. */
@@ -101,17 +101,17 @@ static inline void km_sparse_note(km_partition *p, double size) {
 
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Is the factor at hand what these arguments give? */
-bool km_sparse_knows(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
+bool km_sparse_has_factor(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Where that is so, but any independent columns served who asked for it, and don't serve now: goes on to better ones. Returns whether
  * the pivots have changed. */
-bool km_sparse_go_on(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
+bool km_sparse_finish(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* False where a value is not finite, or one that the pivots take to be 0 isn't and `whole` isn't set, or when out of memory. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix, bool whole);
 /* The pivots at hand in their order, whatever is 0. False where one of them is, or when out of memory. */
 bool km_sparse_eliminate_again(km_partition *partition, const double *matrix);
 /* The columns of the independent coordinates that serve best become late, by complete pivoting of the null vectors. Returns
  * whether they aren't those that are independent now. */
-bool km_sparse_choose_late(km_partition *partition, const bool *forced);
+bool km_sparse_choose_independent(km_partition *partition, const bool *forced);
 void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
 /* U⁻¹ y by step. */
 void km_sparse_solve_upper(const km_partition *partition, double *y);
@@ -119,32 +119,33 @@ void km_sparse_solve_upper(const km_partition *partition, double *y);
  * Returns top; their `seen` is set. */
 int km_sparse_reach_upper(const km_partition *partition, const km_run *own);
 /* A column among the pivots' that the others make dependent to the threshold, though no pivot tells; -1: none. */
-int km_sparse_hidden(const km_partition *partition, const bool *forced, double threshold);
+int km_sparse_hidden_column(const km_partition *partition, const bool *forced, double threshold);
 /* The same of the rows over all columns that may be pivots, whether or not they are. */
 int km_sparse_hidden_row(const km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* Spares the rows that others make dependent to the threshold, by Q R over all columns that may be pivots. False where it finds
  * none, or SuiteSparse's SPQR isn't installed, or memory is out. */
-bool km_sparse_spare_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
+bool km_sparse_find_dependent_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* Are all rows independent to the tolerance over all columns that may be pivots, by their normal equations? Then that is the
  * partition's result. Where `kept_rows` is set: are the primary rows at hand, to that, and do the others depend on them? False also where
  * these equations aren't kept. */
-bool km_sparse_rows_stand(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
+bool km_sparse_rows_are_independent(km_partition *partition, const double *matrix, const bool *forced,
+                                    double tolerance);
 /* So many steps are subtracted together. */
 enum { KM_SPARSE_TOGETHER = 8 };
 /* Before the first step. */
-void km_sparse_forget_nests(km_partition *partition);
+void km_sparse_reset_supernodes(km_partition *partition);
 /* The last step, whose entries of L are there, takes the order of the one before it where its rows are that one's. */
-void km_sparse_nest(km_partition *partition, int step);
+void km_sparse_supernode(km_partition *partition, int step);
 /* Do the `count` rows of a column's list begin with those of KM_SPARSE_TOGETHER steps that nest? */
-bool km_sparse_go_together(const km_partition *partition, const int *list, int count);
+bool km_sparse_supernode_follows(const km_partition *partition, const int *list, int count);
 /* Subtracts these from the accumulators, from `step` on; what they have of the column goes to u. */
-void km_sparse_subtract_together(const km_partition *partition, int step, double u[KM_SPARSE_TOGETHER]);
+void km_sparse_supernode_subtract(const km_partition *partition, int step, double u[KM_SPARSE_TOGETHER]);
 /* Room for so many entries of U and of L in all. False when out of memory. */
-bool km_sparse_make_room(km_sparse *sparse, int upper, int lower);
+bool km_sparse_reserve_factor(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_store *store, int need);
 /* The columns with one entry in the rows that no other of them has taken, as the first pivots: nothing is eliminated by
  * them. `given` columns and late ones, and entries of up to `least`, are left. Returns how many entries U has. */
-int km_sparse_take_singles(km_partition *partition, const double *matrix, const bool *forced, double least);
+int km_sparse_take_singletons(km_partition *partition, const double *matrix, const bool *forced, double least);
 /* One elimination in the order of `late` and `forced`. */
 void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* max |B_ij| over the independent columns that aren't given. Where these are long, about the length of the longest row instead:
@@ -157,11 +158,11 @@ bool km_sparse_find_b(km_partition *partition, const bool *forced, double most);
 double km_sparse_size_of_b(const km_partition *partition);
 /* Σ over all columns of the squared number of entries in primary rows: about how many entries Q R of the rows comes to, at most.
  */
-double km_sparse_crowd(const km_partition *partition);
+double km_sparse_gram_cost(const km_partition *partition);
 /* The same sum over all rows, primary or not. */
-double km_sparse_all_rows_crowd(const km_partition *partition);
+double km_sparse_full_gram_cost(const km_partition *partition);
 /* Do some columns have so many entries that Q R of the rows would be full? */
-bool km_sparse_is_crowded(const km_partition *partition);
+bool km_sparse_gram_is_dense(const km_partition *partition);
 /* Between 1 and 2, of either sign, as if by chance. */
 double km_sparse_weight(int index, int probe);
 /* The entries of column k of B in the store, until another one is asked for. O(entries of U that it reaches). */
@@ -176,11 +177,11 @@ void km_sparse_copy(km_partition *to, const km_partition *from);
 void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *left_out, int row,
                         int k, km_columns out);
 /* The partition's normal equations, created at the first call. NULL where they aren't kept, or would fill in. */
-km_normal *km_sparse_need_normal(const km_partition *p);
+km_normal_equations *km_sparse_need_normal(const km_partition *p);
 /* The normal equations of the primary rows in the dependent and the first `count` independent columns: of `matrix`, or of
  * the matrix that was factored last where it is NULL. NULL where they aren't kept, would fill in, or are too badly
  * conditioned. */
-km_normal *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count);
+km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count);
 
 /* Arrays of a sparse partition with the pattern of `pattern`. False when out of memory. */
 bool km_sparse_reserve(km_partition *p, const km_sparse *pattern, int rows, int columns, km_arena *arena);

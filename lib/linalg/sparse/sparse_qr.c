@@ -28,7 +28,7 @@ typedef struct library {
 #undef X
 } library;
 
-struct km_orthogonal {
+struct km_sparse_qr {
   const library *spqr;
   cholmod_common common;
   SuiteSparseQR_C_factorization *QR;
@@ -51,12 +51,12 @@ static const library *load(km_error *error) {
   return NULL;
 }
 
-km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal **out, km_error *error) {
+km_status km_sparse_qr_create(int rows, int columns, int entries, km_sparse_qr **out, km_error *error) {
   *out = NULL;
   const library *spqr = load(error);
   if (!spqr)
     return KM_IO;
-  km_orthogonal *q = KM_NEW(km_orthogonal, 1);
+  km_sparse_qr *q = KM_NEW(km_sparse_qr, 1);
   if (!q)
     return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
   q->spqr = spqr;
@@ -73,12 +73,12 @@ km_status km_orthogonal_create(int rows, int columns, int entries, km_orthogonal
   *out = q;
   if (q->start && q->row && q->value)
     return KM_OK;
-  km_orthogonal_free(q);
+  km_sparse_qr_free(q);
   *out = NULL;
   return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
 }
 
-void km_orthogonal_free(km_orthogonal *q) {
+void km_sparse_qr_free(km_sparse_qr *q) {
   if (!q)
     return;
   q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
@@ -89,11 +89,11 @@ void km_orthogonal_free(km_orthogonal *q) {
   km_free(q);
 }
 
-km_columns km_orthogonal_columns(km_orthogonal *q) {
+km_columns km_sparse_qr_columns(km_sparse_qr *q) {
   return (km_columns){q->start, q->row, q->value};
 }
 
-static cholmod_sparse matrix_of(const km_orthogonal *q) {
+static cholmod_sparse matrix_of(const km_sparse_qr *q) {
   return (cholmod_sparse){.nrow = (size_t)q->rows,
                           .ncol = (size_t)q->columns,
                           .nzmax = (size_t)q->start[q->columns],
@@ -107,7 +107,7 @@ static cholmod_sparse matrix_of(const km_orthogonal *q) {
                           .packed = 1};
 }
 
-bool km_orthogonal_factor(km_orthogonal *q, double tolerance) {
+bool km_sparse_qr_factor(km_sparse_qr *q, double tolerance) {
   cholmod_sparse A = matrix_of(q);
   q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
   q->QR = q->spqr->SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
@@ -115,7 +115,7 @@ bool km_orthogonal_factor(km_orthogonal *q, double tolerance) {
   return q->QR != NULL;
 }
 
-int km_orthogonal_rank(const km_orthogonal *q) {
+int km_sparse_qr_rank(const km_sparse_qr *q) {
   return q->rank;
 }
 
@@ -130,7 +130,7 @@ static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
                          .dtype = CHOLMOD_DOUBLE};
 }
 
-bool km_orthogonal_reject(km_orthogonal *q, double *v, int count) {
+bool km_sparse_qr_reject(km_sparse_qr *q, double *v, int count) {
   cholmod_dense V = dense(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   for (int k = 0; k < count && Y; ++k)
@@ -144,7 +144,7 @@ bool km_orthogonal_reject(km_orthogonal *q, double *v, int count) {
   return done;
 }
 
-bool km_orthogonal_squares(km_orthogonal *q, double *v, int count, double *squares) {
+bool km_sparse_qr_squares(km_sparse_qr *q, double *v, int count, double *squares) {
   cholmod_dense V = dense(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   bool done = Y != NULL;
@@ -170,7 +170,7 @@ static int compare_beginnings(const void *a, const void *b) {
 }
 
 /* `place` says which column of R a column of the matrix is. */
-static void sort_rows(const km_orthogonal *q, const cholmod_sparse *by_row, const long *place, beginning *list) {
+static void sort_rows(const km_sparse_qr *q, const cholmod_sparse *by_row, const long *place, beginning *list) {
   const long *start = by_row->p, *entry = by_row->i;
   for (long r = 0; r < q->rows; ++r) {
     list[r] = (beginning){q->columns, r};
@@ -183,7 +183,7 @@ static void sort_rows(const km_orthogonal *q, const cholmod_sparse *by_row, cons
 /* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
  * b on. Nested dissection keeps short what a row reaches: of a chain of n loops log n columns, where an order of least fill may
  * make it n. Rows that begin near each other reach much the same, and go side by side. */
-static void add_shares(const km_orthogonal *q, const km_triangle *R, const cholmod_sparse *by_row, const long *place,
+static void add_shares(const km_sparse_qr *q, const km_triangle *R, const cholmod_sparse *by_row, const long *place,
                        const beginning *list, double *y, uint64_t *marked, double *share) {
   const long *row_start = by_row->p, *entry = by_row->i;
   const double *b = by_row->x;
@@ -201,7 +201,7 @@ static void add_shares(const km_orthogonal *q, const km_triangle *R, const cholm
   }
 }
 
-bool km_orthogonal_shares(km_orthogonal *q, double tolerance, bool as_they_stand, double *share) {
+bool km_sparse_qr_shares(km_sparse_qr *q, double tolerance, bool as_they_stand, double *share) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
@@ -240,7 +240,7 @@ bool km_orthogonal_shares(km_orthogonal *q, double tolerance, bool as_they_stand
   return done;
 }
 
-int km_orthogonal_independent(km_orthogonal *q, double tolerance, int *list) {
+int km_sparse_qr_independent(km_sparse_qr *q, double tolerance, int *list) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
@@ -253,7 +253,7 @@ int km_orthogonal_independent(km_orthogonal *q, double tolerance, int *list) {
   return (int)rank;
 }
 
-bool km_orthogonal_least(km_orthogonal *q, const double *b, double *x) {
+bool km_sparse_qr_least(km_sparse_qr *q, const double *b, double *x) {
   double *copy = KM_NEW(double, (size_t)q->columns + 1); /* the library's interface has no const */
   if (!copy)
     return false;

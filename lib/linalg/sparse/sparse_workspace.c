@@ -84,7 +84,7 @@ bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const i
   return km_sparse_reserve(p, &pattern, rows, columns, arena);
 }
 
-void km_partition_keep_normal(km_partition *p, km_normal **place, const double *weight) {
+void km_partition_set_normal_equations(km_partition *p, km_normal_equations **place, const double *weight) {
   if (!p->sparse)
     return;
   p->sparse->normal = place;
@@ -99,6 +99,6 @@ bool km_sparse_grow(km_sparse *s, km_store *store, int need) {
          km_arena_grow(s->arena, (void **)&store->index, &store->capacity, (size_t)need, sizeof(int));
 }
 
-bool km_sparse_make_room(km_sparse *s, int upper, int lower) {
+bool km_sparse_reserve_factor(km_sparse *s, int upper, int lower) {
   return km_sparse_grow(s, &s->upper_store, upper) && km_sparse_grow(s, &s->lower_store, lower);
 }

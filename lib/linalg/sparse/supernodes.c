@@ -8,7 +8,7 @@
 enum { TOGETHER = KM_SPARSE_TOGETHER };
 enum { LEAST_ENTRIES = 2 * TOGETHER }; /* of a step, for less isn't worth it */
 
-void km_sparse_forget_nests(km_partition *p) {
+void km_sparse_reset_supernodes(km_partition *p) {
   memset(p->sparse->nests, 0, (size_t)p->rows * sizeof *p->sparse->nests);
   memset(p->sparse->shared, 0, (size_t)p->rows * sizeof *p->sparse->shared);
   p->sparse->shared_end = 0;
@@ -59,7 +59,7 @@ static void take_entries(km_sparse *s, int step, const km_run *own, const int *r
   }
 }
 
-void km_sparse_nest(km_partition *p, int step) {
+void km_sparse_supernode(km_partition *p, int step) {
   km_sparse *s = p->sparse;
   const km_run *own = &s->lower[p->column[step]];
   if (own->end - own->start < LEAST_ENTRIES ||
@@ -75,7 +75,7 @@ void km_sparse_nest(km_partition *p, int step) {
   take_entries(s, step, own, rows);
 }
 
-bool km_sparse_go_together(const km_partition *p, const int *list, int count) {
+bool km_sparse_supernode_follows(const km_partition *p, const int *list, int count) {
   const km_sparse *s = p->sparse;
   int step = s->step_of[list[0]];
   bool all = step >= 0 && count >= TOGETHER && s->nests[step];
@@ -85,7 +85,7 @@ bool km_sparse_go_together(const km_partition *p, const int *list, int count) {
 }
 
 /* The same sums in the same order as one step after the other. */
-void km_sparse_subtract_together(const km_partition *p, int step, double u[TOGETHER]) {
+void km_sparse_supernode_subtract(const km_partition *p, int step, double u[TOGETHER]) {
   const km_sparse *s = p->sparse;
   const double *value[TOGETHER];
   double *const x = s->x;

@@ -7,8 +7,8 @@
 
 /* The designs that are compared. */
 typedef struct overlay {
-  km_asked_design asked[KM_MOST_OVERLAID_DESIGNS];
-  km_answered answers[KM_MOST_OVERLAID_DESIGNS];
+  km_evaluated_design asked[KM_MAX_OVERLAID_DESIGNS];
+  km_answered answers[KM_MAX_OVERLAID_DESIGNS];
   km_arena arena;
   int count;
 } overlay;
@@ -17,18 +17,18 @@ static void overlay_free(overlay *v) {
   if (!v)
     return;
   for (int i = 0; i < v->count; ++i)
-    km_asked_design_free(&v->asked[i]);
+    km_evaluated_design_free(&v->asked[i]);
   km_arena_free(&v->arena);
   km_free(v);
 }
 
 /* Adds a design's answer, if it has one. False when out of memory. */
 static bool add(overlay *v, const km_designs_shown *p, int design, int question, const char *name) {
-  km_asked_design *a = &v->asked[v->count];
-  km_status status = km_design_study_ask(p->study, design, question, a, NULL);
+  km_evaluated_design *a = &v->asked[v->count];
+  km_status status = km_design_study_evaluate(p->study, design, question, a, NULL);
   const char *kept = km_arena_string(&v->arena, name);
   if ((status != KM_OK && status != KM_PARTIAL) || km_table_rows(km_question_table(a->question)) == 0) {
-    km_asked_design_free(a);
+    km_evaluated_design_free(a);
     return status != KM_MEMORY;
   }
   v->answers[v->count++] = (km_answered){a->question, kept, NULL, 0};
@@ -41,8 +41,8 @@ static bool gather(overlay *v, const km_designs_shown *p, int question) {
     return (designs < 1 || add(v, p, 0, question, "start")) &&
            (best < 1 || (p->only_try && v->count > 0) || add(v, p, best, question, "best"));
   bool good = true;
-  int enough = p->only_try ? 1 : KM_MOST_OVERLAID_DESIGNS; /* one answer shows that there is something to draw */
-  for (int i = 0; i < designs && i < KM_MOST_OVERLAID_DESIGNS && v->count < enough && good; ++i) {
+  int enough = p->only_try ? 1 : KM_MAX_OVERLAID_DESIGNS; /* one answer shows that there is something to draw */
+  for (int i = 0; i < designs && i < KM_MAX_OVERLAID_DESIGNS && v->count < enough && good; ++i) {
     km_text name = {0};
     km_design_label(p->study, p->def, i, &name);
     good = !name.failed && add(v, p, i, question, name.data ? name.data : "");
@@ -79,8 +79,8 @@ static km_status made_or_no_memory(bool made, km_error *error) {
 /* What figures are taken from along the path. */
 static km_status make_tracks(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
                              km_error *error) {
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MOST_OVERLAID_DESIGNS);
-  size_t *columns = KM_ARENA_NEW(arena, size_t, KM_MOST_DESIGN_FIGURES);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MAX_OVERLAID_DESIGNS);
+  size_t *columns = KM_ARENA_NEW(arena, size_t, KM_MAX_DESIGN_FIGURES);
   if (arena->failed)
     return made_or_no_memory(false, error);
   size_t count = columns_of(&p->def->questions[question], km_question_table(v->asked[0].question), columns);
@@ -106,8 +106,8 @@ static km_status make_paths(const overlay *v, const km_designs_shown *p, int que
                             km_error *error) {
   (void)p;
   (void)question;
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MOST_OVERLAID_DESIGNS);
-  size_t *y = KM_ARENA_NEW(arena, size_t, KM_MOST_OVERLAID_DESIGNS);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MAX_OVERLAID_DESIGNS);
+  size_t *y = KM_ARENA_NEW(arena, size_t, KM_MAX_OVERLAID_DESIGNS);
   for (int i = 0; i < v->count && !arena->failed; ++i) {
     const km_table *table = km_question_table(v->asked[i].question);
     km_span points = km_table_span(table, "point.");

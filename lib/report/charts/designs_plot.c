@@ -138,7 +138,7 @@ static int by_value(const void *a, const void *b) {
 /* A dot is a run of one point: a gap follows each. Many designs are shown by some that stand for all. */
 static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_arena *arena, km_plot_series *out) {
   int designs = km_design_study_designs(p->study), count = designs < MOST_DOTS ? designs : MOST_DOTS, used = 0;
-  double parameters[KM_MOST_DESIGN_PARAMETERS];
+  double parameters[KM_MAX_DESIGN_PARAMETERS];
   double *x = KM_ARENA_NEW(arena, double, 2 * (size_t)count + 1),
          *y = KM_ARENA_NEW(arena, double, 2 * (size_t)count + 1);
   double *figures = KM_ARENA_NEW(arena, double, (size_t)count + 1);
@@ -166,10 +166,10 @@ static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_a
 }
 
 km_status km_designs_scatter(const km_designs_shown *p, int figure, km_text *out, km_error *error) {
-  double ranks[KM_MOST_DESIGN_PARAMETERS];
+  double ranks[KM_MAX_DESIGN_PARAMETERS];
   km_plot_series series[MOST_PANELS];
   km_plot_panel panels[MOST_PANELS];
-  placed order[KM_MOST_DESIGN_PARAMETERS];
+  placed order[KM_MAX_DESIGN_PARAMETERS];
   km_arena arena = {0};
   int count = 0, parameters = 0;
   km_status status = km_design_study_ranks(p->study, figure, ranks, error);
@@ -263,7 +263,7 @@ static void make_fan(const double *quantiles, const double *x, int rows, const d
 }
 
 /* What the rows stand at: the driver's values, or the way along the motion. Returns the axis' name. */
-static const char *list_driver(const km_asked_design *asked, int rows, double *x, km_arena *arena) {
+static const char *list_driver(const km_evaluated_design *asked, int rows, double *x, km_arena *arena) {
   const km_sweep_plan *plan = km_question_plan(asked->question);
   const km_table *table = km_question_table(asked->question);
   bool driven = plan && plan->arclength <= 0.0;
@@ -282,12 +282,12 @@ static const char *list_driver(const km_asked_design *asked, int rows, double *x
  * answer in full. */
 static km_status driver_of(const km_designs_shown *p, int question, int band, int rows, double *x, km_arena *arena,
                            const char *labels[2], km_error *error) {
-  km_asked_design asked = {0};
+  km_evaluated_design asked = {0};
   const char *column = p->def->questions[question].bands[band];
   km_status status = KM_NO_RESULT;
   for (int i = 0; i < km_design_study_designs(p->study) && status != KM_OK && status != KM_MEMORY; ++i) {
-    km_asked_design_free(&asked);
-    status = km_design_study_ask(p->study, i, question, &asked, error);
+    km_evaluated_design_free(&asked);
+    status = km_design_study_evaluate(p->study, i, question, &asked, error);
   }
   if (status == KM_OK) {
     const km_table *table = km_question_table(asked.question);
@@ -295,7 +295,7 @@ static km_status driver_of(const km_designs_shown *p, int question, int band, in
     labels[0] = list_driver(&asked, rows, x, arena);
     labels[1] = words(arena, *unit ? "%s (%s)" : "%s", column, unit);
   }
-  km_asked_design_free(&asked);
+  km_evaluated_design_free(&asked);
   return status == KM_OK || status == KM_MEMORY ? status : km_fail(error, KM_NO_RESULT, "there is nothing to draw");
 }
 

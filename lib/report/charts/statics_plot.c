@@ -25,8 +25,8 @@ static bool agree(const km_table *table, size_t a, size_t b) {
 }
 
 /* Pushed points are always drawn. */
-static bool is_shown(const km_plotted_statics *p, const km_handle *actuator) {
-  bool shown = !p->shown || actuator->kind == KM_HANDLE_POINT;
+static bool is_shown(const km_plotted_statics *p, const km_port *actuator) {
+  bool shown = !p->shown || actuator->kind == KM_PORT_POINT;
   for (int i = 0; i < p->shown_count && !shown; ++i)
     shown = p->shown[i] == actuator->coordinate;
   return shown;
@@ -52,7 +52,7 @@ typedef struct maker {
 static void add_line(maker *k, int sweep, int actuator) {
   const km_plotted_statics *p = &k->sweeps[sweep];
   const km_model *model = p->swept.mechanism->model;
-  const km_handle *handle = &p->sweep->actuators[actuator];
+  const km_port *handle = &p->sweep->actuators[actuator];
   int panel = k->forces && !km_pushes_by_force(model, handle) ? 1 : 0;
   size_t column = km_force_column(p->sweep, actuator);
   char name[400];
@@ -73,7 +73,7 @@ static void add_marks(maker *k, int sweep) {
   const km_model *model = p->swept.mechanism->model;
   for (size_t i = 0; i < p->sweep->event_count; ++i) {
     const km_force_event *e = &p->sweep->events[i];
-    const km_handle *handle = &p->sweep->actuators[e->actuator];
+    const km_port *handle = &p->sweep->actuators[e->actuator];
     int panel = k->forces && !km_pushes_by_force(model, handle) ? 1 : 0;
     char name[300];
     if (e->kind == KM_FORCE_PEAK || !is_shown(p, handle))

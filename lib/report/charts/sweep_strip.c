@@ -32,7 +32,7 @@ static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
 static void draw_names(const km_sweep_strip *strip, km_canvas *canvas, double y, double width) {
   const double dash = 10, gap = 12;
   const km_font font = {.size = 8, .width = (width - 2 * margin) / strip->layers - dash - gap};
-  double room[KM_MOST_STRIP_LAYERS], all = -gap;
+  double room[KM_MAX_STRIP_LAYERS], all = -gap;
   for (int k = 0; k < strip->layers; ++k) {
     room[k] = km_canvas_measure(canvas, &font, strip->names[k]).x + 1.5 * dash + gap;
     all += room[k];
@@ -52,7 +52,7 @@ static void draw(void *context, km_canvas *canvas, double top, double width) {
   const km_font font = {.size = 8, .width = width / strip->count};
   double each = (width - 2 * margin) / strip->count;
   for (int k = 0; k < strip->count; ++k) {
-    km_drawing_def layers[KM_MOST_STRIP_LAYERS];
+    km_drawing_def layers[KM_MAX_STRIP_LAYERS];
     for (int i = 0; i < strip->layers; ++i) {
       layers[i] = strip->drawings[i];
       layers[i].full = (size_t)k;
@@ -110,7 +110,7 @@ static size_t spaced_row(const km_table *table, int k, int count) {
 
 km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out) {
   const km_table *table = sweep->motion->table;
-  size_t rows[KM_MOST_STRIP_POSES] = {0};
+  size_t rows[KM_MAX_STRIP_POSES] = {0};
   *out = (km_sweep_strip){.count = count, .layers = 1};
   if (!fits(sweep->mechanism, table))
     return (km_plot_strip){0};
@@ -136,7 +136,7 @@ static bool goes_far(const km_pose *poses, size_t bodies, int count) {
 
 km_plot_strip km_motion_strip_make(const km_mechanism *m, const km_table *table, int count, km_arena *arena,
                                    km_sweep_strip *out) {
-  size_t rows[KM_MOST_STRIP_POSES] = {0};
+  size_t rows[KM_MAX_STRIP_POSES] = {0};
   *out = (km_sweep_strip){.count = count, .layers = 1};
   if (!fits(m, table))
     return (km_plot_strip){0};
@@ -181,7 +181,7 @@ km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool o
                                        km_sweep_strip *out) {
   enum { POSES = 3 };
   static const char *const parts[POSES] = {"begin", "middle", "end"};
-  int shown = count < KM_MOST_STRIP_LAYERS ? count : KM_MOST_STRIP_LAYERS;
+  int shown = count < KM_MAX_STRIP_LAYERS ? count : KM_MAX_STRIP_LAYERS;
   const char **names = km_short_names_of(&sweeps[0].name, sizeof *sweeps, count, arena);
   *out = (km_sweep_strip){.count = POSES, .layers = shown};
   for (int i = 0; i < count; ++i)

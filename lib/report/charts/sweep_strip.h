@@ -7,17 +7,17 @@
 #include "report/drawing/drawing.h"
 #include "spatial/pose.h"
 
-enum { KM_MOST_STRIP_POSES = 6 };
+enum { KM_MAX_STRIP_POSES = 6 };
 
-enum { KM_MOST_STRIP_LAYERS = 6 };
+enum { KM_MAX_STRIP_LAYERS = 6 };
 
 typedef struct km_sweep_strip {
-  int count;                                     /* pictures, from left to right */
-  int layers;                                    /* mechanisms over each other */
-  km_drawing_def drawings[KM_MOST_STRIP_LAYERS]; /* picture k shows pose k of each; all share one scale */
-  const char *captions[KM_MOST_STRIP_POSES];
-  const char *names[KM_MOST_STRIP_LAYERS]; /* of what is compared, in colours[k]; NULL: of one mechanism */
-  int colours[KM_MOST_STRIP_LAYERS];
+  int count;                                    /* pictures, from left to right */
+  int layers;                                   /* mechanisms over each other */
+  km_drawing_def drawings[KM_MAX_STRIP_LAYERS]; /* picture k shows pose k of each; all share one scale */
+  const char *captions[KM_MAX_STRIP_POSES];
+  const char *names[KM_MAX_STRIP_LAYERS]; /* of what is compared, in colours[k]; NULL: of one mechanism */
+  int colours[KM_MAX_STRIP_LAYERS];
 } km_sweep_strip;
 
 /* Poses of `count` rows of the sweep, evenly spaced, from the table's coordinates. A strip without height where there

@@ -241,7 +241,7 @@ static bool pose_at(const km_track *t, km_state *state, size_t row, double *q, k
   for (int k = 0; k < a->n; ++k)
     q[a->coordinate[k]] = km_arm_read(a, k, values[k]) * a->unit[k];
   km_state_set(m, state, q);
-  km_poses_update(m, state);
+  km_poses_compute(m, state);
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
   return true;
 }

@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-static const char *unit_of(km_document_maker *k, const km_model *model, const km_handle *actuator) {
+static const char *unit_of(km_document_maker *k, const km_model *model, const km_port *actuator) {
   km_text text = {0};
   km_push_unit(model, actuator, &text);
   return km_text_keep(&text, &k->arena);

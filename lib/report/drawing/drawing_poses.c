@@ -219,6 +219,6 @@ void km_row_pose(const km_mechanism *m, const km_table *table, size_t row, km_st
   for (int c = 0; c < m->coordinate_count; ++c)
     q[c] = values[c] * km_model_coordinate_factor(m->model, c);
   km_state_set(m, state, q);
-  km_poses_update(m, state);
+  km_poses_compute(m, state);
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
 }

@@ -22,11 +22,11 @@ static void add_losses(const km_losses *losses, const km_advantage *a, km_value 
 }
 
 /* Does an end name something of this mechanism? */
-static bool fits(const km_mechanism *m, const km_handle *h) {
-  return h->name && (h->kind != KM_HANDLE_JOINT || (h->coordinate >= 0 && h->coordinate < m->coordinate_count));
+static bool fits(const km_mechanism *m, const km_port *h) {
+  return h->name && (h->kind != KM_PORT_JOINT || (h->coordinate >= 0 && h->coordinate < m->coordinate_count));
 }
 
-km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_handle *input, const km_handle *output,
+km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km_port *input, const km_port *output,
                               const km_advantage *a, const km_transmission *t, const km_losses *losses,
                               const char *name, km_arena *arena) {
   if (km_check_state(m, s, NULL) || !input || !output || !a || !t || !losses || !name || !arena || !fits(m, input) ||
@@ -51,7 +51,7 @@ km_value *km_advantage_record(const km_mechanism *m, const km_state *s, const km
   return arena->failed ? NULL : record;
 }
 
-void km_advantage_words(const km_mechanism *m, const km_handle *input, const km_handle *output, const km_advantage *a,
+void km_advantage_words(const km_mechanism *m, const km_port *input, const km_port *output, const km_advantage *a,
                         km_text *out) {
   const char *unit = km_advantage_unit(m->model, input, output);
   switch (a->state) {
@@ -70,7 +70,7 @@ void km_advantage_words(const km_mechanism *m, const km_handle *input, const km_
   }
 }
 
-void km_advantage_print(const km_mechanism *m, const km_handle *input, const km_handle *output, const km_advantage *a,
+void km_advantage_print(const km_mechanism *m, const km_port *input, const km_port *output, const km_advantage *a,
                         const km_transmission *t, const km_losses *losses, const char *name, km_text *out) {
   if (!m || !input || !output || !a || !t || !losses || !name || !out || !fits(m, input) || !fits(m, output))
     return;

@@ -14,7 +14,7 @@ km_value *km_advantage_sweep_record(const km_mechanism *mechanism, const km_adva
 void km_advantage_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
                               const char *name, km_text *out);
 /* "is 2.4: …" in words: what the state and the method mean. */
-void km_advantage_words(const km_mechanism *mechanism, const km_handle *input, const km_handle *output,
+void km_advantage_words(const km_mechanism *mechanism, const km_port *input, const km_port *output,
                         const km_advantage *advantage, km_text *out);
 
 #endif

@@ -9,7 +9,7 @@
 #include <string.h>
 
 void km_design_label(const km_design_study *s, const km_design_study_def *def, int design, km_text *out) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   if (!s || !def || !out || design < 0 || design >= km_design_study_designs(s))
     return;
   if (design < def->variant_count) {
@@ -63,7 +63,7 @@ static double shown_value(const km_design_study *s, const double *values, int pa
 }
 
 km_status km_designs_csv(const km_design_study *s, const km_design_study_def *def, km_text *out, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_design_result r;
   km_status status = km_check_given(s && def && out, "study or place for the result", error);
   if (status)
@@ -119,7 +119,7 @@ static void add_states(const km_design_study *s, const km_design_result *r, km_a
 static km_status add_designs(const km_design_study *s, const km_design_study_def *def, km_arena *arena,
                              km_value *record, km_error *error) {
   km_value *list = km_value_add(arena, record, "designs", KM_LIST);
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_design_result r;
   km_status status = KM_OK;
   for (int i = 0; i < km_design_study_designs(s) && !arena->failed; ++i) {
@@ -180,7 +180,7 @@ static km_status add_model(const km_design_study *s, const km_design_study_def *
   if (def->function)
     return KM_OK;
   km_status status = def->bytes ? km_model_read(def->bytes, def->size, NULL, &model, &ignored)
-                                : km_model_load(def->model, NULL, &model, &ignored);
+                                : km_model_read_file(def->model, NULL, &model, &ignored);
   if (status && km_design_study_designs(s) > 0)
     status = km_design_study_model(s, 0, &model, &ignored);
   if (!status) {

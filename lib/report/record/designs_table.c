@@ -53,7 +53,7 @@ static int best_of(km_designs_table *g, const km_design_study *s, int figure, in
 
 static void fill_row(km_designs_table *g, const km_design_study *s, const km_design_study_def *def, int design, int row,
                      const int *best) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   km_design_result r = {.outcome = KM_DESIGN_MISSING};
   km_text name = {0};
   int column = 0;
@@ -90,7 +90,7 @@ static void fill_heads(km_designs_table *g, const km_design_study *s, const km_d
 /* Some designs, one a row. */
 static void fill_designs(km_designs_table *g, const km_design_study *s, const km_design_study_def *def,
                          const int *designs, int count, bool mark) {
-  int best[KM_MOST_DESIGN_FIGURES];
+  int best[KM_MAX_DESIGN_FIGURES];
   for (int f = 0; f < km_design_study_figures(s); ++f) {
     best[f] = mark ? best_of(g, s, f, km_design_study_designs(s)) : -1;
     g->marked = g->marked || best[f] >= 0;

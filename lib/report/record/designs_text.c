@@ -123,8 +123,8 @@ static void print_indices(double first, double first_width, double total, double
 
 /* One row a parameter, one or two columns a figure. */
 static km_status print_sensitivity(km_design_study *s, const km_design_study_def *def, km_text *out, km_error *error) {
-  double first[KM_MOST_DESIGN_PARAMETERS], total[KM_MOST_DESIGN_PARAMETERS], widths[2][KM_MOST_DESIGN_PARAMETERS];
-  double ranks[KM_MOST_DESIGN_PARAMETERS];
+  double first[KM_MAX_DESIGN_PARAMETERS], total[KM_MAX_DESIGN_PARAMETERS], widths[2][KM_MAX_DESIGN_PARAMETERS];
+  double ranks[KM_MAX_DESIGN_PARAMETERS];
   const km_design_sample *sample = def->sample;
   for (int f = 0; f < km_design_study_figures(s); ++f) {
     km_design_statistics st;

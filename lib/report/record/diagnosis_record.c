@@ -52,7 +52,7 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
   }
 }
 
-static void add_idle(const km_mechanism *m, const km_idle_freedoms *idle, km_value *record, km_arena *arena) {
+static void add_idle(const km_mechanism *m, const km_passive_freedoms *idle, km_value *record, km_arena *arena) {
   km_value_number(arena, record, "idle_mobility", idle->mobility);
   km_value *list = km_value_add(arena, record, "idle_freedoms", KM_LIST);
   for (int i = 0; i < idle->count && !arena->failed; ++i) {
@@ -73,7 +73,7 @@ static void print_idle(const km_mechanism *m, const km_diagnosis *d, km_text *ou
                  d->idle.mobility, d->finite.mobility);
   for (int i = 0; i < d->idle.count && i < MOST_SHOWN; ++i) {
     km_text_add(out, "  ");
-    km_idle_statement(m, &d->idle.items[i], out);
+    km_passive_freedom_statement(m, &d->idle.items[i], out);
     km_text_add(out, "\n");
   }
 }
@@ -97,7 +97,7 @@ static void print_finite(const km_finite_mobility *finite, km_text *out) {
   for (int i = 0; i < finite->motion_count; ++i) {
     branches += finite->motions[i].kind == KM_MOTION_BRANCH;
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
-    if (finite->motions[i].kind == KM_MOTION_OPEN)
+    if (finite->motions[i].kind == KM_MOTION_UNDECIDED)
       followed = fmin(followed, finite->motions[i].confirmed_length);
   }
   if (finite->undecided)

@@ -16,7 +16,7 @@ static bool is_length(const km_model *model, int coordinate) {
 
 static void add_directions(const km_mechanism *m, const km_statics *st, km_value *record, km_arena *arena) {
   km_value *list = km_value_add(arena, record, "undetermined_directions", KM_LIST);
-  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS && !arena->failed; ++d) {
+  for (int d = 0; d < st->direction_count && d < KM_MAX_DIRECTIONS && !arena->failed; ++d) {
     const double *rates = st->directions + (size_t)d * (size_t)m->coordinate_count;
     km_text words = {0};
     km_direction_words(m, st, d, &words);
@@ -44,7 +44,7 @@ static void add_reactions(const km_mechanism *m, const km_statics *st, km_value 
 }
 
 /* The actuators that must give more than their drives can. */
-static void add_excess(const km_mechanism *m, const km_handle *actuators, const double *force, size_t stride, int count,
+static void add_excess(const km_mechanism *m, const km_port *actuators, const double *force, size_t stride, int count,
                        km_value *record, km_arena *arena) {
   km_value *list = km_value_add(arena, record, "beyond_max_force", KM_LIST);
   for (int i = 0; i < count && !arena->failed; ++i)
@@ -83,7 +83,7 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
 /* The fastest joints of a motion, three at most. */
 void km_direction_words(const km_mechanism *m, const km_statics *st, int direction, km_text *out) {
   if (!m || !st || !st->work || st->work->mechanism != m || !out || direction < 0 || direction >= st->direction_count ||
-      direction >= KM_MOST_DIRECTIONS)
+      direction >= KM_MAX_DIRECTIONS)
     return;
   enum { MOST_NAMED = 4 };
   const double *rates = st->directions + (size_t)direction * (size_t)m->coordinate_count;
@@ -110,7 +110,7 @@ void km_direction_words(const km_mechanism *m, const km_statics *st, int directi
   km_text_add(out, ", …");
 }
 
-static void print_force(const km_mechanism *m, const km_handle *actuator, int width, double force, km_text *out) {
+static void print_force(const km_mechanism *m, const km_port *actuator, int width, double force, km_text *out) {
   km_text_add(out, "  ");
   km_text_padded(actuator->name, width, out);
   km_text_format(out, "  %14.6g ", force);
@@ -118,13 +118,12 @@ static void print_force(const km_mechanism *m, const km_handle *actuator, int wi
   km_text_add(out, "\n");
 }
 
-static km_handle joint_handle(const km_mechanism *m, int coordinate) {
-  return (km_handle){
-      .kind = KM_HANDLE_JOINT, .coordinate = coordinate, .name = m->model->coordinates[coordinate].label};
+static km_port joint_handle(const km_mechanism *m, int coordinate) {
+  return (km_port){.kind = KM_PORT_JOINT, .coordinate = coordinate, .name = m->model->coordinates[coordinate].label};
 }
 
 static void print_directions(const km_mechanism *m, const km_statics *st, km_text *out) {
-  for (int d = 0; d < st->direction_count && d < KM_MOST_DIRECTIONS; ++d) {
+  for (int d = 0; d < st->direction_count && d < KM_MAX_DIRECTIONS; ++d) {
     km_text_add(out, st->falls[d] ? "  the loads move " : "  out of the actuators' reach, but not loaded: ");
     km_direction_words(m, st, d, out);
     km_text_add(out, "\n");
@@ -240,7 +239,7 @@ void km_statics_print(const km_mechanism *m, const km_statics *st, const char *n
     km_text_add(out, "\nleast-norm forces of all joints\n");
   for (int c = 0; c < m->coordinate_count; ++c)
     if (!m->held[c]) {
-      const km_handle handle = joint_handle(m, c);
+      const km_port handle = joint_handle(m, c);
       print_force(m, &handle, width, st->least_norm[c], out);
     }
   if (m->model->joint_count)
@@ -293,7 +292,7 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
   km_text_add(out, "\n");
   for (int i = 0; i < sweep->actuator_count; ++i) {
     const km_force_event *largest = &sweep->largest[i];
-    const km_handle *actuator = &sweep->actuators[i];
+    const km_port *actuator = &sweep->actuators[i];
     km_text_add(out, "  ");
     km_text_padded(actuator->name, width, out);
     if (isnan(largest->s)) {

@@ -63,11 +63,11 @@ static const char *limited(const km_model *model, int c) {
   return joint->most_turn > 0.0 ? joint->label : model->coordinates[c].label;
 }
 
-static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const km_reach *reach,
-                        int side, km_text *out) {
+static void stop_reason(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep,
+                        const km_motion_end *reach, int side, km_text *out) {
   if (reach->stop == KM_STOP_LIMIT) {
     km_text_format(out, "joint %s is at its limit", limited(m->model, reach->coordinate));
-  } else if (reach->stop == KM_STOP_AWAY) {
+  } else if (reach->stop == KM_STOP_UNBOUNDED) {
     km_text_format(out, "%s slides away without bound", m->model->coordinates[reach->coordinate].label);
   } else if (sweep->freedom == 0) {
     km_text_add(out, "nothing can move, joints");
@@ -110,10 +110,10 @@ static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km
 }
 
 /* Was the motion one of this mechanism, by all that its end names? */
-static bool fits(const km_mechanism *m, const km_sweep_plan *plan, const km_reach *reach) {
+static bool fits(const km_mechanism *m, const km_sweep_plan *plan, const km_motion_end *reach) {
   bool follows = plan->arclength > 0.0;
   bool driven = follows || (plan->coordinate >= 0 && plan->coordinate < m->coordinate_count);
-  bool names = reach->stop == KM_STOP_LIMIT || reach->stop == KM_STOP_AWAY;
+  bool names = reach->stop == KM_STOP_LIMIT || reach->stop == KM_STOP_UNBOUNDED;
   bool limit = !names || (reach->coordinate >= 0 && reach->coordinate < m->coordinate_count);
   bool toggle = reach->stop != KM_STOP_TOGGLE || follows || reach->substructure < m->topology.substructure_count;
   return driven && limit && toggle;
@@ -135,7 +135,7 @@ void km_sweep_stop_text(const km_mechanism *m, const km_sweep_plan *plan, const 
 
 static void print_branch(const km_branch_point *point, const char *taken, km_text *out) {
   km_text_format(out, "  branch point at %.9g: mobility %d there, ", point->s, point->mobility);
-  if (point->branches >= KM_MOST_BRANCHES)
+  if (point->branches >= KM_MAX_BRANCHES)
     km_text_format(out, "several motions meet; %s\n", taken);
   else if (point->branches > 0)
     km_text_format(out, "%d motions meet; %s\n", point->branches, taken);

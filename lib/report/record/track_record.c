@@ -124,7 +124,7 @@ void km_track_end_text(const km_track *t, km_text *out) {
   case KM_TRACK_HELD:
     add_held(t, out);
     break;
-  case KM_TRACK_GAVE_OUT:
+  case KM_TRACK_NOT_CONVERGED:
     km_text_add(out, "dynamic programming gives out: beyond here it takes more steps than it makes");
     break;
   case KM_TRACK_EDGE:

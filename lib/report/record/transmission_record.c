@@ -5,7 +5,7 @@
 #include "topology/mechanism.h"
 #include "transfer/transmission_metrics.h"
 
-void km_transmission_list(const km_mechanism *m, const km_transmission *t, const km_handle *output,
+void km_transmission_list(const km_mechanism *m, const km_transmission *t, const km_port *output,
                           km_named_metric out[KM_TRANSMISSION_METRICS]) {
   static const char *const words[KM_TRANSMISSION_METRICS] = {"transmission angle",    "virtual coefficient",
                                                              "Sutherland-Roth index", "Chen-Angeles index",
@@ -17,7 +17,7 @@ void km_transmission_list(const km_mechanism *m, const km_transmission *t, const
         (km_named_metric){km_transmission_name(i), words[i], km_transmission_unit(m->model, output, i), metrics[i]};
 }
 
-void km_transmission_record(const km_mechanism *m, const km_transmission *t, const km_handle *output, km_value *record,
+void km_transmission_record(const km_mechanism *m, const km_transmission *t, const km_port *output, km_value *record,
                             km_arena *arena) {
   km_named_metric list[KM_TRANSMISSION_METRICS];
   km_value *all = km_value_add(arena, record, "transmission", KM_OBJECT);
@@ -39,7 +39,7 @@ void km_transmission_record(const km_mechanism *m, const km_transmission *t, con
   }
 }
 
-void km_transmission_print(const km_mechanism *m, const km_transmission *t, const km_handle *output, km_text *out) {
+void km_transmission_print(const km_mechanism *m, const km_transmission *t, const km_port *output, km_text *out) {
   km_named_metric list[KM_TRANSMISSION_METRICS];
   km_transmission_list(m, t, output, list);
   km_text_add(out, "\ntransmission\n");

@@ -7,9 +7,9 @@
 #include "kmech/transfer.h"
 
 /* Adds `transmission` to a record: every metric with its value, or null and why. */
-void km_transmission_record(const km_mechanism *mechanism, const km_transmission *transmission, const km_handle *output,
+void km_transmission_record(const km_mechanism *mechanism, const km_transmission *transmission, const km_port *output,
                             km_value *record, km_arena *arena);
-void km_transmission_print(const km_mechanism *mechanism, const km_transmission *transmission, const km_handle *output,
+void km_transmission_print(const km_mechanism *mechanism, const km_transmission *transmission, const km_port *output,
                            km_text *out);
 
 /* The metrics in order, for tables: name in words, unit and metric. */
@@ -18,7 +18,7 @@ typedef struct km_named_metric {
   const char *name, *words, *unit; /* unit "": none */
   const km_metric *metric;
 } km_named_metric;
-void km_transmission_list(const km_mechanism *mechanism, const km_transmission *transmission, const km_handle *output,
+void km_transmission_list(const km_mechanism *mechanism, const km_transmission *transmission, const km_port *output,
                           km_named_metric out[KM_TRANSMISSION_METRICS]);
 
 #endif

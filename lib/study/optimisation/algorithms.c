@@ -46,7 +46,7 @@ km_status km_algorithm_check(const char *word, km_error *error) {
   if (km_algorithm_find(word))
     return KM_OK;
   for (int i = 0; i < COUNT; ++i)
-    km_nearest_offer(&nearest, algorithms[i].word);
+    km_nearest_add(&nearest, algorithms[i].word);
   return km_fail(error, KM_USAGE, "optimise.algorithm: there is no algorithm \"%.80s\"; the nearest ones are %s",
                  nearest.wanted, km_nearest_text(&nearest, names));
 }

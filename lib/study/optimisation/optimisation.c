@@ -13,7 +13,7 @@
 
 static bool configure(km_attempt *a, nlopt_opt o) {
   unsigned limits = (unsigned)km_attempt_limits(a);
-  double tolerances[KM_MOST_ATTEMPT_LIMITS];
+  double tolerances[KM_MAX_ATTEMPT_LIMITS];
   for (unsigned k = 0; k < limits; ++k)
     tolerances[k] = 1e-9;
   return nlopt_set_min_objective(o, km_attempt_evaluate, a) > 0 && nlopt_set_lower_bounds1(o, 0.0) > 0 &&
@@ -90,7 +90,7 @@ static void find_start(km_attempt *a, double *x) {
 }
 
 static void run_attempt(km_attempt *a) {
-  double x[KM_MOST_DESIGN_PARAMETERS], least;
+  double x[KM_MAX_DESIGN_PARAMETERS], least;
   a->worst = -DBL_MAX;
   a->optimiser = make_optimiser(a);
   if (!a->optimiser) {
@@ -118,11 +118,11 @@ static km_status run_attempts(km_optimisation *o, km_attempt *attempts, int coun
   for (int i = 0; i < count; ++i) {
     attempts[i].o = o;
     attempts[i].status =
-        km_batch_open(&attempts[i].batch, o->study, each, 2 * o->def->variable_count + 1, &attempts[i].error);
+        km_evaluation_open(&attempts[i].batch, o->study, each, 2 * o->def->variable_count + 1, &attempts[i].error);
   }
   km_parallel_for(count, count == 1 ? 1 : jobs, run_one, attempts);
   for (int i = 0; i < count; ++i) {
-    km_batch_close(&attempts[i].batch);
+    km_evaluation_close(&attempts[i].batch);
     o->study->ended_early = o->study->ended_early || attempts[i].status == KM_NO_RESULT;
     if (attempts[i].status && attempts[i].status != KM_NO_RESULT && !status)
       status = km_fail(error, attempts[i].status, "%s", attempts[i].error.text);

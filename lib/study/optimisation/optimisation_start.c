@@ -69,11 +69,11 @@ static bool keep(km_attempt *a, const double *values) {
 static void look_up(void *context) {
   deposit *d = context;
   km_attempt *a = d->a;
-  double values[KM_MOST_DESIGN_PARAMETERS];
-  km_batch_clear(&a->batch);
+  double values[KM_MAX_DESIGN_PARAMETERS];
+  km_evaluation_clear(&a->batch);
   for (int i = 0; i < d->count && !a->status; ++i) {
     unscale(a, d->points + i * a->o->def->variable_count, values);
-    a->status = km_batch_add(&a->batch, values, &a->error);
+    a->status = km_evaluation_add(&a->batch, values, &a->error);
     if (!a->status && !keep(a, values))
       a->status = km_fail(&a->error, KM_MEMORY, "out of memory for an optimisation");
   }
@@ -81,7 +81,7 @@ static void look_up(void *context) {
 
 static void put(void *context) {
   deposit *d = context;
-  d->a->status = km_batch_store(&d->a->batch, &d->a->error);
+  d->a->status = km_evaluation_store(&d->a->batch, &d->a->error);
   if (!d->a->status)
     d->a->status = km_store_commit(d->a->o->study->store, &d->a->error);
 }
@@ -116,7 +116,7 @@ static bool ask(km_attempt *a, const double *points, int count) {
     a->status = KM_NO_RESULT;
   }
   if (!a->status && a->o->compute) {
-    km_batch_compute(&a->batch);
+    km_evaluation_compute(&a->batch);
     km_serially(put, &d);
   }
   if (!a->status)
@@ -131,7 +131,7 @@ static bool ask(km_attempt *a, const double *points, int count) {
 static double value_of(km_attempt *a, int i, double *slacks) {
   const km_design_study *s = a->o->study;
   km_design_result r;
-  km_batch_result(&a->batch, i, &r);
+  km_evaluation_result(&a->batch, i, &r);
   double value = objective(a, &r);
   int k = 0;
   for (int f = 0; f < s->figure_count; ++f) {
@@ -163,8 +163,8 @@ double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *
   km_attempt *a = context;
   if (!gradient && is_last(a, n, x))
     return a->last_value;
-  enum { MOST = 2 * KM_MOST_DESIGN_PARAMETERS + 1 };
-  double points[MOST * KM_MOST_DESIGN_PARAMETERS], slacks[KM_MOST_ATTEMPT_LIMITS];
+  enum { MOST = 2 * KM_MAX_DESIGN_PARAMETERS + 1 };
+  double points[MOST * KM_MAX_DESIGN_PARAMETERS], slacks[KM_MAX_ATTEMPT_LIMITS];
   int count = gradient ? 2 * (int)n + 1 : 1;
   for (int i = 0; i < count; ++i)
     memcpy(points + i * (int)n, x, n * sizeof *x);
@@ -188,7 +188,7 @@ double km_attempt_evaluate(unsigned n, const double *x, double *gradient, void *
 /* NLopt asks for the constraints where it has just asked for the objective, or has not yet. */
 void km_attempt_constrain(unsigned m, double *result, unsigned n, const double *x, double *gradient, void *context) {
   km_attempt *a = context;
-  double low[KM_MOST_ATTEMPT_LIMITS], high[KM_MOST_ATTEMPT_LIMITS], points[3 * KM_MOST_DESIGN_PARAMETERS];
+  double low[KM_MAX_ATTEMPT_LIMITS], high[KM_MAX_ATTEMPT_LIMITS], points[3 * KM_MAX_DESIGN_PARAMETERS];
   if (!is_last(a, n, x))
     km_attempt_evaluate(n, x, NULL, a);
   memcpy(result, a->slack, m * sizeof *result);

@@ -21,7 +21,7 @@ typedef struct km_optimisation {
   int total;
 } km_optimisation;
 
-enum { KM_MOST_ATTEMPT_LIMITS = 2 * KM_MOST_DESIGN_FIGURES + 1 };
+enum { KM_MAX_ATTEMPT_LIMITS = 2 * KM_MAX_DESIGN_FIGURES + 1 };
 
 /* One start. */
 typedef struct km_attempt {
@@ -31,14 +31,14 @@ typedef struct km_attempt {
   bool between; /* for a point between the ends of a front: the second goal, with a limit that ties it to the first */
   double ideal[2], range[2]; /* of the front's ends */
   double apart; /* so much the first goal may be above the second, both counted from 0 to 1 from end to end */
-  km_batch batch;
+  km_evaluation batch;
   nlopt_opt optimiser;
   double *values; /* [count × parameters] what was asked for */
   size_t room;
   int count;
-  double worst;                           /* objective so far; a design that fails is worse than that */
-  double slack[KM_MOST_ATTEMPT_LIMITS];   /* of the point that was asked last */
-  double last[KM_MOST_DESIGN_PARAMETERS]; /* that point, scaled */
+  double worst;                          /* objective so far; a design that fails is worse than that */
+  double slack[KM_MAX_ATTEMPT_LIMITS];   /* of the point that was asked last */
+  double last[KM_MAX_DESIGN_PARAMETERS]; /* that point, scaled */
   double last_value;
   bool has_last;
   km_status status;

@@ -13,7 +13,7 @@ struct km_sampler {
   gsl_qrng *sequence; /* of Sobol */
   int next;           /* the row that the sequence gives next */
   int row;            /* whose numbers `point` has, -1: none */
-  double point[2 * KM_MOST_DESIGN_PARAMETERS];
+  double point[2 * KM_MAX_DESIGN_PARAMETERS];
 };
 
 int km_sampler_dimensions(const km_design_sample *s) {

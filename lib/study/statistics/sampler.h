@@ -6,7 +6,7 @@
 
 #include <stdint.h>
 
-enum { KM_MOST_SOBOL = 40 };
+enum { KM_MAX_SOBOL = 40 };
 
 /* How many numbers between 0 and 1 a row of the sample takes: twice as many for Saltelli's two matrices. */
 int km_sampler_dimensions(const km_design_sample *sample);

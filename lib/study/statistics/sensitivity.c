@@ -45,10 +45,10 @@ static double correlation_of(const double *a, const double *b, int count) {
 
 struct km_ranking {
   km_arena arena;
-  int count;                                    /* designs */
-  double *values;                               /* [parameters × count] NaN: not known */
-  double *ranks;                                /* the same, among all designs */
-  double *correlations[KM_MOST_DESIGN_FIGURES]; /* [parameters] NULL: not asked for yet */
+  int count;                                   /* designs */
+  double *values;                              /* [parameters × count] NaN: not known */
+  double *ranks;                               /* the same, among all designs */
+  double *correlations[KM_MAX_DESIGN_FIGURES]; /* [parameters] NULL: not asked for yet */
   /* What ranking works on: */
   ranked *work;
   double *part, *part_ranks, *figures, *figure_ranks;
@@ -86,7 +86,7 @@ static km_ranking *make_ranking(int parameters, int count) {
 
 /* Of the parameters of the designs that stand for all. */
 static void rank_parameters(const km_design_study *s, km_ranking *r) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   int parameters = s->def->parameter_count;
   size_t count = (size_t)r->count;
   for (size_t i = 0; i < count; ++i) {
@@ -165,7 +165,7 @@ typedef struct sums {
 
 typedef struct index_sums {
   double rows, value, squares, variances; /* rows; of the 2 independent designs of each Σ x, Σ x²; Σ v² */
-  sums first[KM_MOST_DESIGN_PARAMETERS], total[KM_MOST_DESIGN_PARAMETERS];
+  sums first[KM_MAX_DESIGN_PARAMETERS], total[KM_MAX_DESIGN_PARAMETERS];
 } index_sums;
 
 static void add(sums *s, double term, double variance) {
@@ -179,7 +179,7 @@ static void add(sums *s, double term, double variance) {
 static km_status add_row(km_design_study *s, int figure, int row, double middle, int exponent, index_sums *out,
                          km_error *error) {
   int spreads = s->def->sample->spread_count, width = km_sampler_width(s->def->sample);
-  double f[KM_MOST_DESIGN_PARAMETERS + 2];
+  double f[KM_MAX_DESIGN_PARAMETERS + 2];
   km_design_result r;
   for (int k = 0; k < width; ++k) {
     km_status status = km_design_study_result(s, row * width + k, &r, error);
@@ -250,7 +250,7 @@ static int quantile_row(const double *values, int designs, int rows, int row, do
 
 /* The band of each design behind the one before. */
 static km_status read_bands(km_design_study *s, int question, int band, int designs, double *out, km_error *error) {
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   int rows = s->band_rows[question];
   km_arena arena = {0};
   km_design_answer *answers = km_design_answers(s, &arena);

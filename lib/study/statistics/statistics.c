@@ -16,11 +16,11 @@ static const double z = 1.959963984540054; /* quantile 0.975 of the normal distr
 
 struct km_collected {
   km_design_yield yield;
-  km_design_statistics figures[KM_MOST_DESIGN_FIGURES];
-  km_moments moments[KM_MOST_DESIGN_FIGURES];
-  km_rows rows[KM_MOST_DESIGN_FIGURES]; /* of the figures' values, as the moments scale them */
-  km_rows good_rows;                    /* of 1 where a design is good, else 0 */
-  double *kept;                         /* [figures × kept_count] of the designs that stand for all */
+  km_design_statistics figures[KM_MAX_DESIGN_FIGURES];
+  km_moments moments[KM_MAX_DESIGN_FIGURES];
+  km_rows rows[KM_MAX_DESIGN_FIGURES]; /* of the figures' values, as the moments scale them */
+  km_rows good_rows;                   /* of 1 where a design is good, else 0 */
+  double *kept;                        /* [figures × kept_count] of the designs that stand for all */
   int kept_count, kept_so_far;
 };
 
@@ -138,7 +138,7 @@ static km_status collect(km_design_study *s, km_error *error) {
   if (!c)
     return km_fail(error, KM_MEMORY, "out of memory for statistics");
   s->collected = c;
-  c->kept_count = designs < KM_MOST_RANKED_DESIGNS ? designs : KM_MOST_RANKED_DESIGNS;
+  c->kept_count = designs < KM_MAX_RANKED_DESIGNS ? designs : KM_MAX_RANKED_DESIGNS;
   c->kept = KM_NEW(double, (size_t)c->kept_count *(size_t)s->figure_count + 1);
   sorted = KM_NEW(double, (size_t)c->kept_count + 1);
   for (int f = 0; f < s->figure_count; ++f)

@@ -25,7 +25,7 @@ static void refused(km_status status, const km_error *error) {
 static void open_study(km_design_study_def *def) {
   km_design_study *study = NULL;
   km_error error = {0};
-  double values[KM_MOST_DESIGN_PARAMETERS];
+  double values[KM_MAX_DESIGN_PARAMETERS];
   def->model = NULL;
   def->bytes = model;
   def->size = model_size;

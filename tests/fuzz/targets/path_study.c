@@ -14,7 +14,7 @@ static km_state *state;
 static void open_arm(void) {
   km_model *model;
   km_error error;
-  if (km_model_load(MODELS_DIR "/panda.json", NULL, &model, &error) ||
+  if (km_model_read_file(MODELS_DIR "/panda.json", NULL, &model, &error) ||
       km_mechanism_compile(model, NULL, 0, &mechanism, &error) || km_state_create(mechanism, &state, &error) ||
       km_assemble(mechanism, state, NULL, &error))
     fuzz_fail(error.text);

@@ -13,7 +13,7 @@ int km_designs_parameter(km_designs_reader *d, const char *name) {
   for (int p = 0; p < d->def->parameter_count; ++p)
     if (strcmp(d->parameters[p].name, name) == 0)
       return p;
-  if (d->def->parameter_count == KM_MOST_DESIGN_PARAMETERS) {
+  if (d->def->parameter_count == KM_MAX_DESIGN_PARAMETERS) {
     d->too_many = true;
     return 0;
   }
@@ -130,7 +130,7 @@ static void read_grid(km_designs_reader *d, const km_value *map) {
 static void read_all(km_designs_reader *d, const km_value *root) {
   const km_value *sample = km_value_get(root, "sample"), *optimise = km_value_get(root, "optimise");
   const km_value *variants = km_value_get(root, "variants");
-  d->parameters = KM_ARENA_NEW(d->arena, km_design_parameter, KM_MOST_DESIGN_PARAMETERS);
+  d->parameters = KM_ARENA_NEW(d->arena, km_design_parameter, KM_MAX_DESIGN_PARAMETERS);
   if (!d->parameters)
     return;
   d->def->parameters = d->parameters;

@@ -258,7 +258,7 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
 static void warn_unknown(km_messages *m, const km_place *place, const km_object_format *format) {
   km_nearest nearest = {.wanted = place->key};
   for (const km_field *field = format->fields; field->key; ++field)
-    km_nearest_offer(&nearest, field->key);
+    km_nearest_add(&nearest, field->key);
   char where[KM_PLACE_TEXT];
   km_messages_add(m, KM_WARNING, "%s: the format doesn't know this key; the nearest known one is \"%s\"",
                   km_place_text(place, where), nearest.names[0]);

@@ -19,7 +19,7 @@ const char *km_path_text(const km_value *value, char out[KM_PLACE_TEXT]) {
 static const char *nearest_joints(const km_model *model, const char *wanted, char out[KM_NEAREST_TEXT]) {
   km_nearest nearest = {.wanted = wanted};
   for (int j = 0; j < model->joint_count; ++j)
-    km_nearest_offer(&nearest, model->joints[j].label ? model->joints[j].label : model->joints[j].name);
+    km_nearest_add(&nearest, model->joints[j].label ? model->joints[j].label : model->joints[j].name);
   return km_nearest_text(&nearest, out);
 }
 
@@ -31,7 +31,7 @@ static const char *nearest_frames(const km_model *model, const char *wanted, cha
     char text[KM_PLACE_TEXT];
     const char *name = km_arena_string(&arena, km_path_names_text(parts, 2, text));
     if (name)
-      km_nearest_offer(&nearest, name);
+      km_nearest_add(&nearest, name);
   }
   km_nearest_text(&nearest, out);
   km_arena_free(&arena);

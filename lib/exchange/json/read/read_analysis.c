@@ -115,8 +115,8 @@ static void read_actuator(km_reader *reader, const km_value *value, const km_pla
 }
 
 /* {"frame": path, "direction": [x, y, z]}: a point of a body along a direction. */
-static km_model_handle read_point(km_reader *reader, const km_value *value, const km_place *place) {
-  km_model_handle handle = {-1, -1, {0, 0, 0}, NULL};
+static km_model_port read_point(km_reader *reader, const km_value *value, const km_place *place) {
+  km_model_port handle = {-1, -1, {0, 0, 0}, NULL};
   const km_value *frame = km_value_get(value, "frame"), *direction = km_value_get(value, "direction");
   km_place frame_at = {place, "frame", 0}, direction_at = {place, "direction", 0};
   bool vector = direction && direction->kind == KM_LIST && (direction->count == 2 || direction->count == 3);
@@ -143,8 +143,8 @@ static km_model_handle read_point(km_reader *reader, const km_value *value, cons
   return handle;
 }
 
-static km_model_handle read_handle(km_reader *reader, const km_value *value, const km_place *place) {
-  km_model_handle none = {-1, -1, {0, 0, 0}, NULL};
+static km_model_port read_handle(km_reader *reader, const km_value *value, const km_place *place) {
+  km_model_port none = {-1, -1, {0, 0, 0}, NULL};
   if (!value)
     return none;
   if (value->kind == KM_OBJECT)
@@ -153,7 +153,7 @@ static km_model_handle read_handle(km_reader *reader, const km_value *value, con
   for (const km_value *v = value->kind == KM_LIST ? value->first : NULL; v; v = v->next)
     names = names && v->kind == KM_STRING;
   if (names)
-    return (km_model_handle){analysis_coordinate(reader, value, place), -1, {0, 0, 0}, NULL};
+    return (km_model_port){analysis_coordinate(reader, value, place), -1, {0, 0, 0}, NULL};
   if (value->kind == KM_NUMBER)
     km_reader_error(reader, place, "found %s; expected a joint", KM_SHOWN(value->number));
   else
@@ -187,7 +187,7 @@ void km_read_analysis(km_reader *reader, const km_value *root) {
   km_model *model = reader->model;
   const km_value *analysis = km_value_get(root, "analysis");
   model->sweep = (km_model_sweep){.coordinate = -1, .direction = -1, .sign = 1.0, .steps = 100};
-  model->advantage_input = model->advantage_output = (km_model_handle){-1, -1, {0, 0, 0}, NULL};
+  model->advantage_input = model->advantage_output = (km_model_port){-1, -1, {0, 0, 0}, NULL};
   allocate(reader, analysis);
   model->actuators_given = km_value_get(analysis, "actuators") != NULL;
   if (model->arena.failed)

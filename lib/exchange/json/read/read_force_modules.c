@@ -71,11 +71,12 @@ static void read_tire(km_reader *reader, const km_value *module, const km_place 
 }
 
 /* False where the port names what is left out. */
-static bool read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place, km_port *out) {
+static bool read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place,
+                      km_module_port *out) {
   const char *type = km_reader_string(port, "type");
   const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair");
   km_place type_at = {place, "type", 0}, joint_at = {place, "joint", 0}, pair_at = {place, "body_frame_pair", 0};
-  *out = (km_port){KM_PORT_FRAMES, {0, 0}};
+  *out = (km_module_port){KM_MODULE_PORT_FRAMES, {0, 0}};
   if (strcmp(type, "joint") == 0) {
     if (joint)
       out->coordinate = km_reader_coordinate(reader, joint, assembly, &joint_at);
@@ -163,7 +164,7 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
                          .where = km_reader_where(reader, place),
                          .type = (km_module_type)type_found,
                          .distance = (km_distance)distance_found,
-                         .input = {KM_PORT_FRAMES, {0, 0}}};
+                         .input = {KM_MODULE_PORT_FRAMES, {0, 0}}};
   bool complete = !either || read_port(reader, either, assembly, input ? &input_at : &output_at, &def.input);
   def.output = def.input;
   if (input && output)

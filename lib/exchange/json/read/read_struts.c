@@ -135,7 +135,7 @@ static void make_force(km_reader *reader, const strut *s, const char *part, doub
   coefficients[0] = constant;
   coefficients[1] = slope;
   start[1] = 2;
-  km_port port = {model->joints[slide].first_coordinate, {0, 0}};
+  km_module_port port = {model->joints[slide].first_coordinate, {0, 0}};
   reader->origin->modules[model->module_count] = NULL;
   model->modules[model->module_count++] = (km_model_module){.name = part_name(reader, s, &(km_names){0}, part),
                                                             .where = km_reader_where(reader, s->place),

@@ -193,7 +193,7 @@ static void enter_module(const converter *c, const km_value *module, context *at
   const km_value *type = km_value_get(module, "type");
   const char *word = type && type->string ? type->string : "";
   bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
-  const km_port frames = {KM_PORT_FRAMES, {0, 0}}; /* left out: taken for lengths */
+  const km_module_port frames = {KM_MODULE_PORT_FRAMES, {0, 0}}; /* left out: taken for lengths */
   km_model_module def = {.input = frames, .output = frames};
   for (int i = 0; i < c->model->module_count; ++i)
     if (c->origin->modules[i] == module)
