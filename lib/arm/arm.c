@@ -36,7 +36,7 @@ static km_status check_coordinate(const km_mechanism *m, int joint, int coordina
 
 /* Extends the chain by one motion of a joint: a column, or a constant displacement where it is held. `X` leads from
  * the last motion to this one's frame, unscaled. */
-static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_passage *p, int i, km_pose *X,
+static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_joint_traversal *p, int i, km_pose *X,
                             km_error *error) {
   const km_mechanism *m = a->mechanism;
   int c = p->coordinate[i];
@@ -45,7 +45,7 @@ static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_pa
     double held[3];
     for (int k = 0; k < km_primitive_freedom(p->motion[i].primitive); ++k)
       held[k] = s->q[c + k];
-    km_pose motion = km_motion_passed(p->motion[i], pitch, held, p->sign);
+    km_pose motion = km_motion_traversed(p->motion[i], pitch, held, p->sign);
     *X = km_pose_product(X, &motion);
     return KM_OK;
   }
@@ -98,8 +98,8 @@ static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_err
   int count = gather_arcs(a->mechanism, effector->body, arcs);
   km_pose X = km_pose_identity();
   for (int k = 0; k < count; ++k) {
-    km_passage p;
-    km_joint_passage(model, arcs[k]->joint, arcs[k]->against, &p);
+    km_joint_traversal p;
+    km_joint_traverse(model, arcs[k]->joint, arcs[k]->is_reversed, &p);
     X = km_pose_product(&X, &arcs[k]->before);
     for (int i = 0; i < p.count; ++i) {
       km_status status = add_motion(a, s, arcs[k]->joint, &p, i, &X, error);

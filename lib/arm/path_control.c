@@ -44,7 +44,7 @@ void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const 
   km_partition_factor(&s->partition, s->jacobian, rows, n + 1, s->forced, KM_ARM_PIVOT * (n + 1));
   int rank = s->partition.rank - s->partition.forced_dependent;
   s->null_count = n - rank;
-  km_partition_null(&s->partition, s->ones, s->null_count, s->null);
+  km_partition_null_space(&s->partition, s->ones, s->null_count, s->null);
 }
 
 void km_control_project_out(const km_arm *a, const km_arm_space *s, double *x) {
@@ -99,7 +99,7 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
     memset(path, 0, (size_t)(n + 1) * sizeof *path);
     return 0.0;
   }
-  km_partition_direction(&s->partition, n, path);
+  km_partition_null_vector(&s->partition, n, path);
   km_control_project_out(a, s, path);
   double scale = 1.0 / sqrt(dot(path, path, n + 1));
   for (int i = 0; i <= n; ++i)

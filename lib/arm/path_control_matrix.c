@@ -66,7 +66,7 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
     return km_fail(error, KM_NO_RESULT,
                    "the matrix has rank %d with %d columns: no null space; expected one of at least 1", p.rank,
                    columns);
-  km_partition_null(&p, ones, out->freedom, basis);
+  km_partition_null_space(&p, ones, out->freedom, basis);
   for (int k = 0; k < out->freedom; ++k)
     out->path_entry = hypot(out->path_entry, basis[(size_t)(k + 1) * n - 1]);
   if (out->path_entry < KM_PATH_ENTRY_LEAST)

@@ -59,8 +59,8 @@ bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) 
   km_loops_update(f->c.mechanism, f->c.state, sub);
   int worst;
   double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
-  km_pivot(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
-           fmax(1e-7, km_rank_tolerance(f->c.mechanism, sub, residual)));
+  km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
+                   fmax(1e-7, km_rank_tolerance(f->c.mechanism, sub, residual)));
   /* Where constraints are redundant it may just be the pivot rows that become dependent. */
   int mobility = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
   if (mobility > f->freedom) {
@@ -70,7 +70,7 @@ bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) 
     memcpy(f->branch_t, f->c.next_t, (size_t)sub->columns * sizeof *f->c.course.t);
   }
   km_state_restore(f->c.state, sub, f->c.from);
-  km_state_forget_pivots(f->c.state, f->c.substructure);
+  km_state_invalidate_pivots(f->c.state, f->c.substructure);
   return true;
 }
 
@@ -85,7 +85,7 @@ bool km_arc_motion_branch(const km_arc_motion *f, km_branch_point *out) {
 void km_arc_motion_move_to_branch_point(km_arc_motion *f, double *tangent) {
   km_state_restore(f->c.state, km_arc_motion_sub(f), f->branch_pose);
   memcpy(tangent, f->branch_t, (size_t)km_arc_motion_sub(f)->columns * sizeof *tangent);
-  km_state_forget_pivots(f->c.state, f->c.substructure);
+  km_state_invalidate_pivots(f->c.state, f->c.substructure);
 }
 
 void km_arc_motion_continue(km_arc_motion *f) {
@@ -97,7 +97,7 @@ static void set_out(km_arc_motion *f, const double *direction, double sense) {
   double size = sense * km_step_length(f->c.mechanism, km_arc_motion_sub(f), direction);
   for (int k = 0; k < km_arc_motion_sub(f)->columns; ++k)
     f->c.course.t[k] = direction[k] / size;
-  km_state_forget_pivots(f->c.state, f->c.substructure);
+  km_state_invalidate_pivots(f->c.state, f->c.substructure);
   km_step_history_begin(&f->c.course, km_arc_motion_sub(f)->columns); /* the step before was on another branch */
   f->g = 0.0;
 }
@@ -137,7 +137,8 @@ static int freedom_ahead(km_arc_motion *f) {
   }
   km_state_restore(f->c.state, sub, f->c.from);
   km_loops_update(f->c.mechanism, f->c.state, sub);
-  km_pivot(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(f->c.mechanism, sub, 0.0));
+  km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
+                   km_rank_tolerance(f->c.mechanism, sub, 0.0));
   return freedom;
 }
 

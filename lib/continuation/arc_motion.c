@@ -34,10 +34,10 @@ static bool first_tangent(km_arc_motion *f, int column, double sign) {
 static int liveliest(const km_arc_motion *f) {
   km_state *s = f->c.state;
   int best = 0;
-  if (f->c.steady.on)
+  if (f->c.steady.is_active)
     km_mobility_numbers(f->c.steady.Z, km_arc_motion_sub(f)->columns, f->c.steady.count, s->work);
   else
-    km_state_numbers(f->c.mechanism, s, f->c.substructure, s->work);
+    km_state_mobility_numbers(f->c.mechanism, s, f->c.substructure, s->work);
   for (int k = 1; k < km_arc_motion_sub(f)->columns; ++k)
     if (s->work[k] > 1.000001 * s->work[best])
       best = k;
@@ -48,7 +48,7 @@ static int liveliest(const km_arc_motion *f) {
 static int first_moving(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_loops_update(m, s, &m->substructures[i]);
-    km_pivot(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, &m->substructures[i], 0.0));
+    km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, &m->substructures[i], 0.0));
     if (km_partition_freedom(&s->partition[i]) > 0)
       return i;
   }
@@ -61,7 +61,7 @@ static km_status start(km_arc_motion *f, int coordinate, double sign, km_error *
   if (!allocate(f))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
   km_loops_update(m, f->c.state, sub);
-  km_pivot(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
+  km_search_pivots(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
   f->freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
   if (!km_constant_rank_begin(&f->c.steady, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
@@ -117,7 +117,7 @@ km_status km_arc_motion_create(const km_mechanism *m, km_state *s, int coordinat
                        .limit = -1};
   km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)
-    status = f->c.steady.on ? KM_OK : leave_branch(f, error);
+    status = f->c.steady.is_active ? KM_OK : leave_branch(f, error);
   if (status)
     km_arc_motion_free(f);
   else

@@ -71,7 +71,7 @@ bool km_arc_motion_sample(km_arc_motion *f, double offset, double *rates) {
   bool there = km_arc_motion_step(f, offset, &reached) || visit_by_steps(f, offset);
   if (there)
     write_rates(f, f->c.next_t, rates);
-  km_state_forget_pivots(f->c.state, f->c.substructure);
+  km_state_invalidate_pivots(f->c.state, f->c.substructure);
   return there;
 }
 

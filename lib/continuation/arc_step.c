@@ -22,7 +22,7 @@ double km_arc_motion_saved_g(km_arc_motion *f) {
   if (f->g == 0.0)
     return 0.0;
   const km_partition *p = &f->c.state->partition[f->c.substructure];
-  if (p->searches == f->c.course.reference.searches)
+  if (p->search_count == f->c.course.reference.search_count)
     return km_arc_motion_g(f, f->c.next_t);
   km_partition *r = &f->c.course.reference;
   km_partition_refactor_full_pattern(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)));

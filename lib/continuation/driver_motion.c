@@ -21,7 +21,7 @@ enum { MOST_CREEPING = 5000 };
 
 /* Several freedoms that are steady go by Adams and Bashforth's second order alone. */
 static bool is_several_steady(const km_driver_motion *d) {
-  return d->c.steady.on && d->c.steady.count > 1;
+  return d->c.steady.is_active && d->c.steady.count > 1;
 }
 
 static double longest_step(const km_driver_motion *d) {
@@ -161,7 +161,7 @@ static bool touches(km_driver_motion *d, double goal) {
   km_continuation_place(&d->c, goal);
   km_loops_close(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
   km_loops_update(d->c.mechanism, d->c.state, sub);
-  km_state_forget_pivots(d->c.state, d->c.substructure);
+  km_state_invalidate_pivots(d->c.state, d->c.substructure);
   if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_driver_motion_closed)
     return true;
   km_state_restore(d->c.state, sub, d->c.from);
@@ -220,7 +220,7 @@ km_motion_end km_driver_motion_move_to(km_driver_motion *d, double target) {
     settle_at_limit(d, limit);
   /* What was tried last has left another pose's Jacobian behind. */
   km_loops_update(m, d->c.state, km_driver_motion_substructure(d));
-  km_state_forget_pivots(d->c.state, d->c.substructure);
+  km_state_invalidate_pivots(d->c.state, d->c.substructure);
   if (result == KM_ATTEMPT_EXHAUSTED)
     return (km_motion_end){KM_STOP_MAX_STEPS, d->here.s / factor, d->c.substructure, -1};
   if (result == KM_ATTEMPT_LIMITED)

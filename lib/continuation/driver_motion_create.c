@@ -88,7 +88,7 @@ void km_driver_motion_free(km_driver_motion *d) {
 void km_driver_motion_store(km_driver_motion *d, km_driver_motion_snapshot *kept) {
   kept->is_one = true;
   kept->place = d->here;
-  kept->place.pivoted = d->c.state->pivoted[d->c.substructure];
+  kept->place.pivoted = d->c.state->pivot_driver[d->c.substructure];
   km_step_history_copy(&kept->course, &d->c.course, km_driver_motion_substructure(d)->columns);
   km_state_save(d->c.state, km_driver_motion_substructure(d), kept->pose);
 }
@@ -109,10 +109,10 @@ static bool take_pivots_back(km_driver_motion *d) {
   km_state *s = d->c.state;
   int sub = d->c.substructure;
   km_partition *p = &s->partition[sub];
-  if (d->here.pivoted != d->c.column || d->c.course.reference.searches == 0)
+  if (d->here.pivoted != d->c.column || d->c.course.reference.search_count == 0)
     return false;
   km_partition_copy_pivots(p, &d->c.course.reference);
-  s->pivoted[sub] = d->c.column;
+  s->pivot_driver[sub] = d->c.column;
   return km_partition_refactor(p, km_state_jacobian(s, km_driver_motion_substructure(d)));
 }
 
@@ -123,7 +123,7 @@ void km_driver_motion_recall(km_driver_motion *d, const km_driver_motion_snapsho
   km_state_restore(d->c.state, km_driver_motion_substructure(d), kept->pose);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
   if (!take_pivots_back(d))
-    km_state_forget_pivots(d->c.state, d->c.substructure);
+    km_state_invalidate_pivots(d->c.state, d->c.substructure);
 }
 
 void km_driver_motion_restore(km_driver_motion *d) {

@@ -15,8 +15,8 @@ bool km_driver_motion_start(km_driver_motion *d) {
   int worst;
   km_loops_update(d->c.mechanism, d->c.state, sub);
   double residual = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
-  km_pivot_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                     km_rank_tolerance(d->c.mechanism, sub, residual));
+  km_search_pivots_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                             km_rank_tolerance(d->c.mechanism, sub, residual));
   km_constant_rank_begin(&d->c.steady, d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &d->arena);
   d->here.known = km_continuation_tangent(&d->c, NULL, d->c.course.t);
   remember_pivots(d);
@@ -30,7 +30,7 @@ static bool sign_changed(km_driver_motion *d) {
   const km_partition *p = &d->c.state->partition[d->c.substructure];
   if (!km_continuation_has_single_freedom(&d->c, km_partition_freedom(p)) || p->rank != d->c.course.reference.rank)
     return false;
-  if (p->searches == d->c.course.reference.searches)
+  if (p->search_count == d->c.course.reference.search_count)
     return p->sign != d->c.course.reference.sign;
   int before = d->c.course.reference.sign;
   km_partition_refactor_full_pattern(&d->c.course.reference,
@@ -64,7 +64,7 @@ static bool draw(km_driver_motion *d, double h) {
                                           &d->c.course, h, d->c.move);
   km_state_restore(d->c.state, km_driver_motion_substructure(d), d->c.from);
   km_partition_copy_pivots(&d->c.state->partition[d->c.substructure], &d->c.course.reference);
-  d->c.state->pivoted[d->c.substructure] = d->c.column;
+  d->c.state->pivot_driver[d->c.substructure] = d->c.column;
   return d->drawn = d->strain <= 1.0;
 }
 
@@ -115,7 +115,7 @@ static bool predict(km_driver_motion *d, double h) {
   bool reaches = true;
   d->drawn = false;
   d->strain = 0.0;
-  if (is_alone(d) || d->c.steady.on)
+  if (is_alone(d) || d->c.steady.is_active)
     km_continuation_predict(&d->c, h, is_alone(d));
   else
     reaches = follow_path(d, h);
@@ -127,7 +127,7 @@ static bool predict(km_driver_motion *d, double h) {
 
 /* Where other freedoms are left, too few rows of a singular pose tell what they do. */
 static bool may_be_singular(const km_driver_motion *d) {
-  return !d->c.steady.on && !is_alone(d) && d->c.course.last_h == 0.0 &&
+  return !d->c.steady.is_active && !is_alone(d) && d->c.course.last_h == 0.0 &&
          d->c.course.reference.rank < km_driver_motion_substructure(d)->rows;
 }
 
@@ -151,7 +151,8 @@ static bool leaves_singular(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   km_partition *p = &d->c.state->partition[d->c.substructure];
   p->rows_only = p->sparse != NULL;
-  km_pivot(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, km_rank_tolerance(d->c.mechanism, sub, 0.0));
+  km_search_pivots(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                   km_rank_tolerance(d->c.mechanism, sub, 0.0));
   int rank = p->rank;
   p->rows_only = false;
   km_partition_copy_pivots(p, &d->c.course.reference);

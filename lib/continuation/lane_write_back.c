@@ -18,7 +18,7 @@ void km_batch_refresh_state(const km_batch *l, km_driver_motion *d) {
   km_loops_update(d->c.mechanism, s, sub);
   km_partition_refactor(&s->partition[d->c.substructure], km_state_jacobian(s, sub));
   s->q[l->coordinate] = value;
-  km_state_null(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
+  km_state_null_space(d->c.mechanism, s, d->c.substructure, km_partition_freedom(&s->partition[d->c.substructure]));
 }
 
 void km_driver_motion_write_back(km_driver_motion *d) {

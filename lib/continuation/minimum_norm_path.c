@@ -64,9 +64,9 @@ static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, c
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_recompute(m, s, sub);
-  if (!again || !p->waits)
+  if (!again || !p->is_deferred)
     km_partition_copy_pivots(p, pivots);
-  if (!km_pivots_deferred(s, index, driver) && !km_partition_refactor_full_pattern(p, km_state_jacobian(s, sub)))
+  if (!km_defer_pivots(s, index, driver) && !km_partition_refactor_full_pattern(p, km_state_jacobian(s, sub)))
     return false;
   km_minimum_norm_rates(m, s, index, driver, rate);
   return true;
@@ -86,13 +86,13 @@ double km_minimum_norm_path_predict(km_minimum_norm_path *path, const km_mechani
   int columns = sub->columns;
   double difference[KM_PATH_STAGES];
   memcpy(path->rate[0], t, (size_t)columns * sizeof *t);
-  km_state_forget_pivots(s, index);
+  km_state_invalidate_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
     combine(path, km_path_stage_shares[i], i, columns, h, move);
     if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
-    km_state_move_aside(m, s, sub, move);
+    km_state_move_temporarily(m, s, sub, move);
     if (!rate_at(m, s, index, driver, pivots, i > 1, path->rate[i]))
       return HUGE_VAL;
     unwind_balls(m, sub, move, path->rate[i]);
@@ -103,7 +103,7 @@ double km_minimum_norm_path_predict(km_minimum_norm_path *path, const km_mechani
   double error = largest(move, columns);
   combine(path, km_path_fifth, KM_PATH_STAGES, columns, h, move);
   km_partition_copy_pivots(&s->partition[index], pivots);
-  s->pivoted[index] = driver;
+  s->pivot_driver[index] = driver;
   return error / (km_path_allowed * largest(move, columns) + km_path_grain);
 }
 
@@ -195,7 +195,7 @@ double km_minimum_norm_path_record(km_nearest_configuration *closest, const km_m
   bool second = ratio > 0.0 && ratio <= km_continuation_farther;
   double back = second ? ratio * ratio / (1.0 + 2.0 * ratio) : 0.0;  /* of the last move, where the way counts from */
   double share = second ? (1.0 + ratio) / (2.0 + 3.0 * ratio) : 0.5; /* of the difference, that is the step's error */
-  double *away = closest->away, *ahead = closest->ahead;
+  double *away = closest->displacement, *ahead = closest->next_displacement;
   for (int k = 0; k < columns; ++k) {
     double bend = second ? ratio * (c->last_h * c->t[k] - c->last_move[k]) * ratio : 0.0;
     ahead[k] = h * c->t[k] + bend;

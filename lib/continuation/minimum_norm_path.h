@@ -26,7 +26,7 @@ bool km_minimum_norm_path_reserve(km_minimum_norm_path *path, int columns, km_ar
 /* The move along t = dq/ds (driver's entry 1, the others least) from the saved pose, where t is known, to s + h: a step
  * of Runge-Kutta's fifth order, whose stages use the pivots of the pose. Returns what the fourth order says otherwise,
  * over the length of the move and the error that is allowed: above 1 the step is too long. Leaves the state off the
- * pose as km_state_move_aside does, with the pivots of the pose. */
+ * pose as km_state_move_temporarily does, with the pivots of the pose. */
 double km_minimum_norm_path_predict(km_minimum_norm_path *path, const km_mechanism *mechanism, km_state *state,
                                     int substructure, int driver, const km_partition *pivots, const double *saved,
                                     const double *t, double h, double *move);

@@ -69,7 +69,7 @@ static bool project(km_continuation *c, const double *from, double *t) {
     memmove(t, from, (size_t)sub->columns * sizeof *t);
     return km_tangent_project(c->mechanism, c->state, c->substructure, t, c->work) > 1e-6;
   }
-  const double *Z = km_state_null(c->mechanism, c->state, c->substructure, freedom);
+  const double *Z = km_state_null_space(c->mechanism, c->state, c->substructure, freedom);
   if (!Z)
     return false;
   memset(c->work, 0, (size_t)sub->columns * sizeof *c->work);
@@ -92,7 +92,7 @@ static bool project(km_continuation *c, const double *from, double *t) {
 
 bool km_continuation_tangent(km_continuation *c, const double *along, double *t) {
   const km_partition *p = &c->state->partition[c->substructure];
-  if (c->steady.on)
+  if (c->steady.is_active)
     return km_constant_rank_tangent(&c->steady, c->mechanism, c->substructure, c->column, along, t);
   if (c->column < 0)
     return project(c, along, t);
@@ -151,7 +151,7 @@ void km_continuation_place(km_continuation *c, double parameter) {
 /* Closes the loops where the step has led. The first step by arc length may begin at a singular configuration, beside
  * which rows that count look dependent as long as the loops are open. */
 static bool close(km_continuation *c, km_closure *evidence) {
-  if (c->steady.on)
+  if (c->steady.is_active)
     return km_constant_rank_close(&c->steady, c->mechanism, c->state, c->substructure, c->column, evidence);
   if (c->column < 0 && c->course.last_h == 0.0)
     return km_close_fully(km_loops_close, c->mechanism, c->state, c->substructure, c->column, evidence) == KM_CLOSED;
@@ -166,7 +166,7 @@ km_step_outcome km_continuation_correct(km_continuation *c, const km_step_terms 
     km_continuation_place(c, terms->parameter);
   if (!close(c, &evidence) || !km_continuation_tangent(c, t, c->next_t))
     return KM_STEP_OPEN;
-  memcpy(c->next_rest, evidence.left, (size_t)km_continuation_sub(c)->columns * sizeof *c->next_rest);
+  memcpy(c->next_rest, evidence.last_step, (size_t)km_continuation_sub(c)->columns * sizeof *c->next_rest);
   const km_partition *p = &c->state->partition[c->substructure];
   if (p->rank < terms->least_rank || (km_continuation_is_singular(p) && !terms->leaves_end))
     return KM_STEP_OPEN; /* a singular pose has no tangent of its own */
@@ -234,7 +234,7 @@ void km_continuation_accept(km_continuation *c, double h) {
 
 void km_continuation_reject(km_continuation *c) {
   km_state_restore(c->state, km_continuation_sub(c), c->from);
-  km_state_forget_pivots(c->state, c->substructure);
+  km_state_invalidate_pivots(c->state, c->substructure);
 }
 
 double km_continuation_arc(const km_continuation *c, const double *move, const double *t0, const double *t1) {

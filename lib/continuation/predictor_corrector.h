@@ -81,7 +81,7 @@ double km_continuation_dot(const km_continuation *continuation, const double *a,
 
 /* Has the motion just one freedom, of so many that first order allows? */
 static inline bool km_continuation_has_single_freedom(const km_continuation *c, int freedom) {
-  return c->steady.on ? c->steady.count == 1 : freedom <= 1;
+  return c->steady.is_active ? c->steady.count == 1 : freedom <= 1;
 }
 
 /* The tangent at the state's pose from its partition. A driver's: its rate is 1 and the others move least; false at its

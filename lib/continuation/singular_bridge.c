@@ -104,12 +104,12 @@ static void combine(km_driver_motion *d, const weights *w, const double *base, d
 }
 
 /* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that
- * closing leaves undone (km_settled, 1e-9); and the loops' error (km_closed) over the smallest pivot, times the
+ * closing leaves undone (km_step_tolerance, 1e-9); and the loops' error (km_residual_tolerance) over the smallest pivot, times the
  * largest weight, below 100. */
 static double allowed(const km_driver_motion *d) {
   static const double rounding = 1e-9;
   const double h = d->bridge.h;
-  return fabs(h * h * h * h * h) + rounding + 100.0 * km_closed / d->bridge.smallest_pivot;
+  return fabs(h * h * h * h * h) + rounding + 100.0 * km_residual_tolerance / d->bridge.smallest_pivot;
 }
 
 /* True if the nodes lie on one smooth curve. */
@@ -127,15 +127,15 @@ static bool is_smooth(km_driver_motion *d) {
 static bool close_independent(km_driver_motion *d, double *correction) {
   static const double independent = 1e-5; /* relative pivot: those at the ends of the stretch are larger */
   km_partition *p = &d->c.state->partition[d->c.substructure];
-  const double kept = p->blunt;
+  const double kept = p->min_relative_pivot;
   km_closure evidence;
   int worst;
-  km_state_forget_pivots(d->c.state, d->c.substructure);
-  p->blunt = km_larger(independent, kept);
+  km_state_invalidate_pivots(d->c.state, d->c.substructure);
+  p->min_relative_pivot = km_larger(independent, kept);
   km_close_with_driver(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
-  p->blunt = kept;
+  p->min_relative_pivot = kept;
   *correction = evidence.correction;
-  km_state_forget_pivots(d->c.state, d->c.substructure);
+  km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
   return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d), &worst) <=
          km_larger(km_driver_motion_closed, d->c.mechanism->closure_tolerance);

@@ -58,7 +58,7 @@ static km_status drive_one(journey *j, const km_hold *goal, km_error *error) {
   if (is_there(j, goal))
     return KM_OK;
   double way = goal->value - value_of(j, goal->coordinate);
-  if (km_branch_depart(j->mechanism, j->state, goal->coordinate, way).motions < 0)
+  if (km_branch_depart(j->mechanism, j->state, goal->coordinate, way).branch_count < 0)
     return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
   km_driver_motion *drive;
   km_status status = km_driver_motion_create(j->mechanism, j->state, goal->coordinate, true, &drive, error);
@@ -250,7 +250,7 @@ km_status km_state_move_to(const km_mechanism *m, km_state *s, const km_hold *se
   if (!status) {
     km_state_copy(m, s, there);
     for (int i = 0; i < m->topology.substructure_count; ++i)
-      km_state_forget_pivots(s, i);
+      km_state_invalidate_pivots(s, i);
     status = km_assemble(m, s, NULL, error);
   }
   km_state_free(there);

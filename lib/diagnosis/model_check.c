@@ -346,10 +346,10 @@ static void check_laws(const km_model *model, km_findings *f) {
 
 static void check_turn(const km_mechanism *m, const km_state *s, int c, km_findings *f) {
   const km_model_joint *joint = &m->model->joints[m->model->coordinates[c].joint];
-  double over = km_state_over_turned(m, c, &s->q[c]), unit = m->model->units.angle->si;
+  double over = km_state_ball_excess(m, c, &s->q[c]), unit = m->model->units.angle->si;
   if (over > 1e-9)
     add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
-        "joint %s starts turned by %.6g %s, past its limit of %g", joint->label, (over + m->most_turn[c]) / unit,
+        "joint %s starts turned by %.6g %s, past its limit of %g", joint->label, (over + m->max_ball_angle[c]) / unit,
         km_model_coordinate_unit(m->model, c), joint->most_turn);
 }
 

@@ -46,8 +46,8 @@ static bool turns(const km_rotation *R) {
 static void add_arc(build *w, const km_arc *arc) {
   const km_mechanism *m = w->m;
   km_tree *tree = w->tree;
-  km_passage p;
-  km_joint_passage(m->model, arc->joint, arc->against, &p);
+  km_joint_traversal p;
+  km_joint_traverse(m->model, arc->joint, arc->is_reversed, &p);
   int node = tree->node_of_body[arc->parent];
   km_pose X = km_pose_product(&tree->body_in_node[arc->parent], &arc->before);
   for (int i = 0; i < p.count; ++i) {

@@ -120,7 +120,7 @@ km_status km_dynamics_bring(km_dynamics *d, km_state *s, km_error *error) {
   for (int i = 0; i < count; ++i) {
     double motion[3];
     int c = km_prescribed_at(d->prescribed, i, s->time, motion);
-    goals[i] = (km_hold){c, km_in_other_unit(motion[0], m->factor[c])};
+    goals[i] = (km_hold){c, km_convert_unit(motion[0], m->factor[c])};
     away = away || !(fabs(motion[0] - s->q[c]) * m->scale[c] <= near);
   }
   km_status status = away ? km_state_move_to(m, s, goals, count, error) : KM_OK;
@@ -274,7 +274,7 @@ static double driving_force(const km_dynamics *d, const km_state *s, const km_cl
 }
 
 double km_dynamics_driving_force(const km_dynamics *d, const km_state *s, int coordinate) {
-  if (!d || !km_state_fits(d->mechanism, s) || coordinate < 0 || coordinate >= d->mechanism->coordinate_count ||
+  if (!d || !km_state_belongs_to(d->mechanism, s) || coordinate < 0 || coordinate >= d->mechanism->coordinate_count ||
       !d->driven[coordinate])
     return nan("");
   for (int i = 0; i < d->tree.cluster_count; ++i) {

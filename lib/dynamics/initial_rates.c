@@ -34,7 +34,7 @@ static void prescribed_part(const km_dynamics *d, const km_state *s, int index, 
     int c = coordinate[p->column[k]];
     if (!d->driven[c])
       continue;
-    km_partition_direction(p, p->column[k], direction);
+    km_partition_null_vector(p, p->column[k], direction);
     for (int i = 0; i < sub->columns; ++i)
       x[i] += s->rate[c] / m->unit[c] * direction[i];
   }
@@ -70,7 +70,7 @@ static bool is_met(const fitting *f) {
   double largest = 0.0, worst = 0.0;
   for (int k = 0; k < f->sub->columns; ++k) {
     largest = fmax(largest, fabs(f->weight[k] * f->target[k]));
-    if (f->s->source[f->coordinate[k]] != KM_RATE_FOLLOWS)
+    if (f->s->rate_source[f->coordinate[k]] != KM_RATE_FOLLOWS)
       worst = fmax(worst, fabs(residual(f, k)));
   }
   return worst <= rounding * largest;
@@ -105,7 +105,7 @@ static void solve_least(fitting *f, gsl_matrix *U, const gsl_matrix *V, const gs
 static bool meet(fitting *f, km_rate_source source) {
   size_t count = (size_t)f->count, left = (size_t)f->left, stated = 0, rows;
   for (int k = 0; k < f->sub->columns; ++k)
-    stated += f->s->source[f->coordinate[k]] == source;
+    stated += f->s->rate_source[f->coordinate[k]] == source;
   if (stated == 0 || left == 0)
     return true;
   rows = stated > left ? stated : left; /* GSL wants at least as many rows as columns: rows of 0 change nothing */
@@ -117,7 +117,7 @@ static bool meet(fitting *f, km_rate_source source) {
   gsl_vector_view S = gsl_vector_view_array(sigma, left), space = gsl_vector_view_array(sigma + left, left);
   size_t row = 0;
   for (int k = 0; k < f->sub->columns; ++k) {
-    if (f->s->source[f->coordinate[k]] != source)
+    if (f->s->rate_source[f->coordinate[k]] != source)
       continue;
     for (size_t j = 0; j < left; ++j)
       for (size_t i = 0; i < count; ++i)
@@ -162,19 +162,19 @@ static bool project(km_dynamics *d, km_state *s, int index, double *changed, dou
                .weight = m->column_weight + sub->column_start,
                .v = d->step,
                .target = s->work};
-  prescribed_part(d, s, index, f.v, s->part);
+  prescribed_part(d, s, index, f.v, s->projection);
   for (int k = 0; k < sub->columns; ++k)
     f.target[k] = s->rate[f.coordinate[k]] / m->unit[f.coordinate[k]];
   f.count = km_partition_freedom(p);
   for (int k = p->rank; k < p->columns; ++k)
     f.count -= d->driven[f.coordinate[p->column[k]]];
-  f.Z = km_state_null(m, s, index, f.count);
+  f.Z = km_state_null_space(m, s, index, f.count);
   if ((!f.Z && f.count > 0) || !fit(&f))
     return false;
   for (int k = 0; k < sub->columns; ++k) {
     int c = f.coordinate[k];
     double rate = m->unit[c] * f.v[k], change = m->scale[c] * (rate - s->rate[c]);
-    if (s->source[c] != KM_RATE_FOLLOWS) {
+    if (s->rate_source[c] != KM_RATE_FOLLOWS) {
       *changed += change * change;
       *size += m->scale[c] * m->scale[c] * s->rate[c] * s->rate[c];
     }

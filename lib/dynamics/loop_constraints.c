@@ -39,7 +39,7 @@ static bool search_pivots(km_dynamics *d, km_state *s, int index) {
   const int *coordinate = d->mechanism->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k)
     s->forced[k] = d->driven[coordinate[k]];
-  s->pivoted[index] = KM_PRESCRIBED;
+  s->pivot_driver[index] = KM_PRESCRIBED;
   d->renewed[index]++;
   bool found = factor(d->mechanism, s, index);
   const km_partition *p = &s->partition[index];
@@ -52,19 +52,19 @@ static bool search_pivots(km_dynamics *d, km_state *s, int index) {
 /* Pivots in another order for the partition at hand, where that one is good and only pivots have become small. */
 static bool keep_partition(const km_mechanism *m, km_state *s, int index) {
   km_partition *p = &s->partition[index];
-  double pivoted_b = p->pivoted_b;
-  if (!km_partition_serves(p->largest_b, pivoted_b))
+  double pivoted_b = p->max_b_at_search;
+  if (!km_is_b_growth_acceptable(p->max_b, pivoted_b))
     return false;
   for (int i = p->rank; i < p->columns; ++i)
     s->forced[p->column[i]] = true;
   bool kept = factor(m, s, index);
-  p->pivoted_b = pivoted_b; /* the partition is as old as it was */
+  p->max_b_at_search = pivoted_b; /* the partition is as old as it was */
   return kept;
 }
 
 /* Can the motion go on with these pivots until a pose is accepted? */
 static bool carries_on(const km_partition *p) {
-  return p->largest_b <= most_growth * fmax(p->pivoted_b, 1.0);
+  return p->max_b <= most_growth * fmax(p->max_b_at_search, 1.0);
 }
 
 /* Other pivots within a motion: first the dependent rates are made to follow by those that served up to here, so that the
@@ -73,7 +73,7 @@ static bool change_pivots(km_dynamics *d, km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const int *coordinate = m->column_coordinate + m->substructures[index].column_start;
   const km_partition *p = &s->partition[index];
-  bool follows = !d->feeds_back && isfinite(p->largest_b);
+  bool follows = !d->feeds_back && isfinite(p->max_b);
   memset(d->step, 0, (size_t)p->rank * sizeof *d->step);
   for (int k = 0; k < km_partition_freedom(p) && follows; ++k) {
     const double *B = km_partition_b(p, k);
@@ -142,7 +142,7 @@ static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_recompute(d->mechanism, s, sub);
-  bool served = s->pivoted[index] == KM_PRESCRIBED && serves_drives(d, p, index);
+  bool served = s->pivot_driver[index] == KM_PRESCRIBED && serves_drives(d, p, index);
   if (!served && !search_pivots(d, s, index))
     return false;
   double error = largest_primary(p, km_state_error(s, sub)), last = HUGE_VAL;

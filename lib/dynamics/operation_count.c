@@ -39,7 +39,7 @@ static double of_dense(const km_dynamics *d, const km_state *s) {
 
 km_effort km_dynamics_effort(const km_dynamics *d, const km_state *s) {
   km_effort out = {nan(""), nan("")};
-  if (!d || !km_state_fits(d->mechanism, s))
+  if (!d || !km_state_belongs_to(d->mechanism, s))
     return out;
   out.multiplications = 0.0;
   for (int i = 0; i < d->mechanism->topology.substructure_count; ++i)

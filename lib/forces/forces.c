@@ -112,9 +112,9 @@ void km_loads_add(const km_mechanism *m, km_forces *f) {
 }
 
 void km_forces_compute(const km_mechanism *m, const km_state *s, km_forces *f) {
-  if (!f || f->mechanism != m || !km_state_fits(m, s))
+  if (!f || f->mechanism != m || !km_state_belongs_to(m, s))
     return;
-  f->origin = km_poses_nearby(m, s, f->pose);
+  f->origin = km_poses_about_mechanism(m, s, f->pose);
   memset(f->body, 0, (size_t)m->topology.body_count * sizeof *f->body);
   memset(f->joint, 0, (size_t)m->coordinate_count * sizeof *f->joint);
   f->force_size = f->couple_size = 0.0;

@@ -152,7 +152,7 @@ static double push_of(const km_joint_stop *stop, double x, double v, km_forces *
 /* The angle of a ball grows along its own axis, q/|q|: the same in both frames. */
 static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km_forces *f) {
   const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
-  double x = km_state_over_turned(m, c, &s->q[c]);
+  double x = km_state_ball_excess(m, c, &s->q[c]);
   if (!(x > 0.0))
     return;
   km_vec3 q = km_vec3_make(&s->q[c]), u = km_vec3_scale(1.0 / km_vec3_norm(q), q);
@@ -178,7 +178,7 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
   for (int i = 0; i < f->moving->stop_count; ++i) {
     int c = f->moving->stops[i];
     double x = beyond(m, s, c);
-    double turned = fmax(km_state_over_turned(m, c, &s->q[c]), 0.0);
+    double turned = fmax(km_state_ball_excess(m, c, &s->q[c]), 0.0);
     energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * (x * x + turned * turned);
   }
   return energy;

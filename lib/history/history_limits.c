@@ -47,8 +47,8 @@ void km_limits_row(km_limit_watch *w, const km_state *s) {
     if (!(fabs(beyond) * w->m->scale[c] > w->slack))
       continue;
     if (!w->is_passed[i]) {
-      bool of_ball = w->m->most_turn[c] < HUGE_VAL;
-      double value = of_ball ? w->m->most_turn[c] : s->q[c] - beyond;
+      bool of_ball = w->m->max_ball_angle[c] < HUGE_VAL;
+      double value = of_ball ? w->m->max_ball_angle[c] : s->q[c] - beyond;
       *limit = (km_passed_limit){c, beyond > 0.0, value / factor, s->time, 0.0};
       w->is_passed[i] = true;
     }

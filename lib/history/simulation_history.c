@@ -47,7 +47,7 @@ static void list_changed_rates(const km_history_writer *w, const double *stated)
   for (int c = 0; c < m->coordinate_count; ++c)
     largest = fmax(largest, m->scale[c] * fmax(fabs(stated[c]), fabs(w->state->rate[c])));
   for (int c = 0; c < m->coordinate_count; ++c) {
-    km_rate_source source = w->state->source[c];
+    km_rate_source source = w->state->rate_source[c];
     if (source == KM_RATE_FOLLOWS || w->dynamics->driven[c] ||
         !(m->scale[c] * fabs(w->state->rate[c] - stated[c]) > least_change * largest))
       continue;

@@ -27,7 +27,7 @@ static double greatest_distance(place *places, int count, double grain) {
     for (int k = 0; k < j; ++k) {
       if ((places[j].radius + places[k].radius) * rounding <= fmax(furthest, grain))
         break;
-      furthest = fmax(furthest, sqrt(km_square_apart(places[j].p, places[k].p, grain)));
+      furthest = fmax(furthest, sqrt(km_squared_distance(places[j].p, places[k].p, grain)));
     }
   return furthest;
 }
@@ -47,7 +47,7 @@ static double joints_apart(const km_mechanism *m) {
     }
     for (int j = 0; j < count; ++j)
       places[j].radius = km_vec3_norm(km_vec3_sub(places[j].p, middle));
-    furthest = greatest_distance(places, count, m->grain);
+    furthest = greatest_distance(places, count, m->position_rounding);
   }
   km_state_free(s);
   km_free(places);

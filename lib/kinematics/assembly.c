@@ -78,7 +78,7 @@ static int start_count(const km_substructure *sub) {
 /* The loop that can't close, by its lengths; -1: none is known. */
 static int find_too_long(const km_mechanism *m, const km_substructure *sub, km_long_link *link) {
   for (int i = 0; i < sub->loop_count; ++i)
-    if (km_loop_is_too_long(m, m->loop_order[sub->loop_start + i], link))
+    if (km_loop_violates_polygon(m, m->loop_order[sub->loop_start + i], link))
       return m->loop_order[sub->loop_start + i];
   return -1;
 }
@@ -160,7 +160,8 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
     km_status status = KM_OK;
     result.closes = close_from_here(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
     result.misfit = evidence.residual;
-    km_pivot_here(other, s, index, KM_NO_DRIVER, evidence.residual); /* those of the closure may be of another pose */
+    km_update_and_search_pivots(other, s, index, KM_NO_DRIVER,
+                                evidence.residual); /* those of the closure may be of another pose */
     result.rank = s->partition[index].rank;
     result.freedom = km_partition_freedom(&s->partition[index]);
   }

@@ -27,7 +27,7 @@ typedef struct search {
   int driver, substructure;
   km_arena arena;
   double *saved, *way; /* [3 · columns], [columns] workspace */
-  km_body_place *places;
+  km_body_placement *places;
   mode *modes;
   size_t capacity;
   int count, closed;
@@ -168,7 +168,7 @@ static bool keep(search *f) {
   f->moves = f->moves || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
   memcpy(kept.place, f->s->pose, bodies * sizeof *kept.place);
   bool is_own = f->count == 0;
-  kept.is_within = is_own || (make_canonical(f) && km_state_outside(f->s, sub_of(f)) < 0);
+  kept.is_within = is_own || (make_canonical(f) && km_state_find_outside_limit(f->s, sub_of(f)) < 0);
   km_state_save(f->s, sub_of(f), kept.saved);
   f->modes[f->count++] = kept;
   return !f->arena.failed;
@@ -230,10 +230,10 @@ static km_status search_modes(search *f, int starts, km_modes *out, km_error *er
   size_t columns = (size_t)sub_of(f)->columns;
   f->saved = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *columns);
   f->way = KM_ARENA_NEW(&f->arena, double, columns);
-  f->places = KM_ARENA_NEW(&f->arena, km_body_place, (size_t)f->m->model->body_count);
+  f->places = KM_ARENA_NEW(&f->arena, km_body_placement, (size_t)f->m->model->body_count);
   bool done = !f->arena.failed, moves = false, is_closed = true;
   if (done) {
-    f->arena.failed = !km_body_places(f->m, f->places);
+    f->arena.failed = !km_body_placements(f->m, f->places);
     km_state_copy(f->m, f->s, f->original);
     is_closed = close(f);
     done = is_closed && !f->arena.failed;

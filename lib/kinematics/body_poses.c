@@ -3,7 +3,7 @@
 #include "topology/chain.h"
 
 /* Takes X over a motion of its joint, in its sense (sign 1) or against it (-1). The same bits as the product with
- * km_motion_passed. */
+ * km_motion_traversed. */
 static inline __attribute__((always_inline)) void pass(const km_mechanism *m, const km_state *s, km_motion motion,
                                                        double sign, double pitch, int coordinate, km_pose *X) {
   double value = s->q[coordinate];
@@ -27,8 +27,8 @@ static inline __attribute__((always_inline)) void pass(const km_mechanism *m, co
 
 km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
   const km_arc *arc = &m->arcs[m->arc_of[body]];
-  km_passage p;
-  km_joint_passage(m->model, arc->joint, arc->against, &p);
+  km_joint_traversal p;
+  km_joint_traverse(m->model, arc->joint, arc->is_reversed, &p);
   double pitch = km_pitch_per_radian(m->model, arc->joint, 1.0);
   km_pose X = km_pose_product(&s->pose[arc->parent], &arc->before);
   km_twist sum = {{0, 0, 0}, {0, 0, 0}};
@@ -90,14 +90,14 @@ static void update_body(const km_mechanism *m, const km_state *s, const km_arc *
   const km_joint_kind *kind = km_joint_kind_of(joint->type);
   const km_pose *parent = &pose[arc->parent], *after = &arc->after;
   km_pose X = arc->before, *out = &pose[arc->body];
-  double sign = arc->against ? -1.0 : 1.0, pitch = km_pitch_per_radian(m->model, arc->joint, 1.0);
-  int coordinate = joint->first_coordinate + (arc->against ? kind->freedom : 0);
+  double sign = arc->is_reversed ? -1.0 : 1.0, pitch = km_pitch_per_radian(m->model, arc->joint, 1.0);
+  int coordinate = joint->first_coordinate + (arc->is_reversed ? kind->freedom : 0);
   for (int i = 0; i < kind->motion_count; ++i) {
-    km_motion motion = kind->motions[arc->against ? kind->motion_count - 1 - i : i];
+    km_motion motion = kind->motions[arc->is_reversed ? kind->motion_count - 1 - i : i];
     int freedom = km_primitive_freedom(motion.primitive);
-    coordinate -= arc->against ? freedom : 0;
+    coordinate -= arc->is_reversed ? freedom : 0;
     pass(m, s, motion, sign, pitch, coordinate, &X);
-    coordinate += arc->against ? 0 : freedom;
+    coordinate += arc->is_reversed ? 0 : freedom;
   }
   for (int k = 0; k < 3; ++k)
     out->R.axis[k] = km_rotate(&parent->R, km_rotate(&X.R, after->R.axis[k]));
@@ -115,7 +115,7 @@ void km_poses_about(const km_mechanism *m, const km_state *s, km_vec3 origin, km
   update_bodies(m, s, 0, pose);
 }
 
-km_vec3 km_poses_nearby(const km_mechanism *m, const km_state *s, km_pose *pose) {
+km_vec3 km_poses_about_mechanism(const km_mechanism *m, const km_state *s, km_pose *pose) {
   pose[0] = km_pose_identity();
   if (m->topology.body_count < 2)
     return pose[0].p;
@@ -135,7 +135,7 @@ void km_poses_compute_in(const km_mechanism *m, km_state *s, int substructure) {
 }
 
 void km_poses_compute(const km_mechanism *m, km_state *s) {
-  if (!km_state_fits(m, s))
+  if (!km_state_belongs_to(m, s))
     return;
   km_poses_about(m, s, (km_vec3){0, 0, 0}, s->pose);
 }
@@ -144,7 +144,7 @@ void km_frame_position(const km_mechanism *m, const km_state *s, int frame, doub
   if (!position)
     return;
   position[0] = position[1] = position[2] = nan("");
-  if (!km_state_fits(m, s) || frame < 0 || frame >= m->model->frame_count)
+  if (!km_state_belongs_to(m, s) || frame < 0 || frame >= m->model->frame_count)
     return;
   const km_model_frame *def = &m->model->frames[frame];
   km_vec3 p = km_pose_point(&s->pose[def->body], def->pose.p);

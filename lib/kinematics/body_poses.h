@@ -19,7 +19,7 @@ km_twist km_coordinate_twist(const km_mechanism *mechanism, const km_state *stat
  * pose[body count]. */
 void km_poses_about(const km_mechanism *mechanism, const km_state *state, km_vec3 origin, km_pose *pose);
 /* The same about the origin of a body near the mechanism, which is returned. */
-km_vec3 km_poses_nearby(const km_mechanism *mechanism, const km_state *state, km_pose *pose);
+km_vec3 km_poses_about_mechanism(const km_mechanism *mechanism, const km_state *state, km_pose *pose);
 /* km_coordinate_twist about that origin. */
 km_twist km_coordinate_twist_about(const km_mechanism *mechanism, const km_state *state, const km_pose *pose,
                                    int coordinate);

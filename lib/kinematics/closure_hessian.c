@@ -57,7 +57,7 @@ static int bend_loop(const km_mechanism *m, const km_state *s, const km_program 
       if (!is_before(first, second))
         continue;
       const km_twist *a = &h[stride * first->step], *b = &h[stride * second->step];
-      km_vec3 place = first->side < 0.0 ? km_vec3_sub(s->place[l], loop->apart) : s->place[l];
+      km_vec3 place = first->side < 0.0 ? km_vec3_sub(s->row_point[l], loop->origin_offset) : s->row_point[l];
       double bend = program->planar ? planar_bend(a, b, wrench) : spatial_bend(a, b, place, wrench);
       pair[count++] = 0.5 * first->side * bend;
     }

@@ -5,8 +5,8 @@
 /* What was known of the motions at the old pose doesn't count any more. */
 static void forget_motions(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
-    km_state_forget_pivots(s, i);
-    s->basis[i].known = false;
+    km_state_invalidate_pivots(s, i);
+    s->basis[i].is_known = false;
   }
 }
 
@@ -80,7 +80,7 @@ km_status km_state_set_rate(const km_mechanism *m, km_state *s, int coordinate, 
   if (status)
     return status;
   s->rate[coordinate] = rate * km_model_coordinate_factor(m->model, coordinate);
-  s->source[coordinate] = KM_RATE_CALLER;
+  s->rate_source[coordinate] = KM_RATE_CALLER;
   return KM_OK;
 }
 

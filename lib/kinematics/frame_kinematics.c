@@ -64,7 +64,7 @@ km_status km_frame_jacobian(const km_mechanism *m, const km_state *s, int frame,
   for (int body = m->model->frames[frame].body; body > 0; body = m->topology.parent[body]) {
     int joint = m->topology.arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
-      km_twist t = column_at(m, s, c, m->topology.against[joint], p);
+      km_twist t = column_at(m, s, c, m->topology.is_reversed[joint], p);
       const double column[6] = {t.v.x, t.v.y, t.v.z, t.w.x, t.w.y, t.w.z};
       if (!m->held[c])
         memcpy(J + 6 * (size_t)c, column, sizeof column);

@@ -3,14 +3,14 @@
 
 #include <math.h>
 
-double km_state_over_turned(const km_mechanism *m, int c, const double *q) {
-  return m->most_turn[c] < HUGE_VAL ? km_vec3_norm(km_vec3_make(q)) - m->most_turn[c] : -HUGE_VAL;
+double km_state_ball_excess(const km_mechanism *m, int c, const double *q) {
+  return m->max_ball_angle[c] < HUGE_VAL ? km_vec3_norm(km_vec3_make(q)) - m->max_ball_angle[c] : -HUGE_VAL;
 }
 
 /* How far coordinate c, whose value is at q, is above (> 0) or below (< 0) its limits; 0 within them, rounding
  * included. The limit of a ball's angle counts as one of its first coordinate; those of a strut are of its length |q|. */
 static double excess(const km_mechanism *m, int c, const double *q) {
-  double slack = 1e-12 * (m->unit[c] + fabs(*q)), turned = km_state_over_turned(m, c, q);
+  double slack = 1e-12 * (m->unit[c] + fabs(*q)), turned = km_state_ball_excess(m, c, q);
   double sense = m->model->coordinates[c].is_strut && *q < 0.0 ? -1.0 : 1.0, value = sense * *q;
   return turned > slack               ? turned
          : value > m->high[c] + slack ? sense * (value - m->high[c])
@@ -26,7 +26,7 @@ bool km_state_is_outside(const km_state *s, int coordinate) {
   return km_state_excess(s, coordinate) != 0.0;
 }
 
-int km_state_outside(const km_state *s, const km_substructure *sub) {
+int km_state_find_outside_limit(const km_state *s, const km_substructure *sub) {
   const int *limited = s->mechanism->limited_column + sub->column_start;
   for (int i = 0; i < sub->limited_count; ++i) {
     int c = s->mechanism->column_coordinate[sub->column_start + limited[i]];
@@ -41,8 +41,8 @@ int km_state_limit_passed(const km_state *s, const km_substructure *sub, const d
   for (int i = 0; i < sub->limited_count; ++i) {
     int k = limited[i], c = s->mechanism->column_coordinate[sub->column_start + k];
     double out = excess(s->mechanism, c, &s->q[c]), went = s->q[c] - saved[k];
-    if (out != 0.0 && s->mechanism->most_turn[c] < HUGE_VAL) /* a ball's three coordinates are neighbours */
-      went = km_state_over_turned(s->mechanism, c, &s->q[c]) - km_state_over_turned(s->mechanism, c, &saved[k]);
+    if (out != 0.0 && s->mechanism->max_ball_angle[c] < HUGE_VAL) /* a ball's three coordinates are neighbours */
+      went = km_state_ball_excess(s->mechanism, c, &s->q[c]) - km_state_ball_excess(s->mechanism, c, &saved[k]);
     if (out * went > 0.0)
       return c;
   }

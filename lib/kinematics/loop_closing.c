@@ -22,45 +22,45 @@ double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, doub
 /* Are the pivots at hand what this search would find? The sparse engine knows that itself (km_sparse_has_factor). */
 static bool are_searched(const km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
-  const km_cached_configuration *shown = &s->shown[index];
-  return !p->sparse && !p->failed && shown->known && shown->searched == shown->count &&
-         shown->partition == p->edition && shown->driver == driver && shown->held == p->held &&
-         shown->tolerance == tolerance;
+  const km_cached_configuration *shown = &s->cached[index];
+  return !p->sparse && !p->failed && shown->is_valid && shown->evaluation_at_search == shown->evaluations &&
+         shown->partition_version == p->version && shown->driver == driver &&
+         shown->forced_never_pivot == p->forced_never_pivot && shown->tolerance == tolerance;
 }
 
 static void remember_search(km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
-  km_cached_configuration *shown = &s->shown[index];
-  shown->searched = shown->count;
-  shown->partition = p->edition;
+  km_cached_configuration *shown = &s->cached[index];
+  shown->evaluation_at_search = shown->evaluations;
+  shown->partition_version = p->version;
   shown->driver = driver;
-  shown->held = p->held;
+  shown->forced_never_pivot = p->forced_never_pivot;
   shown->tolerance = tolerance;
 }
 
-void km_pivot(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
-  tolerance = km_larger(tolerance, s->partition[index].blunt);
+  tolerance = km_larger(tolerance, s->partition[index].min_relative_pivot);
   if (are_searched(s, index, driver, tolerance)) {
-    s->pivoted[index] = driver;
+    s->pivot_driver[index] = driver;
     return;
   }
-  s->partition[index].nearly = driver >= 0;
+  s->partition[index].ties_by_position = driver >= 0;
   if (driver >= 0)
     s->forced[driver] = true;
   km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns,
                       driver >= 0 ? s->forced : NULL, tolerance);
   if (driver >= 0)
     s->forced[driver] = false;
-  s->partition[index].nearly = false;
-  s->pivoted[index] = driver;
+  s->partition[index].ties_by_position = false;
+  s->pivot_driver[index] = driver;
   remember_search(s, index, driver, tolerance);
 }
 
-void km_pivot_here(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
+void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
   const km_substructure *sub = &m->substructures[index];
   km_loops_update(m, s, sub);
-  km_pivot(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
+  km_search_pivots(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
 }
 
 double km_step_dot(const km_mechanism *m, const km_substructure *sub, const double *a, const double *b) {
@@ -102,8 +102,9 @@ static bool takes_many(const km_partition *p, int count) {
 static bool reject_null(const km_mechanism *m, km_state *s, int index, int count, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  return takes_many(p, count) && km_partition_reject_null(p, km_state_jacobian(s, sub),
-                                                          m->column_weight + sub->column_start, count, x, s->part);
+  return takes_many(p, count) &&
+         km_partition_remove_null_space(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count, x,
+                                        s->projection);
 }
 
 /* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
@@ -115,7 +116,7 @@ void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int dri
   if (count <= 0)
     return;
   bool by_rows = p->rank < count, done = reject_null(m, s, index, count, x);
-  if (!done && p->waits) {
+  if (!done && p->is_deferred) {
     km_partition_refactor_full_pattern(&s->partition[index], km_state_jacobian(s, sub));
     done = reject_null(m, s, index, count, x);
   }
@@ -123,14 +124,14 @@ void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int dri
     s->basis[index].count = 0;
     return;
   }
-  const double *Y = by_rows ? km_state_rows(m, s, index, count) : km_state_null(m, s, index, count);
+  const double *Y = by_rows ? km_state_row_space(m, s, index, count) : km_state_null_space(m, s, index, count);
   if (!Y)
     return;
-  project(sub, weight, Y, by_rows ? p->rank : count, x, s->part);
+  project(sub, weight, Y, by_rows ? p->rank : count, x, s->projection);
   bool keeps = driver >= 0 && !p->forced_dependent; /* none of these motions has a part in it, and R leaves it out */
   double own = keeps ? x[driver] : 0.0;
   for (int j = 0; j < sub->columns; ++j)
-    x[j] = by_rows ? s->part[j] / weight[j] : x[j] - s->part[j] / weight[j];
+    x[j] = by_rows ? s->projection[j] / weight[j] : x[j] - s->projection[j] / weight[j];
   if (keeps)
     x[driver] = own;
 }
@@ -152,15 +153,15 @@ void km_minimum_norm_rates(const km_mechanism *m, km_state *s, int index, int dr
   const km_partition *p = &s->partition[index];
   if (p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS && project_driver(m, s, index, driver, t))
     return;
-  km_partition_direction(p, driver, t);
+  km_partition_null_vector(p, driver, t);
   km_minimum_norm_step(m, s, index, driver, t);
 }
 
-void km_pivot_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+void km_search_pivots_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   km_partition *p = &s->partition[index];
-  p->unwatched = true;
-  km_pivot(m, s, index, driver, tolerance);
-  p->unwatched = false;
+  p->basis_quality_unneeded = true;
+  km_search_pivots(m, s, index, driver, tolerance);
+  p->basis_quality_unneeded = false;
 }
 
 static double primary_rms(const km_partition *p, const double *error) {
@@ -174,7 +175,7 @@ static bool takes_rows(const km_partition *p, int driver) {
   return p->rows_only || takes_many(p, motions_beside(p, driver));
 }
 
-bool km_pivots_deferred(km_state *s, int index, int driver) {
+bool km_defer_pivots(km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
   if (!takes_rows(p, driver) || !km_partition_may_defer(p))
     return false;
@@ -185,9 +186,9 @@ bool km_pivots_deferred(km_state *s, int index, int driver) {
 /* Do the pivots of the last pose serve? Of many motions nobody asks for B. */
 static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
-  p->unwatched = takes_rows(p, driver);
+  p->basis_quality_unneeded = takes_rows(p, driver);
   bool serve = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
-  p->unwatched = false;
+  p->basis_quality_unneeded = false;
   return serve;
 }
 
@@ -195,16 +196,16 @@ static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) 
 static void search(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
   double tolerance = km_rank_tolerance(m, sub, residual);
-  km_pivot_for_steps(m, s, index, driver, tolerance);
-  if (!km_pivots_are_whole(&s->partition[index]) && tolerance > km_rank_tolerance(m, sub, 0.0))
-    km_state_forget_pivots(s, index);
+  km_search_pivots_for_steps(m, s, index, driver, tolerance);
+  if (!km_has_full_row_rank(&s->partition[index]) && tolerance > km_rank_tolerance(m, sub, 0.0))
+    km_state_invalidate_pivots(s, index);
 }
 
 /* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. Where rows are enough for a step
  * the monitor waits for the pose that is found. */
 static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
-  if (residual < km_near_closed && s->pivoted[index] == driver &&
-      (km_pivots_deferred(s, index, driver) || refactor(m, s, index, driver)))
+  if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == driver &&
+      (km_defer_pivots(s, index, driver) || refactor(m, s, index, driver)))
     return;
   search(m, s, index, driver, residual);
 }
@@ -215,7 +216,7 @@ static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver,
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
   int count = motions_beside(p, driver);
-  return takes_rows(p, driver) && ((again && km_partition_minimum_norm_again(p, weight, count, error, x)) ||
+  return takes_rows(p, driver) && ((again && km_partition_minimum_norm_reuse(p, weight, count, error, x)) ||
                                    km_partition_minimum_norm(p, km_state_jacobian(s, sub), weight, count, error, x));
 }
 
@@ -224,8 +225,8 @@ static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver,
 static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool again,
                         double *x) {
   const km_partition *p = &s->partition[index];
-  bool done = take_rows(m, s, index, driver, again && p->waits, x);
-  if (!done && p->waits) {
+  bool done = take_rows(m, s, index, driver, again && p->is_deferred, x);
+  if (!done && p->is_deferred) {
     if (!refactor(m, s, index, driver))
       search(m, s, index, driver, residual);
     done = take_rows(m, s, index, driver, false, x);
@@ -260,11 +261,11 @@ static double grain(const km_mechanism *m, const km_state *s, const km_substruct
   for (int k = 0; k < sub->columns; ++k)
     if (m->ball_of[coordinate[k]] < 0)
       largest = km_larger(fabs(s->q[coordinate[k]] / m->unit[coordinate[k]]), largest);
-  return km_smaller(1.0 + km_grain_growth * largest, km_grain_most);
+  return km_smaller(1.0 + km_tolerance_scale_growth * largest, km_max_tolerance_scale);
 }
 
 static km_closure_outcome verdict(const km_mechanism *m, double residual, double coarse) {
-  return residual <= km_larger(m->closure_tolerance, coarse * km_closed) ? KM_CLOSED : KM_INCONSISTENT;
+  return residual <= km_larger(m->closure_tolerance, coarse * km_residual_tolerance) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
 /* Newton's place. */
@@ -288,21 +289,22 @@ static void take_step(const km_mechanism *m, km_state *s, int index, int driver,
 }
 
 static bool is_found(const km_partition *p, const newton *n) {
-  return n->small && (n->step <= n->settled || (p->held && n->step >= n->last));
+  return n->small && (n->step <= n->settled || (p->forced_never_pivot && n->step >= n->last));
 }
 
 /* Are the pivots that waited for the pose that is found good ones there? Rows that are kept beside others must be looked at again. */
 static bool still_serve(const km_mechanism *m, km_state *s, int index, int driver) {
   const km_partition *p = &s->partition[index];
-  return !p->waits || ((p->kept_rows == 0.0 || km_pivots_are_whole(p)) && refactor(m, s, index, driver));
+  return !p->is_deferred ||
+         ((p->kept_row_tolerance == 0.0 || km_has_full_row_rank(p)) && refactor(m, s, index, driver));
 }
 
 static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
-  newton n = {.step = HUGE_VAL, .last = HUGE_VAL, .closed = coarse * km_closed};
-  *evidence = (km_closure){.worst = -1, .left = x};
+  newton n = {.step = HUGE_VAL, .last = HUGE_VAL, .closed = coarse * km_residual_tolerance};
+  *evidence = (km_closure){.worst = -1, .last_step = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     if (i == 0 && driver < 0)
       km_loops_update(m, s, sub);
@@ -314,12 +316,12 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
       return KM_OPEN;
     if (i == 0)
       first = evidence->residual;
-    n.settled = coarse * (i == 0 && driver >= 0 ? km_settled_at_once : km_settled);
+    n.settled = coarse * (i == 0 && driver >= 0 ? km_predicted_step_tolerance : km_step_tolerance);
     factor(m, s, index, driver, evidence->residual);
     take_step(m, s, index, driver, evidence, x, &n);
     if (is_found(p, &n) && !still_serve(m, s, index, driver)) {
       search(m, s, index, driver, evidence->residual);
-      if (!p->rows_stayed) /* else the step is the same */
+      if (!p->rows_were_kept) /* else the step is the same */
         take_step(m, s, index, driver, evidence, x, &n);
     }
     if (is_found(p, &n))
@@ -327,9 +329,9 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     n.last = n.small ? n.step : HUGE_VAL;
     if (!isfinite(n.step) || evidence->residual > residual_growth * (first + residual_floor))
       return KM_OPEN;
-    if (n.step > km_longest_newton)
+    if (n.step > km_max_newton_step)
       for (int k = 0; k < sub->columns; ++k)
-        x[k] *= km_longest_newton / n.step;
+        x[k] *= km_max_newton_step / n.step;
     if (i + 1 == MOST_ITERATIONS)
       break;
     evidence->correction += km_step_length(m, sub, x);
@@ -344,27 +346,27 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
   km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
   if (driver < 0) /* poses of a driver are left at once */
     km_loops_cache(m, s, &m->substructures[index]);
-  if (s->partition[index].waits)
+  if (s->partition[index].is_deferred)
     refactor(m, s, index, driver);
   return outcome;
 }
 
 km_closure_outcome km_close_with_driver(const km_mechanism *m, km_state *s, int index, int driver,
                                         km_closure *evidence) {
-  s->partition[index].held = true;
+  s->partition[index].forced_never_pivot = true;
   km_closure_outcome outcome = km_loops_close(m, s, index, driver, evidence);
-  s->partition[index].held = false;
+  s->partition[index].forced_never_pivot = false;
   return outcome;
 }
 
-km_closure_outcome km_close_fully(km_closing close, const km_mechanism *m, km_state *s, int index, int driver,
+km_closure_outcome km_close_fully(km_closing_function close, const km_mechanism *m, km_state *s, int index, int driver,
                                   km_closure *evidence) {
   enum { MOST_RANKS = 4 };
-  km_state_forget_pivots(s, index);
+  km_state_invalidate_pivots(s, index);
   km_closure_outcome outcome = close(m, s, index, driver, evidence);
   for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
     int rank = s->partition[index].rank;
-    km_pivot_here(m, s, index, driver, evidence->residual);
+    km_update_and_search_pivots(m, s, index, driver, evidence->residual);
     if (s->partition[index].rank <= rank)
       break;
     int iterations = evidence->iterations;

@@ -24,7 +24,7 @@ static void planar_steps(const km_program *program, const km_planar_step *steps,
     double c = from->cosine, s = from->sine, value = step->sign * q[step->coordinate];
     double x = from->x + c * step->x - s * step->y;
     double y = from->y + s * step->x + c * step->y;
-    if (step->slides) {
+    if (step->is_slide) {
       double ux = c * step->ux - s * step->uy, uy = s * step->ux + c * step->uy;
       value *= inverse;
       slot[step->to] = (km_planar_pose){from->angle, c, s, x + value * ux, y + value * uy};
@@ -42,11 +42,11 @@ static void planar_steps(const km_program *program, const km_planar_step *steps,
  * frame. Out as (v x, v y, φ). */
 static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot, double place[2]) {
   const km_planar_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
-  const double *ca = loop->planar_close[0], *cb = loop->planar_close[1];
+  const double *ca = loop->planar_closing_point[0], *cb = loop->planar_closing_point[1];
   double ax = a->x + a->cosine * ca[0] - a->sine * ca[1], ay = a->y + a->sine * ca[0] + a->cosine * ca[1];
   double bx = b->x + b->cosine * cb[0] - b->sine * cb[1], by = b->y + b->sine * cb[0] + b->cosine * cb[1];
-  double dx = ax - bx - loop->planar_apart[0], dy = ay - by - loop->planar_apart[1];
-  double turn = wrapped(a->angle - b->angle + loop->planar_turn);
+  double dx = ax - bx - loop->planar_origin_offset[0], dy = ay - by - loop->planar_origin_offset[1];
+  double turn = wrapped(a->angle - b->angle + loop->planar_closing_angle);
   place[0] = ax;
   place[1] = ay;
   double cosine, sine, alpha;
@@ -67,8 +67,9 @@ static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_pla
                         km_twist *misfit, double *error, double *J) {
   double place[2];
   km_vec3 e = planar_error(loop, slot, place);
-  const double *o = loop->local ? place : loop->planar_point;
-  const double ox[2] = {o[0], o[0] - loop->planar_apart[0]}, oy[2] = {o[1], o[1] - loop->planar_apart[1]};
+  const double *o = loop->has_moving_point ? place : loop->planar_point;
+  const double ox[2] = {o[0], o[0] - loop->planar_origin_offset[0]},
+               oy[2] = {o[1], o[1] - loop->planar_origin_offset[1]};
   const double values[3] = {e.x - e.z * (oy[0] - place[1]), e.y + e.z * (ox[0] - place[0]), e.z};
   *misfit = (km_twist){{e.x, e.y, loop->fixed_misfit[2]}, {loop->fixed_misfit[3], loop->fixed_misfit[4], e.z}};
   for (int r = 0; r < loop->lambda; ++r)
@@ -78,7 +79,7 @@ static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_pla
     int back = entry->side < 0.0;
     km_vec3 v = h[entry->step].v;
     const double column[3] = {v.x - v.z * oy[back], v.y + v.z * ox[back], v.z};
-    double *out = J + entry->at;
+    double *out = J + entry->value_index;
     for (int r = 0; r < loop->lambda; ++r)
       out[r] = entry->side * column[loop->rows[r]];
   }
@@ -106,7 +107,7 @@ static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
     const km_pose *from = &s->slot[step->from];
-    km_pose X = {step->turned ? km_rotation_product(&from->R, &step->before.R) : from->R,
+    km_pose X = {step->has_rotation ? km_rotation_product(&from->R, &step->before.R) : from->R,
                  km_pose_point(from, step->before.p)};
     s->slot[step->to] = spatial_motion(step, X, s, size, s->twist + program->twist_start + 3 * i);
   }
@@ -114,12 +115,12 @@ static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *
 
 static void spatial_loop(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_state *s,
                          km_twist *misfit, km_vec3 *taken, double *error, double *J) {
-  km_pose a = km_pose_product(&s->slot[loop->slot[0]], &loop->close[0]);
-  km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->close[1]);
-  km_vec3 first = loop->local ? a.p : loop->point[0];
+  km_pose a = km_pose_product(&s->slot[loop->slot[0]], &loop->closing_frame[0]);
+  km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->closing_frame[1]);
+  km_vec3 first = loop->has_moving_point ? a.p : loop->point[0];
   *taken = first;
-  const km_vec3 o[2] = {first, km_vec3_sub(first, loop->apart)};
-  b.p = km_vec3_add(km_vec3_sub(b.p, a.p), loop->apart);
+  const km_vec3 o[2] = {first, km_vec3_sub(first, loop->origin_offset)};
+  b.p = km_vec3_add(km_vec3_sub(b.p, a.p), loop->origin_offset);
   km_pose back = km_pose_inverse(&b), E = {km_rotation_product(&a.R, &back.R), km_rotate(&a.R, back.p)};
   *misfit = km_twist_log(&E);
   km_vec3 e = km_vec3_add(misfit->v, km_vec3_cross(misfit->w, km_vec3_sub(first, a.p)));
@@ -134,7 +135,7 @@ static void spatial_loop(const km_mechanism *m, const km_program *program, const
       const km_twist *h = &s->twist[program->twist_start + 3 * entry->step + k];
       km_vec3 v = km_vec3_add(h->v, km_vec3_cross(h->w, o[side]));
       const double column[6] = {v.x, v.y, v.z, h->w.x, h->w.y, h->w.z};
-      double *out = J + entry->at + (size_t)k * entry->next;
+      double *out = J + entry->value_index + (size_t)k * entry->column_stride;
       for (int r = 0; r < loop->lambda; ++r)
         out[r] = entry->side * column[loop->rows[r]];
     }
@@ -145,7 +146,7 @@ static void update_spatial(const km_mechanism *m, km_state *s, const km_substruc
   spatial_steps(m, s, program, sub->size);
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
-    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], &s->place[l], km_state_error(s, sub),
+    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], &s->row_point[l], km_state_error(s, sub),
                  km_state_jacobian(s, sub));
   }
 }
@@ -183,7 +184,7 @@ static void update_couplings(const km_mechanism *m, km_state *s, const km_substr
       const km_term *term = &m->terms[coupling->term_start + k];
       sum += km_term_value(m, s, term, &slope);
       if (term->curve_count > 0 && term->column >= 0)
-        J[term->at] = slope;
+        J[term->value_index] = slope;
     }
     error[coupling->row] = sum;
   }
@@ -192,12 +193,12 @@ static void update_couplings(const km_mechanism *m, km_state *s, const km_substr
 /* Couplings also count held coordinates, which a saved pose leaves out: they are always found anew. */
 static bool are_shown(const km_mechanism *m, const km_state *s, const km_substructure *sub,
                       const km_cached_configuration *shown) {
-  return shown->known && shown->numbers == m->edition && sub->coupling_count == 0 &&
-         km_state_is_at(s, sub, shown->pose);
+  return shown->is_valid && shown->mechanism_version == m->version && sub->coupling_count == 0 &&
+         km_state_is_at(s, sub, shown->coordinates);
 }
 
 void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  km_cached_configuration *shown = &s->shown[sub - m->substructures];
+  km_cached_configuration *shown = &s->cached[sub - m->substructures];
   for (int i = 0; i < sub->program_count; ++i) {
     const km_program *program = &m->programs[sub->program_start + i];
     if (program->planar)
@@ -208,19 +209,19 @@ void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructur
   update_couplings(m, s, sub);
   if (s->partition[sub - m->substructures].locked)
     km_state_clear_locked(s, sub);
-  shown->known = false;
-  shown->count++;
+  shown->is_valid = false;
+  shown->evaluations++;
 }
 
 void km_loops_cache(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  km_cached_configuration *shown = &s->shown[sub - m->substructures];
-  km_state_save(s, sub, shown->pose);
-  shown->known = true;
-  shown->numbers = m->edition;
+  km_cached_configuration *shown = &s->cached[sub - m->substructures];
+  km_state_save(s, sub, shown->coordinates);
+  shown->is_valid = true;
+  shown->mechanism_version = m->version;
 }
 
 void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  if (are_shown(m, s, sub, &s->shown[sub - m->substructures]))
+  if (are_shown(m, s, sub, &s->cached[sub - m->substructures]))
     return;
   km_loops_recompute(m, s, sub);
   km_loops_cache(m, s, sub);
@@ -230,7 +231,7 @@ void km_loops_restore_cached(const km_mechanism *m, km_state *s, int index, cons
   const km_substructure *sub = &m->substructures[index];
   km_state_restore(s, sub, saved);
   km_loops_update(m, s, sub);
-  km_state_forget_pivots(s, index);
+  km_state_invalidate_pivots(s, index);
 }
 
 double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {

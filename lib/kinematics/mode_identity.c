@@ -5,7 +5,8 @@ static const double collinear = 1e-9; /* of the largest distance between joints 
 
 /* Adds a joint's frame to what is known of its body's joints: the first one's origin is the point, the farthest other
  * one, or the axis of a slide, gives the direction. */
-static void add_frame(km_body_place *place, bool *is_known, double *farthest, const km_pose *frame, int slide_axis) {
+static void add_frame(km_body_placement *place, bool *is_known, double *farthest, const km_pose *frame,
+                      int slide_axis) {
   if (!*is_known) {
     place->point = frame->p;
     *is_known = true;
@@ -49,7 +50,7 @@ static joint_end end_of(const km_mechanism *m, int joint, int end) {
   return (joint_end){frame->body, slide_of(j->type), &frame->pose};
 }
 
-static bool find_lines(const km_mechanism *m, km_body_place *places) {
+static bool find_lines(const km_mechanism *m, km_body_placement *places) {
   const km_model *model = m->model;
   size_t bodies = (size_t)model->body_count;
   km_arena scratch = {0};
@@ -65,19 +66,19 @@ static bool find_lines(const km_mechanism *m, km_body_place *places) {
       places[b].identity = km_vec3_norm(places[b].direction) > 0.0 ? KM_BODY_LINE : KM_BODY_POINT;
   for (int i = 0; made && i < 2 * model->joint_count; ++i) {
     joint_end e = end_of(m, i / 2, i % 2);
-    km_body_place *place = &places[e.body];
+    km_body_placement *place = &places[e.body];
     bool fits = e.slide != -2 && (e.slide < 0 || lies_along(e.frame->R.axis[e.slide], place->direction, 1.0)) &&
                 lies_along(km_vec3_sub(e.frame->p, place->point), place->direction, fmax(farthest[e.body], 1e-300));
     if (!fits && place->identity != KM_BODY_PASSIVE)
-      place->identity = KM_BODY_WHOLE;
+      place->identity = KM_BODY_POSE;
   }
   km_arena_free(&scratch);
   return made;
 }
 
-bool km_body_places(const km_mechanism *m, km_body_place *places) {
+bool km_body_placements(const km_mechanism *m, km_body_placement *places) {
   for (int b = 0; b < m->model->body_count; ++b)
-    places[b] = (km_body_place){.identity = m->model->bodies[b].is_strut_part ? KM_BODY_PASSIVE : KM_BODY_WHOLE};
+    places[b] = (km_body_placement){.identity = m->model->bodies[b].is_strut_part ? KM_BODY_PASSIVE : KM_BODY_POSE};
   return find_lines(m, places);
 }
 
@@ -88,7 +89,8 @@ static bool same_vectors(km_vec3 a, km_vec3 b, double tolerance) {
 /* How much of a body's place is the same in two configurations. */
 typedef enum agreement { DIFFERS, SAME_POINT, SAME_LINE, SAME_PLACE } agreement;
 
-static agreement compare(const km_body_place *p, const km_pose *a, const km_pose *b, double size, double tolerance) {
+static agreement compare(const km_body_placement *p, const km_pose *a, const km_pose *b, double size,
+                         double tolerance) {
   bool is_turned = false;
   if (p->identity == KM_BODY_PASSIVE)
     return SAME_PLACE;
@@ -105,7 +107,7 @@ static agreement compare(const km_body_place *p, const km_pose *a, const km_pose
   return on_line ? SAME_LINE : DIFFERS;
 }
 
-bool km_is_same_mode(const km_mechanism *m, const km_body_place *places, const km_pose *a, const km_pose *b,
+bool km_is_same_mode(const km_mechanism *m, const km_body_placement *places, const km_pose *a, const km_pose *b,
                      double size, double tolerance) {
   const km_model *model = m->model;
   for (int i = 1; i < model->body_count; ++i)

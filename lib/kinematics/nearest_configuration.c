@@ -67,34 +67,34 @@ static void compress(km_nearest_configuration *c, const km_substructure *sub, co
     c->row[i] = (int)(sorted[i] % l->size);
     c->start[sorted[i] / l->size + 1] = i + 1;
   }
-  for (int i = 0; i < 2 * c->pairs; ++i)
-    c->pair_at[i] = place_of(l->keys[next++], sorted, count);
+  for (int i = 0; i < 2 * c->hessian_count; ++i)
+    c->hessian_index[i] = place_of(l->keys[next++], sorted, count);
   for (int i = 0; i < entries; ++i) {
-    c->J_at[i] = place_of(l->keys[next++], sorted, count);
-    c->turned_at[i] = place_of(l->keys[next++], sorted, count);
+    c->J_index[i] = place_of(l->keys[next++], sorted, count);
+    c->transposed_index[i] = place_of(l->keys[next++], sorted, count);
   }
   for (int i = 0; i < c->size; ++i)
-    c->own_at[i] = place_of(l->keys[next++], sorted, count);
+    c->diagonal_index[i] = place_of(l->keys[next++], sorted, count);
 }
 
 static bool make_pattern(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
                          km_arena *arena) {
-  size_t most = 2 * (size_t)c->pairs + 2 * sub->pattern.size + (size_t)c->size;
+  size_t most = 2 * (size_t)c->hessian_count + 2 * sub->pattern.size + (size_t)c->size;
   km_arena scratch = {0};
-  int *pairs = KM_ARENA_NEW(&scratch, int, 2 * (size_t)c->pairs + 1);
+  int *pairs = KM_ARENA_NEW(&scratch, int, 2 * (size_t)c->hessian_count + 1);
   int64_t *sorted = KM_ARENA_NEW(&scratch, int64_t, most);
   listing l = {.keys = KM_ARENA_NEW(&scratch, int64_t, most), .size = c->size};
   c->start = KM_ARENA_NEW(arena, int, (size_t)c->size + 1);
   c->row = KM_ARENA_NEW(arena, int, most);
   c->value = KM_ARENA_NEW(arena, double, most);
-  c->pair_at = KM_ARENA_NEW(arena, int, 2 * (size_t)c->pairs + 1);
-  c->J_at = KM_ARENA_NEW(arena, int, sub->pattern.size);
-  c->turned_at = KM_ARENA_NEW(arena, int, sub->pattern.size);
-  c->own_at = KM_ARENA_NEW(arena, int, (size_t)c->size);
+  c->hessian_index = KM_ARENA_NEW(arena, int, 2 * (size_t)c->hessian_count + 1);
+  c->J_index = KM_ARENA_NEW(arena, int, sub->pattern.size);
+  c->transposed_index = KM_ARENA_NEW(arena, int, sub->pattern.size);
+  c->diagonal_index = KM_ARENA_NEW(arena, int, (size_t)c->size);
   bool made = !scratch.failed && !arena->failed;
   if (made) {
     km_loops_hessian_entries(m, sub, pairs);
-    list_entries(sub, pairs, c->pairs, &l);
+    list_entries(sub, pairs, c->hessian_count, &l);
     compress(c, sub, &l, sorted);
   }
   km_arena_free(&scratch);
@@ -103,22 +103,23 @@ static bool make_pattern(km_nearest_configuration *c, const km_mechanism *m, con
 
 bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
                                       km_arena *arena) {
-  *c = (km_nearest_configuration){.size = sub->columns + sub->rows, .pairs = km_loops_hessian_entries(m, sub, NULL)};
+  *c = (km_nearest_configuration){.size = sub->columns + sub->rows,
+                                  .hessian_count = km_loops_hessian_entries(m, sub, NULL)};
   size_t size = (size_t)c->size;
-  c->pair = KM_ARENA_NEW(arena, double, (size_t)c->pairs + 1);
-  c->own = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
-  c->away = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
-  c->ahead = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
+  c->hessian = KM_ARENA_NEW(arena, double, (size_t)c->hessian_count + 1);
+  c->hessian_diagonal = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
+  c->displacement = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
+  c->next_displacement = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
   c->b = KM_ARENA_NEW(arena, double, size);
   c->x = KM_ARENA_NEW(arena, double, size);
-  c->rest = KM_ARENA_NEW(arena, double, size);
-  c->change = KM_ARENA_NEW(arena, double, size);
+  c->residual = KM_ARENA_NEW(arena, double, size);
+  c->correction = KM_ARENA_NEW(arena, double, size);
   c->fixed = KM_ARENA_NEW(arena, bool, size);
   c->fixed_next = KM_ARENA_NEW(arena, bool, size);
   if (!make_pattern(c, m, sub, arena) ||
       !km_partition_reserve_sparse(&c->factor, c->size, c->size, c->start, c->row, arena))
     return false;
-  c->factor.any_independent = true;
+  c->factor.unrestricted_basis = true;
   return true;
 }
 
@@ -144,20 +145,20 @@ static void put(km_nearest_configuration *c, int at, double value) {
 static void fill(km_nearest_configuration *c, const km_mechanism *m, km_state *s, const km_substructure *sub,
                  const double *lambda) {
   const double *weight = m->column_weight + sub->column_start, *J = km_state_jacobian(s, sub);
-  km_loops_hessian(m, s, sub, lambda, c->pair, c->own);
+  km_loops_hessian(m, s, sub, lambda, c->hessian, c->hessian_diagonal);
   c->is_current = false;
   memset(c->value, 0, (size_t)c->start[c->size] * sizeof *c->value);
-  for (int i = 0; i < 2 * c->pairs; ++i)
-    put(c, c->pair_at[i], -c->pair[i / 2]);
+  for (int i = 0; i < 2 * c->hessian_count; ++i)
+    put(c, c->hessian_index[i], -c->hessian[i / 2]);
   for (size_t i = 0; i < sub->pattern.size; ++i) {
-    put(c, c->J_at[i], J[i]);
-    put(c, c->turned_at[i], -J[i]);
+    put(c, c->J_index[i], J[i]);
+    put(c, c->transposed_index[i], -J[i]);
   }
   for (int i = 0; i < c->size; ++i)
     if (c->fixed[i])
-      c->value[c->own_at[i]] = 1.0;
+      c->value[c->diagonal_index[i]] = 1.0;
     else if (i < sub->columns)
-      c->value[c->own_at[i]] += weight[i] * weight[i] - c->own[i];
+      c->value[c->diagonal_index[i]] += weight[i] * weight[i] - c->hessian_diagonal[i];
 }
 
 /* NaN where one of them is no number. */
@@ -175,14 +176,14 @@ static bool correct(km_nearest_configuration *c) {
   static const double grain = 1e-14, coarse_grain = 1e-10, most_share = 0.05;
   double last = HUGE_VAL;
   for (int pass = 0; pass < MOST_CORRECTIONS; ++pass) {
-    memcpy(c->rest, c->b, (size_t)c->size * sizeof *c->rest);
+    memcpy(c->residual, c->b, (size_t)c->size * sizeof *c->residual);
     for (int k = 0; k < c->size; ++k)
       for (int i = c->start[k]; i < c->start[k + 1]; ++i)
-        c->rest[c->row[i]] -= c->value[i] * c->x[k];
-    km_partition_solve(&c->factor, c->rest, c->change);
+        c->residual[c->row[i]] -= c->value[i] * c->x[k];
+    km_partition_solve(&c->factor, c->residual, c->correction);
     for (int k = 0; k < c->size; ++k)
-      c->x[k] += c->change[k];
-    double size = largest_of(c->change, c->size), all = largest_of(c->x, c->size);
+      c->x[k] += c->correction[k];
+    double size = largest_of(c->correction, c->size), all = largest_of(c->x, c->size);
     if (size <= grain * all)
       return true;
     if (!(size <= most_share * last)) /* among rounding alone nothing shrinks */
@@ -239,7 +240,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
     settled = largest <= nowhere || (largest <= rounding && largest > 0.25 * last);
     if (!isfinite(largest) || (!settled && largest > 2.0 * last))
       return false;
-    double share = largest > km_longest_newton ? km_longest_newton / largest : 1.0;
+    double share = largest > km_max_newton_step ? km_max_newton_step / largest : 1.0;
     for (int k = 0; k < sub->columns; ++k)
       away[k] += c->x[k] *= share;
     km_state_move(m, s, sub, c->x);

@@ -43,7 +43,7 @@ typedef struct step_length {
 static step_length length_of(const km_mechanism *m, const km_program *program, int step) {
   if (program->planar) {
     const km_planar_step *s = &m->planar_steps[program->step_start + step];
-    return (step_length){s->from, s->coordinate, !s->slides, hypot(s->x, s->y)};
+    return (step_length){s->from, s->coordinate, !s->is_slide, hypot(s->x, s->y)};
   }
   const km_step *s = &m->steps[program->step_start + step];
   return (step_length){s->from, s->coordinate, s->primitive == KM_REVOLUTE || s->primitive == KM_BALL,
@@ -81,13 +81,14 @@ static bool add_branch(const km_mechanism *m, const km_program *program, int slo
 /* Vector from the last joint of branch `side` to that of the other one, fixed in the body that closes the loop. */
 static km_vec3 closing_link(const km_program *program, const km_loop *loop, int side) {
   if (!program->planar) {
-    km_pose back = km_pose_inverse(&loop->close[!side]);
-    return km_pose_product(&loop->close[side], &back).p;
+    km_pose back = km_pose_inverse(&loop->closing_frame[!side]);
+    return km_pose_product(&loop->closing_frame[side], &back).p;
   }
   /* The closed loop has angle_0 - angle_1 = -planar_turn: seen from the one end, the other end's shift is turned by
    * that. */
-  const double *own = loop->planar_close[side], *other = loop->planar_close[!side];
-  double c = cos(loop->planar_turn), s = side ? -sin(loop->planar_turn) : sin(loop->planar_turn);
+  const double *own = loop->planar_closing_point[side], *other = loop->planar_closing_point[!side];
+  double c = cos(loop->planar_closing_angle),
+         s = side ? -sin(loop->planar_closing_angle) : sin(loop->planar_closing_angle);
   return (km_vec3){own[0] - (c * other[0] - s * other[1]), own[1] - (s * other[0] + c * other[1]), 0.0};
 }
 
@@ -106,7 +107,8 @@ static km_vec3 first_place(const km_mechanism *m, const km_program *program, int
 
 /* Vector from the first joint of branch 0 to that of branch 1, fixed in the base body. */
 static km_vec3 base_link(const km_mechanism *m, const km_program *program, const km_loop *loop) {
-  km_vec3 apart = program->planar ? (km_vec3){loop->planar_apart[0], loop->planar_apart[1], 0.0} : loop->apart;
+  km_vec3 apart = program->planar ? (km_vec3){loop->planar_origin_offset[0], loop->planar_origin_offset[1], 0.0}
+                                  : loop->origin_offset;
   km_vec3 from = first_place(m, program, loop->slot[0]), to = first_place(m, program, loop->slot[1]);
   return km_vec3_add(apart, km_vec3_sub(to, from));
 }
@@ -125,7 +127,7 @@ static void add_ends(const km_mechanism *m, const km_program *program, const km_
   add_link(p, km_vec3_norm(link), first[!empty], last[!empty]);
 }
 
-bool km_loop_is_too_long(const km_mechanism *m, int index, km_long_link *out) {
+bool km_loop_violates_polygon(const km_mechanism *m, int index, km_long_link *out) {
   const double rounding = fmax(1e-9, m->closure_tolerance); /* of the longest link: what the loop may be left open by */
   const km_loop *loop = &m->loops[index];
   const km_program *program = program_of(m, index);

@@ -13,6 +13,6 @@ typedef struct km_long_link {
 /* Polygon inequality: a closed loop of links with constant lengths l_i needs max l_i <= sum of the others. Lengths are
  * constant where every joint of the loop only turns (hinges, universal and ball joints). True, and `out` is filled, if
  * the loop violates it; false proves nothing. O(joints of the loop). */
-bool km_loop_is_too_long(const km_mechanism *mechanism, int loop, km_long_link *out);
+bool km_loop_violates_polygon(const km_mechanism *mechanism, int loop, km_long_link *out);
 
 #endif

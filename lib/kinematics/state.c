@@ -18,7 +18,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   size_t columns = (size_t)m->largest_columns;
   s->q = KM_ARENA_NEW(arena, double, coordinates);
   s->rate = KM_ARENA_NEW(arena, double, coordinates);
-  s->source = KM_ARENA_NEW(arena, km_rate_source, coordinates);
+  s->rate_source = KM_ARENA_NEW(arena, km_rate_source, coordinates);
   s->acceleration = KM_ARENA_NEW(arena, double, coordinates);
   s->ball = KM_ARENA_NEW(arena, km_quaternion, (size_t)m->ball_count);
   s->jacobian = KM_ARENA_NEW(arena, double, m->matrix_size);
@@ -27,19 +27,19 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   s->partition = KM_ARENA_NEW(arena, km_partition, (size_t)t->substructure_count);
   s->normal = KM_ARENA_NEW(arena, km_normal_equations *, (size_t)t->substructure_count);
   s->normal_count = t->substructure_count;
-  s->aside = KM_ARENA_NEW(arena, km_stashed_partition, (size_t)t->substructure_count);
-  s->shown = KM_ARENA_NEW(arena, km_cached_configuration, (size_t)t->substructure_count);
-  s->pivoted = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
+  s->stashed = KM_ARENA_NEW(arena, km_stashed_partition, (size_t)t->substructure_count);
+  s->cached = KM_ARENA_NEW(arena, km_cached_configuration, (size_t)t->substructure_count);
+  s->pivot_driver = KM_ARENA_NEW(arena, int, (size_t)t->substructure_count);
   s->basis = KM_ARENA_NEW(arena, km_basis, (size_t)t->substructure_count);
-  s->numbers = KM_ARENA_NEW(arena, double, coordinates);
+  s->mobility_number = KM_ARENA_NEW(arena, double, coordinates);
   s->pose = KM_ARENA_NEW(arena, km_pose, (size_t)t->body_count);
   s->slot = KM_ARENA_NEW(arena, km_pose, (size_t)m->largest_slots);
   s->planar_slot = KM_ARENA_NEW(arena, km_planar_pose, (size_t)m->largest_slots);
   s->twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->twist_count);
-  s->place = KM_ARENA_NEW(arena, km_vec3, (size_t)t->loop_count);
+  s->row_point = KM_ARENA_NEW(arena, km_vec3, (size_t)t->loop_count);
   s->slot_motion = KM_ARENA_NEW(arena, km_slot_motion, (size_t)m->largest_slots);
   s->work = KM_ARENA_NEW(arena, double, columns);
-  s->part = KM_ARENA_NEW(arena, double, columns);
+  s->projection = KM_ARENA_NEW(arena, double, columns);
   s->forced = KM_ARENA_NEW(arena, bool, columns);
   s->locked = KM_ARENA_NEW(arena, bool, coordinates);
   s->locked_column = KM_ARENA_NEW(arena, bool, coordinates);
@@ -53,9 +53,9 @@ static bool allocate(const km_mechanism *m, km_state *s) {
       km_arena_grow(arena, (void **)&s->basis[i].Z, &s->basis[i].capacity,
                     (size_t)m->substructures[i].columns * (size_t)m->substructures[i].columns, sizeof(double));
   for (int i = 0; i < t->substructure_count && !arena->failed; ++i) {
-    s->shown[i].pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *(size_t)m->substructures[i].columns);
+    s->cached[i].coordinates = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *(size_t)m->substructures[i].columns);
     s->basis[i].arena = arena;
-    km_state_forget_pivots(s, i);
+    km_state_invalidate_pivots(s, i);
   }
   return !arena->failed;
 }
@@ -70,13 +70,13 @@ static void set_coupling_rows(const km_mechanism *m, km_state *s) {
       for (int n = 0; n < coupling->term_count; ++n) {
         const km_term *term = &m->terms[coupling->term_start + n];
         if (term->column >= 0)
-          J[term->at] = term->coefficient;
+          J[term->value_index] = term->coefficient;
       }
     }
   }
 }
 
-bool km_state_fits(const km_mechanism *m, const km_state *s) {
+bool km_state_belongs_to(const km_mechanism *m, const km_state *s) {
   return m && s && s->mechanism == m;
 }
 
@@ -88,10 +88,11 @@ km_status km_check_state(const km_mechanism *m, const km_state *s, km_error *err
 }
 
 bool km_state_mobility_is_known(const km_mechanism *m, const km_state *s) {
-  if (!km_state_fits(m, s))
+  if (!km_state_belongs_to(m, s))
     return false;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (!s->basis[i].known || (!s->basis[i].waits && s->basis[i].count < km_partition_freedom(&s->partition[i])))
+    if (!s->basis[i].is_known ||
+        (!s->basis[i].is_deferred && s->basis[i].count < km_partition_freedom(&s->partition[i])))
       return false;
   return true;
 }
@@ -123,7 +124,7 @@ void km_state_restart(km_state *s) {
   km_state_set(m, s, m->start);
   memcpy(s->rate, m->start_rate, (size_t)m->coordinate_count * sizeof *s->rate);
   for (int c = 0; c < m->coordinate_count; ++c)
-    s->source[c] = m->start_stated[c] ? KM_RATE_MODEL : KM_RATE_FOLLOWS;
+    s->rate_source[c] = m->start_stated[c] ? KM_RATE_MODEL : KM_RATE_FOLLOWS;
   memset(s->acceleration, 0, (size_t)m->coordinate_count * sizeof *s->acceleration);
   s->time = 0.0;
 }
@@ -161,28 +162,28 @@ static double *basis_room(km_basis *basis, const km_substructure *sub, int count
 static void set_basis(const km_state *s, int index, const double *Z, int count) {
   km_basis *basis = &s->basis[index];
   km_partition *p = &s->partition[index];
-  basis->known = Z != NULL;
-  basis->waits = false;
+  basis->is_known = Z != NULL;
+  basis->is_deferred = false;
   basis->count = Z ? count : 0;
-  basis->edition = p->edition;
+  basis->partition_version = p->version;
   p->failed = p->failed || !Z;
 }
 
-double *km_state_null(const km_mechanism *m, const km_state *s, int index, int count) {
+double *km_state_null_space(const km_mechanism *m, const km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   km_basis *basis = &s->basis[index];
-  if (basis->known && !basis->waits && basis->edition == p->edition && basis->count >= count)
+  if (basis->is_known && !basis->is_deferred && basis->partition_version == p->version && basis->count >= count)
     return basis->Z;
   double *Z = basis_room(basis, sub, count);
-  int there = Z && basis->edition == p->edition ? basis->count : 0;
+  int there = Z && basis->partition_version == p->version ? basis->count : 0;
   if (Z && there < count)
-    km_partition_null_more(p, m->column_weight + sub->column_start, there, count, Z);
+    km_partition_extend_null_space(p, m->column_weight + sub->column_start, there, count, Z);
   set_basis(s, index, Z, there < count ? count : there);
   return Z;
 }
 
-void km_state_take_basis(km_state *s, int index, const double *z, size_t apart) {
+void km_state_set_single_basis(km_state *s, int index, const double *z, size_t apart) {
   const km_substructure *sub = &s->mechanism->substructures[index];
   double *Z = basis_room(&s->basis[index], sub, 1);
   for (int k = 0; Z && k < sub->columns; ++k)
@@ -191,10 +192,10 @@ void km_state_take_basis(km_state *s, int index, const double *z, size_t apart) 
 }
 
 const double *km_state_basis(const km_state *s, int index) {
-  return km_state_null(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
+  return km_state_null_space(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
 }
 
-bool km_state_along_many(const km_mechanism *m, km_state *s, int index, const double *row, double *y) {
+bool km_state_project_onto_motions(const km_mechanism *m, km_state *s, int index, const double *row, double *y) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
   const km_partition *p = &s->partition[index];
@@ -202,7 +203,7 @@ bool km_state_along_many(const km_mechanism *m, km_state *s, int index, const do
     return false;
   for (int j = 0; j < sub->columns; ++j)
     y[j] = row[coordinate[j]] / m->scale[coordinate[j]];
-  return km_partition_along_null(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
+  return km_partition_project_null_space(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
 }
 
 /* Do so many motions need no basis before someone asks for it? */
@@ -213,7 +214,7 @@ static bool basis_waits(const km_partition *p) {
 
 void km_state_mark_mobility_known(km_state *s, int index) {
   if (basis_waits(&s->partition[index]))
-    s->basis[index].known = s->basis[index].waits = true;
+    s->basis[index].is_known = s->basis[index].is_deferred = true;
   else
     km_state_basis(s, index);
 }
@@ -223,26 +224,26 @@ static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, dou
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   if (!basis_waits(p) ||
-      !km_partition_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
+      !km_partition_mobility_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
     return false;
   km_state_mark_mobility_known(s, index);
   return true;
 }
 
-void km_state_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
+void km_state_mobility_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
   if (find_many_numbers(m, s, index, numbers))
     return;
   const double *Z = km_state_basis(s, index);
   km_mobility_numbers(Z, m->substructures[index].columns, Z ? km_partition_freedom(&s->partition[index]) : 0, numbers);
 }
 
-double *km_state_rows(const km_mechanism *m, km_state *s, int index, int count) {
+double *km_state_row_space(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   double *R = basis_room(&s->basis[index], sub, s->partition[index].rank);
   s->basis[index].count = 0;
-  s->basis[index].waits = false;
+  s->basis[index].is_deferred = false;
   if (R)
-    km_partition_rows(&s->partition[index], m->column_weight + sub->column_start, count, R);
+    km_partition_row_space(&s->partition[index], m->column_weight + sub->column_start, count, R);
   return R;
 }
 
@@ -259,7 +260,7 @@ static void show_ball(const km_mechanism *m, km_state *s, int ball) {
   s->q[c + 2] = v.z;
 }
 
-void km_state_turn_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
+void km_state_rotate_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
   s->ball[ball] = turned(s, ball, turn);
   show_ball(m, s, ball);
 }
@@ -291,7 +292,7 @@ void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *su
   move(m, s, sub, step, true);
 }
 
-void km_state_move_aside(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
+void km_state_move_temporarily(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
   move(m, s, sub, step, false);
 }
 
@@ -310,9 +311,9 @@ void km_state_lock(km_state *s, int coordinate) {
   bool *own = s->locked_column + m->substructures[i].column_start;
   own[column] = true;
   s->partition[i].locked = own;
-  s->shown[i].known = false;
-  s->basis[i].known = false;
-  km_state_forget_pivots(s, i);
+  s->cached[i].is_valid = false;
+  s->basis[i].is_known = false;
+  km_state_invalidate_pivots(s, i);
 }
 
 void km_state_unlock(km_state *s) {
@@ -322,9 +323,9 @@ void km_state_unlock(km_state *s) {
   set_coupling_rows(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     s->partition[i].locked = NULL;
-    s->shown[i].known = false;
-    s->basis[i].known = false;
-    km_state_forget_pivots(s, i);
+    s->cached[i].is_valid = false;
+    s->basis[i].is_known = false;
+    km_state_invalidate_pivots(s, i);
   }
 }
 
@@ -403,7 +404,7 @@ void km_state_copy(const km_mechanism *m, km_state *to, const km_state *from) {
   memcpy(to->q, from->q, (size_t)m->coordinate_count * sizeof *to->q);
   for (int c = 0; c < m->coordinate_count; ++c) {
     to->rate[c] = m->held[c] ? 0.0 : from->rate[c];
-    to->source[c] = m->held[c] ? KM_RATE_FOLLOWS : from->source[c];
+    to->rate_source[c] = m->held[c] ? KM_RATE_FOLLOWS : from->rate_source[c];
   }
   to->time = from->time;
   memcpy(to->ball, from->ball, (size_t)m->ball_count * sizeof *to->ball);
@@ -420,7 +421,7 @@ km_status km_state_assign(const km_mechanism *m, km_state *to, const km_state *f
 
 /* Of the numbers that are this coordinate in the file's unit, one with few digits where there is one: 30 degrees
  * come back as 30, though 30 · (π/180) / (π/180) doesn't. */
-double km_in_other_unit(double q, double factor) {
+double km_convert_unit(double q, double factor) {
   double exact = q / factor, rounded = nearbyint(exact * 1e10) / 1e10;
   return rounded * factor == q ? rounded : exact;
 }
@@ -428,5 +429,5 @@ double km_in_other_unit(double q, double factor) {
 double km_state_coordinate(const km_state *s, int coordinate) {
   if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
     return nan("");
-  return km_state_shown(s, coordinate);
+  return km_state_value(s, coordinate);
 }

@@ -14,7 +14,7 @@ static void planar_motions(const km_program *program, const km_planar_step *step
   for (int i = 0; i < program->step_count; ++i) {
     const km_planar_step *step = &steps[i];
     km_vec3 V = slot[step->from].twist.v, c = slot[step->from].product.v;
-    km_vec3 x = km_vec3_scale(step->slides ? rate[step->coordinate] * inverse : rate[step->coordinate], h[i].v);
+    km_vec3 x = km_vec3_scale(step->is_slide ? rate[step->coordinate] * inverse : rate[step->coordinate], h[i].v);
     slot[step->to].twist.v = km_vec3_add(V, x);
     slot[step->to].product.v = (km_vec3){c.x + V.y * x.z - V.z * x.y, c.y + V.z * x.x - V.x * x.z, 0.0};
   }
@@ -30,7 +30,7 @@ static void planar_slopes(const km_mechanism *m, const km_program *program, cons
                             km_planar_bracket(own, km_vec3_sub(end, slot[step->to].twist.v)));
     const double values[3] = {c.x, c.y, 0.0};
     for (int r = 0; r < loop->lambda; ++r)
-      slopes[entry->at + (size_t)r] = -entry->side * values[loop->rows[r]];
+      slopes[entry->value_index + (size_t)r] = -entry->side * values[loop->rows[r]];
   }
 }
 
@@ -63,7 +63,7 @@ static km_twist about(km_twist c, km_vec3 o) {
 
 static void spatial_loop(const km_loop *loop, const km_slot_motion *slot, km_vec3 place, double *gamma) {
   km_twist a = about(slot[loop->slot[0]].product, place);
-  km_twist b = about(slot[loop->slot[1]].product, km_vec3_sub(place, loop->apart));
+  km_twist b = about(slot[loop->slot[1]].product, km_vec3_sub(place, loop->origin_offset));
   km_twist c = km_twist_axpy(-1.0, a, b);
   const double values[6] = {c.v.x, c.v.y, c.v.z, c.w.x, c.w.y, c.w.z};
   for (int r = 0; r < loop->lambda; ++r)
@@ -72,7 +72,7 @@ static void spatial_loop(const km_loop *loop, const km_slot_motion *slot, km_vec
 
 static void spatial_slopes(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_twist *h,
                            const km_slot_motion *slot, km_vec3 place, double *slopes) {
-  const km_vec3 o[2] = {place, km_vec3_sub(place, loop->apart)};
+  const km_vec3 o[2] = {place, km_vec3_sub(place, loop->origin_offset)};
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_step *step = &m->steps[program->step_start + entry->step];
@@ -84,7 +84,8 @@ static void spatial_slopes(const km_mechanism *m, const km_program *program, con
       c = about(c, o[side]);
       const double values[6] = {c.v.x, c.v.y, c.v.z, c.w.x, c.w.y, c.w.z};
       for (int r = 0; r < loop->lambda; ++r)
-        slopes[entry->at + (size_t)k * entry->next + (size_t)r] = -entry->side * values[loop->rows[r]];
+        slopes[entry->value_index + (size_t)k * entry->column_stride + (size_t)r] =
+            -entry->side * values[loop->rows[r]];
     }
   }
 }
@@ -117,7 +118,7 @@ void km_loops_velocity_products(const km_mechanism *m, km_state *s, const km_sub
       if (program->planar)
         planar_loop(&m->loops[l], s->slot_motion, gamma);
       else
-        spatial_loop(&m->loops[l], s->slot_motion, s->place[l], gamma);
+        spatial_loop(&m->loops[l], s->slot_motion, s->row_point[l], gamma);
     }
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
@@ -140,7 +141,7 @@ void km_loops_velocity_slopes(const km_mechanism *m, km_state *s, const km_subst
       if (program->planar)
         planar_slopes(m, program, &m->loops[l], h, s->slot_motion, slopes);
       else
-        spatial_slopes(m, program, &m->loops[l], h, s->slot_motion, s->place[l], slopes);
+        spatial_slopes(m, program, &m->loops[l], h, s->slot_motion, s->row_point[l], slopes);
     }
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
@@ -150,7 +151,7 @@ void km_loops_velocity_slopes(const km_mechanism *m, km_state *s, const km_subst
       double slope;
       bend(m, s, term, rate, &slope);
       if (term->column >= 0)
-        slopes[term->at] = -slope;
+        slopes[term->value_index] = -slope;
     }
   }
 }

@@ -66,7 +66,7 @@ static double null_vector(const km_partition *p, const double *weight, int k, do
   return sum;
 }
 
-void km_partition_null_more(const km_partition *p, const double *weight, int first, int count, double *Z) {
+void km_partition_extend_null_space(const km_partition *p, const double *weight, int first, int count, double *Z) {
   for (int k = first; k < count; ++k) {
     double square = null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
     if (k == 0)
@@ -75,8 +75,8 @@ void km_partition_null_more(const km_partition *p, const double *weight, int fir
   orthonormalise(Z, p->columns, first, count);
 }
 
-void km_partition_null(const km_partition *p, const double *weight, int count, double *Z) {
-  km_partition_null_more(p, weight, 0, count, Z);
+void km_partition_null_space(const km_partition *p, const double *weight, int count, double *Z) {
+  km_partition_extend_null_space(p, weight, 0, count, Z);
 }
 
 /* The rows of [I B], that is of J's row space, over the weights; returns the square of the first one. */
@@ -100,7 +100,7 @@ static double row_vectors(const km_partition *p, const double *weight, int count
   return square;
 }
 
-void km_partition_rows(const km_partition *p, const double *weight, int count, double *R) {
+void km_partition_row_space(const km_partition *p, const double *weight, int count, double *R) {
   double square = row_vectors(p, weight, count, R);
   if (p->rank > 0)
     scale(R, p->columns, 1.0 / sqrt(square));

@@ -18,7 +18,7 @@ bool km_partition_reserve(km_partition *p, int rows, int columns, km_arena *aren
                       .reduced = KM_ARENA_NEW(arena, double, stride *c),
                       .inverse = KM_ARENA_NEW(arena, double, r < c ? r : c),
                       .B = KM_ARENA_NEW(arena, double, r *c),
-                      .place = KM_ARENA_NEW(arena, int, r < c ? r : c),
+                      .pivot_guess = KM_ARENA_NEW(arena, int, r < c ? r : c),
                       .work = KM_ARENA_NEW(arena, double, stride)};
   return !arena->failed;
 }
@@ -72,7 +72,7 @@ static double column_size(const km_partition *p, const double *x) {
 
 /* The first of the largest open entries of the columns in slots from … to-1. */
 static pivot search(const km_partition *p, int from, int to) {
-  const double as_large = p->nearly ? KM_AS_LARGE : 1.0;
+  const double as_large = p->ties_by_position ? KM_NEAR_TIE : 1.0;
   pivot best = {0, from, 0.0};
   for (int k = from; k < to; ++k) {
     double size = column_size(p, reduced_column(p, p->column[k]));
@@ -122,7 +122,7 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
     pivot best = search(p, step, candidates);
-    if (!(best.size > threshold) && candidates < p->columns && !p->held) {
+    if (!(best.size > threshold) && candidates < p->columns && !p->forced_never_pivot) {
       best = search(p, candidates, p->columns);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;
@@ -180,7 +180,7 @@ static bool finish(km_partition *p) {
       sum += value;
     }
   }
-  p->largest_b = largest;
+  p->max_b = largest;
   p->sign = negative ? -1 : 1;
   return isfinite(sum);
 }
@@ -213,26 +213,26 @@ static void search_pivots(km_partition *p, const double *matrix, const bool *for
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
   bool same_size = p->rows == rows && p->columns == columns, changes = true;
-  p->waits = false;
+  p->is_deferred = false;
   if (p->sparse && same_size && km_sparse_has_factor(p, matrix, forced, tolerance)) {
-    changes = km_sparse_finish(p, matrix, forced, tolerance);
+    changes = km_sparse_improve_independent(p, matrix, forced, tolerance);
   } else {
     p->rows = rows;
     p->columns = columns;
     p->stride = stride_of(rows);
     search_pivots(p, matrix, forced, tolerance);
   }
-  p->pivoted_b = p->largest_b;
+  p->max_b_at_search = p->max_b;
   if (!changes)
     return;
   order_rows(p);
-  p->searches++;
-  p->edition++;
+  p->search_count++;
+  p->version++;
 }
 
 void km_partition_defer(km_partition *p) {
-  p->waits = true;
-  p->edition++;
+  p->is_deferred = true;
+  p->version++;
 }
 
 /* Were the pivots searched near a singular pose that is far away by now? Of many rows in an order that was good there the entries can grow
@@ -243,9 +243,9 @@ static bool are_outgrown(const km_partition *p, double inverse) {
 }
 
 static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole) {
-  p->waits = false;
+  p->is_deferred = false;
   p->stride = stride_of(p->rows);
-  p->edition++;
+  p->version++;
   bool finite;
   if (p->sparse) {
     finite = km_sparse_refactor(p, matrix, whole);
@@ -254,7 +254,8 @@ static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole
     finite = finish(p) && finite;
   }
   double inverse = largest_inverse(p), smallest = p->rank == 0 ? 0.0 : p->smallest_pivot;
-  return finite && km_pivots_serve(p->largest_b, p->pivoted_b, inverse, smallest) && !are_outgrown(p, inverse);
+  return finite && km_are_pivots_acceptable(p->max_b, p->max_b_at_search, inverse, smallest) &&
+         !are_outgrown(p, inverse);
 }
 
 bool km_partition_refactor(km_partition *p, const double *matrix) {
@@ -297,7 +298,7 @@ const double *km_partition_b(const km_partition *p, int k) {
   return p->sparse ? km_sparse_gather_b(p, k) : p->B + (size_t)k * (size_t)p->rank;
 }
 
-void km_partition_direction(const km_partition *p, int column, double *direction) {
+void km_partition_null_vector(const km_partition *p, int column, double *direction) {
   int rank = p->rank, k = rank;
   while (p->column[k] != column)
     ++k;
@@ -315,16 +316,16 @@ void km_partition_copy_pivots(km_partition *to, const km_partition *from) {
   to->rank = from->rank;
   to->stride = from->stride;
   to->sign = from->sign;
-  to->searches = from->searches;
+  to->search_count = from->search_count;
   to->scale = from->scale;
   to->first_pivot = from->first_pivot;
   to->last_pivot = from->last_pivot;
   to->first_dropped = from->first_dropped;
   to->smallest_pivot = from->smallest_pivot;
-  to->pivoted_b = from->pivoted_b;
+  to->max_b_at_search = from->max_b_at_search;
   to->forced_dependent = from->forced_dependent;
   to->locked_count = from->locked_count;
-  to->edition++;
+  to->version++;
   memcpy(to->row, from->row, (size_t)from->rows * sizeof *to->row);
   memcpy(to->column, from->column, (size_t)from->columns * sizeof *to->column);
   if (to->sparse)

@@ -41,7 +41,7 @@ static double crowd_of_null(const km_partition *p, int count, double most, int *
   double sum = met ? count : HUGE_VAL;
   *entries = count;
   for (int k = 0; k < count && sum <= most; ++k) {
-    km_run b = km_sparse_b(p, k);
+    km_entry_range b = km_sparse_b(p, k);
     for (int i = b.start; i < b.end; ++i)
       sum += 2.0 * met[s->b_store.index[i]]++ + 1.0; /* (n + 1)² − n² */
     *entries += b.end - b.start;
@@ -58,7 +58,7 @@ static int ascending(const void *a, const void *b) {
 /* Null vector k times the weights becomes column k, in work[columns]. */
 static void fill_null(const km_partition *p, const double *weight, int k, double *work, km_columns out) {
   const km_sparse *s = p->sparse;
-  km_run b = km_sparse_b(p, k);
+  km_entry_range b = km_sparse_b(p, k);
   long next = out.start[k], first = next;
   int own = p->column[p->rank + k];
   work[own] = weight[own];
@@ -81,8 +81,8 @@ static km_sparse_qr *null_of(const km_partition *p, const double *weight, int co
   km_error error;
   int entries;
   double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_gram_cost(p);
-  bool known = !p->sparse->by_rows && !p->any_independent;
-  if (work && known && crowd_of_null(p, count, rows, &entries) < rows && km_sparse_size_of_b(p) <= km_largest_good_b &&
+  bool known = !p->sparse->by_rows && !p->unrestricted_basis;
+  if (work && known && crowd_of_null(p, count, rows, &entries) < rows && km_sparse_current_max_b(p) <= km_max_good_b &&
       !km_sparse_qr_create(p->columns, count, entries, &q, &error))
     for (int k = 0; k < count; ++k)
       fill_null(p, weight, k, work, km_sparse_qr_columns(q));
@@ -96,17 +96,17 @@ static bool dense_shares(const km_partition *p, const double *weight, double *sh
   double *R = KM_NEW(double, (size_t)p->rank *n + 1);
   if (!R)
     return false;
-  km_partition_rows(p, weight, km_partition_freedom(p), R);
+  km_partition_row_space(p, weight, km_partition_freedom(p), R);
   km_mobility_numbers(R, p->columns, p->rank, shares);
   km_free(R);
   return true;
 }
 
 static bool sparse_shares(const km_partition *p, const double *matrix, const double *weight, double *shares) {
-  km_normal_equations *normal = km_sparse_need_normal(p);
+  km_normal_equations *normal = km_sparse_create_normal(p);
   const long *order = normal ? km_normal_equations_dissection(normal) : NULL;
   km_sparse_qr *q = rows_of(p, matrix, weight, km_partition_freedom(p), order);
-  bool found = q && km_sparse_qr_shares(q, spanned, order != NULL, shares);
+  bool found = q && km_sparse_qr_squared_norms(q, spanned, order != NULL, shares);
   km_sparse_qr_free(q);
   return found;
 }
@@ -114,12 +114,12 @@ static bool sparse_shares(const km_partition *p, const double *matrix, const dou
 /* Of the null vectors themselves. */
 static bool null_shares(const km_partition *p, const double *weight, double *numbers) {
   km_sparse_qr *q = p->sparse ? null_of(p, weight, km_partition_freedom(p)) : NULL;
-  bool found = q && km_sparse_qr_shares(q, spanned, false, numbers);
+  bool found = q && km_sparse_qr_squared_norms(q, spanned, false, numbers);
   km_sparse_qr_free(q);
   return found;
 }
 
-bool km_partition_numbers(const km_partition *p, const double *matrix, const double *weight, double *numbers) {
+bool km_partition_mobility_numbers(const km_partition *p, const double *matrix, const double *weight, double *numbers) {
   bool by_null = null_shares(p, weight, numbers);
   if (!by_null && !(p->sparse ? sparse_shares(p, matrix, weight, numbers) : dense_shares(p, weight, numbers)))
     return false;
@@ -137,7 +137,7 @@ static bool reject(km_sparse_qr *q, const km_partition *p, const double *weight,
     work[c] = weight[c] * x[c];
   for (int k = p->rank + count; k < p->columns && by_rows; ++k)
     work[p->column[k]] = 0.0; /* moved by none of these motions: x keeps it */
-  bool done = q && km_sparse_qr_factor(q, spanned) && km_sparse_qr_reject(q, work, 1);
+  bool done = q && km_sparse_qr_factor(q, spanned) && km_sparse_qr_remove(q, work, 1);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] = by_rows ? x[c] - work[c] / weight[c] : work[c] / weight[c];
   return done;
@@ -150,18 +150,18 @@ static bool reject_by_normal(const km_partition *p, const double *matrix, const 
   double *part = normal ? KM_NEW(double, (size_t)p->columns + 1) : NULL;
   for (int c = 0; c < p->columns; ++c)
     work[c] = weight[c] * x[c];
-  bool done = part && km_normal_equations_part(normal, work, part);
+  bool done = part && km_normal_equations_project(normal, work, part);
   for (int k = 0; k < p->rank + count && done; ++k)
     x[p->column[k]] = part[p->column[k]] / weight[p->column[k]];
   km_free(part);
   return done;
 }
 
-bool km_partition_reject_null(const km_partition *p, const double *matrix, const double *weight, int count, double *x,
-                              double *work) {
+bool km_partition_remove_null_space(const km_partition *p, const double *matrix, const double *weight, int count,
+                                    double *x, double *work) {
   if (reject_by_normal(p, matrix, weight, count, x, work))
     return true;
-  if (p->waits)
+  if (p->is_deferred)
     return false;
   km_sparse_qr *null = null_of(p, weight, count), *q = null ? null : rows_of(p, matrix, weight, count, NULL);
   bool done = reject(q, p, weight, !null, count, x, work);
@@ -186,14 +186,15 @@ static bool along_by_normal(const km_partition *p, const double *matrix, const d
   double *part = normal ? KM_NEW(double, n *(size_t)count + 1) : NULL;
   bool done = part != NULL;
   for (int k = 0; k < count && done; ++k)
-    done = km_normal_equations_part(normal, Y + (size_t)k * n, part + (size_t)k * n);
+    done = km_normal_equations_project(normal, Y + (size_t)k * n, part + (size_t)k * n);
   for (int k = 0; k < count && done; ++k)
     keep_along(p, true, part + (size_t)k * n, Y + (size_t)k * n);
   km_free(part);
   return done;
 }
 
-bool km_partition_along_null(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
+bool km_partition_project_null_space(const km_partition *p, const double *matrix, const double *weight, double *Y,
+                                     int count) {
   if (along_by_normal(p, matrix, weight, Y, count))
     return true;
   int freedom = km_partition_freedom(p);
@@ -203,7 +204,7 @@ bool km_partition_along_null(const km_partition *p, const double *matrix, const 
   bool done = q && rest && km_sparse_qr_factor(q, spanned);
   if (done)
     memcpy(rest, Y, size * sizeof *rest);
-  done = done && km_sparse_qr_reject(q, rest, count);
+  done = done && km_sparse_qr_remove(q, rest, count);
   for (int k = 0; k < count && done; ++k)
     keep_along(p, null, rest + (size_t)k * n, Y + (size_t)k * n);
   km_free(rest);
@@ -229,7 +230,7 @@ static bool least_by_rows(const km_partition *p, const double *matrix, const dou
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
     b[k] = rhs[p->row[k]];
-  bool done = q && b && km_sparse_qr_factor(q, spanned) && km_sparse_qr_least(q, b, x);
+  bool done = q && b && km_sparse_qr_factor(q, spanned) && km_sparse_qr_minimum_norm(q, b, x);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] /= weight[c];
   km_free(b);
@@ -240,7 +241,7 @@ static bool least_by_rows(const km_partition *p, const double *matrix, const dou
 static bool least_by_normal(const km_partition *p, const double *matrix, const double *weight, int count,
                             const double *rhs, double *x) {
   km_normal_equations *normal = km_sparse_normal(p, matrix, weight, count);
-  bool done = normal && km_normal_equations_least(normal, rhs, x);
+  bool done = normal && km_normal_equations_minimum_norm(normal, rhs, x);
   for (int c = 0; c < p->columns && done; ++c)
     x[c] /= weight[c];
   return done;
@@ -250,10 +251,11 @@ bool km_partition_minimum_norm(const km_partition *p, const double *matrix, cons
                                const double *rhs, double *x) {
   if (least_by_normal(p, matrix, weight, count, rhs, x))
     return true;
-  return !p->waits && (least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x));
+  return !p->is_deferred &&
+         (least_by_null(p, weight, count, rhs, x) || least_by_rows(p, matrix, weight, count, rhs, x));
 }
 
-bool km_partition_minimum_norm_again(const km_partition *p, const double *weight, int count, const double *rhs,
+bool km_partition_minimum_norm_reuse(const km_partition *p, const double *weight, int count, const double *rhs,
                                      double *x) {
   return least_by_normal(p, NULL, weight, count, rhs, x);
 }

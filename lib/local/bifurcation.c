@@ -22,10 +22,10 @@ static int find_in_few(km_tangents *f, double *directions) {
   int found = 0;
   size_t k = (size_t)f->conditions.freedom;
   double length;
-  if (!km_tangents_make_basis(f) || km_tangents_are_regular(f) || km_tangents_all_finite(f))
+  if (!km_tangents_create_basis(f) || km_tangents_are_regular(f) || km_tangents_all_finite(f))
     return 0;
   double *known = KM_ARENA_NEW(f->arena, double, KM_MAX_BRANCHES *k);
-  while (known && found < KM_MAX_BRANCHES && km_tangents_next(f, known, found, &length)) {
+  while (known && found < KM_MAX_BRANCHES && km_tangents_find_next(f, known, found, &length)) {
     memcpy(known + (size_t)found * k, f->a, k * sizeof *known);
     km_tangents_direction(f, f->a, directions + (size_t)found++ * (size_t)f->sub->columns);
   }
@@ -36,8 +36,8 @@ static int find_in_many(km_tangents *f, double *directions) {
   km_sampled_tangents many;
   int found = 0;
   double length;
-  if (km_sampled_tangents_make(&many, f) && !km_sampled_tangents_all_finite(&many, &length))
-    while (found < KM_MAX_BRANCHES && km_sampled_tangents_next(&many, &length)) {
+  if (km_sampled_tangents_create(&many, f) && !km_sampled_tangents_all_finite(&many, &length))
+    while (found < KM_MAX_BRANCHES && km_sampled_tangents_find_next(&many, &length)) {
       memcpy(directions + (size_t)found * (size_t)f->sub->columns, many.x, (size_t)f->sub->columns * sizeof *many.x);
       found = count_new(f, directions, found);
     }
@@ -48,7 +48,7 @@ static int find_in_many(km_tangents *f, double *directions) {
 /* Are all rows independent, so that no motions meet at the pose? Its pivots are searched then. */
 static bool is_regular(const km_mechanism *m, km_state *s, int index) {
   km_second_order conditions;
-  return km_second_order_start(m, s, index, &conditions) && !conditions.redundant;
+  return km_second_order_count_tangents(m, s, index, &conditions) && !conditions.redundant;
 }
 
 /* Does the mechanism shake at the pose as it does all along its motion? That isn't a branch point. */
@@ -57,7 +57,7 @@ static bool shakes_along(const km_mechanism *m, km_state *s, int index) {
   km_constant_rank steady = {0};
   km_constant_rank_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
   km_arena_free(&arena);
-  return steady.on;
+  return steady.is_active;
 }
 
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
@@ -66,16 +66,16 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_arena arena = {0};
   km_tangents f;
   int found = 0;
-  bool made = km_tangents_make(&f, m, s, index, &arena);
-  f.enough = KM_UNDECIDED; /* rounded data have branches too */
+  bool made = km_tangents_create(&f, m, s, index, &arena);
+  f.min_verdict = KM_TANGENT_UNDECIDED; /* rounded data have branches too */
   if (made)
     found = (km_tangents_are_many(&f) ? find_in_many : find_in_few)(&f, directions);
   if (arena.failed) {
     found = -1;
   } else {
-    km_state_restore(s, f.sub, f.pose);
+    km_state_restore(s, f.sub, f.origin);
     km_loops_update(m, s, f.sub);
-    km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));
+    km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));
   }
   km_arena_free(&arena);
   return found;
@@ -117,7 +117,7 @@ static void go(const departure *d, const double *direction, double length) {
     d->step[k] = length * direction[k];
   km_state_restore(d->s, d->sub, d->from);
   km_state_move(d->m, d->s, d->sub, d->step);
-  km_state_forget_pivots(d->s, d->index);
+  km_state_invalidate_pivots(d->s, d->index);
 }
 
 /* Closes the loops with `driver` held: by all rows that the closed pose has, or by those at hand, where they are of a pose near by.
@@ -140,7 +140,7 @@ static void draw_near(departure *d) {
   km_nearest_configuration closest;
   if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, &d->arena))
     return;
-  double part = 0.5, *away = closest.away;
+  double part = 0.5, *away = closest.displacement;
   bool near = false;
   for (int i = 0; i < MOST_PARTS && !near && part > least_part; ++i) {
     km_state_save(d->s, d->sub, d->there);
@@ -215,17 +215,17 @@ km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordina
   d.there = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.step = KM_ARENA_NEW(&d.arena, double, n);
-  out.motions = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
-  int best = fastest(directions, out.motions, sub->columns, d.column);
+  out.branch_count = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
+  int best = fastest(directions, out.branch_count, sub->columns, d.column);
   if (best >= 0) {
     km_state_save(s, sub, d.from);
     way *= m->factor[coordinate] / m->unit[coordinate];
-    out.several = set_out(&d, directions + (size_t)best * n, way);
-    if (out.several)
-      take_shortest(&d, directions, out.motions, best, way);
-    km_state_forget_pivots(s, index);
+    out.has_further_freedoms = set_out(&d, directions + (size_t)best * n, way);
+    if (out.has_further_freedoms)
+      take_shortest(&d, directions, out.branch_count, best, way);
+    km_state_invalidate_pivots(s, index);
   }
-  out.motions = d.arena.failed ? -1 : out.motions;
+  out.branch_count = d.arena.failed ? -1 : out.branch_count;
   km_arena_free(&d.arena);
   return out;
 }

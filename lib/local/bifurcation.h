@@ -12,9 +12,9 @@ int km_branch_directions(const km_mechanism *mechanism, km_state *state, int sub
 
 /* How a branch point was left. */
 typedef struct km_branch_exit {
-  int motions; /* that meet there; 0 at a regular pose, where the state stays; -1 when out of memory */
+  int branch_count; /* that meet there; 0 at a regular pose, where the state stays; -1 when out of memory */
   bool
-      several; /* more freedoms than one are left on the motion that was taken: on the way back it would miss the branch point */
+      has_further_freedoms; /* more freedoms than one are left on the motion that was taken: on the way back it would miss the branch point */
 } km_branch_exit;
 
 /* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the coordinate

@@ -25,16 +25,16 @@ static int find_shares(const km_second_order *c, double within, km_arena *arena,
   *shares = KM_ARENA_NEW(arena, double, (size_t)(count * k) + 1);
   if (arena->failed)
     return 0;
-  km_partition_null(&p, one, count, *shares);
+  km_partition_null_space(&p, one, count, *shares);
   return count;
 }
 
-int km_constant_rank_shares(const km_second_order *c, int count, km_arena *arena, double **V) {
+int km_constant_rank_basis(const km_second_order *c, int count, km_arena *arena, double **V) {
   static const double still = 1e-6, most_within = 1e-2;
   const int k = c->freedom;
   double *shares = NULL;
   *V = KM_ARENA_NEW(arena, double, (size_t)(k * k) + 1);
-  if (!km_second_order_binds(c))
+  if (!km_second_order_is_significant(c))
     return 0;
   int steady = find_shares(c, still, arena, &shares);
   for (double within = 10.0 * still; steady < count && within <= most_within; within *= 10.0)
@@ -42,10 +42,10 @@ int km_constant_rank_shares(const km_second_order *c, int count, km_arena *arena
   if (arena->failed || steady == 0 || steady == k)
     return 0;
   memcpy(*V, shares, (size_t)(steady * k) * sizeof *shares);
-  return km_tangents_complete(*V, steady, k) ? steady : 0;
+  return km_tangents_complete_basis(*V, steady, k) ? steady : 0;
 }
 
-bool km_constant_rank_others_may_move(const km_second_order *c, const double *V, int steady, km_arena *arena) {
+bool km_constant_rank_others_may_be_finite(const km_second_order *c, const double *V, int steady, km_arena *arena) {
   int count = c->freedom - steady;
   km_second_order rest;
   uint64_t random = 1;

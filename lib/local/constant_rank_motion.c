@@ -39,15 +39,15 @@ typedef struct split {
 
 /* `count`: how many tangents are steady on the motion; 0: that is not known. */
 static bool find_split(split *p, const km_mechanism *m, km_state *s, int index, int count, km_arena *arena) {
-  if (!km_second_order_start(m, s, index, &p->c) || p->c.freedom < 1 ||
-      !km_second_order_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c))
+  if (!km_second_order_count_tangents(m, s, index, &p->c) || p->c.freedom < 1 ||
+      !km_second_order_create_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c))
     return false;
-  p->steady = km_constant_rank_shares(&p->c, count, arena, &p->V);
+  p->steady = km_constant_rank_basis(&p->c, count, arena, &p->V);
   return p->steady > 0 && (count == 0 || p->steady == count);
 }
 
 static bool keep_tangents(km_constant_rank *st, const split *p) {
-  if (p->steady > st->room)
+  if (p->steady > st->capacity)
     return false;
   st->count = p->steady;
   for (int i = 0; i < st->count; ++i)
@@ -88,8 +88,8 @@ static double find_step(km_constant_rank *st, const split *p, const km_mechanism
   double *changes = KM_ARENA_NEW(arena, double, (size_t)(p->c.conditions * k)), largest = 0.0;
   double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
   double *shares = KM_ARENA_NEW(arena, double, (size_t)k);
-  if (arena->failed || !km_second_order_changes(m, s, index, &p->c, changes) || !solve_shares(p, changes, arena, y) ||
-      (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
+  if (arena->failed || !km_second_order_rank_defect(m, s, index, &p->c, changes) ||
+      !solve_shares(p, changes, arena, y) || (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
     return HUGE_VAL;
   for (int o = 0; o < k - p->steady; ++o)
     for (int r = 0; r < k; ++r)
@@ -126,7 +126,7 @@ static double settle_once(km_constant_rank *st, const km_mechanism *m, km_state 
 static bool close_exactly(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   if (km_loops_close(m, s, index, driver, evidence) == KM_OPEN)
     return false;
-  km_state_move(m, s, &m->substructures[index], evidence->left);
+  km_state_move(m, s, &m->substructures[index], evidence->last_step);
   return true;
 }
 
@@ -148,7 +148,7 @@ static bool settle(km_constant_rank *st, const km_mechanism *m, km_state *s, int
 
 static void take_blunt(km_constant_rank *st, const km_partition *p) {
   static const double part = 0.1;
-  st->blunt = part * p->last_pivot / p->scale;
+  st->rank_tolerance = part * p->last_pivot / p->scale;
 }
 
 /* What closed loops of data that aren't rounded keep at most, where they are on the motion. */
@@ -162,22 +162,22 @@ bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_stat
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   int worst;
-  p->blunt = st->blunt;
+  p->min_relative_pivot = st->rank_tolerance;
   bool found = close_exactly(m, s, index, driver, evidence);
   double correction = evidence->correction;
   found = found && settle(st, m, s, index, driver, evidence);
   km_loops_update(m, s, sub);
   evidence->residual = km_loops_residual(m, s, sub, &worst);
   evidence->correction = correction;
-  km_pivot(m, s, index, driver, st->blunt);
-  p->blunt = 0.0;
+  km_search_pivots(m, s, index, driver, st->rank_tolerance);
+  p->min_relative_pivot = 0.0;
   found = found && p->rank == st->rank && evidence->residual <= most_residual(m);
   if (found)
     take_blunt(st, p);
   return found;
 }
 
-bool km_constant_rank_find(km_constant_rank *st, const km_mechanism *m, km_state *s, int index) {
+bool km_constant_rank_update(km_constant_rank *st, const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
   split here = {0};
   bool found = find_split(&here, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
@@ -195,7 +195,7 @@ static progress go_on(km_constant_rank *st, const km_mechanism *m, km_state *s, 
   const km_substructure *sub = &m->substructures[index];
   static const double open = 1e-5; /* a misfit that no tangency of high order makes in a step */
   km_closure evidence;
-  double fastest = 0.0, *x = s->part;
+  double fastest = 0.0, *x = s->projection;
   if (!km_constant_rank_tangent(st, m, index, driver, along, x))
     return BLOCKED;
   for (int c = 0; c < sub->columns; ++c) {
@@ -205,11 +205,11 @@ static progress go_on(km_constant_rank *st, const km_mechanism *m, km_state *s, 
   for (int c = 0; c < sub->columns; ++c)
     x[c] *= step / fastest;
   km_state_move(m, s, sub, x);
-  km_state_forget_pivots(s, index);
+  km_state_invalidate_pivots(s, index);
   if (!km_constant_rank_close(st, m, s, index, driver, &evidence))
     return evidence.residual > open ? BLOCKED : REFUTED;
-  km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
-  bool exact = m->closure_tolerance_given || evidence.residual <= km_closed;
+  km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, evidence.residual);
+  bool exact = m->closure_tolerance_given || evidence.residual <= km_residual_tolerance;
   return exact && s->partition[index].rank == st->rank ? GONE_ON : REFUTED;
 }
 
@@ -221,17 +221,17 @@ static bool lasts(km_constant_rank *st, const km_mechanism *m, km_state *s, int 
   enum { TRIES = sizeof steps / sizeof *steps, STEPS = 4 };
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
-  const double blunt = st->blunt;
+  const double blunt = st->rank_tolerance;
   progress end = BLOCKED;
   km_state_save(s, sub, saved);
   for (int try = 0; try < TRIES && end == BLOCKED; ++try) {
-    end = km_constant_rank_find(st, m, s, index) ? GONE_ON : REFUTED;
+    end = km_constant_rank_update(st, m, s, index) ? GONE_ON : REFUTED;
     for (int c = 0; c < sub->columns; ++c)
       along[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is as good as any */
     for (int i = 0; i < STEPS && end == GONE_ON; ++i)
       end = go_on(st, m, s, index, driver, steps[try], along);
     km_loops_restore_cached(m, s, index, saved);
-    st->blunt = blunt;
+    st->rank_tolerance = blunt;
   }
   return end == GONE_ON;
 }
@@ -242,10 +242,10 @@ static bool begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int 
   size_t n = (size_t)sub->columns;
   split here = {0};
   if (!find_split(&here, m, s, index, 0, arena) ||
-      km_constant_rank_others_may_move(&here.c, here.V, here.steady, arena))
+      km_constant_rank_others_may_be_finite(&here.c, here.V, here.steady, arena))
     return false;
   st->rank = p->rank;
-  km_pivot_here(m, s, index, driver, 0.0); /* near a dead point of the driver its last pivot is small */
+  km_update_and_search_pivots(m, s, index, driver, 0.0); /* near a dead point of the driver its last pivot is small */
   take_blunt(st, p);
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n), *x = KM_ARENA_NEW(arena, double, n);
   return !arena->failed && keep_tangents(st, &here) && lasts(st, m, s, index, driver, saved, x) &&
@@ -258,16 +258,16 @@ bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_stat
   km_partition *p = &s->partition[index];
   km_arena scratch = {0};
   int freedom = km_partition_freedom(p);
-  st->on = false;
+  st->is_active = false;
   if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_constant_rank_is_small(sub))
     return true;
-  if (st->room < freedom) {
+  if (st->capacity < freedom) {
     st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);
-    st->room = st->Z ? freedom : 0;
+    st->capacity = st->Z ? freedom : 0;
   }
-  st->on = st->room >= freedom && begin(st, m, s, index, driver, &scratch);
-  bool whole = st->room >= freedom && !scratch.failed;
+  st->is_active = st->capacity >= freedom && begin(st, m, s, index, driver, &scratch);
+  bool whole = st->capacity >= freedom && !scratch.failed;
   km_arena_free(&scratch);
-  km_pivot_here(m, s, index, driver, 0.0);
+  km_update_and_search_pivots(m, s, index, driver, 0.0);
   return whole;
 }

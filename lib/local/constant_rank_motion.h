@@ -13,7 +13,7 @@
  * Leaves such tangents alone in the basis, and no conditions. Returns how many others are taken out; their directions, scaled and
  * of unit length, are then in directions[freedom × columns] (may be NULL). 0: there are none, the others may be part of motions too,
  * or (by the arena's flag) memory is out. O(conditions · freedom³). */
-int km_tangents_keep_constant_rank(km_tangents *tangents, double *directions);
+int km_tangents_restrict_to_constant_rank(km_tangents *tangents, double *directions);
 
 /* Are the conditions of so few rows and columns found in next to no time? They are dense. */
 static inline bool km_constant_rank_is_small(const km_substructure *sub) {
@@ -23,12 +23,12 @@ static inline bool km_constant_rank_is_small(const km_substructure *sub) {
 
 /* A motion along which a mechanism shakes: its tangents at the present pose. */
 typedef struct km_constant_rank {
-  bool on;      /* the mechanism shakes all along */
-  int rank;     /* of J all along */
-  double blunt; /* what is 0 on the motion is less near it: a part of the last pivot */
-  int count;    /* how many tangents are steady, */
-  double *Z;    /* [count × columns] and they: D q̇, orthonormal */
-  int room;     /* for tangents */
+  bool is_active;        /* the mechanism shakes all along */
+  int rank;              /* of J all along */
+  double rank_tolerance; /* what is 0 on the motion is less near it: a part of the last pivot */
+  int count;             /* how many tangents are steady, */
+  double *Z;             /* [count × columns] and they: D q̇, orthonormal */
+  int capacity;          /* for tangents */
 } km_constant_rank;
 
 /* Does the mechanism shake all along the motions through the state's pose, and does the driver (a column, KM_NO_DRIVER: any) move in them?
@@ -37,7 +37,8 @@ typedef struct km_constant_rank {
 bool km_constant_rank_begin(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state, int substructure,
                             int driver, km_arena *arena);
 /* The steady tangents at the state's pose, which is on the motion. False: it isn't, or memory is out. */
-bool km_constant_rank_find(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state, int substructure);
+bool km_constant_rank_update(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state,
+                             int substructure);
 /* Closes the loops at a pose near the motion, and finds the steady tangents there; the driver stands. Closing alone leaves what shakes by the
  * root of the error; Newton's method on wᵀ J z = 0 takes it away. False: no pose of the motion is near by. */
 bool km_constant_rank_close(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state, int substructure,

@@ -78,27 +78,27 @@ static double slack(const km_tangents *f) {
 
 /* Of many motions the rows are enough to go on. */
 static bool rows_are_enough(const km_partition *p) {
-  return p->sparse && km_partition_freedom(p) > KM_MAX_BASIS_TRIED;
+  return p->sparse && km_partition_freedom(p) > KM_MAX_BASIS_FREEDOM;
 }
 
 /* From here on pivots tell rows alone where these are enough. `kept`: the primary rows at hand are tried before others. */
 static void ask_for_rows(const km_tangents *f, bool kept) {
   km_partition *p = &f->s->partition[f->index];
   p->rows_only = rows_are_enough(p);
-  p->kept_rows = kept && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
+  p->kept_row_tolerance = kept && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
 }
 
 static void ask_for_all(const km_tangents *f) {
   km_partition *p = &f->s->partition[f->index];
   p->rows_only = false;
-  p->kept_rows = 0.0;
+  p->kept_row_tolerance = 0.0;
 }
 
 /* Do these pivots tell all that the next step asks for? Further on more rows may be independent, and fewer motions left: of rows that
  * are kept, closing asks that where it has found the pose. */
 static bool pivots_may_stay(const km_partition *p) {
   return (km_partition_freedom(p) <= 1 && !p->rows_only) ||
-         ((km_pivots_are_whole(p) || p->rows_only) && p->rows_only == rows_are_enough(p));
+         ((km_has_full_row_rank(p) || p->rows_only) && p->rows_only == rows_are_enough(p));
 }
 
 /* Goes by `move`, on from a misfit to the next one; false, and back again, if the loops' primary equations don't close
@@ -117,7 +117,7 @@ static bool go(km_tangents *f, int driver, double way, double *misfit) {
   if (closed && evidence.residual <= most && evidence.correction <= (way > 0.0 ? 0.3 : 0.05) * length + slack(f)) {
     *misfit = evidence.residual;
     if (!pivots_may_stay(p))
-      km_state_forget_pivots(f->s, f->index);
+      km_state_invalidate_pivots(f->s, f->index);
     return true;
   }
   km_state_restore(f->s, f->sub, f->last);
@@ -136,7 +136,7 @@ static void look_ahead(km_tangents *f, int driver, double h) {
   int column, n = f->sub->columns;
   double *t = f->x;
   if (km_partition_freedom(p) == 1 && p->column[p->rank] == driver && !p->rows_only) {
-    km_partition_direction(p, driver, t);
+    km_partition_null_vector(p, driver, t);
     double sign = copysign(1.0, km_step_dot(f->m, f->sub, t, f->move)), size = fastest(t, n, &column);
     for (int c = 0; c < n && isfinite(size); ++c)
       f->move[c] = sign * t[c] / size;
@@ -148,30 +148,30 @@ bool km_tangents_are_exact(const km_tangents *f) {
   return !f->m->closure_tolerance_given && f->residual < noise;
 }
 
-static km_tangent_kind judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
+static km_tangent_verdict judge(const km_tangents *f, const record *r, double tolerance, bool whole) {
   double way = r->count ? r->way[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
   bool exact = km_tangents_are_exact(f);
   if (way < short_way)
-    return exact ? KM_UNREAL : KM_LOST;
+    return exact ? KM_TANGENT_REFUTED : KM_TANGENT_LOST;
   double order = power(r, f->residual);
   if ((misfit > far_above * tolerance && order >= rising) || (exact && order >= steep))
-    return KM_UNREAL;
-  return whole && misfit <= tolerance ? KM_REAL : KM_UNDECIDED;
+    return KM_TANGENT_REFUTED;
+  return whole && misfit <= tolerance ? KM_TANGENT_CONFIRMED : KM_TANGENT_UNDECIDED;
 }
 
-km_followed km_tangents_test_finite(km_tangents *f, const double *direction, double sign) {
+km_followed_tangent km_tangents_follow(km_tangents *f, const double *direction, double sign) {
   record r = {0};
   int column, columns = f->sub->columns, driver = -1;
   double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
   double first = fmin(fmax(first_step, grain * start), longest_step), h = first;
   double misfit = 0.0, way = 0.0, opened = HUGE_VAL; /* where the loops open */
-  km_followed result = {0};
+  km_followed_tangent result = {0};
   double size = fastest(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
     f->move[c] = sign * h * direction[c] / size;
   km_partition_stash(f->s, f->index);
-  km_state_restore(f->s, f->sub, f->pose);
-  km_state_forget_pivots(f->s, f->index);
+  km_state_restore(f->s, f->sub, f->origin);
+  km_state_invalidate_pivots(f->s, f->index);
   /* Past that place it goes on, to see how they open. */
   while (way < whole_way && !(way > 2.0 * opened && misfit > far_above * tolerance) && r.count < MOST_SAMPLES &&
          h >= (way > 0.0 ? shortest_step : 0.1 * first)) {
@@ -184,7 +184,7 @@ km_followed km_tangents_test_finite(km_tangents *f, const double *direction, dou
     km_state_difference(f->s, f->sub, f->last, f->move);
     double moved = fastest(f->move, columns, &column);
     if (way < chord_way)
-      km_state_difference(f->s, f->sub, f->pose, f->chord);
+      km_state_difference(f->s, f->sub, f->origin, f->chord);
     way += moved;
     note(&r, way, misfit);
     if (misfit > tolerance)
@@ -196,21 +196,21 @@ km_followed km_tangents_test_finite(km_tangents *f, const double *direction, dou
   }
   ask_for_all(f);
   km_partition_unstash(f->s, f->index);
-  km_state_forget_pivots(f->s, f->index);
-  result.reality = judge(f, &r, tolerance, way >= whole_way);
+  km_state_invalidate_pivots(f->s, f->index);
+  result.verdict = judge(f, &r, tolerance, way >= whole_way);
   return result;
 }
 
-bool km_tangents_are_fewer(km_tangents *f) {
+bool km_tangents_have_dropped(km_tangents *f) {
   int worst;
   km_partition_stash(f->s, f->index);
   km_loops_update(f->m, f->s, f->sub);
   double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
   ask_for_rows(f, true);
-  km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
+  km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
   bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom + f->conditions.idle;
   ask_for_all(f);
   km_partition_unstash(f->s, f->index);
-  km_state_forget_pivots(f->s, f->index);
+  km_state_invalidate_pivots(f->s, f->index);
   return fewer;
 }

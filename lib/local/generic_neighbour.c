@@ -28,8 +28,8 @@ static void choose_of_many(const km_mechanism *m, km_state *s, int index, double
   km_arena arena = {0};
   km_tangents f;
   km_sampled_tangents many = {0};
-  bool moves = km_tangents_make(&f, m, s, index, &arena) && km_sampled_tangents_make(&many, &f) &&
-               km_sampled_tangents_likely(&many);
+  bool moves = km_tangents_create(&f, m, s, index, &arena) && km_sampled_tangents_create(&many, &f) &&
+               km_sampled_tangents_draw_second_order(&many);
   for (int c = 0; c < columns && moves; ++c)
     fastest = fmax(fastest, fabs(many.x[c]));
   for (int c = 0; c < columns; ++c)
@@ -46,21 +46,21 @@ static bool go_steadily(const km_mechanism *m, km_state *s, int index, double *s
   km_closure evidence;
   km_state_save(s, sub, saved);
   km_constant_rank_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
-  if (steady.on) {
+  if (steady.is_active) {
     choose_move(m, index, steady.Z, steady.count, move);
     km_state_move(m, s, sub, move);
-    km_state_forget_pivots(s, index);
-    steady.on = km_constant_rank_close(&steady, m, s, index, KM_NO_DRIVER, &evidence);
-    if (steady.on) {
+    km_state_invalidate_pivots(s, index);
+    steady.is_active = km_constant_rank_close(&steady, m, s, index, KM_NO_DRIVER, &evidence);
+    if (steady.is_active) {
       km_poses_compute_in(m, s, index);
-      km_pivot_here(m, s, index, KM_NO_DRIVER, evidence.residual);
+      km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, evidence.residual);
     } else {
       km_loops_restore_cached(m, s, index, saved);
-      km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
+      km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
     }
   }
   km_arena_free(&arena);
-  return steady.on;
+  return steady.is_active;
 }
 
 bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
@@ -76,20 +76,20 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
   s->partition[index].rows_only = p->sparse && many;
   if (many)
     choose_of_many(m, s, index, move);
-  s->partition[index].kept_rows = s->partition[index].rows_only ? km_rank_tolerance(m, sub, 0.0) : 0.0;
+  s->partition[index].kept_row_tolerance = s->partition[index].rows_only ? km_rank_tolerance(m, sub, 0.0) : 0.0;
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
-  km_state_forget_pivots(s, index);
+  km_state_invalidate_pivots(s, index);
   if (!moves || km_loops_close(m, s, index, KM_NO_DRIVER, &evidence) != KM_CLOSED)
     return false;
   km_poses_compute_in(m, s, index);
-  km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, evidence.residual));
+  km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, evidence.residual));
   return true;
 }
 
 void km_generic_neighbour_leave(const km_mechanism *m, km_state *s, int index, const double *saved) {
   s->partition[index].rows_only = false;
-  s->partition[index].kept_rows = 0.0;
+  s->partition[index].kept_row_tolerance = 0.0;
   km_partition_unstash(s, index);
   km_loops_restore_cached(m, s, index, saved);
   km_poses_compute_in(m, s, index);

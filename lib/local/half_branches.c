@@ -48,7 +48,7 @@ static void go(const sphere *p, const gsl_vector *x) {
   const km_tangents *f = p->f;
   for (int k = 0; k < f->sub->columns; ++k)
     p->y[k] = gsl_vector_get(x, (size_t)k);
-  km_state_restore(f->s, f->sub, f->pose);
+  km_state_restore(f->s, f->sub, f->origin);
   km_state_move(f->m, f->s, f->sub, p->y);
   km_loops_recompute(f->m, f->s, f->sub);
 }
@@ -275,9 +275,9 @@ bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
   for (size_t i = 0; made && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)
     try_start(&p, out);
   release(&p);
-  km_state_restore(f->s, f->sub, f->pose);
+  km_state_restore(f->s, f->sub, f->origin);
   km_loops_update(f->m, f->s, f->sub);
-  km_state_forget_pivots(f->s, f->index);
+  km_state_invalidate_pivots(f->s, f->index);
   f->arena->failed = f->arena->failed || !made;
   return made;
 }

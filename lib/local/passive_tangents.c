@@ -54,7 +54,7 @@ static int find_shares(const leaving *l, const km_passive_freedom *group, km_are
   *shares = KM_ARENA_NEW(arena, double, (size_t)(count * k));
   if (arena->failed)
     return 0;
-  km_partition_null(&p, one, count, *shares);
+  km_partition_null_space(&p, one, count, *shares);
   return count;
 }
 
@@ -62,7 +62,7 @@ static void take_out(leaving *l, const km_passive_freedom *group, km_arena *aren
   double *shares = NULL;
   int k = l->freedom, count = find_shares(l, group, arena, &shares);
   for (int i = 0; i < count && l->count < k; ++i)
-    if (km_tangents_add(l->V, l->count, k, shares + (size_t)i * (size_t)k) &&
+    if (km_tangents_append_orthonormal(l->V, l->count, k, shares + (size_t)i * (size_t)k) &&
         km_tangents_is_finite(l->f, l->V + (size_t)l->count * (size_t)k))
       l->count++;
 }
@@ -76,7 +76,7 @@ int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *idle, 
       take_out(&l, &idle->items[i], &arena);
   for (int i = 0; i < l.count && directions; ++i)
     km_tangents_direction(f, l.V + (size_t)i * (size_t)l.freedom, directions + (size_t)i * (size_t)f->sub->columns);
-  f->arena->failed = f->arena->failed || arena.failed || !km_tangents_take_out(f, l.V, l.count);
+  f->arena->failed = f->arena->failed || arena.failed || !km_tangents_remove(f, l.V, l.count);
   f->conditions.idle = l.count;
   km_arena_free(&arena);
   return l.count;

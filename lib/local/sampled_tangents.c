@@ -15,10 +15,10 @@ enum { TRIALS = 2 }; /* random directions that show that all are real */
 
 bool km_tangents_are_many(const km_tangents *f) {
   int freedom = f->conditions.freedom;
-  return freedom > 1 && (freedom > KM_MAX_BASIS_TRIED || f->sub->rows > MOST_ROWS);
+  return freedom > 1 && (freedom > KM_MAX_BASIS_FREEDOM || f->sub->rows > MOST_ROWS);
 }
 
-bool km_sampled_tangents_make(km_sampled_tangents *many, km_tangents *f) {
+bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *f) {
   int starts = MOST_WORK / f->sub->columns;
   *many = (km_sampled_tangents){.f = f,
                                 .most_starts = starts > LEAST_STARTS ? starts : LEAST_STARTS,
@@ -32,9 +32,9 @@ void km_sampled_tangents_free(km_sampled_tangents *many) {
 }
 
 static void return_to_pose(const km_tangents *f) {
-  km_state_restore(f->s, f->sub, f->pose);
+  km_state_restore(f->s, f->sub, f->origin);
   km_loops_update(f->m, f->s, f->sub);
-  km_pivot(f->m, f->s, f->index, KM_NO_DRIVER, f->conditions.tolerance);
+  km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, f->conditions.tolerance);
 }
 
 double km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *part) {
@@ -60,7 +60,7 @@ static bool project(km_sampled_tangents *many) {
   return isfinite(length) && length > 0.0;
 }
 
-bool km_sampled_tangents_any(km_sampled_tangents *many) {
+bool km_sampled_tangents_draw(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = km_uniform(&many->f->random) / weight[c];
@@ -74,8 +74,8 @@ static bool need_conditions(km_sampled_tangents *many) {
   if (many->built)
     return many->conditions.q != NULL;
   many->built = true;
-  km_status status =
-      km_second_order_columns_make(f->m, f->s, f->index, f->conditions.tolerance, f->arena, &many->conditions, &error);
+  km_status status = km_second_order_columns_create(f->m, f->s, f->index, f->conditions.tolerance, f->arena,
+                                                    &many->conditions, &error);
   f->arena->failed = f->arena->failed || status == KM_MEMORY;
   return !status;
 }
@@ -83,12 +83,12 @@ static bool need_conditions(km_sampled_tangents *many) {
 /* Shows the second order, before a single step, that the direction isn't real? Where following takes longer than that. */
 static bool is_refuted(km_sampled_tangents *many) {
   return many->f->conditions.redundant && many->f->conditions.freedom > KM_MANY_VECTORS && need_conditions(many) &&
-         km_second_order_columns_breaks(&many->conditions, many->x);
+         km_second_order_columns_refutes(&many->conditions, many->x);
 }
 
-bool km_sampled_tangents_likely(km_sampled_tangents *many) {
+bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
-  if (!km_sampled_tangents_any(many))
+  if (!km_sampled_tangents_draw(many))
     return false;
   if (!is_refuted(many))
     return true;
@@ -101,12 +101,13 @@ bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
   int trials = many->f->conditions.redundant ? TRIALS : 1; /* where nothing is redundant all are real anyway */
   *length = HUGE_VAL;
   for (int trial = 0; trial < trials; ++trial) {
-    if (!km_sampled_tangents_any(many) || is_refuted(many))
+    if (!km_sampled_tangents_draw(many) || is_refuted(many))
       return false;
-    km_followed found = km_tangents_try(many->f, many->x);
-    if (found.reality < many->f->enough)
+    km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
+    if (found.verdict < many->f->min_verdict)
       return false;
-    if (many->f->conditions.redundant && (!km_tangents_are_kept(many->f, many->x) || km_tangents_are_fewer(many->f)))
+    if (many->f->conditions.redundant &&
+        (!km_tangents_secant_agrees(many->f, many->x) || km_tangents_have_dropped(many->f)))
       return false;
     *length = fmin(*length, found.length);
   }
@@ -117,19 +118,19 @@ bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
 static bool begin(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   if (many->starts++ > 0)
-    return km_sampled_tangents_any(many);
+    return km_sampled_tangents_draw(many);
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = 1.0 / weight[c];
   return project(many);
 }
 
-bool km_sampled_tangents_next(km_sampled_tangents *many, double *length) {
+bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length) {
   while (many->starts < many->most_starts) {
     if (!begin(many) || !need_conditions(many) || !km_second_order_columns_solve(&many->conditions, many->x))
       continue;
-    km_followed found = km_tangents_try(many->f, many->x);
+    km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
     *length = found.length;
-    if (found.reality >= many->f->enough)
+    if (found.verdict >= many->f->min_verdict)
       return true;
   }
   return false;

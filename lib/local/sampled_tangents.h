@@ -22,19 +22,19 @@ double km_tangent_project(const km_mechanism *mechanism, km_state *state, int su
 bool km_tangents_are_many(const km_tangents *tangents);
 
 /* For tangents that were made. False when out of memory. Free in any case. */
-bool km_sampled_tangents_make(km_sampled_tangents *many, km_tangents *tangents);
+bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *tangents);
 void km_sampled_tangents_free(km_sampled_tangents *many);
 
 /* A random direction of the null space into x. Where all tangents but few were unreal, it would be: the real ones are a
  * closed algebraic cone, and a random direction lies in none but the whole. The state is at the pose. */
-bool km_sampled_tangents_any(km_sampled_tangents *many);
+bool km_sampled_tangents_draw(km_sampled_tangents *many);
 /* The same, and where the second order shows that it isn't real, one that meets the second order, sought from a start that is
  * nearly even. False where none was found, or memory is out. */
-bool km_sampled_tangents_likely(km_sampled_tangents *many);
+bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many);
 /* Is every tangent real, by random directions? `length`: how far these were followed, ahead and back. */
 bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length);
 /* The next direction that meets the second order and is real, into x, and how far it was followed, ahead and back; false: none
  * was found in the starts that are left, or memory is out. The state is left at the end of the way back. */
-bool km_sampled_tangents_next(km_sampled_tangents *many, double *length);
+bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length);
 
 #endif

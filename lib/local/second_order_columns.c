@@ -55,7 +55,7 @@ static bool find_left(km_second_order_columns *c, double tolerance, km_arena *sc
     return false;
   for (int i = 0; i < entries; ++i)
     values[i] = c->J[c->at[i]];
-  p.any_independent = true;
+  p.unrestricted_basis = true;
   km_partition_factor(&p, values, c->sub->columns, rows, NULL, tolerance);
   c->rank = p.rank;
   c->conditions = km_partition_freedom(&p);
@@ -124,8 +124,8 @@ static bool reserve(km_second_order_columns *c, km_arena *arena) {
   return !arena->failed;
 }
 
-km_status km_second_order_columns_make(const km_mechanism *m, km_state *s, int index, double tolerance, km_arena *arena,
-                                       km_second_order_columns *out, km_error *error) {
+km_status km_second_order_columns_create(const km_mechanism *m, km_state *s, int index, double tolerance,
+                                         km_arena *arena, km_second_order_columns *out, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
   *out = (km_second_order_columns){.m = m, .s = s, .sub = sub, .residual = km_loops_residual(m, s, sub, &worst)};
@@ -225,7 +225,7 @@ static bool step(km_second_order_columns *c, double damping, double *x) {
   memset(c->b, 0, ((size_t)c->rank + (size_t)c->conditions + 1) * sizeof *c->b);
   for (int k = 0; k < c->conditions; ++k)
     c->b[c->rank + k] = -c->value[k] / c->size;
-  if (!km_sparse_qr_factor(c->q, spanned) || !km_sparse_qr_least(c->q, c->b, c->z))
+  if (!km_sparse_qr_factor(c->q, spanned) || !km_sparse_qr_minimum_norm(c->q, c->b, c->z))
     return false;
   for (int k = 0; k < c->sub->columns; ++k)
     x[k] += c->z[k] / weight[k];
@@ -242,7 +242,7 @@ static bool begin(km_second_order_columns *c, const double *x) {
   return c->conditions > 0 && c->size >= noise;
 }
 
-bool km_second_order_columns_breaks(km_second_order_columns *c, const double *x) {
+bool km_second_order_columns_refutes(km_second_order_columns *c, const double *x) {
   return begin(c, x) && worst_value(c) > broken;
 }
 
@@ -257,5 +257,5 @@ bool km_second_order_columns_solve(km_second_order_columns *c, double *x) {
       return false;
     evaluate(c, x);
   }
-  return worst_value(c) < km_nearly_met;
+  return worst_value(c) < km_condition_tolerance;
 }

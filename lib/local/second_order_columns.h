@@ -34,14 +34,14 @@ typedef struct km_second_order_columns {
 
 /* At the state's pose, to which km_loops_update was called and at which pivots stop by `tolerance`. KM_MEMORY, KM_IO: SPQR
  * isn't installed. To be freed in any case. O(entries of sparse factors). */
-km_status km_second_order_columns_make(const km_mechanism *mechanism, km_state *state, int substructure,
-                                       double tolerance, km_arena *arena, km_second_order_columns *out,
-                                       km_error *error);
+km_status km_second_order_columns_create(const km_mechanism *mechanism, km_state *state, int substructure,
+                                         double tolerance, km_arena *arena, km_second_order_columns *out,
+                                         km_error *error);
 void km_second_order_columns_free(km_second_order_columns *conditions);
 
 /* Does the unit direction x, which closes the loops to first order, break a condition by far more than rounding? The state is
  * at the same pose. */
-bool km_second_order_columns_breaks(km_second_order_columns *conditions, const double *x);
+bool km_second_order_columns_refutes(km_second_order_columns *conditions, const double *x);
 
 /* From the unit direction x, which closes the loops to first order, to one nearby that meets all conditions (damped
  * Gauss-Newton by steps of least |D δx|); false if there is none, or memory is out. The state is at the same pose. A sparse Q R

@@ -23,7 +23,7 @@ static bool left_null(const km_substructure *sub, const double *J, double tolera
   *W = KM_ARENA_NEW(arena, double, rows *(size_t)*count);
   if (arena->failed)
     return false;
-  km_partition_null(&p, weight, *count, *W);
+  km_partition_null_space(&p, weight, *count, *W);
   return true;
 }
 
@@ -57,13 +57,13 @@ static void fill_conditions(const km_mechanism *m, km_state *s, const km_substru
     }
 }
 
-bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_second_order *out) {
+bool km_second_order_count_tangents(const km_mechanism *m, km_state *s, int index, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
   km_loops_update(m, s, sub);
   double residual = km_loops_residual(m, s, sub, &worst),
-         tolerance = fmax(km_rank_tolerance(m, sub, residual), s->partition[index].blunt);
-  km_pivot(m, s, index, KM_NO_DRIVER, tolerance);
+         tolerance = fmax(km_rank_tolerance(m, sub, residual), s->partition[index].min_relative_pivot);
+  km_search_pivots(m, s, index, KM_NO_DRIVER, tolerance);
   const km_partition *p = &s->partition[index];
   *out = (km_second_order){.columns = sub->columns,
                            .freedom = km_partition_freedom(p),
@@ -73,12 +73,13 @@ bool km_second_order_start(const km_mechanism *m, km_state *s, int index, km_sec
   return !p->failed;
 }
 
-bool km_second_order_basis(const km_mechanism *m, const km_state *s, int index, km_arena *arena, km_second_order *out) {
+bool km_second_order_create_basis(const km_mechanism *m, const km_state *s, int index, km_arena *arena,
+                                  km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   out->Z = KM_ARENA_NEW(arena, double, (size_t)sub->columns *(size_t)out->freedom);
   if (arena->failed)
     return false;
-  km_partition_null(&s->partition[index], m->column_weight + sub->column_start, out->freedom, out->Z);
+  km_partition_null_space(&s->partition[index], m->column_weight + sub->column_start, out->freedom, out->Z);
   return true;
 }
 
@@ -116,7 +117,7 @@ static bool is_definite(const double *Q, double sign, double least, int k, doubl
 
 static bool any_definite(const km_second_order *c, double *work) {
   int k = c->freedom;
-  double least = 2.0 * km_nearly_met * c->size;
+  double least = 2.0 * km_condition_tolerance * c->size;
   for (int i = 0; i < c->conditions; ++i) {
     const double *Q = c->Q + (size_t)i * (size_t)(k * k);
     if (is_definite(Q, 1.0, least, k, work) || is_definite(Q, -1.0, least, k, work))
@@ -227,8 +228,8 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   return km_second_order_build_all(m, s, index, arena, out) && leave_independent(out);
 }
 
-bool km_second_order_changes(const km_mechanism *m, const km_state *s, int index, const km_second_order *c,
-                             double *changes) {
+bool km_second_order_rank_defect(const km_mechanism *m, const km_state *s, int index, const km_second_order *c,
+                                 double *changes) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   int n = sub->columns, rows = sub->rows;
@@ -324,7 +325,7 @@ static void damped_step(double *A, const double *b, int k, double damping, doubl
 bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   int k = c->freedom;
   double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
-  if (!km_second_order_binds(c))
+  if (!km_second_order_is_significant(c))
     return true;
   if (c->definite)
     return false;
@@ -354,14 +355,14 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   double worst = 0.0;
   for (int i = 0; i < c->conditions; ++i)
     worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
-  return worst < km_nearly_met;
+  return worst < km_condition_tolerance;
 }
 
 int km_second_order_dimension(const km_second_order *c, const double *a) {
   int k = c->freedom, rank = 0;
   km_arena arena = {0};
   km_partition p;
-  if (!km_second_order_binds(c))
+  if (!km_second_order_is_significant(c))
     return k;
   double *slopes = KM_ARENA_NEW(&arena, double, (size_t)(c->conditions * k));
   if (slopes && km_partition_reserve(&p, k, c->conditions, &arena)) {
@@ -370,8 +371,8 @@ int km_second_order_dimension(const km_second_order *c, const double *a) {
       condition(c, i, a, slopes + i * k);
     for (int i = 0; i < c->conditions * k; ++i)
       largest = fmax(largest, fabs(slopes[i]));
-    /* a is √km_nearly_met from where the conditions are met, and Q at most k times its largest entry. */
-    km_partition_factor(&p, slopes, k, c->conditions, NULL, 2.0 * k * sqrt(km_nearly_met) * c->size / largest);
+    /* a is √km_condition_tolerance from where the conditions are met, and Q at most k times its largest entry. */
+    km_partition_factor(&p, slopes, k, c->conditions, NULL, 2.0 * k * sqrt(km_condition_tolerance) * c->size / largest);
     rank = p.rank;
   }
   km_arena_free(&arena);

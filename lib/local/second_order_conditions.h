@@ -5,12 +5,12 @@
 #include "kinematics/state.h"
 
 /* A condition that is a square meets 0 only slowly, but so far, over the size of its kind, is well enough to be tried. */
-static const double km_nearly_met = 1e-5;
+static const double km_condition_tolerance = 1e-5;
 
-/* May unit vectors with this cosine be one tangent, in one sense or the other? What nearly meets a square is √km_nearly_met from
+/* May unit vectors with this cosine be one tangent, in one sense or the other? What nearly meets a square is √km_condition_tolerance from
  * where it is 0, so two of one tangent are twice that from each other: 1 − cos is half the square of it. */
 static inline bool km_is_same_tangent(double cosine) {
-  return 1.0 - fabs(cosine) <= 2.0 * km_nearly_met;
+  return 1.0 - fabs(cosine) <= 2.0 * km_condition_tolerance;
 }
 
 /* Quadratic conditions on the null space: for a unit vector a (freedom entries), direction D⁻¹Z a, condition i is
@@ -31,10 +31,11 @@ typedef struct km_second_order {
 
 /* How many tangents the state's (closed) pose has, which stays; no basis of them and no conditions yet. False when out of
  * memory. */
-bool km_second_order_start(const km_mechanism *mechanism, km_state *state, int substructure, km_second_order *out);
+bool km_second_order_count_tangents(const km_mechanism *mechanism, km_state *state, int substructure,
+                                    km_second_order *out);
 /* The basis, right after that. False when out of memory. */
-bool km_second_order_basis(const km_mechanism *mechanism, const km_state *state, int substructure, km_arena *arena,
-                           km_second_order *out);
+bool km_second_order_create_basis(const km_mechanism *mechanism, const km_state *state, int substructure,
+                                  km_arena *arena, km_second_order *out);
 /* The conditions at the same pose, all of them, or no more than are independent. Dense: O(rows² · columns), so only where first order leaves
  * a choice. False when out of memory. */
 bool km_second_order_build_all(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
@@ -43,8 +44,8 @@ bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int s
                            km_second_order *out);
 /* What pivots that count as 0 leave of J: changes[conditions × freedom] = wᵢᵀ J z of the null vectors w and z, 0 where J has their rank.
  * For conditions that are all kept. False when out of memory. */
-bool km_second_order_changes(const km_mechanism *mechanism, const km_state *state, int substructure,
-                             const km_second_order *conditions, double *changes);
+bool km_second_order_rank_defect(const km_mechanism *mechanism, const km_state *state, int substructure,
+                                 const km_second_order *conditions, double *changes);
 
 /* The conditions on those tangents alone that are spanned by orthonormal shares[count × freedom] of the basis. False when out of memory.
  * O(conditions · freedom² · count). */
@@ -52,7 +53,7 @@ bool km_second_order_restrict(const km_second_order *conditions, const double *s
                               km_second_order *out);
 
 /* Do the conditions say more than the pose's misfit may have made of 0? */
-static inline bool km_second_order_binds(const km_second_order *c) {
+static inline bool km_second_order_is_significant(const km_second_order *c) {
   return c->conditions > 0 && !(c->size < c->noise);
 }
 

@@ -19,31 +19,31 @@ bool km_orthonormalise(const double *basis, int count, int size, double *v) {
   return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
 }
 
-bool km_tangents_add(double *V, int count, int k, const double *a) {
+bool km_tangents_append_orthonormal(double *V, int count, int k, const double *a) {
   double *v = V + (size_t)count * (size_t)k;
   memcpy(v, a, (size_t)k * sizeof *v);
   return km_orthonormalise(V, count, k, v) &&
          km_orthonormalise(V, count, k, v); /* once more takes what rounding has left */
 }
 
-bool km_tangents_complete(double *V, int count, int k) {
+bool km_tangents_complete_basis(double *V, int count, int k) {
   double *unit = KM_NEW(double, (size_t)k + 1);
   for (int i = 0; i < k && count < k && unit; ++i) {
     memset(unit, 0, (size_t)k * sizeof *unit);
     unit[i] = 1.0;
-    count += km_tangents_add(V, count, k, unit);
+    count += km_tangents_append_orthonormal(V, count, k, unit);
   }
   km_free(unit);
   return count == k;
 }
 
-bool km_tangents_take_out(km_tangents *f, double *V, int count) {
+bool km_tangents_remove(km_tangents *f, double *V, int count) {
   km_second_order *conditions = &f->conditions;
   int k = conditions->freedom, n = f->sub->columns;
   if (count == 0)
     return true;
   double *rest = KM_ARENA_NEW(f->arena, double, (size_t)(k - count) * (size_t)n + 1);
-  bool whole = rest && km_tangents_complete(V, count, k);
+  bool whole = rest && km_tangents_complete_basis(V, count, k);
   for (int i = count; i < k && whole; ++i)
     km_second_order_combine(conditions, V + i * k, rest + (size_t)(i - count) * (size_t)n);
   if (!whole)

@@ -9,14 +9,15 @@
 
 enum { MOST_TURNS = 5 }; /* from a direction to that of a motion near it */
 
-bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
+bool km_tangents_create(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
-  *f = (km_tangents){.m = m, .s = s, .index = index, .sub = sub, .enough = KM_REAL, .random = 1, .arena = arena};
-  arena->failed = !km_second_order_start(m, s, index, &f->conditions) || arena->failed;
-  f->pose = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  *f = (km_tangents){
+      .m = m, .s = s, .index = index, .sub = sub, .min_verdict = KM_TANGENT_CONFIRMED, .random = 1, .arena = arena};
+  arena->failed = !km_second_order_count_tangents(m, s, index, &f->conditions) || arena->failed;
+  f->origin = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
-  f->ahead = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  f->end_ahead = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
   f->x = KM_ARENA_NEW(arena, double, n);
   f->move = KM_ARENA_NEW(arena, double, n);
   f->direction = KM_ARENA_NEW(arena, double, n);
@@ -26,11 +27,11 @@ bool km_tangents_make(km_tangents *f, const km_mechanism *m, km_state *s, int in
     return false;
   int worst;
   f->residual = km_loops_residual(m, s, sub, &worst);
-  km_state_save(s, sub, f->pose);
+  km_state_save(s, sub, f->origin);
   return true;
 }
 
-bool km_tangents_make_basis(km_tangents *f) {
+bool km_tangents_create_basis(km_tangents *f) {
   size_t k = (size_t)f->conditions.freedom;
   f->a = KM_ARENA_NEW(f->arena, double, k);
   f->tried = KM_ARENA_NEW(f->arena, double, k);
@@ -40,7 +41,7 @@ bool km_tangents_make_basis(km_tangents *f) {
     return false;
   for (size_t i = 0; i < k; ++i)
     f->length[i] = -1.0;
-  return km_second_order_basis(f->m, f->s, f->index, f->arena, &f->conditions);
+  return km_second_order_create_basis(f->m, f->s, f->index, f->arena, &f->conditions);
 }
 
 void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
@@ -57,17 +58,18 @@ static void add_chord(km_tangents *f, int sign) {
     f->secant[c] = (sign > 0 ? 0.0 : f->secant[c]) + 0.5 * sign * f->chord[c] / length;
 }
 
-km_followed km_tangents_try(km_tangents *f, const double *direction) {
-  km_followed both = {HUGE_VAL, KM_REAL};
+km_followed_tangent km_tangents_follow_both_senses(km_tangents *f, const double *direction) {
+  km_followed_tangent both = {HUGE_VAL, KM_TANGENT_CONFIRMED};
   for (int sign = 1; sign >= -1; sign -= 2) {
-    km_followed one = km_tangents_test_finite(f, direction, sign);
-    f->doubtful = f->doubtful || one.reality == KM_LOST || one.reality == KM_UNDECIDED;
-    if (one.reality < f->enough)
-      return (km_followed){0.0, one.reality};
+    km_followed_tangent one = km_tangents_follow(f, direction, sign);
+    f->has_undecided = f->has_undecided || one.verdict == KM_TANGENT_LOST || one.verdict == KM_TANGENT_UNDECIDED;
+    if (one.verdict < f->min_verdict)
+      return (km_followed_tangent){0.0, one.verdict};
     add_chord(f, sign);
     if (sign > 0)
-      km_state_save(f->s, f->sub, f->ahead);
-    both = (km_followed){fmin(both.length, one.length), one.reality < both.reality ? one.reality : both.reality};
+      km_state_save(f->s, f->sub, f->end_ahead);
+    both =
+        (km_followed_tangent){fmin(both.length, one.length), one.verdict < both.verdict ? one.verdict : both.verdict};
   }
   return both;
 }
@@ -79,13 +81,14 @@ static bool agree(const km_tangents *f, const double *direction, const double *w
   return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, way, direction)) / length <= most;
 }
 
-bool km_tangents_are_kept(const km_tangents *f, const double *direction) {
+bool km_tangents_secant_agrees(const km_tangents *f, const double *direction) {
   return f->conditions.freedom == 1 || agree(f, direction, f->secant);
 }
 
 bool km_tangents_is_finite(km_tangents *f, const double *a) {
   km_tangents_direction(f, a, f->direction);
-  return km_tangents_try(f, f->direction).reality >= f->enough && km_tangents_are_kept(f, f->direction);
+  return km_tangents_follow_both_senses(f, f->direction).verdict >= f->min_verdict &&
+         km_tangents_secant_agrees(f, f->direction);
 }
 
 void km_tangents_normalise(double *a, int k) {
@@ -104,8 +107,9 @@ bool km_tangents_all_finite(km_tangents *f) {
       f->a[i] = trial < k ? trial == i : km_uniform(&f->random);
     km_tangents_normalise(f->a, k);
     km_tangents_direction(f, f->a, f->direction);
-    km_followed found = km_tangents_try(f, f->direction);
-    if (found.reality < f->enough || !km_tangents_are_kept(f, f->direction) || (trial >= k && km_tangents_are_fewer(f)))
+    km_followed_tangent found = km_tangents_follow_both_senses(f, f->direction);
+    if (found.verdict < f->min_verdict || !km_tangents_secant_agrees(f, f->direction) ||
+        (trial >= k && km_tangents_have_dropped(f)))
       return false;
     if (trial < k)
       f->length[trial] = found.length;
@@ -121,27 +125,27 @@ bool km_tangents_are_regular(km_tangents *f) {
     f->a[i] = km_uniform(&random);
   km_tangents_normalise(f->a, f->conditions.freedom);
   km_tangents_direction(f, f->a, f->direction);
-  if (km_tangents_test_finite(f, f->direction, 1.0).reality != KM_REAL || km_tangents_are_fewer(f))
+  if (km_tangents_follow(f, f->direction, 1.0).verdict != KM_TANGENT_CONFIRMED || km_tangents_have_dropped(f))
     return false;
   if (f->conditions.freedom == 1 || agree(f, f->direction, f->chord))
     return true;
   add_chord(f, 1);
-  km_tangents_test_finite(f, f->direction, -1.0);
+  km_tangents_follow(f, f->direction, -1.0);
   add_chord(f, -1);
-  return km_tangents_are_kept(f, f->direction);
+  return km_tangents_secant_agrees(f, f->direction);
 }
 
-bool km_tangents_need_conditions(km_tangents *f) {
+bool km_tangents_update_conditions(km_tangents *f) {
   if (f->conditions.built)
     return !f->arena->failed;
-  km_state_restore(f->s, f->sub, f->pose);
+  km_state_restore(f->s, f->sub, f->origin);
   return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
 }
 
 /* A random tangent that meets the second order. */
 static bool seek(km_tangents *f) {
   int k = f->conditions.freedom;
-  if (k == 1 || !km_tangents_need_conditions(f)) /* the only tangent has been tried as it is */
+  if (k == 1 || !km_tangents_update_conditions(f)) /* the only tangent has been tried as it is */
     return false;
   for (int i = 0; i < k; ++i)
     f->a[i] = km_uniform(&f->random);
@@ -149,14 +153,14 @@ static bool seek(km_tangents *f) {
   return km_second_order_solve(&f->conditions, f->a, f->work);
 }
 
-bool km_tangents_meet_second_order(km_tangents *f) {
+bool km_tangents_satisfy_second_order(km_tangents *f) {
   for (int start = 0; start < KM_STARTS_PER_FREEDOM; ++start)
     if (seek(f))
       return true;
   return false;
 }
 
-bool km_tangents_random(km_tangents *f) {
+bool km_tangents_find_random(km_tangents *f) {
   return seek(f) && km_tangents_is_finite(f, f->a);
 }
 
@@ -189,13 +193,13 @@ static void take_secant(const km_tangents *f, double *a) {
 
 /* Tries the direction in `a`. One that only conditions of higher order refute may be led onto a motion nearby: then that
  * motion's own direction takes its place, and is tried. */
-static km_followed settle(km_tangents *f) {
+static km_followed_tangent settle(km_tangents *f) {
   int k = f->conditions.freedom;
-  km_followed found;
+  km_followed_tangent found;
   for (int i = 0; i < MOST_TURNS; ++i) {
     km_tangents_direction(f, f->a, f->direction);
-    found = km_tangents_try(f, f->direction);
-    if (found.reality < f->enough)
+    found = km_tangents_follow_both_senses(f, f->direction);
+    if (found.verdict < f->min_verdict)
       return found;
     memcpy(f->tried, f->a, (size_t)k * sizeof *f->a);
     take_secant(f, f->a);
@@ -206,20 +210,20 @@ static km_followed settle(km_tangents *f) {
   return found;
 }
 
-bool km_tangents_next(km_tangents *f, const double *known, int count, double *length) {
+bool km_tangents_find_next(km_tangents *f, const double *known, int count, double *length) {
   int most = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
   while (f->starts < most) {
     f->starts++;
     if (!seek(f) || is_known(f, known, count))
       continue;
-    const bool before = f->doubtful;
-    f->doubtful = false;
-    km_followed found = settle(f);
-    int dimension = f->doubtful ? km_second_order_dimension(&f->conditions, f->a) : 0;
-    f->doubtful_dimension = dimension > f->doubtful_dimension ? dimension : f->doubtful_dimension;
-    f->doubtful = f->doubtful || before;
+    const bool before = f->has_undecided;
+    f->has_undecided = false;
+    km_followed_tangent found = settle(f);
+    int dimension = f->has_undecided ? km_second_order_dimension(&f->conditions, f->a) : 0;
+    f->undecided_dimension = dimension > f->undecided_dimension ? dimension : f->undecided_dimension;
+    f->has_undecided = f->has_undecided || before;
     *length = found.length;
-    if (found.reality >= f->enough && !is_known(f, known, count))
+    if (found.verdict >= f->min_verdict && !is_known(f, known, count))
       return true;
   }
   return false;

@@ -89,7 +89,7 @@ static km_status take(km_manipulation *h, int coordinate, km_error *error) {
   if (h->drive && h->driven == coordinate)
     return KM_OK;
   km_manipulation_release(h);
-  if (km_branch_depart(h->mechanism, h->state, coordinate, 0.0).motions < 0)
+  if (km_branch_depart(h->mechanism, h->state, coordinate, 0.0).branch_count < 0)
     return km_fail(error, KM_MEMORY, "out of memory for a hand");
   km_status status = km_driver_motion_create(h->mechanism, h->state, coordinate, false, &h->drive, error);
   h->driven = status ? -1 : coordinate;
@@ -99,7 +99,7 @@ static km_status take(km_manipulation *h, int coordinate, km_error *error) {
 /* How far the coordinate may go, model's unit. */
 static double share(const km_manipulation *h, int coordinate, double most) {
   const km_mechanism *m = h->mechanism;
-  double number = h->state->numbers[coordinate];
+  double number = h->state->mobility_number[coordinate];
   double part = fmax(sqrt(fmax(number, 0.0)), least_share) * most / m->scale[coordinate];
   return part / km_model_coordinate_factor(m->model, coordinate);
 }
@@ -119,7 +119,7 @@ static void turn(km_manipulation *h, int coordinate, double target, double most,
   double q = h->state->q[coordinate], within = fmin(fmax(goal, m->low[coordinate]), m->high[coordinate]);
   for (int c = first; c < first + 3; ++c)
     others += c == coordinate ? 0.0 : h->state->q[c] * h->state->q[c];
-  double ball = sqrt(fmax(m->most_turn[first] * m->most_turn[first] - others, 0.0));
+  double ball = sqrt(fmax(m->max_ball_angle[first] * m->max_ball_angle[first] - others, 0.0));
   within = fmin(fmax(within, -ball), ball);
   memcpy(h->z, h->state->q, (size_t)m->coordinate_count * sizeof *h->z);
   h->z[coordinate] = q + fmin(fmax(within - q, -most), most);

@@ -59,7 +59,7 @@ static void find_ways(pull *p) {
       km_twist t = km_coordinate_twist(m, h->state, c);
       km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, at));
       v = km_vec3_axpy(-km_vec3_dot(v, normal), normal, v);
-      h->column[c] = km_vec3_scale((m->topology.against[joint] ? -1.0 : 1.0) / (p->length * m->scale[c]), v);
+      h->column[c] = km_vec3_scale((m->topology.is_reversed[joint] ? -1.0 : 1.0) / (p->length * m->scale[c]), v);
       int index = m->substructure_of[c];
       if (index >= 0 && !h->on_way[index]) {
         h->on_way[index] = true;
@@ -250,7 +250,7 @@ static bool leaves_limits(km_manipulation *h) {
   for (int b = 0; b < m->ball_count; ++b) {
     int c = m->ball_coordinate[b];
     double angle = turned(h->state->q + c);
-    if (angle > m->most_turn[c] + 1e-12 && angle > turned(h->saved_q + c)) {
+    if (angle > m->max_ball_angle[c] + 1e-12 && angle > turned(h->saved_q + c)) {
       h->blocking = c;
       return true;
     }
@@ -309,7 +309,7 @@ static void go_tree(const pull *p, double part) {
         h->state->q[first] += part * h->z[first] / m->scale[first];
         continue;
       }
-      km_state_turn_ball(m, h->state, m->ball_of[first], km_vec3_scale(part, km_vec3_make(&h->z[first])));
+      km_state_rotate_ball(m, h->state, m->ball_of[first], km_vec3_scale(part, km_vec3_make(&h->z[first])));
       first += 2;
     }
 }
@@ -318,7 +318,7 @@ static void go_tree(const pull *p, double part) {
 static void renew(km_manipulation *h) {
   for (int i = 0; i < h->way_count; ++i) {
     km_loops_update(h->mechanism, h->state, &h->mechanism->substructures[h->ways[i]]);
-    km_state_forget_pivots(h->state, h->ways[i]);
+    km_state_invalidate_pivots(h->state, h->ways[i]);
     km_numbers_update(h->mechanism, h->state, h->ways[i]);
   }
   km_poses_compute(h->mechanism, h->state);
@@ -339,7 +339,7 @@ static km_status begin(pull *p, km_error *error) {
       if (best < 0 || km_vec3_norm(h->column[c]) > km_vec3_norm(h->column[best]))
         best = c;
     }
-    int motions = best < 0 ? 0 : km_branch_depart(h->mechanism, h->state, best, 0.0).motions;
+    int motions = best < 0 ? 0 : km_branch_depart(h->mechanism, h->state, best, 0.0).branch_count;
     if (motions < 0)
       return km_fail(error, KM_MEMORY, "out of memory for a hand");
     h->left[index] = true;

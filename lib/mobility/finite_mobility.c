@@ -18,7 +18,7 @@
 static int common_span(km_tangents *f, double *basis) {
   int k = f->conditions.freedom, found = 0;
   for (int start = 0; start < KM_STARTS_PER_FREEDOM * k && found < k; ++start) {
-    if (!km_tangents_random(f))
+    if (!km_tangents_find_random(f))
       continue;
     memcpy(basis + (size_t)found * (size_t)k, f->a, (size_t)k * sizeof *basis);
     bool together = true;
@@ -33,7 +33,8 @@ static int common_span(km_tangents *f, double *basis) {
       together = km_tangents_is_finite(f, f->a);
     }
     memcpy(f->tried, basis + (size_t)found * (size_t)k, (size_t)k * sizeof *basis);
-    found += together && km_tangents_add(basis, found, k, f->tried); /* what the others span already adds nothing */
+    found += together &&
+             km_tangents_append_orthonormal(basis, found, k, f->tried); /* what the others span already adds nothing */
   }
   return found;
 }
@@ -41,7 +42,8 @@ static int common_span(km_tangents *f, double *basis) {
 /* True if conditions of second order show that not all tangents are finite motions. False too where the conditions take
  * longer than following a few tangents. */
 static bool rank_changes(km_tangents *f) {
-  return km_constant_rank_is_small(f->sub) && km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions);
+  return km_constant_rank_is_small(f->sub) && km_tangents_update_conditions(f) &&
+         km_second_order_is_significant(&f->conditions);
 }
 
 /* True if the mechanism has as many idle tangents all along its motion as at the pose. Where branches touch with the
@@ -49,25 +51,25 @@ static bool rank_changes(km_tangents *f) {
 static bool keeps_rank(km_tangents *f) {
   km_constant_rank steady = {0};
   km_arena scratch = {0};
-  km_state_restore(f->s, f->sub, f->pose);
-  km_pivot_here(f->m, f->s, f->index, KM_NO_DRIVER, f->residual);
+  km_state_restore(f->s, f->sub, f->origin);
+  km_update_and_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, f->residual);
   if (!km_constant_rank_begin(&steady, f->m, f->s, f->index, KM_NO_DRIVER, &scratch))
     f->arena->failed = true;
   km_arena_free(&scratch);
-  return steady.on;
+  return steady.is_active;
 }
 
 /* True if the constant-rank tangents are all finite motions, and no others. Then they alone are left, and
  * directions[freedom × columns] (may be NULL) are those of the others. */
 static bool are_steady(km_tangents *f, double *directions) {
-  const bool doubtful = f->doubtful;
-  if (!km_tangents_need_conditions(f))
+  const bool doubtful = f->has_undecided;
+  if (!km_tangents_update_conditions(f))
     return false;
   const km_second_order whole = f->conditions;
-  if (km_tangents_keep_constant_rank(f, directions) > 0 && km_tangents_all_finite(f) && keeps_rank(f))
+  if (km_tangents_restrict_to_constant_rank(f, directions) > 0 && km_tangents_all_finite(f) && keeps_rank(f))
     return true;
   f->conditions = whole;
-  f->doubtful = doubtful;
+  f->has_undecided = doubtful;
   for (int i = 0; i < whole.freedom; ++i)
     f->length[i] = -1.0;
   return false;
@@ -77,7 +79,7 @@ static bool are_steady(km_tangents *f, double *directions) {
 static int dimension_here(const km_mechanism *m, km_state *s, int index, const km_passive_freedoms *idle,
                           km_arena *arena, bool *doubtful) {
   km_tangents f;
-  if (!km_tangents_make(&f, m, s, index, arena) || !km_tangents_make_basis(&f))
+  if (!km_tangents_create(&f, m, s, index, arena) || !km_tangents_create_basis(&f))
     return 0;
   int k = f.conditions.freedom, dimension = k, apart = 0;
   if (k > 1 && (rank_changes(&f) || !km_tangents_are_regular(&f)) && !km_tangents_all_finite(&f)) {
@@ -93,8 +95,8 @@ static int dimension_here(const km_mechanism *m, km_state *s, int index, const k
       dimension = basis ? common_span(&f, basis) : 0;
     }
   }
-  *doubtful = *doubtful || (f.doubtful && dimension < k);
-  km_state_restore(s, f.sub, f.pose);
+  *doubtful = *doubtful || (f.has_undecided && dimension < k);
+  km_state_restore(s, f.sub, f.origin);
   return dimension + apart;
 }
 
@@ -132,8 +134,8 @@ static void list_new(const km_tangents *f, const double *x, int first, double le
 }
 
 static double confirmed(km_tangents *f, const double *direction) {
-  double back = km_tangents_test_finite(f, direction, -1.0).length; /* the state is left at the end of the way ahead */
-  return fmin(back, km_tangents_test_finite(f, direction, 1.0).length);
+  double back = km_tangents_follow(f, direction, -1.0).length; /* the state is left at the end of the way ahead */
+  return fmin(back, km_tangents_follow(f, direction, 1.0).length);
 }
 
 /* What finds no place in the list isn't followed. */
@@ -189,7 +191,7 @@ static void add_space(branch_spaces *spaces, km_tangents *f, km_arena *arena) {
   const int n = f->sub->columns, k = spaces->freedom;
   const double *weight = f->m->column_weight + f->sub->column_start;
   km_closure evidence;
-  km_state_restore(f->s, f->sub, f->pose);
+  km_state_restore(f->s, f->sub, f->origin);
   km_state_move(f->m, f->s, f->sub, f->chord);
   bool closed = km_close_fully(km_loops_close, f->m, f->s, f->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
   const km_partition *p = &f->s->partition[f->index];
@@ -201,14 +203,14 @@ static void add_space(branch_spaces *spaces, km_tangents *f, km_arena *arena) {
   int rows = 0;
   if (!Z || !share)
     return;
-  km_partition_null(p, weight, freedom, Z);
+  km_partition_null_space(p, weight, freedom, Z);
   for (int i = 0; i < freedom; ++i) {
     for (int r = 0; r < k; ++r) {
       share[r] = 0.0;
       for (int c = 0; c < n; ++c)
         share[r] += f->conditions.Z[(size_t)r * (size_t)n + (size_t)c] * Z[(size_t)i * (size_t)n + (size_t)c];
     }
-    rows += km_tangents_add(V, rows, k, share);
+    rows += km_tangents_append_orthonormal(V, rows, k, share);
   }
   spaces->dimension[spaces->count++] = rows;
 }
@@ -220,7 +222,7 @@ static int find_branches(km_tangents *f, const km_passive_freedoms *idle, int mo
   double *lines = KM_ARENA_NEW(arena, double, (size_t)(KM_MAX_FINITE_MOTIONS * k));
   double length;
   branch_spaces spaces = {.freedom = k, .V = KM_ARENA_NEW(arena, double, (size_t)(MOST_SPACES * k * k))};
-  while (lines && spaces.V && found < KM_MAX_FINITE_MOTIONS && km_tangents_next(f, lines, found, &length)) {
+  while (lines && spaces.V && found < KM_MAX_FINITE_MOTIONS && km_tangents_find_next(f, lines, found, &length)) {
     if (is_in_known_space(&spaces, f->a))
       continue;
     memcpy(lines + (size_t)found++ * (size_t)k, f->a, (size_t)k * sizeof *lines);
@@ -228,11 +230,11 @@ static int find_branches(km_tangents *f, const km_passive_freedoms *idle, int mo
     if (most_here > best) {
       km_arena scratch = {0};
       bool doubtful = false;
-      km_state_restore(f->s, f->sub, f->ahead);
+      km_state_restore(f->s, f->sub, f->end_ahead);
       int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.idle;
       km_arena_free(&scratch);
       dimension = smaller(dimension, most_here);
-      f->doubtful_dimension = doubtful && most_here > f->doubtful_dimension ? most_here : f->doubtful_dimension;
+      f->undecided_dimension = doubtful && most_here > f->undecided_dimension ? most_here : f->undecided_dimension;
       best = dimension > best ? dimension : best;
     }
     list_motion(f, f->a, KM_MOTION_BRANCH, length, out);
@@ -250,7 +252,7 @@ static int least_dimension_here(const km_mechanism *m, km_state *s, int index) {
   km_sampled_tangents many = {0};
   double length;
   int dimension = 1;
-  if (km_tangents_make(&f, m, s, index, &arena) && km_sampled_tangents_make(&many, &f) &&
+  if (km_tangents_create(&f, m, s, index, &arena) && km_sampled_tangents_create(&many, &f) &&
       (f.conditions.freedom <= 1 || !f.conditions.redundant || km_sampled_tangents_all_finite(&many, &length)))
     dimension = f.conditions.freedom;
   km_sampled_tangents_free(&many);
@@ -263,7 +265,7 @@ static int find_some_branches(km_sampled_tangents *many, km_finite_mobility *out
   km_tangents *f = many->f;
   int best = 0, first = out->motion_count;
   double length;
-  while (km_sampled_tangents_next(many, &length)) {
+  while (km_sampled_tangents_find_next(many, &length)) {
     int dimension = least_dimension_here(f->m, f->s, f->index);
     best = dimension > best ? dimension : best;
     list_new(f, many->x, first, length, out);
@@ -276,12 +278,12 @@ static int find_in_many(km_tangents *f, km_finite_mobility *out) {
   km_sampled_tangents many;
   double length;
   int k = f->conditions.freedom, mobility = k;
-  bool made = km_sampled_tangents_make(&many, f);
+  bool made = km_sampled_tangents_create(&many, f);
   out->truncated = true;
   if (made && km_sampled_tangents_all_finite(&many, &length)) {
     list_direction(f, many.x, KM_MOTION_REGULAR, length, out);
   } else if (made && f->conditions.redundant) {
-    bool refuted = !f->doubtful; /* not all are real: k − 1 is the most that can be */
+    bool refuted = !f->has_undecided; /* not all are real: k − 1 is the most that can be */
     mobility = find_some_branches(&many, out);
     out->undecided = out->undecided || !(refuted && mobility == k - 1);
   }
@@ -317,7 +319,8 @@ static int find_steady(km_tangents *f, km_arena *arena, km_finite_mobility *out)
 static bool are_refuted(km_tangents *f) {
   static const double above = 100.0; /* times the closure tolerance */
   double tolerance = f->m->closure_tolerance_given ? above * f->m->closure_tolerance : 0.0;
-  return km_tangents_need_conditions(f) && km_second_order_binds(&f->conditions) && f->conditions.size > tolerance;
+  return km_tangents_update_conditions(f) && km_second_order_is_significant(&f->conditions) &&
+         f->conditions.size > tolerance;
 }
 
 /* True if motions may meet at an order that the second one doesn't decide: in a cusp, or with the same tangent. */
@@ -386,7 +389,7 @@ static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h,
 static void find_touching(km_tangents *f, const km_passive_freedoms *idle, int first, int *mobility, bool *undecided,
                           km_finite_mobility *out) {
   km_half_branches halves;
-  if (!may_touch(f, *mobility) || (*mobility == 0 && !km_tangents_meet_second_order(f)) ||
+  if (!may_touch(f, *mobility) || (*mobility == 0 && !km_tangents_satisfy_second_order(f)) ||
       !km_half_branches_find(f, &halves))
     return;
   if (*mobility == 0 && halves.count > 0) {
@@ -400,7 +403,7 @@ static void find_touching(km_tangents *f, const km_passive_freedoms *idle, int f
 }
 
 static int find_in_few(km_tangents *f, const km_passive_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
-  if (f->conditions.freedom == 0 || !km_tangents_make_basis(f))
+  if (f->conditions.freedom == 0 || !km_tangents_create_basis(f))
     return 0;
   bool regular = !f->conditions.redundant || km_tangents_all_finite(f);
   int apart = regular ? 0 : list_idle(f, idle, arena, out);
@@ -412,12 +415,12 @@ static int find_in_few(km_tangents *f, const km_passive_freedoms *idle, km_arena
     list_basis(f, KM_MOTION_REGULAR, out);
     return apart + k;
   }
-  bool alone = f->doubtful && k == 1; /* of several directions tried, most need not be real */
+  bool alone = f->has_undecided && k == 1; /* of several directions tried, most need not be real */
   /* Where some tangents are refuted, not all are real near by either: the misfit is analytic on the manifold of the
    * primary equations. */
-  int first = out->motion_count, most = k > 1 && (!f->doubtful || are_refuted(f)) ? k - 1 : k;
+  int first = out->motion_count, most = k > 1 && (!f->has_undecided || are_refuted(f)) ? k - 1 : k;
   int mobility = find_branches(f, idle, most, arena, out);
-  bool undecided = (alone && mobility < k) || mobility < smaller(f->doubtful_dimension, most);
+  bool undecided = (alone && mobility < k) || mobility < smaller(f->undecided_dimension, most);
   find_touching(f, idle, first, &mobility, &undecided, out);
   if (mobility == 0)
     list_basis(f, undecided ? KM_MOTION_UNDECIDED : KM_MOTION_SHAKY, out);
@@ -436,7 +439,7 @@ static int count_idle(const km_tangents *f, const km_passive_freedoms *idle) {
 /* The same of many, for which a basis is tried for this alone. */
 static int find_steady_of_many(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
   bool tried = f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.redundant && km_constant_rank_is_small(f->sub);
-  return tried && km_tangents_make_basis(f) ? find_steady(f, arena, out) : -1;
+  return tried && km_tangents_create_basis(f) ? find_steady(f, arena, out) : -1;
 }
 
 static int find_in_tangents(km_tangents *f, const km_passive_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
@@ -452,10 +455,10 @@ static int find_in_tangents(km_tangents *f, const km_passive_freedoms *idle, km_
 static int find_in(const km_mechanism *m, km_state *s, int index, const km_passive_freedoms *idle, km_arena *arena,
                    km_finite_mobility *out) {
   km_tangents f;
-  if (!km_tangents_make(&f, m, s, index, arena))
+  if (!km_tangents_create(&f, m, s, index, arena))
     return 0;
   int mobility = find_in_tangents(&f, idle, arena, out);
-  km_loops_restore_cached(m, s, index, f.pose);
+  km_loops_restore_cached(m, s, index, f.origin);
   return mobility;
 }
 

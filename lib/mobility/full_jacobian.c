@@ -14,7 +14,7 @@ static void fill_loop(const km_mechanism *m, const km_substructure *sub, int loo
     for (int c = first; c < first + km_model_freedom(m->model, member->joint); ++c) {
       if (m->column_of[c] < 0)
         continue;
-      double column[6], sense = km_member_sense(member);
+      double column[6], sense = km_member_sign(member);
       km_twist_entries(sub, twist[c], about, m->unit[c], column);
       for (int r = 0; r < 6; ++r)
         J[(size_t)m->column_of[c] * (size_t)rows + (size_t)r] = sense * column[r];

@@ -63,7 +63,7 @@ static void add_rigid(const km_mechanism *m, km_state *s, int index, km_messages
   km_suggestion named;
   if (m->closure_tolerance_given || p->sparse || sub->loop_count == 0)
     return;
-  km_pivot_here(m, s, index, KM_NO_DRIVER, 0.0);
+  km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
   double pivot = p->rank > 0 ? p->last_pivot / p->scale : 1.0;
   bool is_redundant = p->rank < sub->rows;
   if (km_partition_freedom(p) > 0 || pivot > (is_redundant ? small : very_small) ||
@@ -78,7 +78,7 @@ static void add_rigid(const km_mechanism *m, km_state *s, int index, km_messages
 }
 
 void km_geometry_notes(const km_mechanism *m, km_state *s, km_messages *messages) {
-  if (!km_state_fits(m, s) || !messages)
+  if (!km_state_belongs_to(m, s) || !messages)
     return;
   for (int l = 0; l < m->topology.loop_count; ++l)
     add_pin_offset(m, l, messages);

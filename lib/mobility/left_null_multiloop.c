@@ -302,7 +302,7 @@ static bool solve_sparse(reduced *R, km_arena *scratch, km_arena *arena, km_left
   if (!reserve_vector(R, scratch, &v) || !fill_sparse(R, scratch) ||
       !km_partition_reserve_sparse(&p, R->a->sub->columns, R->rows, R->start, R->column, scratch))
     return false;
-  p.any_independent = true;
+  p.unrestricted_basis = true;
   km_partition_factor(&p, R->entries, R->a->sub->columns, R->rows, NULL, R->a->tolerance);
   int found = km_partition_freedom(&p);
   bool whole = !p.failed && reserve_vectors(found, arena, out);

@@ -58,7 +58,7 @@ void km_left_visit(const km_left_space *a, int place, km_left_take take, void *o
     for (int c = first; c < first + km_model_freedom(a->m->model, member->joint); ++c) {
       if (a->m->column_of[c] < 0)
         continue;
-      double column[6], sense = km_member_sense(member);
+      double column[6], sense = km_member_sign(member);
       km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about[place], a->m->unit[c], column);
       for (int r = 0; r < 6; ++r)
         column[r] *= sense;
@@ -75,6 +75,6 @@ int km_left_solve(const double *T, int height, int rows, double tolerance, km_ar
   for (int r = 0; r < rows; ++r)
     one[r] = 1.0;
   km_partition_factor(&p, T, height, rows, NULL, tolerance);
-  km_partition_null(&p, one, km_partition_freedom(&p), W);
+  km_partition_null_space(&p, one, km_partition_freedom(&p), W);
   return km_partition_freedom(&p);
 }

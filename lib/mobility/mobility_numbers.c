@@ -6,18 +6,18 @@
 static void set_numbers(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  km_state_numbers(m, s, index, s->work);
+  km_state_mobility_numbers(m, s, index, s->work);
   for (int k = 0; k < sub->columns; ++k)
-    s->numbers[coordinate[k]] = s->work[k];
+    s->mobility_number[coordinate[k]] = s->work[k];
 }
 
 void km_motions_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   bool many = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS; /* by the rows, whatever B is */
-  if (s->pivoted[index] == KM_NEVER || (!many && !(p->largest_b <= km_largest_good_b))) {
+  if (s->pivot_driver[index] == KM_NEVER || (!many && !(p->max_b <= km_max_good_b))) {
     int worst;
-    km_pivot(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
+    km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }
   km_state_mark_mobility_known(s, index);
 }
@@ -55,7 +55,7 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
     int worst;
     km_loops_update(m, s, sub);
     double residual = km_loops_residual(m, s, sub, &worst);
-    km_pivot(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
+    km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, sub, residual));
     out->residual = fmax(out->residual, residual);
     out->mobility += km_partition_freedom(&s->partition[i]);
     out->redundant_constraints -= s->partition[i].rank;
@@ -66,7 +66,7 @@ km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
   km_status status = KM_OK;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (s->partition[i].failed) {
-      km_state_forget_pivots(s, i);
+      km_state_invalidate_pivots(s, i);
       status = KM_MEMORY;
     }
   if (status)
@@ -79,11 +79,11 @@ km_status km_mobility_compute(const km_mechanism *m, km_state *s, km_mobility *o
   if (!out)
     return KM_USAGE;
   *out = unknown;
-  if (!km_state_fits(m, s))
+  if (!km_state_belongs_to(m, s))
     return KM_USAGE;
   km_ranks_update(m, s, out);
   for (int c = 0; c < m->coordinate_count; ++c)
-    s->numbers[c] = is_outside(m, s, c) ? 1.0 : 0.0;
+    s->mobility_number[c] = is_outside(m, s, c) ? 1.0 : 0.0;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     set_numbers(m, s, i);
   km_status status = km_mobility_memory(m, s);
@@ -102,7 +102,7 @@ void km_substructure_evidence(const km_mechanism *m, const km_state *s, int inde
   if (!out)
     return;
   *out = (km_substructure_mobility){0};
-  if (!km_state_fits(m, s) || index < 0 || index >= m->topology.substructure_count)
+  if (!km_state_belongs_to(m, s) || index < 0 || index >= m->topology.substructure_count)
     return;
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
@@ -121,5 +121,5 @@ void km_substructure_evidence(const km_mechanism *m, const km_state *s, int inde
 double km_mobility_number(const km_state *s, int coordinate) {
   if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
     return nan("");
-  return s->numbers[coordinate];
+  return s->mobility_number[coordinate];
 }

@@ -258,9 +258,9 @@ static int count_real(const groups *g, const km_passive_freedom *group) {
   km_passive_freedom item = *group;
   const km_passive_freedoms alone = {1, group->freedoms, &item};
   int count = group->freedoms;
-  if (km_tangents_make(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
-    count = km_tangents_make_basis(&f) ? km_passive_tangents_remove(&f, &alone, NULL) : -1;
-    km_loops_restore_cached(g->m, g->s, g->index, f.pose);
+  if (km_tangents_create(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
+    count = km_tangents_create_basis(&f) ? km_passive_tangents_remove(&f, &alone, NULL) : -1;
+    km_loops_restore_cached(g->m, g->s, g->index, f.origin);
   }
   count = arena.failed ? -1 : count;
   km_arena_free(&arena);

@@ -95,10 +95,10 @@ static bool find(const axes *a, double normal[3]) {
 }
 
 bool km_mechanism_plane(const km_mechanism *m, const km_state *s, double normal[3]) {
-  return km_state_fits(m, s) && normal && find(&(axes){m, s, -1}, normal);
+  return km_state_belongs_to(m, s) && normal && find(&(axes){m, s, -1}, normal);
 }
 
 bool km_loop_plane(const km_mechanism *m, const km_state *s, int loop, double normal[3]) {
-  return km_state_fits(m, s) && normal && loop >= 0 && loop < m->topology.loop_count &&
+  return km_state_belongs_to(m, s) && normal && loop >= 0 && loop < m->topology.loop_count &&
          find(&(axes){m, s, loop}, normal);
 }

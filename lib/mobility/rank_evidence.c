@@ -70,12 +70,12 @@ static void loop_gram(const km_mechanism *m, int index, int loops, double *G) {
   for (int a = 0; a < loops; ++a) {
     int one = t->loop[t->loop_start[index] + a];
     for (int i = t->member_start[one]; i < t->member_start[one + 1]; ++i)
-      sense[t->member[i].joint] = km_member_sense(&t->member[i]);
+      sense[t->member[i].joint] = km_member_sign(&t->member[i]);
     for (int b = 0; b < loops; ++b) {
       int other = t->loop[t->loop_start[index] + b];
       double sum = 0.0;
       for (int i = t->member_start[other]; i < t->member_start[other + 1]; ++i)
-        sum += sense[t->member[i].joint] * km_member_sense(&t->member[i]);
+        sum += sense[t->member[i].joint] * km_member_sign(&t->member[i]);
       G[a * loops + b] = sum;
     }
     for (int i = t->member_start[one]; i < t->member_start[one + 1]; ++i)

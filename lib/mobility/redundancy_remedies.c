@@ -47,7 +47,7 @@ static reach beyond_reach(const km_left_space *a, const km_left_null *null, int 
   reach out = {0};
   for (int n = a->first_place[joint]; n < a->first_place[joint + 1]; ++n) {
     const km_loop_place *place = &a->place[n];
-    double s = km_member_sense(&t->member[place->member]);
+    double s = km_member_sign(&t->member[place->member]);
     for (int i = 0; i < count; ++i)
       km_twist_entries(a->sub, h[i], a->about[place->loop], 1.0, column[i]);
     for (int k = null->first[place->loop]; k < null->first[place->loop + 1]; ++k)

@@ -49,7 +49,7 @@ km_status km_substructure_null(const km_mechanism *m, const km_state *s, int ind
     return status;
   const km_partition *p = &s->partition[index];
   for (int k = 0; k < km_partition_freedom(p); ++k)
-    km_partition_direction(p, p->column[p->rank + k], N + (size_t)k * (size_t)p->columns);
+    km_partition_null_vector(p, p->column[p->rank + k], N + (size_t)k * (size_t)p->columns);
   return KM_OK;
 }
 

@@ -216,9 +216,9 @@ static bool find_motions(block *b, const km_state *s, int index) {
     fill_row(b, b->h->actuator[a], b->v + (size_t)a * (size_t)b->n);
   for (int j = 0; j < b->n; ++j)
     b->load[j] = -b->st->least_norm[b->h->coordinate[j]] / b->m->scale[b->h->coordinate[j]];
-  if (b->count > 0 && !km_partition_along_null(p, J, weight, b->v, b->count))
+  if (b->count > 0 && !km_partition_project_null_space(p, J, weight, b->v, b->count))
     return false;
-  km_partition_null(p, weight, b->known, b->z);
+  km_partition_null_space(p, weight, b->known, b->z);
   return true;
 }
 

@@ -231,7 +231,7 @@ static void free_combinations(equilibrium *e, const km_state *state) {
   km_partition_factor(&e->couplings, e->K, e->sub->coupling_count, e->coupled_count, NULL,
                       1e-12 * (1.0 + e->coupled_count));
   e->free_count = km_partition_freedom(&e->couplings);
-  km_partition_null(&e->couplings, e->one, e->free_count, e->free);
+  km_partition_null_space(&e->couplings, e->one, e->free_count, e->free);
 }
 
 /* Along a combination of coupled motions. */
@@ -286,7 +286,7 @@ static bool mark(equilibrium *e, bool *mixed) {
     double largest = 0.0;
     for (int i = 0; i < 6 * e->joints; ++i)
       e->row[i] = km_uniform(&random);
-    if (!km_sparse_qr_reject(e->q, e->row, 1))
+    if (!km_sparse_qr_remove(e->q, e->row, 1))
       return false;
     for (int i = 0; i < 6 * e->joints; ++i)
       largest = fmax(largest, fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size));
@@ -300,7 +300,7 @@ int km_body_equilibrium_solve(equilibrium *e, const km_statics_workspace *w, con
                               double *carried, bool *mixed) {
   for (int i = 0; i < 6 * e->joints; ++i)
     e->x[i] = carried[i] / (i % 6 < 3 ? 1.0 : e->m->length);
-  if (!fill(e, w, state, e->x) || !km_sparse_qr_factor(e->q, tolerance) || !km_sparse_qr_least(e->q, e->b, e->x))
+  if (!fill(e, w, state, e->x) || !km_sparse_qr_factor(e->q, tolerance) || !km_sparse_qr_minimum_norm(e->q, e->b, e->x))
     return -1;
   for (int i = 0; i < 6 * e->joints; ++i)
     carried[i] = e->x[i] * (i % 6 < 3 ? 1.0 : e->m->length);

@@ -11,7 +11,7 @@ void km_point_each_mover(const km_mechanism *m, const km_port *point, km_mover_v
     int joint = m->topology.arc[b], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c)
       if (!m->held[c])
-        at(context, c, m->topology.against[joint]);
+        at(context, c, m->topology.is_reversed[joint]);
   }
 }
 

@@ -27,8 +27,7 @@ static void list_passing(const km_mechanism *m, const km_statics_workspace *w, i
     c->first[j + 2] += c->first[j + 1];
   for (int i = start; i < end; ++i)
     for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
-      c->passing[c->first[w->place[t->member[n].joint] + 1]++] =
-          (km_passing){i - start, km_member_sense(&t->member[n])};
+      c->passing[c->first[w->place[t->member[n].joint] + 1]++] = (km_passing){i - start, km_member_sign(&t->member[n])};
 }
 
 static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
@@ -109,7 +108,7 @@ static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_a
 /* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
 static km_wrench from_tree(const km_mechanism *m, const km_statics_workspace *w, int joint) {
   const km_model_joint *def = &m->model->joints[joint];
-  bool against = m->topology.against[joint];
+  bool against = m->topology.is_reversed[joint];
   int body = m->model->frames[def->frame[!against]].body;
   if (m->topology.arc[body] != joint)
     return (km_wrench){{0, 0, 0}, {0, 0, 0}}; /* a chord */

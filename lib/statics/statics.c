@@ -169,7 +169,7 @@ static void gather_loads(const km_mechanism *m, const km_state *s, const km_forc
     const km_arc *arc = &m->arcs[i];
     int first = m->model->joints[arc->joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, arc->joint); ++c)
-      w->tau[c] += (arc->against ? -1.0 : 1.0) * km_wrench_power(w->subtree[arc->body], w->twist[c]);
+      w->tau[c] += (arc->is_reversed ? -1.0 : 1.0) * km_wrench_power(w->subtree[arc->body], w->twist[c]);
     w->subtree[arc->parent] = km_wrench_axpy(1.0, w->subtree[arc->body], w->subtree[arc->parent]);
   }
 }
@@ -182,7 +182,7 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     const int *coordinate = m->column_coordinate + sub->column_start;
-    if (km_state_along_many(m, s, i, tau, s->work)) {
+    if (km_state_project_onto_motions(m, s, i, tau, s->work)) {
       for (int j = 0; j < sub->columns; ++j)
         st->least_norm[coordinate[j]] = 0.0 - m->scale[coordinate[j]] * s->work[j];
       continue;

@@ -14,7 +14,7 @@ typedef struct km_answer_cache {
   size_t count;
 } km_answer_cache;
 
-/* Takes a copy of the answer in place of one that is there, in O(1). `key`: as km_store makes it, with one pattern for each
+/* Takes a copy of the answer in place of one that is there, in O(1). `key`: as km_entry_store makes it, with one pattern for each
  * number. False: out of memory. */
 bool km_answer_cache_put(km_answer_cache *map, const km_store_shape *shape, const double *key,
                          const km_design_answer *answer);

@@ -8,7 +8,7 @@
 #include "continuation/batch/batch.h"
 #include "kmech/study.h"
 
-typedef struct km_store km_store;
+typedef struct km_entry_store km_entry_store;
 typedef struct km_sampler km_sampler;
 
 /* Where a parameter's number goes in a model that is read already: the places of km_model_numbers_list. */
@@ -50,7 +50,7 @@ struct km_design_study {
   const char *units[KM_MAX_DESIGN_FIGURES]; /* by the reference design's answers; "" */
   int band_rows[KM_MAX_DESIGN_QUESTIONS];   /* rows that are kept of each band */
   int question_ids[KM_MAX_DESIGN_QUESTIONS];
-  km_store *store;
+  km_entry_store *store;
   km_sampler *sampler; /* of a sample; NULL: none */
   km_trail trail;
   km_collected *collected; /* what the results come to; NULL: not looked at since the last run */

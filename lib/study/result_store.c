@@ -22,7 +22,7 @@
 /* Bytes of what is appended before it is sorted for the first time. */
 static const double first_appended = 1 << 20;
 
-struct km_store {
+struct km_entry_store {
   sqlite3 *db;
   sqlite3_stmt *get, *put, *append;
   const char *path;               /* for messages */
@@ -45,11 +45,11 @@ static const char appended_schema[] =
     "CREATE TABLE IF NOT EXISTS appended(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL,"
     " reason TEXT, figures BLOB NOT NULL, bands BLOB);";
 
-static km_status fail_to_write(const km_store *s, km_error *error) {
+static km_status fail_to_write(const km_entry_store *s, km_error *error) {
   return km_fail(error, KM_IO, "%s: the store can't be written, only shown and exported", s->path);
 }
 
-static km_status fail(const km_store *s, km_error *error) {
+static km_status fail(const km_entry_store *s, km_error *error) {
   if (s->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
   int code = s->db ? sqlite3_extended_errcode(s->db) : SQLITE_NOMEM;
@@ -66,12 +66,12 @@ static km_status fail(const km_store *s, km_error *error) {
   return km_fail(error, KM_IO, "%s: the store can't be used: %s", s->path, reason);
 }
 
-static km_status run(const km_store *s, const char *sql, km_error *error) {
+static km_status run(const km_entry_store *s, const char *sql, km_error *error) {
   return sqlite3_exec(s->db, sql, NULL, NULL, NULL) == SQLITE_OK ? KM_OK : fail(s, error);
 }
 
 /* The one text that a statement with one text bound gives; NULL: no row. Kept in the store. */
-static const char *text_of(km_store *s, const char *sql, const char *bound) {
+static const char *text_of(km_entry_store *s, const char *sql, const char *bound) {
   sqlite3_stmt *statement = NULL;
   const char *text = NULL;
   if (sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL) == SQLITE_OK) {
@@ -84,7 +84,7 @@ static const char *text_of(km_store *s, const char *sql, const char *bound) {
   return text;
 }
 
-static km_status insert(const km_store *s, const char *sql, const char *a, const char *b, km_error *error) {
+static km_status insert(const km_entry_store *s, const char *sql, const char *a, const char *b, km_error *error) {
   sqlite3_stmt *statement = NULL;
   int code = sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
   if (code == SQLITE_OK) {
@@ -97,7 +97,7 @@ static km_status insert(const km_store *s, const char *sql, const char *a, const
 }
 
 /* An empty file gets its tables; one with results must be of the same study. */
-static km_status take(km_store *s, const char *identity, const char *what, bool replace, km_error *error) {
+static km_status take(km_entry_store *s, const char *identity, const char *what, bool replace, km_error *error) {
   const char *tables = text_of(s, "SELECT count(*) FROM sqlite_master", NULL);
   if (!tables)
     return fail(s, error);
@@ -128,7 +128,7 @@ static km_status take(km_store *s, const char *identity, const char *what, bool 
   return status ? status : run(s, "COMMIT", error);
 }
 
-static km_status prepare(km_store *s, km_error *error) {
+static km_status prepare(km_entry_store *s, km_error *error) {
   static const char get[] = "SELECT outcome, reason, figures, bands FROM results WHERE question = ? AND design = ?";
   static const char put[] = "INSERT OR REPLACE INTO results VALUES(?, ?, ?, ?, ?, ?)";
   static const char append[] = "INSERT INTO appended VALUES(?, ?, ?, ?, ?, ?)";
@@ -142,14 +142,14 @@ static km_status prepare(km_store *s, km_error *error) {
 }
 
 /* Begins a transaction, where none is open. */
-static km_status begin(km_store *s, km_error *error) {
+static km_status begin(km_entry_store *s, km_error *error) {
   km_status status = s->writing ? KM_OK : run(s, "BEGIN IMMEDIATE", error);
   s->writing = s->writing || !status;
   return status;
 }
 
 /* Of two answers about one design the later one stays. */
-static km_status sort_appended(km_store *s, km_error *error) {
+static km_status sort_appended(km_entry_store *s, km_error *error) {
   static const char sort[] = "INSERT OR REPLACE INTO results SELECT * FROM appended ORDER BY question, design, rowid;"
                              "DELETE FROM appended";
   km_status status = begin(s, error);
@@ -158,7 +158,7 @@ static km_status sort_appended(km_store *s, km_error *error) {
 }
 
 /* What a run that was killed has left. */
-static km_status sort_what_is_left(km_store *s, km_error *error) {
+static km_status sort_what_is_left(km_entry_store *s, km_error *error) {
   const char *left = text_of(s, "SELECT 1 FROM appended LIMIT 1", NULL);
   if (s->arena.failed)
     return fail(s, error);
@@ -167,7 +167,7 @@ static km_status sort_what_is_left(km_store *s, km_error *error) {
 }
 
 /* The same where nothing can be written: a table in memory takes the place of the file's. */
-static km_status sort_aside(km_store *s, km_error *error) {
+static km_status sort_aside(km_entry_store *s, km_error *error) {
   static const char sort[] =
       "CREATE TEMP TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
       " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;"
@@ -186,7 +186,7 @@ static bool is_read_only(const char *path, const char *folder) {
 }
 
 /* The name of a file as SQLite's URI, which says that nothing changes the file: its locks and its log need writing. */
-static km_status open_read_only(km_store *s, km_error *error) {
+static km_status open_read_only(km_entry_store *s, km_error *error) {
   struct stat log;
   km_text name = {0};
   km_text_format(&name, "%s-wal", s->path);
@@ -209,7 +209,7 @@ static km_status open_read_only(km_store *s, km_error *error) {
 }
 
 /* Damage that SQLite can see: of pages, their order and their links. A changed number isn't seen. O(bytes of the file). */
-static km_status check_integrity(km_store *s, km_error *error) {
+static km_status check_integrity(km_entry_store *s, km_error *error) {
   const char *found = s->in_memory ? "ok" : text_of(s, "PRAGMA integrity_check(1)", NULL);
   if (!found)
     return fail(s, error);
@@ -220,7 +220,7 @@ static km_status check_integrity(km_store *s, km_error *error) {
                  found);
 }
 
-static km_status open_file(km_store *s, const char *folder, km_error *error) {
+static km_status open_file(km_entry_store *s, const char *folder, km_error *error) {
   s->read_only = !s->in_memory && is_read_only(s->path, folder);
   if (s->read_only)
     return open_read_only(s, error);
@@ -233,9 +233,9 @@ static km_status open_file(km_store *s, const char *folder, km_error *error) {
   return status ? status : run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
 }
 
-km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_store **out,
+km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_entry_store **out,
                         km_error *error) {
-  km_store *s = *out = KM_NEW(km_store, 1);
+  km_entry_store *s = *out = KM_NEW(km_entry_store, 1);
   if (!s)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
@@ -256,7 +256,7 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   return status ? status : prepare(s, error);
 }
 
-void km_store_free(km_store *s) {
+void km_store_free(km_entry_store *s) {
   if (!s)
     return;
   if (s->writing)
@@ -270,7 +270,7 @@ void km_store_free(km_store *s) {
   km_free(s);
 }
 
-km_status km_store_question(km_store *s, const char *key, const char *name, int *id, km_error *error) {
+km_status km_store_question(km_entry_store *s, const char *key, const char *name, int *id, km_error *error) {
   static const char find[] = "SELECT id FROM questions WHERE key = ?";
   const char *text = text_of(s, find, key);
   km_status status = s->arena.failed ? fail(s, error) : KM_OK;
@@ -285,7 +285,7 @@ km_status km_store_question(km_store *s, const char *key, const char *name, int 
   return status || text ? status : fail(s, error);
 }
 
-km_status km_store_is_empty(const km_store *s, bool *empty, km_error *error) {
+km_status km_store_is_empty(const km_entry_store *s, bool *empty, km_error *error) {
   sqlite3_stmt *statement = NULL;
   if (s->in_memory) {
     *empty = s->kept.count == 0;
@@ -333,7 +333,7 @@ static bool read_answer(sqlite3_stmt *row, const km_store_shape *shape, km_desig
   return !has_bands || copy_numbers(row, 3, out->bands, shape->band_numbers);
 }
 
-km_status km_store_get(km_store *s, const km_store_shape *shape, const double *values, km_design_answer *out,
+km_status km_store_get(km_entry_store *s, const km_store_shape *shape, const double *values, km_design_answer *out,
                        bool *found, km_error *error) {
   double key[KM_MAX_DESIGN_PARAMETERS];
   key_of(values, shape->parameters, key);
@@ -351,7 +351,7 @@ km_status km_store_get(km_store *s, const km_store_shape *shape, const double *v
   return code == SQLITE_ROW || code == SQLITE_DONE ? KM_OK : fail(s, error);
 }
 
-km_status km_store_put(km_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
+km_status km_store_put(km_entry_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
                        km_error *error) {
   double key[KM_MAX_DESIGN_PARAMETERS];
   sqlite3_stmt *put = s->appends ? s->append : s->put;
@@ -384,18 +384,18 @@ km_status km_store_put(km_store *s, const km_store_shape *shape, const double *v
   return code == SQLITE_DONE ? KM_OK : fail(s, error);
 }
 
-void km_store_append(km_store *s) {
+void km_store_append(km_entry_store *s) {
   s->appends = !s->in_memory && !s->read_only;
 }
 
-km_status km_store_sort(km_store *s, km_error *error) {
+km_status km_store_sort(km_entry_store *s, km_error *error) {
   km_status status = s->appends ? sort_appended(s, error) : KM_OK;
   s->appends = false;
   km_status committed = km_store_commit(s, status ? NULL : error); /* what can't be sorted is there still */
   return status ? status : committed;
 }
 
-km_status km_store_commit(km_store *s, km_error *error) {
+km_status km_store_commit(km_entry_store *s, km_error *error) {
   km_status status = KM_OK;
   if (!s->writing)
     return KM_OK;

@@ -47,7 +47,7 @@ static double rank_value(const km_mechanism *m, km_state *s, int substructure) {
   km_rank_evidence e;
   if (!m->closure_tolerance_given)
     return 0.0;
-  km_pivot_here(m, s, substructure, KM_NO_DRIVER, 0.0);
+  km_update_and_search_pivots(m, s, substructure, KM_NO_DRIVER, 0.0);
   km_poses_compute(m, s);
   if (km_rank_evidence_find(m, s, substructure, &e, NULL))
     return 0.0;

@@ -24,7 +24,7 @@ bool km_event_search_reserve(km_event_search *scan, int count) {
   scan->count = count;
   scan->shown = nan("");
   scan->probe_n = KM_NEW(double, 6 * n);
-  scan->runs = KM_NEW(km_run, n);
+  scan->runs = KM_NEW(km_entry_range, n);
   scan->first.n = KM_NEW(double, 4 * KM_ENDING * n);
   if (!scan->probe_n || !scan->runs || !scan->first.n)
     return false;
@@ -130,7 +130,7 @@ static bool vanishes(double x, double a, double b) {
 
 /* Function i has an extreme at s beyond 0, where the three samples about it are on one side: its zeros between them. */
 static km_status find_zeros_about(km_event_search *scan, km_sweeper *r, int i, double s, km_error *error) {
-  const km_run *run = &scan->runs[i];
+  const km_entry_range *run = &scan->runs[i];
   km_status status = KM_OK;
   for (int side = 0; side < 3 && !status; side += 2) {
     double from = fabs(run->s[side] - s) > fabs(run->s[side] - run->s[1]) ? run->s[1] : run->s[side], root;
@@ -142,7 +142,7 @@ static km_status find_zeros_about(km_event_search *scan, km_sweeper *r, int i, d
 
 /* The middle one of the last three samples of a run is the largest (sign -1: of -f, smallest) or smallest. */
 static km_status find_extreme(km_event_search *scan, km_sweeper *r, int i, double sign, km_error *error) {
-  const km_run *run = &scan->runs[i];
+  const km_entry_range *run = &scan->runs[i];
   search q = {scan, r, i, QUOTIENT, sign, false};
   gsl_function f = {at, &q};
   double low = fmin(run->s[0], run->s[2]), high = fmax(run->s[0], run->s[2]);
@@ -176,7 +176,7 @@ static km_status find_extreme(km_event_search *scan, km_sweeper *r, int i, doubl
 
 /* One more sample of a run. Of those that are alike, as two beside an extreme may be, the first one counts. */
 static km_status take(km_event_search *scan, km_sweeper *r, int i, double s, double f, bool *moved, km_error *error) {
-  km_run *run = &scan->runs[i];
+  km_entry_range *run = &scan->runs[i];
   if (run->have > 0 && fabs(f - run->f[0]) <= least_swing * (fabs(f) + fabs(run->f[0])))
     return KM_OK;
   memmove(run->s + 1, run->s, 2 * sizeof *run->s);

@@ -25,10 +25,10 @@ typedef struct km_events {
 } km_events;
 
 /* The last samples of a function since its last pole or corner, the newest first. */
-typedef struct km_run {
+typedef struct km_entry_range {
   double s[3], f[3];
   int have;
-} km_run;
+} km_entry_range;
 
 /* Samples at the beginning or the end of a sweep, the one at its end first. */
 enum { KM_ENDING = 14 };
@@ -54,7 +54,7 @@ typedef struct km_event_search {
   double s[2], *n[2], *d[2]; /* the last two samples, the newest first */
   int have;                  /* of them; 0 to forget them */
   double *probe_n, *probe_d; /* [count] */
-  km_run *runs;              /* [count] */
+  km_entry_range *runs;      /* [count] */
   km_ending first, last;
   double shown; /* the pole that `between` has been shown last */
 } km_event_search;

@@ -71,7 +71,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
   watch *w = self;
   const int *shown = w->shown;
-  const double *numbers = r->s->numbers;
+  const double *numbers = r->s->mobility_number;
   for (int i = 0, count = w->shown_count; i < count; ++i)
     *cell++ = shown[i] < 0 ? 0.0 : numbers[shown[i]];
   if (r->plan->singularities)
@@ -336,7 +336,7 @@ static void forget(void *self) {
  * how well the place is known. */
 static bool stops_with(const km_sweeper *r, int c) {
   static const double ratio = 100.0; /* of rates that both keep beside the place */
-  const double *numbers = r->s->numbers;
+  const double *numbers = r->s->mobility_number;
   return numbers[c] <= ratio * ratio * fmax(numbers[r->plan->coordinate], 1e-30);
 }
 

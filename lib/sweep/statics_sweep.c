@@ -57,7 +57,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
 }
 
 static unsigned edition_of(const km_sweeper *r) {
-  return r->substructure >= 0 ? r->s->partition[r->substructure].edition : 0;
+  return r->substructure >= 0 ? r->s->partition[r->substructure].version : 0;
 }
 
 static double *write_cells(void *self, km_sweeper *r, double *cell) {

@@ -87,7 +87,7 @@ static bool find_nets(cause *c) {
     km_vec3 force = km_vec3_make(c->w + 6 * i), moment = km_vec3_make(c->w + 6 * i + 3);
     for (int k = t->member_start[loop]; k < t->member_start[loop + 1]; ++k) {
       net *n = &c->joint[t->member[k].joint];
-      double sense = km_member_sense(&t->member[k]);
+      double sense = km_member_sign(&t->member[k]);
       n->place = km_joint_pose(c->m, c->s, t->member[k].joint).p;
       km_vec3 arm = km_vec3_scale(1.0 / c->sub->size, km_vec3_axpy(-1.0, n->place, c->about));
       n->force = km_vec3_axpy(sense, force, n->force);

@@ -96,17 +96,17 @@ km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
   bool begins;
   double way = first_way(r, &begins);
   double *pose = KM_NEW(double, KM_SAVED_PER_COLUMN *(size_t)sub->columns);
-  km_branch_exit left = {.motions = -1};
+  km_branch_exit left = {.branch_count = -1};
   if (pose) {
     km_state_save(r->s, sub, pose);
     left = km_branch_depart(r->m, r->s, coordinate, way);
   }
-  r->out->start_branches = left.motions;
-  if (left.motions < 0) {
+  r->out->start_branches = left.branch_count;
+  if (left.branch_count < 0) {
     km_free(pose);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
-  if (begins && left.several)
+  if (begins && left.has_further_freedoms)
     r->branch_point = pose;
   else
     km_free(pose);

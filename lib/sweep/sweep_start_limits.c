@@ -17,7 +17,7 @@ typedef struct place {
 static int outside(const place *r) {
   int substructure = r->m->substructure_of[r->plan->coordinate];
   if (substructure >= 0)
-    return km_state_outside(r->s, &r->m->substructures[substructure]);
+    return km_state_find_outside_limit(r->s, &r->m->substructures[substructure]);
   return km_state_is_outside(r->s, r->plan->coordinate) ? r->plan->coordinate : -1;
 }
 

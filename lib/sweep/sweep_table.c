@@ -127,7 +127,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   *cell++ = s;
   int coordinates = m->coordinate_count;
   for (int c = 0; c < coordinates; ++c)
-    *cell++ = km_state_shown(r->s, c);
+    *cell++ = km_state_value(r->s, c);
   cell = r->observer->cells(r->observer->self, r, cell);
   *cell++ = mobility;
   for (int i = 0; i < m->topology.substructure_count; ++i)
@@ -176,7 +176,7 @@ static void put_column(column_cells to, const double *from, size_t apart, double
       *cell = *from;
   else
     for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
-      *cell = km_in_other_unit(*from, factor);
+      *cell = km_convert_unit(*from, factor);
 }
 
 /* Coordinates and mobility numbers of rows that were passed. */
@@ -266,7 +266,7 @@ static km_status find_shaking(const km_sweeper *r, km_error *error) {
   km_arena arena = {0};
   km_constant_rank steady = {0};
   bool done = km_constant_rank_begin(&steady, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
-  r->out->shaking = steady.on ? r->out->freedom - steady.count : 0;
+  r->out->shaking = steady.is_active ? r->out->freedom - steady.count : 0;
   km_arena_free(&arena);
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the tangents");
 }

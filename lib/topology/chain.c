@@ -1,7 +1,7 @@
 /* Passages of joints, and the poses between frames. */
 #include "topology/chain.h"
 
-void km_joint_passage(const km_model *model, int joint, bool against, km_passage *out) {
+void km_joint_traverse(const km_model *model, int joint, bool against, km_joint_traversal *out) {
   const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);
   out->count = kind->motion_count;
@@ -24,7 +24,7 @@ km_pose km_frame_to_frame(const km_model *model, int a, int b, double size) {
                    km_vec3_scale(1.0 / size, km_rotate(&back, km_vec3_sub(y->p, x->p)))};
 }
 
-km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign) {
+km_pose km_motion_traversed(km_motion motion, double pitch, const double *value, double sign) {
   km_pose x = km_motion_pose(motion, pitch, value);
   return sign < 0.0 ? km_pose_inverse(&x) : x;
 }

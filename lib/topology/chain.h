@@ -6,23 +6,23 @@
 #include "topology/mechanism.h"
 
 /* Where a walk stands: a frame of the model, reached from a slot by a constant displacement. */
-typedef struct km_stand {
+typedef struct km_chain_frame {
   int slot;
-  km_pose pose;   /* from the slot, scaled */
-  int frame;      /* the model's frame that the walk stands on */
-  km_vec3 origin; /* where on the base body slot positions are counted from, in that body's frame, unscaled */
-} km_stand;
+  km_pose displacement; /* from the slot, scaled */
+  int frame;            /* the model's frame that the walk stands on */
+  km_vec3 origin;       /* where on the base body slot positions are counted from, in that body's frame, unscaled */
+} km_chain_frame;
 
 /* The motions of a joint in the order in which a walk passes them: so many as it has, what is behind them isn't set. */
-typedef struct km_passage {
+typedef struct km_joint_traversal {
   int count;
   km_motion motion[KM_MAX_MOTIONS];
   int coordinate[KM_MAX_MOTIONS];
   double sign;
   int entry, exit; /* frames */
-} km_passage;
+} km_joint_traversal;
 
-void km_joint_passage(const km_model *model, int joint, bool against, km_passage *out);
+void km_joint_traverse(const km_model *model, int joint, bool against, km_joint_traversal *out);
 
 /* Travel per radian of a helical motion, over `size`. */
 static inline double km_pitch_per_radian(const km_model *model, int joint, double size) {
@@ -33,7 +33,7 @@ static inline double km_pitch_per_radian(const km_model *model, int joint, doubl
 km_pose km_frame_to_frame(const km_model *model, int a, int b, double size);
 
 /* km_motion_pose, undone if sign < 0. */
-km_pose km_motion_passed(km_motion motion, double pitch, const double *value, double sign);
+km_pose km_motion_traversed(km_motion motion, double pitch, const double *value, double sign);
 
 /* The unit twist of a motion along or about an axis through a point. */
 static inline km_twist km_axis_twist(km_primitive primitive, double pitch, km_vec3 axis, km_vec3 point) {

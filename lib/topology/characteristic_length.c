@@ -38,7 +38,7 @@ static void sort_frames(const km_model *model, int *first, int *frame) {
       frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
 }
 
-double km_place_grain(const km_model *model) {
+double km_position_rounding(const km_model *model) {
   static const double rounding = 1e-14; /* of the largest coordinate */
   double square = 0.0;
   for (int f = 0; f < model->frame_count; ++f)
@@ -46,14 +46,14 @@ double km_place_grain(const km_model *model) {
   return rounding * sqrt(square);
 }
 
-double km_square_apart(km_vec3 a, km_vec3 b, double grain) {
+double km_squared_distance(km_vec3 a, km_vec3 b, double grain) {
   static const double rounding = 1e-10; /* of the places */
   km_vec3 way = km_vec3_sub(a, b);
   double square = km_vec3_dot(way, way), sizes = km_vec3_dot(a, a) + km_vec3_dot(b, b);
   return square > grain * grain && square > rounding * rounding * sizes ? square : 0.0;
 }
 
-double km_longest_link(const km_model *model, const km_loop_walks *walks, double grain) {
+double km_longest_link(const km_model *model, const km_compile_workspace *walks, double grain) {
   int *parent = walks->parent, *first = walks->first, *frame = walks->frame;
   double longest = 0.0;
   memset(first, 0, ((size_t)model->body_count + 2) * sizeof *first);
@@ -62,7 +62,7 @@ double km_longest_link(const km_model *model, const km_loop_walks *walks, double
   for (int b = 1; b < model->body_count; ++b)
     for (int i = first[b]; i < first[b + 1] && find(parent, b) != find(parent, 0); ++i)
       for (int k = first[b]; k < i; ++k)
-        longest =
-            km_larger(km_square_apart(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, grain), longest);
+        longest = km_larger(km_squared_distance(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, grain),
+                            longest);
   return sqrt(longest);
 }

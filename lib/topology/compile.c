@@ -10,7 +10,7 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   const km_model *model = m->model;
   km_arena scratch = {0};
   km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
-  km_tie *ties = KM_ARENA_NEW(&scratch, km_tie, (size_t)model->coupling_count);
+  km_coupled_joints *ties = KM_ARENA_NEW(&scratch, km_coupled_joints, (size_t)model->coupling_count);
   size_t terms = 0;
   for (int i = 0; i < model->coupling_count; ++i)
     terms += (size_t)model->couplings[i].count;
@@ -23,7 +23,7 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
   for (int i = 0; i < model->coupling_count; ++i) {
     const km_model_coupling *coupling = &model->couplings[i];
-    ties[i] = (km_tie){tied, coupling->count};
+    ties[i] = (km_coupled_joints){tied, coupling->count};
     for (int k = 0; k < coupling->count; ++k)
       *tied++ = model->coordinates[coupling->coordinates[k]].joint;
   }
@@ -33,7 +33,7 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
   return status;
 }
 
-bool km_compile_allocate(km_mechanism *m, km_loop_walks *walks) {
+bool km_compile_allocate(km_mechanism *m, km_compile_workspace *walks) {
   size_t steps, entries, terms = 0, curves = 0;
   km_compile_bounds(m, &steps, &entries);
   for (int i = 0; i < m->model->coupling_count; ++i) {
@@ -50,7 +50,7 @@ bool km_compile_allocate(km_mechanism *m, km_loop_walks *walks) {
   m->start_stated = KM_ARENA_NEW(arena, bool, coordinates);
   m->low = KM_ARENA_NEW(arena, double, coordinates);
   m->high = KM_ARENA_NEW(arena, double, coordinates);
-  m->most_turn = KM_ARENA_NEW(arena, double, coordinates);
+  m->max_ball_angle = KM_ARENA_NEW(arena, double, coordinates);
   m->max_rate = KM_ARENA_NEW(arena, double, coordinates);
   m->max_force = KM_ARENA_NEW(arena, double, coordinates);
   m->armature = KM_ARENA_NEW(arena, double, coordinates);
@@ -78,10 +78,10 @@ bool km_compile_allocate(km_mechanism *m, km_loop_walks *walks) {
   m->curves = KM_ARENA_NEW(arena, double, curves);
   m->arcs = KM_ARENA_NEW(arena, km_arc, bodies);
   m->arc_of = KM_ARENA_NEW(arena, int, bodies);
-  return km_walks_create(m, steps, arena, walks);
+  return km_compile_workspace_create(m, steps, arena, walks);
 }
 
-static void set_length(km_mechanism *m, const km_compiling *how, const km_loop_walks *walks) {
+static void set_length(km_mechanism *m, const km_compiling *how, const km_compile_workspace *walks) {
   const km_model *model = m->model;
   if (how->length > 0.0) {
     m->length = how->length;
@@ -90,7 +90,7 @@ static void set_length(km_mechanism *m, const km_compiling *how, const km_loop_w
     m->length = model->characteristic_length;
     m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
   } else {
-    double link = km_longest_link(model, walks, m->grain);
+    double link = km_longest_link(model, walks, m->position_rounding);
     m->length = link > 0.0 ? link : 1.0;
     m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
   }
@@ -123,7 +123,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
     double turn = def->index == 0 ? model->joints[def->joint].most_turn : 0.0;
-    m->most_turn[c] = turn > 0.0 ? factor * turn : HUGE_VAL;
+    m->max_ball_angle[c] = turn > 0.0 ? factor * turn : HUGE_VAL;
     m->max_rate[c] = factor * def->max_rate;
     m->max_force[c] = def->max_force;
     m->armature[c] = def->armature;
@@ -165,7 +165,7 @@ static double farthest(const km_mechanism *m, const km_model_joint *a, const km_
     for (int f = 0; f < 2; ++f) {
       const km_model_frame *other = &frames[b->frame[f]];
       if (one->body == other->body)
-        largest = km_larger(km_square_apart(one->pose.p, other->pose.p, m->grain), largest);
+        largest = km_larger(km_squared_distance(one->pose.p, other->pose.p, m->position_rounding), largest);
     }
   }
   return largest;
@@ -316,7 +316,7 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
-static void compile_substructure(km_mechanism *m, int s, km_loop_walks *walks) {
+static void compile_substructure(km_mechanism *m, int s, km_compile_workspace *walks) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
   sub->loop_start = t->loop_start[s];
@@ -351,19 +351,19 @@ static void set_arcs(km_mechanism *m) {
   for (int i = 1; i < t->body_count; ++i) {
     int body = t->order[i], joint = t->arc[body];
     m->arc_of[body] = i - 1;
-    bool against = t->against[joint];
+    bool against = t->is_reversed[joint];
     const km_model_joint *def = &m->model->joints[joint];
     m->arcs[i - 1] = (km_arc){.body = body,
                               .parent = t->parent[body],
                               .joint = joint,
-                              .against = against,
+                              .is_reversed = against,
                               .before = m->model->frames[def->frame[against]].pose,
                               .after = km_pose_inverse(&m->model->frames[def->frame[!against]].pose)};
   }
 }
 
-void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_loop_walks *walks) {
-  m->grain = km_place_grain(m->model);
+void km_compile_values(km_mechanism *m, const km_compiling *how, km_compile_workspace *walks) {
+  m->position_rounding = km_position_rounding(m->model);
   set_length(m, how, walks);
   set_coordinates(m, how->holds, how->hold_count);
   number_balls(m);
@@ -371,7 +371,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_loop_walks 
     m->substructures[s].span = span_of(m, s);
     m->substructures[s].size = km_substructure_size(m, s, m->start);
   }
-  set_columns(m, walks->next);
+  set_columns(m, walks->next_column);
   order_balls(m);
   list_limited(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
@@ -381,7 +381,7 @@ void km_compile_numbers(km_mechanism *m, const km_compiling *how, km_loop_walks 
 
 static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
   km_status status = build_topology(m, error);
-  km_loop_walks walks;
+  km_compile_workspace walks;
   if (status)
     return status;
   m->coordinate_count = m->model->coordinate_count;
@@ -391,7 +391,7 @@ static km_status compile(km_mechanism *m, const km_compiling *how, km_error *err
   if (how->hold_count)
     memcpy(m->holds, how->holds, (size_t)how->hold_count * sizeof *m->holds);
   m->hold_count = how->hold_count;
-  km_compile_numbers(m, how, &walks);
+  km_compile_values(m, how, &walks);
   return set_patterns(m) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
 }
 

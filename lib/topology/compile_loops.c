@@ -14,19 +14,19 @@ void km_compile_bounds(const km_mechanism *m, size_t *steps, size_t *entries) {
   *steps = *entries;
 }
 
-bool km_walks_create(const km_mechanism *m, size_t steps, km_arena *arena, km_loop_walks *w) {
+bool km_compile_workspace_create(const km_mechanism *m, size_t steps, km_arena *arena, km_compile_workspace *w) {
   size_t bodies = (size_t)m->model->body_count;
-  *w = (km_loop_walks){.stamp = KM_ARENA_NEW(arena, int, bodies),
-                       .via = KM_ARENA_NEW(arena, int, bodies),
-                       .first_step = KM_ARENA_NEW(arena, int, bodies),
-                       .step_count = KM_ARENA_NEW(arena, int, bodies),
-                       .stand = KM_ARENA_NEW(arena, km_stand, bodies),
-                       .zero = KM_ARENA_NEW(arena, km_pose, steps + 1),
-                       .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
-                       .next = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
-                       .parent = KM_ARENA_NEW(arena, int, bodies),
-                       .first = KM_ARENA_NEW(arena, int, bodies + 2),
-                       .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
+  *w = (km_compile_workspace){.stamp = KM_ARENA_NEW(arena, int, bodies),
+                              .entry_joint = KM_ARENA_NEW(arena, int, bodies),
+                              .first_step = KM_ARENA_NEW(arena, int, bodies),
+                              .step_count = KM_ARENA_NEW(arena, int, bodies),
+                              .stand = KM_ARENA_NEW(arena, km_chain_frame, bodies),
+                              .reference_pose = KM_ARENA_NEW(arena, km_pose, steps + 1),
+                              .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
+                              .next_column = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
+                              .parent = KM_ARENA_NEW(arena, int, bodies),
+                              .first = KM_ARENA_NEW(arena, int, bodies + 2),
+                              .frame = KM_ARENA_NEW(arena, int, 2 * (size_t)m->model->joint_count)};
   return !arena->failed;
 }
 
@@ -39,21 +39,21 @@ static bool turns(const km_rotation *R) {
 
 /* Goes to another frame of the body that the walk stands on. On the base body the origin goes along: positions are
  * counted from the place where a branch leaves the base, so that a branch far from the others keeps its digits. */
-static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double size, km_stand *at) {
+static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double size, km_chain_frame *at) {
   const km_model_frame *frames = m->model->frames;
   km_pose link = km_frame_to_frame(m->model, at->frame, frame, size);
   if (frames[at->frame].body == frames[base_frame].body) {
     link.p = (km_vec3){0, 0, 0};
     at->origin = frames[frame].pose.p;
   }
-  at->pose = km_pose_product(&at->pose, &link);
+  at->displacement = km_pose_product(&at->displacement, &link);
   at->frame = frame;
 }
 
 /* Passes a joint: free motions become steps, held ones part of the constants. */
-static void pass(km_mechanism *m, km_program *program, int joint, bool against, double size, km_stand *at) {
-  km_passage p;
-  km_joint_passage(m->model, joint, against, &p);
+static void pass(km_mechanism *m, km_program *program, int joint, bool against, double size, km_chain_frame *at) {
+  km_joint_traversal p;
+  km_joint_traverse(m->model, joint, against, &p);
   double pitch = km_pitch_per_radian(m->model, joint, size);
   go_to_frame(m, program->base_frame, p.entry, size, at);
   at->frame = p.exit;
@@ -63,8 +63,8 @@ static void pass(km_mechanism *m, km_program *program, int joint, bool against, 
       double value[3];
       for (int k = 0; k < km_primitive_freedom(p.motion[i].primitive); ++k)
         value[k] = m->start[c + k] / m->unit[c + k];
-      km_pose fixed = km_motion_passed(p.motion[i], pitch, value, p.sign);
-      at->pose = km_pose_product(&at->pose, &fixed);
+      km_pose fixed = km_motion_traversed(p.motion[i], pitch, value, p.sign);
+      at->displacement = km_pose_product(&at->displacement, &fixed);
       continue;
     }
     m->steps[program->step_start + program->step_count++] = (km_step){.primitive = p.motion[i].primitive,
@@ -75,10 +75,10 @@ static void pass(km_mechanism *m, km_program *program, int joint, bool against, 
                                                                       .pitch = pitch,
                                                                       .from = at->slot,
                                                                       .to = program->slot_count,
-                                                                      .turned = turns(&at->pose.R),
-                                                                      .before = at->pose};
+                                                                      .has_rotation = turns(&at->displacement.R),
+                                                                      .before = at->displacement};
     at->slot = program->slot_count++;
-    at->pose = km_pose_identity();
+    at->displacement = km_pose_identity();
   }
 }
 
@@ -91,9 +91,9 @@ static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int
 }
 
 /* A body stands `at` in the present program, reached by a joint that became `count` steps. */
-static void remember(km_loop_walks *w, int body, int joint, const km_stand *at, int first, int count) {
-  w->stamp[body] = w->program;
-  w->via[body] = joint;
+static void remember(km_compile_workspace *w, int body, int joint, const km_chain_frame *at, int first, int count) {
+  w->stamp[body] = w->current_stamp;
+  w->entry_joint[body] = joint;
   w->stand[body] = *at;
   w->first_step[body] = first;
   w->step_count[body] = count;
@@ -101,26 +101,26 @@ static void remember(km_loop_walks *w, int body, int joint, const km_stand *at, 
 
 /* Walks from the base down one side of the loop; bodies that another loop has reached the same way are not walked
  * again. */
-static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side, km_stand from,
-                          km_loop_walks *w) {
+static km_chain_frame walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side,
+                                km_chain_frame from, km_compile_workspace *w) {
   const km_topology *t = &m->topology;
   double size = m->substructures[t->substructure_of_loop[l]].size;
-  km_stand at = from;
+  km_chain_frame at = from;
   bool shared = true; /* every body so far was reached by the joint by which the program's other loops reach it */
   for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
     const km_member *member = &t->member[i];
     if (member->side != side)
       continue;
     int first = program->step_count,
-        body = m->model->frames[m->model->joints[member->joint].frame[!member->against]].body;
-    bool passed = shared && w->stamp[body] == w->program && w->via[body] == member->joint;
-    shared = passed || (shared && member->joint != t->chord[l] && w->stamp[body] != w->program);
+        body = m->model->frames[m->model->joints[member->joint].frame[!member->is_reversed]].body;
+    bool passed = shared && w->stamp[body] == w->current_stamp && w->entry_joint[body] == member->joint;
+    shared = passed || (shared && member->joint != t->chord[l] && w->stamp[body] != w->current_stamp);
     if (passed) {
       at = w->stand[body];
       add_entries(m, program, loop, w->first_step[body], w->step_count[body], side);
       continue;
     }
-    pass(m, program, member->joint, member->against, size, &at);
+    pass(m, program, member->joint, member->is_reversed, size, &at);
     add_entries(m, program, loop, first, program->step_count - first, side);
     if (shared)
       remember(w, body, member->joint, &at, first, program->step_count - first);
@@ -129,24 +129,24 @@ static km_stand walk_side(km_mechanism *m, km_program *program, km_loop *loop, i
 }
 
 /* Poses of the program's slots when every free coordinate is 0, each about the origin of its branch. */
-static void zero_poses(const km_mechanism *m, const km_program *program, km_loop_walks *w) {
-  w->zero[0] = km_pose_identity();
+static void zero_poses(const km_mechanism *m, const km_program *program, km_compile_workspace *w) {
+  w->reference_pose[0] = km_pose_identity();
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
-    w->zero[step->to] = km_pose_product(&w->zero[step->from], &step->before);
+    w->reference_pose[step->to] = km_pose_product(&w->reference_pose[step->from], &step->before);
   }
 }
 
 /* The unit twists of a loop's steps about its point when all coordinates are 0, lengths over the loop's own radius: the
  * motion space doesn't depend on where the loop is, nor on how long its chain of joints is. */
-static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_loop_walks *w,
+static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_compile_workspace *w,
                        const km_rotation *plane) {
   double square = 1.0;
   int count = 0;
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_step *step = &m->steps[program->step_start + entry->step];
-    const km_pose *frame = &w->zero[step->to];
+    const km_pose *frame = &w->reference_pose[step->to];
     const km_vec3 at = km_vec3_sub(frame->p, loop->point[entry->side < 0.0]);
     square = km_larger(km_vec3_dot(at, at), square);
     for (int k = 0; k < km_primitive_freedom(step->primitive); ++k) {
@@ -164,7 +164,7 @@ static int list_twists(const km_mechanism *m, const km_program *program, const k
   return count;
 }
 
-static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_loop_walks *w,
+static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_compile_workspace *w,
                               const km_rotation *plane) {
   int count = list_twists(m, program, loop, w, plane);
   /* Directions are told apart by what 1e-16 data can blur, or by what the file says it can. */
@@ -173,34 +173,35 @@ static void find_motion_space(km_mechanism *m, const km_program *program, km_loo
   km_motion_space space;
   km_motion_space_close(w->twist, count, most, tolerance, &space);
   loop->lambda = space.dimension;
-  loop->local = loop->lambda == most;
+  loop->has_moving_point = loop->lambda == most;
   enum { TURN_IN_SPACE = 5, TURN_IN_PLANE = 2 };
   for (int i = 0; i < space.dimension; ++i)
     loop->rows[i] = program->planar && space.rows[i] == TURN_IN_SPACE ? TURN_IN_PLANE : space.rows[i];
 }
 
-static void compile_loop(km_mechanism *m, km_program *program, int l, km_stand base, km_loop_walks *w, int *entries) {
+static void compile_loop(km_mechanism *m, km_program *program, int l, km_chain_frame base, km_compile_workspace *w,
+                         int *entries) {
   km_loop *loop = &m->loops[l];
   const km_edge ends = {m->model->joints[m->topology.chord[l]].frame[0],
                         m->model->joints[m->topology.chord[l]].frame[1]};
   double size = m->substructures[m->topology.substructure_of_loop[l]].size;
   loop->entry_start = *entries;
-  km_stand out = walk_side(m, program, loop, l, +1, base, w);
-  km_stand back = walk_side(m, program, loop, l, -1, base, w);
+  km_chain_frame out = walk_side(m, program, loop, l, +1, base, w);
+  km_chain_frame back = walk_side(m, program, loop, l, -1, base, w);
   go_to_frame(m, program->base_frame, ends.head, size, &back);
   loop->slot[0] = out.slot;
-  loop->close[0] = out.pose;
+  loop->closing_frame[0] = out.displacement;
   loop->slot[1] = back.slot;
-  loop->close[1] = back.pose;
-  loop->apart = km_vec3_scale(
+  loop->closing_frame[1] = back.displacement;
+  loop->origin_offset = km_vec3_scale(
       1.0 / size, km_rotate_back(&m->model->frames[program->base_frame].pose.R, km_vec3_sub(back.origin, out.origin)));
   *entries += loop->entry_count;
 }
 
 /* The point of the loop about which its rows are taken: where its frames meet when every coordinate is 0. */
-static void set_point(const km_loop_walks *w, km_loop *loop) {
-  loop->point[0] = km_pose_point(&w->zero[loop->slot[0]], loop->close[0].p);
-  loop->point[1] = km_vec3_sub(loop->point[0], loop->apart);
+static void set_point(const km_compile_workspace *w, km_loop *loop) {
+  loop->point[0] = km_pose_point(&w->reference_pose[loop->slot[0]], loop->closing_frame[0].p);
+  loop->point[1] = km_vec3_sub(loop->point[0], loop->origin_offset);
 }
 
 /* The only ball joint of the loop, on side *side; NULL if there is none or there are several. */
@@ -239,25 +240,27 @@ typedef struct cut_loop {
       behind; /* of what the ball joint carries, about the origin of the other side's branch; its origin is the joint's centre */
 } cut_loop;
 
-static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const km_loop_walks *w) {
-  km_pose own = km_pose_inverse(&w->zero[ball->to]);
-  own = km_pose_product(&own, &w->zero[loop->slot[side]]);
-  own = km_pose_product(&own, &loop->close[side]);
-  km_pose end = km_pose_product(&w->zero[loop->slot[!side]], &loop->close[!side]), back = km_pose_inverse(&own);
+static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const km_compile_workspace *w) {
+  km_pose own = km_pose_inverse(&w->reference_pose[ball->to]);
+  own = km_pose_product(&own, &w->reference_pose[loop->slot[side]]);
+  own = km_pose_product(&own, &loop->closing_frame[side]);
+  km_pose end = km_pose_product(&w->reference_pose[loop->slot[!side]], &loop->closing_frame[!side]),
+          back = km_pose_inverse(&own);
   return (cut_loop){ball, side, km_pose_product(&end, &back)};
 }
 
 /* The axis of a step of the loop, in the base frame. Slots are numbered along the branches. */
-static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_entry *entry, const km_loop_walks *w) {
-  km_vec3 axis = w->zero[step->to].R.axis[step->axis];
+static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_entry *entry,
+                           const km_compile_workspace *w) {
+  km_vec3 axis = w->reference_pose[step->to].R.axis[step->axis];
   if ((entry->side < 0.0) != cut->side || step->to < cut->ball->to)
     return axis;
-  return km_rotate(&cut->behind.R, km_rotate_back(&w->zero[cut->ball->to].R, axis));
+  return km_rotate(&cut->behind.R, km_rotate_back(&w->reference_pose[cut->ball->to].R, axis));
 }
 
 /* True if all joints of the loop but the ball joint move in planes across `normal`, and one of them turns. */
 static bool is_planar_beside(const km_mechanism *m, const km_program *program, const km_loop *loop, const cut_loop *cut,
-                             const km_loop_walks *w, km_vec3 *normal) {
+                             const km_compile_workspace *w, km_vec3 *normal) {
   bool has_normal = false;
   for (int pass = 0; pass < 2; ++pass)
     for (int i = 0; i < loop->entry_count; ++i) {
@@ -279,7 +282,7 @@ static bool is_planar_beside(const km_mechanism *m, const km_program *program, c
 /* In a loop of hinges on parallel axes with one ball joint, nothing changes the height along the axes at which the
  * sides of the ball joint meet. The hinges' frames may lie anywhere along their axes: the ball joint is moved along
  * them by that height. */
-static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_loop_walks *w) {
+static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_compile_workspace *w) {
   int side = 0;
   km_step *ball = only_ball(m, program, loop, &side);
   if (!ball || is_shared(m, program, loop, ball))
@@ -288,26 +291,26 @@ static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loo
   km_vec3 normal;
   if (!is_planar_beside(m, program, loop, &cut, w, &normal))
     return;
-  km_vec3 apart = km_vec3_scale(side ? -1.0 : 1.0, loop->apart);
-  km_vec3 gap = km_vec3_sub(w->zero[ball->to].p, km_vec3_add(cut.behind.p, apart));
+  km_vec3 apart = km_vec3_scale(side ? -1.0 : 1.0, loop->origin_offset);
+  km_vec3 gap = km_vec3_sub(w->reference_pose[ball->to].p, km_vec3_add(cut.behind.p, apart));
   double height = km_vec3_dot(normal, gap);
   loop->pin_offset = side ? -height : height;
   loop->plane_normal = km_rotate(&m->model->frames[program->base_frame].pose.R, normal);
-  km_vec3 shift = km_rotate_back(&w->zero[ball->from].R, km_vec3_scale(-height, normal));
+  km_vec3 shift = km_rotate_back(&w->reference_pose[ball->from].R, km_vec3_scale(-height, normal));
   ball->before.p = km_vec3_add(ball->before.p, shift);
   zero_poses(m, program, w);
 }
 
-static void compile_program(km_mechanism *m, km_program *program, km_loop_walks *w) {
+static void compile_program(km_mechanism *m, km_program *program, km_compile_workspace *w) {
   const km_topology *t = &m->topology;
   int first = m->loop_order[program->loop_start];
   const km_member *member = &t->member[t->member_start[first]];
-  int base_frame = m->model->joints[member->joint].frame[member->against];
-  km_stand base = {0, km_pose_identity(), base_frame, m->model->frames[base_frame].pose.p};
+  int base_frame = m->model->joints[member->joint].frame[member->is_reversed];
+  km_chain_frame base = {0, km_pose_identity(), base_frame, m->model->frames[base_frame].pose.p};
   program->base_frame = base_frame;
   program->step_start = m->step_count;
   program->slot_count = 1;
-  w->program++;
+  w->current_stamp++;
   for (int i = 0; i < program->loop_count; ++i)
     compile_loop(m, program, m->loop_order[program->loop_start + i], base, w, &m->entry_count);
   zero_poses(m, program, w);
@@ -350,7 +353,7 @@ static void group_by_base(km_mechanism *m, km_substructure *sub) {
   sub->program_count = m->program_count - sub->program_start;
 }
 
-void km_compile_loops(km_mechanism *m, int s, km_loop_walks *walks) {
+void km_compile_loops(km_mechanism *m, int s, km_compile_workspace *walks) {
   km_substructure *sub = &m->substructures[s];
   group_by_base(m, sub);
   for (int i = 0; i < sub->program_count; ++i)

@@ -53,11 +53,11 @@ typedef struct filling {
 static void place_rows(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
   const filling *f = context;
   if (entry) { /* the columns of a ball hold the same rows, one column behind the other */
-    entry->at = (size_t)f->next[column];
-    entry->next = (size_t)(f->next[column + 1] - f->next[column]);
+    entry->value_index = (size_t)f->next[column];
+    entry->column_stride = (size_t)(f->next[column + 1] - f->next[column]);
   }
   if (term)
-    term->at = (size_t)f->next[column];
+    term->value_index = (size_t)f->next[column];
   for (int r = 0; r < count; ++r)
     f->row[f->next[column]++] = first + r;
 }
@@ -68,11 +68,11 @@ static void place_dense(void *context, int column, int first, int count, km_entr
   for (int i = 0; i < count; ++i)
     sub->pattern.used[at + (size_t)i] = true;
   if (entry) {
-    entry->at = at;
-    entry->next = rows;
+    entry->value_index = at;
+    entry->column_stride = rows;
   }
   if (term)
-    term->at = at;
+    term->value_index = at;
 }
 
 static bool store_all(km_mechanism *m, km_substructure *sub) {

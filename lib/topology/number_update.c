@@ -14,7 +14,7 @@ static bool make_spare(km_mechanism *m) {
   spare->coordinate_count = m->coordinate_count;
   spare->closure_tolerance = m->closure_tolerance;
   spare->closure_tolerance_given = m->closure_tolerance_given;
-  spare->spare_walks = KM_ARENA_NEW(&spare->arena, km_loop_walks, 1);
+  spare->spare_walks = KM_ARENA_NEW(&spare->arena, km_compile_workspace, 1);
   if (spare->spare_walks && km_compile_allocate(spare, spare->spare_walks))
     return true;
   km_mechanism_free(spare);
@@ -22,7 +22,7 @@ static bool make_spare(km_mechanism *m) {
   return false;
 }
 
-/* What km_compile_numbers adds up must start from 0. */
+/* What km_compile_values adds up must start from 0. */
 static void clear(km_mechanism *s) {
   memset(s->held, 0, (size_t)s->coordinate_count * sizeof *s->held);
   memset(s->substructures, 0, (size_t)s->topology.substructure_count * sizeof *s->substructures);
@@ -50,11 +50,11 @@ static bool same_structure(const km_mechanism *a, const km_mechanism *b) {
 /* Where values are stored depends on the structure alone. */
 static void copy_places(const km_mechanism *from, km_mechanism *to) {
   for (int i = 0; i < from->entry_count; ++i) {
-    to->entries[i].at = from->entries[i].at;
-    to->entries[i].next = from->entries[i].next;
+    to->entries[i].value_index = from->entries[i].value_index;
+    to->entries[i].column_stride = from->entries[i].column_stride;
   }
   for (int i = 0; i < from->term_count; ++i)
-    to->terms[i].at = from->terms[i].at;
+    to->terms[i].value_index = from->terms[i].value_index;
   for (int s = 0; s < from->topology.substructure_count; ++s) {
     to->substructures[s].pattern = from->substructures[s].pattern;
     to->substructures[s].matrix_start = from->substructures[s].matrix_start;
@@ -69,11 +69,11 @@ static void exchange(km_mechanism *m, km_mechanism *spare) {
   *spare = old;
   m->spare = spare;
   spare->spare = NULL;
-  km_loop_walks *walks = m->spare_walks ? m->spare_walks : spare->spare_walks;
+  km_compile_workspace *walks = m->spare_walks ? m->spare_walks : spare->spare_walks;
   m->spare_walks = spare->spare_walks = walks;
   m->holds = old.holds;
   m->hold_count = old.hold_count;
-  m->edition = old.edition + 1;
+  m->version = old.version + 1;
 }
 
 km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
@@ -87,7 +87,7 @@ km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for new numbers");
   km_mechanism *spare = m->spare;
   clear(spare);
-  km_compile_numbers(spare, &how, spare->spare_walks);
+  km_compile_values(spare, &how, spare->spare_walks);
   if (!same_structure(m, spare))
     return km_fail(error, KM_PARTIAL,
                    "the new numbers change how a loop can move; expected to compile the model again");

@@ -5,11 +5,12 @@
 static const double exactly = 1e-13;
 
 /* The axis of a step when all coordinates are 0, in the base frame. */
-static km_vec3 axis_of(const km_step *step, const km_loop_walks *w) {
-  return w->zero[step->to].R.axis[step->axis];
+static km_vec3 axis_of(const km_step *step, const km_compile_workspace *w) {
+  return w->reference_pose[step->to].R.axis[step->axis];
 }
 
-static bool find_normal(const km_mechanism *m, const km_program *program, const km_loop_walks *w, km_vec3 *normal) {
+static bool find_normal(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
+                        km_vec3 *normal) {
   const km_step *steps = &m->steps[program->step_start];
   for (int i = 0; i < program->step_count; ++i) {
     if (steps[i].primitive == KM_REVOLUTE) {
@@ -37,7 +38,8 @@ bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
   return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= exactly * exactly;
 }
 
-static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_loop_walks *w, km_vec3 normal) {
+static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
+                         km_vec3 normal) {
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
     if (!km_moves_in_plane(step->primitive, axis_of(step, w), normal))
@@ -62,11 +64,12 @@ static km_rotation plane_frame(km_vec3 normal) {
   return (km_rotation){{x, km_vec3_cross(normal, x), normal}};
 }
 
-static void planar_step(const km_step *step, const km_loop_walks *w, const km_rotation *plane, km_planar_step *out) {
-  km_vec3 shift = km_rotate_back(plane, km_vec3_sub(w->zero[step->to].p, w->zero[step->from].p));
+static void planar_step(const km_step *step, const km_compile_workspace *w, const km_rotation *plane,
+                        km_planar_step *out) {
+  km_vec3 shift = km_rotate_back(plane, km_vec3_sub(w->reference_pose[step->to].p, w->reference_pose[step->from].p));
   km_vec3 axis = km_rotate_back(plane, axis_of(step, w));
   bool slides = step->primitive == KM_PRISMATIC;
-  *out = (km_planar_step){.slides = slides,
+  *out = (km_planar_step){.is_slide = slides,
                           .coordinate = step->coordinate,
                           .sign = slides || axis.z > 0.0 ? step->sign : -step->sign,
                           .from = step->from,
@@ -87,27 +90,27 @@ static bool has_hinge(const km_mechanism *m, const km_program *program, const km
   return false;
 }
 
-static void planar_loop(km_loop *loop, const km_loop_walks *w, const km_rotation *plane, const km_rotation *base,
+static void planar_loop(km_loop *loop, const km_compile_workspace *w, const km_rotation *plane, const km_rotation *base,
                         bool has_hinge) {
   km_pose end[2];
   for (int side = 0; side < 2; ++side) {
-    const km_pose *slot = &w->zero[loop->slot[side]];
-    end[side] = km_pose_product(slot, &loop->close[side]);
+    const km_pose *slot = &w->reference_pose[loop->slot[side]];
+    end[side] = km_pose_product(slot, &loop->closing_frame[side]);
     km_vec3 shift = km_rotate_back(plane, km_vec3_sub(end[side].p, slot->p));
-    loop->planar_close[side][0] = shift.x;
-    loop->planar_close[side][1] = shift.y;
+    loop->planar_closing_point[side][0] = shift.x;
+    loop->planar_closing_point[side][1] = shift.y;
   }
-  km_vec3 apart = km_rotate_back(plane, loop->apart), point = km_rotate_back(plane, loop->point[0]);
-  loop->planar_apart[0] = apart.x;
-  loop->planar_apart[1] = apart.y;
+  km_vec3 apart = km_rotate_back(plane, loop->origin_offset), point = km_rotate_back(plane, loop->point[0]);
+  loop->planar_origin_offset[0] = apart.x;
+  loop->planar_origin_offset[1] = apart.y;
   loop->planar_point[0] = point.x;
   loop->planar_point[1] = point.y;
-  end[1].p = km_vec3_add(end[1].p, loop->apart);
+  end[1].p = km_vec3_add(end[1].p, loop->origin_offset);
   km_pose back = km_pose_inverse(&end[1]);
   km_rotation turn = km_rotation_product(&end[0].R, &back.R);
   km_vec3 x = km_rotate_back(plane, km_rotate(&turn, plane->axis[0]));
   km_vec3 z = km_rotate_back(plane, km_rotate(&turn, plane->axis[2]));
-  loop->planar_turn = atan2(x.y, x.x);
+  loop->planar_closing_angle = atan2(x.y, x.x);
   /* Out of the plane nothing moves: the height between the frames, and the tilt z × z′ (its length kept
    * an angle, so that a frame upside down doesn't pass). The height doesn't change how a loop with hinges moves: a
    * hinge's frames may lie anywhere along its axis. */
@@ -120,7 +123,8 @@ static void planar_loop(km_loop *loop, const km_loop_walks *w, const km_rotation
   loop->fixed_misfit[4] = s * z.x;
 }
 
-bool km_find_plane(const km_mechanism *m, const km_program *program, const km_loop_walks *w, km_rotation *plane) {
+bool km_find_plane(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
+                   km_rotation *plane) {
   km_vec3 normal;
   *plane = km_rotation_identity();
   if (!find_normal(m, program, w, &normal) || !all_in_plane(m, program, w, normal))
@@ -129,7 +133,7 @@ bool km_find_plane(const km_mechanism *m, const km_program *program, const km_lo
   return true;
 }
 
-void km_compile_planar(km_mechanism *m, km_program *program, const km_loop_walks *w, const km_rotation *plane) {
+void km_compile_planar(km_mechanism *m, km_program *program, const km_compile_workspace *w, const km_rotation *plane) {
   int start = m->planar_step_count;
   for (int i = 0; i < program->step_count; ++i)
     planar_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);

@@ -37,7 +37,7 @@ static void grow_tree(const km_graph *g, const km_incidence *at, km_topology *t)
       t->level[next] = t->level[body] + 1;
       t->parent[next] = body;
       t->arc[next] = joint;
-      t->against[joint] = !forward;
+      t->is_reversed[joint] = !forward;
       t->order[tail++] = next;
     }
   }
@@ -72,7 +72,7 @@ static void find_chords(const km_graph *g, km_topology *t, int *members) {
 /* Writes the tree joints from `base` down to `body`, ending just before *end; returns the first. */
 static km_member *write_path(const km_topology *t, int base, int body, int side, km_member *end) {
   for (; body != base; body = t->parent[body])
-    *--end = (km_member){t->arc[body], side, t->against[t->arc[body]]};
+    *--end = (km_member){t->arc[body], side, t->is_reversed[t->arc[body]]};
   return end;
 }
 
@@ -178,7 +178,7 @@ static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
   t->level = KM_ARENA_NEW(arena, int, bodies);
   t->parent = KM_ARENA_NEW(arena, int, bodies);
   t->arc = KM_ARENA_NEW(arena, int, bodies);
-  t->against = KM_ARENA_NEW(arena, bool, joints);
+  t->is_reversed = KM_ARENA_NEW(arena, bool, joints);
   t->chord = KM_ARENA_NEW(arena, int, joints);
   t->base = KM_ARENA_NEW(arena, int, joints);
   t->member_start = KM_ARENA_NEW(arena, int, joints + 1);

@@ -11,27 +11,27 @@ typedef struct km_edge {
 } km_edge;
 
 /* Joints whose coordinates are coupled, and so belong to one substructure. */
-typedef struct km_tie {
+typedef struct km_coupled_joints {
   const int *joints;
   int count;
-} km_tie;
+} km_coupled_joints;
 
 typedef struct km_graph {
   int body_count, joint_count, tie_count;
-  const km_edge *edges; /* [joint_count]; body 0 is the inertial frame; every body hangs on it */
-  const km_tie *ties;   /* [tie_count] */
+  const km_edge *edges;          /* [joint_count]; body 0 is the inertial frame; every body hangs on it */
+  const km_coupled_joints *ties; /* [tie_count] */
 } km_graph;
 
 /* A joint of a loop, with the side of the loop that it lies on. */
 typedef struct km_member {
   int joint;
-  int side;     /* +1 on the path to the virtual body (the chord's too), -1 on the path to the body it is cut from */
-  bool against; /* the path from the base passes it against the user's sense */
+  int side; /* +1 on the path to the virtual body (the chord's too), -1 on the path to the body it is cut from */
+  bool is_reversed; /* the path from the base passes it against the user's sense */
 } km_member;
 
 /* +1 where the walk around the loop (out along the virtual side, back along the other) follows the user's sense. */
-static inline double km_member_sense(const km_member *member) {
-  return member->side * (member->against ? -1.0 : 1.0);
+static inline double km_member_sign(const km_member *member) {
+  return member->side * (member->is_reversed ? -1.0 : 1.0);
 }
 
 typedef struct km_topology {
@@ -40,7 +40,7 @@ typedef struct km_topology {
   int *level;                 /* [body] number of joints from the inertial frame */
   int *parent;                /* [body] next body towards the inertial frame; -1 for body 0 */
   int *arc;                   /* [body] the joint to `parent`; -1 for body 0 */
-  bool *against;              /* [joint] a tree joint whose user sense runs towards the inertial frame */
+  bool *is_reversed;          /* [joint] a tree joint whose user sense runs towards the inertial frame */
   int *chord;                 /* [loop] the joint that closes it */
   int *base;                  /* [loop] the body of the loop that is nearest to the inertial frame */
   int *member_start;          /* [loop + 1] into `member` */

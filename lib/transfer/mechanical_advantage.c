@@ -189,7 +189,7 @@ static void point_row(const km_mechanism *m, const km_state *s, const km_transfe
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
       km_twist h = km_coordinate_twist_about(m, s, l->pose, c);
       km_vec3 turned = km_vec3_cross(h.w, p), v = km_vec3_add(h.v, turned);
-      end->row[c] = (t->against[joint] ? -1.0 : 1.0) * km_vec3_dot(along, v);
+      end->row[c] = (t->is_reversed[joint] ? -1.0 : 1.0) * km_vec3_dot(along, v);
       end->speed[c] = km_vec3_norm(v) + left_of_two * (km_vec3_norm(h.v) + km_vec3_norm(turned));
     }
   }
@@ -221,7 +221,7 @@ static bool is_steady(const km_mechanism *m, km_state *s, int index, km_transfer
     return false;
   if (!l->asked[index])
     l->asked[index] = km_constant_rank_begin(steady, m, s, index, KM_NO_DRIVER, &l->arena);
-  return steady->on && km_constant_rank_find(steady, m, s, index);
+  return steady->is_active && km_constant_rank_update(steady, m, s, index);
 }
 
 static int find_freedom(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
@@ -238,7 +238,7 @@ static void add_motions(const km_mechanism *m, km_state *s, int index, km_transf
       add_motion(m, l, l->steady[index].Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
     return;
   }
-  if (km_state_along_many(m, s, index, l->input.row, s->work)) {
+  if (km_state_project_onto_motions(m, s, index, l->input.row, s->work)) {
     for (int j = 0; j < sub->columns; ++j)
       l->rates[coordinate[j]] += s->work[j] / m->scale[coordinate[j]];
     return;
@@ -306,7 +306,7 @@ static double ratio(double a, double b) {
 
 static void update_rows(const km_mechanism *m, const km_state *s, km_transfer *l) {
   if (l->input.handle.kind == KM_PORT_POINT || l->output.handle.kind == KM_PORT_POINT) /* joints need no poses */
-    km_poses_nearby(m, s, l->pose);
+    km_poses_about_mechanism(m, s, l->pose);
   update_row(m, s, l, &l->input);
   update_row(m, s, l, &l->output);
 }

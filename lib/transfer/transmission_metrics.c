@@ -169,7 +169,7 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
   km_partition_factor(&w->partition, w->T, rows, 6, NULL, km_rank_tolerance(m, sub, 0.0));
   if (km_partition_freedom(&w->partition) != 1)
     return false;
-  km_partition_null(&w->partition, ones, 1, x);
+  km_partition_null_space(&w->partition, ones, 1, x);
   km_vec3 f = km_vec3_scale(1.0 / sub->size, km_vec3_make(x)), t = km_vec3_make(x + 3);
   double force = km_vec3_norm(f), couple = km_vec3_norm(t);
   bool pure_couple = force * sub->size <= 1e-9 * couple;
@@ -312,7 +312,7 @@ void km_transmission_compute(const km_mechanism *m, km_state *s, km_transmission
                             &out->manipulability,      &out->condition};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     undefined(all[i], out->no_wrench);
-  km_vec3 origin = km_poses_nearby(m, s, w->pose);
+  km_vec3 origin = km_poses_about_mechanism(m, s, w->pose);
   km_twists_about(m, s, w->pose, w->twist);
   km_wrench wrench;
   if (!out->no_wrench) {

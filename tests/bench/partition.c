@@ -90,7 +90,7 @@ static int next_pose(problem *p) {
 
 static void read_numbers(part *a, const km_partition *partition) {
   int freedom = km_partition_freedom(partition);
-  km_partition_null(partition, a->weight, freedom, a->Z);
+  km_partition_null_space(partition, a->weight, freedom, a->Z);
   km_mobility_numbers(a->Z, a->columns, freedom, a->numbers);
 }
 
@@ -119,7 +119,7 @@ static void run_dense(void *context) {
   problem *p = context;
   km_partition_factor(&p->dense, p->whole[next_pose(p)], ROWS, COLUMNS, NULL, tolerance);
   int freedom = km_partition_freedom(&p->dense);
-  km_partition_null(&p->dense, p->ones, freedom, p->dense_Z);
+  km_partition_null_space(&p->dense, p->ones, freedom, p->dense_Z);
   km_mobility_numbers(p->dense_Z, COLUMNS, freedom, p->dense_numbers);
 }
 

@@ -65,7 +65,7 @@ typedef struct engines {
 static void run_sparse(void *context) {
   engines *e = context;
   double tolerance = km_rank_tolerance(e->mechanism, &e->mechanism->substructures[0], 0);
-  km_pivot(e->mechanism, e->state, 0, KM_NO_DRIVER, e->again ? tolerance : tolerance * (1.0 + 1e-12));
+  km_search_pivots(e->mechanism, e->state, 0, KM_NO_DRIVER, e->again ? tolerance : tolerance * (1.0 + 1e-12));
   e->again = !e->again;
 }
 

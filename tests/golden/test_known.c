@@ -97,7 +97,7 @@ static void robot_columns(void **state) {
   for (int c = 0; c < 7; ++c) {
     km_twist h = column_in_space(&f, c);
     /* The column is how the joint moves the effector: against the user's sense where that runs inwards. */
-    double sign = f.mechanism->topology.against[f.model->coordinates[c].joint] ? -1.0 : 1.0;
+    double sign = f.mechanism->topology.is_reversed[f.model->coordinates[c].joint] ? -1.0 : 1.0;
     const double column[6] = {h.v.x, h.v.y, h.v.z, h.w.x, h.w.y, h.w.z};
     for (int r = 0; r < 6; ++r)
       assert_near(sign * column[r], expected[r][c], 5e-4);

@@ -41,7 +41,7 @@ static bool choose(const fixture *f, randomness *r, int *in, int *out) {
     *in = m->column_coordinate[sub->column_start + below(r, sub->columns)];
     *out = m->column_coordinate[sub->column_start + below(r, sub->columns)];
     /* near a toggle of the driver its neighbours are out of reach or far away */
-    if (*in != *out && m->ball_of[*in] < 0 && m->ball_of[*out] < 0 && f->state->numbers[*in] > 1e-4 &&
+    if (*in != *out && m->ball_of[*in] < 0 && m->ball_of[*out] < 0 && f->state->mobility_number[*in] > 1e-4 &&
         fabs(km_state_coordinate(f->state, *in)) < 1e6)
       return true;
   }

@@ -71,7 +71,7 @@ static void jacobian_is_that_of_the_twists(void **state) {
           if (s.f.mechanism->arcs[b].joint == s.f.model->coordinates[s.arm->coordinate[k]].joint)
             arc = &s.f.mechanism->arcs[b];
         km_twist t = km_coordinate_twist(s.f.mechanism, s.f.state, s.arm->coordinate[k]);
-        double sign = arc->against ? -1.0 : 1.0, unit = s.arm->unit[k], far = 1e-13 * (1.0 + km_vec3_norm(at.p));
+        double sign = arc->is_reversed ? -1.0 : 1.0, unit = s.arm->unit[k], far = 1e-13 * (1.0 + km_vec3_norm(at.p));
         km_vec3 v = km_vec3_scale(sign * unit / L, km_vec3_add(t.v, km_vec3_cross(t.w, at.p)));
         km_vec3 w = km_vec3_scale(sign * unit, t.w);
         const double *c = s.space.jacobian + 6 * k;

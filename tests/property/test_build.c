@@ -35,7 +35,8 @@ static char *tables_of(fixture *f) {
   km_mobility mobility;
   km_mobility_compute(f->mechanism, f->state, &mobility);
   for (int c = 0; c < f->model->coordinate_count; ++c)
-    km_text_format(&out, "%s %.17g %.17g\n", f->model->coordinates[c].label, f->state->q[c], f->state->numbers[c]);
+    km_text_format(&out, "%s %.17g %.17g\n", f->model->coordinates[c].label, f->state->q[c],
+                   f->state->mobility_number[c]);
   return out.data;
 }
 

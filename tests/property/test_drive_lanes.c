@@ -213,10 +213,10 @@ static void same_bits(const char *name, int row, design *a, design *b) {
   shown x = look(a), y = look(b);
   for (int c = 0; c < n; ++c)
     if (a->f.state->q[c] != b->f.state->q[c] || x.direction[c] != y.direction[c] ||
-        a->f.state->numbers[c] != b->f.state->numbers[c])
+        a->f.state->mobility_number[c] != b->f.state->mobility_number[c])
       fail_msg("%s, row %d, coordinate %d: %.17g %.17g %.17g beside others, %.17g %.17g %.17g alone", name, row, c,
-               a->f.state->q[c], x.direction[c], a->f.state->numbers[c], b->f.state->q[c], y.direction[c],
-               b->f.state->numbers[c]);
+               a->f.state->q[c], x.direction[c], a->f.state->mobility_number[c], b->f.state->q[c], y.direction[c],
+               b->f.state->mobility_number[c]);
   assert_true(x.residual == y.residual);
 }
 
@@ -494,7 +494,7 @@ static void sweeps_as_alone(void **state) {
 
 /* Searches pivots of which the driver may be one, as whoever looks at a pose may do. */
 static void search_pivots(design *d) {
-  km_pivot(d->f.mechanism, d->f.state, d->drive->c.substructure, KM_NO_DRIVER, 1e-9);
+  km_search_pivots(d->f.mechanism, d->f.state, d->drive->c.substructure, KM_NO_DRIVER, 1e-9);
 }
 
 /* A drive that is looked at stays in its lane, and its state shows what it shows alone. It leaves it where pivots were searched

@@ -80,7 +80,7 @@ static int state_some(moving *m, const double *motion, km_rate_source source, do
     if (m->f.mechanism->held[c] || uniform(r, 0.0, 1.0) > share)
       continue;
     s->rate[c] = motion[c];
-    s->source[c] = source;
+    s->rate_source[c] = source;
     stated++;
   }
   return stated;
@@ -107,7 +107,7 @@ static void test_stated_rates(void **data) {
       assert_int_equal(km_dynamics_project_rates(m.dynamics, s, NULL, NULL), KM_OK);
       assert_true(opening(&m) <= 1e-9 * (1.0 + whole));
       for (int c = 0; c < mech->coordinate_count; ++c)
-        if (s->source[c] != KM_RATE_FOLLOWS)
+        if (s->rate_source[c] != KM_RATE_FOLLOWS)
           assert_near(mech->scale[c] * s->rate[c], mech->scale[c] * motion[c], 1e-9 * (1.0 + whole));
       assert_true(scaled_size(mech, s->rate) <= whole * (1.0 + 1e-9) + 1e-9);
       judged++;
@@ -140,7 +140,7 @@ static void test_contradicting_rates(void **data) {
     assert_int_equal(km_dynamics_project_rates(m.dynamics, s, &change, NULL), KM_OK);
     assert_true(opening(&m) <= 1e-8 * (1.0 + scaled_size(mech, motion)));
     for (int c = 0; c < mech->coordinate_count; ++c)
-      if (s->source[c] == KM_RATE_CALLER)
+      if (s->rate_source[c] == KM_RATE_CALLER)
         assert_near(mech->scale[c] * s->rate[c], mech->scale[c] * motion[c], 1e-8 * (1.0 + scaled_size(mech, motion)));
     judged += change > 1e-3;
     free(motion);

@@ -35,7 +35,7 @@ static void bends_are_velocity_products(fixture *f, randomness *r) {
     double *rate = KM_NEW(double, (size_t)m->coordinate_count), *pair = KM_NEW(double, (size_t)count + 1);
     double *lambda = KM_NEW(double, rows), *gamma = KM_NEW(double, rows), sum = 0.0, product = 0.0, size = 0.0;
     km_loops_update(m, f->state, sub);
-    km_pivot(m, f->state, s, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
+    km_search_pivots(m, f->state, s, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
     for (size_t k = 0; k < columns; ++k)
       x[k] = uniform(r, -1.0, 1.0);
     bool moves =

@@ -103,8 +103,8 @@ static void starts_in_folded_chains(void **state) {
     double length;
     int found = 0;
     km_loops_update(f.mechanism, f.state, &f.mechanism->substructures[0]);
-    assert_true(km_tangents_make(&t, f.mechanism, f.state, 0, &arena) && km_sampled_tangents_make(&many, &t));
-    while (km_sampled_tangents_next(&many, &length))
+    assert_true(km_tangents_create(&t, f.mechanism, f.state, 0, &arena) && km_sampled_tangents_create(&many, &t));
+    while (km_sampled_tangents_find_next(&many, &length))
       ++found;
     assert_int_equal(found, many.most_starts);
     km_sampled_tangents_free(&many);

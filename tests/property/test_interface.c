@@ -135,7 +135,7 @@ static void test_set_coordinates_stay_on_the_branch(void **context) {
     bool loops = f.mechanism->topology.substructure_count > 0; /* what is known is of loops */
     assert_int_equal(km_state_mobility_is_known(f.mechanism, f.state), !loops);
     for (int i = 0; i < f.mechanism->topology.substructure_count; ++i)
-      assert_int_equal(f.state->pivoted[i], KM_NEVER);
+      assert_int_equal(f.state->pivot_driver[i], KM_NEVER);
     km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(km_state_set_coordinate(f.mechanism, f.state, 0, off[0], NULL),
                      f.mechanism->held[0] ? KM_USAGE : KM_OK);

@@ -197,7 +197,7 @@ static void many_motions(void **state) {
   law_numbers(&f, &r);
   int freedom = km_partition_freedom(&f.state->partition[0]);
   assert_true(freedom > KM_MANY_VECTORS && f.state->partition[0].rank > KM_MANY_VECTORS);
-  const double *weight = m->column_weight + sub->column_start, *Z = km_state_null(m, f.state, 0, freedom);
+  const double *weight = m->column_weight + sub->column_start, *Z = km_state_null_space(m, f.state, 0, freedom);
   for (size_t c = 0; c < columns; ++c)
     rest[c] = x[c] = uniform(&r, -1.0, 1.0);
   for (int k = 0; k < freedom; ++k) {

@@ -55,12 +55,12 @@ static void pivots_of_all_rows_stay(void **state) {
     for (int k = 0; k < sub->columns; ++k)
       move[k] = uniform(&r, -1e-3, 1e-3);
     km_state_move(m, f.state, sub, move);
-    km_state_forget_pivots(f.state, 0);
-    unsigned before = p->searches;
+    km_state_invalidate_pivots(f.state, 0);
+    unsigned before = p->search_count;
     assert_int_equal(km_loops_close(m, f.state, 0, KM_NO_DRIVER, &evidence), KM_CLOSED);
     assert_true(evidence.iterations >= 2);
     assert_int_equal(p->rank, p->rows);
-    assert_int_equal(p->searches, before + 1);
+    assert_int_equal(p->search_count, before + 1);
   }
   km_free(move);
   fixture_close(&f);
@@ -125,7 +125,7 @@ static void bases_wait(void **state) {
     double sum = 0.0;
     for (size_t k = 0; k < (size_t)freedom; ++k)
       sum += N[k * n + c] * N[k * n + c] * f.mechanism->scale[c] * f.mechanism->scale[c];
-    assert_near(sum, f.state->numbers[c], 1e-11);
+    assert_near(sum, f.state->mobility_number[c], 1e-11);
   }
   km_free(N);
   fixture_close(&f);
@@ -199,13 +199,13 @@ static bool compare(fixture f) {
   double length;
   assert_false(few.undecided || few.truncated);
   km_loops_update(m, f.state, &m->substructures[0]);
-  assert_true(km_tangents_make(&t, m, f.state, 0, &arena) && km_sampled_tangents_make(&many, &t));
+  assert_true(km_tangents_create(&t, m, f.state, 0, &arena) && km_sampled_tangents_create(&many, &t));
   bool regular = few.motion_count == 0 || few.motions[0].kind == KM_MOTION_REGULAR;
   bool branches = few.motion_count > 0 && few.motions[0].kind == KM_MOTION_BRANCH;
   if (t.conditions.freedom > 0)
     assert_int_equal(km_sampled_tangents_all_finite(&many, &length), regular);
   many.most_starts = regular ? 0 : 100 * t.conditions.freedom;
-  while (km_sampled_tangents_next(&many, &length)) {
+  while (km_sampled_tangents_find_next(&many, &length)) {
     int i = motion_along(&f, &few, &t, many.x);
     assert_true(i >= 0 && few.motions[i].kind == KM_MOTION_BRANCH);
     met[i] = true;

@@ -123,7 +123,7 @@ static km_status set_conditions(km_error *error) {
   km_second_order_columns conditions;
   km_loops_update(f.mechanism, f.state, &f.mechanism->substructures[0]);
   begin();
-  km_status status = end(km_second_order_columns_make(f.mechanism, f.state, 0, 1e-9, &arena, &conditions, error));
+  km_status status = end(km_second_order_columns_create(f.mechanism, f.state, 0, 1e-9, &arena, &conditions, error));
   km_second_order_columns_free(&conditions);
   km_arena_free(&arena);
   fixture_close(&f);

@@ -56,7 +56,7 @@ static void a_branch_point_is_left_by_a_short_step(void **state) {
     km_mobility_compute(f.mechanism, f.state, &mobility);
     assert_int_equal(mobility.mobility, 2);
     km_state_save(f.state, sub, saved);
-    assert_int_equal(km_branch_depart(f.mechanism, f.state, c, 0.0).motions, 2);
+    assert_int_equal(km_branch_depart(f.mechanism, f.state, c, 0.0).branch_count, 2);
     km_state_difference(f.state, sub, saved, step);
     double size = 0.0;
     for (int k = 0; k < sub->columns; ++k)

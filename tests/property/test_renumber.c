@@ -31,7 +31,7 @@ static void same_bits(const fixture *a, const fixture *b) {
   assert_int_equal(x.mobility, y.mobility);
   assert_true(x.residual == y.residual);
   assert_memory_equal(a->state->q, b->state->q, n * sizeof(double));
-  assert_memory_equal(a->state->numbers, b->state->numbers, n * sizeof(double));
+  assert_memory_equal(a->state->mobility_number, b->state->mobility_number, n * sizeof(double));
 }
 
 static void as_a_new_compilation(void **state) {

@@ -45,7 +45,7 @@ static fixture any(int kind, randomness *r) {
 
 /* The tangents at the pose, with their conditions. */
 static void make(fixture *f, km_arena *arena, km_tangents *t) {
-  assert_true(km_tangents_make(t, f->mechanism, f->state, 0, arena) && km_tangents_make_basis(t));
+  assert_true(km_tangents_create(t, f->mechanism, f->state, 0, arena) && km_tangents_create_basis(t));
   assert_true(km_second_order_build(f->mechanism, f->state, 0, arena, &t->conditions));
 }
 
@@ -162,7 +162,7 @@ static void branches_are_curves(void **state) {
   make(&f, &arena, &t);
   double *known = KM_ARENA_NEW(&arena, double, (size_t)(BRANCHES * t.conditions.freedom)), length;
   int count = 0, k = t.conditions.freedom;
-  while (km_tangents_next(&t, known, count, &length)) {
+  while (km_tangents_find_next(&t, known, count, &length)) {
     assert_true(count < BRANCHES && length > 0.3);
     assert_int_equal(km_second_order_dimension(&t.conditions, t.a), 1);
     for (int i = 0; i < k; ++i)

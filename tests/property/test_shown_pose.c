@@ -111,23 +111,23 @@ static void searched_once(void **state) {
   const double tolerance = 1e-9;
   double step[8] = {1e-3, 1e-3, 1e-3, 1e-3};
   km_loops_update(f.mechanism, f.state, sub);
-  km_pivot(f.mechanism, f.state, 0, KM_NO_DRIVER, tolerance);
-  unsigned searches = p->searches;
+  km_search_pivots(f.mechanism, f.state, 0, KM_NO_DRIVER, tolerance);
+  unsigned searches = p->search_count;
   km_loops_update(f.mechanism, f.state, sub);
-  km_pivot(f.mechanism, f.state, 0, KM_NO_DRIVER, tolerance);
-  assert_int_equal(p->searches, searches);
-  km_pivot(f.mechanism, f.state, 0, 0, tolerance); /* another driver */
-  assert_int_equal(p->searches, ++searches);
-  assert_int_equal(f.state->pivoted[0], 0);
-  km_pivot(f.mechanism, f.state, 0, 0, 2.0 * tolerance);
-  assert_int_equal(p->searches, ++searches);
+  km_search_pivots(f.mechanism, f.state, 0, KM_NO_DRIVER, tolerance);
+  assert_int_equal(p->search_count, searches);
+  km_search_pivots(f.mechanism, f.state, 0, 0, tolerance); /* another driver */
+  assert_int_equal(p->search_count, ++searches);
+  assert_int_equal(f.state->pivot_driver[0], 0);
+  km_search_pivots(f.mechanism, f.state, 0, 0, 2.0 * tolerance);
+  assert_int_equal(p->search_count, ++searches);
   km_state_move(f.mechanism, f.state, sub, step);
   km_loops_update(f.mechanism, f.state, sub);
-  km_pivot(f.mechanism, f.state, 0, 0, 2.0 * tolerance);
-  assert_int_equal(p->searches, ++searches);
+  km_search_pivots(f.mechanism, f.state, 0, 0, 2.0 * tolerance);
+  assert_int_equal(p->search_count, ++searches);
   assert_true(km_partition_refactor(&f.state->partition[0], km_state_jacobian(f.state, sub)));
-  km_pivot(f.mechanism, f.state, 0, 0, 2.0 * tolerance); /* a refactor has made the pivots' numbers others */
-  assert_int_equal(p->searches, ++searches);
+  km_search_pivots(f.mechanism, f.state, 0, 0, 2.0 * tolerance); /* a refactor has made the pivots' numbers others */
+  assert_int_equal(p->search_count, ++searches);
   fixture_close(&f);
 }
 

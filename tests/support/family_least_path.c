@@ -82,7 +82,7 @@ static bool small_steps(const char *json, int driver, double way, int pieces, do
       }
       km_state_restore(f.state, sub, here);
       km_state_move(m, f.state, sub, t);
-      f.state->pivoted[index] = KM_NEVER;
+      f.state->pivot_driver[index] = KM_NEVER;
       good = good && km_loops_close(m, f.state, index, column, &evidence) == KM_CLOSED;
     }
   }

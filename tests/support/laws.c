@@ -118,8 +118,8 @@ void law_numbers(fixture *f, randomness *r) {
   km_mobility_compute(m, f->state, &mobility);
   double sum = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    assert_true(f->state->numbers[c] >= 0.0 && f->state->numbers[c] <= 1.0 + 1e-12);
-    sum += f->state->numbers[c];
+    assert_true(f->state->mobility_number[c] >= 0.0 && f->state->mobility_number[c] <= 1.0 + 1e-12);
+    sum += f->state->mobility_number[c];
   }
   assert_near(sum, mobility.mobility, 1e-12 * (1 + m->coordinate_count));
   for (int s = 0; s < m->topology.substructure_count; ++s) {
@@ -127,7 +127,7 @@ void law_numbers(fixture *f, randomness *r) {
     double *numbers = KM_NEW(double, (size_t)sub->columns);
     assert_near(f->state->partition[s].rank, numbers_by_svd(f, s, numbers), 0.0);
     for (int k = 0; k < sub->columns; ++k)
-      assert_near(f->state->numbers[m->column_coordinate[sub->column_start + k]], numbers[k], 1e-10);
+      assert_near(f->state->mobility_number[m->column_coordinate[sub->column_start + k]], numbers[k], 1e-10);
     km_free(numbers);
   }
 }
@@ -149,7 +149,7 @@ static void assert_least_rates(fixture *f, int s, int driver) {
       sum += J[k * rows + i] * t[k];
     assert_near(sum / length, 0.0, 1e-9);
   }
-  const double *Z = km_state_null(m, f->state, s, km_partition_freedom(&f->state->partition[s]) - 1);
+  const double *Z = km_state_null_space(m, f->state, s, km_partition_freedom(&f->state->partition[s]) - 1);
   for (int i = 0; i < km_partition_freedom(&f->state->partition[s]) - 1; ++i) {
     double dot = 0.0;
     for (size_t k = 0; k < n; ++k)
@@ -170,13 +170,13 @@ void law_forced(fixture *f, randomness *r) {
     int driver = below(r, sub->columns);
     double *free_numbers = KM_NEW(double, (size_t)sub->columns);
     for (int k = 0; k < sub->columns; ++k)
-      free_numbers[k] = f->state->numbers[m->column_coordinate[sub->column_start + k]];
-    km_pivot(m, f->state, s, driver, km_rank_tolerance(m, sub, 0.0));
+      free_numbers[k] = f->state->mobility_number[m->column_coordinate[sub->column_start + k]];
+    km_search_pivots(m, f->state, s, driver, km_rank_tolerance(m, sub, 0.0));
     if (!f->state->partition[s].forced_dependent)
       assert_least_rates(f, s, driver);
     km_numbers_update(m, f->state, s);
     for (int k = 0; k < sub->columns; ++k)
-      assert_near(f->state->numbers[m->column_coordinate[sub->column_start + k]], free_numbers[k], 1e-11);
+      assert_near(f->state->mobility_number[m->column_coordinate[sub->column_start + k]], free_numbers[k], 1e-11);
     km_free(free_numbers);
   }
 }

@@ -155,7 +155,7 @@ void check_pivots(const km_partition *p) {
 void check_directions(const km_partition *p) {
   double x[MOST], scale = largest_entry();
   for (int k = p->rank; k < p->columns; ++k) {
-    km_partition_direction(p, p->column[k], x);
+    km_partition_null_vector(p, p->column[k], x);
     assert_near(x[p->column[k]], 1.0, 0.0);
     for (int r = 0; r < f.rows; ++r) {
       double sum = 0.0, size = 0.0;
@@ -173,7 +173,7 @@ void check_directions(const km_partition *p) {
 
 void check_null(const km_partition *p, double tolerance) {
   int freedom = km_partition_freedom(p), n = f.columns;
-  km_partition_null(p, f.D, freedom, f.Z);
+  km_partition_null_space(p, f.D, freedom, f.Z);
   for (int a = 0; a < freedom; ++a)
     for (int b = 0; b <= a; ++b) {
       double dot = 0.0;
@@ -209,7 +209,7 @@ static void check_rows(const km_partition *p, int count) {
   static double R[MOST * MOST];
   double x[MOST];
   int n = f.columns;
-  km_partition_rows(p, f.D, count, R);
+  km_partition_row_space(p, f.D, count, R);
   for (int a = 0; a < p->rank; ++a) {
     for (int b = 0; b <= a; ++b) {
       double dot = 0.0;
@@ -222,7 +222,7 @@ static void check_rows(const km_partition *p, int count) {
   }
   for (int k = p->rank; k < p->rank + count; ++k) {
     double size = 0.0;
-    km_partition_direction(p, p->column[k], x);
+    km_partition_null_vector(p, p->column[k], x);
     for (int j = 0; j < n; ++j)
       size = fmax(size, fabs(f.D[j] * x[j]));
     for (int a = 0; a < p->rank; ++a) {
@@ -244,7 +244,7 @@ void check_all(const km_partition *p, double tolerance) {
     for (int i = 0; i < p->rank; ++i)
       largest = fmax(largest, fabs(b[i]));
   }
-  assert_true(p->largest_b == largest);
+  assert_true(p->max_b == largest);
   check_pivots(p);
   check_directions(p);
   check_null(p, tolerance);
@@ -263,7 +263,7 @@ void check_evidence(const km_partition *p) {
   assert_near(p->first_pivot, first, 1e-14 * first);
   assert_near(p->last_pivot, last, 1e-14 * first);
   assert_true(p->scale == largest_entry());
-  assert_true(p->pivoted_b == p->largest_b);
+  assert_true(p->max_b_at_search == p->max_b);
   assert_true(p->rank == 0 || p->last_pivot <= ldexp(p->first_pivot, p->rank - 1));
   assert_true(p->rank == 0 || p->last_pivot > 1e-9 * p->scale);
   assert_true(p->first_dropped <= 1e-9 * p->scale);

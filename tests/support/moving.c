@@ -103,7 +103,7 @@ static double over_substructures(const moving *m, const balance *body, double *r
     const km_partition *p = &m->f.state->partition[i];
     double *direction = (double *)calloc((size_t)sub->columns, sizeof *direction);
     for (int k = p->rank; k < p->columns; ++k) {
-      km_partition_direction(p, p->column[k], direction);
+      km_partition_null_vector(p, p->column[k], direction);
       memset(rates, 0, (size_t)mech->coordinate_count * sizeof *rates);
       for (int n = 0; n < sub->columns; ++n) {
         int c = mech->column_coordinate[sub->column_start + n];

@@ -209,8 +209,8 @@ void go_somewhere(fixture *f, randomness *r) {
 km_twist column_in_space(const fixture *f, int coordinate) {
   const km_mechanism *m = f->mechanism;
   const km_model_coordinate *def = &f->model->coordinates[coordinate];
-  km_passage p;
-  km_joint_passage(f->model, def->joint, false, &p);
+  km_joint_traversal p;
+  km_joint_traverse(f->model, def->joint, false, &p);
   const km_model_frame *entry = &f->model->frames[p.entry];
   km_pose X = km_pose_product(&f->state->pose[entry->body], &entry->pose);
   double pitch = f->model->joints[def->joint].pitch / (2.0 * M_PI);
@@ -236,7 +236,7 @@ static km_vec3 place_of(const fixture *f, int joint) {
 
 /* +1 where the walk around the loop (out along the virtual side, back along the other) follows the user's sense. */
 static double sense(const km_member *member) {
-  return member->side * (member->against ? -1.0 : 1.0);
+  return member->side * (member->is_reversed ? -1.0 : 1.0);
 }
 
 double *whole_jacobian(const fixture *f, int substructure, int *rows) {

@@ -51,7 +51,7 @@ static void forced_columns(void **state) {
     factor(&f.p);
     km_partition_factor(&f.q, f.J, rows, columns, NULL, 1e-9);
     assert_int_equal(f.p.rank, f.q.rank);
-    if (f.p.largest_b < 1e3)
+    if (f.p.max_b < 1e3)
       check_all(&f.p, 1e-9);
     static double others[MOST * MOST]; /* what is not forced */
     int n = 0;
@@ -66,7 +66,7 @@ static void forced_columns(void **state) {
       --behind;
     for (int k = f.p.rank; k < behind; ++k)
       assert_false(f.forced[f.p.column[k]]); /* the forced ones come last */
-    f.p.held = true;                         /* then they are no pivots at all */
+    f.p.forced_never_pivot = true;           /* then they are no pivots at all */
     factor(&f.p);
     assert_int_equal(f.p.rank, f.q.rank);
     assert_false(f.p.forced_dependent);
@@ -98,11 +98,11 @@ static void kept_pivots(void **state) {
     if (!km_partition_refactor(&f.p, f.J))
       continue;
     ++accepted;
-    assert_int_equal(f.p.searches, 1);
+    assert_int_equal(f.p.search_count, 1);
     factor(&f.q);
-    assert_int_equal(f.q.searches, 2);
+    assert_int_equal(f.q.search_count, 2);
     assert_int_equal(f.p.rank, f.q.rank);
-    if (f.p.largest_b < 1e3)
+    if (f.p.max_b < 1e3)
       check_all(&f.p, 1e-9);
   }
   assert_true(accepted > 2500);
@@ -199,7 +199,7 @@ static void near_ties(void **state) {
         f.J[c * n + r] = r == c ? 1.01 + 0.1 * c / n : 0.0;
     reserve();
     for (int nearly = 0; nearly < 2; ++nearly) {
-      f.p.nearly = nearly;
+      f.p.ties_by_position = nearly;
       factor(&f.p);
       assert_int_equal(f.p.rank, n);
       for (int i = 0; i < n; ++i) {
@@ -223,7 +223,7 @@ static void empty(void **state) {
       factor(&f.p);
       assert_int_equal(f.p.rank, 0);
       assert_true(km_partition_refactor(&f.p, f.J));
-      km_partition_null(&f.p, f.D, columns, f.Z);
+      km_partition_null_space(&f.p, f.D, columns, f.Z);
       km_mobility_numbers(f.Z, columns, columns, f.numbers);
       for (int c = 0; c < columns; ++c)
         assert_near(f.numbers[c], 1.0, 1e-15);

@@ -222,12 +222,12 @@ static void limits_of_balls_are_kept(void **unused) {
   for (int i = 0; i < 2; ++i) {
     fixture g = sent(f.model, formats[i]);
     assert_near(g.model->joints[0].most_turn, most[i], 1e-14);
-    assert_near(g.mechanism->most_turn[0], M_PI / 3, 1e-15);
+    assert_near(g.mechanism->max_ball_angle[0], M_PI / 3, 1e-15);
     fixture_close(&g);
   }
   double q[3] = {0.7, -0.7, 0.5};
   double turned = sqrt(0.49 + 0.49 + 0.25) - M_PI / 3;
-  assert_near(km_state_over_turned(f.mechanism, 0, q), turned, 1e-15);
+  assert_near(km_state_ball_excess(f.mechanism, 0, q), turned, 1e-15);
   fixture_close(&f);
 }
 

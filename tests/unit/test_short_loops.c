@@ -51,15 +51,15 @@ static void check_cycle(const network *n, int loop) {
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i) {
     const km_member *member = &t->member[i];
     const km_edge *edge = &n->edges[member->joint];
-    int *end = &ends[member->side < 0], sense = (int)km_member_sense(member);
-    assert_int_equal(member->against ? edge->head : edge->tail, *end);
-    *end = member->against ? edge->tail : edge->head;
+    int *end = &ends[member->side < 0], sense = (int)km_member_sign(member);
+    assert_int_equal(member->is_reversed ? edge->head : edge->tail, *end);
+    *end = member->is_reversed ? edge->tail : edge->head;
     assert_true(t->level[*end] >= t->level[t->base[loop]]);
     flow[edge->tail] -= sense;
     flow[edge->head] += sense;
     chords += member->joint == t->chord[loop];
     if (member->joint == t->chord[loop])
-      assert_true(member->side > 0 && !member->against);
+      assert_true(member->side > 0 && !member->is_reversed);
   }
   assert_int_equal(ends[0], ends[1]);
   assert_int_equal(chords, 1);
@@ -77,7 +77,7 @@ static int rank_of(const network *n) {
   for (int l = 0; l < t->loop_count; ++l) {
     int *row = rows + (size_t)l * joints;
     for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
-      row[t->member[i].joint] = km_member_sense(&t->member[i]) > 0 ? 1 : PRIME - 1;
+      row[t->member[i].joint] = km_member_sign(&t->member[i]) > 0 ? 1 : PRIME - 1;
     for (int k = 0; k < l; ++k) {
       const int *other = rows + (size_t)k * joints;
       int factor = pivot[k] < 0 ? 0 : row[pivot[k]];

@@ -79,7 +79,7 @@ static void check_copy(void) {
   for (int k = 0; k < f.rows * f.columns; ++k)
     f.J[k] *= 1.0 + 1e-7 * any();
   f.q.smallest_pivot = f.p.smallest_pivot;
-  f.q.pivoted_b = f.p.pivoted_b;
+  f.q.max_b_at_search = f.p.max_b_at_search;
   bool kept = km_partition_refactor(&f.p, stored(&f.p));
   assert_int_equal(km_partition_refactor(&f.q, stored(&f.q)), kept);
   for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
@@ -103,9 +103,9 @@ static void check_rows(const int *list, int count, const double *x, const double
 static void check_numbers(double tolerance) {
   double numbers[MOST], by_rows[MOST];
   int freedom = km_partition_freedom(&f.p);
-  km_partition_null(&f.p, f.D, freedom, f.Z);
+  km_partition_null_space(&f.p, f.D, freedom, f.Z);
   km_mobility_numbers(f.Z, f.columns, freedom, numbers);
-  assert_true(km_partition_numbers(&f.p, stored(&f.p), f.D, by_rows));
+  assert_true(km_partition_mobility_numbers(&f.p, stored(&f.p), f.D, by_rows));
   for (int c = 0; c < f.columns; ++c)
     assert_near(by_rows[c], numbers[c], tolerance);
 }
@@ -122,10 +122,10 @@ static void against_the_dense_engine(void **state) {
     km_partition_factor(&f.q, f.J, f.rows, f.columns, f.forced, 1e-9);
     assert_near(f.p.rank, f.q.rank, 0.0);
     assert_int_equal(f.p.forced_dependent, f.q.forced_dependent);
-    if (f.p.largest_b < 1e3)
+    if (f.p.max_b < 1e3)
       check_all(&f.p, 1e-9);
     if (!(i % 2)) /* as small as complete pivoting keeps it, or nearly */
-      assert_true(f.p.largest_b <= 2.0 * fmax(f.q.largest_b, 1.0));
+      assert_true(f.p.max_b <= 2.0 * fmax(f.q.max_b, 1.0));
     check_copy();
   }
 }
@@ -147,7 +147,7 @@ static void much_fill(void **state) {
     run_svd();
     factor(&f.p);
     assert_int_equal(f.p.rank, f.svd_rank);
-    if (f.p.largest_b > 1e3)
+    if (f.p.max_b > 1e3)
       continue;
     check_all(&f.p, 1e-9);
     ++checked;
@@ -175,7 +175,7 @@ static void check_primary_rows(const km_partition *p) {
       double sum = f.J[p->column[k] * f.rows + p->row[i]];
       for (int n = 0; n < p->rank; ++n)
         sum -= f.J[p->column[n] * f.rows + p->row[i]] * b[n];
-      assert_near(sum, 0.0, 1e-10 * (1.0 + p->largest_b));
+      assert_near(sum, 0.0, 1e-10 * (1.0 + p->max_b));
     }
   }
 }
@@ -190,7 +190,7 @@ static void zeros_that_fill(void **state) {
     factor(&f.p);
     singles += f.p.sparse->singles;
     assert_near(f.p.rank, f.svd_rank, 0.0);
-    if (f.p.largest_b < 1e3)
+    if (f.p.max_b < 1e3)
       check_all(&f.p, 1e-9);
     check_copy();
     fill_zeros(0.01, true);
@@ -201,7 +201,7 @@ static void zeros_that_fill(void **state) {
       ++whole;
     else if (!keeps)
       continue;
-    if (f.p.largest_b < 1e3)
+    if (f.p.max_b < 1e3)
       check_primary_rows(&f.p);
   }
   assert_true(kept > 20 && refused > 20 && whole > 20 && singles > 2000);
@@ -216,7 +216,7 @@ static void null_vectors_by_their_entries(void **state) {
     open_band(50, 20, 60);
     fill_zeros(0.5, false);
     run_svd();
-    f.p.any_independent = true;
+    f.p.unrestricted_basis = true;
     factor(&f.p);
     assert_near(km_partition_freedom(&f.p), f.columns - f.svd_rank, 0.0);
     for (int k = 0; k < km_partition_freedom(&f.p); ++k) {
@@ -256,14 +256,14 @@ static void steps_without_null_vectors(void **state) {
     open_band(20, 30, 50);
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p);
-    if (freedom == 0 || f.p.largest_b > 1e3)
+    if (freedom == 0 || f.p.max_b > 1e3)
       continue;
-    km_partition_null(&f.p, f.D, freedom, f.Z);
+    km_partition_null_space(&f.p, f.D, freedom, f.Z);
     for (int c = 0; c < f.columns; ++c)
       x[c] = any();
     memcpy(left, x, sizeof left);
     keep_normal(i);
-    assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, freedom, left, work));
+    assert_true(km_partition_remove_null_space(&f.p, stored(&f.p), f.D, freedom, left, work));
     free_normal(i);
     for (int k = 0; k < freedom; ++k) {
       double along = 0.0;
@@ -303,7 +303,7 @@ static void pivots_that_wait(void **state) {
     free_normal(i);
     keep_normal(0);
     bool serves = km_partition_refactor(&f.p, stored(&f.p));
-    assert_true(!f.p.waits && km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
+    assert_true(!f.p.is_deferred && km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
     for (int c = 0; c < f.columns && serves; ++c)
       assert_near(waiting[c], least[c], 1e-8);
   }
@@ -318,14 +318,14 @@ static void by_rows_alone(void **state) {
     open_band(20, 30, 50);
     factor(&f.p);
     int freedom = km_partition_freedom(&f.p), rank = f.p.rank;
-    if (freedom == 0 || f.p.largest_b > 1e3)
+    if (freedom == 0 || f.p.max_b > 1e3)
       continue;
     check_numbers(1e-10);
     for (int r = 0; r < f.rows; ++r)
       rhs[r] = any();
     km_partition_solve(&f.p, rhs, x);
     keep_normal(i);
-    assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, freedom, x, work));
+    assert_true(km_partition_remove_null_space(&f.p, stored(&f.p), f.D, freedom, x, work));
     f.p.rows_only = true;
     factor(&f.p);
     assert_int_equal(f.p.rank, rank);
@@ -402,7 +402,7 @@ static void rows_that_stand(void **state) {
     reserve_sparse();
     keep_normal(1);
     run_svd();
-    f.p.rows_only = f.p.held = true;
+    f.p.rows_only = f.p.forced_never_pivot = true;
     factor(&f.p);
     assert_int_equal(f.p.sparse->by_normal, !depends);
     assert_int_equal(f.p.rank, f.rows - depends);
@@ -509,7 +509,7 @@ static void columns_where_no_pivot_tells(void **state) {
     factor(&f.p);
     assert_int_equal(f.p.rank, f.svd_rank);
     check_primary_rows(&f.p);
-    assert_true(f.p.largest_b <= km_largest_good_b);
+    assert_true(f.p.max_b <= km_max_good_b);
     for (int k = f.p.rank; k < f.columns && f.svd_rank == f.rows; ++k)
       chosen += f.p.column[k] < f.rows;
   }
@@ -542,7 +542,7 @@ static void crowded_rows(void **state) {
       assert_true(km_partition_minimum_norm(&f.p, stored(&f.p), f.D, count, rhs, least));
       check_rows(f.p.row, f.p.rank, least, rhs, 1e-9); /* all of them */
       memcpy(step, least, sizeof step);
-      assert_true(km_partition_reject_null(&f.p, stored(&f.p), f.D, count, step, work));
+      assert_true(km_partition_remove_null_space(&f.p, stored(&f.p), f.D, count, step, work));
       for (int c = 0; c < f.columns; ++c)
         assert_near(step[c], least[c], 1e-9);
       assert_true(count == freedom || least[f.p.column[f.p.rank + count]] == 0.0);

@@ -25,9 +25,9 @@ static void fill_band(void) {
 }
 
 static void factor_band(km_partition *p, bool unwatched) {
-  p->unwatched = unwatched;
+  p->basis_quality_unneeded = unwatched;
   km_partition_factor(p, values, ROWS, COLUMNS, NULL, 1e-9);
-  p->unwatched = false;
+  p->basis_quality_unneeded = false;
 }
 
 /* Where nobody asks for the independent columns the rank, the primary rows and the least steps are the same; whoever asks for them
@@ -58,7 +58,7 @@ static void columns_that_nobody_asks_for(void **state) {
       assert_near(least[c], other[c], 1e-12);
     factor_band(&p, false);
     assert_memory_equal(p.column, q.column, sizeof *p.column * COLUMNS);
-    assert_true(p.largest_b == q.largest_b);
+    assert_true(p.max_b == q.max_b);
     km_normal_equations_free(kept);
     km_arena_free(&arena);
   }
@@ -92,9 +92,9 @@ static void vary_band(double J[ROWS][COLUMNS], double amount) {
 }
 
 static int rank_keeping(km_partition *p) {
-  p->kept_rows = 1e-9;
+  p->kept_row_tolerance = 1e-9;
   km_partition_factor(p, values, WITH_SUM, COLUMNS, NULL, 1e-9);
-  p->kept_rows = 0.0;
+  p->kept_row_tolerance = 0.0;
   return p->rank;
 }
 
@@ -126,7 +126,7 @@ static void rows_that_are_kept(void **state) {
     assert_true(km_partition_minimum_norm(&p, values, weight, COLUMNS - ROWS, rhs, first));
     vary_band(J, 1e-6);
     store_with_sum(J, 0.0);
-    assert_true(km_partition_minimum_norm_again(&p, weight, COLUMNS - ROWS, rhs, again));
+    assert_true(km_partition_minimum_norm_reuse(&p, weight, COLUMNS - ROWS, rhs, again));
     assert_memory_equal(first, again, sizeof first); /* of the matrix before */
 
     vary_band(J, 0.2);

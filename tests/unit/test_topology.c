@@ -84,7 +84,7 @@ static bool share_a_cycle(const graph *g, int a, int b) {
          connected_without(g, g->edges[b].tail, g->edges[b].head, -1, 1u << b);
 }
 
-static km_topology build(const graph *g, const km_tie *ties, int tie_count, km_arena *arena) {
+static km_topology build(const graph *g, const km_coupled_joints *ties, int tie_count, km_arena *arena) {
   km_graph graph_of = {g->bodies, g->joints, tie_count, g->edges, ties};
   km_topology t;
   assert_int_equal(km_topology_build(&graph_of, arena, &t, NULL), KM_OK);
@@ -99,8 +99,8 @@ static void check_tree(const graph *g, const km_topology *t) {
     assert_int_equal(t->level[body], t->level[t->parent[body]] + 1);
     assert_true(t->level[body] >= t->level[t->order[i - 1]]);
     const km_edge *arc = &g->edges[t->arc[body]];
-    assert_int_equal(t->against[t->arc[body]] ? arc->tail : arc->head, body);
-    assert_int_equal(t->against[t->arc[body]] ? arc->head : arc->tail, t->parent[body]);
+    assert_int_equal(t->is_reversed[t->arc[body]] ? arc->tail : arc->head, body);
+    assert_int_equal(t->is_reversed[t->arc[body]] ? arc->head : arc->tail, t->parent[body]);
   }
   for (int j = 0; j < g->joints; ++j) /* breadth first: no joint skips a level */
     assert_in_range(t->level[g->edges[j].tail] - t->level[g->edges[j].head] + 1, 0, 2);
@@ -168,7 +168,7 @@ static void couplings_join(void **state) {
   (void)state;
   graph g = {4, 4, {{0, 1}, {0, 2}, {0, 3}, {2, 3}}};
   const int geared[2] = {0, 3};
-  const km_tie tie = {geared, 2};
+  const km_coupled_joints tie = {geared, 2};
   km_arena arena = {0};
   km_topology t = build(&g, &tie, 1, &arena);
   assert_int_equal(t.substructure_count, 1);

@@ -66,7 +66,7 @@ static inline lanes_vec get_columns(const km_batch_number *x, int lane) {
   return (lanes_vec){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
 }
 
-/* km_state_turn_ball where the mask is set, for all balls that a step turns. */
+/* km_state_rotate_ball where the mask is set, for all balls that a step turns. */
 static APART void turn_balls(km_batch *l, const km_batch_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {

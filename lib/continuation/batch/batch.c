@@ -16,9 +16,9 @@ static bool has_freedoms_for_lanes(const km_driver_motion *d, int freedom) {
 static bool may_ride(const km_driver_motion *d) {
   const km_state *s = d->c.state;
   const km_partition *p = &s->partition[d->c.substructure], *reference = &d->c.course.reference;
-  return d->here.known && !d->c.steady.on && s->pivoted[d->c.substructure] == d->c.column && !p->forced_dependent &&
-         !p->locked && has_freedoms_for_lanes(d, km_partition_freedom(p)) && reference->rank == p->rank &&
-         reference->searches == p->searches && !km_continuation_is_singular(p);
+  return d->here.known && !d->c.steady.is_active && s->pivot_driver[d->c.substructure] == d->c.column &&
+         !p->forced_dependent && !p->locked && has_freedoms_for_lanes(d, km_partition_freedom(p)) &&
+         reference->rank == p->rank && reference->search_count == p->search_count && !km_continuation_is_singular(p);
 }
 
 /* The first one aboard decides by which pivots all go. */
@@ -68,7 +68,7 @@ static void board(km_batch *l, int i) {
   l->here.s.of[i] = d->here.s;
   l->here.largest.of[i] = d->here.largest;
   l->here.stopped.of[i] = d->here.stopped;
-  l->pivoted_b.of[i] = p->pivoted_b;
+  l->pivoted_b.of[i] = p->max_b_at_search;
   l->smallest_pivot.of[i] = p->rank > 0 ? p->smallest_pivot : 0.0;
   l->aboard |= 1u << i;
 }
@@ -77,7 +77,7 @@ static void board(km_batch *l, int i) {
 static void show(const km_batch *l, int i) {
   const km_lane_row *row = l->shown;
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
-  double *q = l->drives[i]->c.state->q, *numbers = l->drives[i]->c.state->numbers;
+  double *q = l->drives[i]->c.state->q, *numbers = l->drives[i]->c.state->mobility_number;
   for (int k = 0, count = l->sub->columns; k < count; ++k) {
     q[coordinate[k]] = row->q[k].of[i];
     numbers[coordinate[k]] = row->numbers[k].of[i];
@@ -100,7 +100,7 @@ void km_driver_motion_leave_batch(km_driver_motion *d) {
   l->ahead &= others;
   l->drives[d->lane] = NULL;
   d->lanes = NULL;
-  km_state_forget_pivots(d->c.state, d->c.substructure);
+  km_state_invalidate_pivots(d->c.state, d->c.substructure);
 }
 
 double km_driver_motion_batched_residual(const km_driver_motion *d) {
@@ -115,7 +115,7 @@ void km_driver_motion_batched_direction(const km_driver_motion *d, double *z) {
 }
 
 void km_driver_motion_read_basis(km_driver_motion *d) {
-  km_state_take_basis(d->c.state, d->c.substructure, &d->lanes->shown->z->of[d->lane], KM_BATCH_LANES);
+  km_state_set_single_basis(d->c.state, d->c.substructure, &d->lanes->shown->z->of[d->lane], KM_BATCH_LANES);
 }
 
 static unsigned take_step(km_batch *l, unsigned wanted) {
@@ -136,7 +136,7 @@ static void keep_pivots(km_batch *l) {
     km_driver_motion *d = l->drives[__builtin_ctz(left)];
     const km_state *s = d->c.state;
     const km_partition *p = &s->partition[d->c.substructure];
-    if (s->pivoted[d->c.substructure] != d->c.column || p->searches != d->c.course.reference.searches)
+    if (s->pivot_driver[d->c.substructure] != d->c.column || p->search_count != d->c.course.reference.search_count)
       km_driver_motion_write_back(d);
   }
   l->looked = 0;
@@ -186,7 +186,7 @@ static km_motion_end arrive(km_batch *l, int i, bool there, double target) {
     show(l, i);
     km_batch_write_ball_joints(l, i);
   }
-  if (!(l->here.largest_b.of[i] <= km_largest_good_b)) /* whoever looks at the pose searches other pivots */
+  if (!(l->here.largest_b.of[i] <= km_max_good_b)) /* whoever looks at the pose searches other pivots */
     km_driver_motion_write_back(l->drives[i]);
   return (km_motion_end){KM_STOP_NONE, target, -1, -1};
 }

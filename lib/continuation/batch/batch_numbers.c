@@ -8,7 +8,7 @@
 static bool same_planar_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
   for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
     const km_planar_step *x = &a->planar_steps[i], *y = &b->planar_steps[i];
-    if (x->slides != y->slides || x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from ||
+    if (x->is_slide != y->is_slide || x->coordinate != y->coordinate || x->sign != y->sign || x->from != y->from ||
         x->to != y->to)
       return false;
   }
@@ -19,7 +19,7 @@ static bool same_space_steps(const km_mechanism *a, const km_mechanism *b, const
   for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
     const km_step *x = &a->steps[i], *y = &b->steps[i];
     if (x->primitive != y->primitive || x->ball != y->ball || x->axis != y->axis || x->coordinate != y->coordinate ||
-        x->sign != y->sign || x->from != y->from || x->to != y->to || x->turned != y->turned)
+        x->sign != y->sign || x->from != y->from || x->to != y->to || x->has_rotation != y->has_rotation)
       return false;
   }
   return true;
@@ -36,12 +36,12 @@ static bool same_program(const km_mechanism *a, const km_mechanism *b, int index
 static bool same_loop(const km_mechanism *a, const km_mechanism *b, int l) {
   const km_loop *x = &a->loops[l], *y = &b->loops[l];
   if (x->lambda != y->lambda || memcmp(x->rows, y->rows, (size_t)x->lambda * sizeof *x->rows) != 0 ||
-      x->local != y->local || x->row_start != y->row_start || x->slot[0] != y->slot[0] || x->slot[1] != y->slot[1] ||
-      x->entry_start != y->entry_start || x->entry_count != y->entry_count)
+      x->has_moving_point != y->has_moving_point || x->row_start != y->row_start || x->slot[0] != y->slot[0] ||
+      x->slot[1] != y->slot[1] || x->entry_start != y->entry_start || x->entry_count != y->entry_count)
     return false;
   for (int i = x->entry_start; i < x->entry_start + x->entry_count; ++i) {
     const km_entry *e = &a->entries[i], *f = &b->entries[i];
-    if (e->step != f->step || e->column != f->column || e->side != f->side || e->at != f->at)
+    if (e->step != f->step || e->column != f->column || e->side != f->side || e->value_index != f->value_index)
       return false;
   }
   return true;
@@ -55,7 +55,7 @@ static bool same_couplings(const km_mechanism *a, const km_mechanism *b, const k
     for (int k = x->term_start; k < x->term_start + x->term_count; ++k) {
       const km_term *s = &a->terms[k], *t = &b->terms[k];
       if (s->coordinate != t->coordinate || s->column != t->column || s->curve_count > 0 || t->curve_count > 0 ||
-          s->at != t->at)
+          s->value_index != t->value_index)
         return false;
     }
   }
@@ -129,20 +129,20 @@ static void take_space_step(km_lane_space_step *to, const km_step *step, int i) 
 static void take_planar_loop(km_batch *l, int index, const km_loop *loop, int i) {
   km_lane_planar_loop *to = &l->planar_loops[index];
   for (int a = 0; a < 2; ++a) {
-    to->close[0][a].of[i] = loop->planar_close[0][a];
-    to->close[1][a].of[i] = loop->planar_close[1][a];
-    to->apart[a].of[i] = loop->planar_apart[a];
+    to->close[0][a].of[i] = loop->planar_closing_point[0][a];
+    to->close[1][a].of[i] = loop->planar_closing_point[1][a];
+    to->apart[a].of[i] = loop->planar_origin_offset[a];
     to->point[a].of[i] = loop->planar_point[a];
   }
-  to->turn.of[i] = loop->planar_turn;
+  to->turn.of[i] = loop->planar_closing_angle;
   for (int k = 0; k < 3; ++k)
     l->loops[index].fixed[k].of[i] = loop->fixed_misfit[2 + k];
 }
 
 static void take_space_loop(km_lane_space_loop *to, const km_loop *loop, int i) {
   for (int a = 0; a < 2; ++a)
-    take_pose(&to->close[a], &loop->close[a], i);
-  take_vec3(&to->apart, loop->apart, i);
+    take_pose(&to->close[a], &loop->closing_frame[a], i);
+  take_vec3(&to->apart, loop->origin_offset, i);
   take_vec3(&to->point, loop->point[0], i);
 }
 
@@ -218,9 +218,9 @@ static void place_loop(km_batch *l, const km_program *program, int index) {
     to->side = entry->side;
     const int step = program->step_start + entry->step;
     to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[step].primitive);
-    to->turn = program->planar && !m->planar_steps[step].slides ? m->planar_steps[step].sign : 0.0;
-    to->next = (int)entry->next * KM_BATCH_LANES;
-    place_rows(loop, (int)entry->at, l->sub->rows * l->sub->columns, to->at);
+    to->turn = program->planar && !m->planar_steps[step].is_slide ? m->planar_steps[step].sign : 0.0;
+    to->next = (int)entry->column_stride * KM_BATCH_LANES;
+    place_rows(loop, (int)entry->value_index, l->sub->rows * l->sub->columns, to->at);
   }
 }
 

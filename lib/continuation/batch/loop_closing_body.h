@@ -54,8 +54,8 @@ static WITHIN void factor(km_batch *l, vector *largest_b, mask *fit, int first, 
   EACH(r) {
     PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
     vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
-    fit[r] &= is_finite(sum[r]) & at_most(largest_b[r], km_most_growth_of_b * pivoted_b) &
-              at_most(largest_inverse[r] * GET(l->smallest_pivot), all(km_most_shrinking));
+    fit[r] &= is_finite(sum[r]) & at_most(largest_b[r], km_max_b_growth * pivoted_b) &
+              at_most(largest_inverse[r] * GET(l->smallest_pivot), all(km_max_pivot_shrinkage));
   }
 }
 
@@ -135,8 +135,8 @@ static inline void grain(const km_batch *l, vector *coarse, int first, int count
     }
   }
   EACH(r) {
-    vector grown = 1.0 + km_grain_growth * coarse[r];
-    coarse[r] = pick(below(grown, all(km_grain_most)), grown, all(km_grain_most));
+    vector grown = 1.0 + km_tolerance_scale_growth * coarse[r];
+    coarse[r] = pick(below(grown, all(km_max_tolerance_scale)), grown, all(km_max_tolerance_scale));
   }
 }
 
@@ -158,7 +158,7 @@ static WITHIN void close_loops(km_batch *l, mask *trying, vector *correction, ve
   int moves = 0;
   grain(l, coarse, first, count);
   EACH(r) {
-    vector least = coarse[r] * km_closed, tolerance = GET(l->closure_tolerance);
+    vector least = coarse[r] * km_residual_tolerance, tolerance = GET(l->closure_tolerance);
     primary[r] = least * least * (double)l->replay.rank;
     most[r] = 6.0 * SURE * larger(tolerance * tolerance, least * least);
     sum[r] = all(0.0);
@@ -166,18 +166,18 @@ static WITHIN void close_loops(km_batch *l, mask *trying, vector *correction, ve
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
     vector square[TOGETHER], step[TOGETHER], error[TOGETHER], moved[TOGETHER];
-    const double settled = moves == 0 ? km_settled_at_once : km_settled;
+    const double settled = moves == 0 ? km_predicted_step_tolerance : km_step_tolerance;
     update(l, moves > 0, square, trying, first, count);
     factor(l, largest_b, trying, first, count);
     newton(l, error, step, first, count);
     EACH(r) {
       mask small = at_most(error[r], SURE * primary[r]);
-      trying[r] &= below(square[r], all(6.0 * SURE * km_near_closed * km_near_closed)) &
+      trying[r] &= below(square[r], all(6.0 * SURE * km_pivot_reuse_residual * km_pivot_reuse_residual)) &
                    (small | below(primary[r], error[r] * SURE));
       mask found = trying[r] & ~done[r] & small & at_most(step[r], coarse[r] * settled);
       trying[r] &= ~found | at_most(square[r], most[r]);
       done[r] |= found;
-      trying[r] &= done[r] | at_most(step[r], all(km_longest_newton));
+      trying[r] &= done[r] | at_most(step[r], all(km_max_newton_step));
       going[r] = trying[r] & ~done[r];
       moved[r] = sum[r];
     }

@@ -59,7 +59,7 @@ static WITHIN void steps(km_batch *l, const km_program *program, bool again, mas
     km_lane_column *h = &l->h[program->twist_start + i];
     const km_batch_number *q = &l->q[step->coordinate];
     double sign = step->sign;
-    bool slides = step->slides;
+    bool slides = step->is_slide;
     EACH(r) {
       const vector c = at[r].cosine, s = at[r].sine, nx = GET(n->x), ny = GET(n->y);
       at[r].x = at[r].x + c * nx - s * ny;
@@ -92,7 +92,7 @@ static WITHIN void find_misfit(km_batch *l, int index, mask *fit, int first, int
   km_lane_loop *out = &l->loops[index];
   const km_lane_slot *a = &l->slots[loop->slot[0]], *b = &l->slots[loop->slot[1]];
   double *error = l->error->of;
-  bool local = loop->local;
+  bool local = loop->has_moving_point;
   EACH(r) {
     vector ac = GET(a->cosine), as = GET(a->sine), bc = GET(b->cosine), bs = GET(b->sine);
     vector ca0 = GET(n->close[0][0]), ca1 = GET(n->close[0][1]), cb0 = GET(n->close[1][0]), cb1 = GET(n->close[1][1]);
@@ -148,7 +148,7 @@ static inline void set_coupling(km_batch *l, int index, vector *square, mask *fi
       const km_term *term = &l->m->terms[coupling->term_start + k];
       vector coefficient = GET(l->coefficients[coupling->term_start + k]);
       if (term->column >= 0)
-        PUT(l->J[term->at], coefficient);
+        PUT(l->J[term->value_index], coefficient);
       sum += coefficient * (GET(l->q[term->coordinate]) / GET(l->term_unit[coupling->term_start + k]));
     }
     PUT(l->error[coupling->row], sum);

@@ -55,7 +55,7 @@ static inline void subtract_part(const km_batch *l, const km_batch_number *y, km
     }
 }
 
-/* Vectors from … to-1 of the orthonormal null space; those before are known. km_partition_null_more. */
+/* Vectors from … to-1 of the orthonormal null space; those before are known. km_partition_extend_null_space. */
 static APART void find_null_vectors(km_batch *l, int from, int to, int first, int count) {
   const size_t columns = (size_t)l->sub->columns;
   for (int k = from; k < to; ++k) {

@@ -87,7 +87,7 @@ static inline void space_steps(km_batch *l, const km_program *program, mask *fit
       if (step->primitive == KM_PRISMATIC)
         value /= GET(l->size);
       X.p = pose_point(&X, get_vec(&n->before.p, AT(r)));
-      if (step->turned) {
+      if (step->has_rotation) {
         rotation before = get_rotation(&n->before, AT(r));
         X.R = rotation_product(&X.R, &before);
       }
@@ -124,7 +124,7 @@ static inline void find_space_misfit(km_batch *l, int index, mask *fit, int r, i
   lanes_vec apart = get_vec(&n->apart, AT(r));
   a = pose_product(&a, &close[0]);
   b = pose_product(&b, &close[1]);
-  lanes_vec point = loop->local ? a.p : get_vec(&n->point, AT(r));
+  lanes_vec point = loop->has_moving_point ? a.p : get_vec(&n->point, AT(r));
   put_vec(&n->origin[0], AT(r), point);
   put_vec(&n->origin[1], AT(r), lanes_difference(point, apart));
   b.p = lanes_sum(lanes_difference(b.p, a.p), apart);

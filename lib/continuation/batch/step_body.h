@@ -276,7 +276,7 @@ static WITHIN void accept(km_batch *l, const mask *took, const mask *arrives, co
   }
 }
 
-/* km_partition_null and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
+/* km_partition_null_space and km_mobility_numbers, of one freedom, of the lanes that `took` the step. */
 static WITHIN void set_numbers_of_one(km_batch *l, const mask *took, int first, int count) {
   km_batch_number *z = l->x; /* Newton is through */
   const km_lane_row *row = l->row;
@@ -304,7 +304,7 @@ static inline mask may_dip(vector a, vector b, vector c) {
  * motion has changed its sign, or come near 0, since the row before. */
 static inline void find_quiet(const km_batch *l, mask *sound, mask *quiet, int first, int count) {
   EACH(r)
-  quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_largest_good_b));
+  quiet[r] = sound[r] = at_most(GET(l->here.largest_b), all(km_max_good_b));
   for (int k = 0; k < l->sub->columns && l->looks; ++k)
     EACH(r) {
       vector z = GET(l->row->z[k]), before = GET(l->before[0][k]), earlier = GET(l->before[1][k]);

@@ -54,7 +54,7 @@ INLINE km_pair read(const double *column, int rows, int i, const int stride) {
 
 INLINE int64_t load(const km_partition *p, const double *matrix, search *s, int candidates, double *largest,
                     const int stride) {
-  const int64_t key = p->nearly ? KM_NEAR_KEY : KM_KEY;
+  const int64_t key = p->ties_by_position ? KM_NEAR_KEY : KM_KEY;
   const km_pair magnitude = (km_pair)(km_bits){KM_MAGNITUDE, KM_MAGNITUDE};
   km_pair scale[PAIRS];
   EACH_PAIR(scale[i] = (km_pair){0.0, 0.0}; s->open[i] = (km_pair)(km_bits){key, 2 * i + 1 < p->rows ? key : 0};
@@ -126,10 +126,10 @@ INLINE double size_at(const km_partition *p, int place, const int stride) {
 /* The place that the key names. Mostly it is that of the last search: a predicted branch hides the time that finding the
  * maximum takes. The result is the same either way. */
 INLINE int take_place(const km_partition *p, int step, int64_t key) {
-  int found = km_key_place(key), last = p->place[step], place = last;
+  int found = km_key_place(key), last = p->pivot_guess[step], place = last;
   __asm__("" : "+r"(place)); /* that place is `last` is nothing to reason from: the branch must stay */
   if (__builtin_expect(found != last, 0))
-    p->place[step] = place = found;
+    p->pivot_guess[step] = place = found;
   return place;
 }
 
@@ -145,7 +145,7 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
       place = take_place(p, step, key);
       size = size_at(p, place, stride);
     }
-    if (!(size > threshold) && candidates < p->columns && !p->held) {
+    if (!(size > threshold) && candidates < p->columns && !p->forced_never_pivot) {
       key = look(p, &s, candidates, stride);
       place = km_key_place(key);
       size = km_key_valid(key) ? size_at(p, place, stride) : 0.0;

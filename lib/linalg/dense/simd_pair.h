@@ -20,7 +20,7 @@ typedef int64_t km_bits __attribute__((vector_size(16), may_alias));
 enum { KM_SLOT_BITS = 6, KM_ROW_BITS = 4, KM_PLACE_BITS = KM_SLOT_BITS + KM_ROW_BITS };
 #define KM_MAGNITUDE INT64_MAX
 #define KM_KEY       (INT64_MAX >> KM_PLACE_BITS << KM_PLACE_BITS)
-#define KM_NEAR_KEY  (INT64_MAX >> 49 << 49) /* the exponent and three bits of the mantissa: see KM_AS_LARGE */
+#define KM_NEAR_KEY  (INT64_MAX >> 49 << 49) /* the exponent and three bits of the mantissa: see KM_NEAR_TIE */
 
 /* The larger in each lane, b where a is not a number; and logic on the bits. */
 #ifdef __SSE2__

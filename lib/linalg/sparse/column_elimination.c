@@ -29,7 +29,7 @@ static int reach(km_partition *p, int c) {
     s->next[0] = -1;
     while (depth >= 0) {
       int row = s->stack[depth], step = s->step_of[row];
-      const km_run *below = step < 0 ? NULL : &s->lower[p->column[step]];
+      const km_entry_range *below = step < 0 ? NULL : &s->lower[p->column[step]];
       if (s->next[depth] < 0) {
         s->seen[row] = true;
         s->next[depth] = below ? below->start : 0;
@@ -62,7 +62,7 @@ static int row_size(const km_sparse *s, int row) {
 }
 
 /* Of the rows with a large entry that may be primary ones, that with the fewest entries in the matrix; -1: all are 0. */
-static int choose_row(const km_sparse *s, const km_run *rows, double largest) {
+static int choose_row(const km_sparse *s, const km_entry_range *rows, double largest) {
   int best = -1;
   for (int i = rows->start; i < rows->end && largest > 0.0; ++i) {
     int row = s->lower_store.index[i];
@@ -88,10 +88,10 @@ static void take_step(km_partition *p, int step, int *upper_end) {
 /* The same of steps that go together. */
 static void take_steps(km_partition *p, int step, int *upper_end) {
   km_sparse *s = p->sparse;
-  for (int n = 0; n < KM_SPARSE_TOGETHER; ++n)
+  for (int n = 0; n < KM_SUPERNODE_WIDTH; ++n)
     s->upper_store.index[*upper_end + n] = step + n;
   km_sparse_supernode_subtract(p, step, s->upper_store.value + *upper_end);
-  *upper_end += KM_SPARSE_TOGETHER;
+  *upper_end += KM_SUPERNODE_WIDTH;
 }
 
 /* Reduces column c by the steps so far: its part in U is stored, the rest stays in x. Returns the row of the pivot, -1
@@ -100,8 +100,8 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
   km_sparse *s = p->sparse;
   int top = reach(p, c);
   double largest = 0.0;
-  s->upper[c] = (km_run){*upper_end, *upper_end};
-  s->lower[c] = (km_run){*lower_end, *lower_end};
+  s->upper[c] = (km_entry_range){*upper_end, *upper_end};
+  s->lower[c] = (km_entry_range){*lower_end, *lower_end};
   if (!km_sparse_reserve_factor(s, *upper_end + p->rows - top, *lower_end + p->rows - top)) {
     for (int i = top; i < p->rows; ++i)
       s->seen[s->list[i]] = false;
@@ -115,7 +115,7 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
     int row = s->list[i], step = s->step_of[row];
     if (km_sparse_supernode_follows(p, s->list + i, p->rows - i)) {
       take_steps(p, step, upper_end);
-      i += KM_SPARSE_TOGETHER - 1;
+      i += KM_SUPERNODE_WIDTH - 1;
     } else if (step >= 0) {
       take_step(p, step, upper_end);
     } else {
@@ -146,7 +146,7 @@ static void use(km_partition *p, int c, int row) {
   }
   s->x[row] = 0.0;
   s->lower[c].end = kept;
-  km_sparse_supernode(p, step);
+  km_sparse_extend_supernode(p, step);
 }
 
 static void drop(km_partition *p, int c) {
@@ -158,7 +158,7 @@ static void drop(km_partition *p, int c) {
 enum { GROUPS = 4 };
 
 static int group_of(const km_partition *p, const bool *forced, int c) {
-  return km_sparse_is_locked(p, c) ? 3 : km_sparse_is_given(p, forced, c) ? 2 : p->sparse->late[c] ? 1 : 0;
+  return km_sparse_is_locked(p, c) ? 3 : km_sparse_is_preset(p, forced, c) ? 2 : p->sparse->late[c] ? 1 : 0;
 }
 
 /* Behind the single columns: those that shall stay independent behind the others, then the forced ones, then the locked ones.
@@ -201,14 +201,14 @@ static void keep_primary(km_partition *p) {
   km_sparse *s = p->sparse;
   int kept = 0; /* of single columns, which have nothing in L */
   for (int i = s->singles; i < p->columns; ++i) {
-    km_run *run = &s->lower[s->lead[i]];
+    km_entry_range *run = &s->lower[s->lead[i]];
     int start = kept;
     for (int k = run->start; k < run->end; ++k)
       if (s->step_of[s->lower_store.index[k]] >= 0) {
         s->lower_store.index[kept] = s->lower_store.index[k];
         s->lower_store.value[kept++] = s->lower_store.value[k];
       }
-    *run = (km_run){start, kept};
+    *run = (km_entry_range){start, kept};
   }
 }
 
@@ -216,7 +216,7 @@ static void keep_primary(km_partition *p) {
 static void clear_dropped(const km_partition *p, int count) {
   const km_sparse *s = p->sparse;
   for (int i = 0; i < count; ++i)
-    s->upper[s->dropped[i]] = s->lower[s->dropped[i]] = (km_run){0, 0};
+    s->upper[s->dropped[i]] = s->lower[s->dropped[i]] = (km_entry_range){0, 0};
 }
 
 /* The independent columns once more, now by all steps: those that came later have next to nothing of them at these values,
@@ -229,7 +229,7 @@ static void reduce_dropped(km_partition *p, const double *matrix, const int *dro
   }
 }
 
-bool km_sparse_eliminate_again(km_partition *p, const double *matrix) {
+bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
   const int rank = p->rank;
   int upper_end = 0, lower_end = 0;
@@ -290,11 +290,11 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
       put_off(s, i--, early);
       continue;
     }
-    if (size > threshold && !(p->held && forced && forced[c])) {
+    if (size > threshold && !(p->forced_never_pivot && forced && forced[c])) {
       use(p, c, row);
       lower_end = s->lower[c].end;
       p->forced_dependent = p->forced_dependent || (forced && forced[c]);
-      km_sparse_note(p, size);
+      km_sparse_update_pivot_range(p, size);
     } else {
       drop(p, c);
       upper_end = s->upper[c].start;

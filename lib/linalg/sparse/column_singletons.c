@@ -10,9 +10,9 @@
 static void count_entries(const km_partition *p, const double *matrix) {
   const km_sparse *s = p->sparse;
   const int *const start = s->start;
-  km_open *const open = s->open;
+  km_open_entries *const open = s->open;
   for (int c = 0, k = 0; c < p->columns; ++c) {
-    km_open own = {0, 0};
+    km_open_entries own = {0, 0};
     for (; k < start[c + 1]; ++k) {
       if (matrix[k] == 0.0)
         continue;
@@ -25,11 +25,11 @@ static void count_entries(const km_partition *p, const double *matrix) {
 
 /* The row counts no more: other columns may be left with a single entry, and are listed behind the others. */
 static int close_row(const km_sparse *s, const double *matrix, int row, int listed) {
-  km_open *const open = s->open;
+  km_open_entries *const open = s->open;
   int *const list = s->dropped;
   const km_row_entry *const end = s->by_row + s->row_start[row + 1];
   for (const km_row_entry *at = s->by_row + s->row_start[row]; at < end; ++at) {
-    km_open *own = &open[at->column];
+    km_open_entries *own = &open[at->column];
     if (matrix[at->entry] == 0.0)
       continue;
     own->entries ^= at->entry;
@@ -67,7 +67,7 @@ static int split(km_sparse *s, const double *matrix, int c, int upper_end) {
       s->zero[s->zero_count++] = k;
     }
   }
-  s->upper[c] = (km_run){upper_end, end};
+  s->upper[c] = (km_entry_range){upper_end, end};
   return end;
 }
 
@@ -87,14 +87,14 @@ static void finish(km_partition *p) {
 
 int km_sparse_take_singletons(km_partition *p, const double *matrix, const bool *forced, double least) {
   km_sparse *s = p->sparse;
-  km_open *const open = s->open;
+  km_open_entries *const open = s->open;
   int rank = 0, upper_end = 0, listed = list_first(p, matrix), *const list = s->dropped;
   s->zero_count = 0;
   memset(s->lower, 0, (size_t)p->columns * sizeof *s->lower);
   p->failed = p->failed || !km_sparse_reserve_factor(s, s->start[p->columns], 0);
   while (listed > 0 && !p->failed) { /* the last one listed first: its neighbours are at hand */
     int c = list[--listed], single = open[c].entries;
-    if (open[c].count != 1 || s->late[c] || km_sparse_is_given(p, forced, c) || !(fabs(matrix[single]) > least))
+    if (open[c].count != 1 || s->late[c] || km_sparse_is_preset(p, forced, c) || !(fabs(matrix[single]) > least))
       continue;
     int row = s->row[single];
     upper_end = split(s, matrix, c, upper_end);

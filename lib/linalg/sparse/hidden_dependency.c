@@ -11,13 +11,13 @@
 static void solve_transposed(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = 0; k < p->rank; ++k) {
-    const km_run *above = &s->upper[p->column[k]];
+    const km_entry_range *above = &s->upper[p->column[k]];
     for (int i = above->start; i < above->end; ++i)
       y[k] -= s->upper_store.value[i] * y[s->upper_store.index[i]];
     y[k] *= p->inverse[k];
   }
   for (int k = p->rank - 1; k >= s->singles; --k) {
-    const km_run *below = &s->lower[p->column[k]];
+    const km_entry_range *below = &s->lower[p->column[k]];
     for (int i = below->start; i < below->end; ++i)
       y[k] -= s->lower_store.value[i] * y[s->step_of[s->lower_store.index[i]]];
   }
@@ -27,7 +27,7 @@ static void solve_transposed(const km_partition *p, double *y) {
 static void solve(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = s->singles; k < p->rank; ++k) {
-    const km_run *below = &s->lower[p->column[k]];
+    const km_entry_range *below = &s->lower[p->column[k]];
     for (int i = below->start; i < below->end && y[k] != 0.0; ++i)
       y[s->step_of[s->lower_store.index[i]]] -= s->lower_store.value[i] * y[k];
   }
@@ -50,7 +50,7 @@ static bool is_singular(const km_partition *p, const bool *forced, double thresh
   if (!(length * threshold >= first && first > 0.0 && isfinite(length))) /* first / length: the singular value */
     return false;
   for (int k = 0; k < p->rank; ++k)
-    if (!km_sparse_is_given(p, forced, p->column[k]) && (*most < 0 || fabs(y[k]) > fabs(y[*most])))
+    if (!km_sparse_is_preset(p, forced, p->column[k]) && (*most < 0 || fabs(y[k]) > fabs(y[*most])))
       *most = k;
   return *most >= 0 && fabs(y[*most]) * threshold >= first;
 }
@@ -68,7 +68,7 @@ static bool rows_stand_apart(const km_partition *p, const double *matrix, const 
   for (int k = p->rank; k < p->columns; ++k) {
     int c = p->column[k];
     double sum = 0.0;
-    for (int i = s->start[c]; i < s->start[c + 1] && !km_sparse_is_given(p, forced, c); ++i)
+    for (int i = s->start[c]; i < s->start[c + 1] && !km_sparse_is_preset(p, forced, c); ++i)
       if (s->step_of[s->row[i]] >= 0)
         sum += matrix[i] * y[s->step_of[s->row[i]]];
     square += sum * sum;

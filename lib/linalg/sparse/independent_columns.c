@@ -58,7 +58,7 @@ static void count_looks(choice *h, const null_vector *v) {
 }
 
 static bool may_be_chosen(const choice *h, int c) {
-  return !h->p->sparse->late[c] && !km_sparse_is_given(h->p, h->forced, c);
+  return !h->p->sparse->late[c] && !km_sparse_is_preset(h->p, h->forced, c);
 }
 
 /* Of equal entries that of the first column; without any other than 0 the first column of all. */
@@ -105,10 +105,10 @@ static bool list_vectors(choice *h) {
   for (int c = 0; c < p->columns; ++c)
     h->first[c] = -1;
   for (int k = p->rank; k < p->columns && !h->full; ++k) {
-    if (km_sparse_is_given(p, h->forced, p->column[k]))
+    if (km_sparse_is_preset(p, h->forced, p->column[k]))
       continue;
     bool listed = append(h, h->count, p->column[k], 1.0);
-    km_run b = km_sparse_b(p, k - p->rank);
+    km_entry_range b = km_sparse_b(p, k - p->rank);
     for (int i = b.start; i < b.end && listed; ++i)
       listed = append(h, h->count, p->column[s->b_store.index[i]], -s->b_store.value[i]);
     if (!listed)

@@ -278,13 +278,13 @@ static bool correct(km_normal_equations *n, double *x) {
   return length == 0.0;
 }
 
-bool km_normal_equations_least(km_normal_equations *n, const double *b, double *x) {
+bool km_normal_equations_minimum_norm(km_normal_equations *n, const double *b, double *x) {
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = n->used[r] ? b[r] : 0.0;
   return correct(n, x);
 }
 
-bool km_normal_equations_part(km_normal_equations *n, const double *y, double *x) {
+bool km_normal_equations_project(km_normal_equations *n, const double *y, double *x) {
   memset(n->b, 0, (size_t)n->rows * sizeof *n->b);
   subtract_rows(n, y, n->b);
   for (long r = 0; r < n->rows; ++r)

@@ -26,8 +26,8 @@ bool km_normal_equations_has(const km_normal_equations *normal, const bool *used
 double km_normal_equations_smallest(km_normal_equations *normal);
 /* The x[columns] of least |x| with A x = b[rows] in the rows that are used. Corrected until nothing but rounding is left to
  * correct; false where that takes long, since the equations square the condition of A: then Q R is needed. */
-bool km_normal_equations_least(km_normal_equations *normal, const double *b, double *x);
+bool km_normal_equations_minimum_norm(km_normal_equations *normal, const double *b, double *x);
 /* The same with b = A y: what the rows have of y[columns]. */
-bool km_normal_equations_part(km_normal_equations *normal, const double *y, double *x);
+bool km_normal_equations_project(km_normal_equations *normal, const double *y, double *x);
 
 #endif

@@ -2,7 +2,7 @@
  * Gilbert, T. Peierls, 1988). */
 #include "linalg/sparse/sparse_lu.h"
 
-int km_sparse_reach_upper(const km_partition *p, const km_run *own) {
+int km_sparse_reach_upper(const km_partition *p, const km_entry_range *own) {
   const km_sparse *s = p->sparse;
   int top = p->rows;
   for (int i = own->start; i < own->end; ++i) {
@@ -11,7 +11,7 @@ int km_sparse_reach_upper(const km_partition *p, const km_run *own) {
     s->next[0] = -1;
     while (depth >= 0 && (s->next[depth] >= 0 || !s->seen[s->stack[depth]])) {
       int step = s->stack[depth];
-      const km_run *above = &s->upper[p->column[step]];
+      const km_entry_range *above = &s->upper[p->column[step]];
       if (s->next[depth] < 0)
         s->next[depth] = above->start;
       s->seen[step] = true;
@@ -33,7 +33,7 @@ int km_sparse_reach_upper(const km_partition *p, const km_run *own) {
 
 int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
   const km_sparse *s = p->sparse;
-  const km_run *own = &s->upper[p->column[p->rank + k]];
+  const km_entry_range *own = &s->upper[p->column[p->rank + k]];
   int count = 0;
   column[count] = p->column[p->rank + k];
   value[count++] = 1.0;
@@ -43,7 +43,7 @@ int km_partition_null_entries(const km_partition *p, int k, int *column, double 
   for (int i = top; i < p->rows; ++i) {
     int step = s->list[i];
     double b = s->x[step] * p->inverse[step];
-    const km_run *above = &s->upper[p->column[step]];
+    const km_entry_range *above = &s->upper[p->column[step]];
     s->seen[step] = false;
     s->x[step] = 0.0;
     if (b == 0.0)

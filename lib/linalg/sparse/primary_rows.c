@@ -49,7 +49,7 @@ bool km_partition_may_defer(const km_partition *p) {
   return p->sparse && p->sparse->normal && !km_sparse_gram_is_dense(p) && km_normal_equations_is_installed();
 }
 
-km_normal_equations *km_sparse_need_normal(const km_partition *p) {
+km_normal_equations *km_sparse_create_normal(const km_partition *p) {
   const km_sparse *s = p->sparse;
   if (!km_partition_may_defer(p))
     return NULL;
@@ -59,7 +59,7 @@ km_normal_equations *km_sparse_need_normal(const km_partition *p) {
 }
 
 km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count) {
-  km_normal_equations *normal = km_sparse_need_normal(p);
+  km_normal_equations *normal = km_sparse_create_normal(p);
   if (!normal)
     return NULL;
   bool *rows = KM_NEW(bool, (size_t)p->rows + 1), *columns = KM_NEW(bool, (size_t)p->columns + 1);
@@ -80,7 +80,7 @@ static int arrange_columns(const km_partition *p, const bool *forced) {
   int next = 0, most = 0;
   for (int group = 0; group < 3; ++group) {
     for (int c = 0; c < p->columns; ++c)
-      if ((km_sparse_is_locked(p, c) ? 2 : km_sparse_is_given(p, forced, c)) == group)
+      if ((km_sparse_is_locked(p, c) ? 2 : km_sparse_is_preset(p, forced, c)) == group)
         p->column[next++] = c;
     most = group == 0 ? next : most;
   }
@@ -98,10 +98,10 @@ static double distance_of_others(const km_partition *p, km_normal_equations *nor
     for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
       double entry = matrix[i] / s->weight[c];
       largest = fmax(largest, fabs(entry));
-      sum[c] += s->step_of[s->row[i]] < 0 ? km_sparse_weight(s->row[i], 0) * entry : 0.0;
+      sum[c] += s->step_of[s->row[i]] < 0 ? km_sparse_random_weight(s->row[i], 0) * entry : 0.0;
     }
   }
-  bool found = sum && part && km_normal_equations_part(normal, sum, part);
+  bool found = sum && part && km_normal_equations_project(normal, sum, part);
   for (size_t c = 0; c < n && found; ++c)
     square += (sum[c] - part[c]) * (sum[c] - part[c]);
   km_free(sum);
@@ -123,8 +123,8 @@ static void list_rows(km_partition *p, bool kept) {
 
 bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
-  const bool kept = p->kept_rows > 0.0;
-  const double least = kept ? p->kept_rows : tolerance;
+  const bool kept = p->kept_row_tolerance > 0.0;
+  const double least = kept ? p->kept_row_tolerance : tolerance;
   int most = s->normal ? arrange_columns(p, forced) : 0;
   if (most < (kept ? p->rank : p->rows))
     return false;
@@ -140,7 +140,7 @@ bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const
   p->last_pivot = p->smallest_pivot = smallest * p->scale;
   p->first_dropped = left * p->scale;
   p->forced_dependent = false;
-  p->rows_stayed = kept;
+  p->rows_were_kept = kept;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
   s->singles = s->zero_count = 0;
@@ -156,7 +156,7 @@ bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const 
   bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
   if (list && left_out && !km_sparse_qr_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
     for (int c = 0; c < p->columns; ++c)
-      left_out[c] = km_sparse_is_locked(p, c) || (p->held && forced && forced[c]);
+      left_out[c] = km_sparse_is_locked(p, c) || (p->forced_never_pivot && forced && forced[c]);
     for (int r = 0; r < p->rows; ++r)
       km_sparse_fill_row(p->sparse, matrix, NULL, left_out, r, r, km_sparse_qr_columns(q));
     rank = km_sparse_qr_independent(q, threshold, list);

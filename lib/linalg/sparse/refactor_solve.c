@@ -20,7 +20,7 @@ void km_sparse_solve_upper(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = p->rank - 1; k >= 0; --k) {
     double value = y[k] * p->inverse[k];
-    const km_run *above = &s->upper[p->column[k]];
+    const km_entry_range *above = &s->upper[p->column[k]];
     y[k] = value;
     if (value == 0.0)
       continue;
@@ -35,7 +35,7 @@ static int descending(const void *a, const void *b) {
 }
 
 /* The steps that the column reaches, descending, into list[0 … count-1]; where they are many by looking at all steps. */
-static int list_reached(const km_partition *p, const km_run *own) {
+static int list_reached(const km_partition *p, const km_entry_range *own) {
   km_sparse *s = p->sparse;
   int top = km_sparse_reach_upper(p, own), count = p->rows - top;
   if (count > p->rank / 16) {
@@ -53,11 +53,11 @@ static int list_reached(const km_partition *p, const km_run *own) {
 }
 
 /* U⁻¹ times the column of U, into the store from `end` on: the entries other than 0. */
-static km_run solve_whole(const km_partition *p, const km_run *own, int end) {
+static km_entry_range solve_whole(const km_partition *p, const km_entry_range *own, int end) {
   const km_sparse *s = p->sparse;
   double *const x = s->x, *const value = s->b_store.value;
   int *const index = s->b_store.index;
-  km_run run = {end, end};
+  km_entry_range run = {end, end};
   for (int i = own->start; i < own->end; ++i)
     x[s->upper_store.index[i]] = s->upper_store.value[i];
   km_sparse_solve_upper(p, x);
@@ -72,16 +72,16 @@ static km_run solve_whole(const km_partition *p, const km_run *own, int end) {
 }
 
 /* The same by the steps that the column reaches. */
-static km_run solve_reached(const km_partition *p, const km_run *own, int end) {
+static km_entry_range solve_reached(const km_partition *p, const km_entry_range *own, int end) {
   km_sparse *s = p->sparse;
-  km_run run = {end, end};
+  km_entry_range run = {end, end};
   int count = list_reached(p, own);
   for (int i = own->start; i < own->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
   for (int i = 0; i < count; ++i) {
     int step = s->list[i];
     double value = s->x[step] * p->inverse[step];
-    const km_run *above = &s->upper[p->column[step]];
+    const km_entry_range *above = &s->upper[p->column[step]];
     s->x[step] = value;
     for (int n = above->start; n < above->end && value != 0.0; ++n)
       s->x[s->upper_store.index[n]] -= s->upper_store.value[n] * value;
@@ -98,10 +98,10 @@ static km_run solve_reached(const km_partition *p, const km_run *own, int end) {
 
 /* Whichever takes less, as the last one tells: to ask which steps are reached takes as long as to go through them. The entries are the
  * same. */
-static km_run solve_column(const km_partition *p, const km_run *own, int end) {
+static km_entry_range solve_column(const km_partition *p, const km_entry_range *own, int end) {
   enum { FEW = 16 };
   km_sparse *s = p->sparse;
-  km_run run = (s->reaches_far ? solve_whole : solve_reached)(p, own, end);
+  km_entry_range run = (s->reaches_far ? solve_whole : solve_reached)(p, own, end);
   s->reaches_far = run.end - run.start > p->rank / FEW;
   return run;
 }
@@ -111,12 +111,12 @@ static bool are_few(const km_partition *p) {
   return (double)(p->columns - p->rank) * p->rank <= p->sparse->start[p->columns];
 }
 
-km_run km_sparse_b(const km_partition *p, int k) {
+km_entry_range km_sparse_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
   return s->keeps_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
-double km_sparse_weight(int index, int probe) {
+double km_sparse_random_weight(int index, int probe) {
   uint32_t mixed = (uint32_t)index * 2654435769u + (uint32_t)probe * 2246822519u;
   mixed = (mixed ^ mixed >> 15) * 2246822519u;
   mixed = (mixed ^ mixed >> 13) * 3266489917u;
@@ -132,8 +132,8 @@ static double longest_row(const km_partition *p, const bool *forced) {
   for (int probe = 0; probe < PROBES; ++probe) {
     for (int k = p->rank; k < p->columns; ++k) {
       int c = p->column[k];
-      double weight = km_sparse_weight(c, probe);
-      for (int i = s->upper[c].start; i < s->upper[c].end && !km_sparse_is_given(p, forced, c); ++i)
+      double weight = km_sparse_random_weight(c, probe);
+      for (int i = s->upper[c].start; i < s->upper[c].end && !km_sparse_is_preset(p, forced, c); ++i)
         x[s->upper_store.index[i]] += weight * s->upper_store.value[i];
     }
     km_sparse_solve_upper(p, x);
@@ -150,12 +150,12 @@ static double measure_b(const km_partition *p, bool free_only, const bool *force
   double largest = 0.0;
   int entries = 0;
   for (int k = p->rank; k < p->columns; ++k) {
-    bool given = km_sparse_is_given(p, forced, p->column[k]);
+    bool given = km_sparse_is_preset(p, forced, p->column[k]);
     if (given && free_only)
       continue;
-    if (entries > KM_SPARSE_LONG * s->start[p->columns])
+    if (entries > KM_SPARSE_MAX_NULL_FILL * s->start[p->columns])
       return fmax(largest, longest_row(p, free_only ? forced : NULL));
-    km_run run = km_sparse_b(p, k - p->rank);
+    km_entry_range run = km_sparse_b(p, k - p->rank);
     double size = 0.0;
     for (int i = run.start; i < run.end; ++i)
       size = km_larger_or_nan(fabs(s->b_store.value[i]), size);
@@ -167,7 +167,7 @@ static double measure_b(const km_partition *p, bool free_only, const bool *force
   return largest;
 }
 
-double km_sparse_largest_b(const km_partition *p, const bool *forced) {
+double km_sparse_estimate_max_b(const km_partition *p, const bool *forced) {
   return measure_b(p, true, forced, HUGE_VAL);
 }
 
@@ -180,14 +180,14 @@ static bool find_columns(km_partition *p, const bool *forced, double most) {
     p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
     if (p->failed)
       return false;
-    km_run run = (few ? solve_whole : solve_column)(p, &s->upper[p->column[k]], end);
+    km_entry_range run = (few ? solve_whole : solve_column)(p, &s->upper[p->column[k]], end);
     const double *b = s->b_store.value + end;
     double size = km_largest_size(b, run.end - end);
-    p->largest_b = size > p->largest_b ? size : p->largest_b;
+    p->max_b = size > p->max_b ? size : p->max_b;
     finite = km_all_finite(b, run.end - end) && finite;
     s->b[k - p->rank] = run;
     end = run.end;
-    if (size > most && !km_sparse_is_given(p, forced, p->column[k]))
+    if (size > most && !km_sparse_is_preset(p, forced, p->column[k]))
       break;
   }
   return finite;
@@ -202,7 +202,7 @@ static int sign_of(const km_partition *p) {
 
 bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
-  p->largest_b = 0.0;
+  p->max_b = 0.0;
   p->sign = sign_of(p);
   s->b_waits = false;
   s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
@@ -211,18 +211,18 @@ bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
   if (p->failed)
     return false;
-  p->largest_b = measure_b(p, false, forced, most);
-  return isfinite(p->largest_b);
+  p->max_b = measure_b(p, false, forced, most);
+  return isfinite(p->max_b);
 }
 
-double km_sparse_size_of_b(const km_partition *p) {
-  return p->sparse->b_waits ? measure_b(p, false, NULL, HUGE_VAL) : p->largest_b;
+double km_sparse_current_max_b(const km_partition *p) {
+  return p->sparse->b_waits ? measure_b(p, false, NULL, HUGE_VAL) : p->max_b;
 }
 
 /* Of many vectors, with room for one. */
 static bool let_b_wait(km_partition *p) {
   km_sparse *s = p->sparse;
-  p->largest_b = p->pivoted_b;
+  p->max_b = p->max_b_at_search;
   p->sign = sign_of(p);
   s->b_waits = true;
   s->keeps_b = false;
@@ -232,7 +232,7 @@ static bool let_b_wait(km_partition *p) {
 
 const double *km_sparse_gather_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
-  km_run b = km_sparse_b(p, k);
+  km_entry_range b = km_sparse_b(p, k);
   memset(p->work, 0, (size_t)p->rank * sizeof *p->work);
   for (int i = b.start; i < b.end; ++i)
     p->work[s->b_store.index[i]] = s->b_store.value[i];
@@ -263,9 +263,9 @@ static void refactor_single(km_partition *p, const double *matrix, int k) {
 
 /* B of new values. */
 static bool renew_b(km_partition *p) {
-  if (p->any_independent || p->sparse->by_rows)
+  if (p->unrestricted_basis || p->sparse->by_rows)
     return true;
-  bool waits = p->unwatched && km_partition_freedom(p) > KM_MANY_VECTORS;
+  bool waits = p->basis_quality_unneeded && km_partition_freedom(p) > KM_MANY_VECTORS;
   return waits ? let_b_wait(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
@@ -277,7 +277,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {
   if (s->by_normal) /* the rows' next least solution shows whether they still stand */
     return true;
   if (!are_zero(s, matrix))
-    return whole && km_sparse_eliminate_again(p, matrix) && renew_b(p);
+    return whole && km_sparse_refactor_full_pattern(p, matrix) && renew_b(p);
   for (int k = 0; k < s->singles; ++k)
     refactor_single(p, matrix, k);
   const int count =
@@ -331,9 +331,9 @@ double km_sparse_multiplications(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0, entries = 0.0;
   for (int k = 0; k < p->columns; ++k) {
-    const km_run *upper = &s->upper[p->column[k]];
+    const km_entry_range *upper = &s->upper[p->column[k]];
     for (int i = upper->start; i < upper->end; ++i) {
-      const km_run *lower = &s->lower[p->column[s->upper_store.index[i]]];
+      const km_entry_range *lower = &s->lower[p->column[s->upper_store.index[i]]];
       sum += lower->end - lower->start;
     }
     if (k < p->rank)

@@ -24,7 +24,7 @@ static bool leave_shared(km_partition *p) {
 
 /* Of the independent columns that aren't forced. */
 static double largest_free_b(const km_partition *p, const bool *forced) {
-  return forced || p->locked ? km_sparse_largest_b(p, forced) : p->largest_b;
+  return forced || p->locked ? km_sparse_estimate_max_b(p, forced) : p->max_b;
 }
 
 /* A column that is dependent though no pivot tells; -1: none, or the rank alone counts, and the primary rows are independent.
@@ -52,7 +52,7 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = find_hidden(p, matrix, forced, threshold, rank_counts);
     bool last = hidden >= 0 && s->late[hidden];
-    row = last ? km_sparse_hidden_row(p, matrix, p->held ? forced : NULL, threshold) : -1;
+    row = last ? km_sparse_hidden_row(p, matrix, p->forced_never_pivot ? forced : NULL, threshold) : -1;
     if (last && row < 0)
       hidden = -1;
   } while (hidden >= 0);
@@ -94,13 +94,13 @@ static bool goes_by_rows(const km_partition *p) {
 
 /* Does any choice of independent columns serve who asks? */
 static bool any_serve(const km_partition *p) {
-  return p->unwatched && goes_by_rows(p);
+  return p->basis_quality_unneeded && goes_by_rows(p);
 }
 
 /* Of the factor that is known: what was asked for changes it. */
 static unsigned flags_of(const km_partition *p) {
-  return (p->held ? 1u : 0u) | (p->any_independent ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
-         (p->kept_rows > 0.0 ? 8u : 0u);
+  return (p->forced_never_pivot ? 1u : 0u) | (p->unrestricted_basis ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
+         (p->kept_row_tolerance > 0.0 ? 8u : 0u);
 }
 
 /* Flags of columns; NULL: none is set. */
@@ -137,8 +137,8 @@ static void remember(km_partition *p, const double *matrix, const bool *forced, 
  * serves. */
 static void find_better_columns(km_partition *p, const double *matrix, const bool *forced, double threshold, int pass) {
   for (; pass < MOST_PASSES; ++pass) {
-    eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->any_independent);
-    if (p->any_independent)
+    eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->unrestricted_basis);
+    if (p->unrestricted_basis)
       break;
     bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && leave_shared(p);
     double most = many && pass > 0 ? good_b_of_many : good_b;
@@ -160,10 +160,10 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   km_sparse *s = p->sparse;
   p->scale = km_largest_size(matrix, s->start[p->columns]);
   p->locked_count = 0;
-  p->rows_stayed = false;
+  p->rows_were_kept = false;
   s->waits = false;
   s->next_pass = 0;
-  p->largest_b = 0.0;
+  p->max_b = 0.0;
   for (int c = 0; p->locked && c < p->columns; ++c)
     p->locked_count += p->locked[c];
   memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
@@ -175,7 +175,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   remember(p, matrix, forced, tolerance);
 }
 
-bool km_sparse_finish(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+bool km_sparse_improve_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const int pass = s->next_pass;
   if (pass == 0 || any_serve(p))

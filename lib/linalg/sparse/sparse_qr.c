@@ -130,7 +130,7 @@ static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
                          .dtype = CHOLMOD_DOUBLE};
 }
 
-bool km_sparse_qr_reject(km_sparse_qr *q, double *v, int count) {
+bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count) {
   cholmod_dense V = dense(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   for (int k = 0; k < count && Y; ++k)
@@ -201,7 +201,7 @@ static void add_shares(const km_sparse_qr *q, const km_triangle *R, const cholmo
   }
 }
 
-bool km_sparse_qr_shares(km_sparse_qr *q, double tolerance, bool as_they_stand, double *share) {
+bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool as_they_stand, double *share) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;
@@ -253,7 +253,7 @@ int km_sparse_qr_independent(km_sparse_qr *q, double tolerance, int *list) {
   return (int)rank;
 }
 
-bool km_sparse_qr_least(km_sparse_qr *q, const double *b, double *x) {
+bool km_sparse_qr_minimum_norm(km_sparse_qr *q, const double *b, double *x) {
   double *copy = KM_NEW(double, (size_t)q->columns + 1); /* the library's interface has no const */
   if (!copy)
     return false;

@@ -36,14 +36,14 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .weight = s->weight,
                    .lead = KM_ARENA_NEW(arena, int, c),
                    .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
-                   .open = KM_ARENA_NEW(arena, km_open, c),
+                   .open = KM_ARENA_NEW(arena, km_open_entries, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
-                   .b = KM_ARENA_NEW(arena, km_run, c),
+                   .b = KM_ARENA_NEW(arena, km_entry_range, c),
                    .late = KM_ARENA_NEW(arena, bool, c),
-                   .upper = KM_ARENA_NEW(arena, km_run, c),
-                   .lower = KM_ARENA_NEW(arena, km_run, c),
+                   .upper = KM_ARENA_NEW(arena, km_entry_range, c),
+                   .lower = KM_ARENA_NEW(arena, km_entry_range, c),
                    .nests = KM_ARENA_NEW(arena, bool, r),
-                   .shared = KM_ARENA_NEW(arena, km_run, r),
+                   .shared = KM_ARENA_NEW(arena, km_entry_range, r),
                    .step_of = KM_ARENA_NEW(arena, int, r),
                    .x = KM_ARENA_NEW(arena, double, r),
                    .list = KM_ARENA_NEW(arena, int, r),
@@ -91,7 +91,7 @@ void km_partition_set_normal_equations(km_partition *p, km_normal_equations **pl
   p->sparse->weight = weight;
 }
 
-bool km_sparse_grow(km_sparse *s, km_store *store, int need) {
+bool km_sparse_grow(km_sparse *s, km_entry_store *store, int need) {
   size_t values = store->capacity; /* both arrays of a store grow together */
   if ((size_t)need <= store->capacity && store->index)
     return true;

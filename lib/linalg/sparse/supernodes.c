@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-enum { TOGETHER = KM_SPARSE_TOGETHER };
+enum { TOGETHER = KM_SUPERNODE_WIDTH };
 enum { LEAST_ENTRIES = 2 * TOGETHER }; /* of a step, for less isn't worth it */
 
 void km_sparse_reset_supernodes(km_partition *p) {
@@ -15,7 +15,7 @@ void km_sparse_reset_supernodes(km_partition *p) {
 }
 
 /* Where the row is in the run, if all other rows of the run are those of `own`; -1: they aren't. */
-static int place_in(const km_sparse *s, const km_run *run, const km_run *own, int row) {
+static int place_in(const km_sparse *s, const km_entry_range *run, const km_entry_range *own, int row) {
   int place = -1;
   bool all = run->end - run->start == own->end - own->start + 1;
   for (int i = own->start; i < own->end && all; ++i)
@@ -30,7 +30,7 @@ static int place_in(const km_sparse *s, const km_run *run, const km_run *own, in
   return all ? place : -1;
 }
 
-static void exchange(km_store *store, int a, int b) {
+static void exchange(km_entry_store *store, int a, int b) {
   int index = store->index[a];
   double value = store->value[a];
   store->index[a] = store->index[b];
@@ -46,9 +46,9 @@ static void bring_forward(km_sparse *s, int k, int place) {
 }
 
 /* The step's entries in the order of these rows. */
-static void take_entries(km_sparse *s, int step, const km_run *own, const int *rows) {
+static void take_entries(km_sparse *s, int step, const km_entry_range *own, const int *rows) {
   const int count = own->end - own->start, start = s->shared_end;
-  s->shared[step] = (km_run){start, start + count};
+  s->shared[step] = (km_entry_range){start, start + count};
   s->shared_end += count;
   memmove(s->shared_store.index + start, rows, (size_t)count * sizeof *rows);
   for (int i = own->start; i < own->end; ++i)
@@ -59,9 +59,9 @@ static void take_entries(km_sparse *s, int step, const km_run *own, const int *r
   }
 }
 
-void km_sparse_supernode(km_partition *p, int step) {
+void km_sparse_extend_supernode(km_partition *p, int step) {
   km_sparse *s = p->sparse;
-  const km_run *own = &s->lower[p->column[step]];
+  const km_entry_range *own = &s->lower[p->column[step]];
   if (own->end - own->start < LEAST_ENTRIES ||
       !km_sparse_grow(s, &s->shared_store, s->shared_end + own->end - own->start)) /* it does without */
     return;
@@ -97,7 +97,7 @@ void km_sparse_supernode_subtract(const km_partition *p, int step, double u[TOGE
       x[p->row[step + m]] -= own[m - n - 1] * u[n];
     value[n] = own + (TOGETHER - 1 - n);
   }
-  const km_run *last = &s->shared[step + TOGETHER - 1];
+  const km_entry_range *last = &s->shared[step + TOGETHER - 1];
   const int *row = s->shared_store.index + last->start, count = last->end - last->start;
   int i = 0;
   for (; i + 1 < count; i += 2) {

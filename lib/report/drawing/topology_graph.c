@@ -108,8 +108,8 @@ static void add_arcs(const km_mechanism *m, const km_graph_places *places, km_te
     add_joint(m, joint, out);
     if (places)
       km_graph_place_arc(places->body[parent], places->body[body], t->level[body],
-                         km_graph_width(m->model->joints[joint].label), t->against[joint], out);
-    km_text_add(out, t->against[joint] ? " dir=back];\n" : "];\n");
+                         km_graph_width(m->model->joints[joint].label), t->is_reversed[joint], out);
+    km_text_add(out, t->is_reversed[joint] ? " dir=back];\n" : "];\n");
   }
 }
 

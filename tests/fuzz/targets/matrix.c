@@ -81,7 +81,7 @@ static void check_null(const km_partition *p, const double *J) {
       fuzz_fail("the columns are no permutation");
     met[p->column[i]] = true;
   }
-  double allowed = 1e-10 * p->scale * (1.0 + p->largest_b);
+  double allowed = 1e-10 * p->scale * (1.0 + p->max_b);
   for (int i = p->rank; i < p->columns; ++i) {
     const double *b = km_partition_b(p, i - p->rank);
     for (int r = 0; r < p->rows; ++r) {
@@ -105,7 +105,7 @@ static void judge(km_partition *p, const double *stored, const double *J, int ro
     return;
   if (p->rank != rank)
     fuzz_fail("the rank isn't that of the singular values");
-  if (!forced && !p->sparse && !(p->largest_b <= exp2(rank) * (1.0 + 1e-9)))
+  if (!forced && !p->sparse && !(p->max_b <= exp2(rank) * (1.0 + 1e-9)))
     fuzz_fail("complete pivoting lets |B| grow");
   check_null(p, J);
   if (!km_partition_refactor(p, stored))
