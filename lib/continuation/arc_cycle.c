@@ -1,43 +1,44 @@
-/* Cycles of a followed motion: coming back to the pose that it started from. */
+/* Closed cycles of a continuation by arc length (theory 4.9): the motion returns to its origin within 1e-9, full turns
+ * of hinges not counted. */
 #include "continuation/arc_motion.h"
 
 #include <string.h>
 
-static const double closing = 1e-9;       /* distance at which a cycle counts as closed */
-static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is looked for */
+static const double closing = 1e-9;       /* distance |D Δq| at which a cycle counts as closed */
+static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is detected */
 
-/* The way from the origin to this pose, full turns of hinges left out. */
-static void from_origin(km_arc_motion *f, double *way) {
+/* Computes the displacement from the origin to the state's configuration, full turns of hinges removed. */
+static void difference_from_origin(km_arc_motion *f, double *displacement) {
   const km_mechanism *m = f->c.mechanism;
-  km_state_difference(f->c.state, km_arc_motion_sub(f), f->origin, way);
+  km_state_difference(f->c.state, km_arc_motion_sub(f), f->origin, displacement);
   for (int k = 0; k < km_arc_motion_sub(f)->columns; ++k)
     if (km_coordinate_turns(m, m->column_coordinate[km_arc_motion_sub(f)->column_start + k]))
-      way[k] -= 2.0 * M_PI * round(way[k] / (2.0 * M_PI));
+      displacement[k] -= 2.0 * M_PI * round(displacement[k] / (2.0 * M_PI));
 }
 
 bool km_arc_motion_passes_origin(km_arc_motion *f, double length) {
-  double *way = f->c.work;
+  double *displacement = f->c.work;
   if (f->cycle > 0.0)
     return false;
-  from_origin(f, way);
-  double after = km_continuation_dot(&f->c, f->origin_t, way);
+  difference_from_origin(f, displacement);
+  double after = km_continuation_dot(&f->c, f->origin_t, displacement);
   return f->s - f->origin_s + length > shortest_cycle && after >= -1e-12 && after <= 1.5 * length &&
          km_continuation_dot(&f->c, f->origin_t, f->c.next_t) > 0.9 &&
-         km_continuation_dot(&f->c, way, way) < 4.0 * length * length;
+         km_continuation_dot(&f->c, displacement, displacement) < 4.0 * length * length;
 }
 
 bool km_arc_motion_meet_origin(km_arc_motion *f, double length) {
-  double *way = f->c.work, reached = length;
-  from_origin(f, way);
+  double *displacement = f->c.work, reached = length;
+  difference_from_origin(f, displacement);
   for (int i = 0; i < 12; ++i) {
-    double along = km_continuation_dot(&f->c, f->origin_t, way);
+    double along = km_continuation_dot(&f->c, f->origin_t, displacement);
     if (i > 0 && fabs(along) < 1e-14)
       break;
     if (reached - along <= 0.0 || !km_arc_motion_step(f, reached - along, &reached))
       return false;
-    from_origin(f, way);
+    difference_from_origin(f, displacement);
   }
-  if (km_continuation_dot(&f->c, way, way) > closing * closing)
+  if (km_continuation_dot(&f->c, displacement, displacement) > closing * closing)
     return false;
   km_arc_motion_accept(f, reached);
   f->cycle = f->s - f->origin_s;

@@ -1,4 +1,7 @@
-/* Following a motion by arc length: predictor, corrector, step control and limits. */
+/* Starts a continuation by arc length (theory 4.9).
+ *
+ *   t in range(D^-1 Z), |D t| = 1, nearest to the requested direction; default: the coordinate with the largest
+ *   mobility number. At a branch point: the confirmed tangent (theory 5.3) nearest to it. */
 #include "kmech/continuation.h"
 
 #include "base/arguments.h"
@@ -10,12 +13,12 @@
 
 #include <string.h>
 
-static const double longest_first_step = 0.05; /* of the first step; see arc_step_control.c */
+static const double longest_first_step = 0.05; /* first step, arc length; see arc_step_control.c */
 
 static bool allocate(km_arc_motion *f) {
   size_t n = (size_t)km_arc_motion_sub(f)->columns;
-  double **vectors[] = {&f->near_t, &f->far_t, &f->origin_t, &f->branch_t};
-  double **poses[] = {&f->near, &f->far, &f->origin, &f->branch_pose};
+  double **vectors[] = {&f->before_branch_t, &f->after_branch_t, &f->origin_t, &f->branch_t};
+  double **poses[] = {&f->before_branch, &f->after_branch, &f->origin, &f->branch_pose};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
     *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
     *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
@@ -23,19 +26,19 @@ static bool allocate(km_arc_motion *f) {
   return km_continuation_reserve(&f->c, &f->arena);
 }
 
-/* The direction in which column k moves with `sign` and the others move least. */
+/* Computes the tangent in which `column` moves with `sign` and the others least. */
 static bool first_tangent(km_arc_motion *f, int column, double sign) {
   memset(f->c.move, 0, (size_t)km_arc_motion_sub(f)->columns * sizeof *f->c.move);
   f->c.move[column] = sign;
-  return km_continuation_tangent(&f->c, f->c.move, f->c.course.t);
+  return km_continuation_tangent(&f->c, f->c.move, f->c.history.t);
 }
 
-/* The column with the greatest mobility number at the state's pose; the first of those that are equal to rounding. */
-static int liveliest(const km_arc_motion *f) {
+/* Returns the column with the largest mobility number; the first of those that are equal to rounding. */
+static int find_most_mobile_column(const km_arc_motion *f) {
   km_state *s = f->c.state;
   int best = 0;
-  if (f->c.steady.is_active)
-    km_mobility_numbers(f->c.steady.Z, km_arc_motion_sub(f)->columns, f->c.steady.count, s->work);
+  if (f->c.constant_rank.is_active)
+    km_mobility_numbers(f->c.constant_rank.Z, km_arc_motion_sub(f)->columns, f->c.constant_rank.count, s->work);
   else
     km_state_mobility_numbers(f->c.mechanism, s, f->c.substructure, s->work);
   for (int k = 1; k < km_arc_motion_sub(f)->columns; ++k)
@@ -44,8 +47,8 @@ static int liveliest(const km_arc_motion *f) {
   return best;
 }
 
-/* The first substructure that moves, for a direction that names none. */
-static int first_moving(const km_mechanism *m, km_state *s) {
+/* Returns the first substructure with a freedom; -1: none. */
+static int find_mobile_substructure(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_loops_update(m, s, &m->substructures[i]);
     km_search_pivots(m, s, i, KM_NO_DRIVER, km_rank_tolerance(m, &m->substructures[i], 0.0));
@@ -55,7 +58,7 @@ static int first_moving(const km_mechanism *m, km_state *s) {
   return -1;
 }
 
-static km_status start(km_arc_motion *f, int coordinate, double sign, km_error *error) {
+static km_status start_at_regular_configuration(km_arc_motion *f, int coordinate, double sign, km_error *error) {
   const km_mechanism *m = f->c.mechanism;
   const km_substructure *sub = km_arc_motion_sub(f);
   if (!allocate(f))
@@ -63,21 +66,21 @@ static km_status start(km_arc_motion *f, int coordinate, double sign, km_error *
   km_loops_update(m, f->c.state, sub);
   km_search_pivots(m, f->c.state, f->c.substructure, KM_NO_DRIVER, km_rank_tolerance(m, sub, 0.0));
   f->freedom = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
-  if (!km_constant_rank_begin(&f->c.steady, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
+  if (!km_constant_rank_begin(&f->c.constant_rank, m, f->c.state, f->c.substructure, KM_NO_DRIVER, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for following a motion");
-  int column = coordinate >= 0 ? m->column_of[coordinate] : liveliest(f);
+  int column = coordinate >= 0 ? m->column_of[coordinate] : find_most_mobile_column(f);
   if (f->freedom == 0 || !first_tangent(f, column, sign))
     return km_fail(error, KM_NO_RESULT, "nothing moves: %s",
                    f->freedom ? "the joint that should is at a dead point"
                               : "the mechanism is a structure at this pose");
-  km_partition_copy_pivots(&f->c.course.reference, &f->c.state->partition[f->c.substructure]);
-  km_arc_motion_remember(f);
+  km_partition_copy_pivots(&f->c.history.reference, &f->c.state->partition[f->c.substructure]);
+  km_arc_motion_save_start(f);
   km_arc_motion_set_origin(f);
   return KM_OK;
 }
 
-/* At a branch point the null space mixes the motions that meet there. */
-static km_status leave_branch(km_arc_motion *f, km_error *error) {
+/* Selects a branch if the start is a branch point, where the null space mixes the directions of all branches. */
+static km_status start_at_branch_point(km_arc_motion *f, km_error *error) {
   double *directions = KM_NEW(double, KM_MAX_BRANCHES *(size_t)km_arc_motion_sub(f)->columns);
   if (!directions)
     return km_fail(error, KM_MEMORY, "out of memory for the branch points");
@@ -98,7 +101,7 @@ km_status km_arc_motion_create(const km_mechanism *m, km_state *s, int coordinat
     fits = coordinate == -1 ? KM_OK : km_check_index(coordinate, m->coordinate_count, "coordinate", error);
   if (fits)
     return fits;
-  int substructure = coordinate >= 0 ? m->substructure_of[coordinate] : first_moving(m, s);
+  int substructure = coordinate >= 0 ? m->substructure_of[coordinate] : find_mobile_substructure(m, s);
   if (coordinate >= 0 && (substructure < 0 || km_state_is_fixed(s, coordinate)))
     return km_fail(error, KM_USAGE, "joint \"%s\" is %s; expected a free joint of a loop",
                    m->model->coordinates[coordinate].label, km_state_is_fixed(s, coordinate) ? "held" : "in no loop");
@@ -115,9 +118,9 @@ km_status km_arc_motion_create(const km_mechanism *m, km_state *s, int coordinat
                              .ignore_limits = ignore_limits},
                        .largest = longest_first_step,
                        .limit = -1};
-  km_status status = start(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
+  km_status status = start_at_regular_configuration(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)
-    status = f->c.steady.is_active ? KM_OK : leave_branch(f, error);
+    status = f->c.constant_rank.is_active ? KM_OK : start_at_branch_point(f, error);
   if (status)
     km_arc_motion_free(f);
   else

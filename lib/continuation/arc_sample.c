@@ -1,10 +1,10 @@
-/* Poses near the one to which a motion has been followed. */
+/* Probes of a followed motion: configurations near the present one, after which the motion returns exactly. */
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_equations.h"
 
 #include <string.h>
 
-enum { MOST_PARTS = 16 }; /* of the way to a pose that no single step leads to */
+enum { MOST_PROBE_STEPS = 16 }; /* steps of a probe that one step does not reach */
 
 static void write_rates(const km_arc_motion *f, const double *t, double *rates) {
   const km_mechanism *m = f->c.mechanism;
@@ -18,22 +18,22 @@ static void write_rates(const km_arc_motion *f, const double *t, double *rates) 
 void km_arc_motion_tangent(const km_arc_motion *f, double *rates) {
   if (!f || !rates)
     return;
-  write_rates(f, f->c.course.t, rates);
+  write_rates(f, f->c.history.t, rates);
 }
 
-/* False when out of memory. */
-static bool need_aside(km_arc_motion *f) {
-  if (f->aside_pose)
+/* Allocates the history and configuration of a probe; false without memory. */
+static bool reserve_probe(km_arc_motion *f) {
+  if (f->probe_start)
     return true;
   double *pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_arc_motion_sub(f)->columns);
-  if (!pose || !km_step_history_reserve(&f->aside, &f->c, &f->arena))
+  if (!pose || !km_step_history_reserve(&f->probe_history, &f->c, &f->arena))
     return false;
-  f->aside_pose = pose;
+  f->probe_start = pose;
   return true;
 }
 
-/* By so many steps; the state stands at the end of the last one, and next_t is its tangent. */
-static bool go_in_parts(km_arc_motion *f, double offset, int parts) {
+/* Advances by `offset` in equal steps; the state ends at the last one, next_t is its tangent. */
+static bool step_in_parts(km_arc_motion *f, double offset, int parts) {
   double reached, left = offset;
   for (int part = 0; part < parts; ++part, left -= reached) {
     if (!km_arc_motion_step(f, left / (parts - part), &reached))
@@ -46,33 +46,34 @@ static bool go_in_parts(km_arc_motion *f, double offset, int parts) {
   return true;
 }
 
-/* The same with as many steps as it takes. The motion stays where it has come to; so does the state where nothing leads there. */
-static bool visit_by_steps(km_arc_motion *f, double offset) {
+/* Advances by `offset` in 2, 4, … 16 steps. The motion keeps its configuration and history; so does the state if no
+ * number of steps succeeds. */
+static bool sample_by_steps(km_arc_motion *f, double offset) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  bool there = false;
-  if (!need_aside(f))
+  bool is_reached = false;
+  if (!reserve_probe(f))
     return false;
-  memcpy(f->aside_pose, f->c.from, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->aside_pose);
-  km_step_history_copy(&f->aside, &f->c.course, sub->columns);
-  for (int parts = 2; !there && parts <= MOST_PARTS; parts *= 2) {
-    there = go_in_parts(f, offset, parts);
-    memcpy(f->c.from, f->aside_pose, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->aside_pose);
-    km_step_history_copy(&f->c.course, &f->aside, sub->columns);
+  memcpy(f->probe_start, f->c.from, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->probe_start);
+  km_step_history_copy(&f->probe_history, &f->c.history, sub->columns);
+  for (int parts = 2; !is_reached && parts <= MOST_PROBE_STEPS; parts *= 2) {
+    is_reached = step_in_parts(f, offset, parts);
+    memcpy(f->c.from, f->probe_start, KM_SAVED_PER_COLUMN * (size_t)sub->columns * sizeof *f->probe_start);
+    km_step_history_copy(&f->c.history, &f->probe_history, sub->columns);
   }
-  if (!there)
+  if (!is_reached)
     km_state_restore(f->c.state, sub, f->c.from);
-  return there;
+  return is_reached;
 }
 
 bool km_arc_motion_sample(km_arc_motion *f, double offset, double *rates) {
   if (!f || !rates || !isfinite(offset))
     return false;
   double reached;
-  bool there = km_arc_motion_step(f, offset, &reached) || visit_by_steps(f, offset);
-  if (there)
+  bool is_reached = km_arc_motion_step(f, offset, &reached) || sample_by_steps(f, offset);
+  if (is_reached)
     write_rates(f, f->c.next_t, rates);
   km_state_invalidate_pivots(f->c.state, f->c.substructure);
-  return there;
+  return is_reached;
 }
 
 void km_arc_motion_restore(km_arc_motion *f) {

@@ -1,16 +1,18 @@
-/* One step of a motion by arc length.
+/* One step of a continuation by arc length (theory 4.9).
  *
- * Symbols: t tangent of unit length |D t|, h a step of arc length, g = det(pivot block) / t_i with the partition's pivots
- * (i the independent coordinate). Up to a constant g is the determinant of J bordered by t, so it passes through 0 at a
- * branch point. */
+ *   t  tangent, |D t| = 1;   h  step of arc length
+ *   accept : |D correction| <= 0.2 |h| + 1e-9,  cos(t, t_new) >= 0.98,  same number of freedoms
+ *   arc    : length of the cubic between both configurations; secant iteration on h
+ *   g      = det(pivot block) / t_i, i the independent coordinate: up to a constant det of J bordered by t,
+ *            so its sign changes at a branch point */
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 
 #include <string.h>
 
-static const double furthest_bend = 0.98; /* least cosine between the tangents of a step */
+static const double least_cosine_of_step = 0.98; /* least cosine between the tangents of a step */
 
-double km_arc_motion_g(const km_arc_motion *f, const double *t) {
+double km_arc_motion_branch_function(const km_arc_motion *f, const double *t) {
   const km_partition *p = &f->c.state->partition[f->c.substructure];
   double g = 1.0 / t[p->column[p->rank]];
   for (int i = 0; i < p->rank; ++i)
@@ -18,13 +20,13 @@ double km_arc_motion_g(const km_arc_motion *f, const double *t) {
   return g;
 }
 
-double km_arc_motion_saved_g(km_arc_motion *f) {
+double km_arc_motion_branch_function_after_step(km_arc_motion *f) {
   if (f->g == 0.0)
     return 0.0;
   const km_partition *p = &f->c.state->partition[f->c.substructure];
-  if (p->search_count == f->c.course.reference.search_count)
-    return km_arc_motion_g(f, f->c.next_t);
-  km_partition *r = &f->c.course.reference;
+  if (p->search_count == f->c.history.reference.search_count)
+    return km_arc_motion_branch_function(f, f->c.next_t);
+  km_partition *r = &f->c.history.reference;
   km_partition_refactor_full_pattern(r, km_state_jacobian(f->c.state, km_arc_motion_sub(f)));
   double g = 1.0 / f->c.next_t[r->column[r->rank]];
   for (int i = 0; i < r->rank; ++i)
@@ -34,17 +36,16 @@ double km_arc_motion_saved_g(km_arc_motion *f) {
 
 void km_arc_motion_set_origin(km_arc_motion *f) {
   size_t columns = (size_t)km_arc_motion_sub(f)->columns;
-  memcpy(f->origin_t, f->c.course.t, columns * sizeof *f->origin_t);
+  memcpy(f->origin_t, f->c.history.t, columns * sizeof *f->origin_t);
   memcpy(f->origin, f->c.from, KM_SAVED_PER_COLUMN * columns * sizeof *f->origin);
   f->origin_s = f->s;
-  f->origin_waits = false;
+  f->is_origin_pending = false;
 }
 
-/* From the saved pose by a step whose length is about h. On success the state stands there, next_t is its tangent, `move`
- * the way and *length its arc; else the state is back. */
+/*  */
 bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = furthest_bend};
+  const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = least_cosine_of_step};
   km_continuation_predict(&f->c, h, km_continuation_has_single_freedom(&f->c, f->freedom));
   km_state_restore(f->c.state, sub, f->c.from);
   if (km_continuation_correct(&f->c, &terms) != KM_STEP_ACCEPTED ||
@@ -53,11 +54,11 @@ bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
     return false;
   }
   km_state_difference(f->c.state, sub, f->c.from, f->c.move);
-  *length = km_continuation_arc(&f->c, f->c.move, f->c.course.t, f->c.next_t);
+  *length = km_continuation_arc_length(&f->c, f->c.move, f->c.history.t, f->c.next_t);
   return true;
 }
 
-/* The secant method on the step. */
+/* Secant iteration on h until the arc length of the step is `length`. */
 bool km_arc_motion_step(km_arc_motion *f, double length, double *reached) {
   double h = length;
   for (int i = 0; i < 8; ++i) {
@@ -70,15 +71,15 @@ bool km_arc_motion_step(km_arc_motion *f, double length, double *reached) {
   return true;
 }
 
-void km_arc_motion_remember(km_arc_motion *f) {
+void km_arc_motion_save_start(km_arc_motion *f) {
   km_state_save(f->c.state, km_arc_motion_sub(f), f->c.from);
-  f->g = f->freedom == 1 ? km_arc_motion_g(f, f->c.course.t) : 0.0;
+  f->g = f->freedom == 1 ? km_arc_motion_branch_function(f, f->c.history.t) : 0.0;
 }
 
 void km_arc_motion_accept(km_arc_motion *f, double length) {
   km_continuation_accept(&f->c, length);
   f->s += length;
-  km_arc_motion_remember(f);
-  if (f->origin_waits)
+  km_arc_motion_save_start(f);
+  if (f->is_origin_pending)
     km_arc_motion_set_origin(f);
 }

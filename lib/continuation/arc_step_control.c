@@ -1,14 +1,15 @@
-/* Step control of a motion by arc length: step size, rejection, limits, branch points and cycles on the way. */
+/* Step control of a continuation by arc length (theory 4.9): halves on rejection, doubles up to 0.05; stops at limits,
+ * locates branch points by the sign of g, and detects closed cycles. */
 #include "kmech/continuation.h"
 
 #include "continuation/arc_motion.h"
 
-static const double longest = 0.05;    /* of a step: the arc of the cubic between two poses errs by about h⁵/1000 */
-static const double shortest = 1e-9;   /* of a step: below, the motion ends */
-static const double furthest = 1000.0; /* of one advance */
-static const double narrow = 4e-3;     /* width to which a branch point is bracketed before it is interpolated */
+static const double longest = 0.05;    /* longest step: the arc length of the cubic has an error of about h⁵/1000 */
+static const double shortest = 1e-9;   /* shortest step: below, the motion ends */
+static const double furthest = 1000.0; /* longest advance */
+static const double narrow = 4e-3;     /* arc length to which a branch point is bracketed before interpolation */
 
-/* Goes as far as the limit of coordinate c allows, less than `length`. */
+/* Advances to the limit of coordinate c, less than `length` away, by bisection of the arc length. */
 static void stop_at_limit(km_arc_motion *f, int c, double length) {
   double inside = 0.0, outside = length, reached;
   f->limit = c;
@@ -25,16 +26,16 @@ static void stop_at_limit(km_arc_motion *f, int c, double length) {
     km_state_restore(f->c.state, km_arc_motion_sub(f), f->c.from);
 }
 
-/* One controlled step of at most `most`; false if the motion can't go on. */
-static bool one_step(km_arc_motion *f, double most) {
-  double first = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps leave no crumb at the end */
-  for (double h = first; h >= fmin(shortest, most); h *= 0.5) {
+/* Takes one controlled step of at most `most`; false if the motion ends. */
+static bool advance_one_step(km_arc_motion *f, double most) {
+  double first_h = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps avoid a short last one */
+  for (double h = first_h; h >= fmin(shortest, most); h *= 0.5) {
     double length;
     if (!(h == most ? km_arc_motion_step(f, h, &length) : km_arc_motion_try(f, h, &length)) ||
         length > most * (1.0 + 1e-9))
       continue;
     if (f->freedom == 1) {
-      double g = km_arc_motion_saved_g(f);
+      double g = km_arc_motion_branch_function_after_step(f);
       if (g * f->g < 0.0 && length > narrow)
         continue;
       if (g * f->g < 0.0) {
@@ -55,17 +56,17 @@ static bool one_step(km_arc_motion *f, double most) {
       return false;
     }
     km_arc_motion_accept(f, length);
-    f->largest = fmin(longest, h == first ? 2.0 * f->largest : h);
+    f->largest = fmin(longest, h == first_h ? 2.0 * f->largest : h);
     return true;
   }
   return false;
 }
 
-static void tell(const km_arc_motion *f) {
-  if (!f->watch.stepped)
+static void notify_observer(const km_arc_motion *f) {
+  if (!f->observer.notify)
     return;
-  km_arc_motion_tangent(f, f->watch.rates);
-  f->watch.stepped(f->watch.self, f->s, f->watch.rates);
+  km_arc_motion_tangent(f, f->observer.rates);
+  f->observer.notify(f->observer.self, f->s, f->observer.rates);
 }
 
 km_status km_arc_motion_advance(km_arc_motion *f, double length) {
@@ -73,12 +74,12 @@ km_status km_arc_motion_advance(km_arc_motion *f, double length) {
     return KM_USAGE;
   double target = f->s + length;
   f->branched = false;
-  const double near = fmax(1e-10 * length, KM_FINEST_ARC);
+  const double near = fmax(1e-10 * length, KM_SHORTEST_ARC);
   while (!f->closed && !f->branched && target - f->s > near) {
-    if (!one_step(f, target - f->s))
+    if (!advance_one_step(f, target - f->s))
       return KM_PARTIAL;
     if (target - f->s > near)
-      tell(f);
+      notify_observer(f);
   }
   return KM_OK;
 }

@@ -1,4 +1,10 @@
-/* Moving a driver: controlled steps to a target, ends and limits. */
+/* Continuation of a motion to a target value of the driver (theory 4.6).
+ *
+ *   s        scaled driver, h step, t = dq/ds with t_driver = 1, J t = 0
+ *   step     : accepted -> doubled while the predictor's error allows; rejected -> halved
+ *   end      : h < 1e-11 max(1, |s|): turning point (dead point) of the driver
+ *   limit    : refined by one or two steps with the rate of the limited coordinate
+ *   singular : passed by a step over it or by a Hermite bridge (singular_bridge.c) */
 #include "continuation/batch/batch_arrays.h"
 #include "continuation/driver_step.h"
 
@@ -8,110 +14,117 @@
 
 #include <string.h>
 
-static const double shortest = 1e-11; /* a step below this doesn't move: the end is located */
-static const double leaving = 1e-14;  /* the same on the way back from a located end, where all is steep */
+static const double shortest = 1e-11; /* step below which a turning point counts as located */
+static const double leaving = 1e-14;  /* shorter for the way back from a located end, where rates are large */
 
-/* Steps towards one target. One that is further away than so many of the longest can't be reached: fewer are enough to look
- * for an end or a limit on the way to it. */
-enum { MOST_STEPS = 200000, MOST_STEPS_ASTRAY = 10000 };
+/* Steps per target. A target further than 200 000 longest steps is unreachable; 10 000 steps are enough to find an
+ * end or a limit before it. */
+enum { MOST_STEPS = 200000, MOST_STEPS_TO_UNREACHABLE = 10000 };
 
-/* Near a singular pose steps shrink and grow again by halves. Where they stay short, so many attempts in a row without a step as long as
- * km_driver_motion_creeping are enough to know that nothing moves. */
-enum { MOST_CREEPING = 5000 };
+/* Attempts in a row without a step of km_driver_motion_short_step: near a singular configuration steps shrink and
+ * grow by halves, so a continuation that still advances needs fewer. */
+enum { MOST_SHORT_ATTEMPTS = 5000 };
 
-/* Several freedoms that are steady go by Adams and Bashforth's second order alone. */
-static bool is_several_steady(const km_driver_motion *d) {
-  return d->c.steady.is_active && d->c.steady.count > 1;
+/* True if several freedoms remain on a constant-rank motion: its predictor is second-order Adams-Bashforth alone. */
+static bool has_several_constant_rank_tangents(const km_driver_motion *d) {
+  return d->c.constant_rank.is_active && d->c.constant_rank.count > 1;
 }
 
-static double longest_step(const km_driver_motion *d) {
-  static const double of_several = 0.01;
-  return is_several_steady(d) ? of_several : km_driver_longest_step;
+static double longest_driver_step(const km_driver_motion *d) {
+  static const double with_several_freedoms = 0.01;
+  return has_several_constant_rank_tangents(d) ? with_several_freedoms : km_driver_longest_step;
 }
 
-/* After a step of h that was accepted: how long the next one may be. */
-static double lengthen(km_driver_motion *d, double step, double h) {
-  static const double easily_drawn = 0.2; /* see km_driver_motion_easy */
-  if (fabs(h) > km_driver_motion_leaves && !km_continuation_is_singular(&d->c.state->partition[d->c.substructure]))
-    d->here.stopped = 0.0;
+/* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
+ * clears the mark of a turning point that the step left. */
+static double lengthen_step(km_driver_motion *d, double step, double h) {
+  static const double implicit_growth_limit = 0.2; /* of the implicit predictor; see km_driver_motion_growth_limit */
+  if (fabs(h) > km_driver_motion_end_distance &&
+      !km_continuation_is_singular(&d->c.state->partition[d->c.substructure]))
+    d->current.stopped = 0.0;
   double share = step / fabs(h), square = share * share;
-  bool easily =
-      d->here.stiff ? d->strain * square < easily_drawn : d->strain * (square * square) < km_driver_motion_easy;
-  return easily ? km_smaller(2.0 * step, longest_step(d)) : step;
+  bool may_grow = d->current.is_stiff ? d->error_ratio * square < implicit_growth_limit
+                                      : d->error_ratio * (square * square) < km_driver_motion_growth_limit;
+  return may_grow ? km_smaller(2.0 * step, longest_driver_step(d)) : step;
 }
 
-/* Are even the shortest steps refused that lead back where the drive came from, since it has come so close to an end that pivots found
- * anew show a singular pose? */
-static bool turns_back(const km_driver_motion *d, double left) {
-  return d->here.stopped == 0.0 && left * d->c.course.last_h < 0.0 &&
+/* True if the step that leads back from an end is rejected even at the shortest length because new pivots show a
+ * singular configuration. The end then lies in the other direction. */
+static bool is_blocked_on_return(const km_driver_motion *d, double remaining) {
+  return d->current.stopped == 0.0 && remaining * d->c.history.last_h < 0.0 &&
          km_continuation_is_singular(&d->c.state->partition[d->c.substructure]);
 }
 
-/* Over a bridge: to the target if it is on it, else to its end. False: the place is on no bridge, or the loops don't close there. */
-static bool use_bridge(km_driver_motion *d, double target) {
-  if (d->here.bridge == 0)
+/* Moves along a bridge: to the target if the bridge contains it, else to its end. False if no bridge is under the
+ * configuration or the loops do not close. */
+static bool move_along_bridge(km_driver_motion *d, double target) {
+  if (d->current.bridge == 0)
     return false;
   if (km_singular_bridge_is_active(d, target))
     return km_singular_bridge_place(d, target);
-  return d->here.bridge == d->bridge.number && km_singular_bridge_leave(d, target);
+  return d->current.bridge == d->bridge.number && km_singular_bridge_leave(d, target);
 }
 
-/* Advances to `target` by controlled steps; the step that arrives sets the driver exactly. */
-static km_attempt walk(km_driver_motion *d, double target, int *limit) {
-  use_bridge(d, target);
-  d->here.bridge = d->here.s == target ? d->here.bridge : 0;
-  double step = km_smaller(d->here.largest, longest_step(d));
-  bool may_cross = true;
-  d->bent = 0;
+/* Advances to `target` by controlled steps; the last step sets the driver exactly. *limit: the coordinate whose limit
+ * ended the motion. */
+static km_attempt advance_to_target(km_driver_motion *d, double target, int *limit) {
+  move_along_bridge(d, target);
+  d->current.bridge = d->current.s == target ? d->current.bridge : 0;
+  double step = km_smaller(d->current.largest, longest_driver_step(d));
+  bool may_build_bridge = true;
+  d->rejections = 0;
   d->regular.s = HUGE_VAL;
-  int most = fabs(target - d->here.s) > MOST_STEPS * km_driver_longest_step ? MOST_STEPS_ASTRAY : MOST_STEPS;
-  for (int steps = 0, crept = 0; d->here.s != target; ++steps, ++crept) {
-    if (steps == most || crept == MOST_CREEPING)
+  int most = fabs(target - d->current.s) > MOST_STEPS * km_driver_longest_step ? MOST_STEPS_TO_UNREACHABLE : MOST_STEPS;
+  for (int steps = 0, short_attempts = 0; d->current.s != target; ++steps, ++short_attempts) {
+    if (steps == most || short_attempts == MOST_SHORT_ATTEMPTS)
       return KM_ATTEMPT_EXHAUSTED;
-    double left = target - d->here.s;
-    bool arrives = fabs(left) <= step * km_driver_motion_reach;
-    /* Of a short last step the next one would know little. */
-    bool halves = (d->here.stiff || is_several_steady(d)) && !arrives && fabs(left) < 2.0 * step;
-    double h = arrives ? left : halves ? 0.5 * left : copysign(step, left);
-    km_attempt result = km_driver_motion_advance(d, h, km_driver_motion_tightness, limit);
+    double remaining = target - d->current.s;
+    bool arrives = fabs(remaining) <= step * km_driver_motion_reach_factor;
+    /* two equal steps instead of a short last one, of which the multistep predictor could use little */
+    bool splits =
+        (d->current.is_stiff || has_several_constant_rank_tangents(d)) && !arrives && fabs(remaining) < 2.0 * step;
+    double h = arrives ? remaining : splits ? 0.5 * remaining : copysign(step, remaining);
+    km_attempt result = km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, limit);
     if (result == KM_ATTEMPT_ACCEPTED) {
-      crept = fabs(h) < km_driver_motion_creeping ? crept : 0;
-      step = lengthen(d, step, h);
-      if (arrives) { /* s + (target - s) may be the next number */
-        d->here.s = target;
-        km_continuation_place(&d->c, target);
+      short_attempts = fabs(h) < km_driver_motion_short_step ? short_attempts : 0;
+      step = lengthen_step(d, step, h);
+      if (arrives) { /* s + (target - s) can differ from target by one rounding */
+        d->current.s = target;
+        km_continuation_set_driver(&d->c, target);
       } else if (fabs(h) >
-                 km_driver_motion_branch_width) { /* nearer to where many motions meet their tangents are mixed */
-        km_driver_motion_notify(d, d->here.s, d->c.course.t, 1);
+                 /* shorter steps are close to a branch point, where the tangent mixes several motions */
+                 km_driver_motion_branch_width) {
+        km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);
       }
       continue;
     }
-    if (result == KM_ATTEMPT_OPEN && arrives && may_cross &&
-        km_singular_bridge_build(d, target, copysign(1.0, left), 0.0) && use_bridge(d, target))
+    if (result == KM_ATTEMPT_OPEN && arrives && may_build_bridge &&
+        km_singular_bridge_build(d, target, copysign(1.0, remaining), 0.0) && move_along_bridge(d, target))
       continue;
-    may_cross = may_cross && !arrives;
+    may_build_bridge = may_build_bridge && !arrives;
     km_singular_bridge_record(d, h);
     step = 0.5 * fabs(h);
-    double least = d->here.stopped * left < 0.0 ? leaving : shortest;
-    if (step >= least * fmax(1.0, fabs(d->here.s)))
+    double least = d->current.stopped * remaining < 0.0 ? leaving : shortest;
+    if (step >= least * fmax(1.0, fabs(d->current.s)))
       continue;
-    if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_BENT) &&
-        km_singular_bridge_build(d, d->here.s, copysign(1.0, left), 0.7) && use_bridge(d, target)) {
+    if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_TOO_LONG) &&
+        km_singular_bridge_build(d, d->current.s, copysign(1.0, remaining), 0.7) && move_along_bridge(d, target)) {
       step = km_driver_motion_least_first;
       continue;
     }
-    if (result != KM_ATTEMPT_OPEN || !turns_back(d, left)) {
-      d->here.stopped = copysign(1.0, left);
+    if (result != KM_ATTEMPT_OPEN || !is_blocked_on_return(d, remaining)) {
+      d->current.stopped = copysign(1.0, remaining);
       return result;
     }
-    d->here.stopped = -copysign(1.0, left); /* the end lies the other way */
-    step = km_smaller(d->here.largest, longest_step(d));
+    d->current.stopped = -copysign(1.0, remaining); /* the end lies in the other direction */
+    step = km_smaller(d->current.largest, longest_driver_step(d));
   }
-  d->here.largest = km_larger(step, km_driver_motion_least_first);
+  d->current.largest = km_larger(step, km_driver_motion_least_first);
   return KM_ATTEMPT_ACCEPTED;
 }
 
-static km_motion_end drive_tree_joint(km_driver_motion *d, double target) {
+/* Moves a driver outside all loops: the value is set, within its limits. */
+static km_motion_end move_tree_joint(km_driver_motion *d, double target) {
   const km_mechanism *m = d->c.mechanism;
   int c = d->c.coordinate;
   double factor = km_model_coordinate_factor(m->model, c), now = d->c.state->q[c], q = target * factor;
@@ -126,107 +139,110 @@ static km_motion_end drive_tree_joint(km_driver_motion *d, double target) {
   return reach;
 }
 
-/* The steps that ended at coordinate c's limit have found it to their own length; one or two more by its rate leave
- * nothing but rounding. */
-static void settle_at_limit(km_driver_motion *d, int c) {
+/* Refines the configuration at the limit of coordinate c: steps of h = (limit - q_c) / t_c leave rounding only. */
+static void refine_limit(km_driver_motion *d, int c) {
   const km_mechanism *m = d->c.mechanism;
   int k = m->column_of[c], limit = -1;
   for (int round = 0; round < 2; ++round) {
     double q = d->c.state->q[c], bound = fabs(m->high[c] - q) < fabs(q - m->low[c]) ? m->high[c] : m->low[c];
-    double gap = (bound - q) / m->unit[c] / d->c.course.t[k];
+    double gap = (bound - q) / m->unit[c] / d->c.history.t[k];
     if (m->ball_of[c] >= 0 || gap == 0.0 || !(fabs(gap) < 1e-7) ||
-        km_driver_motion_advance(d, gap, km_driver_motion_tightness, &limit) != KM_ATTEMPT_ACCEPTED)
+        km_driver_motion_advance(d, gap, km_driver_motion_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
       return;
   }
 }
 
-/* The goal, or the driver's own limit on the way to it. */
-static double within_own_limit(const km_driver_motion *d, double goal) {
+/* Returns the goal, or the driver's own limit before it. */
+static double clamp_to_driver_limit(const km_driver_motion *d, double goal) {
   const km_mechanism *m = d->c.mechanism;
   int c = d->c.coordinate;
-  double unit = m->unit[c], high = km_larger(m->high[c] / unit, d->here.s),
-         low = km_smaller(m->low[c] / unit, d->here.s);
+  double unit = m->unit[c], high = km_larger(m->high[c] / unit, d->current.s),
+         low = km_smaller(m->low[c] / unit, d->current.s);
   double slack = km_driver_motion_slack(goal);
   return d->c.ignore_limits || (goal <= high + slack && goal >= low - slack) ? goal : goal > high ? high : low;
 }
 
-/* Is the goal the end itself? Then the pose there, which Newton approaches only slowly, is as good as any. */
-static bool touches(km_driver_motion *d, double goal) {
+/* True if the goal is within 1e-9 of s and the loops close there: the turning point itself, which Newton's method
+ * approaches only linearly. The state is then at the goal. */
+static bool close_at_turning_point(km_driver_motion *d, double goal) {
   const km_substructure *sub = km_driver_motion_substructure(d);
-  if (!(fabs(d->here.s - goal) <= 1e-9))
+  if (!(fabs(d->current.s - goal) <= 1e-9))
     return false;
   km_closure evidence;
   int worst;
   km_state_save(d->c.state, sub, d->c.from);
-  km_continuation_place(&d->c, goal);
+  km_continuation_set_driver(&d->c, goal);
   km_loops_close(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
   km_loops_update(d->c.mechanism, d->c.state, sub);
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_driver_motion_closed)
+  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_driver_motion_closed_residual)
     return true;
   km_state_restore(d->c.state, sub, d->c.from);
   return false;
 }
 
-/* The slide that has come so far where the motion ends that it is what ends it: its distance and its rate have used up the digits
- * of the pivots. -1: there is none. */
-static int far_slide(const km_driver_motion *d) {
-  static const double far = 100.0; /* substructure sizes */
+/* Returns the slide whose distance ends the motion: beyond 100 sizes, distance and rate use up the digits of the
+ * pivots. -1: none. */
+static int find_distant_slide(const km_driver_motion *d) {
+  static const double distant = 100.0; /* substructure sizes */
   const km_substructure *sub = km_driver_motion_substructure(d);
   for (int k = 0; k < sub->columns; ++k)
-    if (fabs(km_driver_step_diverges(d, k)) > far)
+    if (fabs(km_driver_step_slide_position(d, k)) > distant)
       return d->c.mechanism->column_coordinate[sub->column_start + k];
   return -1;
 }
 
 void km_driver_motion_prepare(km_driver_motion *d, double target) {
   km_driver_motion_write_back(d);
-  if (!d->here.known && within_own_limit(d, target * km_driver_motion_factor(d)) != d->here.s)
+  if (!d->current.known && clamp_to_driver_limit(d, target * km_driver_motion_factor(d)) != d->current.s)
     km_driver_motion_start(d);
 }
 
 void km_driver_motion_begin(km_driver_motion *d, double target) {
   km_driver_motion_write_back(d);
-  double goal = within_own_limit(d, target * km_driver_motion_factor(d)), left = goal - d->here.s;
+  double goal = clamp_to_driver_limit(d, target * km_driver_motion_factor(d)), remaining = goal - d->current.s;
   int limit;
-  if (fabs(left) <= d->here.largest * km_driver_motion_reach || !(d->here.known || km_driver_motion_start(d)))
+  if (fabs(remaining) <= d->current.largest * km_driver_motion_reach_factor ||
+      !(d->current.known || km_driver_motion_start(d)))
     return;
-  double step = km_smaller(d->here.largest, longest_step(d));
-  double h = copysign(step, left);
-  if (km_driver_motion_advance(d, h, km_driver_motion_tightness, &limit) != KM_ATTEMPT_ACCEPTED)
+  double step = km_smaller(d->current.largest, longest_driver_step(d));
+  double h = copysign(step, remaining);
+  if (km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
     return;
-  d->here.largest = fmax(lengthen(d, step, h), km_driver_motion_least_first);
-  km_driver_motion_notify(d, d->here.s, d->c.course.t, 1);
+  d->current.largest = fmax(lengthen_step(d, step, h), km_driver_motion_least_first);
+  km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);
 }
 
 km_motion_end km_driver_motion_move_to(km_driver_motion *d, double target) {
   if (!d || !isfinite(target))
     return (km_motion_end){KM_STOP_MAX_STEPS, nan(""), -1, -1};
   if (d->c.substructure < 0)
-    return drive_tree_joint(d, target);
+    return move_tree_joint(d, target);
   km_driver_motion_write_back(d);
   const km_mechanism *m = d->c.mechanism;
-  double factor = km_driver_motion_factor(d), goal = target * factor, own = within_own_limit(d, goal);
+  double factor = km_driver_motion_factor(d), goal = target * factor, own = clamp_to_driver_limit(d, goal);
   int limit = -1;
   km_attempt result = KM_ATTEMPT_ACCEPTED;
-  if (d->here.s != own) {
-    bool ready = d->here.known || km_driver_motion_start(d);
-    result = ready ? walk(d, own, &limit) : KM_ATTEMPT_OPEN;
+  if (d->current.s != own) {
+    bool has_tangent = d->current.known || km_driver_motion_start(d);
+    result = has_tangent ? advance_to_target(d, own, &limit) : KM_ATTEMPT_OPEN;
   }
-  if (result == KM_ATTEMPT_ACCEPTED || ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_BENT) && touches(d, own)))
+  if (result == KM_ATTEMPT_ACCEPTED ||
+      ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_TOO_LONG) && close_at_turning_point(d, own)))
     return own == goal ? (km_motion_end){KM_STOP_NONE, target, -1, -1}
                        : (km_motion_end){KM_STOP_LIMIT, own / factor, -1, d->c.coordinate};
-  if (result == KM_ATTEMPT_LIMITED)
-    settle_at_limit(d, limit);
-  /* What was tried last has left another pose's Jacobian behind. */
+  if (result == KM_ATTEMPT_AT_LIMIT)
+    refine_limit(d, limit);
+  /* the rejected trial left errors and Jacobian of another configuration */
   km_loops_update(m, d->c.state, km_driver_motion_substructure(d));
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   if (result == KM_ATTEMPT_EXHAUSTED)
-    return (km_motion_end){KM_STOP_MAX_STEPS, d->here.s / factor, d->c.substructure, -1};
-  if (result == KM_ATTEMPT_LIMITED)
-    return (km_motion_end){KM_STOP_LIMIT, d->here.s / factor, -1, limit};
-  int slide = result == KM_ATTEMPT_AWAY ? limit : far_slide(d);
-  return (km_motion_end){slide >= 0 ? KM_STOP_UNBOUNDED : KM_STOP_TOGGLE, d->here.s / factor, d->c.substructure, slide};
+    return (km_motion_end){KM_STOP_MAX_STEPS, d->current.s / factor, d->c.substructure, -1};
+  if (result == KM_ATTEMPT_AT_LIMIT)
+    return (km_motion_end){KM_STOP_LIMIT, d->current.s / factor, -1, limit};
+  int slide = result == KM_ATTEMPT_DIVERGING ? limit : find_distant_slide(d);
+  return (km_motion_end){slide >= 0 ? KM_STOP_UNBOUNDED : KM_STOP_TOGGLE, d->current.s / factor, d->c.substructure,
+                         slide};
 }
 
 void km_driver_motion_rates(const km_driver_motion *d, const double *t, int stride, double *rates) {
@@ -244,14 +260,14 @@ void km_driver_motion_rates(const km_driver_motion *d, const double *t, int stri
 }
 
 void km_driver_motion_notify(const km_driver_motion *d, double s, const double *t, int stride) {
-  if (!d->watch.stepped)
+  if (!d->observer.notify)
     return;
-  km_driver_motion_rates(d, t, stride, d->watch.rates);
-  d->watch.stepped(d->watch.self, s / km_driver_motion_factor(d), d->watch.rates);
+  km_driver_motion_rates(d, t, stride, d->observer.rates);
+  d->observer.notify(d->observer.self, s / km_driver_motion_factor(d), d->observer.rates);
 }
 
 void km_driver_motion_expect_stiff(km_driver_motion *d) {
-  d->here.stiff = d->c.substructure >= 0;
+  d->current.is_stiff = d->c.substructure >= 0;
 }
 
 bool km_driver_motion_tangent(km_driver_motion *d, double *rates) {
@@ -262,14 +278,14 @@ bool km_driver_motion_tangent(km_driver_motion *d, double *rates) {
     return true;
   }
   km_driver_motion_write_back(d);
-  if (d->c.substructure >= 0 && !d->here.known && !km_driver_motion_start(d))
+  if (d->c.substructure >= 0 && !d->current.known && !km_driver_motion_start(d))
     return false;
-  km_driver_motion_rates(d, d->c.course.t, 1, rates);
+  km_driver_motion_rates(d, d->c.history.t, 1, rates);
   return true;
 }
 
 int km_driver_motion_crossings(const km_driver_motion *d) {
   if (!d)
     return 0;
-  return d->here.crossings;
+  return d->current.crossings;
 }

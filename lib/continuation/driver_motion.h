@@ -1,4 +1,5 @@
-/* A drive and what it remembers. Private to kinematics/. */
+/* Continuation with the scaled driver s as parameter (theory 4.6): data of a driven motion.
+ * Lengths and steps are scaled: radians, or lengths over the substructure's size. Private to the library. */
 #ifndef KM_CONTINUATION_DRIVER_MOTION_H
 #define KM_CONTINUATION_DRIVER_MOTION_H
 
@@ -6,91 +7,92 @@
 #include "continuation/predictor_corrector.h"
 #include "kmech/continuation.h"
 
-/* In radians or substructure sizes: the longest step of a driver, the step that a drive to the next target is begun with
- * at least, and how far any coordinate may go in a step. */
-static const double km_driver_longest_step = 0.3, km_driver_motion_least_first = 1e-3, km_driver_motion_furthest = 0.6;
-/* In substructure sizes, and in sizes per radian or size of the driver: a slide that is farther away, and faster, has left. */
-static const double km_driver_motion_away = 1e3;
-/* A step reaches a target that is further away by so little, which may be rounding alone: the short step that would be left tells next to
- * nothing, and spoils what the next ones take from the tangents behind them. */
-static const double km_driver_motion_reach = 1.0 + 1e-6;
-/* How closely a step has to keep to the prediction, and the same where a singular pose is crossed. */
-static const double km_driver_motion_tightness = 0.25, km_driver_motion_crossing_tightness = 0.05;
-/* Strain below which a step may become longer: one twice as long has 16 times the error over its length, one that is drawn to
- * the path of least motion 4 times. */
-static const double km_driver_motion_easy = 0.05;
-/* A longer step leaves an end behind that was located before. */
-static const double km_driver_motion_leaves = 1e-6;
+/* Longest step of the driver; shortest first step towards a new target; largest move of a coordinate in one step,
+ * beyond which the linearisation of an angle is useless. In radians or substructure sizes. */
+static const double km_driver_longest_step = 0.3, km_driver_motion_least_first = 1e-3,
+                    km_driver_motion_longest_move = 0.6;
+/* A slide beyond this distance (sizes) with a rate above this value (per unit of the driver) diverges. */
+static const double km_driver_motion_diverging = 1e3;
+/* A target within 1e-6 of the step's end is reached by this step. A remainder of rounding size would corrupt the
+ * history of the predictor. */
+static const double km_driver_motion_reach_factor = 1.0 + 1e-6;
+/* Largest |D correction| / |D move| of a step, and of the one step that crosses a singular configuration. */
+static const double km_driver_motion_correction_ratio = 0.25, km_driver_motion_crossing_correction_ratio = 0.05;
+/* Predictor's error over the allowed one, below which the step is doubled: the error of a doubled step is 16 times,
+ * that of an implicit one (km_driver_motion_snapshot) 4 times larger in relation to its length. */
+static const double km_driver_motion_growth_limit = 0.05;
+/* A step longer than this moves away from a located turning point. */
+static const double km_driver_motion_end_distance = 1e-6;
 
-/* Where a drive is, beside its course and the state's pose. */
-typedef struct km_driver_motion_place {
-  double s;       /* the driver, scaled */
-  double largest; /* the step that step control allows now */
-  double stopped; /* the direction that ended here, ±1, while the pose is close to that end; else 0 */
-  int crossings;  /* singular poses passed so far */
-  bool known;     /* the course's tangent belongs to the present pose */
-  bool stiff;     /* the last step was drawn to the path: see km_minimum_norm_path_record */
-  int bridge;     /* the bridge that the place is on; 0: none */
-  int pivoted;    /* of a mark: the state's pivots were searched for this driver column; KM_NEVER */
-} km_driver_motion_place;
+/* Position of the continuation besides its history and the state's configuration. */
+typedef struct km_driver_motion_position {
+  double s;       /* driver, scaled */
+  double largest; /* step size of the step control */
+  double stopped; /* direction, ±1, of a located turning point while the configuration is close to it; else 0 */
+  int crossings;  /* branch points that were crossed */
+  bool known;     /* the tangent in the history belongs to the present configuration */
+  bool is_stiff;  /* the last step used the implicit predictor: km_minimum_norm_path_predict_implicit */
+  int bridge;     /* number of the bridge (singular_bridge.c) under this configuration; 0: none */
+  int pivoted;    /* in a snapshot: driver column for which the pivots were searched; KM_NEVER */
+} km_driver_motion_position;
 
-/* A place to come back to, with all that the next step from there depends on. */
+/* Snapshot of a continuation: restoring it reproduces all later steps to the last bit. */
 typedef struct km_driver_motion_snapshot {
-  km_driver_motion_place place;
-  km_step_history course;
-  double *pose; /* of the state, saved; NULL: no room yet */
-  bool is_one;
+  km_driver_motion_position position;
+  km_step_history history;
+  double *pose; /* configuration as km_state_save; NULL: not allocated yet */
+  bool is_set;
 } km_driver_motion_snapshot;
 
-/* Where a step was refused last that was long enough for the configuration to be away from a singular one. */
+/* Last configuration from which a step of at least 5e-3 was rejected: it is still away from the singular one. */
 typedef struct km_driver_regular_sample {
-  double s;     /* the driver; infinite: there is no such place */
-  double *pose; /* saved coordinates */
+  double s;     /* driver; infinite: none */
+  double *pose; /* configuration as km_state_save */
 } km_driver_regular_sample;
 
-/* A stretch of the driver around a singular configuration that the motion passes smoothly: see drive_singular.c. */
+/* Hermite interpolant over a stretch of s around a singular configuration (theory 4.11, singular_bridge.c). */
 enum { KM_BRIDGE_NODES = 4 };
 typedef struct km_singular_bridge {
-  int number, count;     /* of this one, 0: there is none; of all so far */
-  double c, h;           /* its centre and the unit of its nodes' distances, signed, in the driver */
-  double smallest_pivot; /* at the nodes, relative */
-  double *nodes;         /* [KM_BRIDGE_NODES] saved coordinates */
+  int number, count;     /* number of this bridge, 0: none; count of all bridges built */
+  double c, h;           /* centre c and half distance h of the inner nodes, signed, in s */
+  double smallest_pivot; /* smallest relative pivot at the nodes */
+  double *nodes;         /* [KM_BRIDGE_NODES] configurations as km_state_save */
   double *tangents;      /* [KM_BRIDGE_NODES × columns] */
 } km_singular_bridge;
 
 struct km_driver_motion {
   km_arena arena;
   km_continuation c;
-  km_driver_motion_place here;
-  km_driver_motion_snapshot mark, passed[2]; /* the latest first */
-  km_driver_motion_snapshot before_bridge;   /* where a bridge is begun */
-  bool passing;                              /* this step goes over a singular pose on purpose */
-  double *near, *from_bridge;                /* [3 · columns] saved coordinates, workspace of drive_singular.c */
+  km_driver_motion_position current;
+  km_driver_motion_snapshot mark, passed[2]; /* user's snapshot; two passed configurations, the latest first */
+  km_driver_motion_snapshot before_bridge;   /* snapshot at which a bridge is built */
+  bool crosses_singular;                     /* the step crosses a singular configuration deliberately: no sign test */
+  double *work_configuration, *from_bridge;  /* [3 · columns] configurations, workspace of singular_bridge.c */
   km_driver_regular_sample regular;
   km_singular_bridge bridge;
-  km_minimum_norm_path path;         /* where other freedoms are left */
-  km_nearest_configuration *closest; /* the same where the path is stiff; NULL: not yet */
-  int bent;                          /* steps refused one after the other */
-  bool drawn;                        /* the last prediction was */
-  double strain;                     /* of the last prediction by it: at 1 its error is all that is allowed */
-  km_step_watch watch;
-  struct km_batch *lanes; /* where this drive goes beside others, and which of them it is; NULL: alone */
+  km_minimum_norm_path path;         /* explicit predictor with several freedoms */
+  km_nearest_configuration *closest; /* implicit predictor of stiff paths; NULL: not allocated yet */
+  int rejections;                    /* rejected steps in a row */
+  bool implicit;                     /* the last prediction was the implicit one */
+  double error_ratio;                /* error of the last prediction over the allowed error */
+  km_step_observer observer;
+  struct km_batch *lanes; /* batch that advances this motion, and its lane; NULL: none */
   int lane;
 };
 
-/* How much correction a step allows, and the least cosine between its tangents. */
-static inline double km_driver_motion_most_correction(double tightness, double length) {
-  return tightness * length + 1e-9;
+/* Largest |D correction| of a step with |D move| = length, and the least cosine between its tangents. */
+static inline double km_driver_motion_most_correction(double correction_ratio, double length) {
+  return correction_ratio * length + 1e-9;
 }
-static inline double km_driver_motion_least_cosine(double tightness) {
-  return 1.0 - tightness * 0.4;
+static inline double km_driver_motion_least_cosine(double correction_ratio) {
+  return 1.0 - correction_ratio * 0.4;
 }
-/* Of the driver: a value in the model's unit times this is the scaled one. */
+/* Factor from the model's unit to the scaled driver. */
 static inline double km_driver_motion_factor(const km_driver_motion *d) {
   const km_mechanism *m = d->c.mechanism;
   return m->factor[d->c.coordinate] / m->unit[d->c.coordinate];
 }
-/* The slack of a driver's own limit. */
+/* Rounding error allowed at the driver's own limit. */
 static inline double km_driver_motion_slack(double goal) {
   return 1e-12 * (1.0 + fabs(goal));
 }
@@ -99,33 +101,34 @@ static inline const km_substructure *km_driver_motion_substructure(const km_driv
   return km_continuation_sub(&d->c);
 }
 
-/* km_driver_motion_create and km_driver_motion_free; the memory of an earlier drive is taken from `memory` and given back there. */
+/* km_driver_motion_create and km_driver_motion_free that take the memory from `memory` and give it back there. */
 km_status km_driver_motion_create_in(km_arena *memory, const km_mechanism *mechanism, km_state *state, int coordinate,
                                      bool ignore_limits, km_driver_motion **out, km_error *error);
 void km_driver_motion_free_into(km_arena *memory, km_driver_motion *drive);
 
-/* The rates of all coordinates per unit of the driver, by the tangent t[column · stride]. */
+/* Converts the tangent t[column · stride] to rates of all coordinates per unit rate of the driver: radians, model's
+ * length. */
 void km_driver_motion_rates(const km_driver_motion *drive, const double *t, int stride, double *rates);
-/* Keeps the present place with all that the next step depends on, and comes back to it with the same bits. */
-void km_driver_motion_store(km_driver_motion *drive, km_driver_motion_snapshot *kept);
-void km_driver_motion_recall(km_driver_motion *drive, const km_driver_motion_snapshot *kept);
-/* Who is told of the drive's steps. */
-static inline void km_driver_motion_watch(km_driver_motion *d, km_step_watch watch) {
-  d->watch = watch;
+/* Stores and restores the configuration with everything that the next steps depend on. */
+void km_driver_motion_store(km_driver_motion *drive, km_driver_motion_snapshot *snapshot);
+void km_driver_motion_restore_snapshot(km_driver_motion *drive, const km_driver_motion_snapshot *snapshot);
+/* Sets the observer of intermediate steps. */
+static inline void km_driver_motion_set_observer(km_driver_motion *d, km_step_observer observer) {
+  d->observer = observer;
 }
-/* Tells of a step to s, scaled, with the tangent t[column · stride]. */
+/* Notifies the observer of a step to s (scaled) with the tangent t[column · stride]. */
 void km_driver_motion_notify(const km_driver_motion *drive, double s, const double *t, int stride);
-/* The state has just left a singular pose, near which paths are stiff: see km_minimum_norm_path_record. */
+/* Selects the implicit predictor for the next step: near a singular configuration the path of least motion is stiff. */
 void km_driver_motion_expect_stiff(km_driver_motion *drive);
-/* Where other freedoms are left, a way back needn't be the one that led here. The present place is one from which
- * km_driver_motion_restore_previous sets out again; the last two are. False when out of memory. */
-bool km_driver_motion_pass(km_driver_motion *drive);
-/* Back to the last place that was passed before s, on the way to the mark; false, and nothing happens, if there is none. */
+/* With several freedoms the path back to s can differ from the path that led here. Stores the configuration for
+ * km_driver_motion_restore_previous, which knows the last two. False without memory. */
+bool km_driver_motion_save_passed(km_driver_motion *drive);
+/* Restores the last stored configuration between s and the mark; false, without effect, if there is none. */
 bool km_driver_motion_restore_previous(km_driver_motion *drive, double s);
-/* Searches pivots and tangent of the present pose, if there is a way to go to the target, and they aren't known. */
+/* Computes pivots and tangent of the present configuration if they are unknown and the target differs from s. */
 void km_driver_motion_prepare(km_driver_motion *drive, double target);
-/* The first of several steps towards the target, if it takes several and the first is accepted: km_driver_motion_move_to goes on from
- * there with the same bits. */
+/* Takes the first step towards the target if several are needed; km_driver_motion_move_to continues with the same
+ * bits. */
 void km_driver_motion_begin(km_driver_motion *drive, double target);
 
 #endif

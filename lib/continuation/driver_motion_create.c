@@ -1,4 +1,4 @@
-/* Making drives, and coming back to a place of one. */
+/* Creates driven motions; stores and restores their snapshots. */
 #include "continuation/batch/batch.h"
 
 #include "base/arguments.h"
@@ -6,23 +6,24 @@
 
 #include <string.h>
 
-static bool reserve(km_driver_motion *d, km_driver_motion_snapshot *kept) {
-  kept->pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_driver_motion_substructure(d)->columns);
-  return km_step_history_reserve(&kept->course, &d->c, &d->arena);
+static bool allocate_snapshot(km_driver_motion *d, km_driver_motion_snapshot *snapshot) {
+  snapshot->pose =
+      KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *(size_t)km_driver_motion_substructure(d)->columns);
+  return km_step_history_reserve(&snapshot->history, &d->c, &d->arena);
 }
 
 static bool allocate(km_driver_motion *d) {
   size_t n = (size_t)km_driver_motion_substructure(d)->columns;
-  double **poses[] = {&d->near, &d->regular.pose, &d->from_bridge};
+  double **poses[] = {&d->work_configuration, &d->regular.pose, &d->from_bridge};
   for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
     *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
   d->bridge.nodes = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *KM_SAVED_PER_COLUMN *n);
   d->bridge.tangents = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *n);
   return km_minimum_norm_path_reserve(&d->path, (int)n, &d->arena) && km_continuation_reserve(&d->c, &d->arena) &&
-         reserve(d, &d->mark) && reserve(d, &d->before_bridge);
+         allocate_snapshot(d, &d->mark) && allocate_snapshot(d, &d->before_bridge);
 }
 
-static km_status check(const km_mechanism *m, const km_state *s, int coordinate, km_error *error) {
+static km_status check_driver(const km_mechanism *m, const km_state *s, int coordinate, km_error *error) {
   km_status fits = km_check_state(m, s, error);
   if (!fits)
     fits = km_check_index(coordinate, m->coordinate_count, "coordinate", error);
@@ -44,13 +45,13 @@ km_status km_driver_motion_create_in(km_arena *memory, const km_mechanism *m, km
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
-  km_status fits = check(m, s, coordinate, error);
+  km_status fits = check_driver(m, s, coordinate, error);
   if (fits)
     return fits;
   km_arena arena = km_arena_take(memory);
   km_driver_motion *d = KM_ARENA_NEW(&arena, km_driver_motion, 1);
   if (!d) {
-    km_arena_free(&arena); /* what was taken may be too small for a drive */
+    km_arena_free(&arena); /* memory of an earlier motion can be too small */
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
   *d = (km_driver_motion){.arena = arena,
@@ -60,7 +61,7 @@ km_status km_driver_motion_create_in(km_arena *memory, const km_mechanism *m, km
                                 .substructure = m->substructure_of[coordinate],
                                 .column = m->column_of[coordinate],
                                 .ignore_limits = ignore_limits},
-                          .here = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_driver_longest_step}};
+                          .current = {.s = s->q[coordinate] / m->unit[coordinate], .largest = km_driver_longest_step}};
   if (d->c.substructure >= 0 && !allocate(d)) {
     km_driver_motion_free(d);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
@@ -77,7 +78,7 @@ km_status km_driver_motion_create(const km_mechanism *m, km_state *s, int coordi
 void km_driver_motion_free_into(km_arena *memory, km_driver_motion *d) {
   if (!d)
     return;
-  km_arena arena = d->arena; /* in which `d` lies */
+  km_arena arena = d->arena; /* the motion itself lies in its arena */
   km_arena_give(&arena, memory);
 }
 
@@ -85,65 +86,66 @@ void km_driver_motion_free(km_driver_motion *d) {
   km_driver_motion_free_into(NULL, d);
 }
 
-void km_driver_motion_store(km_driver_motion *d, km_driver_motion_snapshot *kept) {
-  kept->is_one = true;
-  kept->place = d->here;
-  kept->place.pivoted = d->c.state->pivot_driver[d->c.substructure];
-  km_step_history_copy(&kept->course, &d->c.course, km_driver_motion_substructure(d)->columns);
-  km_state_save(d->c.state, km_driver_motion_substructure(d), kept->pose);
+void km_driver_motion_store(km_driver_motion *d, km_driver_motion_snapshot *snapshot) {
+  snapshot->is_set = true;
+  snapshot->position = d->current;
+  snapshot->position.pivot_driver = d->c.state->pivot_driver[d->c.substructure];
+  km_step_history_copy(&snapshot->history, &d->c.history, km_driver_motion_substructure(d)->columns);
+  km_state_save(d->c.state, km_driver_motion_substructure(d), snapshot->pose);
 }
 
 void km_driver_motion_save(km_driver_motion *d) {
   if (!d)
     return;
   km_driver_motion_write_back(d);
-  d->mark.is_one = true;
+  d->mark.is_set = true;
   if (d->c.substructure < 0)
-    d->mark.place.s = d->c.state->q[d->c.coordinate];
+    d->mark.position.s = d->c.state->q[d->c.coordinate];
   else
     km_driver_motion_store(d, &d->mark);
 }
 
-/* The pivots of the place serve again. False where they were another's, or don't fit. */
-static bool take_pivots_back(km_driver_motion *d) {
+/* Restores the pivots of the snapshot and refactors J with them. False if they were searched for another driver or
+ * became unstable. */
+static bool restore_pivots(km_driver_motion *d) {
   km_state *s = d->c.state;
   int sub = d->c.substructure;
   km_partition *p = &s->partition[sub];
-  if (d->here.pivoted != d->c.column || d->c.course.reference.search_count == 0)
+  if (d->current.pivot_driver != d->c.column || d->c.history.reference.search_count == 0)
     return false;
-  km_partition_copy_pivots(p, &d->c.course.reference);
+  km_partition_copy_pivots(p, &d->c.history.reference);
   s->pivot_driver[sub] = d->c.column;
   return km_partition_refactor(p, km_state_jacobian(s, km_driver_motion_substructure(d)));
 }
 
-void km_driver_motion_recall(km_driver_motion *d, const km_driver_motion_snapshot *kept) {
+void km_driver_motion_restore_snapshot(km_driver_motion *d, const km_driver_motion_snapshot *snapshot) {
   km_driver_motion_write_back(d);
-  d->here = kept->place;
-  km_step_history_copy(&d->c.course, &kept->course, km_driver_motion_substructure(d)->columns);
-  km_state_restore(d->c.state, km_driver_motion_substructure(d), kept->pose);
+  d->current = snapshot->position;
+  km_step_history_copy(&d->c.history, &snapshot->history, km_driver_motion_substructure(d)->columns);
+  km_state_restore(d->c.state, km_driver_motion_substructure(d), snapshot->pose);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
-  if (!take_pivots_back(d))
+  if (!restore_pivots(d))
     km_state_invalidate_pivots(d->c.state, d->c.substructure);
 }
 
 void km_driver_motion_restore(km_driver_motion *d) {
-  if (!d || !d->mark.is_one)
+  if (!d || !d->mark.is_set)
     return;
   if (d->c.substructure < 0)
-    d->c.state->q[d->c.coordinate] = d->mark.place.s;
+    d->c.state->q[d->c.coordinate] = d->mark.position.s;
   else
-    km_driver_motion_recall(d, &d->mark);
+    km_driver_motion_restore_snapshot(d, &d->mark);
 }
 
-bool km_driver_motion_pass(km_driver_motion *d) {
+bool km_driver_motion_save_passed(km_driver_motion *d) {
   if (d->c.substructure < 0 || km_partition_freedom(&d->c.state->partition[d->c.substructure]) <= 1) {
-    d->passed[0].is_one = d->passed[1].is_one = false;
+    d->passed[0].is_set = d->passed[1].is_set = false;
     return true;
   }
   km_driver_motion_snapshot oldest = d->passed[1];
   d->passed[1] = d->passed[0];
   d->passed[0] = oldest;
-  if (!oldest.pose && !reserve(d, &d->passed[0]))
+  if (!oldest.pose && !allocate_snapshot(d, &d->passed[0]))
     return false;
   km_driver_motion_write_back(d);
   km_driver_motion_store(d, &d->passed[0]);
@@ -153,8 +155,8 @@ bool km_driver_motion_pass(km_driver_motion *d) {
 bool km_driver_motion_restore_previous(km_driver_motion *d, double s) {
   double goal = s * km_driver_motion_factor(d);
   for (int i = 0; i < 2; ++i)
-    if (d->passed[i].is_one && (goal - d->passed[i].place.s) * (d->mark.place.s - goal) > 0.0) {
-      km_driver_motion_recall(d, &d->passed[i]);
+    if (d->passed[i].is_set && (goal - d->passed[i].position.s) * (d->mark.position.s - goal) > 0.0) {
+      km_driver_motion_restore_snapshot(d, &d->passed[i]);
       return true;
     }
   return false;

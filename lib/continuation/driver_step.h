@@ -1,48 +1,48 @@
-/* Single steps of a drive, and the singular poses that it passes. Predictor-corrector in the driver s: t = dq/ds
- * (scaled, the driver's entry 1), h is the step in s. Private to kinematics/. */
+/* One step of a driven continuation, and bridges over singular configurations.
+ * s: scaled driver, t = dq/ds with t_driver = 1, h: step in s. Private to continuation/. */
 #ifndef KM_CONTINUATION_DRIVER_STEP_H
 #define KM_CONTINUATION_DRIVER_STEP_H
 
 #include "continuation/driver_motion.h"
 
-/* Was a step taken, or what forbids it? */
+/* Result of an attempted step. */
 typedef enum km_attempt {
   KM_ATTEMPT_ACCEPTED,
-  KM_ATTEMPT_OPEN,     /* the loops don't close there */
-  KM_ATTEMPT_BENT,     /* the step is too long to be on this motion for sure */
-  KM_ATTEMPT_LIMITED,  /* a coordinate would pass its limit */
-  KM_ATTEMPT_AWAY,     /* a slide leaves without bound */
-  KM_ATTEMPT_EXHAUSTED /* too many steps, none of which leads on */
+  KM_ATTEMPT_OPEN,      /* the loops do not close, or the configuration is singular */
+  KM_ATTEMPT_TOO_LONG,  /* correction, angle or change of sign: the step may be on another branch */
+  KM_ATTEMPT_AT_LIMIT,  /* a coordinate would exceed its limit */
+  KM_ATTEMPT_DIVERGING, /* a slide diverges */
+  KM_ATTEMPT_EXHAUSTED  /* step bound reached */
 } km_attempt;
 
-/* Below this length of a step almost nothing moves but what rounding lets through. */
-static const double km_driver_motion_creeping = 1e-5;
-/* Residual that shows a pose found without Newton to be on the motion. */
-static const double km_driver_motion_closed = 1e-12;
-/* A change of sign that stays below this step is a branch point. */
+/* Steps below this length hardly advance; see MOST_SHORT_ATTEMPTS. */
+static const double km_driver_motion_short_step = 1e-5;
+/* Largest residual (scaled) of a configuration that counts as closed without another Newton step. */
+static const double km_driver_motion_closed_residual = 1e-12;
+/* A sign change of det(pivot block) over a step not longer than this is a branch point. */
 static const double km_driver_motion_branch_width = 1e-5;
 
-/* Pivots and tangent of the present pose, searched. False: it has no tangent. */
+/* Searches pivots and computes the tangent of the present configuration. False if it has no tangent. */
 bool km_driver_motion_start(km_driver_motion *drive);
-/* Where a slide is, in substructure sizes; 0 of an angle. */
-double km_driver_step_diverges(const km_driver_motion *drive, int column);
-/* Tries to advance by h. Restores the pose if refused; *limit is the coordinate that forbids it, where one does. */
-km_attempt km_driver_motion_advance(km_driver_motion *drive, double h, double tightness, int *limit);
+/* Returns a slide's displacement in substructure sizes; 0 for an angle. */
+double km_driver_step_slide_position(const km_driver_motion *drive, int column);
+/* Attempts one step h with at most correction_ratio |D move| of correction. The state returns if it is rejected;
+ * *limit is then the coordinate at its limit or the diverging slide, if any. */
+km_attempt km_driver_motion_advance(km_driver_motion *drive, double h, double correction_ratio, int *limit);
 
-/* Where a step of h is refused that is long enough to tell configurations apart, the present one may still be away
- * from what refuses it: a bridge is begun from there. */
+/* Records the present configuration as the start of a bridge, if the rejected step h is at least 5e-3 long: the
+ * configuration is then still away from the singular one. */
 void km_singular_bridge_record(km_driver_motion *drive, double h);
-/* Builds a bridge over the singular configuration near driver value s, which lies ahead of the drive (`side`: 1 or
- * -1). Its centre is s + lead d: 0 where s itself is singular, less than 1 where s is the last regular value before
- * the stretch. True: the place is on the bridge. False, with the state where it was: no smooth motion leads over it.
- * O(100 steps). */
+/* Builds a bridge over the singular configuration near s, ahead of the motion in the direction side = ±1. Its centre
+ * is s + lead h: lead is 0 if s itself is singular, less than 1 if s is the last regular value. True: the
+ * configuration is on the bridge. False, with the state unchanged: no smooth motion crosses. O(100 steps). */
 bool km_singular_bridge_build(km_driver_motion *drive, double s, double side, double lead);
-/* Puts the drive at s on its bridge, with the motion's tangent. False, with the state where it was: the loops don't
- * close there. */
+/* Moves to s on the bridge, with the interpolated tangent. False, with the state unchanged, if the loops do not
+ * close. */
 bool km_singular_bridge_place(km_driver_motion *drive, double s);
-/* From a place on the bridge to its end towards `target`. False: that end has no tangent. */
+/* Moves from the bridge to its end in the direction of `target`. False if that end has no tangent. */
 bool km_singular_bridge_leave(km_driver_motion *drive, double target);
-/* True if the place is on the drive's bridge and s is inside it. */
+/* True if the present configuration is on the bridge and s inside it. */
 bool km_singular_bridge_is_active(const km_driver_motion *drive, double s);
 
 #endif

@@ -1,30 +1,30 @@
-/* Poses along a motion as a curve: the cubic through two of them and their tangents. Moves are scaled steps. */
+/* Polynomials through configurations and tangents of a motion (Hermite interpolation, theory 4.5). Moves are scaled
+ * steps, [n]; tangents are d(move)/ds. */
 #ifndef KM_CONTINUATION_HERMITE_CURVE_H
 #define KM_CONTINUATION_HERMITE_CURVE_H
 
-/* The move from the present pose by parameter `h`, continuing the cubic through the last pose and this one:
- * last_move led here over last_h; last_t, t are the tangents d(move)/d(parameter) there and here. */
-static inline void km_curve_ahead(int n, double last_h, const double *last_move, const double *last_t, const double *t,
-                                  double h, double *move) {
-  double u = h / last_h + 1.0; /* 0 at the last pose, 1 at this one */
+/* Extrapolates the cubic through the last configuration and the present one by h: last_move led here over last_h;
+ * last_t and t are the tangents there and here. */
+static inline void km_curve_extrapolate(int n, double last_h, const double *last_move, const double *last_t,
+                                        const double *t, double h, double *move) {
+  double u = h / last_h + 1.0; /* 0 at the last configuration, 1 at the present one */
   double h00 = 2 * u * u * u - 3 * u * u + 1, h10 = u * u * u - 2 * u * u + u, h11 = u * u * u - u * u;
   for (int k = 0; k < n; ++k)
     move[k] = -h00 * last_move[k] + last_h * (h10 * last_t[k] + h11 * t[k]);
 }
 
-/* The polynomial of degree ten through nine poses, one h apart, and the tangents at the last two of them, one h after the
- * last (Hermite's interpolation): the weights of the eight moves between the poses and of the two tangents times h, the
- * latest first. Its error is 9! 2! h¹¹ y⁽¹¹⁾/11!. More tangents would have larger weights, and what is left in them from
- * closing the loops would grow from step to step. */
+/* Weights of the degree-10 Hermite polynomial through nine configurations, h apart, and the tangents at the last two,
+ * evaluated h after the last: of the eight moves and of the two tangents times h, the latest first. Error 9! 2! h¹¹
+ * y⁽¹¹⁾/11!. More tangents would have larger weights and amplify the closing errors in them from step to step. */
 enum { KM_CURVE_MOVES = 8 };
 static const double km_curve_moves[KM_CURVE_MOVES] = {-6989.0 / 140.0, -1585.0 / 28.0, 767.0 / 28.0, -409.0 / 28.0,
                                                       179.0 / 28.0,    -281.0 / 140.0, 11.0 / 28.0,  -1.0 / 28.0};
 static const double km_curve_tangents[2] = {18.0, 72.0};
 
-/* Between two poses: `move` leads from the first to the second over `h`, t0 and t1 are their tangents. Out: the
- * move from the first pose to parameter `at`, and the tangent there. */
-static inline void km_curve_between(int n, double h, const double *move, const double *t0, const double *t1, double at,
-                                    double *out, double *tangent) {
+/* Interpolates by the cubic between two configurations: `move` leads from the first to the second over h, t0 and t1
+ * are their tangents. Out: the move from the first to parameter `at`, and the tangent there. */
+static inline void km_curve_interpolate(int n, double h, const double *move, const double *t0, const double *t1,
+                                        double at, double *out, double *tangent) {
   double u = at / h, h01 = u * u * (3 - 2 * u), h10 = u * (1 - u) * (1 - u), h11 = u * u * (u - 1);
   double d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2);
   for (int k = 0; k < n; ++k) {

@@ -1,4 +1,7 @@
-/* Follows the direction field of least motion, dq/ds = t(q), to a higher order than the field's own rows ask. */
+/* Predictors along the path of least motion dq/ds = t(q) (theory 4.7; equations in minimum_norm_path.h).
+ *
+ *   moments        : sum_k w_k x_k^j = 1 / (j + 1): weights of the integral over [0, 1] with nodes x_k = (s_k - s) / h
+ *   rotation vector: u' = w - u x w / 2 + c u x (u x w);   integral by the Magnus series */
 #include "continuation/minimum_norm_path.h"
 
 #include "base/extrema.h"
@@ -7,10 +10,11 @@
 
 #include <string.h>
 
-/* The rounding of a step near singular poses, where closed loops tell it to no more digits. It decays on a path that is stiff. */
-static const double coarse_grain = 1e-9;
+/* Rounding of an implicit step (scaled): near singular configurations closed loops determine it to fewer digits. The
+ * error decays on a stiff path. */
+static const double implicit_rounding = 1e-9;
 
-const double km_path_stage_shares[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
+const double km_path_stage_weights[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
     {0},
     {1.0 / 5},
     {3.0 / 40, 9.0 / 40},
@@ -27,9 +31,9 @@ bool km_minimum_norm_path_reserve(km_minimum_norm_path *path, int columns, km_ar
   return !arena->failed;
 }
 
-/* The rate of the rotation vector u whose turn has the angular velocity w (fixed axes):
- * u̇ = w − ½ u × w + c u × (u × w), c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
-static km_vec3 vector_rate(km_vec3 u, km_vec3 w) {
+/* Returns the rate of the rotation vector u for the angular velocity w (fixed axes): u̇ = w − ½ u × w + c u × (u ×
+ * w), c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
+static km_vec3 rotation_vector_rate(km_vec3 u, km_vec3 w) {
   double angle = km_vec3_norm(u), square = angle * angle, sine, cosine;
   km_sincos(angle, &sine, &cosine);
   double c = angle < KM_PATH_NEAR ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
@@ -37,34 +41,36 @@ static km_vec3 vector_rate(km_vec3 u, km_vec3 w) {
   return km_vec3_axpy(c, twice, km_vec3_axpy(-0.5, once, w));
 }
 
-/* Angular velocities of balls become rates of the rotation vectors that lead from the saved pose. */
-static void unwind_balls(const km_mechanism *m, const km_substructure *sub, const double *move, double *rate) {
+/* Converts the angular velocities of ball joints in `rate` to rates of the rotation vectors `move` from the saved
+ * configuration. */
+static void convert_ball_rates(const km_mechanism *m, const km_substructure *sub, const double *move, double *rate) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k) {
     if (m->ball_of[coordinate[k]] < 0)
       continue;
-    km_vec3 v = vector_rate(km_vec3_make(move + k), km_vec3_make(rate + k));
+    km_vec3 v = rotation_vector_rate(km_vec3_make(move + k), km_vec3_make(rate + k));
     memcpy(rate + k, &(double[3]){v.x, v.y, v.z}, 3 * sizeof *rate);
     k += 2;
   }
 }
 
-static void combine(const km_minimum_norm_path *path, const double *share, int stages, int columns, double h,
-                    double *move) {
+/* Computes move = h sum_i weight_i rate_i over the stages. */
+static void combine_stages(const km_minimum_norm_path *path, const double *weight, int stages, int columns, double h,
+                           double *move) {
   memset(move, 0, (size_t)columns * sizeof *move);
   for (int i = 0; i < stages; ++i)
-    for (int k = 0; k < columns && share[i] != 0.0; ++k)
-      move[k] += h * share[i] * path->rate[i][k];
+    for (int k = 0; k < columns && weight[i] != 0.0; ++k)
+      move[k] += h * weight[i] * path->rate[i][k];
 }
 
-/* The field off the closed poses is that of the primary rows: they keep what the loops have opened. `again`: the last rate was
- * found by these pivots, which are at hand still if they have only waited. */
-static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots, bool again,
-                    double *rate) {
+/* Computes the tangent at a stage, which is not closed: that of the primary rows, which keep their closure errors.
+ * has_pivots: the last stage left the given pivots in the partition. */
+static bool compute_stage_rate(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots,
+                               bool has_pivots, double *rate) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_recompute(m, s, sub);
-  if (!again || !p->is_deferred)
+  if (!has_pivots || !p->is_deferred)
     km_partition_copy_pivots(p, pivots);
   if (!km_defer_pivots(s, index, driver) && !km_partition_refactor_full_pattern(p, km_state_jacobian(s, sub)))
     return false;
@@ -72,44 +78,44 @@ static bool rate_at(const km_mechanism *m, km_state *s, int index, int driver, c
   return true;
 }
 
-static double largest(const double *x, int count) {
+static double largest_magnitude(const double *x, int count) {
   double size = 0.0;
   for (int k = 0; k < count; ++k)
     size = fmax(size, fabs(x[k]));
   return size;
 }
 
-double km_minimum_norm_path_predict(km_minimum_norm_path *path, const km_mechanism *m, km_state *s, int index,
-                                    int driver, const km_partition *pivots, const double *saved, const double *t,
-                                    double h, double *move) {
+double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, const km_mechanism *m, km_state *s,
+                                                int index, int driver, const km_partition *pivots, const double *saved,
+                                                const double *t, double h, double *move) {
   const km_substructure *sub = &m->substructures[index];
   int columns = sub->columns;
   double difference[KM_PATH_STAGES];
   memcpy(path->rate[0], t, (size_t)columns * sizeof *t);
   km_state_invalidate_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
-    combine(path, km_path_stage_shares[i], i, columns, h, move);
-    if (!(largest(move, columns) <= 1.0)) /* too far for the field to mean anything */
+    combine_stages(path, km_path_stage_weights[i], i, columns, h, move);
+    if (!(largest_magnitude(move, columns) <= 1.0)) /* beyond 1 rad or size the linearisation is useless */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
     km_state_move_temporarily(m, s, sub, move);
-    if (!rate_at(m, s, index, driver, pivots, i > 1, path->rate[i]))
+    if (!compute_stage_rate(m, s, index, driver, pivots, i > 1, path->rate[i]))
       return HUGE_VAL;
-    unwind_balls(m, sub, move, path->rate[i]);
+    convert_ball_rates(m, sub, move, path->rate[i]);
   }
   for (int i = 0; i < KM_PATH_STAGES; ++i)
     difference[i] = km_path_fifth[i] - km_path_fourth[i];
-  combine(path, difference, KM_PATH_STAGES, columns, h, move);
-  double error = largest(move, columns);
-  combine(path, km_path_fifth, KM_PATH_STAGES, columns, h, move);
+  combine_stages(path, difference, KM_PATH_STAGES, columns, h, move);
+  double error = largest_magnitude(move, columns);
+  combine_stages(path, km_path_fifth, KM_PATH_STAGES, columns, h, move);
   km_partition_copy_pivots(&s->partition[index], pivots);
   s->pivot_driver[index] = driver;
-  return error / (km_path_allowed * largest(move, columns) + km_path_grain);
+  return error / (km_path_allowed * largest_magnitude(move, columns) + km_path_rounding);
 }
 
-/* The weights w with Σ w_k x_k^j = moment_j, j = 0 … count-1, in place of the moments. Å. Björck and V. Pereyra, Solution of
- * Vandermonde systems of equations, 1970. */
-static void weigh_nodes(const double *x, int count, double *moment) {
+/* Solves the dual Vandermonde system Σ w_k x_k^j = moment_j, j = 0 … count-1, in place (Å. Björck and V. Pereyra,
+ * 1970). */
+static void solve_vandermonde(const double *x, int count, double *moment) {
   for (int k = 0; k < count - 1; ++k)
     for (int i = count - 1; i > k; --i)
       moment[i] -= x[k] * moment[i - 1];
@@ -121,7 +127,7 @@ static void weigh_nodes(const double *x, int count, double *moment) {
   }
 }
 
-/* Tangents at the nodes x, counted from the pose in units of h. */
+/* Tangents t at the nodes x = (s_k − s) / h. */
 typedef struct nodes {
   int count;
   double x[KM_PATH_NODES];
@@ -137,82 +143,86 @@ static nodes gather_nodes(const km_step_history *c, double h) {
   return n;
 }
 
-static km_vec3 weighted_turn(const nodes *n, const double *weight, int column) {
+static km_vec3 weighted_angular_velocity(const nodes *n, const double *weight, int column) {
   km_vec3 sum = {0, 0, 0};
   for (int i = 0; i < n->count; ++i)
     sum = km_vec3_axpy(weight[i], km_vec3_make(n->t[i] + column), sum);
   return sum;
 }
 
-/* A ball's rotation vector isn't the integral of its angular velocity ω, which turns itself. By the series of W. Magnus,
- * 1954, u = ∫ω − h³/12 ω × ω̇ − h⁴/24 ω × ω̈ + O(h⁵). */
-static void wind_balls(const km_mechanism *m, const km_substructure *sub, const nodes *n, double h, double *move) {
+/* Adds the terms by which the rotation vector of a ball joint differs from the integral of its angular velocity ω (W.
+ * Magnus, 1954): u = ∫ω − h³/12 ω × ω̇ − h⁴/24 ω × ω̈ + O(h⁵). */
+static void add_magnus_terms(const km_mechanism *m, const km_substructure *sub, const nodes *n, double h,
+                             double *move) {
   const int *coordinate = m->column_coordinate + sub->column_start;
-  double slope[KM_PATH_NODES] = {0.0, 1.0}, bend[KM_PATH_NODES] = {0.0, 0.0, 2.0};
-  weigh_nodes(n->x, n->count, slope);
-  weigh_nodes(n->x, n->count, bend);
+  double slope[KM_PATH_NODES] = {0.0, 1.0}, curvature[KM_PATH_NODES] = {0.0, 0.0, 2.0};
+  solve_vandermonde(n->x, n->count, slope);
+  solve_vandermonde(n->x, n->count, curvature);
   for (int k = 0; k < sub->columns; ++k) {
     if (m->ball_of[coordinate[k]] < 0)
       continue;
-    km_vec3 change = km_vec3_axpy(0.5, weighted_turn(n, bend, k), weighted_turn(n, slope, k));
-    km_vec3 lag = km_vec3_scale(-h * h / 12.0, km_vec3_cross(km_vec3_make(n->t[0] + k), change));
-    move[k] += lag.x;
-    move[k + 1] += lag.y;
-    move[k + 2] += lag.z;
+    km_vec3 change =
+        km_vec3_axpy(0.5, weighted_angular_velocity(n, curvature, k), weighted_angular_velocity(n, slope, k));
+    km_vec3 correction = km_vec3_scale(-h * h / 12.0, km_vec3_cross(km_vec3_make(n->t[0] + k), change));
+    move[k] += correction.x;
+    move[k + 1] += correction.y;
+    move[k + 2] += correction.z;
     k += 2;
   }
 }
 
-double km_minimum_norm_path_continue(const km_mechanism *m, const km_substructure *sub, const km_step_history *c,
-                                     double h, double *move) {
+double km_minimum_norm_path_predict_multistep(const km_mechanism *m, const km_substructure *sub,
+                                              const km_step_history *c, double h, double *move) {
   if (c->last_h == 0.0 || 2 + c->older_count < KM_PATH_LEAST_NODES)
     return HUGE_VAL;
   nodes n = gather_nodes(c, h);
-  double whole[KM_PATH_NODES], less[KM_PATH_NODES] = {0.0}, error = 0.0;
+  double weight[KM_PATH_NODES], lower_weight[KM_PATH_NODES] = {0.0}, error = 0.0;
   for (int i = 0; i < n.count; ++i) /* moments of [0, 1] */
-    whole[i] = less[i] = 1.0 / (i + 1);
-  less[n.count - 1] = 0.0;
-  weigh_nodes(n.x, n.count, whole);
-  weigh_nodes(n.x, n.count - 1, less);
+    weight[i] = lower_weight[i] = 1.0 / (i + 1);
+  lower_weight[n.count - 1] = 0.0;
+  solve_vandermonde(n.x, n.count, weight);
+  solve_vandermonde(n.x, n.count - 1, lower_weight);
   for (int k = 0; k < sub->columns; ++k) {
-    double sum = 0.0, apart = 0.0;
+    double sum = 0.0, difference = 0.0;
     for (int i = 0; i < n.count; ++i) {
-      sum += whole[i] * n.t[i][k];
-      apart += (whole[i] - less[i]) * n.t[i][k];
+      sum += weight[i] * n.t[i][k];
+      difference += (weight[i] - lower_weight[i]) * n.t[i][k];
     }
     move[k] = h * sum;
-    error = km_larger_or_nan(fabs(h * apart), error);
+    error = km_larger_or_nan(fabs(h * difference), error);
   }
-  wind_balls(m, sub, &n, h, move);
-  return error / (km_path_allowed * largest(move, sub->columns) + km_path_grain);
+  add_magnus_terms(m, sub, &n, h, move);
+  return error / (km_path_allowed * largest_magnitude(move, sub->columns) + km_path_rounding);
 }
 
-double km_minimum_norm_path_record(km_nearest_configuration *closest, const km_mechanism *m, km_state *s, int index,
-                                   int driver, const km_step_history *c, double h, double *move) {
+double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, const km_mechanism *m, km_state *s,
+                                             int index, int driver, const km_step_history *c, double h, double *move) {
   const km_substructure *sub = &m->substructures[index];
   int columns = sub->columns;
   double ratio = c->last_h != 0.0 ? h / c->last_h : 0.0, error = 0.0;
-  bool second = ratio > 0.0 && ratio <= km_continuation_farther;
-  double back = second ? ratio * ratio / (1.0 + 2.0 * ratio) : 0.0;  /* of the last move, where the way counts from */
-  double share = second ? (1.0 + ratio) / (2.0 + 3.0 * ratio) : 0.5; /* of the difference, that is the step's error */
-  double *away = closest->displacement, *ahead = closest->next_displacement;
+  bool has_last_step = ratio > 0.0 && ratio <= km_continuation_extrapolation_limit;
+  /* backward difference: part of the last move in its origin */
+  double last_move_weight = has_last_step ? ratio * ratio / (1.0 + 2.0 * ratio) : 0.0;
+  /* part of the difference to the extrapolation that is the step's error */
+  double error_part = has_last_step ? (1.0 + ratio) / (2.0 + 3.0 * ratio) : 0.5;
+  double *target = closest->displacement, *extrapolated = closest->next_displacement;
   for (int k = 0; k < columns; ++k) {
-    double bend = second ? ratio * (c->last_h * c->t[k] - c->last_move[k]) * ratio : 0.0;
-    ahead[k] = h * c->t[k] + bend;
-    away[k] = ahead[k] - (second ? back * c->last_move[k] : 0.0);
+    double curvature = has_last_step ? ratio * (c->last_h * c->t[k] - c->last_move[k]) * ratio : 0.0;
+    extrapolated[k] = h * c->t[k] + curvature;
+    target[k] = extrapolated[k] - (has_last_step ? last_move_weight * c->last_move[k] : 0.0);
   }
-  km_state_move(m, s, sub, ahead);
-  if (!km_nearest_configuration_find(closest, m, s, index, driver, &c->reference, away))
+  km_state_move(m, s, sub, extrapolated);
+  if (!km_nearest_configuration_find(closest, m, s, index, driver, &c->reference, target))
     return HUGE_VAL;
   for (int k = 0; k < columns; ++k) {
-    move[k] = away[k] + (second ? back * c->last_move[k] : 0.0);
-    ahead[k] = share * (move[k] - ahead[k]);
+    move[k] = target[k] + (has_last_step ? last_move_weight * c->last_move[k] : 0.0);
+    extrapolated[k] = error_part * (move[k] - extrapolated[k]);
   }
-  /* A deviation that decays shows in the difference more often than it is left in the step, by the square of how much it is
-   * drawn in. */
+  /* A decaying deviation appears in the difference but not in the step; two corrector steps remove it from the
+   * estimate. */
   for (int i = 0; i < 2; ++i)
-    km_nearest_configuration_follow(closest, m, sub, ahead);
+    km_nearest_configuration_follow(closest, m, sub, extrapolated);
   for (int k = 0; k < columns; ++k)
-    error = fabs(ahead[k]) <= error ? error : fabs(ahead[k]);
-  return error / (km_path_allowed * largest(move, columns) + coarse_grain);
+    error = fabs(extrapolated[k]) <= error ? error : fabs(extrapolated[k]);
+  return error / (km_path_allowed * largest_magnitude(move, columns) + implicit_rounding);
 }

@@ -1,5 +1,10 @@
-/* One step along a motion: predicted, closed, judged, and remembered for the next. Shared by drives, whose parameter is
- * the driver's coordinate, and by motions that are followed by arc length. Private to kinematics/. */
+/* Predictor-corrector step along a motion q(s): driven (s is the scaled driver) or by arc length (s = |D q|).
+ *
+ *   predict : q + move(h) from the tangents and steps of the history     (theory 4.5)
+ *   correct : close the loops by minimum-norm Newton steps               (theory 4.2)
+ *   accept  : tests of the correction, the tangent, the rank             (theory 4.6, 4.9)
+ *
+ * Vectors are scaled steps, [columns] of one substructure. Private to continuation/ and local/. */
 #ifndef KM_CONTINUATION_PREDICTOR_CORRECTOR_H
 #define KM_CONTINUATION_PREDICTOR_CORRECTOR_H
 
@@ -7,117 +12,122 @@
 #include "kinematics/state.h"
 #include "local/constant_rank_motion.h"
 
-/* So close to a singular pose, by its last pivot, that the tangent is noise. */
+/* True if the last pivot is below 1e-7 of the largest entry: the tangent is then determined by rounding errors. */
 static inline bool km_continuation_is_singular(const km_partition *p) {
   static const double singular = 1e-7;
   return p->last_pivot < singular * p->scale;
 }
 
-/* Farther than this many last steps, the last step says nothing. */
-static const double km_continuation_farther = 4.0;
+/* Extrapolation limit: the history predicts steps of at most this many previous step lengths (theory 4.5). */
+static const double km_continuation_extrapolation_limit = 4.0;
 
-/* Steps are as long as each other to within this part, as far as the prediction goes. */
-static const double km_continuation_same = 1e-9;
-/* Predictions by nine poses and by two may differ by this, per unit of the parameter; else a singular pose is too near for
- * so many terms. */
-static const double km_continuation_agreement = 1e-3;
+/* Relative difference of two step lengths that count as equal for the predictor on equidistant nodes. */
+static const double km_continuation_equal_steps = 1e-9;
+/* Largest difference, per unit of s, between the degree-10 and the cubic prediction; beyond it a singular
+ * configuration is so near that high derivatives are unreliable. */
+static const double km_continuation_predictor_agreement = 1e-3;
 
 enum { KM_OLDER_STEPS = 3 };
 
-/* What the next step depends on, beside the pose. */
+/* History of the predictor: tangents and steps of previous configurations. */
 typedef struct km_step_history {
-  double *t;                       /* [columns] the present tangent, per unit of the parameter */
-  double *last_t, *last_move;      /* [columns] tangent where the last step began, and the step */
-  double last_h;                   /* its length in the parameter; 0: there is none */
-  int older_count;                 /* where more freedoms than one are left: steps before the last one that count */
-  double *older_t[KM_OLDER_STEPS]; /* [columns] the tangents where they began, the latest step first */
-  double older_h[KM_OLDER_STEPS];  /* their lengths */
-  /* Where one freedom is left: Newton's step that closing the last pose has left undone, below 1e-9, and the last moves with
-   * it, the latest first, in which nothing but rounding is left. */
-  double *rest, *moves[KM_CURVE_MOVES]; /* [columns] */
-  int equal_count;                      /* last steps that are as long as each other, so many at most */
-  km_partition reference;               /* pivots of the present pose, to compare signs with */
+  double *t;                       /* [columns] dq/ds at the present configuration */
+  double *last_t, *last_move;      /* [columns] tangent at the start of the last step, and that step */
+  double last_h;                   /* length of the last step in s; 0: no step yet */
+  int older_count;                 /* valid entries of older_t, with several freedoms */
+  double *older_t[KM_OLDER_STEPS]; /* [columns] tangents at the start of earlier steps, the latest first */
+  double older_h[KM_OLDER_STEPS];  /* lengths of these steps in s */
+  /* With one freedom: the Newton step that the last closing computed and did not apply (below 1e-9), and the last
+   * moves with these steps added, the latest first. They are exact to rounding, as the degree-10 predictor requires. */
+  double *remaining_step, *moves[KM_CURVE_MOVES]; /* [columns] */
+  int equal_count;                                /* number of last steps with equal length, at most KM_CURVE_MOVES */
+  /* pivots of the present configuration, for the sign test of det(pivot block) */
+  km_partition reference;
 } km_step_history;
 
 typedef struct km_continuation {
   const km_mechanism *mechanism;
   km_state *state;
   int substructure;
-  int coordinate, column; /* the driver; KM_NO_DRIVER: the parameter is the arc length |D q| */
+  int coordinate, column; /* the driver; KM_NO_DRIVER: s is the arc length |D q| */
   bool ignore_limits;
-  km_step_history course;
-  double *next_t, *move;   /* [columns] tangent of the pose that was tried last, and the way to it */
-  double *next_rest;       /* [columns] Newton's step that was left undone there */
-  double *from;            /* saved pose where the step begins */
-  km_constant_rank steady; /* where the mechanism shakes all along the motion */
-  double *work;            /* [columns] */
+  km_step_history history;
+  double *next_t, *move;          /* [columns] tangent at the trial configuration, and the step that leads to it */
+  double *next_remaining_step;    /* [columns] Newton step not applied there */
+  double *from;                   /* configuration at the start of the step, as km_state_save */
+  km_constant_rank constant_rank; /* of permanently shaky mechanisms (theory 5.6) */
+  double *work;                   /* [columns] */
 } km_continuation;
 
-/* What a step has to keep to. */
+/* Conditions under which a corrected step is accepted. */
 typedef struct km_step_terms {
-  double parameter;       /* of a driver: the value that it gets, scaled */
-  double most_correction; /* scaled length of all that closing the loops may move */
-  double least_cosine;    /* between the tangents */
-  int least_rank;         /* less is a singular pose */
-  bool leaves_end;        /* it leads back from a located end, where pivots found anew may show a singular pose */
+  double parameter;       /* value of the driver at the end of the step, scaled */
+  double most_correction; /* largest |D correction| */
+  double least_cosine;    /* cos of the largest angle between the tangents at both ends, in the metric D */
+  int least_rank;         /* smallest rank; a lower one means a singular configuration */
+  bool leaves_end;        /* the step leads back from a located turning point, where new pivots can look singular */
 } km_step_terms;
 
 typedef enum km_step_outcome {
   KM_STEP_ACCEPTED,
-  KM_STEP_OPEN,    /* the loops don't close there, or the pose is singular */
-  KM_STEP_TOO_LONG /* too long for the curve */
+  KM_STEP_OPEN,    /* the loops do not close, or the configuration is singular */
+  KM_STEP_TOO_LONG /* the correction or the angle between the tangents is too large */
 } km_step_outcome;
 
-bool km_step_history_reserve(km_step_history *course, const km_continuation *continuation, km_arena *arena);
-void km_step_history_copy(km_step_history *to, const km_step_history *from, int columns); /* into arrays of its own */
-/* For the mechanism, state and substructure that are set. */
+bool km_step_history_reserve(km_step_history *history, const km_continuation *continuation, km_arena *arena);
+/* copies into the arrays of `to` */
+void km_step_history_copy(km_step_history *to, const km_step_history *from, int columns);
+/* Allocates the vectors for the mechanism, state and substructure in the structure; false without memory. */
 bool km_continuation_reserve(km_continuation *continuation, km_arena *arena);
 
 static inline const km_substructure *km_continuation_sub(const km_continuation *c) {
   return &c->mechanism->substructures[c->substructure];
 }
-/* (D a)·(D b) of scaled steps. */
+/* Returns (D a)·(D b) of scaled steps. */
 double km_continuation_dot(const km_continuation *continuation, const double *a, const double *b);
 
-/* Has the motion just one freedom, of so many that first order allows? */
+/* True if the motion has one freedom: `freedom` of first order or, of constant-rank motions, their count. */
 static inline bool km_continuation_has_single_freedom(const km_continuation *c, int freedom) {
-  return c->steady.is_active ? c->steady.count == 1 : freedom <= 1;
+  return c->constant_rank.is_active ? c->constant_rank.count == 1 : freedom <= 1;
 }
 
-/* The tangent at the state's pose from its partition. A driver's: its rate is 1 and the others move least; false at its
- * toggle. By arc length: the part of `along` that the loops allow, at unit length |D t|; false if hardly anything is
- * left. */
+/* Computes the tangent t at the state's configuration from its partition. Driven: t_driver = 1 and |D t| minimal;
+ * false at a dead point of the driver. By arc length: the projection of `along` onto the null space with |D t| = 1;
+ * false if less than 1e-6 of it remains. */
 bool km_continuation_tangent(km_continuation *continuation, const double *along, double *t);
 
-/* Forgets the steps that led here. */
-void km_step_history_begin(km_step_history *course, int columns);
+/* Clears the history: the next prediction uses the tangent alone. */
+void km_step_history_begin(km_step_history *history, int columns);
 
-/* Into `move`, from a regular pose. A motion of one freedom: the cubic through the last two poses and their tangents,
- * continued by h; after eight steps as long as h the polynomial of degree ten through nine poses, where the two agree: it
- * often needs no correction. With more freedoms the cubic would be unstable (its other root is -5), and Adams-Bashforth's
- * second serves. Without a last step, or far beyond it, the tangent. */
-void km_continuation_predict(km_continuation *continuation, double h, bool alone);
-/* Goes by `move`, closes the loops and finds next_t. Leaves the state where it ended. */
+/* Predicts `move` for a step h from a regular configuration. One freedom: the cubic Hermite polynomial through the
+ * last two configurations, extrapolated; after eight steps of equal length the polynomial of degree 10, where both
+ * agree. Several freedoms: second-order Adams-Bashforth, since the cubic is unstable (characteristic root -5).
+ * Without history, or beyond the extrapolation limit: h t (theory 4.5). */
+void km_continuation_predict(km_continuation *continuation, double h, bool single_freedom);
+/* Applies `move`, closes the loops and computes next_t. The state stays at the trial configuration. */
 km_step_outcome km_continuation_correct(km_continuation *continuation, const km_step_terms *terms);
-/* The coordinate whose limit the step just tried passes or touches on its way; -1: none. */
+/* Returns the coordinate that is beyond its limit at the trial configuration or, by the cubic, within the step; -1:
+ * none. */
 int km_continuation_limit(const km_continuation *continuation, double h);
-/* The step just tried becomes the last one; next_t the present tangent. */
+/* Accepts the trial configuration: it enters the history and next_t becomes the present tangent. */
 void km_continuation_accept(km_continuation *continuation, double h);
-/* Back to where the step began. */
+/* Rejects the trial configuration: the state returns to the start of the step. */
 void km_continuation_reject(km_continuation *continuation);
-/* Gives the driver a value, scaled. */
-void km_continuation_place(km_continuation *continuation, double parameter);
+/* Sets the driver's coordinate to the scaled value. */
+void km_continuation_set_driver(km_continuation *continuation, double parameter);
 
-/* Length of the cubic that `move` spans between two poses whose tangents t0, t1 have unit length: the length that
- * reproduces itself; negative where the move runs against the tangents. Five-point Gauss-Legendre. */
-double km_continuation_arc(const km_continuation *continuation, const double *move, const double *t0, const double *t1);
+/* Returns the arc length of the cubic between two configurations `move` apart with unit tangents t0, t1, negative if
+ * `move` opposes t0. The cubic depends on its own length, so four fixed-point iterations; five-point Gauss-Legendre
+ * quadrature. */
+double km_continuation_arc_length(const km_continuation *continuation, const double *move, const double *t0,
+                                  const double *t1);
 
-/* Who is told of the steps that a motion makes on the way to where it is to go, except the one that arrives there: of the
- * driver or of the arc length, and of the rates of all coordinates there. */
-typedef struct km_step_watch {
-  void (*stepped)(void *self, double s, const double *rates); /* NULL: nobody */
+/* Observer of the intermediate steps of a motion; the step that reaches the target is not reported. */
+typedef struct km_step_observer {
+  /* s: driver or arc length, rates: of all coordinates; NULL: no observer */
+  void (*notify)(void *self, double s, const double *rates);
   void *self;
   double *rates; /* [coordinate] workspace */
-} km_step_watch;
+} km_step_observer;
 
 #endif

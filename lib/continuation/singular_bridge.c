@@ -1,4 +1,4 @@
-/* Bridges over singular configurations that a drive passes smoothly.
+/* Hermite bridges over singular configurations that a driven motion crosses smoothly (theory 4.11).
  *
  * Near a rank drop the pivots are too small to determine the tangent, over a stretch of the driver s that is wide
  * where branches touch. A smooth motion has regular configurations on both sides of that stretch. Four of them with
@@ -19,81 +19,82 @@
 
 #include <string.h>
 
-static const double place_of[KM_BRIDGE_NODES] = {-2.0, -1.0, 1.0, 2.0}; /* x_i */
+static const double node_x[KM_BRIDGE_NODES] = {-2.0, -1.0, 1.0, 2.0}; /* x_i */
 
 /* Weights of the nodes' configurations and of their tangents times h. */
-typedef struct weights {
+typedef struct hermite_weights {
   double value[KM_BRIDGE_NODES], tangent[KM_BRIDGE_NODES];
-} weights;
+} hermite_weights;
 
 /* l_i(u), its derivative, and l_i'(x_i). */
-static void lagrange(int i, double u, double *l, double *slope, double *own_slope) {
+static void evaluate_lagrange(int i, double u, double *l, double *slope, double *slope_at_node) {
   *l = 1.0;
-  *slope = *own_slope = 0.0;
+  *slope = *slope_at_node = 0.0;
   for (int j = 0; j < KM_BRIDGE_NODES; ++j)
     if (j != i) {
-      double width = place_of[i] - place_of[j], factor = (u - place_of[j]) / width;
+      double width = node_x[i] - node_x[j], factor = (u - node_x[j]) / width;
       *slope = *slope * factor + *l / width;
       *l *= factor;
-      *own_slope += 1.0 / width;
+      *slope_at_node += 1.0 / width;
     }
 }
 
 /* Computes the weights of q and of dq/du at u. */
-static void weigh(double u, weights *value, weights *derivative) {
+static void compute_hermite_weights(double u, hermite_weights *value, hermite_weights *derivative) {
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
-    double l, slope, own_slope, way = u - place_of[i];
-    lagrange(i, u, &l, &slope, &own_slope);
-    value->value[i] = (1.0 - 2.0 * own_slope * way) * l * l;
-    value->tangent[i] = way * l * l;
-    derivative->value[i] = -2.0 * own_slope * l * l + 2.0 * (1.0 - 2.0 * own_slope * way) * l * slope;
-    derivative->tangent[i] = l * l + 2.0 * way * l * slope;
+    double l, slope, slope_at_node, distance = u - node_x[i];
+    evaluate_lagrange(i, u, &l, &slope, &slope_at_node);
+    value->value[i] = (1.0 - 2.0 * slope_at_node * distance) * l * l;
+    value->tangent[i] = distance * l * l;
+    derivative->value[i] = -2.0 * slope_at_node * l * l + 2.0 * (1.0 - 2.0 * slope_at_node * distance) * l * slope;
+    derivative->tangent[i] = l * l + 2.0 * distance * l * slope;
   }
 }
 
-/* Computes the weights that give the coefficient of u^7. */
-static void weigh_highest(weights *w) {
+/* Computes the weights that give the coefficient of u^7 of the interpolant. */
+static void compute_highest_coefficient_weights(hermite_weights *w) {
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
-    double leading = 1.0, own_slope = 0.0;
+    double leading = 1.0, slope_at_node = 0.0;
     for (int j = 0; j < KM_BRIDGE_NODES; ++j)
       if (j != i) {
-        leading /= place_of[i] - place_of[j];
-        own_slope += 1.0 / (place_of[i] - place_of[j]);
+        leading /= node_x[i] - node_x[j];
+        slope_at_node += 1.0 / (node_x[i] - node_x[j]);
       }
-    w->value[i] = -2.0 * own_slope * leading * leading;
+    w->value[i] = -2.0 * slope_at_node * leading * leading;
     w->tangent[i] = leading * leading;
   }
 }
 
-static double *node(const km_driver_motion *d, int i) {
+static double *node_configuration(const km_driver_motion *d, int i) {
   return d->bridge.nodes + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)km_driver_motion_substructure(d)->columns;
 }
 
-static double *tangent(const km_driver_motion *d, int i) {
+static double *node_tangent(const km_driver_motion *d, int i) {
   return d->bridge.tangents + (size_t)i * (size_t)km_driver_motion_substructure(d)->columns;
 }
 
-/* The rate of a ball's rotation vector v, with exp(v) from a configuration to the present one, from the angular
- * velocity w there: v' = w - v x w / 2 + v x (v x w) / 12 + O(v^4), the inverse of the exponential map's derivative. */
+/* Converts the angular velocity w in `rate` to the rate of a ball's rotation vector v, with exp(v) from a
+ * configuration to the present one: v' = w - v x w / 2 + v x (v x w) / 12 + O(v^4), the inverse of the exponential
+ * map's derivative. */
 static void rotation_vector_rate(const double *v, double *rate) {
-  km_vec3 turn = km_vec3_make(v), w = km_vec3_make(rate), once = km_vec3_cross(turn, w);
-  w = km_vec3_axpy(-0.5, once, w);
-  w = km_vec3_axpy(1.0 / 12.0, km_vec3_cross(turn, once), w);
+  km_vec3 rotation = km_vec3_make(v), w = km_vec3_make(rate), v_cross_w = km_vec3_cross(rotation, w);
+  w = km_vec3_axpy(-0.5, v_cross_w, w);
+  w = km_vec3_axpy(1.0 / 12.0, km_vec3_cross(rotation, v_cross_w), w);
   rate[0] = w.x;
   rate[1] = w.y;
   rate[2] = w.z;
 }
 
 /* Computes sum_i of the weights times q_i - q and h t_i, q the saved configuration `base`. The state is overwritten. */
-static void combine(km_driver_motion *d, const weights *w, const double *base, double *sum) {
+static void combine_nodes(km_driver_motion *d, const hermite_weights *w, const double *base, double *sum) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   const km_mechanism *m = d->c.mechanism;
   double *move = d->c.work, *rate = d->c.next_t;
   memset(sum, 0, (size_t)sub->columns * sizeof *sum);
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
-    km_state_restore(d->c.state, sub, node(d, i));
+    km_state_restore(d->c.state, sub, node_configuration(d, i));
     km_state_difference(d->c.state, sub, base, move);
-    memcpy(rate, tangent(d, i), (size_t)sub->columns * sizeof *rate);
+    memcpy(rate, node_tangent(d, i), (size_t)sub->columns * sizeof *rate);
     for (int k = 0; k < sub->columns; ++k) {
       int c = m->column_coordinate[sub->column_start + k], ball = m->ball_of[c];
       if (ball >= 0 && m->ball_coordinate[ball] == c)
@@ -104,188 +105,191 @@ static void combine(km_driver_motion *d, const weights *w, const double *base, d
 }
 
 /* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that
- * closing leaves undone (km_step_tolerance, 1e-9); and the loops' error (km_residual_tolerance) over the smallest pivot, times the
+ * closing leaves undone (km_settled, 1e-9); and the loops' error (km_residual_tolerance) over the smallest pivot, times the
  * largest weight, below 100. */
-static double allowed(const km_driver_motion *d) {
+static double allowed_deviation(const km_driver_motion *d) {
   static const double rounding = 1e-9;
   const double h = d->bridge.h;
   return fabs(h * h * h * h * h) + rounding + 100.0 * km_residual_tolerance / d->bridge.smallest_pivot;
 }
 
 /* True if the nodes lie on one smooth curve. */
-static bool is_smooth(km_driver_motion *d) {
+static bool nodes_are_smooth(km_driver_motion *d) {
   double largest = 0.0;
-  weights w;
-  weigh_highest(&w);
-  combine(d, &w, node(d, 0), d->c.move);
+  hermite_weights w;
+  compute_highest_coefficient_weights(&w);
+  combine_nodes(d, &w, node_configuration(d, 0), d->c.move);
   for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
     largest = km_larger_or_nan(fabs(d->c.move[k]), largest);
-  return largest <= allowed(d);
+  return largest <= allowed_deviation(d);
 }
 
 /* Closes the loops with the driver fixed by the rows whose pivots stay away from 0 on the stretch. */
-static bool close_independent(km_driver_motion *d, double *correction) {
+static bool close_independent_rows(km_driver_motion *d, double *correction) {
   static const double independent = 1e-5; /* relative pivot: those at the ends of the stretch are larger */
   km_partition *p = &d->c.state->partition[d->c.substructure];
-  const double kept = p->min_relative_pivot;
+  const double snapshot = p->min_relative_pivot;
   km_closure evidence;
   int worst;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  p->min_relative_pivot = km_larger(independent, kept);
+  p->min_relative_pivot = km_larger(independent, snapshot);
   km_close_with_driver(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
-  p->min_relative_pivot = kept;
+  p->min_relative_pivot = snapshot;
   *correction = evidence.correction;
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
   return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d), &worst) <=
-         km_larger(km_driver_motion_closed, d->c.mechanism->closure_tolerance);
+         km_larger(km_driver_motion_closed_residual, d->c.mechanism->closure_tolerance);
 }
 
 /* Puts the drive at s; *correction is how far the closed configuration is from the interpolated one. */
-static bool place(km_driver_motion *d, double s, double *correction) {
+static bool move_onto_bridge(km_driver_motion *d, double s, double *correction) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   const double u = (s - d->bridge.c) / d->bridge.h;
-  weights value, derivative;
-  weigh(u, &value, &derivative);
+  hermite_weights value, derivative;
+  compute_hermite_weights(u, &value, &derivative);
   km_state_save(d->c.state, sub, d->from_bridge);
-  combine(d, &value, node(d, 0), d->c.move);
-  km_state_restore(d->c.state, sub, node(d, 0));
+  combine_nodes(d, &value, node_configuration(d, 0), d->c.move);
+  km_state_restore(d->c.state, sub, node_configuration(d, 0));
   km_state_move(d->c.mechanism, d->c.state, sub, d->c.move);
-  km_continuation_place(&d->c, s);
-  if (!close_independent(d, correction)) {
+  km_continuation_set_driver(&d->c, s);
+  if (!close_independent_rows(d, correction)) {
     km_state_restore(d->c.state, sub, d->from_bridge);
     km_loops_update(d->c.mechanism, d->c.state, sub);
     return false;
   }
-  km_state_save(d->c.state, sub, d->near);
-  combine(d, &derivative, d->near, d->c.course.t);
+  km_state_save(d->c.state, sub, d->work_configuration);
+  combine_nodes(d, &derivative, d->work_configuration, d->c.history.t);
   for (int k = 0; k < sub->columns; ++k)
-    d->c.course.t[k] /= d->bridge.h;
-  d->c.course.t[d->c.column] = 1.0;
-  km_state_restore(d->c.state, sub, d->near);
+    d->c.history.t[k] /= d->bridge.h;
+  d->c.history.t[d->c.column] = 1.0;
+  km_state_restore(d->c.state, sub, d->work_configuration);
   km_loops_update(d->c.mechanism, d->c.state, sub);
-  km_step_history_begin(&d->c.course, sub->columns);
-  d->here.s = s;
-  d->here.known = true;
-  d->here.bridge = d->bridge.number;
+  km_step_history_begin(&d->c.history, sub->columns);
+  d->current.s = s;
+  d->current.known = true;
+  d->current.bridge = d->bridge.number;
   return true;
 }
 
 bool km_singular_bridge_place(km_driver_motion *d, double s) {
   double correction;
-  return place(d, s, &correction);
+  return move_onto_bridge(d, s, &correction);
 }
 
 bool km_singular_bridge_is_active(const km_driver_motion *d, double s) {
   const km_singular_bridge *b = &d->bridge;
-  return d->here.bridge > 0 && d->here.bridge == b->number &&
-         fabs(s - b->c) < place_of[KM_BRIDGE_NODES - 1] * fabs(b->h);
+  return d->current.bridge > 0 && d->current.bridge == b->number &&
+         fabs(s - b->c) < node_x[KM_BRIDGE_NODES - 1] * fabs(b->h);
 }
 
 bool km_singular_bridge_leave(km_driver_motion *d, double target) {
-  const int end = (target > d->here.s) == (d->bridge.h > 0.0) ? KM_BRIDGE_NODES - 1 : 0;
-  km_state_restore(d->c.state, km_driver_motion_substructure(d), node(d, end));
-  d->here.s = d->bridge.c + place_of[end] * d->bridge.h;
-  d->here.bridge = 0;
+  const int end = (target > d->current.s) == (d->bridge.h > 0.0) ? KM_BRIDGE_NODES - 1 : 0;
+  km_state_restore(d->c.state, km_driver_motion_substructure(d), node_configuration(d, end));
+  d->current.s = d->bridge.c + node_x[end] * d->bridge.h;
+  d->current.bridge = 0;
   return km_driver_motion_start(d);
 }
 
-/* Goes to s by controlled steps of at most `most`. */
-static bool go(km_driver_motion *d, double s, double most) {
+/* Advances to s by controlled steps of at most `most`. */
+static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   enum { MOST_ATTEMPTS = 100 };
-  static const double no_step = 1e-9;
+  static const double shortest_step = 1e-9;
   int limit = -1;
   double step = most;
-  for (int i = 0; i < MOST_ATTEMPTS && step > no_step && d->here.s != s; ++i) {
-    double left = s - d->here.s, h = fabs(left) <= step * km_driver_motion_reach ? left : copysign(step, left);
-    bool taken = km_driver_motion_advance(d, h, km_driver_motion_tightness, &limit) == KM_ATTEMPT_ACCEPTED;
-    if (taken && h == left) {
-      d->here.s = s;
-      km_continuation_place(&d->c, s);
+  for (int i = 0; i < MOST_ATTEMPTS && step > shortest_step && d->current.s != s; ++i) {
+    double left = s - d->current.s,
+           h = fabs(left) <= step * km_driver_motion_reach_factor ? left : copysign(step, left);
+    bool is_accepted = km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
+    if (is_accepted && h == left) {
+      d->current.s = s;
+      km_continuation_set_driver(&d->c, s);
     }
-    step = taken ? km_smaller(2.0 * step, most) : 0.5 * fabs(h);
+    step = is_accepted ? km_smaller(2.0 * step, most) : 0.5 * fabs(h);
   }
-  return d->here.s == s;
+  return d->current.s == s;
 }
 
-/* The nodes around c, from a regular configuration before it. */
+/* Finds the four nodes around c, starting at a regular configuration before it. The second step of the middle pair
+ * crosses the singular configuration. */
 static bool find_nodes(km_driver_motion *d, double c, double h) {
   int limit = -1;
   d->bridge.c = c;
   d->bridge.h = h;
   d->bridge.smallest_pivot = 1.0;
   for (int i = 0; i < KM_BRIDGE_NODES; ++i) {
-    double s = c + place_of[i] * h;
-    d->passing = 2 * i == KM_BRIDGE_NODES;
-    bool there = d->passing ? km_driver_motion_advance(d, s - d->here.s, km_driver_motion_crossing_tightness, &limit) ==
-                                  KM_ATTEMPT_ACCEPTED
-                            : go(d, s, fabs(h));
-    d->passing = false;
-    if (!there)
+    double s = c + node_x[i] * h;
+    d->crosses_singular = 2 * i == KM_BRIDGE_NODES;
+    bool is_reached = d->crosses_singular
+                          ? km_driver_motion_advance(d, s - d->current.s, km_driver_motion_crossing_correction_ratio,
+                                                     &limit) == KM_ATTEMPT_ACCEPTED
+                          : advance_in_steps(d, s, fabs(h));
+    d->crosses_singular = false;
+    if (!is_reached)
       return false;
-    d->here.s = s;
-    km_continuation_place(&d->c, s);
-    km_state_save(d->c.state, km_driver_motion_substructure(d), node(d, i));
-    memcpy(tangent(d, i), d->c.course.t, (size_t)km_driver_motion_substructure(d)->columns * sizeof *d->c.course.t);
+    d->current.s = s;
+    km_continuation_set_driver(&d->c, s);
+    km_state_save(d->c.state, km_driver_motion_substructure(d), node_configuration(d, i));
+    memcpy(node_tangent(d, i), d->c.history.t,
+           (size_t)km_driver_motion_substructure(d)->columns * sizeof *d->c.history.t);
     const km_partition *p = &d->c.state->partition[d->c.substructure];
     d->bridge.smallest_pivot = km_smaller(d->bridge.smallest_pivot, p->last_pivot / p->scale);
   }
   return true;
 }
 
-/* At a toggle the rates of others grow without bound: by so much, in radians or sizes of the substructure for each of
- * the driver's, at the distance at which an end is located. Where they don't, the mechanism is singular, but not there
- * that it turns back. */
-static bool is_toggle(const km_driver_motion *d) {
-  static const double beyond_bounds = 1e3;
+/* True at a turning point (dead point) of the driver: the rates of other coordinates exceed 1e3 (radians or sizes per
+ * unit of the driver) at the distance to which an end is located. Bounded rates mean a singular configuration that is
+ * not an end. */
+static bool is_turning_point(const km_driver_motion *d) {
+  static const double unbounded_rate = 1e3;
   double fastest = 0.0;
   for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
-    fastest = km_larger_or_nan(fabs(d->c.course.t[k]), fastest);
-  return !(fastest < beyond_bounds);
+    fastest = km_larger_or_nan(fabs(d->c.history.t[k]), fastest);
+  return !(fastest < unbounded_rate);
 }
 
 void km_singular_bridge_record(km_driver_motion *d, double h) {
-  static const double long_enough = 5e-3;
-  if (fabs(h) < long_enough)
+  static const double shortest_recorded = 5e-3;
+  if (fabs(h) < shortest_recorded)
     return;
   km_state_save(d->c.state, km_driver_motion_substructure(d), d->regular.pose);
-  d->regular.s = d->here.s;
+  d->regular.s = d->current.s;
 }
 
-/* Back to a place before the singular configuration: the one that was remembered, else the present one. */
+/* Returns to a configuration before the singular one: the recorded one, else the present one. */
 static bool return_to_regular(km_driver_motion *d) {
-  bool is_remembered = isfinite(d->regular.s);
-  km_state_restore(d->c.state, km_driver_motion_substructure(d),
-                   is_remembered ? d->regular.pose : d->before_bridge.pose);
-  d->here.s = is_remembered ? d->regular.s : d->before_bridge.place.s;
+  bool is_recorded = isfinite(d->regular.s);
+  km_state_restore(d->c.state, km_driver_motion_substructure(d), is_recorded ? d->regular.pose : d->before_bridge.pose);
+  d->current.s = is_recorded ? d->regular.s : d->before_bridge.position.s;
   return km_driver_motion_start(d);
 }
 
-/* True if the loops close within `allowed` of the interpolant at seven places of |u| < 1. In a narrow gap between two
- * dead points, and on another branch, they don't. */
-static bool closes_within(km_driver_motion *d) {
+/* True if the loops close within allowed_deviation of the interpolant at seven places of |u| < 1. In a narrow gap
+ * between two dead points, and on another branch, they do not. */
+static bool closes_near_interpolant(km_driver_motion *d) {
   enum { PARTS = 8 };
   double correction;
   for (int i = 1; i < PARTS; ++i)
-    if (!place(d, d->bridge.c + (2.0 * i / PARTS - 1.0) * d->bridge.h, &correction) || !(correction <= allowed(d)))
+    if (!move_onto_bridge(d, d->bridge.c + (2.0 * i / PARTS - 1.0) * d->bridge.h, &correction) ||
+        !(correction <= allowed_deviation(d)))
       return false;
   return true;
 }
 
-/* True if closes_within would notice a step onto a branch with the same tangent. Two such branches, k apart in
- * curvature, have pivots of k h at the nodes, and the interpolant between them misses the motion by up to k h^2 / 80.
- * Branches that touch to a higher order lie closer together than that: they are told apart by the longest stretch, or
- * not at all. */
+/* True if closes_near_interpolant would detect a step onto a branch with the same tangent. Two such branches, k apart
+ * in curvature, have pivots of k h at the nodes, and the interpolant between them misses the motion by up to k h^2 /
+ * 80. Branches that touch to a higher order lie closer together; only the longest stretch distinguishes them, if any. */
 static bool is_decisive(const km_driver_motion *d) {
-  return allowed(d) < d->bridge.smallest_pivot * fabs(d->bridge.h) / 80.0;
+  return allowed_deviation(d) < d->bridge.smallest_pivot * fabs(d->bridge.h) / 80.0;
 }
 
 bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double lead) {
   static const double shortest = 1e-3, longest = 0.13, growth = 2.0;
   const bool ignore_limits = d->c.ignore_limits;
-  const int crossings = d->here.crossings;
+  const int crossings = d->current.crossings;
   bool built = false;
-  if (is_toggle(d))
+  if (is_turning_point(d))
     return false;
   d->bridge.number = 0;
   km_driver_motion_store(d, &d->before_bridge);
@@ -293,13 +297,13 @@ bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double
   for (int pass = 0; pass < 2 && !built; ++pass)
     for (double h = shortest; h < longest && !built; h *= growth)
       built = return_to_regular(d) && find_nodes(d, s + lead * side * h, side * h) && (pass > 0 || is_decisive(d)) &&
-              is_smooth(d) && closes_within(d);
+              nodes_are_smooth(d) && closes_near_interpolant(d);
   d->c.ignore_limits = ignore_limits;
-  km_driver_motion_recall(d, &d->before_bridge);
+  km_driver_motion_restore_snapshot(d, &d->before_bridge);
   if (built) {
     d->bridge.number = ++d->bridge.count;
-    d->here.bridge = d->bridge.number;
-    d->here.crossings = crossings + 1;
+    d->current.bridge = d->bridge.number;
+    d->current.crossings = crossings + 1;
   }
   return built;
 }

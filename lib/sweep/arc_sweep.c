@@ -111,7 +111,7 @@ static km_status advance_to(km_sweeper *r, km_arc_motion *follow, double length,
   *moved = KM_OK;
   if (km_arc_motion_length(follow) == 0.0)
     status = show_end(r, stretch(r, follow, length), 0.0, true, error);
-  double near = fmax(1e-9 * r->plan->arclength, KM_FINEST_ARC);
+  double near = fmax(1e-9 * r->plan->arclength, KM_SHORTEST_ARC);
   while (!status && !*moved && !km_arc_motion_closed(follow) && length - km_arc_motion_length(follow) > near) {
     double left = length - km_arc_motion_length(follow), step = stretch(r, follow, left),
            seen = km_arc_motion_length(follow);
@@ -182,7 +182,7 @@ km_status km_sweep_by_length(km_sweeper *r, km_error *error) {
         km_arc_motion_create(r->m, r->s, r->plan->direction, r->plan->sign, r->plan->ignore_limits, &follow, error);
   if (status)
     return status == KM_NO_RESULT ? only_row(r, error) : status;
-  km_arc_motion_watch(follow, km_sweeper_step_watch(r));
+  km_arc_motion_set_observer(follow, km_sweeper_step_watch(r));
   r->mover = (km_mover){follow, rates, probe, settle, NULL, NULL};
   r->substructure = r->out->substructure = km_arc_motion_substructure(follow);
   r->out->start_branches = km_arc_motion_start_branches(follow);

@@ -53,7 +53,8 @@ bool km_minimum_search_is_zero(const km_minimum_search *dip, double *lowest) {
   double bend = (second - first) / (s[2] - s[0]), slope = first + bend * (s[1] - s[0]);
   *lowest = s[1] - 0.5 * slope / bend;
   double least = b - 0.25 * slope * slope / bend;
-  return bend > 0.0 && (*lowest - s[0]) * (*lowest - s[2]) < 0.0 && least < km_driver_motion_dip * fmin(a, fmin(b, c));
+  return bend > 0.0 && (*lowest - s[0]) * (*lowest - s[2]) < 0.0 &&
+         least < km_batch_minimum_ratio * fmin(a, fmin(b, c));
 }
 
 /* The entry as GSL sees it, by its sign at the places that show the dip. */

@@ -30,7 +30,7 @@ typedef struct km_minimum_search {
 } km_minimum_search;
 
 /* May the entry, which has one sign at the three places, be 0 between two of them? Where the parabola through them stays above
- * km_driver_motion_dip of the least one it hardly is. `lowest`: where the parabola is nearest to 0. */
+ * km_batch_minimum_ratio of the least one it hardly is. `lowest`: where the parabola is nearest to 0. */
 bool km_minimum_search_is_zero(const km_minimum_search *dip, double *lowest);
 /* Looks for the places, two where the entry changes its sign and back, or the one that it touches 0 in; returns how many there
  * are. */

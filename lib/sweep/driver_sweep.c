@@ -189,7 +189,7 @@ static void settle(void *self) {
 }
 
 static bool pass(void *self) {
-  return km_driver_motion_pass(((const km_seat *)self)->drive);
+  return km_driver_motion_save_passed(((const km_seat *)self)->drive);
 }
 
 static void direction(void *self, double *z) {
@@ -208,7 +208,7 @@ static km_status begin_walk(km_driver_sweep *w) {
                                         &w->at.drive, error);
   if (status)
     return status;
-  km_driver_motion_watch(w->at.drive, km_sweeper_step_watch(r));
+  km_driver_motion_set_observer(w->at.drive, km_sweeper_step_watch(r));
   r->mover = (km_mover){&w->at, rates, probe, settle, pass, direction};
   return km_sweeper_prepare(r, error);
 }

@@ -167,7 +167,7 @@ static bool has_last(const watch *w) {
 static int next_candidate(const watch *w) {
   int i = w->next;
   while (has_last(w) && i < w->watched_count &&
-         entry_here(w, w->watched[i]) * entry_before(w, w->watched[i]) > km_driver_motion_quiet)
+         entry_here(w, w->watched[i]) * entry_before(w, w->watched[i]) > km_batch_sign_threshold)
     ++i;
   return i;
 }

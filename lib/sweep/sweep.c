@@ -94,8 +94,8 @@ static void tell_step(void *self, double s, const double *rates) {
   r->observer->stepped(r->observer->self, r, s, rates);
 }
 
-km_step_watch km_sweeper_step_watch(km_sweeper *r) {
-  return (km_step_watch){r->observer->stepped ? tell_step : NULL, r, r->scratch};
+km_step_observer km_sweeper_step_watch(km_sweeper *r) {
+  return (km_step_observer){r->observer->stepped ? tell_step : NULL, r, r->scratch};
 }
 
 bool km_sweeper_meets(km_sweeper *r) {

@@ -131,7 +131,7 @@ km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
 /* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
 /* Who is to be told of the motion's steps: its observer, if it asks for them. `sweeper` has to stay. */
-km_step_watch km_sweeper_step_watch(km_sweeper *sweeper);
+km_step_observer km_sweeper_step_watch(km_sweeper *sweeper);
 /* A row at the state's pose, shown to the observer; and the places near it that the observer wants. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);

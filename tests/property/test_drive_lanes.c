@@ -582,7 +582,7 @@ static void slides_leave(void **state) {
   for (uint64_t seed = 0; seed < 3; ++seed) {
     design d = open_design(tangent, seed, false);
     const km_mechanism *m = d.f.mechanism;
-    const double height = 1.0 + 1e-3 * (double)seed, end = atan(km_driver_motion_away * m->unit[3] / height);
+    const double height = 1.0 + 1e-3 * (double)seed, end = atan(km_driver_motion_diverging * m->unit[3] / height);
     assert_string_equal(d.f.model->coordinates[3].label, "D");
     for (double to = 2.0, part = 0.1; to >= -2.0; to -= 4.0, part = 1.0) {
       km_motion_end reach = km_driver_motion_move_to(d.drive, part * to);
@@ -590,7 +590,8 @@ static void slides_leave(void **state) {
       assert_int_equal(reach.stop, KM_STOP_UNBOUNDED);
       assert_int_equal(reach.coordinate, 3);
       assert_near(reach.position, copysign(end, to), 1e-9);
-      assert_near(d.f.state->q[3], -height * tan(reach.position), 1e-9 * km_driver_motion_away * km_driver_motion_away);
+      assert_near(d.f.state->q[3], -height * tan(reach.position),
+                  1e-9 * km_driver_motion_diverging * km_driver_motion_diverging);
     }
     close_design(&d);
   }

@@ -1,4 +1,4 @@
-/* Arithmetic of lanes: a part of lanes_body.h. */
+/* Arithmetic on the lanes of a batch; part of step_body.h. A vector is one register, a mask its comparison result. */
 #include "spatial/simd_body.h"
 
 #define T            vector
@@ -9,14 +9,14 @@
 #define km_number_of (vector)
 #include "spatial/sincos_body.h"
 
-/* Below, work is on `count` registers from lane `first` on: what isn't a number is read once for all of them. Register r
- * begins at lane first + AT(r) of a number. */
-enum { TOGETHER = 2 };
+/* Functions work on `count` registers from lane `first` on, so that data common to all lanes are read once. Register
+ * r begins at lane first + AT(r) of a number. */
+enum { REGISTERS = 2 };
 #define EACH(r)            for (int r = 0; r < count; ++r)
 #define AT(r)              (first + WIDTH * (r))
 #define GET(number)        get((number).of + AT(r))
 #define PUT(number, value) put((number).of + AT(r), (value))
 
-/* Code that runs for most mechanisms stays in one piece; what only some of them need stays out of it. */
-#define WITHIN inline __attribute__((always_inline))
-#define APART  __attribute__((noinline))
+/* Code of most mechanisms is inlined; code that few need is not. */
+#define INLINED     inline __attribute__((always_inline))
+#define NOT_INLINED __attribute__((noinline))

@@ -1,6 +1,6 @@
-/* Ball joints of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what rotation.h, state.c and
- * least_path.c compute for one drive. The rotation vectors of balls are found where a step ends, by
- * km_batch_finish_ball_joints; what stands in their place on the way there means nothing. */
+/* Ball joints in a batch; part of step_body.h. Per lane the operations are those of rotation.h, state.c and
+ * minimum_norm_path.c. Rotation vectors are computed at the end of a step only, by km_batch_finish_ball_joints;
+ * before, their coordinates are undefined. */
 
 typedef struct quaternion {
   vector w, x, y, z;
@@ -31,7 +31,7 @@ static inline quaternion quaternion_normalised(const quaternion *a) {
   vector s = 1.0 / root(a->w * a->w + a->x * a->x + a->y * a->y + a->z * a->z);
   return (quaternion){s * a->w, s * a->x, s * a->y, s * a->z};
 }
-/* Of a vector no longer than KM_SINCOS_MOST. */
+/* Exponential of a rotation vector not longer than KM_SINCOS_MOST. */
 static inline quaternion quaternion_exp(lanes_vec v) {
   vector angle = root(lanes_dot(v, v)), sine, cosine;
   lanes_sincos(0.5 * angle, &sine, &cosine);
@@ -47,8 +47,8 @@ static inline rotation quaternion_rotation(const quaternion *q) {
                      {2 * (zx + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}}};
 }
 
-/* The case of a ball in km_motion_step; h: three twists. */
-static APART pose ball_step(double sign, const quaternion *ball, pose X, km_lane_twist *h, int lane) {
+/* Moves the pose X by a ball joint, as km_motion_step; h: its three unit twists. */
+static NOT_INLINED pose ball_step(double sign, const quaternion *ball, pose X, km_lane_twist *h, int lane) {
   quaternion back = quaternion_conjugate(ball);
   rotation turn = quaternion_rotation(sign > 0.0 ? ball : &back), before = X.R;
   X.R = rotation_product(&X.R, &turn);
@@ -61,13 +61,14 @@ static APART pose ball_step(double sign, const quaternion *ball, pose X, km_lane
   return X;
 }
 
-/* The three columns of a ball. */
+/* Reads the three columns of a ball joint as a vector. */
 static inline lanes_vec get_columns(const km_batch_number *x, int lane) {
   return (lanes_vec){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
 }
 
-/* km_state_rotate_ball where the mask is set, for all balls that a step turns. */
-static APART void turn_balls(km_batch *l, const km_batch_number *step, const mask *where, int first, int count) {
+/* Rotates all ball joints by the step where the mask is set, as km_state_turn_ball. */
+static NOT_INLINED void rotate_ball_joints(km_batch *l, const km_batch_number *step, const mask *where, int first,
+                                           int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k) {
     if (!l->is_ball[k])
@@ -86,7 +87,7 @@ static APART void turn_balls(km_batch *l, const km_batch_number *step, const mas
   }
 }
 
-static APART void save_balls(km_batch *l, int first, int count) {
+static NOT_INLINED void save_ball_joints(km_batch *l, int first, int count) {
   for (int b = 0; b < l->m->ball_count; ++b)
     EACH(r) {
       quaternion q = get_quaternion(&l->ball[b], AT(r));
@@ -94,8 +95,8 @@ static APART void save_balls(km_batch *l, int first, int count) {
     }
 }
 
-/* Balls end where the step has led them, or where `took` isn't set they go back to where it began. */
-static APART void end_balls(km_batch *l, const mask *took, int first, int count) {
+/* Ends the step of the ball joints: kept where `took` is set, restored elsewhere. */
+static NOT_INLINED void end_ball_joints(km_batch *l, const mask *took, int first, int count) {
   unsigned ended = 0;
   EACH(r)
   ended |= bits_of(took[r]) << AT(r);

@@ -1,75 +1,77 @@
-/* Drives of mechanisms that differ in their numbers only, side by side: a step that needs no decision is taken for all
- * of them in vectors, any other by the drive alone. */
+/* Batches (theory 4.12): driven motions of mechanisms with equal structure and different numbers advance together in
+ * SIMD lanes. A step without decisions is taken for all lanes at once; any other by the single motion. All results
+ * have the bits of a single motion. */
 #ifndef KM_CONTINUATION_BATCH_BATCH_H
 #define KM_CONTINUATION_BATCH_BATCH_H
 
 #include "continuation/driver_motion.h"
 
-/* As many drives go side by side, whatever registers the processor has. */
+/* Lanes of a batch, for every register width. */
 enum { KM_BATCH_LANES = 16 };
 
 typedef struct km_batch km_batch;
 
-/* For `count` drives of the same coordinate, each with a mechanism and a state of its own; they are borrowed and have to
- * outlive the lanes. *out is NULL where their mechanisms differ in more than numbers, or have what lanes aren't for (limits
- * of balls, couplings by polynomials, large substructures): then drive them one by one. The memory of earlier lanes is taken from
- * `memory` and given back there; NULL: there is none. KM_MEMORY. */
+/* Creates a batch of `count` motions of the same coordinate, each with its own mechanism and state; they are borrowed
+ * and must outlive the batch. *out is NULL if the mechanisms differ in structure or have properties that batches do
+ * not cover (limits of ball joints, polynomial couplings, large substructures): advance them singly. Memory of an
+ * earlier batch is taken from `memory` and given back there; NULL: none. KM_MEMORY. */
 km_status km_batch_create(km_arena *memory, km_driver_motion *const *drives, int count, km_batch **out,
                           km_error *error);
 void km_batch_free(km_arena *memory, km_batch *lanes);
 
-/* A row is quiet as long as no entry of a unit direction of motion, times what it was at the row before, is below this, */
-static const double km_driver_motion_quiet = 1e-9;
-/* and the parabola through its sizes at the row and at the two before it stays above this part of the least of them. Then it has
- * hardly passed 0 twice between two of these rows. */
-static const double km_driver_motion_dip = 0.5;
+/* A row contains no zero of an entry z_k of the unit direction of motion if z_k times its value in the previous row
+ * is above this threshold, */
+static const double km_batch_sign_threshold = 1e-9;
+/* and the parabola through |z_k| in this and the two previous rows stays above this part of the least of them: two
+ * sign changes between two rows are then unlikely. */
+static const double km_batch_minimum_ratio = 0.5;
 
-/* km_driver_motion_move_to(drives[i], targets[i]) for every drive whose bit i is set in `wanted`, with the same bits. Where
- * km_driver_motion_is_batched says so, the state has its coordinates and mobility numbers; whatever else is read of it (Jacobian,
- * partition, null space, loop errors) is up to date only after km_driver_motion_prepare_read. */
+/* Does km_driver_motion_move_to(drives[i], targets[i]) for every motion whose bit i is set in `wanted`, with the same
+ * bits. If km_driver_motion_is_batched, the state has its coordinates and mobility numbers; Jacobian, partition, null
+ * space and closure errors are valid only after km_driver_motion_prepare_read. */
 void km_batch_move_to(km_batch *lanes, unsigned wanted, const double *targets, km_motion_end *reaches);
 
-/* The same in two parts, over several rows. Drives go through up to KM_BATCH_ROWS rows of targets, targets[row ×
- * KM_BATCH_LANES + i], as long as all of them ride and the rows are quiet or, where nobody `looks` at rows, the pivots serve
- * there. Returns how many rows they have passed. km_batch_arrive then ends the row behind them: `targets` and `reaches`
- * are of that row alone. */
+/* Moves in two parts, over several rows. First, motions advance through up to KM_BATCH_ROWS rows of targets,
+ * targets[row × KM_BATCH_LANES + i], while all of them are batched and the rows contain no zero or, without observers
+ * (is_observed false), the pivots stay valid. Returns the number of rows passed. Then km_batch_arrive ends the next
+ * row: its `targets` and `reaches` are of that row alone. */
 enum { KM_BATCH_ROWS = 32 };
-int km_batch_advance_rows(km_batch *lanes, unsigned wanted, const double *targets, int rows, bool looks);
+int km_batch_advance_rows(km_batch *lanes, unsigned wanted, const double *targets, int rows, bool is_observed);
 void km_batch_arrive(km_batch *lanes, unsigned wanted, const double *targets, km_motion_end *reaches);
-/* Before that, what a drive found at the rows that were passed, from the first one on; and a row, 0 is the first, is shown as
- * if the drives were there: coordinates and mobility numbers in the states, km_driver_motion_batched_residual and
+/* Results of a motion at the passed rows, before km_batch_arrive. km_batch_write_row makes a row, 0 is the first,
+ * current: coordinates and mobility numbers in the states, km_driver_motion_batched_residual and
  * km_driver_motion_batched_direction. */
 typedef struct km_batched_rows {
-  const double *q, *numbers; /* [column × KM_BATCH_LANES] coordinates and mobility numbers at the first row */
+  const double *q, *numbers; /* [column × KM_BATCH_LANES] coordinates and mobility numbers in the first row */
   const double *residual;
-  size_t apart; /* those of the next row are so many doubles behind these */
+  size_t stride; /* stride between rows, in doubles */
 } km_batched_rows;
 km_batched_rows km_driver_motion_batched_rows(const km_driver_motion *drive);
 void km_batch_write_row(km_batch *lanes, int row);
 
-/* km_driver_motion_move_to(drives[i], targets[i]) for those drives of `wanted` that can go there in their lanes, with the same bits; their bits
- * are returned. The others are where they were, and alone. */
+/* Does km_driver_motion_move_to(drives[i], targets[i]) for the motions of `wanted` that can reach their targets in
+ * their lanes, with the same bits; returns their bits. The others keep their configuration and leave the batch. */
 unsigned km_batch_try(km_batch *lanes, unsigned wanted, const double *targets, km_motion_end *reaches);
 
-/* Rates at targets near by: km_driver_motion_tangent at targets[i] into rates[i], for every bit of `wanted`. The drives stay where they
- * are. Returns those that could go in their lanes; the others have to go alone. */
+/* Computes km_driver_motion_tangent at targets[i] into rates[i], for every bit of `wanted`. The motions keep their
+ * configuration. Returns those that were computed in their lanes; the others need a single motion. */
 unsigned km_batch_sample(km_batch *lanes, unsigned wanted, const double *targets, double *const *rates);
 
-/* Did the drive's last step go in its lane? */
+/* True if the last step of the motion was taken in its lane. */
 bool km_driver_motion_is_batched(const km_driver_motion *drive);
-/* Of a drive that rides: km_loops_residual of its substructure; and its null vector D q̇ at unit length, in which the driver
- * is positive, into z[coordinate] (the others stay). */
+/* Of a batched motion: km_loops_residual of its substructure; and the unit null vector D q̇, with a positive entry of
+ * the driver, into z[coordinate] (other entries stay). */
 double km_driver_motion_batched_residual(const km_driver_motion *drive);
 void km_driver_motion_batched_direction(const km_driver_motion *drive, double *z);
-/* The same vector as the state's basis, where one freedom is left. */
+/* Makes that vector the basis of the state's null space; with one freedom. */
 void km_driver_motion_read_basis(km_driver_motion *drive);
-/* Brings the state of a drive that rides up to date with all that it has. The drive stays in its lane, unless other pivots are
- * searched in the state before it goes on. */
+/* Updates the state of a batched motion completely. The motion stays in its lane unless other pivots are searched in
+ * the state before its next step. */
 void km_driver_motion_prepare_read(km_driver_motion *drive);
-/* Gives a drive back what its lane has found, so that it can go on alone. Part of whatever moves a drive. */
+/* Writes the results of a lane back into its motion, which then continues singly. Part of every function that moves a
+ * motion. */
 void km_driver_motion_write_back(km_driver_motion *drive);
-/* Takes a drive that goes no farther out of its lane, where nobody reads what its state has beside coordinates and mobility
- * numbers. */
+/* Removes a motion that ends from its lane, if the state is read no further than coordinates and mobility numbers. */
 void km_driver_motion_leave_batch(km_driver_motion *drive);
 
 #endif

@@ -1,18 +1,18 @@
-/* Memory of drives side by side, and the seats that they take in it. */
+/* Memory of a batch, and the assignment of motions to lanes. */
 #include "continuation/batch/batch_arrays.h"
 
-static km_batch_number *numbers(km_arena *arena, int count) {
+static km_batch_number *allocate_numbers(km_arena *arena, int count) {
   return KM_ARENA_NEW(arena, km_batch_number, (size_t)count + 1);
 }
 
-/* The numbers that make a place, one block of them. */
-static void reserve_place(km_batch *l) {
+/* Allocates the block of the lanes' positions and its saved copy. */
+static void allocate_position(km_batch *l) {
   int columns = l->sub->columns, coordinates = l->m->coordinate_count;
-  km_batch_number **by_column[] = {&l->t, &l->last_t, &l->last_move, &l->rest};
+  km_batch_number **by_column[] = {&l->t, &l->last_t, &l->last_move, &l->remaining_step};
   const int count = sizeof by_column / sizeof *by_column, per_ball = sizeof *l->ball / sizeof *l->q;
-  l->place_count = (size_t)(coordinates + per_ball * l->m->ball_count + (count + KM_CURVE_MOVES) * columns);
-  l->kept = KM_ARENA_NEW(&l->arena, km_batch_number, l->place_count);
-  l->q = KM_ARENA_NEW(&l->arena, km_batch_number, l->place_count);
+  l->position_count = (size_t)(coordinates + per_ball * l->m->ball_count + (count + KM_CURVE_MOVES) * columns);
+  l->saved = KM_ARENA_NEW(&l->arena, km_batch_number, l->position_count);
+  l->q = KM_ARENA_NEW(&l->arena, km_batch_number, l->position_count);
   if (!l->q)
     return;
   l->ball = (km_lane_quaternion *)(l->q + coordinates);
@@ -23,9 +23,9 @@ static void reserve_place(km_batch *l) {
     l->past[i] = next;
 }
 
-/* Directions of motion are read of a row and of the two before it alone: rows share three places for them, in turn. Steps that are
- * no row's have their own. */
-static void reserve_rows(km_batch *l) {
+/* Allocates the rows. Directions of motion are read in a row and the two before it only: rows share three vectors in
+ * turn. Probes have their own. */
+static void allocate_rows(km_batch *l) {
   size_t columns = (size_t)l->sub->columns;
   l->row_size = 2 * columns + 1;
   km_batch_number *row = KM_ARENA_NEW(&l->arena, km_batch_number, (KM_BATCH_ROWS + 1) * l->row_size);
@@ -34,8 +34,8 @@ static void reserve_rows(km_batch *l) {
     l->rows[r] = (km_lane_row){row, z + (r < KM_BATCH_ROWS ? r % 3 : 3) * columns, row + columns, row + 2 * columns};
 }
 
-/* For the programs of both kinds. */
-static void reserve_loops(km_batch *l) {
+/* Allocates loops, steps and slots of planar and spatial programs. */
+static void allocate_loops(km_batch *l) {
   const km_mechanism *m = l->m;
   km_arena *arena = &l->arena;
   size_t loops = (size_t)m->topology.loop_count, slots = (size_t)m->largest_slots;
@@ -52,44 +52,45 @@ static void reserve_loops(km_batch *l) {
     l->h = KM_ARENA_NEW(arena, km_lane_column, (size_t)m->twist_count);
   }
   if (spatial) {
-    l->space_steps = KM_ARENA_NEW(arena, km_lane_space_step, (size_t)m->step_count);
-    l->space_loops = KM_ARENA_NEW(arena, km_lane_space_loop, loops);
+    l->spatial_steps = KM_ARENA_NEW(arena, km_lane_spatial_step, (size_t)m->step_count);
+    l->spatial_loops = KM_ARENA_NEW(arena, km_lane_spatial_loop, loops);
     l->poses = KM_ARENA_NEW(arena, km_lane_pose, slots);
     l->twists = KM_ARENA_NEW(arena, km_lane_twist, 3 * (size_t)m->step_count);
   }
 }
 
-static bool reserve(km_batch *l) {
+static bool allocate_batch(km_batch *l) {
   const km_mechanism *m = l->m;
   km_arena *arena = &l->arena;
   int columns = l->sub->columns, rows = l->sub->rows;
   l->is_length = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_ball = KM_ARENA_NEW(arena, bool, (size_t)columns);
   l->is_limited = KM_ARENA_NEW(arena, bool, (size_t)columns);
-  l->from_ball = KM_ARENA_NEW(arena, km_lane_quaternion, (size_t)m->ball_count); /* also those outside the loops */
-  reserve_loops(l);
+  /* including those outside the loops */
+  l->from_ball = KM_ARENA_NEW(arena, km_lane_quaternion, (size_t)m->ball_count);
+  allocate_loops(l);
   l->entries = KM_ARENA_NEW(arena, km_lane_entry, (size_t)m->entry_count + 1);
   l->couplings = KM_ARENA_NEW(arena, km_lane_coupling, (size_t)m->coupling_count + 1);
-  l->coefficients = numbers(arena, m->term_count);
-  l->term_unit = numbers(arena, m->term_count);
-  l->J = numbers(arena, rows * (columns + 2));
-  reserve_place(l);
+  l->coefficients = allocate_numbers(arena, m->term_count);
+  l->term_unit = allocate_numbers(arena, m->term_count);
+  l->J = allocate_numbers(arena, rows * (columns + 2));
+  allocate_position(l);
   km_batch_number **by_column[] = {&l->unit, &l->weight, &l->low, &l->high,      &l->from,
                                    &l->move, &l->next_t, &l->x,   &l->last_z[0], &l->last_z[1]};
   for (size_t i = 0; i < sizeof by_column / sizeof *by_column; ++i)
-    *by_column[i] = numbers(arena, columns);
+    *by_column[i] = allocate_numbers(arena, columns);
   for (int i = 0; i < 2; ++i)
-    l->before[i] = l->last_z[i];
+    l->previous_z[i] = l->last_z[i];
   int freedoms = columns < KM_BATCH_FREEDOMS ? columns : KM_BATCH_FREEDOMS;
-  l->B = numbers(arena, rows * freedoms);
-  l->Z = numbers(arena, columns * freedoms);
+  l->B = allocate_numbers(arena, rows * freedoms);
+  l->Z = allocate_numbers(arena, columns * freedoms);
   km_batch_number **by_row[] = {&l->error, &l->y, &l->inverse};
   for (size_t i = 0; i < sizeof by_row / sizeof *by_row; ++i)
-    *by_row[i] = numbers(arena, rows);
+    *by_row[i] = allocate_numbers(arena, rows);
   for (int i = 0; i < KM_PATH_STAGES; ++i)
-    l->stage[i] = numbers(arena, columns);
-  reserve_rows(l);
-  return km_recorded_elimination_reserve(&l->replay, rows, columns, KM_BATCH_LANES, arena);
+    l->stage[i] = allocate_numbers(arena, columns);
+  allocate_rows(l);
+  return km_recorded_elimination_reserve(&l->elimination, rows, columns, KM_BATCH_LANES, arena);
 }
 
 km_status km_batch_create(km_arena *memory, km_driver_motion *const *drives, int count, km_batch **out,
@@ -99,7 +100,7 @@ km_status km_batch_create(km_arena *memory, km_driver_motion *const *drives, int
     if (i == 0 ? !km_batch_fits(drives[0]) : !km_batch_has_same_structure(drives[0], drives[i]))
       return KM_OK;
   km_arena arena = km_arena_take(memory);
-  km_batch *l = KM_ARENA_NEW(&arena, km_batch, 1); /* aligned as registers want it */
+  km_batch *l = KM_ARENA_NEW(&arena, km_batch, 1); /* aligned for the widest registers */
   if (l) {
     const km_driver_motion *first = drives[0];
     *l = (km_batch){
@@ -109,7 +110,7 @@ km_status km_batch_create(km_arena *memory, km_driver_motion *const *drives, int
   } else {
     km_arena_free(&arena);
   }
-  if (!l || !reserve(l)) {
+  if (!l || !allocate_batch(l)) {
     km_batch_free(memory, l);
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
@@ -133,6 +134,6 @@ void km_batch_free(km_arena *memory, km_batch *l) {
     km_driver_motion_write_back(l->drives[i]);
     l->drives[i]->lanes = NULL;
   }
-  km_arena arena = l->arena; /* in which `l` lies */
+  km_arena arena = l->arena; /* the batch itself lies in its arena */
   km_arena_give(&arena, memory);
 }

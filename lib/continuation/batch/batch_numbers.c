@@ -1,4 +1,4 @@
-/* Which mechanisms may go side by side, and their numbers in lanes. */
+/* Comparison of mechanism structures, and the numbers of mechanisms in lanes. */
 #include "continuation/batch/batch_arrays.h"
 
 #include "model/joint_type.h"
@@ -15,7 +15,7 @@ static bool same_planar_steps(const km_mechanism *a, const km_mechanism *b, cons
   return true;
 }
 
-static bool same_space_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
+static bool same_spatial_steps(const km_mechanism *a, const km_mechanism *b, const km_program *p) {
   for (int i = p->step_start; i < p->step_start + p->step_count; ++i) {
     const km_step *x = &a->steps[i], *y = &b->steps[i];
     if (x->primitive != y->primitive || x->ball != y->ball || x->axis != y->axis || x->coordinate != y->coordinate ||
@@ -30,7 +30,7 @@ static bool same_program(const km_mechanism *a, const km_mechanism *b, int index
   if (p->planar != q->planar || p->step_count != q->step_count || p->loop_count != q->loop_count ||
       p->step_start != q->step_start || p->loop_start != q->loop_start || p->twist_start != q->twist_start)
     return false;
-  return p->planar ? same_planar_steps(a, b, p) : same_space_steps(a, b, p);
+  return p->planar ? same_planar_steps(a, b, p) : same_spatial_steps(a, b, p);
 }
 
 static bool same_loop(const km_mechanism *a, const km_mechanism *b, int l) {
@@ -62,7 +62,7 @@ static bool same_couplings(const km_mechanism *a, const km_mechanism *b, const k
   return true;
 }
 
-/* Limits of balls are left to drives that go alone. */
+/* True if a ball joint has a limit, which batches do not cover. */
 static bool has_limited_ball(const km_driver_motion *d) {
   const km_mechanism *m = d->c.mechanism;
   for (int b = 0; b < m->ball_count && !d->c.ignore_limits; ++b) {
@@ -74,7 +74,7 @@ static bool has_limited_ball(const km_driver_motion *d) {
   return false;
 }
 
-/* Do the mechanisms of two drives differ in numbers only, in the substructure that moves? */
+/*  */
 bool km_batch_has_same_structure(const km_driver_motion *d, const km_driver_motion *e) {
   const km_mechanism *a = d->c.mechanism, *b = e->c.mechanism;
   if (a->coordinate_count != b->coordinate_count || a->ball_count != b->ball_count || has_limited_ball(e) ||
@@ -97,41 +97,41 @@ bool km_batch_has_same_structure(const km_driver_motion *d, const km_driver_moti
          same_couplings(a, b, s);
 }
 
-/* Are lanes for this drive at all? */
+/*  */
 bool km_batch_fits(const km_driver_motion *d) {
   return d->c.substructure >= 0 && km_batch_has_same_structure(d, d);
 }
 
-static void take_vec3(km_lane_vec3 *to, km_vec3 a, int i) {
+static void copy_vec3(km_lane_vec3 *to, km_vec3 a, int i) {
   to->x.of[i] = a.x;
   to->y.of[i] = a.y;
   to->z.of[i] = a.z;
 }
 
-static void take_pose(km_lane_pose *to, const km_pose *X, int i) {
+static void copy_pose(km_lane_pose *to, const km_pose *X, int i) {
   for (int k = 0; k < 3; ++k)
-    take_vec3(&to->axis[k], X->R.axis[k], i);
-  take_vec3(&to->p, X->p, i);
+    copy_vec3(&to->axis[k], X->R.axis[k], i);
+  copy_vec3(&to->p, X->p, i);
 }
 
-static void take_planar_step(km_lane_step *to, const km_planar_step *step, int i) {
+static void copy_planar_step(km_lane_step *to, const km_planar_step *step, int i) {
   to->x.of[i] = step->x;
   to->y.of[i] = step->y;
   to->ux.of[i] = step->ux;
   to->uy.of[i] = step->uy;
 }
 
-static void take_space_step(km_lane_space_step *to, const km_step *step, int i) {
-  take_pose(&to->before, &step->before, i);
+static void copy_spatial_step(km_lane_spatial_step *to, const km_step *step, int i) {
+  copy_pose(&to->before, &step->before, i);
   to->pitch.of[i] = step->pitch;
 }
 
-static void take_planar_loop(km_batch *l, int index, const km_loop *loop, int i) {
+static void copy_planar_loop(km_batch *l, int index, const km_loop *loop, int i) {
   km_lane_planar_loop *to = &l->planar_loops[index];
   for (int a = 0; a < 2; ++a) {
-    to->close[0][a].of[i] = loop->planar_closing_point[0][a];
-    to->close[1][a].of[i] = loop->planar_closing_point[1][a];
-    to->apart[a].of[i] = loop->planar_origin_offset[a];
+    to->closing_frame[0][a].of[i] = loop->planar_closing_point[0][a];
+    to->closing_frame[1][a].of[i] = loop->planar_closing_point[1][a];
+    to->origin_offset[a].of[i] = loop->planar_origin_offset[a];
     to->point[a].of[i] = loop->planar_point[a];
   }
   to->turn.of[i] = loop->planar_closing_angle;
@@ -139,65 +139,65 @@ static void take_planar_loop(km_batch *l, int index, const km_loop *loop, int i)
     l->loops[index].fixed[k].of[i] = loop->fixed_misfit[2 + k];
 }
 
-static void take_space_loop(km_lane_space_loop *to, const km_loop *loop, int i) {
+static void copy_spatial_loop(km_lane_spatial_loop *to, const km_loop *loop, int i) {
   for (int a = 0; a < 2; ++a)
-    take_pose(&to->close[a], &loop->closing_frame[a], i);
-  take_vec3(&to->apart, loop->origin_offset, i);
-  take_vec3(&to->point, loop->point[0], i);
+    copy_pose(&to->closing_frame[a], &loop->closing_frame[a], i);
+  copy_vec3(&to->origin_offset, loop->origin_offset, i);
+  copy_vec3(&to->point, loop->point[0], i);
 }
 
-static void take_program(km_batch *l, const km_mechanism *m, const km_program *program, int i) {
+static void copy_program(km_batch *l, const km_mechanism *m, const km_program *program, int i) {
   for (int k = program->step_start; k < program->step_start + program->step_count; ++k)
     if (program->planar)
-      take_planar_step(&l->steps[k], &m->planar_steps[k], i);
+      copy_planar_step(&l->steps[k], &m->planar_steps[k], i);
     else
-      take_space_step(&l->space_steps[k], &m->steps[k], i);
+      copy_spatial_step(&l->spatial_steps[k], &m->steps[k], i);
   for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k) {
     int index = m->loop_order[k];
     if (program->planar)
-      take_planar_loop(l, index, &m->loops[index], i);
+      copy_planar_loop(l, index, &m->loops[index], i);
     else
-      take_space_loop(&l->space_loops[index], &m->loops[index], i);
+      copy_spatial_loop(&l->spatial_loops[index], &m->loops[index], i);
   }
 }
 
-/* Places of the rows behind `start`; `none` for one that is no row of the loop. */
-static void place_rows(const km_loop *loop, int start, int none, int *place) {
+/* Computes the positions of the loop's rows behind `start`; `none` for components without a row. */
+static void set_row_positions(const km_loop *loop, int start, int none, int *position) {
   for (int a = 0; a < 6; ++a)
-    place[a] = none * KM_BATCH_LANES;
+    position[a] = none * KM_BATCH_LANES;
   for (int r = 0; r < loop->lambda; ++r)
-    place[loop->rows[r]] = (start + r) * KM_BATCH_LANES;
+    position[loop->rows[r]] = (start + r) * KM_BATCH_LANES;
 }
 
-/* The steps of a program that only the driver carries. */
-static void mark_still(km_batch *l, const km_program *program) {
+/* Marks the steps whose pose only the driver changes: constant while the loops close. */
+static void mark_constant_steps(km_batch *l, const km_program *program) {
   const km_planar_step *steps = l->m->planar_steps + program->step_start;
   km_lane_step *marks = l->steps + program->step_start;
   for (int i = 0; i < program->step_count; ++i) {
-    bool carried = steps[i].from == 0;
-    for (int k = 0; k < i && !carried; ++k)
-      carried = steps[k].to == steps[i].from && marks[k].still;
-    marks[i].still = carried && steps[i].coordinate == l->coordinate;
+    bool depends_on_driver_only = steps[i].from == 0;
+    for (int k = 0; k < i && !depends_on_driver_only; ++k)
+      depends_on_driver_only = steps[k].to == steps[i].from && marks[k].is_constant;
+    marks[i].is_constant = depends_on_driver_only && steps[i].coordinate == l->coordinate;
   }
 }
 
-/* The steps whose places are read from their slots: where a loop ends, or a step goes on that isn't the next one. */
-static void mark_kept(km_batch *l, const km_program *program) {
+/* Marks the steps whose pose is stored in a slot: ends of loops, and predecessors of a step other than the next. */
+static void mark_stored_steps(km_batch *l, const km_program *program) {
   const km_planar_step *steps = l->m->planar_steps + program->step_start;
   for (int i = 0; i < program->step_count; ++i) {
     km_lane_step *mark = &l->steps[program->step_start + i];
-    mark->kept = mark->still;
+    mark->is_stored = mark->is_constant;
     for (int k = i + 2; k < program->step_count; ++k)
-      mark->kept = mark->kept || steps[k].from == steps[i].to;
+      mark->is_stored = mark->is_stored || steps[k].from == steps[i].to;
     for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k) {
       const km_loop *loop = &l->m->loops[l->m->loop_order[k]];
-      mark->kept = mark->kept || loop->slot[0] == steps[i].to || loop->slot[1] == steps[i].to;
+      mark->is_stored = mark->is_stored || loop->slot[0] == steps[i].to || loop->slot[1] == steps[i].to;
     }
   }
 }
 
-/* Slot 0 of every program is its base, which stays; what isn't set is 0. */
-static void place_base(km_batch *l) {
+/* Initialises slot 0 of every program, its base, to the identity. */
+static void initialise_base(km_batch *l) {
   for (int i = 0; i < KM_BATCH_LANES; ++i) {
     if (l->slots)
       l->slots[0].cosine.of[i] = 1.0;
@@ -206,11 +206,11 @@ static void place_base(km_batch *l) {
   }
 }
 
-/* Where the numbers of a loop's rows and entries go. */
-static void place_loop(km_batch *l, const km_program *program, int index) {
+/* Sets the positions of one loop's rows and entries. */
+static void set_loop_positions(km_batch *l, const km_program *program, int index) {
   const km_mechanism *m = l->m;
   const km_loop *loop = &m->loops[index];
-  place_rows(loop, loop->row_start, l->sub->rows, l->loops[index].row);
+  set_row_positions(loop, loop->row_start, l->sub->rows, l->loops[index].row);
   for (int i = loop->entry_start; i < loop->entry_start + loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[i];
     km_lane_entry *to = &l->entries[i];
@@ -219,26 +219,26 @@ static void place_loop(km_batch *l, const km_program *program, int index) {
     const int step = program->step_start + entry->step;
     to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[step].primitive);
     to->turn = program->planar && !m->planar_steps[step].is_slide ? m->planar_steps[step].sign : 0.0;
-    to->next = (int)entry->column_stride * KM_BATCH_LANES;
-    place_rows(loop, (int)entry->value_index, l->sub->rows * l->sub->columns, to->at);
+    to->column_stride = (int)entry->column_stride * KM_BATCH_LANES;
+    set_row_positions(loop, (int)entry->value_index, l->sub->rows * l->sub->columns, to->value_index);
   }
 }
 
 void km_batch_copy_structure(km_batch *l) {
   const km_mechanism *m = l->m;
-  place_base(l);
+  initialise_base(l);
   const km_program *program = &m->programs[l->sub->program_start], *end = program + l->sub->program_count;
-  if (l->sub->program_count == 1 && program->planar) /* several take the same slots in turn */
-    mark_still(l, program);
+  if (l->sub->program_count == 1 && program->planar) /* several programs would share the slots */
+    mark_constant_steps(l, program);
   for (; program < end; ++program) {
     if (program->planar)
-      mark_kept(l, program);
+      mark_stored_steps(l, program);
     for (int k = program->loop_start; k < program->loop_start + program->loop_count; ++k)
-      place_loop(l, program, m->loop_order[k]);
+      set_loop_positions(l, program, m->loop_order[k]);
   }
 }
 
-static void take_couplings(km_batch *l, const km_mechanism *m, int i) {
+static void copy_couplings(km_batch *l, const km_mechanism *m, int i) {
   for (int k = l->sub->coupling_start; k < l->sub->coupling_start + l->sub->coupling_count; ++k) {
     const km_coupling *coupling = &m->couplings[k];
     l->couplings[k].constant.of[i] = coupling->constant;
@@ -249,14 +249,14 @@ static void take_couplings(km_batch *l, const km_mechanism *m, int i) {
   }
 }
 
-/* The numbers of drive i's mechanism into its lane. */
+/*  */
 void km_batch_copy_numbers(km_batch *l, int i) {
   const km_driver_motion *d = l->drives[i];
   const km_mechanism *m = d->c.mechanism;
   const km_substructure *sub = km_driver_motion_substructure(d);
   for (int p = sub->program_start; p < sub->program_start + sub->program_count; ++p)
-    take_program(l, m, &m->programs[p], i);
-  take_couplings(l, m, i);
+    copy_program(l, m, &m->programs[p], i);
+  copy_couplings(l, m, i);
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
     l->unit[k].of[i] = m->unit[c];

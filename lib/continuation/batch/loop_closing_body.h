@@ -1,25 +1,31 @@
-/* Closing the loops of several drives in vectors: a part of lanes_body.h. */
+/* Newton iteration that closes the loops in a batch (theory 4.2, 4.12); part of step_body.h.
+ *
+ *   J_p x = -e_p, |D x| minimal with several freedoms;   q <- exp(x) q
+ *
+ * Comparisons use squares of lengths, without roots and quotients; where a margin SURE could decide otherwise than
+ * the lengths do, the lane leaves the batch. */
 
-/* Squares of lengths that differ by less than this factor are left to the lengths. */
+/* Margin of comparisons of squares. */
 #define SURE (1.0 - 1e-9)
 
-/* Newton needs three or four steps; where it takes more, the drive alone goes on. */
+/* Three or four iterations are usual; a lane that needs more continues singly. */
 enum { MOST_ITERATIONS = 8 };
 
-/* km_partition_refactor: the reduced matrix in J, B and its largest entry. Clears the lanes whose pivots don't serve any more. */
-static WITHIN void factor(km_batch *l, vector *largest_b, mask *fit, int first, int count) {
-  const km_recorded_elimination *replay = &l->replay;
-  const int *scale = replay->scales;
-  const km_recorded_elimination_update *update = replay->updates;
+/* Gauss-Jordan elimination with the recorded pivots, as km_partition_refactor: leaves the reduced matrix in J, and B
+ * with its largest entry. Clears lanes whose pivots became unstable (growth monitor, theory 3.3). */
+static INLINED void refactor(km_batch *l, vector *largest_b, mask *valid, int first, int count) {
+  const km_recorded_elimination *elimination = &l->elimination;
+  const int *scale = elimination->scales;
+  const km_recorded_elimination_update *update = elimination->updates;
   double *J = l->J->of;
-  vector largest_inverse[TOGETHER], sum[TOGETHER], inverse[TOGETHER];
-  word sign[TOGETHER];
+  vector largest_inverse[REGISTERS], sum[REGISTERS], inverse[REGISTERS];
+  word sign[REGISTERS];
   EACH(r) {
     largest_inverse[r] = largest_b[r] = sum[r] = all(0.0);
     sign[r] = NONE;
   }
-  for (int s = 0; s < replay->rank; ++s) {
-    const km_recorded_elimination_step *step = &replay->steps[s];
+  for (int s = 0; s < elimination->rank; ++s) {
+    const km_recorded_elimination_step *step = &elimination->steps[s];
     EACH(r) {
       inverse[r] = 1.0 / get(J + step->pivot + AT(r));
       PUT(l->inverse[s], inverse[r]);
@@ -39,10 +45,10 @@ static WITHIN void factor(km_batch *l, vector *largest_b, mask *fit, int first, 
     }
   }
   km_batch_number *B = l->B;
-  for (int c = replay->rank; c < replay->column_count; ++c) {
-    const km_batch_number *column = l->J + replay->column[c] * replay->row_count;
-    for (int i = 0; i < replay->rank; ++i, ++B) {
-      const km_batch_number *entry = &column[replay->row[i]];
+  for (int c = elimination->rank; c < elimination->column_count; ++c) {
+    const km_batch_number *column = l->J + elimination->column[c] * elimination->row_count;
+    for (int i = 0; i < elimination->rank; ++i, ++B) {
+      const km_batch_number *entry = &column[elimination->row[i]];
       EACH(r) {
         vector b = GET(*entry) * GET(l->inverse[i]);
         PUT(*B, b);
@@ -54,15 +60,15 @@ static WITHIN void factor(km_batch *l, vector *largest_b, mask *fit, int first, 
   EACH(r) {
     PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
     vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
-    fit[r] &= is_finite(sum[r]) & at_most(largest_b[r], km_max_b_growth * pivoted_b) &
-              at_most(largest_inverse[r] * GET(l->smallest_pivot), all(km_max_pivot_shrinkage));
+    valid[r] &= is_finite(sum[r]) & at_most(largest_b[r], km_max_b_growth * pivoted_b) &
+                at_most(largest_inverse[r] * GET(l->smallest_pivot), all(km_max_pivot_shrinkage));
   }
 }
 
-/* Newton's step x is the least one. */
-static APART void make_least(km_batch *l, vector *largest, int first, int count) {
-  find_null_vectors(l, 0, l->beside, first, count);
-  least_step(l, l->x, l->next_t, first, count);
+/* Replaces Newton's step x by the minimum-norm step of several freedoms. */
+static NOT_INLINED void replace_by_minimum_norm(km_batch *l, vector *largest, int first, int count) {
+  compute_null_vectors(l, 0, l->extra_freedoms, first, count);
+  minimum_norm_step(l, l->x, l->next_t, first, count);
   EACH(r) {
     PUT(l->x[l->column], all(0.0));
     largest[r] = all(0.0);
@@ -72,25 +78,26 @@ static APART void make_least(km_batch *l, vector *largest, int first, int count)
   largest[r] = larger(size_of(GET(l->x[k])), largest[r]);
 }
 
-/* newton_step of closure.c. `error`: the sum of the squares of the primary rows' errors, `largest`: the step's largest entry. */
-static WITHIN void newton(km_batch *l, vector *error, vector *largest, int first, int count) {
-  const km_recorded_elimination *replay = &l->replay;
+/* Computes Newton's step x = -J⁻¹ e from the elimination, as loop_closing.c. `error`: sum of squares of the primary
+ * rows' errors, `largest`: largest entry of x. */
+static INLINED void newton_step(km_batch *l, vector *error, vector *largest, int first, int count) {
+  const km_recorded_elimination *elimination = &l->elimination;
   const double *J = l->J->of;
   double *y = l->y->of;
   EACH(r)
   error[r] = largest[r] = all(0.0);
-  for (int i = 0; i < replay->row_count; ++i)
+  for (int i = 0; i < elimination->row_count; ++i)
     EACH(r)
   PUT(l->y[i], GET(l->error[i]));
-  for (const km_recorded_elimination_update *turn = replay->turns, *end = turn + replay->turn_count; turn < end;
-       ++turn) {
+  for (const km_recorded_elimination_update *turn = elimination->turns, *end = turn + elimination->turn_count;
+       turn < end; ++turn) {
     double *x = y + turn->x;
     const double *a = J + turn->l, *u = y + turn->u;
     EACH(r)
     put(x + AT(r), get(x + AT(r)) - get(a + AT(r)) * get(u + AT(r)));
   }
-  for (int i = 0; i < replay->rank; ++i) {
-    int row = replay->row[i], column = replay->column[i];
+  for (int i = 0; i < elimination->rank; ++i) {
+    int row = elimination->row[i], column = elimination->column[i];
     EACH(r) {
       vector x = -(GET(l->y[row]) * GET(l->inverse[i])), e = GET(l->error[row]);
       PUT(l->x[column], x);
@@ -98,18 +105,18 @@ static WITHIN void newton(km_batch *l, vector *error, vector *largest, int first
       error[r] += e * e;
     }
   }
-  for (int c = replay->rank; c < replay->column_count; ++c)
+  for (int c = elimination->rank; c < elimination->column_count; ++c)
     EACH(r)
-  PUT(l->x[replay->column[c]], all(0.0));
-  if (l->beside > 0)
-    make_least(l, largest, first, count);
+  PUT(l->x[elimination->column[c]], all(0.0));
+  if (l->extra_freedoms > 0)
+    replace_by_minimum_norm(l, largest, first, count);
 }
 
-/* Adds a scaled step where the mask is set. */
-static WITHIN void move(km_batch *l, const km_batch_number *step, const mask *where, int first, int count) {
+/* Adds a scaled step to the coordinates where the mask is set. */
+static INLINED void apply_step(km_batch *l, const km_batch_number *step, const mask *where, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   if (l->m->ball_count > 0)
-    turn_balls(l, step, where, first, count);
+    rotate_ball_joints(l, step, where, first, count);
   for (int k = 0; k < l->sub->columns; ++k) {
     km_batch_number *to = &l->q[coordinate[k]];
     bool is_length = l->is_length[k];
@@ -120,10 +127,11 @@ static WITHIN void move(km_batch *l, const km_batch_number *step, const mask *wh
   }
 }
 
-static inline void grain(const km_batch *l, vector *coarse, int first, int count) {
+/* Computes the tolerance scale 1 + 1e-3 max|q|, limited (theory 4.1). */
+static inline void compute_tolerance_scale(const km_batch *l, vector *tolerance_scale, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   EACH(r)
-  coarse[r] = all(0.0);
+  tolerance_scale[r] = all(0.0);
   for (int k = 0; k < l->sub->columns; ++k) {
     if (l->is_ball[k])
       continue;
@@ -131,12 +139,12 @@ static inline void grain(const km_batch *l, vector *coarse, int first, int count
     bool is_length = l->is_length[k];
     EACH(r) {
       vector q = GET(*at);
-      coarse[r] = larger(size_of(is_length ? q / GET(l->unit[k]) : q), coarse[r]);
+      tolerance_scale[r] = larger(size_of(is_length ? q / GET(l->unit[k]) : q), tolerance_scale[r]);
     }
   }
   EACH(r) {
-    vector grown = 1.0 + km_tolerance_scale_growth * coarse[r];
-    coarse[r] = pick(below(grown, all(km_max_tolerance_scale)), grown, all(km_max_tolerance_scale));
+    vector grown = 1.0 + km_tolerance_scale_growth * tolerance_scale[r];
+    tolerance_scale[r] = pick(below(grown, all(km_max_tolerance_scale)), grown, all(km_max_tolerance_scale));
   }
 }
 
@@ -147,34 +155,33 @@ static inline bool any(const mask *m, int count) {
   return bits_of(some) != 0;
 }
 
-/* km_loops_close from a prediction. Leaves in `trying` the lanes that closed; `correction`: sum of the squares of what Newton
- * moved, times the number of moves, which is no less than the square of their sum. `largest_b`: as of factor.
- *
- * Squares stand for lengths, so that roots and quotients aren't waited for. Where that could decide otherwise than the
- * lengths do, the lane leaves. */
-static WITHIN void close_loops(km_batch *l, mask *trying, vector *correction, vector *largest_b, int first, int count) {
-  vector coarse[TOGETHER], primary[TOGETHER], most[TOGETHER], sum[TOGETHER];
-  mask done[TOGETHER], going[TOGETHER];
+/* Closes the loops from the prediction, as km_loops_close. Leaves in `trying` the lanes that closed; `correction`:
+ * sum of the squares of the steps times their number, an upper bound of the square of their sum; `largest_b`: as
+ * refactor. */
+static INLINED void close_loops(km_batch *l, mask *trying, vector *correction, vector *largest_b, int first,
+                                int count) {
+  vector tolerance_scale[REGISTERS], primary[REGISTERS], most[REGISTERS], sum[REGISTERS];
+  mask done[REGISTERS], going[REGISTERS];
   int moves = 0;
-  grain(l, coarse, first, count);
+  compute_tolerance_scale(l, tolerance_scale, first, count);
   EACH(r) {
-    vector least = coarse[r] * km_residual_tolerance, tolerance = GET(l->closure_tolerance);
-    primary[r] = least * least * (double)l->replay.rank;
-    most[r] = 6.0 * SURE * larger(tolerance * tolerance, least * least);
+    vector smallest = tolerance_scale[r] * km_residual_tolerance, tolerance = GET(l->closure_tolerance);
+    primary[r] = smallest * smallest * (double)l->elimination.rank;
+    most[r] = 6.0 * SURE * larger(tolerance * tolerance, smallest * smallest);
     sum[r] = all(0.0);
     done[r] = mask_of(0);
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
-    vector square[TOGETHER], step[TOGETHER], error[TOGETHER], moved[TOGETHER];
+    vector square[REGISTERS], step[REGISTERS], error[REGISTERS], moved[REGISTERS];
     const double settled = moves == 0 ? km_predicted_step_tolerance : km_step_tolerance;
     update(l, moves > 0, square, trying, first, count);
-    factor(l, largest_b, trying, first, count);
-    newton(l, error, step, first, count);
+    refactor(l, largest_b, trying, first, count);
+    newton_step(l, error, step, first, count);
     EACH(r) {
       mask small = at_most(error[r], SURE * primary[r]);
       trying[r] &= below(square[r], all(6.0 * SURE * km_pivot_reuse_residual * km_pivot_reuse_residual)) &
                    (small | below(primary[r], error[r] * SURE));
-      mask found = trying[r] & ~done[r] & small & at_most(step[r], coarse[r] * settled);
+      mask found = trying[r] & ~done[r] & small & at_most(step[r], tolerance_scale[r] * settled);
       trying[r] &= ~found | at_most(square[r], most[r]);
       done[r] |= found;
       trying[r] &= done[r] | at_most(step[r], all(km_max_newton_step));
@@ -186,7 +193,7 @@ static WITHIN void close_loops(km_batch *l, mask *trying, vector *correction, ve
     add_product(l, l->x, l->x, moved, first, count);
     EACH(r)
     sum[r] = pick(going[r], moved[r], sum[r]);
-    move(l, l->x, going, first, count);
+    apply_step(l, l->x, going, first, count);
   }
   EACH(r) {
     correction[r] = sum[r] * (double)moves;

@@ -1,15 +1,16 @@
-/* Loop errors and Jacobians of several drives in vectors, in a plane and as a whole: a part of lanes_body.h. */
+/* Closure errors and Jacobians in a batch, planar loops and couplings; part of step_body.h. Per lane the operations
+ * are those of loop_equations.c. */
 
-/* A frame in a plane: see km_lane_slot. */
-typedef struct planar_place {
+/* Pose of a planar frame: see km_lane_slot. */
+typedef struct planar_pose {
   vector angle, cosine, sine, x, y;
-} planar_place;
+} planar_pose;
 
-static inline planar_place get_place(const km_lane_slot *slot, int lane) {
-  return (planar_place){get(slot->angle.of + lane), get(slot->cosine.of + lane), get(slot->sine.of + lane),
-                        get(slot->x.of + lane), get(slot->y.of + lane)};
+static inline planar_pose get_planar_pose(const km_lane_slot *slot, int lane) {
+  return (planar_pose){get(slot->angle.of + lane), get(slot->cosine.of + lane), get(slot->sine.of + lane),
+                       get(slot->x.of + lane), get(slot->y.of + lane)};
 }
-static inline void put_place(km_lane_slot *slot, int lane, const planar_place *at) {
+static inline void put_planar_pose(km_lane_slot *slot, int lane, const planar_pose *at) {
   put(slot->angle.of + lane, at->angle);
   put(slot->cosine.of + lane, at->cosine);
   put(slot->sine.of + lane, at->sine);
@@ -17,9 +18,9 @@ static inline void put_place(km_lane_slot *slot, int lane, const planar_place *a
   put(slot->y.of + lane, at->y);
 }
 
-/* The place behind a slide, or a hinge, by `value`. */
+/* Moves the pose by `value` of a slide, or of a hinge, and writes the column h. */
 static inline void slide(const km_batch *l, const km_lane_step *n, vector value, double sign, km_lane_column *h,
-                         planar_place *at, int r, int first) {
+                         planar_pose *at, int r, int first) {
   const vector c = at->cosine, s = at->sine, ux = GET(n->ux), uy = GET(n->uy);
   const vector along_x = c * ux - s * uy, along_y = s * ux + c * uy;
   value *= GET(l->inverse_size);
@@ -28,34 +29,35 @@ static inline void slide(const km_batch *l, const km_lane_step *n, vector value,
   at->x += value * along_x;
   at->y += value * along_y;
 }
-static inline void turn_hinge(vector value, double sign, km_lane_column *h, planar_place *at, int r, int first) {
+static inline void turn_hinge(vector value, double sign, km_lane_column *h, planar_pose *at, int r, int first) {
   at->angle += value;
   lanes_sincos(at->angle, &at->sine, &at->cosine);
   PUT(h->x, sign * at->y);
   PUT(h->y, -sign * at->x);
 }
 
-/* planar_steps of loops.c; `again`: only Newton has moved since the last time. Clears the lanes whose angles are too large for
- * the sines. A step that follows the one before it finds its place in registers. */
-static WITHIN void steps(km_batch *l, const km_program *program, bool again, mask *fit, int first, int count) {
+/* Planar forward kinematics of a program. `again`: only Newton's steps moved since the last call, so constant steps
+ * are skipped. Clears lanes whose angles exceed the sine's range. The pose of the last step stays in registers. */
+static INLINED void planar_steps(km_batch *l, const km_program *program, bool again, mask *valid, int first,
+                                 int count) {
   const km_planar_step *fixed = l->m->planar_steps + program->step_start;
   const km_lane_step *numbers = l->steps + program->step_start;
   km_lane_slot *slots = l->slots;
-  planar_place at[TOGETHER];
-  int slot = 0;             /* whose place that is */
-  vector largest[TOGETHER]; /* angle; one that is no number shows in the loops' squares */
+  planar_pose at[REGISTERS];
+  int slot = 0;              /* slot of the pose in registers */
+  vector largest[REGISTERS]; /* largest angle; a NaN appears in the loops' squares */
   EACH(r) {
-    at[r] = get_place(&slots[slot], AT(r));
+    at[r] = get_planar_pose(&slots[slot], AT(r));
     largest[r] = all(0.0);
   }
   for (int i = 0; i < program->step_count; ++i) {
     const km_planar_step *step = &fixed[i];
     const km_lane_step *n = &numbers[i];
-    if (again && n->still)
+    if (again && n->is_constant)
       continue;
     if (step->from != slot)
       EACH(r)
-    at[r] = get_place(&slots[step->from], AT(r));
+    at[r] = get_planar_pose(&slots[step->from], AT(r));
     km_lane_column *h = &l->h[program->twist_start + i];
     const km_batch_number *q = &l->q[step->coordinate];
     double sign = step->sign;
@@ -71,22 +73,23 @@ static WITHIN void steps(km_batch *l, const km_program *program, bool again, mas
       largest[r] = larger(size_of(at[r].angle), largest[r]);
     }
     slot = step->to;
-    if (n->kept)
+    if (n->is_stored)
       EACH(r)
-    put_place(&slots[slot], AT(r), &at[r]);
+    put_planar_pose(&slots[slot], AT(r), &at[r]);
   }
   EACH(r)
-  fit[r] &= at_most(largest[r], all(KM_SINCOS_MOST));
+  valid[r] &= at_most(largest[r], all(KM_SINCOS_MOST));
 }
 
-/* wrapped of loops.c, for the angles of lanes that fit (KM_SINCOS_MOST). */
+/* Wraps an angle to (-π, π], for angles up to KM_SINCOS_MOST. */
 static inline vector wrapped(vector angle) {
-  vector turns = angle * (0.5 * M_1_PI), whole = turns + KM_ROUNDING - KM_ROUNDING;
-  return pick(at_most(size_of(angle), all(M_PI)), angle, angle - 2.0 * M_PI * whole);
+  vector turns = angle * (0.5 * M_1_PI), nearest = turns + KM_ROUNDING - KM_ROUNDING;
+  return pick(at_most(size_of(angle), all(M_PI)), angle, angle - 2.0 * M_PI * nearest);
 }
 
-/* planar_error of loops.c. Clears the lanes whose misfit is large. */
-static WITHIN void find_misfit(km_batch *l, int index, mask *fit, int first, int count) {
+/* Closure error of a planar loop, the logarithm of its misfit by series. Clears lanes whose angle error exceeds
+ * KM_SERIES_TURN. */
+static INLINED void compute_planar_error(km_batch *l, int index, mask *valid, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   km_lane_planar_loop *n = &l->planar_loops[index];
   km_lane_loop *out = &l->loops[index];
@@ -101,7 +104,7 @@ static WITHIN void find_misfit(km_batch *l, int index, mask *fit, int first, int
     vector apart_x = GET(n->apart[0]), apart_y = GET(n->apart[1]);
     vector dx = ax - bx - apart_x, dy = ay - by - apart_y;
     vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn));
-    fit[r] &= below(size_of(turn), all(KM_SERIES_TURN));
+    valid[r] &= below(size_of(turn), all(KM_SERIES_TURN));
     vector t2 = turn * turn, t4 = t2 * t2;
     vector cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
     vector sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));
@@ -121,8 +124,8 @@ static WITHIN void find_misfit(km_batch *l, int index, mask *fit, int first, int
   }
 }
 
-/* The loop's entries of J; planar_loop of loops.c. */
-static WITHIN void set_entries(km_batch *l, int index, const km_lane_column *h, int first, int count) {
+/* Writes a planar loop's entries of J: v + w × r of each column. */
+static INLINED void set_planar_entries(km_batch *l, int index, const km_lane_column *h, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   const km_lane_planar_loop *n = &l->planar_loops[index];
   double *J = l->J->of;
@@ -139,8 +142,8 @@ static WITHIN void set_entries(km_batch *l, int index, const km_lane_column *h, 
   }
 }
 
-/* The error of a coupling, and its entries of J. */
-static inline void set_coupling(km_batch *l, int index, vector *square, mask *fit, int first, int count) {
+/* Computes the error of a linear coupling and its entries of J. */
+static inline void compute_coupling(km_batch *l, int index, vector *square, mask *valid, int first, int count) {
   const km_coupling *coupling = &l->m->couplings[index];
   EACH(r) {
     vector sum = -GET(l->couplings[index].constant);
@@ -152,45 +155,47 @@ static inline void set_coupling(km_batch *l, int index, vector *square, mask *fi
       sum += coefficient * (GET(l->q[term->coordinate]) / GET(l->term_unit[coupling->term_start + k]));
     }
     PUT(l->error[coupling->row], sum);
-    fit[r] &= is_finite(sum);
+    valid[r] &= is_finite(sum);
     square[r] = larger(sum * sum, square[r]);
   }
 }
 
-static WITHIN void update_planar(km_batch *l, const km_program *program, bool again, mask *fit, int first, int count) {
-  steps(l, program, again, fit, first, count);
+static INLINED void update_planar(km_batch *l, const km_program *program, bool again, mask *valid, int first,
+                                  int count) {
+  planar_steps(l, program, again, valid, first, count);
   for (int i = 0; i < program->loop_count; ++i) {
     int index = l->m->loop_order[program->loop_start + i];
-    find_misfit(l, index, fit, first, count);
-    set_entries(l, index, l->h + program->twist_start, first, count);
+    compute_planar_error(l, index, valid, first, count);
+    set_planar_entries(l, index, l->h + program->twist_start, first, count);
   }
 }
 
-/* km_loops_update, and six times the square of km_loops_residual. Clears the lanes that the formulas aren't good for. */
-static WITHIN void update(km_batch *l, bool again, vector *square, mask *fit, int first, int count) {
+/* Computes all closure errors and J, as km_loops_update, and square = 6 · residual². Clears lanes with errors that
+ * are not finite or too large for the series. */
+static INLINED void update(km_batch *l, bool again, vector *square, mask *valid, int first, int count) {
   const km_mechanism *m = l->m;
   EACH(r)
   square[r] = all(0.0);
-  for (int i = 0; i < l->replay.fill_count; ++i) {
-    double *place = l->J->of + l->replay.fill[i];
+  for (int i = 0; i < l->elimination.fill_count; ++i) {
+    double *place = l->J->of + l->elimination.fill[i];
     EACH(r)
     put(place + AT(r), all(0.0));
   }
   for (int p = 0; p < l->sub->program_count; ++p) {
     const km_program *program = &m->programs[l->sub->program_start + p];
     if (program->planar)
-      update_planar(l, program, again, fit, first, count);
+      update_planar(l, program, again, valid, first, count);
     else
-      update_spatial(l, program, fit, first, count);
+      update_spatial(l, program, valid, first, count);
   }
   for (int i = 0; i < l->sub->loop_count; ++i) {
     const km_lane_loop *loop = &l->loops[m->loop_order[l->sub->loop_start + i]];
     EACH(r) {
       vector sum = GET(loop->square);
-      fit[r] &= is_finite(sum);
+      valid[r] &= is_finite(sum);
       square[r] = larger(sum, square[r]);
     }
   }
   for (int i = 0; i < l->sub->coupling_count; ++i)
-    set_coupling(l, l->sub->coupling_start + i, square, fit, first, count);
+    compute_coupling(l, l->sub->coupling_start + i, square, valid, first, count);
 }

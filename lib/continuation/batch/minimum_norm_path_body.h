@@ -1,8 +1,8 @@
-/* Paths of least motion of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what least_path.c
- * and continuation.c compute for one drive. */
+/* Predictors along the path of least motion (theory 4.7) in a batch; part of step_body.h. Per lane the operations are
+ * those of minimum_norm_path.c and predictor_corrector.c. */
 
-/* weigh_nodes of least_path.c. */
-static inline void weigh_nodes(const vector *x, int nodes, vector *moment) {
+/* Solves the dual Vandermonde system Σ w_k x_k^j = moment_j in place. */
+static inline void solve_vandermonde(const vector *x, int nodes, vector *moment) {
   for (int k = 0; k < nodes - 1; ++k)
     for (int i = nodes - 1; i > k; --i)
       moment[i] -= x[k] * moment[i - 1];
@@ -14,143 +14,152 @@ static inline void weigh_nodes(const vector *x, int nodes, vector *moment) {
   }
 }
 
-/* Of the tangents at all nodes, 0 of those that a lane doesn't know. */
+/* Weights of the tangents at all nodes; 0 where a lane lacks the tangent. */
 typedef struct node_weights {
-  vector whole[KM_PATH_NODES];                      /* for the way */
-  vector change[KM_PATH_NODES];                     /* for what one tangent less makes of it */
-  vector slope[KM_PATH_NODES], bend[KM_PATH_NODES]; /* for the derivatives at the pose, with balls */
+  vector weight[KM_PATH_NODES]; /* of the step */
+  /* of its difference to one tangent less: the error estimate */
+  vector error_weight[KM_PATH_NODES];
+  /* of the first and second derivative at the present configuration, for ball joints */
+  vector slope[KM_PATH_NODES], curvature[KM_PATH_NODES];
 } node_weights;
 
-/* The weights of the first nodes, 0 for the others. */
-static inline void weigh_first(const vector *x, int nodes, const double *moment, vector *weight) {
+/* Computes the weights of the first nodes, 0 for the others. */
+static inline void solve_first_nodes(const vector *x, int nodes, const double *moment, vector *weight) {
   for (int i = 0; i < KM_PATH_NODES; ++i)
     weight[i] = all(i < nodes ? moment[i] : 0.0);
-  weigh_nodes(x, nodes, weight);
+  solve_vandermonde(x, nodes, weight);
 }
 
-/* The weights of all nodes that a lane knows but the last `less`: all are known or, elsewhere, all but one. */
-static inline void weigh_known(const vector *x, mask all_known, int less, const double *moment, vector *weight) {
+/* Computes the weights of a lane's nodes but the last `less`: a lane has all nodes or all but one. */
+static inline void solve_known_nodes(const vector *x, mask all_known, int less, const double *moment, vector *weight) {
   vector fewer[KM_PATH_NODES];
-  weigh_first(x, KM_PATH_NODES - less, moment, weight);
-  weigh_first(x, KM_PATH_NODES - less - 1, moment, fewer);
+  solve_first_nodes(x, KM_PATH_NODES - less, moment, weight);
+  solve_first_nodes(x, KM_PATH_NODES - less - 1, moment, fewer);
   for (int i = 0; i < KM_PATH_NODES; ++i)
     weight[i] = pick(all_known, weight[i], fewer[i]);
 }
 
-static inline node_weights weigh_tangents(const km_batch *l, vector h, int r, int first) {
+static inline node_weights compute_node_weights(const km_batch *l, vector h, int r, int first) {
   static const double integral[KM_PATH_NODES] = {1.0, 1.0 / 2, 1.0 / 3, 1.0 / 4, 1.0 / 5};
-  static const double slope[KM_PATH_NODES] = {0.0, 1.0}, bend[KM_PATH_NODES] = {0.0, 0.0, 2.0};
-  node_weights w = {.slope = {all(0.0)}, .bend = {all(0.0)}};
-  mask all_known = equal(GET(l->here.older_count), all(KM_OLDER_STEPS));
-  vector x[KM_PATH_NODES] = {all(0.0), -GET(l->here.last_h) / h}, less[KM_PATH_NODES];
+  static const double slope[KM_PATH_NODES] = {0.0, 1.0}, curvature[KM_PATH_NODES] = {0.0, 0.0, 2.0};
+  node_weights w = {.slope = {all(0.0)}, .curvature = {all(0.0)}};
+  mask all_known = equal(GET(l->current.older_count), all(KM_OLDER_STEPS));
+  vector x[KM_PATH_NODES] = {all(0.0), -GET(l->current.last_h) / h}, less[KM_PATH_NODES];
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
-    x[2 + i] = x[1 + i] - GET(l->here.older_h[i]) / h;
-  weigh_known(x, all_known, 0, integral, w.whole);
-  weigh_known(x, all_known, 1, integral, less);
+    x[2 + i] = x[1 + i] - GET(l->current.older_h[i]) / h;
+  solve_known_nodes(x, all_known, 0, integral, w.weight);
+  solve_known_nodes(x, all_known, 1, integral, less);
   for (int i = 0; i < KM_PATH_NODES; ++i)
-    w.change[i] = w.whole[i] - less[i];
+    w.error_weight[i] = w.weight[i] - less[i];
   if (l->m->ball_count > 0) {
-    weigh_known(x, all_known, 0, slope, w.slope);
-    weigh_known(x, all_known, 0, bend, w.bend);
+    solve_known_nodes(x, all_known, 0, slope, w.slope);
+    solve_known_nodes(x, all_known, 0, curvature, w.curvature);
   }
   return w;
 }
 
-/* weighted_turn of least_path.c. */
-static inline lanes_vec weighted_turn(const km_batch_number *const *t, const vector *weight, int column, int lane) {
+/* Returns the weighted sum of a ball joint's angular velocities at the nodes. */
+static inline lanes_vec weighted_angular_velocity(const km_batch_number *const *t, const vector *weight, int column,
+                                                  int lane) {
   lanes_vec sum = {all(0.0), all(0.0), all(0.0)};
   for (int i = 0; i < KM_PATH_NODES; ++i)
     sum = lanes_axpy(weight[i], get_columns(t[i] + column, lane), sum);
   return sum;
 }
 
-/* wind_balls of least_path.c. */
-static inline void wind_balls(km_batch *l, const km_batch_number *const *t, const node_weights *w, const vector *h,
-                              int first, int count) {
+/* Adds the Magnus terms to the rotation vectors of ball joints: −h³/12 ω × ω̇ − h⁴/24 ω × ω̈. */
+static inline void add_magnus_terms(km_batch *l, const km_batch_number *const *t, const node_weights *w,
+                                    const vector *h, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k) {
     if (!l->is_ball[k])
       continue;
     const km_batch_number *now = t[0] + k;
     km_batch_number *turn = l->move + k;
     EACH(r) {
-      lanes_vec bend = weighted_turn(t, w[r].bend, k, AT(r)), slope = weighted_turn(t, w[r].slope, k, AT(r));
-      lanes_vec change = lanes_axpy(all(0.5), bend, slope);
-      lanes_vec lag = lanes_scaled(-h[r] * h[r] / 12.0, lanes_cross(get_columns(now, AT(r)), change));
-      PUT(turn[0], GET(turn[0]) + lag.x);
-      PUT(turn[1], GET(turn[1]) + lag.y);
-      PUT(turn[2], GET(turn[2]) + lag.z);
+      lanes_vec curvature = weighted_angular_velocity(t, w[r].curvature, k, AT(r)),
+                slope = weighted_angular_velocity(t, w[r].slope, k, AT(r));
+      lanes_vec error_weight = lanes_axpy(all(0.5), curvature, slope);
+      lanes_vec correction = lanes_scaled(-h[r] * h[r] / 12.0, lanes_cross(get_columns(now, AT(r)), error_weight));
+      PUT(turn[0], GET(turn[0]) + correction.x);
+      PUT(turn[1], GET(turn[1]) + correction.y);
+      PUT(turn[2], GET(turn[2]) + correction.z);
     }
     k += 2;
   }
 }
 
-/* The strain of a step into `move`, whose error is the other number: see km_driver_motion. */
-static inline void find_strain(const km_batch *l, const km_batch_number *move, const vector *error, vector *strain,
-                               int first, int count) {
-  vector largest[TOGETHER];
+/* Computes the ratio of a step's error to the allowed one: see minimum_norm_path.h. */
+static inline void compute_error_ratio(const km_batch *l, const km_batch_number *move, const vector *error,
+                                       vector *error_ratio, int first, int count) {
+  vector largest[REGISTERS];
   EACH(r)
   largest[r] = all(0.0);
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   largest[r] = larger(size_of(GET(move[k])), largest[r]);
   EACH(r)
-  strain[r] = error[r] / (km_path_allowed * largest[r] + km_path_grain);
+  error_ratio[r] = error[r] / (km_path_allowed * largest[r] + km_path_rounding);
 }
 
-/* km_minimum_norm_path_continue. `able`: lanes that know enough tangents, and whose step isn't too long for them. */
-static inline void continue_path(km_batch *l, const vector *h, vector *strain, mask *able, int first, int count) {
+/* Variable-step Adams-Bashforth, as km_minimum_norm_path_predict_multistep. `has_tangents`: lanes with enough
+ * tangents whose step is not too long. */
+static inline void predict_multistep(km_batch *l, const vector *h, vector *error_ratio, mask *applicable, int first,
+                                     int count) {
   const km_batch_number *t[KM_PATH_NODES] = {l->t, l->last_t};
-  node_weights weights[TOGETHER];
-  vector error[TOGETHER];
+  node_weights weights[REGISTERS];
+  vector error[REGISTERS];
   for (int i = 0; i < KM_OLDER_STEPS; ++i)
     t[2 + i] = l->past[i];
   EACH(r) {
-    weights[r] = weigh_tangents(l, h[r], r, first);
+    weights[r] = compute_node_weights(l, h[r], r, first);
     error[r] = all(0.0);
   }
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
-      vector sum = all(0.0), apart = all(0.0);
+      vector sum = all(0.0), difference = all(0.0);
       for (int i = 0; i < KM_PATH_NODES; ++i) {
         vector tangent = GET(t[i][k]);
-        sum += weights[r].whole[i] * tangent;
-        apart += weights[r].change[i] * tangent;
+        sum += weights[r].weight[i] * tangent;
+        difference += weights[r].error_weight[i] * tangent;
       }
-      vector off = size_of(h[r] * apart);
+      vector off = size_of(h[r] * difference);
       error[r] = pick(at_most(off, error[r]), error[r], off);
       PUT(l->move[k], h[r] * sum);
     }
-  wind_balls(l, t, weights, h, first, count);
-  find_strain(l, l->move, error, strain, first, count);
+  add_magnus_terms(l, t, weights, h, first, count);
+  compute_error_ratio(l, l->move, error, error_ratio, first, count);
   EACH(r)
-  able[r] = at_most(all(KM_PATH_LEAST_NODES - 2), GET(l->here.older_count)) & at_most(strain[r], all(1.0));
+  applicable[r] =
+      at_most(all(KM_PATH_LEAST_NODES - 2), GET(l->current.older_count)) & at_most(error_ratio[r], all(1.0));
 }
 
-/* h Σ share_i rate_i, of column k. */
-static inline vector combined(const km_batch *l, const double *share, int stages, int k, vector h, int r, int first) {
+/* Returns h Σ weight_i rate_i of column k over the stages. */
+static inline vector combine_stages(const km_batch *l, const double *weight, int stages, int k, vector h, int r,
+                                    int first) {
   vector sum = all(0.0);
   for (int i = 0; i < stages; ++i)
-    if (share[i] != 0.0)
-      sum += h * share[i] * GET(l->stage[i][k]);
+    if (weight[i] != 0.0)
+      sum += h * weight[i] * GET(l->stage[i][k]);
   return sum;
 }
 
-/* vector_rate of least_path.c. */
-static inline lanes_vec vector_rate(lanes_vec u, lanes_vec w) {
+/* Returns the rate of a rotation vector u for the angular velocity w, as minimum_norm_path.c. */
+static inline lanes_vec rotation_vector_rate(lanes_vec u, lanes_vec w) {
   vector angle = root(lanes_dot(u, u)), square = angle * angle, sine, cosine;
   lanes_sincos(angle, &sine, &cosine);
-  vector near = 1.0 / 12 + square / 720, far = 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
+  vector series = 1.0 / 12 + square / 720, closed_form = 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
   lanes_vec once = lanes_cross(u, w), twice = lanes_cross(u, once);
-  return lanes_axpy(pick(below(angle, all(KM_PATH_NEAR)), near, far), twice, lanes_axpy(all(-0.5), once, w));
+  return lanes_axpy(pick(below(angle, all(KM_PATH_NEAR)), series, closed_form), twice, lanes_axpy(all(-0.5), once, w));
 }
 
-/* unwind_balls of least_path.c: the rates of a stage take the place of the move that led there. */
-static inline void set_stage(const km_batch *l, km_batch_number *stage, int first, int count) {
+/* Stores the rates of a stage in place of the move that led to it; angular velocities become rates of rotation
+ * vectors. */
+static inline void store_stage_rates(const km_batch *l, km_batch_number *stage, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k) {
     bool is_ball = l->is_ball[k];
     EACH(r) {
       if (is_ball) {
-        lanes_vec v = vector_rate(get_columns(stage + k, AT(r)), get_columns(l->next_t + k, AT(r)));
+        lanes_vec v = rotation_vector_rate(get_columns(stage + k, AT(r)), get_columns(l->next_t + k, AT(r)));
         PUT(stage[k], v.x);
         PUT(stage[k + 1], v.y);
         PUT(stage[k + 2], v.z);
@@ -162,7 +171,7 @@ static inline void set_stage(const km_batch *l, km_batch_number *stage, int firs
   }
 }
 
-static inline void return_to_start(km_batch *l, int first, int count) {
+static inline void restore_start(km_batch *l, int first, int count) {
   const int *coordinate = l->m->column_coordinate + l->sub->column_start;
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
@@ -174,76 +183,80 @@ static inline void return_to_start(km_batch *l, int first, int count) {
     }
 }
 
-/* One stage of Runge and Kutta's method; clears the lanes that it leads too far. */
-static inline void run_stage(km_batch *l, int index, const vector *h, mask *fit, int first, int count) {
+/* Computes the rates of one Runge-Kutta stage; clears lanes whose stage is displaced by more than 1. */
+static inline void runge_kutta_stage(km_batch *l, int index, const vector *h, mask *valid, int first, int count) {
   km_batch_number *stage = l->stage[index];
-  vector square[TOGETHER], largest_b[TOGETHER];
+  vector square[REGISTERS], largest_b[REGISTERS];
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
-      vector by = combined(l, km_path_stage_shares[index], index, k, h[r], r, first);
-      fit[r] &= at_most(size_of(by), all(1.0));
+      vector by = combine_stages(l, km_path_stage_weights[index], index, k, h[r], r, first);
+      valid[r] &= at_most(size_of(by), all(1.0));
       PUT(stage[k], by);
     }
-  move(l, stage, fit, first, count);
-  update(l, false, square, fit, first, count);
-  factor(l, largest_b, fit, first, count);
-  find_null_vectors(l, 0, l->beside, first, count);
-  set_next_tangent(l, first, count);
-  set_stage(l, stage, first, count);
-  return_to_start(l, first, count);
+  apply_step(l, stage, valid, first, count);
+  update(l, false, square, valid, first, count);
+  refactor(l, largest_b, valid, first, count);
+  compute_null_vectors(l, 0, l->extra_freedoms, first, count);
+  compute_next_tangent(l, first, count);
+  store_stage_rates(l, stage, first, count);
+  restore_start(l, first, count);
 }
 
-/* km_minimum_norm_path_predict, where `fit` is set, into `move`; the other lanes keep theirs. */
-static APART void run_stages(km_batch *l, const vector *h, vector *strain, mask *fit, int first, int count) {
+/* Runge-Kutta 5(4) step into `move` where `valid` is set, as km_minimum_norm_path_predict_runge_kutta; other lanes
+ * keep theirs. */
+static NOT_INLINED void predict_runge_kutta(km_batch *l, const vector *h, vector *error_ratio, mask *valid, int first,
+                                            int count) {
   double difference[KM_PATH_STAGES];
-  vector error[TOGETHER], own[TOGETHER];
-  mask wanted[TOGETHER];
+  vector error[REGISTERS], new_ratio[REGISTERS];
+  mask wanted[REGISTERS];
   for (int i = 0; i < KM_PATH_STAGES; ++i)
     difference[i] = km_path_fifth[i] - km_path_fourth[i];
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
   PUT(l->stage[0][k], GET(l->t[k]));
   EACH(r) {
-    wanted[r] = fit[r];
+    wanted[r] = valid[r];
     error[r] = all(0.0);
   }
-  for (int i = 1; i < KM_PATH_STAGES && any(fit, count); ++i)
-    run_stage(l, i, h, fit, first, count);
+  for (int i = 1; i < KM_PATH_STAGES && any(valid, count); ++i)
+    runge_kutta_stage(l, i, h, valid, first, count);
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
-      error[r] = larger(size_of(combined(l, difference, KM_PATH_STAGES, k, h[r], r, first)), error[r]);
-      PUT(l->x[k], combined(l, km_path_fifth, KM_PATH_STAGES, k, h[r], r, first));
+      error[r] = larger(size_of(combine_stages(l, difference, KM_PATH_STAGES, k, h[r], r, first)), error[r]);
+      PUT(l->x[k], combine_stages(l, km_path_fifth, KM_PATH_STAGES, k, h[r], r, first));
       PUT(l->move[k], pick(wanted[r], GET(l->x[k]), GET(l->move[k])));
     }
-  find_strain(l, l->x, error, own, first, count);
+  compute_error_ratio(l, l->x, error, new_ratio, first, count);
   EACH(r) {
-    strain[r] = pick(wanted[r], own[r], strain[r]);
-    fit[r] &= at_most(own[r], all(1.0));
+    error_ratio[r] = pick(wanted[r], new_ratio[r], error_ratio[r]);
+    valid[r] &= at_most(new_ratio[r], all(1.0));
   }
 }
 
-/* follow_path of drive.c, where the path isn't stiff. Clears the lanes whose step is too long. */
-static APART void follow_path(km_batch *l, const vector *h, vector *strain, mask *fit, int first, int count) {
-  mask able[TOGETHER], others[TOGETHER];
-  continue_path(l, h, strain, able, first, count);
+/* Predicts along the path of least motion, not stiff: multistep, else Runge-Kutta. Clears lanes whose step is too
+ * long. */
+static NOT_INLINED void predict_minimum_norm_path(km_batch *l, const vector *h, vector *error_ratio, mask *valid,
+                                                  int first, int count) {
+  mask applicable[REGISTERS], others[REGISTERS];
+  predict_multistep(l, h, error_ratio, applicable, first, count);
   EACH(r)
-  others[r] = fit[r] & ~able[r];
+  others[r] = valid[r] & ~applicable[r];
   if (any(others, count))
-    run_stages(l, h, strain, others, first, count);
+    predict_runge_kutta(l, h, error_ratio, others, first, count);
   EACH(r)
-  fit[r] &= able[r] | others[r];
+  valid[r] &= applicable[r] | others[r];
 }
 
-/* grow_older of continuation.c, before a step of h is accepted where `took` is set. */
-static APART void grow_older(km_batch *l, const vector *h, const mask *took, int first, int count) {
+/* Shifts the tangents of earlier steps where `took` is set, before a step h is accepted; a reversal clears them. */
+static NOT_INLINED void push_older_tangents(km_batch *l, const vector *h, const mask *took, int first, int count) {
   EACH(r) {
-    vector last = GET(l->here.last_h), known = GET(l->here.older_count), most = all(KM_OLDER_STEPS);
-    mask back = below(h[r] * last, all(0.0));
-    vector grown = pick(back, all(0.0), pick(below(known, most), known + 1.0, most));
-    PUT(l->here.older_count, pick(took[r], grown, known));
+    vector last = GET(l->current.last_h), known = GET(l->current.older_count), most = all(KM_OLDER_STEPS);
+    mask is_reversed = below(h[r] * last, all(0.0));
+    vector grown = pick(is_reversed, all(0.0), pick(below(known, most), known + 1.0, most));
+    PUT(l->current.older_count, pick(took[r], grown, known));
     for (int i = KM_OLDER_STEPS - 1; i > 0; --i)
-      PUT(l->here.older_h[i], pick(took[r], GET(l->here.older_h[i - 1]), GET(l->here.older_h[i])));
-    PUT(l->here.older_h[0], pick(took[r], last, GET(l->here.older_h[0])));
+      PUT(l->current.older_h[i], pick(took[r], GET(l->current.older_h[i - 1]), GET(l->current.older_h[i])));
+    PUT(l->current.older_h[0], pick(took[r], last, GET(l->current.older_h[0])));
   }
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {

@@ -1,5 +1,5 @@
-/* Loops in space of several drives in vectors: a part of lanes_body.h. What is computed for a lane is what loops.c,
- * motion_step.h and spatial/ compute for one drive, operation for operation; the names are theirs. */
+/* Closure errors and Jacobians of spatial loops in a batch; part of step_body.h. Per lane the operations are those of
+ * loop_equations.c, motion_step.h and spatial/, with their names. */
 
 #include "spatial/vec3_body.h"
 
@@ -53,8 +53,9 @@ static inline pose pose_product(const pose *a, const pose *b) {
 
 #include "continuation/batch/ball_joints_body.h"
 
-/* km_motion_step, of other joints than balls. Clears the lanes whose angles are too large for the sines. */
-static inline pose motion_step(const km_step *step, vector pitch, vector value, pose X, km_lane_twist *h, mask *fit,
+/* Moves the pose X by a joint other than a ball joint, as km_motion_step. Clears lanes whose angle exceeds the sine's
+ * range. */
+static inline pose motion_step(const km_step *step, vector pitch, vector value, pose X, km_lane_twist *h, mask *valid,
                                int lane) {
   lanes_vec axis = lanes_axis(X.R.axis, step->axis), w = lanes_scaled(all(step->sign), axis), v = w;
   if (step->primitive == KM_PRISMATIC) {
@@ -68,7 +69,7 @@ static inline pose motion_step(const km_step *step, vector pitch, vector value, 
       X.p = lanes_axpy(value * pitch, axis, X.p);
     }
     lanes_sincos(value, &sine, &cosine);
-    *fit &= at_most(size_of(value), all(KM_SINCOS_MOST));
+    *valid &= at_most(size_of(value), all(KM_SINCOS_MOST));
     lanes_turn_about(X.R.axis, step->axis, cosine, sine);
   }
   put_vec(&h->v, lane, v);
@@ -76,11 +77,11 @@ static inline pose motion_step(const km_step *step, vector pitch, vector value, 
   return X;
 }
 
-/* spatial_steps of loops.c. */
-static inline void space_steps(km_batch *l, const km_program *program, mask *fit, int first, int count) {
+/* Forward kinematics of a spatial program. */
+static inline void spatial_steps(km_batch *l, const km_program *program, mask *valid, int first, int count) {
   for (int i = program->step_start; i < program->step_start + program->step_count; ++i) {
     const km_step *step = &l->m->steps[i];
-    const km_lane_space_step *n = &l->space_steps[i];
+    const km_lane_spatial_step *n = &l->spatial_steps[i];
     EACH(r) {
       pose X = get_pose(&l->poses[step->from], AT(r));
       vector value = all(step->sign) * GET(l->q[step->coordinate]);
@@ -95,42 +96,42 @@ static inline void space_steps(km_batch *l, const km_program *program, mask *fit
         quaternion ball = get_quaternion(&l->ball[step->ball], AT(r));
         X = ball_step(step->sign, &ball, X, &l->twists[3 * i], AT(r));
       } else {
-        X = motion_step(step, GET(n->pitch), value, X, &l->twists[3 * i], &fit[r], AT(r));
+        X = motion_step(step, GET(n->pitch), value, X, &l->twists[3 * i], &valid[r], AT(r));
       }
       put_pose(&l->poses[step->to], AT(r), &X);
     }
   }
 }
 
-/* km_twist_log of small turns. Clears the lanes where it isn't small. */
-static inline twist twist_log(const pose *E, mask *fit) {
+/* Logarithm of a small displacement E as a twist, by series. Clears lanes whose rotation is not small. */
+static inline twist twist_log(const pose *E, mask *valid) {
   const lanes_vec *a = E->R.axis;
   lanes_vec w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
   vector sine2 = lanes_dot(w, w);
-  *fit &= below(sine2, all(KM_SERIES_TURN * KM_SERIES_TURN)) & below(all(2.0), a[0].x + a[1].y + a[2].z);
+  *valid &= below(sine2, all(KM_SERIES_TURN * KM_SERIES_TURN)) & below(all(2.0), a[0].x + a[1].y + a[2].z);
   w = lanes_scaled(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
   vector c = 1.0 / 12.0 + lanes_dot(w, w) * (1.0 / 720.0);
   lanes_vec wp = lanes_cross(w, E->p);
   return (twist){lanes_axpy(c, lanes_cross(w, wp), lanes_axpy(all(-0.5), wp, E->p)), w};
 }
 
-/* spatial_loop of loops.c without its entries: the loop's misfit and rows of error. */
-static inline void find_space_misfit(km_batch *l, int index, mask *fit, int r, int first) {
+/* Closure error of a spatial loop, its square and its rows. */
+static inline void compute_spatial_error(km_batch *l, int index, mask *valid, int r, int first) {
   const km_loop *loop = &l->m->loops[index];
-  km_lane_space_loop *n = &l->space_loops[index];
+  km_lane_spatial_loop *n = &l->spatial_loops[index];
   km_lane_loop *out = &l->loops[index];
   pose close[2] = {get_pose(&n->close[0], AT(r)), get_pose(&n->close[1], AT(r))};
   pose a = get_pose(&l->poses[loop->slot[0]], AT(r)), b = get_pose(&l->poses[loop->slot[1]], AT(r));
-  lanes_vec apart = get_vec(&n->apart, AT(r));
+  lanes_vec difference = get_vec(&n->apart, AT(r));
   a = pose_product(&a, &close[0]);
   b = pose_product(&b, &close[1]);
   lanes_vec point = loop->has_moving_point ? a.p : get_vec(&n->point, AT(r));
   put_vec(&n->origin[0], AT(r), point);
-  put_vec(&n->origin[1], AT(r), lanes_difference(point, apart));
-  b.p = lanes_sum(lanes_difference(b.p, a.p), apart);
+  put_vec(&n->origin[1], AT(r), lanes_difference(point, difference));
+  b.p = lanes_sum(lanes_difference(b.p, a.p), difference);
   rotation back = rotation_inverse(&b.R);
   pose E = {rotation_product(&a.R, &back), rotate(&a.R, lanes_scaled(all(-1.0), rotate(&back, b.p)))};
-  twist misfit = twist_log(&E, &fit[r]);
+  twist misfit = twist_log(&E, &valid[r]);
   PUT(out->square, lanes_dot(misfit.v, misfit.v) + lanes_dot(misfit.w, misfit.w));
   lanes_vec v = lanes_sum(misfit.v, lanes_cross(misfit.w, lanes_difference(point, a.p)));
   const vector values[6] = {v.x, v.y, v.z, misfit.w.x, misfit.w.y, misfit.w.z};
@@ -138,10 +139,10 @@ static inline void find_space_misfit(km_batch *l, int index, mask *fit, int r, i
     put(l->error->of + out->row[k] + AT(r), values[k]);
 }
 
-/* Its entries of J. */
-static inline void set_space_entries(km_batch *l, int index, const km_lane_twist *h, int first, int count) {
+/* Writes a spatial loop's entries of J. */
+static inline void set_spatial_entries(km_batch *l, int index, const km_lane_twist *h, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
-  const km_lane_space_loop *n = &l->space_loops[index];
+  const km_lane_spatial_loop *n = &l->spatial_loops[index];
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_lane_entry *entry = &l->entries[loop->entry_start + i];
     const km_lane_twist *of = &h[3 * entry->step];
@@ -157,13 +158,13 @@ static inline void set_space_entries(km_batch *l, int index, const km_lane_twist
   }
 }
 
-/* update_spatial of loops.c. */
-static inline void update_spatial(km_batch *l, const km_program *program, mask *fit, int first, int count) {
-  space_steps(l, program, fit, first, count);
+/* Errors and entries of all loops of a spatial program. */
+static inline void update_spatial(km_batch *l, const km_program *program, mask *valid, int first, int count) {
+  spatial_steps(l, program, valid, first, count);
   for (int i = 0; i < program->loop_count; ++i) {
     int index = l->m->loop_order[program->loop_start + i];
     EACH(r)
-    find_space_misfit(l, index, fit, r, first);
-    set_space_entries(l, index, l->twists + 3 * (size_t)program->step_start, first, count);
+    compute_spatial_error(l, index, valid, r, first);
+    set_spatial_entries(l, index, l->twists + 3 * (size_t)program->step_start, first, count);
   }
 }

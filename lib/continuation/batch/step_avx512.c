@@ -1,4 +1,4 @@
-/* The same lanes in registers of eight doubles. No fused multiply-add: the bits stay the same. */
+/* Batch step with registers of eight doubles. No fused multiply-add: results have the bits of the other widths. */
 #ifdef KM_LANES_AVX512
 #define NAME  km_batch_step_avx512
 #define WIDTH 8
