@@ -26,14 +26,14 @@ static const double km_driver_motion_end_distance = 1e-6;
 
 /* Position of the continuation besides its history and the state's configuration. */
 typedef struct km_driver_motion_position {
-  double s;       /* driver, scaled */
-  double largest; /* step size of the step control */
-  double stopped; /* direction, ±1, of a located turning point while the configuration is close to it; else 0 */
-  int crossings;  /* branch points that were crossed */
-  bool known;     /* the tangent in the history belongs to the present configuration */
-  bool is_stiff;  /* the last step used the implicit predictor: km_minimum_norm_path_predict_implicit */
-  int bridge;     /* number of the bridge (singular_bridge.c) under this configuration; 0: none */
-  int pivoted;    /* in a snapshot: driver column for which the pivots were searched; KM_NEVER */
+  double s;         /* driver, scaled */
+  double largest;   /* step size of the step control */
+  double stopped;   /* direction, ±1, of a located turning point while the configuration is close to it; else 0 */
+  int crossings;    /* branch points that were crossed */
+  bool known;       /* the tangent in the history belongs to the present configuration */
+  bool is_stiff;    /* the last step used the implicit predictor: km_minimum_norm_path_predict_implicit */
+  int bridge;       /* number of the bridge (singular_bridge.c) under this configuration; 0: none */
+  int pivot_driver; /* in a snapshot: driver column for which the pivots were searched; KM_NEVER */
 } km_driver_motion_position;
 
 /* Snapshot of a continuation: restoring it reproduces all later steps to the last bit. */

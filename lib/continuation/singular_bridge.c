@@ -104,9 +104,9 @@ static void combine_nodes(km_driver_motion *d, const hermite_weights *w, const d
   }
 }
 
-/* How far closed configurations may lie from the interpolant: h^5, as long as |q^(7)| / 7! <= 1 / h^2; the steps that
- * closing leaves undone (km_settled, 1e-9); and the loops' error (km_residual_tolerance) over the smallest pivot, times the
- * largest weight, below 100. */
+/* Returns the largest distance of closed configurations from the interpolant: h^5, valid for |q^(7)| / 7! <= 1 / h^2;
+ * the Newton step not applied (km_step_tolerance, 1e-9); and the closure error (km_residual_tolerance) over the
+ * smallest pivot, times the largest weight, below 100. */
 static double allowed_deviation(const km_driver_motion *d) {
   static const double rounding = 1e-9;
   const double h = d->bridge.h;
@@ -279,7 +279,7 @@ static bool closes_near_interpolant(km_driver_motion *d) {
 
 /* True if closes_near_interpolant would detect a step onto a branch with the same tangent. Two such branches, k apart
  * in curvature, have pivots of k h at the nodes, and the interpolant between them misses the motion by up to k h^2 /
- * 80. Branches that touch to a higher order lie closer together; only the longest stretch distinguishes them, if any. */
+ * 80. Branches that touch to a higher order lie closer; only the longest stretch distinguishes them, if any. */
 static bool is_decisive(const km_driver_motion *d) {
   return allowed_deviation(d) < d->bridge.smallest_pivot * fabs(d->bridge.h) / 80.0;
 }

@@ -188,9 +188,10 @@ static void put_numbers(const km_sweeper *r, const km_batched_rows *rows, column
     int c = coordinate[k];
     size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_BATCH_LANES;
     if (!unread || !unread[c])
-      put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->apart, r->m->factor[c]);
+      put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->stride,
+                 r->m->factor[c]);
     if (number)
-      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->apart, 1.0);
+      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->stride, 1.0);
   }
 }
 
@@ -224,7 +225,7 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_driver_motion *drive, i
     cells[1] = s[i * KM_BATCH_LANES];
     for (size_t k = dof; k < residual; ++k)
       cells[k] = first[k];
-    cells[residual] = km_larger(rows.residual[(size_t)i * rows.apart], r->other_residual);
+    cells[residual] = km_larger(rows.residual[(size_t)i * rows.stride], r->other_residual);
   }
   put_numbers(r, &rows, (column_cells){first, width, count});
   return KM_OK;

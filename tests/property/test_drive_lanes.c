@@ -293,7 +293,7 @@ static int compare(const char *name, int count, uint64_t seed, manner how) {
     for (int i = 0; i < count; ++i)
       targets[i] = target_at(&beside[i], i, rows[i], how.rows, how.uneven);
     move_beside(&how, lanes, wanted, targets, reaches);
-    ridden += __builtin_popcount(lanes->ahead & wanted);
+    ridden += __builtin_popcount(lanes->unwritten & wanted);
     for (unsigned left = wanted; left; left &= left - 1) {
       int i = __builtin_ctz(left);
       km_motion_end reach = km_driver_motion_move_to(alone[i].drive, targets[i]);

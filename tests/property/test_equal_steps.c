@@ -40,7 +40,7 @@ static void close_machine(machine *m) {
 
 /* Did the last step end where it was predicted? The driver gets its own value. */
 static bool at_once(const km_driver_motion *d) {
-  const km_step_history *course = &d->c.course;
+  const km_step_history *course = &d->c.history;
   for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
     if (k != d->c.column && !(fabs(course->last_move[k] - d->c.move[k]) <= 1e-14))
       return false;

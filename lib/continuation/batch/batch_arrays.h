@@ -31,7 +31,7 @@ typedef struct km_lane_step {
   bool is_stored;   /* its pose is stored for later reads than that of the next step */
 } km_lane_step;
 typedef struct km_lane_planar_loop {
-  km_batch_number close[2][2], apart[2], point[2], turn;
+  km_batch_number closing_point[2][2], origin_offset[2], point[2], turn;
   km_batch_number origin[2][2]; /* [branch][x, y] reference point of its rows, from each branch's origin */
 } km_lane_planar_loop;
 /* Numbers of a spatial step and of a spatial loop: see km_step and km_loop. */
@@ -40,8 +40,8 @@ typedef struct km_lane_spatial_step {
   km_batch_number pitch;
 } km_lane_spatial_step;
 typedef struct km_lane_spatial_loop {
-  km_lane_pose close[2];
-  km_lane_vec3 apart, point;
+  km_lane_pose closing_frame[2];
+  km_lane_vec3 origin_offset, point;
   km_lane_vec3 origin[2]; /* [branch] reference point of its rows, from each branch's origin */
 } km_lane_spatial_loop;
 /* Results of a loop. row: positions of its rows in `error`, v x y z, w x y z, or planar x, y, angle; behind the end
@@ -54,9 +54,9 @@ typedef struct km_lane_loop {
 /* Columns of an entry, see km_entry. at: positions of the rows in J, behind its end for components without a row. A
  * ball joint's next two columns follow with stride `next`. turn: w z of a planar step's column, constant. */
 typedef struct km_lane_entry {
-  int step, columns, next;
+  int step, columns, column_stride;
   double side, turn;
-  int at[6];
+  int position[6];
 } km_lane_entry;
 typedef struct km_lane_coupling {
   km_batch_number constant;
@@ -72,7 +72,7 @@ typedef struct km_lane_column {
 
 /* Results of a row: coordinates, unit direction of motion (lengths over the characteristic length), mobility numbers. */
 typedef struct km_lane_row {
-  km_batch_number *q, *z, *numbers; /* [columns] */
+  km_batch_number *q, *z, *mobility_number; /* [columns] */
   km_batch_number *residual;
 } km_lane_row;
 
@@ -126,7 +126,7 @@ struct km_batch {
    * km_batch_extend_history. With several freedoms the first are `older_t`. */
   km_batch_number *past[KM_CURVE_MOVES];
   km_batch_number sign, next_sign; /* sign of the pivots' product, at the start and at the end of a step */
-  km_batch_number pivoted_b, smallest_pivot;
+  km_batch_number max_b_at_search, smallest_pivot;
   km_batch_number target; /* target of the driver, scaled */
   km_batch_number factor; /* factor from the model's unit to the scaled driver */
 

@@ -129,8 +129,8 @@ static void copy_spatial_step(km_lane_spatial_step *to, const km_step *step, int
 static void copy_planar_loop(km_batch *l, int index, const km_loop *loop, int i) {
   km_lane_planar_loop *to = &l->planar_loops[index];
   for (int a = 0; a < 2; ++a) {
-    to->closing_frame[0][a].of[i] = loop->planar_closing_point[0][a];
-    to->closing_frame[1][a].of[i] = loop->planar_closing_point[1][a];
+    to->closing_point[0][a].of[i] = loop->planar_closing_point[0][a];
+    to->closing_point[1][a].of[i] = loop->planar_closing_point[1][a];
     to->origin_offset[a].of[i] = loop->planar_origin_offset[a];
     to->point[a].of[i] = loop->planar_point[a];
   }
@@ -220,7 +220,7 @@ static void set_loop_positions(km_batch *l, const km_program *program, int index
     to->columns = program->planar ? 1 : km_primitive_freedom(m->steps[step].primitive);
     to->turn = program->planar && !m->planar_steps[step].is_slide ? m->planar_steps[step].sign : 0.0;
     to->column_stride = (int)entry->column_stride * KM_BATCH_LANES;
-    set_row_positions(loop, (int)entry->value_index, l->sub->rows * l->sub->columns, to->value_index);
+    set_row_positions(loop, (int)entry->value_index, l->sub->rows * l->sub->columns, to->position);
   }
 }
 

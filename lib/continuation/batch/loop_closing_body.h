@@ -59,7 +59,7 @@ static INLINED void refactor(km_batch *l, vector *largest_b, mask *valid, int fi
   }
   EACH(r) {
     PUT(l->next_sign, (vector)((word)all(1.0) | (sign[r] & SIGN_BIT)));
-    vector pivoted_b = larger(GET(l->pivoted_b), all(1.0));
+    vector pivoted_b = larger(GET(l->max_b_at_search), all(1.0));
     valid[r] &= is_finite(sum[r]) & at_most(largest_b[r], km_max_b_growth * pivoted_b) &
                 at_most(largest_inverse[r] * GET(l->smallest_pivot), all(km_max_pivot_shrinkage));
   }

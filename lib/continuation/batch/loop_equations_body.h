@@ -98,10 +98,11 @@ static INLINED void compute_planar_error(km_batch *l, int index, mask *valid, in
   bool local = loop->has_moving_point;
   EACH(r) {
     vector ac = GET(a->cosine), as = GET(a->sine), bc = GET(b->cosine), bs = GET(b->sine);
-    vector ca0 = GET(n->close[0][0]), ca1 = GET(n->close[0][1]), cb0 = GET(n->close[1][0]), cb1 = GET(n->close[1][1]);
+    vector ca0 = GET(n->closing_point[0][0]), ca1 = GET(n->closing_point[0][1]), cb0 = GET(n->closing_point[1][0]),
+           cb1 = GET(n->closing_point[1][1]);
     vector ax = GET(a->x) + ac * ca0 - as * ca1, ay = GET(a->y) + as * ca0 + ac * ca1;
     vector bx = GET(b->x) + bc * cb0 - bs * cb1, by = GET(b->y) + bs * cb0 + bc * cb1;
-    vector apart_x = GET(n->apart[0]), apart_y = GET(n->apart[1]);
+    vector apart_x = GET(n->origin_offset[0]), apart_y = GET(n->origin_offset[1]);
     vector dx = ax - bx - apart_x, dy = ay - by - apart_y;
     vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn));
     valid[r] &= below(size_of(turn), all(KM_SERIES_TURN));
@@ -135,9 +136,9 @@ static INLINED void set_planar_entries(km_batch *l, int index, const km_lane_col
     const km_batch_number *origin = n->origin[entry->side < 0.0];
     const double side = entry->side, w = entry->turn;
     EACH(r) {
-      put(J + entry->at[0] + AT(r), side * (GET(column->x) - w * GET(origin[1])));
-      put(J + entry->at[1] + AT(r), side * (GET(column->y) + w * GET(origin[0])));
-      put(J + entry->at[2] + AT(r), all(side * w));
+      put(J + entry->position[0] + AT(r), side * (GET(column->x) - w * GET(origin[1])));
+      put(J + entry->position[1] + AT(r), side * (GET(column->y) + w * GET(origin[0])));
+      put(J + entry->position[2] + AT(r), all(side * w));
     }
   }
 }

@@ -137,7 +137,7 @@ static NOT_INLINED void write_numbers_of_several_freedoms(km_batch *l, const mas
         vector z = GET(l->Z[(size_t)k * (size_t)columns + (size_t)j]);
         number += z * z;
       }
-      PUT(row->numbers[j], pick(took[r], number, GET(row->numbers[j])));
+      PUT(row->mobility_number[j], pick(took[r], number, GET(row->mobility_number[j])));
       PUT(row->z[j], pick(took[r], GET(l->weight[j]) * GET(l->t[j]) * factor[r], GET(row->z[j])));
     }
 }

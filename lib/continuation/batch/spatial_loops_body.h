@@ -120,9 +120,9 @@ static inline void compute_spatial_error(km_batch *l, int index, mask *valid, in
   const km_loop *loop = &l->m->loops[index];
   km_lane_spatial_loop *n = &l->spatial_loops[index];
   km_lane_loop *out = &l->loops[index];
-  pose close[2] = {get_pose(&n->close[0], AT(r)), get_pose(&n->close[1], AT(r))};
+  pose close[2] = {get_pose(&n->closing_frame[0], AT(r)), get_pose(&n->closing_frame[1], AT(r))};
   pose a = get_pose(&l->poses[loop->slot[0]], AT(r)), b = get_pose(&l->poses[loop->slot[1]], AT(r));
-  lanes_vec difference = get_vec(&n->apart, AT(r));
+  lanes_vec difference = get_vec(&n->origin_offset, AT(r));
   a = pose_product(&a, &close[0]);
   b = pose_product(&b, &close[1]);
   lanes_vec point = loop->has_moving_point ? a.p : get_vec(&n->point, AT(r));
@@ -147,13 +147,13 @@ static inline void set_spatial_entries(km_batch *l, int index, const km_lane_twi
     const km_lane_entry *entry = &l->entries[loop->entry_start + i];
     const km_lane_twist *of = &h[3 * entry->step];
     double *J = l->J->of;
-    for (int k = 0; k < entry->columns; ++k, ++of, J += entry->next)
+    for (int k = 0; k < entry->columns; ++k, ++of, J += entry->column_stride)
       EACH(r) {
         lanes_vec w = get_vec(&of->w, AT(r)), o = get_vec(&n->origin[entry->side < 0.0], AT(r));
         lanes_vec v = lanes_sum(get_vec(&of->v, AT(r)), lanes_cross(w, o));
         const vector column[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
         for (int a = 0; a < 6; ++a)
-          put(J + entry->at[a] + AT(r), entry->side * column[a]);
+          put(J + entry->position[a] + AT(r), entry->side * column[a]);
       }
   }
 }

@@ -290,7 +290,7 @@ static INLINED void write_numbers_of_single_freedom(km_batch *l, const mask *too
     EACH(r) {
       vector unit = pick(took[r], GET(z[k]) * factor[r], GET(row->z[k]));
       PUT(row->z[k], unit);
-      PUT(row->numbers[k], unit * unit);
+      PUT(row->mobility_number[k], unit * unit);
     }
 }
 
