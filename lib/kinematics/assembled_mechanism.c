@@ -1,4 +1,8 @@
-/* Mechanisms from models: where no link has a length, the assembled pose gives the characteristic length. */
+/* Compiles a mechanism with its characteristic length L (docs/theory.md 1.4).
+ *
+ * L is stated, else the longest link. If no link has a length, L is the greatest distance of two joints in the
+ * assembled
+ * configuration, found by assembling a mechanism with L = 1 first. */
 #include "kinematics/body_poses.h"
 
 #include "base/arguments.h"
@@ -7,51 +11,53 @@
 
 #include <stdlib.h>
 
-/* A joint's place and its distance from the middle of all. */
-typedef struct place {
+/* Position of a joint and its distance from the mean of all positions. */
+typedef struct joint_position {
   km_vec3 p;
   double radius;
-} place;
+} joint_position;
 
-static int by_radius(const void *a, const void *b) {
-  double x = ((const place *)a)->radius, y = ((const place *)b)->radius;
+static int compare_radii(const void *a, const void *b) {
+  double x = ((const joint_position *)a)->radius, y = ((const joint_position *)b)->radius;
   return (x < y) - (x > y);
 }
 
-/* The greatest distance between two of the places, outermost first: two are no further apart than the sum of their radii. */
-static double greatest_distance(place *places, int count, double grain) {
-  const double rounding = 1.0 + 1e-9; /* of the radii */
-  double furthest = 0.0;
-  qsort(places, (size_t)count, sizeof *places, by_radius);
+/* Greatest distance between two positions. They are sorted by radius, since two positions are no further apart than the
+ * sum of their radii. */
+static double greatest_distance(joint_position *positions, int count, double rounding_length) {
+  const double slack = 1.0 + 1e-9; /* rounding of the radii */
+  double greatest = 0.0;
+  qsort(positions, (size_t)count, sizeof *positions, compare_radii);
   for (int j = 0; j < count; ++j)
     for (int k = 0; k < j; ++k) {
-      if ((places[j].radius + places[k].radius) * rounding <= fmax(furthest, grain))
+      if ((positions[j].radius + positions[k].radius) * slack <= fmax(greatest, rounding_length))
         break;
-      furthest = fmax(furthest, sqrt(km_squared_distance(places[j].p, places[k].p, grain)));
+      greatest = fmax(greatest, sqrt(km_squared_distance(positions[j].p, positions[k].p, rounding_length)));
     }
-  return furthest;
+  return greatest;
 }
 
-/* The greatest distance between two joints in the assembled pose; 0 if that is rounding, or the loops don't close. */
-static double joints_apart(const km_mechanism *m) {
+/* Greatest distance between two joints in the assembled configuration; 0 if that is rounding or the loops do not
+ * close. */
+static double greatest_joint_distance(const km_mechanism *m) {
   km_state *s = NULL;
   const int count = m->model->joint_count;
-  double furthest = 0.0;
-  place *places = KM_NEW(place, (size_t)count + 1);
-  if (places && !km_state_create(m, &s, NULL) && !km_assemble(m, s, NULL, NULL)) {
-    km_vec3 middle = {0, 0, 0};
+  double greatest = 0.0;
+  joint_position *positions = KM_NEW(joint_position, (size_t)count + 1);
+  if (positions && !km_state_create(m, &s, NULL) && !km_assemble(m, s, NULL, NULL)) {
+    km_vec3 mean = {0, 0, 0};
     km_poses_compute(m, s);
     for (int j = 0; j < count; ++j) {
-      places[j].p = km_joint_pose(m, s, j).p;
-      middle = km_vec3_add(middle, km_vec3_scale(1.0 / count, places[j].p));
+      positions[j].p = km_joint_pose(m, s, j).p;
+      mean = km_vec3_add(mean, km_vec3_scale(1.0 / count, positions[j].p));
     }
     for (int j = 0; j < count; ++j)
-      places[j].radius = km_vec3_norm(km_vec3_sub(places[j].p, middle));
-    furthest = greatest_distance(places, count, m->position_rounding);
+      positions[j].radius = km_vec3_norm(km_vec3_sub(positions[j].p, mean));
+    greatest = greatest_distance(positions, count, m->position_rounding);
   }
   km_state_free(s);
-  km_free(places);
-  return furthest;
+  km_free(positions);
+  return greatest;
 }
 
 km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
@@ -62,14 +68,14 @@ km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int 
   km_status fits = km_check_given(model != NULL, "model", error);
   if (fits)
     return fits;
-  km_compiling how = {.holds = holds, .hold_count = hold_count};
-  km_status status = km_mechanism_compile_as(model, &how, out, error);
+  km_compiling options = {.holds = holds, .hold_count = hold_count};
+  km_status status = km_mechanism_compile_as(model, &options, out, error);
   if (status || (*out)->length_source != KM_LENGTH_UNIT)
     return status;
-  how.length = joints_apart(*out);
-  how.length_source = KM_LENGTH_JOINTS;
-  if (how.length == 0.0)
+  options.length = greatest_joint_distance(*out);
+  options.length_source = KM_LENGTH_JOINTS;
+  if (options.length == 0.0)
     return KM_OK;
   km_mechanism_free(*out);
-  return km_mechanism_compile_as(model, &how, out, error);
+  return km_mechanism_compile_as(model, &options, out, error);
 }

@@ -1,4 +1,10 @@
-/* Closing all loops of a model from its initial displacements. */
+/* Assembly: closes all loops of a model from its initial displacements (docs/theory.md 4.3).
+ *
+ *   1. full closing by Newton's method (4.2)
+ *   2. min |e|² + 1e-10 |δ|² by Levenberg-Marquardt, then 1
+ *   3. 1 and 2 from displaced starts q + a u, u random in [−1, 1]ⁿ, a = 0.05 · 1.2^k
+ *
+ * Loops that violate the polygon inequality close from no start. For rounded data a closure tolerance is suggested. */
 #include "kinematics/assembly.h"
 #include "base/random.h"
 #include "kinematics/damped_least_squares.h"
@@ -10,29 +16,29 @@
 
 #include <string.h>
 
-/* From this misfit on (scaled rms), what is left is open geometry and not rounding. */
-static const double rounding = 5e-3;
+/* Misfits (scaled rms) below this are rounding of the data, larger ones are open loops. */
+static const double max_rounding_misfit = 5e-3;
 
 static km_closure_outcome close_fully(const km_mechanism *m, km_state *s, int index, km_closure *evidence) {
   return km_close_fully(km_loops_close, m, s, index, KM_NO_DRIVER, evidence);
 }
 
-/* Least squares from where the state is, then Newton's method. */
+/* Levenberg-Marquardt from the present configuration, then full closing by Newton's method. */
 static km_closure_outcome relax_and_close(const km_mechanism *m, km_state *s, int index, km_closure *evidence,
                                           km_status *status, km_error *error) {
   *status = km_damped_least_squares(m, s, index, error);
   return *status ? KM_OPEN : close_fully(m, s, index, evidence);
 }
 
-/* Newton's method from where the state is, else damped least squares from there and Newton again. Equations that
- * contradict each other by rounding alone are left to the caller: least squares would wander off along the
- * motion that they hide. The other substructures' coordinates aren't touched. */
+/* Newton's method from the present configuration, else Levenberg-Marquardt and Newton's method. A small misfit of
+ * secondary rows is left to the caller, since least squares would move along the motion that rounded data conceal.
+ * Other substructures are not moved. */
 static km_closure_outcome close_from_here(const km_mechanism *m, km_state *s, int index, double *saved,
                                           km_closure *evidence, km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
   km_state_save(s, sub, saved);
   km_closure_outcome outcome = close_fully(m, s, index, evidence);
-  if (outcome == KM_CLOSED || (outcome == KM_INCONSISTENT && evidence->residual < rounding))
+  if (outcome == KM_CLOSED || (outcome == KM_INCONSISTENT && evidence->residual < max_rounding_misfit))
     return outcome;
   km_state_restore(s, sub, saved);
   return relax_and_close(m, s, index, evidence, status, error);
@@ -45,46 +51,46 @@ km_status km_assemble_one(const km_mechanism *m, km_state *s, int substructure, 
   return status;
 }
 
-/* A start with links on one line, or a symmetric one, is a stationary point of the gap |e|^2: no descent leaves it. So
- * further starts are tried, displaced at random, by amounts that grow: the first ones find a configuration near the
- * file's. */
-enum { STARTS = 24, FEW_STARTS = 6 };
-static const double least_displacement = 0.05, displacement_growth = 1.2; /* radians, or sizes of the substructure */
+/* A start with links on one line, or a symmetric one, is a stationary point of |e|², which no descent leaves. Random
+ * displacements that grow from start to start find a configuration near the given one first. */
+enum { MAX_STARTS = 24, MAX_STARTS_OF_SMALL_MISFIT = 6 };
+static const double initial_displacement = 0.05, displacement_growth = 1.2; /* radians, or sizes of the substructure */
 
 typedef struct assembly {
   double *saved, *start, *best; /* saved coordinates of a substructure; workspace */
-  int starts;                   /* how many the last substructure has taken */
-  km_long_link too_long;        /* shows that its loop `shown` can't close */
-  int shown;                    /* -1: none */
+  int starts;                   /* starts that the last substructure needed */
+  km_long_link violation;       /* link that proves that loop `violating_loop` cannot close */
+  int violating_loop;           /* -1: none */
 } assembly;
 
-/* Displaces every coordinate that is free to move by a random share of `most`. */
-static void displace(const km_mechanism *m, km_state *s, const km_substructure *sub, double most, uint64_t *random) {
+/* Displaces every unlocked coordinate by a random share of `most`, uniform in [−1, 1]. */
+static void displace_randomly(const km_mechanism *m, km_state *s, const km_substructure *sub, double amplitude,
+                              uint64_t *random) {
   for (int k = 0; k < sub->columns; ++k) {
     double share = km_uniform(random);
-    s->work[k] = s->locked[m->column_coordinate[sub->column_start + k]] ? 0.0 : most * share;
+    s->work[k] = s->locked[m->column_coordinate[sub->column_start + k]] ? 0.0 : amplitude * share;
   }
   km_state_move(m, s, sub, s->work);
 }
 
-/* Further starts of a large substructure would take minutes: their number times the cost of a least squares step is
- * bounded. */
-static int start_count(const km_substructure *sub) {
-  static const double most_work = 1e9; /* starts * rows * columns^2 */
+/* Number of starts: starts · rows · columns² (the cost of least-squares steps) is bounded, so that large substructures
+ * take seconds. */
+static int max_start_count(const km_substructure *sub) {
+  static const double most_work = 1e9; /* starts · rows · columns² */
   double work = (double)sub->rows * sub->columns * sub->columns;
-  return work * STARTS <= most_work ? STARTS : (int)(most_work / work);
+  return work * MAX_STARTS <= most_work ? MAX_STARTS : (int)(most_work / work);
 }
 
-/* The loop that can't close, by its lengths; -1: none is known. */
-static int find_too_long(const km_mechanism *m, const km_substructure *sub, km_long_link *link) {
+/* Index of a loop that violates the polygon inequality; -1: none. */
+static int find_violating_loop(const km_mechanism *m, const km_substructure *sub, km_long_link *link) {
   for (int i = 0; i < sub->loop_count; ++i)
     if (km_loop_violates_polygon(m, m->loop_order[sub->loop_start + i], link))
       return m->loop_order[sub->loop_start + i];
   return -1;
 }
 
-/* Largest scaled change of a coordinate since `saved`. */
-static double distance_from(km_state *s, const km_substructure *sub, const double *saved) {
+/* Largest scaled change of a coordinate since `saved`, |q − saved|_∞. */
+static double max_change(km_state *s, const km_substructure *sub, const double *saved) {
   double largest = 0.0;
   km_state_difference(s, sub, saved, s->work);
   for (int k = 0; k < sub->columns; ++k)
@@ -92,10 +98,9 @@ static double distance_from(km_state *s, const km_substructure *sub, const doubl
   return largest;
 }
 
-/* Closes the substructure's loops from the state's configuration, else from others near it. Where none leads to a
- * closed configuration, or lengths show that there is none, the state is left at that with the least gap. A small gap
- * e is one of rounded data, unless the loops close at a distance of order sqrt(e), as they do beside a stationary
- * point. */
+/* Closes one substructure by steps 1 to 3. If no start closes, or the polygon inequality is violated, the state is left
+ * at the smallest residual. A small misfit ε counts as rounded data, unless a start closes within 10 √ε: that is the
+ * distance at which a stationary point closes. */
 static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, assembly *a, km_closure *evidence,
                                        km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
@@ -103,24 +108,24 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
   km_state_save(s, sub, a->start);
   km_closure_outcome best = close_from_here(m, s, index, a->saved, evidence, status, error);
   a->starts = 1;
-  a->shown = -1;
+  a->violating_loop = -1;
   if (best == KM_CLOSED || *status)
     return best;
-  a->shown = find_too_long(m, sub, &a->too_long);
-  bool is_small = best == KM_INCONSISTENT && evidence->residual < rounding;
-  double reach = is_small ? 10.0 * sqrt(evidence->residual) : HUGE_VAL;
+  a->violating_loop = find_violating_loop(m, sub, &a->violation);
+  bool is_small = best == KM_INCONSISTENT && evidence->residual < max_rounding_misfit;
+  double max_distance = is_small ? 10.0 * sqrt(evidence->residual) : HUGE_VAL;
   km_state_save(s, sub, a->best);
   if (is_small)
     memcpy(a->start, a->best, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *a->start);
-  int count = a->shown >= 0 ? 0 : is_small ? FEW_STARTS : start_count(sub);
-  for (double most = least_displacement; a->starts <= count && !*status; most *= displacement_growth) {
+  int count = a->violating_loop >= 0 ? 0 : is_small ? MAX_STARTS_OF_SMALL_MISFIT : max_start_count(sub);
+  for (double amplitude = initial_displacement; a->starts <= count && !*status; amplitude *= displacement_growth) {
     km_closure found;
     km_state_restore(s, sub, a->start);
-    displace(m, s, sub, most, &random);
+    displace_randomly(m, s, sub, amplitude, &random);
     km_closure_outcome outcome = relax_and_close(m, s, index, &found, status, error);
     if (*status)
       break;
-    if (outcome == KM_CLOSED && distance_from(s, sub, a->start) <= reach) {
+    if (outcome == KM_CLOSED && max_change(s, sub, a->start) <= max_distance) {
       *evidence = found;
       return outcome;
     }
@@ -136,32 +141,34 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
   return best;
 }
 
-/* What a substructure would be with another tolerance. */
-typedef struct trial {
+/* Result of closing a substructure with another closure tolerance. */
+typedef struct tolerance_trial {
   bool closes;
   int freedom, rank;
   double tolerance, misfit;
-} trial;
+} tolerance_trial;
 
-/* Reads the displacements again, closes, and searches pivots: just what a file with this tolerance gets. */
-static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
-  trial result = {.tolerance = tolerance};
+/* Compiles the model with a tolerance, closes the substructure and factors its Jacobian, as for a file with this
+ * tolerance. */
+static tolerance_trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
+  tolerance_trial result = {.tolerance = tolerance};
   km_mechanism *other = NULL;
   km_state *s = NULL;
   km_hold *holds = KM_NEW(km_hold, (size_t)m->coordinate_count);
   double *saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * m->largest_columns));
-  int held = 0;
+  int hold_count = 0;
   for (int c = 0; holds && c < m->coordinate_count; ++c)
     if (m->held[c])
-      holds[held++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
-  km_compiling how = {holds, held, tolerance, m->length, m->length_source};
-  if (holds && saved && !km_mechanism_compile_as(m->model, &how, &other, NULL) && !km_state_create(other, &s, NULL)) {
+      holds[hold_count++] = (km_hold){c, m->start[c] / km_model_coordinate_factor(m->model, c)};
+  km_compiling options = {holds, hold_count, tolerance, m->length, m->length_source};
+  if (holds && saved && !km_mechanism_compile_as(m->model, &options, &other, NULL) &&
+      !km_state_create(other, &s, NULL)) {
     km_closure evidence;
     km_status status = KM_OK;
     result.closes = close_from_here(other, s, index, saved, &evidence, &status, NULL) == KM_CLOSED;
     result.misfit = evidence.residual;
     km_update_and_search_pivots(other, s, index, KM_NO_DRIVER,
-                                evidence.residual); /* those of the closure may be of another pose */
+                                evidence.residual); /* the pivots of the closure may belong to another configuration */
     result.rank = s->partition[index].rank;
     result.freedom = km_partition_freedom(&s->partition[index]);
   }
@@ -172,16 +179,16 @@ static trial try_tolerance(const km_mechanism *m, int index, double tolerance) {
   return result;
 }
 
-/* The smallest tolerance of the 1-2-5 ladder that closes, with the same rank two rungs higher, which is the
- * one to name: the misfit of other poses may be larger than this one's. False: none. */
-static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobility, trial *out) {
-  static const double ladder[] = {1e-9, 2e-9, 5e-9, 1e-8, 2e-8, 5e-8, 1e-7, 2e-7, 5e-7, 1e-6,
-                                  2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3};
-  for (size_t i = 0; i + 2 < sizeof ladder / sizeof *ladder; ++i) {
-    if (ladder[i] <= m->closure_tolerance)
+/* Finds the smallest tolerance that closes and gives the same rank two values further up. That larger value is
+ * returned, since the misfit can be larger in other configurations. False: none. */
+static bool find_tolerance(const km_mechanism *m, int index, int least_mobility, tolerance_trial *out) {
+  static const double tolerances[] = {1e-9, 2e-9, 5e-9, 1e-8, 2e-8, 5e-8, 1e-7, 2e-7, 5e-7, 1e-6,
+                                      2e-6, 5e-6, 1e-5, 2e-5, 5e-5, 1e-4, 2e-4, 5e-4, 1e-3, 2e-3};
+  for (size_t i = 0; i + 2 < sizeof tolerances / sizeof *tolerances; ++i) {
+    if (tolerances[i] <= m->closure_tolerance)
       continue;
-    trial tight = try_tolerance(m, index, ladder[i]);
-    *out = try_tolerance(m, index, ladder[i + 2]);
+    tolerance_trial tight = try_tolerance(m, index, tolerances[i]);
+    *out = try_tolerance(m, index, tolerances[i + 2]);
     if (tight.closes && out->closes && tight.rank == out->rank && tight.freedom >= least_mobility)
       return true;
   }
@@ -189,18 +196,18 @@ static bool fitting_tolerance(const km_mechanism *m, int index, int least_mobili
 }
 
 bool km_assemble_suggest(const km_mechanism *m, int index, int least_mobility, km_suggestion *out) {
-  trial named;
-  if (!fitting_tolerance(m, index, least_mobility, &named))
+  tolerance_trial suggested;
+  if (!find_tolerance(m, index, least_mobility, &suggested))
     return false;
-  *out = (km_suggestion){named.tolerance, named.misfit, named.freedom};
+  *out = (km_suggestion){suggested.tolerance, suggested.misfit, suggested.freedom};
   return true;
 }
 
-/* Of a gap and a turn (scaled) the one below this share of the other isn't told. */
-static const double unseen = 1e-9;
+/* A gap or a rotation (scaled) below this ratio of the other one is not reported. */
+static const double negligible_ratio = 1e-9;
 
-/* "connect: loop 1 (joints A, B, connect, D)". */
-static void name_loop(const km_mechanism *m, int loop, km_text *text) {
+/* Appends e.g. "connect: loop 1 (joints A, B, connect, D)". */
+static void append_loop_name(const km_mechanism *m, int loop, km_text *text) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
   km_text_format(text, "%s: loop %d (joints", model->joints[t->chord[loop]].where, loop + 1);
@@ -209,14 +216,14 @@ static void name_loop(const km_mechanism *m, int loop, km_text *text) {
   km_text_add(text, ")");
 }
 
-/* "a gap of 0.12 m is left at connect". */
-static void add_gap(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
+/* Appends e.g. "a gap of 0.12 m is left at connect". */
+static void append_gap(const km_mechanism *m, const km_state *s, int loop, km_text *text) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
   const km_twist *e = &s->misfit[loop];
   double size = m->substructures[t->substructure_of_loop[loop]].size, gap = km_vec3_norm(e->v),
          turn = km_vec3_norm(e->w);
-  bool gaps = gap > unseen * turn, turns = turn > unseen * gap;
+  bool gaps = gap > negligible_ratio * turn, turns = turn > negligible_ratio * gap;
   if (gaps)
     km_text_format(text, "a gap of %.4g %s", size * gap, model->units.length->suffix);
   if (turns)
@@ -225,28 +232,31 @@ static void add_gap(const km_mechanism *m, const km_state *s, int loop, km_text 
   km_text_format(text, " %s left at %.80s", gaps && turns ? "are" : "is", model->joints[t->chord[loop]].label);
 }
 
-static const char *joint_of(const km_model *model, int coordinate) {
+static const char *joint_label(const km_model *model, int coordinate) {
   return model->joints[model->coordinates[coordinate].joint].label;
 }
 
+/* Appends the reason why a loop does not close: the link that is too long, or the remaining gap. */
 static void describe_open_loop(const km_mechanism *m, const km_state *s, int loop, const assembly *a, km_text *text) {
   const km_model *model = m->model;
-  const km_long_link *link = &a->too_long;
-  if (a->shown >= 0) {
-    name_loop(m, a->shown, text);
-    km_text_format(
-        text, ": the links can't meet: the one between %.80s and %.80s is %.4g %s longer than the others together",
-        joint_of(model, link->coordinates[0]), joint_of(model, link->coordinates[1]),
-        link->excess * m->substructures[m->topology.substructure_of_loop[a->shown]].size, model->units.length->suffix);
+  const km_long_link *link = &a->violation;
+  if (a->violating_loop >= 0) {
+    append_loop_name(m, a->violating_loop, text);
+    km_text_format(text,
+                   ": the links can't meet: the one between %.80s and %.80s is %.4g %s longer than the others together",
+                   joint_label(model, link->coordinates[0]), joint_label(model, link->coordinates[1]),
+                   link->excess * m->substructures[m->topology.substructure_of_loop[a->violating_loop]].size,
+                   model->units.length->suffix);
     return;
   }
-  name_loop(m, loop, text);
+  append_loop_name(m, loop, text);
   km_text_add(text, ": the links don't meet: ");
-  add_gap(m, s, loop, text);
+  append_gap(m, s, loop, text);
   if (a->starts > 1)
     km_text_format(text, ", the least of %d starting configurations", a->starts);
 }
 
+/* Fails with the open loop or coupling, and with a suggested closure tolerance if one closes. */
 static km_status report_open(const km_mechanism *m, const km_state *s, int index, const assembly *a,
                              const km_closure *evidence, km_error *error) {
   km_text text = {0};
@@ -254,12 +264,12 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
     describe_open_loop(m, s, evidence->worst, a, &text);
   else
     km_text_format(&text, "a coupling of substructure %d can't be met: %.4g is left", index + 1, evidence->residual);
-  trial named;
-  if (evidence->residual < rounding && fitting_tolerance(m, index, 0, &named))
+  tolerance_trial suggested;
+  if (evidence->residual < max_rounding_misfit && find_tolerance(m, index, 0, &suggested))
     km_text_format(&text,
                    "; check lengths and starting angles, or for rounded data state \"closure_tolerance\": %g in "
                    "model_parameters, which gives mobility %d in substructure %d",
-                   named.tolerance, named.freedom, index + 1);
+                   suggested.tolerance, suggested.freedom, index + 1);
   else
     km_text_add(&text, "; check lengths and starting angles");
   km_status status = km_fail(error, KM_MODEL, "%s", text.failed ? "out of memory" : text.data);
@@ -267,8 +277,8 @@ static km_status report_open(const km_mechanism *m, const km_state *s, int index
   return status;
 }
 
-/* Newton closes a loop in the scale of its slides' start. Where that is far larger than the loop that comes out, what
- * is left of the misfit may be all of the loop. */
+/* Residuals are relative to a size that includes the slides' start values. If these are far larger than the assembled
+ * loop, the residual can be as large as the loop: then the start is refused. */
 static km_status check_scale(const km_mechanism *m, const km_state *s, int index, const km_closure *evidence,
                              km_error *error) {
   const km_substructure *sub = &m->substructures[index];

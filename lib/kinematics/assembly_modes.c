@@ -1,4 +1,8 @@
-/* Assembly modes: the configurations that close the loops with the driver fixed. */
+/* Assembly modes: the configurations that close the loops with the driver locked (docs/theory.md 4.13).
+ *
+ *   random starts: hinges uniform in [−π, π], slides within one size;   closing by 4.3;   equal modes merged
+ *
+ * Evidence: the number of starts that led to each mode, and the number of modes found once. */
 #include "kmech/mechanism.h"
 
 #include "base/arguments.h"
@@ -10,122 +14,124 @@
 #include <stdint.h>
 #include <string.h>
 
-static const double different = 1e-6; /* of a body's place, lengths over the substructure's size */
+static const double pose_tolerance = 1e-6; /* of a body's pose: radians, lengths over the substructure's size */
 
-/* One mode, while others are looked for. */
+/* One assembly mode. */
 typedef struct mode {
-  double *saved;  /* [3 · columns] saved coordinates */
-  km_pose *place; /* [body] in the inertial frame */
-  int finds;      /* starts that led to it */
-  bool is_within; /* the joint limits */
+  double *saved;         /* [3 · columns] saved coordinates */
+  km_pose *pose;         /* [body] in the inertial frame */
+  int find_count;        /* number of starts that led to it */
+  bool is_within_limits; /* the mode satisfies the joint limits */
 } mode;
 
-typedef struct search {
+typedef struct mode_search {
   const km_mechanism *m;
   km_state *s; /* with the driver locked */
   const km_state *original;
   int driver, substructure;
   km_arena arena;
-  double *saved, *way; /* [3 · columns], [columns] workspace */
-  km_body_placement *places;
+  double *saved, *step; /* [3 · columns], [columns] workspace */
+  km_body_placement *placements;
   mode *modes;
   size_t capacity;
   int count, closed;
-  bool moves; /* a mode has a mobility above 0 */
+  bool is_mobile; /* a mode has a mobility above 0 */
   uint64_t random;
   km_progress progress;
   void *context;
   bool cancelled;
-} search;
+} mode_search;
 
-/* splitmix64, -1 … 1. */
-static double uniform(search *f) {
+/* Uniform random number in [−1, 1) by splitmix64. */
+static double uniform(mode_search *f) {
   uint64_t z = (f->random += 0x9E3779B97F4A7C15u);
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
   z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
   return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
 }
 
-static const km_substructure *sub_of(const search *f) {
+static const km_substructure *substructure_of_search(const mode_search *f) {
   return &f->m->substructures[f->substructure];
 }
 
-static int coordinate_of(const search *f, int column) {
-  return f->m->column_coordinate[sub_of(f)->column_start + column];
+static int coordinate_of_column(const mode_search *f, int column) {
+  return f->m->column_coordinate[substructure_of_search(f)->column_start + column];
 }
 
-/* A random start from the state's configuration: hinges anywhere, slides within the size of the substructure; what is
- * locked stays. */
-static void scatter(search *f) {
-  const km_substructure *sub = sub_of(f);
+/* Random start: hinges uniform in [−π, π], slides within the substructure's size around the present value; locked
+ * coordinates stay. */
+static void randomise(mode_search *f) {
+  const km_substructure *sub = substructure_of_search(f);
   for (int k = 0; k < sub->columns; ++k) {
-    int c = coordinate_of(f, k);
-    f->way[k] = f->s->locked[c] ? 0.0 : uniform(f) * (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
+    int c = coordinate_of_column(f, k);
+    f->step[k] = f->s->locked[c] ? 0.0 : uniform(f) * (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
   }
-  km_state_move(f->m, f->s, sub, f->way);
+  km_state_move(f->m, f->s, sub, f->step);
 }
 
-static bool close(search *f) {
+/* Closes the substructure's loops from the present start. */
+static bool close_loops(mode_search *f) {
   bool closed;
   f->arena.failed = km_assemble_one(f->m, f->s, f->substructure, f->saved, &closed) || f->arena.failed;
   return closed;
 }
 
-static int body_of(const km_mechanism *m, int joint, int end) {
+static int body_of_joint(const km_mechanism *m, int joint, int end) {
   return m->model->frames[m->model->joints[joint].frame[end]].body;
 }
 
 /* True if the coordinate belongs to the strut's slide or to the joint at either end. */
 static bool belongs_to_strut(const km_mechanism *m, int strut, int coordinate) {
   int slide = m->model->coordinates[strut].joint, joint = m->model->coordinates[coordinate].joint;
-  return joint == slide || body_of(m, joint, 1) == body_of(m, slide, 0) || body_of(m, joint, 0) == body_of(m, slide, 1);
+  return joint == slide || body_of_joint(m, joint, 1) == body_of_joint(m, slide, 0) ||
+         body_of_joint(m, joint, 0) == body_of_joint(m, slide, 1);
 }
 
-static void lock_driver(search *f) {
+static void lock_driver(mode_search *f) {
   km_state_unlock(f->s);
   if (f->driver >= 0)
     km_state_lock(f->s, f->driver);
 }
 
-/* Turns a strut of negative length round: its length is |q|, its own joints are found anew, and all others stay.
- * False, with the state as it was, if no start closes. */
-static bool turn_strut(search *f, int strut) {
+/* Reverses a strut of negative length: its length becomes |q|, its own joints are closed again from random starts, all
+ * others stay. False, with the state unchanged, if no start closes. */
+static bool reverse_strut(mode_search *f, int strut) {
   enum { STARTS = 40 };
-  const km_substructure *sub = sub_of(f);
+  const km_substructure *sub = substructure_of_search(f);
   size_t size = (size_t)(KM_SAVED_PER_COLUMN * sub->columns);
-  double *before = KM_NEW(double, size);
-  bool turned = false;
-  f->arena.failed = f->arena.failed || !before;
-  if (!before)
+  double *saved_before = KM_NEW(double, size);
+  bool is_reversed = false;
+  f->arena.failed = f->arena.failed || !saved_before;
+  if (!saved_before)
     return false;
-  km_state_save(f->s, sub, before);
+  km_state_save(f->s, sub, saved_before);
   km_state_lock(f->s, strut);
   for (int k = 0; k < sub->columns; ++k)
-    if (!belongs_to_strut(f->m, strut, coordinate_of(f, k)))
-      km_state_lock(f->s, coordinate_of(f, k));
-  for (int i = 0; i < STARTS && !turned; ++i) {
-    km_state_restore(f->s, sub, before);
+    if (!belongs_to_strut(f->m, strut, coordinate_of_column(f, k)))
+      km_state_lock(f->s, coordinate_of_column(f, k));
+  for (int i = 0; i < STARTS && !is_reversed; ++i) {
+    km_state_restore(f->s, sub, saved_before);
     f->s->q[strut] = fabs(f->s->q[strut]);
-    scatter(f);
-    turned = close(f);
+    randomise(f);
+    is_reversed = close_loops(f);
   }
   lock_driver(f);
-  if (!turned)
-    km_state_restore(f->s, sub, before);
-  km_free(before);
-  return turned;
+  if (!is_reversed)
+    km_state_restore(f->s, sub, saved_before);
+  km_free(saved_before);
+  return is_reversed;
 }
 
-/* Hinges come within half a turn of where the state has them, or by further turns within their limits. */
-static void choose_turns(search *f) {
-  const km_substructure *sub = sub_of(f);
+/* Moves hinge angles by full turns to within half a turn of the original values, or into their limits. */
+static void choose_full_turns(mode_search *f) {
+  const km_substructure *sub = substructure_of_search(f);
   for (int k = 0; k < sub->columns && sub->coupling_count == 0; ++k) {
-    int c = coordinate_of(f, k);
+    int c = coordinate_of_column(f, k);
     double *q = &f->s->q[c];
     if (!km_coordinate_turns(f->m, c))
       continue;
     double turn = remainder(*q - f->original->q[c], 2.0 * M_PI);
-    *q = f->original->q[c] + (turn < different - M_PI ? turn + 2.0 * M_PI : turn);
+    *q = f->original->q[c] + (turn < pose_tolerance - M_PI ? turn + 2.0 * M_PI : turn);
     if (*q > f->m->high[c])
       *q -= 2.0 * M_PI * ceil((*q - f->m->high[c]) / (2.0 * M_PI));
     else if (*q < f->m->low[c])
@@ -133,130 +139,136 @@ static void choose_turns(search *f) {
   }
 }
 
-/* Normalises the configuration: strut lengths of at least 0, hinge turns nearest to the original ones or within
- * limits. False: a strut can't be turned round. */
-static bool make_canonical(search *f) {
-  bool turned = true;
-  for (int k = 0; k < sub_of(f)->columns; ++k) {
-    int c = coordinate_of(f, k);
+/* Normalises a configuration: strut lengths of at least 0, hinge angles nearest to the original ones or within limits.
+ * False if a strut could not be reversed. */
+static bool normalise_configuration(mode_search *f) {
+  bool is_reversed = true;
+  for (int k = 0; k < substructure_of_search(f)->columns; ++k) {
+    int c = coordinate_of_column(f, k);
     if (f->m->model->coordinates[c].is_strut && f->s->q[c] < 0.0 && c != f->driver)
-      turned = turn_strut(f, c) && turned;
+      is_reversed = reverse_strut(f, c) && is_reversed;
   }
-  choose_turns(f);
-  return turned;
+  choose_full_turns(f);
+  return is_reversed;
 }
 
-/* The mode that the state's configuration is; -1: a new one. */
-static int find_known(const search *f) {
-  double size = sub_of(f)->size;
+/* Index of the mode with the present poses of all bodies; -1: a new mode. */
+static int find_mode(const mode_search *f) {
+  double size = substructure_of_search(f)->size;
   km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->count; ++i)
-    if (km_is_same_mode(f->m, f->places, f->modes[i].place, f->s->pose, size, different))
+    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, size, pose_tolerance))
       return i;
   return -1;
 }
 
-static bool keep(search *f) {
+/* Adds the present configuration as a mode, normalised unless it is the first. False when out of memory. */
+static bool add_mode(mode_search *f) {
   size_t bodies = (size_t)f->m->model->body_count;
   void *modes = f->modes;
-  mode kept = {.saved = KM_ARENA_NEW(&f->arena, double, (size_t)(KM_SAVED_PER_COLUMN * sub_of(f)->columns)),
-               .place = KM_ARENA_NEW(&f->arena, km_pose, bodies),
-               .finds = 1};
+  mode added = {.saved =
+                    KM_ARENA_NEW(&f->arena, double, (size_t)(KM_SAVED_PER_COLUMN * substructure_of_search(f)->columns)),
+                .pose = KM_ARENA_NEW(&f->arena, km_pose, bodies),
+                .find_count = 1};
   if (f->arena.failed || !km_reserve(&modes, &f->capacity, (size_t)f->count + 1, sizeof *f->modes))
     return false;
   f->modes = modes;
-  f->moves = f->moves || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
-  memcpy(kept.place, f->s->pose, bodies * sizeof *kept.place);
-  bool is_own = f->count == 0;
-  kept.is_within = is_own || (make_canonical(f) && km_state_find_outside_limit(f->s, sub_of(f)) < 0);
-  km_state_save(f->s, sub_of(f), kept.saved);
-  f->modes[f->count++] = kept;
+  f->is_mobile = f->is_mobile || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
+  memcpy(added.pose, f->s->pose, bodies * sizeof *added.pose);
+  bool is_first = f->count == 0;
+  added.is_within_limits =
+      is_first || (normalise_configuration(f) && km_state_find_outside_limit(f->s, substructure_of_search(f)) < 0);
+  km_state_save(f->s, substructure_of_search(f), added.saved);
+  f->modes[f->count++] = added;
   return !f->arena.failed;
 }
 
-/* Counts the state's configuration. False when out of memory. */
-static bool count_find(search *f) {
-  int known = find_known(f);
+/* Counts the present configuration to its mode, or adds a new one. False when out of memory. */
+static bool record_mode(mode_search *f) {
+  int found = find_mode(f);
   ++f->closed;
-  if (known < 0)
-    return keep(f);
-  ++f->modes[known].finds;
+  if (found < 0)
+    return add_mode(f);
+  ++f->modes[found].find_count;
   return true;
 }
 
-static bool collect(search *f, int starts) {
-  if (!count_find(f))
+/* Closes the loops from random starts around the first mode and records each result. */
+static bool run_starts(mode_search *f, int starts) {
+  if (!record_mode(f))
     return false;
   for (int i = 0; i < starts; ++i) {
     f->cancelled = f->progress && !f->progress(f->context, (double)i / starts);
     if (f->cancelled)
       return false;
-    km_state_restore(f->s, sub_of(f), f->modes[0].saved);
-    scatter(f);
-    if ((close(f) && !count_find(f)) || f->arena.failed)
+    km_state_restore(f->s, substructure_of_search(f), f->modes[0].saved);
+    randomise(f);
+    if ((close_loops(f) && !record_mode(f)) || f->arena.failed)
       return false;
   }
   return true;
 }
 
-/* Returns the coordinate for output. What closing the loops leaves of 0 is written as 0. */
-static double written(const search *f, int c) {
+/* Returns a coordinate for output. A value that is 0 to the rounding of closing is written as 0. */
+static double output_coordinate(const mode_search *f, int c) {
   static const double rounding = 1e-12; /* radians, or substructure sizes */
   if (f->m->substructure_of[c] != f->substructure)
     return km_state_coordinate(f->original, c);
   return fabs(f->s->q[c]) <= rounding * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
 }
 
-static bool write_out(search *f, km_modes *out) {
+/* Copies the modes within the joint limits to the result and counts the others. */
+static bool write_modes(mode_search *f, km_modes *out) {
   int n = f->m->coordinate_count;
   out->coordinates = KM_NEW(double, (size_t)f->count *(size_t)n);
   if (!out->coordinates)
     return false;
   for (int i = 0; i < f->count; ++i) {
-    out->once += f->modes[i].finds == 1;
-    out->outside += !f->modes[i].is_within;
-    if (!f->modes[i].is_within)
+    out->once += f->modes[i].find_count == 1;
+    out->outside += !f->modes[i].is_within_limits;
+    if (!f->modes[i].is_within_limits)
       continue;
-    km_state_restore(f->s, sub_of(f), f->modes[i].saved);
+    km_state_restore(f->s, substructure_of_search(f), f->modes[i].saved);
     for (int c = 0; c < n; ++c)
-      out->coordinates[(size_t)out->count * (size_t)n + (size_t)c] = written(f, c);
+      out->coordinates[(size_t)out->count * (size_t)n + (size_t)c] = output_coordinate(f, c);
     ++out->count;
   }
   out->closed = f->closed;
   return true;
 }
 
-static km_status search_modes(search *f, int starts, km_modes *out, km_error *error) {
-  size_t columns = (size_t)sub_of(f)->columns;
+/* Closes the first mode, runs the starts and writes the result. */
+static km_status search_modes(mode_search *f, int starts, km_modes *out, km_error *error) {
+  size_t columns = (size_t)substructure_of_search(f)->columns;
   f->saved = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *columns);
-  f->way = KM_ARENA_NEW(&f->arena, double, columns);
-  f->places = KM_ARENA_NEW(&f->arena, km_body_placement, (size_t)f->m->model->body_count);
-  bool done = !f->arena.failed, moves = false, is_closed = true;
-  if (done) {
-    f->arena.failed = !km_body_placements(f->m, f->places);
+  f->step = KM_ARENA_NEW(&f->arena, double, columns);
+  f->placements = KM_ARENA_NEW(&f->arena, km_body_placement, (size_t)f->m->model->body_count);
+  bool is_ok = !f->arena.failed, is_mobile = false, is_closed = true;
+  if (is_ok) {
+    f->arena.failed = !km_body_placements(f->m, f->placements);
     km_state_copy(f->m, f->s, f->original);
-    is_closed = close(f);
-    done = is_closed && !f->arena.failed;
-    moves = done && f->driver < 0 && km_partition_freedom(&f->s->partition[f->substructure]) > 0;
-    done = done && !moves && collect(f, starts) && write_out(f, out);
+    is_closed = close_loops(f);
+    is_ok = is_closed && !f->arena.failed;
+    is_mobile = is_ok && f->driver < 0 && km_partition_freedom(&f->s->partition[f->substructure]) > 0;
+    is_ok = is_ok && !is_mobile && run_starts(f, starts) && write_modes(f, out);
   }
-  out->isolated = done && !f->moves;
+  out->isolated = is_ok && !f->is_mobile;
   bool is_open = !is_closed && !f->arena.failed;
   km_free(f->modes);
   km_arena_free(&f->arena);
   if (is_open)
     return km_fail(error, KM_USAGE, "the loops of the state are open; expected an assembled one");
-  if (moves)
+  if (is_mobile)
     return km_fail(
         error, KM_USAGE,
         "assembly modes need a driver, since the mechanism moves: the model has no analysis.sweep with a joint; "
         "expected one by --set");
   if (f->cancelled)
     return km_fail(error, KM_CANCELLED, "the search for assembly modes was cancelled");
-  return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
+  return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
 }
 
-/* The substructure with most coordinates; -1: nothing is in a loop. */
+/* Loop-containing substructure with the most coordinates; -1: none. */
 static int largest_substructure(const km_mechanism *m) {
   int best = -1;
   for (int i = 0; i < m->topology.substructure_count; ++i)
@@ -293,14 +305,14 @@ km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, in
   if (!status)
     status = km_state_create(m, &state, error);
   if (!status) {
-    search f = {.m = m,
-                .s = state,
-                .original = s,
-                .driver = driver,
-                .substructure = driver >= 0 ? m->substructure_of[driver] : largest_substructure(m),
-                .random = seed,
-                .progress = progress,
-                .context = context};
+    mode_search f = {.m = m,
+                     .s = state,
+                     .original = s,
+                     .driver = driver,
+                     .substructure = driver >= 0 ? m->substructure_of[driver] : largest_substructure(m),
+                     .random = seed,
+                     .progress = progress,
+                     .context = context};
     lock_driver(&f);
     status = search_modes(&f, starts, out, error);
   }

@@ -1,11 +1,14 @@
-/* Poses and twists of bodies in the inertial frame. */
+/* Forward kinematics along the spanning tree: poses and twists of bodies in the inertial frame (docs/theory.md 1.2,
+ * 2.1).
+ *
+ *   X_body = X_parent · before · motions(q) · after          before, after: constant, to and from the joint's frame */
 #include "kinematics/body_poses.h"
 #include "topology/chain.h"
 
-/* Takes X over a motion of its joint, in its sense (sign 1) or against it (-1). The same bits as the product with
- * km_motion_traversed. */
-static inline __attribute__((always_inline)) void pass(const km_mechanism *m, const km_state *s, km_motion motion,
-                                                       double sign, double pitch, int coordinate, km_pose *X) {
+/* Multiplies X by a motion of a joint, with the bits of km_motion_traversed. `sign` −1: reversed joint. */
+static inline __attribute__((always_inline)) void apply_motion(const km_mechanism *m, const km_state *s,
+                                                               km_motion motion, double sign, double pitch,
+                                                               int coordinate, km_pose *X) {
   double value = s->q[coordinate];
   switch (motion.primitive) {
   case KM_PRISMATIC:
@@ -34,8 +37,9 @@ km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const
   km_twist sum = {{0, 0, 0}, {0, 0, 0}};
   for (int i = 0; i < p.count; ++i) {
     km_pose after = X;
-    pass(m, s, p.motion[i], p.sign, pitch, p.coordinate[i], &after);
-    /* A ball's rates are about its parent frame's axes, which come last where it is passed against. */
+    apply_motion(m, s, p.motion[i], p.sign, pitch, p.coordinate[i], &after);
+    /* Rates of a ball joint are about its parent frame's axes; of a reversed joint that is the frame after the
+     * motion. */
     const km_pose *frame = p.motion[i].primitive == KM_BALL && p.sign < 0.0 ? &after : &X;
     for (int k = 0; k < km_primitive_freedom(p.motion[i].primitive); ++k)
       sum = km_twist_axpy(p.sign * rates[p.coordinate[i] + k], km_motion_twist(p.motion[i], pitch, frame, k), sum);
@@ -63,7 +67,7 @@ km_twist km_coordinate_twist_about(const km_mechanism *m, const km_state *s, con
   double pitch = km_pitch_per_radian(m->model, joint, 1.0);
   km_pose X = frame_pose(m, pose, m->model->joints[joint].frame[0]);
   for (; coordinate >= at + km_primitive_freedom(motion->primitive); ++motion) {
-    pass(m, s, *motion, 1.0, pitch, at, &X);
+    apply_motion(m, s, *motion, 1.0, pitch, at, &X);
     at += km_primitive_freedom(motion->primitive);
   }
   return km_motion_twist(*motion, pitch, &X, coordinate - at);
@@ -78,13 +82,14 @@ void km_twists_about(const km_mechanism *m, const km_state *s, const km_pose *po
       twist[c] = km_coordinate_twist_about(m, s, pose, c);
       continue;
     }
-    const km_model_frame *frame = &m->model->frames[joint->frame[0]]; /* of it only the axis and the origin */
+    const km_model_frame *frame = &m->model->frames[joint->frame[0]]; /* only its axis and origin are needed */
     const km_pose *body = &pose[frame->body];
     twist[c] = km_axis_twist(motion.primitive, km_pitch_per_radian(m->model, def->joint, 1.0),
                              km_rotate(&body->R, frame->pose.R.axis[motion.axis]), km_pose_point(body, frame->pose.p));
   }
 }
 
+/* Pose of a body from that of its parent. */
 static void update_body(const km_mechanism *m, const km_state *s, const km_arc *arc, km_pose *pose) {
   const km_model_joint *joint = &m->model->joints[arc->joint];
   const km_joint_kind *kind = km_joint_kind_of(joint->type);
@@ -96,7 +101,7 @@ static void update_body(const km_mechanism *m, const km_state *s, const km_arc *
     km_motion motion = kind->motions[arc->is_reversed ? kind->motion_count - 1 - i : i];
     int freedom = km_primitive_freedom(motion.primitive);
     coordinate -= arc->is_reversed ? freedom : 0;
-    pass(m, s, motion, sign, pitch, coordinate, &X);
+    apply_motion(m, s, motion, sign, pitch, coordinate, &X);
     coordinate += arc->is_reversed ? 0 : freedom;
   }
   for (int k = 0; k < 3; ++k)
@@ -104,7 +109,7 @@ static void update_body(const km_mechanism *m, const km_state *s, const km_arc *
   out->p = km_pose_point(parent, km_pose_point(&X, after->p));
 }
 
-/* Of the bodies from arc `first` on. */
+/* Updates the bodies from arc `first` on, in level order. */
 static void update_bodies(const km_mechanism *m, const km_state *s, int first, km_pose *pose) {
   for (int i = first; i < m->topology.body_count - 1; ++i)
     update_body(m, s, &m->arcs[i], pose);

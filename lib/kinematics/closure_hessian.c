@@ -1,11 +1,16 @@
-/* How the rows of loops bend along their coordinates. */
+/* Hessian of the closure along multipliers λ (docs/theory.md 2.7).
+ *
+ *   loops    : ∂²(λᵀe)/∂x_i ∂x_j = ½ side λᵀ[h_i, h_j],   joint i before joint j on one side, side = ±1
+ *   couplings: λ_r c_r''(q_j) on the diagonal
+ *
+ * A column h_j is carried by the joints before it on its side, so log(… exp(h_i x_i) … exp(h_j x_j) …) has the term
+ * ½ [h_i, h_j] x_i x_j. Joints before both sides move the loop as a rigid body and add nothing. Bilinear terms only;
+ * exact for closed loops up to terms that vanish along Jᵀ. */
 #include "kinematics/loop_equations.h"
 
 #include <string.h>
 
-/* A column h_j is fixed in what carries its joint: the joints before it on its side of the loop turn it, so that
- * log(… exp(h_i x_i) … exp(h_j x_j) …) has ½ ad(h_i) h_j x_i x_j twice. Joints before both sides move the whole loop and bend nothing. */
-
+/* True if joint a lies before joint b on the same side of the loop. */
 static bool is_before(const km_entry *a, const km_entry *b) {
   return a->side == b->side && a->step < b->step;
 }
@@ -29,21 +34,22 @@ int km_loops_hessian_entries(const km_mechanism *m, const km_substructure *sub, 
   return count;
 }
 
-/* Of (x, y, turn): the turn stays. */
-static double planar_bend(const km_twist *a, const km_twist *b, const double wrench[6]) {
+/* λᵀ[a, b] of planar twists (v_x, v_y, ω); the angular part of the bracket is 0. */
+static double planar_bracket_product(const km_twist *a, const km_twist *b, const double wrench[6]) {
   km_vec3 c = km_planar_bracket(a->v, b->v);
   return wrench[0] * c.x + wrench[1] * c.y;
 }
 
-static double spatial_bend(const km_twist *a, const km_twist *b, km_vec3 place, const double wrench[6]) {
+/* λᵀ[a, b] of spatial twists, with the bracket taken at the loop's point. */
+static double spatial_bracket_product(const km_twist *a, const km_twist *b, km_vec3 point, const double wrench[6]) {
   km_twist c = km_twist_bracket(*a, *b);
-  return km_vec3_dot(km_vec3_make(wrench), km_vec3_add(c.v, km_vec3_cross(c.w, place))) +
+  return km_vec3_dot(km_vec3_make(wrench), km_vec3_add(c.v, km_vec3_cross(c.w, point))) +
          km_vec3_dot(km_vec3_make(wrench + 3), c.w);
 }
 
-/* One loop's pairs, in the order of km_loops_hessian_entries; returns how many. */
-static int bend_loop(const km_mechanism *m, const km_state *s, const km_program *program, int l,
-                     const double *multiplier, double *pair) {
+/* Hessian entries of one loop, in the order of km_loops_hessian_entries. Returns their number. */
+static int compute_loop_hessian(const km_mechanism *m, const km_state *s, const km_program *program, int l,
+                                const double *multiplier, double *hessian) {
   const km_loop *loop = &m->loops[l];
   const km_entry *entries = &m->entries[loop->entry_start];
   const km_twist *h = s->twist + program->twist_start;
@@ -57,27 +63,28 @@ static int bend_loop(const km_mechanism *m, const km_state *s, const km_program 
       if (!is_before(first, second))
         continue;
       const km_twist *a = &h[stride * first->step], *b = &h[stride * second->step];
-      km_vec3 place = first->side < 0.0 ? km_vec3_sub(s->row_point[l], loop->origin_offset) : s->row_point[l];
-      double bend = program->planar ? planar_bend(a, b, wrench) : spatial_bend(a, b, place, wrench);
-      pair[count++] = 0.5 * first->side * bend;
+      km_vec3 point = first->side < 0.0 ? km_vec3_sub(s->row_point[l], loop->origin_offset) : s->row_point[l];
+      double product =
+          program->planar ? planar_bracket_product(a, b, wrench) : spatial_bracket_product(a, b, point, wrench);
+      hessian[count++] = 0.5 * first->side * product;
     }
   return count;
 }
 
 void km_loops_hessian(const km_mechanism *m, const km_state *s, const km_substructure *sub, const double *multiplier,
-                      double *pair, double *own) {
-  memset(own, 0, (size_t)sub->columns * sizeof *own);
+                      double *hessian, double *diagonal) {
+  memset(diagonal, 0, (size_t)sub->columns * sizeof *diagonal);
   for (int p = 0; p < sub->program_count; ++p) {
     const km_program *program = &m->programs[sub->program_start + p];
     for (int i = 0; i < program->loop_count; ++i)
-      pair += bend_loop(m, s, program, m->loop_order[program->loop_start + i], multiplier, pair);
+      hessian += compute_loop_hessian(m, s, program, m->loop_order[program->loop_start + i], multiplier, hessian);
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
     const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &m->terms[coupling->term_start + k];
       if (term->column >= 0)
-        own[term->column] += multiplier[coupling->row] * km_term_curvature(m, s, term);
+        diagonal[term->column] += multiplier[coupling->row] * km_term_curvature(m, s, term);
     }
   }
 }

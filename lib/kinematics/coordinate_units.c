@@ -1,9 +1,9 @@
-/* Coordinates that come from outside, in the model's units. */
+/* Public access to coordinates, rates, accelerations and time, in the model's units. */
 #include "base/arguments.h"
 #include "kinematics/state.h"
 
-/* What was known of the motions at the old pose doesn't count any more. */
-static void forget_motions(const km_mechanism *m, km_state *s) {
+/* Marks pivots and null spaces as stale after a change of coordinates. */
+static void invalidate_null_spaces(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_state_invalidate_pivots(s, i);
     s->basis[i].is_known = false;
@@ -24,11 +24,11 @@ km_status km_state_set_coordinates(const km_mechanism *m, km_state *s, const dou
     if (!m->held[c])
       s->q[c] = values[c] * km_model_coordinate_factor(m->model, c);
   km_state_set(m, s, s->q);
-  forget_motions(m, s);
+  invalidate_null_spaces(m, s);
   return KM_OK;
 }
 
-/* May a coordinate be given this value, or rate (`what` is then "rate ")? */
+/* Checks that a coordinate can be set to a value, or a rate (`what` is "rate "). */
 static km_status check_setting(const km_mechanism *m, const km_state *s, int coordinate, const char *what, double value,
                                km_error *error) {
   km_status status = km_check_state(m, s, error);
@@ -50,7 +50,7 @@ km_status km_state_set_coordinate(const km_mechanism *m, km_state *s, int coordi
     return status;
   s->q[coordinate] = value * km_model_coordinate_factor(m->model, coordinate);
   km_state_set(m, s, s->q);
-  forget_motions(m, s);
+  invalidate_null_spaces(m, s);
   return KM_OK;
 }
 

@@ -1,11 +1,11 @@
-/* Damped least squares from a poor start, for Newton to polish. */
+/* Levenberg-Marquardt closing of a substructure from a poor start (docs/theory.md 4.3). */
 #ifndef KM_KINEMATICS_DAMPED_LEAST_SQUARES_H
 #define KM_KINEMATICS_DAMPED_LEAST_SQUARES_H
 
 #include "kinematics/state.h"
 
-/* Levenberg-Marquardt (gsl_multifit_nlinear) on the substructure's errors, with a faint pull to the start.
- * Moves the state to where the errors are least; allocates. KM_MEMORY or KM_OK, converged or not. */
+/* Minimises |e(q)|² + 1e-10 |δ|², δ the scaled step from the start, by Levenberg-Marquardt with trust region
+ * (gsl_multifit_nlinear). Moves the state to the minimum, closed or not. Allocates. KM_MEMORY or KM_OK. */
 km_status km_damped_least_squares(const km_mechanism *mechanism, km_state *state, int substructure, km_error *error);
 
 #endif

@@ -1,21 +1,23 @@
-/* Pose, velocity and Jacobian of one frame.
+/* Pose, twist and Jacobian of one frame.
  *
- * J is that of the spanning tree: v = ḋp/dt of the frame's origin, ω of its body, along the inertial axes, from the
- * rates of the joints between the inertial frame and the body; a chord's rate has no column of its own (0). With loops
- * only rates in range(N) are possible, so the motions of a frame are J N. */
+ *   J_j = ±h_j at the frame's origin, of the joints between the inertial frame and the body along the spanning tree
+ *
+ * J is that of the tree: v = dp/dt of the frame's origin, ω of its body, along the inertial axes. The rate of a chord
+ * has
+ * no column (0). With loops only rates in range(N) are possible, so the twists of a frame are J N. */
 #include "base/arguments.h"
 #include "kinematics/body_poses.h"
 
 #include <string.h>
 
-static km_status check(const km_mechanism *m, const km_state *s, int frame, const void *out, km_error *error) {
+static km_status check_frame(const km_mechanism *m, const km_state *s, int frame, const void *out, km_error *error) {
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_given(out != NULL, "place for the result", error);
   return status ? status : km_check_index(frame, m->model->frame_count, "frame", error);
 }
 
-static km_pose pose_of(const km_mechanism *m, const km_state *s, int frame) {
+static km_pose frame_pose(const km_mechanism *m, const km_state *s, int frame) {
   const km_model_frame *def = &m->model->frames[frame];
   return km_pose_product(&s->pose[def->body], &def->pose);
 }
@@ -40,31 +42,31 @@ void km_pose_write(const km_pose *X, km_frame_pose *out) {
 }
 
 km_status km_frame_place(const km_mechanism *m, const km_state *s, int frame, km_frame_pose *out, km_error *error) {
-  km_status status = check(m, s, frame, out, error);
+  km_status status = check_frame(m, s, frame, out, error);
   if (status)
     return status;
-  km_pose X = pose_of(m, s, frame);
+  km_pose X = frame_pose(m, s, frame);
   km_pose_write(&X, out);
   return KM_OK;
 }
 
-/* The twist at p of a coordinate's unit rate, as it moves what is further out. */
-static km_twist column_at(const km_mechanism *m, const km_state *s, int coordinate, bool against, km_vec3 p) {
+/* Unit twist of a coordinate at the point p, in the sense away from the inertial frame. */
+static km_twist column_at_point(const km_mechanism *m, const km_state *s, int coordinate, bool is_reversed, km_vec3 p) {
   km_twist t = km_coordinate_twist(m, s, coordinate), none = {{0, 0, 0}, {0, 0, 0}};
   t.v = km_vec3_add(t.v, km_vec3_cross(t.w, p));
-  return km_twist_axpy(against ? -1.0 : 1.0, t, none);
+  return km_twist_axpy(is_reversed ? -1.0 : 1.0, t, none);
 }
 
 km_status km_frame_jacobian(const km_mechanism *m, const km_state *s, int frame, double *J, km_error *error) {
-  km_status status = check(m, s, frame, J, error);
+  km_status status = check_frame(m, s, frame, J, error);
   if (status)
     return status;
-  km_vec3 p = pose_of(m, s, frame).p;
+  km_vec3 p = frame_pose(m, s, frame).p;
   memset(J, 0, 6 * (size_t)m->coordinate_count * sizeof *J);
   for (int body = m->model->frames[frame].body; body > 0; body = m->topology.parent[body]) {
     int joint = m->topology.arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
-      km_twist t = column_at(m, s, c, m->topology.is_reversed[joint], p);
+      km_twist t = column_at_point(m, s, c, m->topology.is_reversed[joint], p);
       const double column[6] = {t.v.x, t.v.y, t.v.z, t.w.x, t.w.y, t.w.z};
       if (!m->held[c])
         memcpy(J + 6 * (size_t)c, column, sizeof column);
@@ -75,12 +77,12 @@ km_status km_frame_jacobian(const km_mechanism *m, const km_state *s, int frame,
 
 km_status km_frame_twist(const km_mechanism *m, const km_state *s, int frame, const double *rates, double twist[6],
                          km_error *error) {
-  km_status status = check(m, s, frame, twist, error);
+  km_status status = check_frame(m, s, frame, twist, error);
   if (!status)
     status = km_check_given(rates != NULL, "rates", error);
   if (status)
     return status;
-  km_vec3 p = pose_of(m, s, frame).p;
+  km_vec3 p = frame_pose(m, s, frame).p;
   km_twist sum = {{0, 0, 0}, {0, 0, 0}};
   for (int body = m->model->frames[frame].body; body > 0; body = m->topology.parent[body])
     sum = km_twist_axpy(1.0, km_body_twist(m, s, body, rates), sum);

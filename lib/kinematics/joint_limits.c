@@ -1,4 +1,4 @@
-/* Limits of coordinates: which are passed, and which are touched on the way. */
+/* Limits of coordinates: exceeded at a configuration, or at an extremum of the cubic Hermite interpolant of a step. */
 #include "kinematics/state.h"
 
 #include <math.h>
@@ -7,12 +7,12 @@ double km_state_ball_excess(const km_mechanism *m, int c, const double *q) {
   return m->max_ball_angle[c] < HUGE_VAL ? km_vec3_norm(km_vec3_make(q)) - m->max_ball_angle[c] : -HUGE_VAL;
 }
 
-/* How far coordinate c, whose value is at q, is above (> 0) or below (< 0) its limits; 0 within them, rounding
- * included. The limit of a ball's angle counts as one of its first coordinate; those of a strut are of its length |q|. */
+/* Excess of coordinate c, with its value at q, above (> 0) or below (< 0) its limits; 0 within them and their rounding.
+ * The limit of a ball joint's angle counts for its first coordinate; limits of a strut apply to its length |q|. */
 static double excess(const km_mechanism *m, int c, const double *q) {
-  double slack = 1e-12 * (m->unit[c] + fabs(*q)), turned = km_state_ball_excess(m, c, q);
+  double slack = 1e-12 * (m->unit[c] + fabs(*q)), ball_excess = km_state_ball_excess(m, c, q);
   double sense = m->model->coordinates[c].is_strut && *q < 0.0 ? -1.0 : 1.0, value = sense * *q;
-  return turned > slack               ? turned
+  return ball_excess > slack          ? ball_excess
          : value > m->high[c] + slack ? sense * (value - m->high[c])
          : value < m->low[c] - slack  ? sense * (value - m->low[c])
                                       : 0.0;
@@ -40,22 +40,24 @@ int km_state_limit_passed(const km_state *s, const km_substructure *sub, const d
   const int *limited = s->mechanism->limited_column + sub->column_start;
   for (int i = 0; i < sub->limited_count; ++i) {
     int k = limited[i], c = s->mechanism->column_coordinate[sub->column_start + k];
-    double out = excess(s->mechanism, c, &s->q[c]), went = s->q[c] - saved[k];
-    if (out != 0.0 && s->mechanism->max_ball_angle[c] < HUGE_VAL) /* a ball's three coordinates are neighbours */
-      went = km_state_ball_excess(s->mechanism, c, &s->q[c]) - km_state_ball_excess(s->mechanism, c, &saved[k]);
-    if (out * went > 0.0)
+    double excess_now = excess(s->mechanism, c, &s->q[c]), change = s->q[c] - saved[k];
+    if (excess_now != 0.0 && s->mechanism->max_ball_angle[c] < HUGE_VAL) /* the three coordinates of a ball joint are
+                                                                          * consecutive */
+      change = km_state_ball_excess(s->mechanism, c, &s->q[c]) - km_state_ball_excess(s->mechanism, c, &saved[k]);
+    if (excess_now * change > 0.0)
       return c;
   }
   return -1;
 }
 
-/* Where the cubic from 0 to m with end slopes t0, t1 over h turns on the way, as parts of it. Returns how often. */
-static int turns(double m, double t0, double t1, double h, double at[2]) {
+/* Extrema of the cubic Hermite interpolant from 0 to m with end slopes t0, t1 over h, as parts of the interval. Returns
+ * their number (0 or 2). */
+static int find_extrema(double m, double t0, double t1, double h, double at[2]) {
   double a = 3.0 * h * (t0 + t1) - 6.0 * m, b = 6.0 * m - 2.0 * h * (2.0 * t0 + t1), c = h * t0;
   double root = b * b - 4.0 * a * c;
   if (!(root > 0.0))
     return 0;
-  double half = -0.5 * (b + copysign(sqrt(root), b)); /* both roots without cancelling */
+  double half = -0.5 * (b + copysign(sqrt(root), b)); /* both roots of the quadratic without cancellation */
   at[0] = a != 0.0 ? half / a : -1.0;
   at[1] = c / half;
   return 2;
@@ -70,11 +72,11 @@ int km_state_limit_touched(const km_state *s, const km_substructure *sub, const 
     double move = (s->q[c] - saved[k]) / m->unit[c], at[2];
     if (m->ball_of[c] >= 0)
       continue;
-    for (int i = turns(move, t0[k], t1[k], h, at) - 1; i >= 0; --i) {
-      double u = at[i], bend = h * u * (1.0 - u) * (t0[k] * (1.0 - u) - t1[k] * u);
-      double way = m->unit[c] * (move * u * u * (3.0 - 2.0 * u) + bend);
-      double q = saved[k] + way;
-      if (u > 0.0 && u < 1.0 && excess(m, c, &q) * way > 0.0)
+    for (int i = find_extrema(move, t0[k], t1[k], h, at) - 1; i >= 0; --i) {
+      double u = at[i], tangent_part = h * u * (1.0 - u) * (t0[k] * (1.0 - u) - t1[k] * u);
+      double displacement = m->unit[c] * (move * u * u * (3.0 - 2.0 * u) + tangent_part);
+      double q = saved[k] + displacement;
+      if (u > 0.0 && u < 1.0 && excess(m, c, &q) * displacement > 0.0)
         return c;
     }
   }

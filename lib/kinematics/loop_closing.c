@@ -1,4 +1,14 @@
-/* Newton's method on the loops of a substructure, with least steps. */
+/* Closes the loops of one substructure by Newton-Raphson with minimum-norm steps (docs/theory.md 4.2).
+ *
+ *   e(q)  = closure errors of all loops and couplings, stacked              [rows]
+ *   J     = de/dq, factored as in linalg/partition.h; p = primary rows, Z = null space
+ *   step  : J_p δ = −e_p,  |D δ| minimal,  δ_driver = 0;   q <- exp(δ) q,  |δ|_∞ limited to 0.6
+ *
+ * Converged : rms(e_p) <= σ_s 1e-12 and |δ|_∞ <= σ_s 1e-9 (1e-12 for a predicted configuration)
+ * Consistent: residual of the worst loop <= max(closure tolerance, σ_s 1e-12), else KM_INCONSISTENT
+ * Diverged  : residual > 1e3 (first residual + 0.1), a value that is not finite, or 60 iterations
+ *
+ * Pivots of the last configuration are reused below a residual of 0.05 while the growth monitor accepts them (3.3). */
 #include "kinematics/loop_closing.h"
 
 #include "base/extrema.h"
@@ -7,20 +17,21 @@
 #include <string.h>
 
 enum { MOST_ITERATIONS = 60 };
-/* A residual above the first one plus the floor, times the growth, leads nowhere. */
-static const double residual_growth = 1e3, residual_floor = 0.1;
+/* Divergence test: r > 1e3 (r_0 + 0.1). */
+static const double residual_growth = 1e3, residual_offset = 0.1;
 
 double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
   int size = sub->rows > sub->columns ? sub->rows : sub->columns;
   double tolerance = 1e-9 * fmax(size, 1.0);
-  /* A misfit e of the data can make a pivot of a few e. */
+  /* A misfit e of the data can produce a pivot of a few e. */
   if (m->closure_tolerance_given)
     tolerance = fmax(tolerance, 10.0 * m->closure_tolerance);
   return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
 }
 
-/* Are the pivots at hand what this search would find? The sparse engine knows that itself (km_sparse_has_factor). */
-static bool are_searched(const km_state *s, int index, int driver, double tolerance) {
+/* True if the present pivots are those that this search would find. The sparse factor tests that itself
+ * (km_sparse_has_factor). */
+static bool is_search_current(const km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
   const km_cached_configuration *shown = &s->cached[index];
   return !p->sparse && !p->failed && shown->is_valid && shown->evaluation_at_search == shown->evaluations &&
@@ -28,7 +39,7 @@ static bool are_searched(const km_state *s, int index, int driver, double tolera
          shown->forced_never_pivot == p->forced_never_pivot && shown->tolerance == tolerance;
 }
 
-static void remember_search(km_state *s, int index, int driver, double tolerance) {
+static void record_search(km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
   km_cached_configuration *shown = &s->cached[index];
   shown->evaluation_at_search = shown->evaluations;
@@ -41,7 +52,7 @@ static void remember_search(km_state *s, int index, int driver, double tolerance
 void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
   tolerance = km_larger(tolerance, s->partition[index].min_relative_pivot);
-  if (are_searched(s, index, driver, tolerance)) {
+  if (is_search_current(s, index, driver, tolerance)) {
     s->pivot_driver[index] = driver;
     return;
   }
@@ -54,7 +65,7 @@ void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver,
     s->forced[driver] = false;
   s->partition[index].ties_by_position = false;
   s->pivot_driver[index] = driver;
-  remember_search(s, index, driver, tolerance);
+  record_search(s, index, driver, tolerance);
 }
 
 void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
@@ -75,9 +86,9 @@ double km_step_length(const km_mechanism *m, const km_substructure *sub, const d
   return sqrt(km_step_dot(m, sub, x, x));
 }
 
-/* The part of D x along the `count` orthonormal vectors of Y, into `sum` [columns]. */
-static void project(const km_substructure *sub, const double *weight, const double *Y, int count, const double *x,
-                    double *sum) {
+/* Projection of D x onto the `count` orthonormal vectors of Y, into sum[columns]. */
+static void project_onto_basis(const km_substructure *sub, const double *weight, const double *Y, int count,
+                               const double *x, double *sum) {
   memset(sum, 0, (size_t)sub->columns * sizeof *sum);
   for (int k = 0; k < count; ++k) {
     const double *y = Y + (size_t)k * (size_t)sub->columns;
@@ -89,55 +100,58 @@ static void project(const km_substructure *sub, const double *weight, const doub
   }
 }
 
-/* How many motions leave the driver alone. */
-static int motions_beside(const km_partition *p, int driver) {
+/* Number of null vectors that do not move the driver. */
+static int count_free_motions(const km_partition *p, int driver) {
   return km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
 }
 
-/* Are the vectors that least steps take so many that the rows' own equations find them sooner? */
-static bool takes_many(const km_partition *p, int count) {
+/* True if the basis vectors are so many that equations in the rows (normal equations, QR) are cheaper. */
+static bool uses_row_equations(const km_partition *p, int count) {
   return p->sparse && (p->rank < count ? p->rank : count) > KM_MANY_VECTORS;
 }
 
-static bool reject_null(const km_mechanism *m, km_state *s, int index, int count, double *x) {
+/* Minimum-norm step by the row equations. False if a basis is cheaper or they fail. */
+static bool remove_null_space_by_rows(const km_mechanism *m, km_state *s, int index, int count, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  return takes_many(p, count) &&
+  return uses_row_equations(p, count) &&
          km_partition_remove_null_space(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count, x,
                                         s->projection);
 }
 
-/* D x loses what it has of the null space Z, or keeps what it has of the row space R: whichever has fewer vectors. */
+/* D x minus its projection onto the null space Z, or its projection onto the row space R: whichever has fewer
+ * vectors. */
 void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start;
-  int count = motions_beside(p, driver);
+  int count = count_free_motions(p, driver);
   if (count <= 0)
     return;
-  bool by_rows = p->rank < count, done = reject_null(m, s, index, count, x);
+  bool uses_row_space = p->rank < count, done = remove_null_space_by_rows(m, s, index, count, x);
   if (!done && p->is_deferred) {
     km_partition_refactor_full_pattern(&s->partition[index], km_state_jacobian(s, sub));
-    done = reject_null(m, s, index, count, x);
+    done = remove_null_space_by_rows(m, s, index, count, x);
   }
   if (done) {
     s->basis[index].count = 0;
     return;
   }
-  const double *Y = by_rows ? km_state_row_space(m, s, index, count) : km_state_null_space(m, s, index, count);
+  const double *Y = uses_row_space ? km_state_row_space(m, s, index, count) : km_state_null_space(m, s, index, count);
   if (!Y)
     return;
-  project(sub, weight, Y, by_rows ? p->rank : count, x, s->projection);
-  bool keeps = driver >= 0 && !p->forced_dependent; /* none of these motions has a part in it, and R leaves it out */
-  double own = keeps ? x[driver] : 0.0;
+  project_onto_basis(sub, weight, Y, uses_row_space ? p->rank : count, x, s->projection);
+  bool keeps_driver = driver >= 0 && !p->forced_dependent; /* the null vectors have no entry at the driver, and R omits
+                                                            * its column */
+  double driver_value = keeps_driver ? x[driver] : 0.0;
   for (int j = 0; j < sub->columns; ++j)
-    x[j] = by_rows ? s->projection[j] / weight[j] : x[j] - s->projection[j] / weight[j];
-  if (keeps)
-    x[driver] = own;
+    x[j] = uses_row_space ? s->projection[j] / weight[j] : x[j] - s->projection[j] / weight[j];
+  if (keeps_driver)
+    x[driver] = driver_value;
 }
 
-/* The motions' part of the driver's unit vector, over its own entry. Of many freedoms the null vectors may be long and nearly
- * cancel in the least one; this takes none of them alone. */
+/* Minimum-norm rates as the null-space projection of the driver's unit vector over its driver entry, t = P u / (P
+ * u)_driver. With many freedoms the null vector of the driver can be long and cancel; this avoids it. */
 static bool project_driver(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
   const km_substructure *sub = &m->substructures[index];
   memset(t, 0, (size_t)sub->columns * sizeof *t);
@@ -164,6 +178,7 @@ void km_search_pivots_for_steps(const km_mechanism *m, km_state *s, int index, i
   p->basis_quality_unneeded = false;
 }
 
+/* Root mean square of the errors of the primary rows. */
 static double primary_rms(const km_partition *p, const double *error) {
   double sum = 0.0;
   for (int i = 0; i < p->rank; ++i)
@@ -171,29 +186,31 @@ static double primary_rms(const km_partition *p, const double *error) {
   return p->rank ? sqrt(sum / p->rank) : 0.0;
 }
 
-static bool takes_rows(const km_partition *p, int driver) {
-  return p->rows_only || takes_many(p, motions_beside(p, driver));
+/* True if minimum-norm steps need only the primary rows, not the null space. */
+static bool needs_rows_only(const km_partition *p, int driver) {
+  return p->rows_only || uses_row_equations(p, count_free_motions(p, driver));
 }
 
 bool km_defer_pivots(km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
-  if (!takes_rows(p, driver) || !km_partition_may_defer(p))
+  if (!needs_rows_only(p, driver) || !km_partition_may_defer(p))
     return false;
   km_partition_defer(p);
   return true;
 }
 
-/* Do the pivots of the last pose serve? Of many motions nobody asks for B. */
-static bool refactor(const km_mechanism *m, km_state *s, int index, int driver) {
+/* Refactors with the previous pivots; false if they became unstable. B is not monitored if only rows are needed. */
+static bool try_refactor(const km_mechanism *m, km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
-  p->basis_quality_unneeded = takes_rows(p, driver);
+  p->basis_quality_unneeded = needs_rows_only(p, driver);
   bool serve = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
   p->basis_quality_unneeded = false;
   return serve;
 }
 
-/* Those that were searched with the loose tolerance of an open pose may leave out rows that count: they aren't kept. */
-static void search(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+/* Searches pivots for a step. Pivots that were found with the loose tolerance of an open configuration can omit rows,
+ * so they are not reused. */
+static void search_step_pivots(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
   double tolerance = km_rank_tolerance(m, sub, residual);
   km_search_pivots_for_steps(m, s, index, driver, tolerance);
@@ -201,35 +218,38 @@ static void search(const km_mechanism *m, km_state *s, int index, int driver, do
     km_state_invalidate_pivots(s, index);
 }
 
-/* The pivots of the last pose serve while the monitor agrees and Newton is near the solution. Where rows are enough for a step
- * the monitor waits for the pose that is found. */
-static void factor(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+/* Factors J for a step: reuses the pivots near the solution while the growth monitor accepts them, else searches. If
+ * steps need rows only, the monitor is evaluated once, at the converged configuration. */
+static void factor_step(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == driver &&
-      (km_defer_pivots(s, index, driver) || refactor(m, s, index, driver)))
+      (km_defer_pivots(s, index, driver) || try_refactor(m, s, index, driver)))
     return;
-  search(m, s, index, driver, residual);
+  search_step_pivots(m, s, index, driver, residual);
 }
 
-/* By the Jacobian of the last step where `again` is set and that is known. */
-static bool take_rows(const km_mechanism *m, km_state *s, int index, int driver, bool again, double *x) {
+/* Minimum-norm step by the row equations; with the factor of the last step's Jacobian if `reuse_factor` is set and that
+ * factor exists. */
+static bool solve_by_row_equations(const km_mechanism *m, km_state *s, int index, int driver, bool reuse_factor,
+                                   double *x) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
-  int count = motions_beside(p, driver);
-  return takes_rows(p, driver) && ((again && km_partition_minimum_norm_reuse(p, weight, count, error, x)) ||
-                                   km_partition_minimum_norm(p, km_state_jacobian(s, sub), weight, count, error, x));
+  int count = count_free_motions(p, driver);
+  return needs_rows_only(p, driver) &&
+         ((reuse_factor && km_partition_minimum_norm_reuse(p, weight, count, error, x)) ||
+          km_partition_minimum_norm(p, km_state_jacobian(s, sub), weight, count, error, x));
 }
 
-/* The least x with J x = the loops' errors in the primary rows. Among many motions any other solution may be a long one, of which
- * taking the motions out leaves rounding alone. */
-static void solve_least(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool again,
-                        double *x) {
+/* Minimum-norm x with J_p x = e_p. With many freedoms other solutions can be so long that projecting them leaves
+ * rounding, so the row equations are tried first. */
+static void solve_minimum_norm(const km_mechanism *m, km_state *s, int index, int driver, double residual,
+                               bool reuse_factor, double *x) {
   const km_partition *p = &s->partition[index];
-  bool done = take_rows(m, s, index, driver, again && p->is_deferred, x);
+  bool done = solve_by_row_equations(m, s, index, driver, reuse_factor && p->is_deferred, x);
   if (!done && p->is_deferred) {
-    if (!refactor(m, s, index, driver))
-      search(m, s, index, driver, residual);
-    done = take_rows(m, s, index, driver, false, x);
+    if (!try_refactor(m, s, index, driver))
+      search_step_pivots(m, s, index, driver, residual);
+    done = solve_by_row_equations(m, s, index, driver, false, x);
   }
   if (done)
     return;
@@ -238,24 +258,24 @@ static void solve_least(const km_mechanism *m, km_state *s, int index, int drive
     km_minimum_norm_step(m, s, index, driver, x);
 }
 
-/* The next step into x; returns its largest entry. */
-static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool again,
+/* Newton step x = −J_p⁺ e_p in the metric D. Returns |x|_∞. */
+static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool reuse_factor,
                           double *x) {
   const km_substructure *sub = &m->substructures[index];
   double largest = 0.0;
-  solve_least(m, s, index, driver, residual, again, x);
+  solve_minimum_norm(m, s, index, driver, residual, reuse_factor, x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
-  if (driver >= 0) /* where it came out dependent, the step wants to move it */
+  if (driver >= 0) /* a dependent driver column has a step, which is discarded */
     x[driver] = 0.0;
   for (int k = 0; k < sub->columns; ++k)
     largest = km_larger(fabs(x[k]), largest);
   return largest;
 }
 
-/* The factor of all thresholds, up to the 1e6 radians where rounding drowns the geometry. A ball is a unit quaternion, however
- * far it has turned. */
-static double grain(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
+/* Tolerance scale of docs/theory.md 4.1: at most 1e3, since at 1e6 radians rounding is comparable with the geometry. A
+ * ball joint is a unit quaternion and does not count. */
+static double tolerance_scale(const km_mechanism *m, const km_state *s, const km_substructure *sub) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   double largest = 0.0;
   for (int k = 0; k < sub->columns; ++k)
@@ -264,46 +284,51 @@ static double grain(const km_mechanism *m, const km_state *s, const km_substruct
   return km_smaller(1.0 + km_tolerance_scale_growth * largest, km_max_tolerance_scale);
 }
 
-static km_closure_outcome verdict(const km_mechanism *m, double residual, double coarse) {
-  return residual <= km_larger(m->closure_tolerance, coarse * km_residual_tolerance) ? KM_CLOSED : KM_INCONSISTENT;
+static km_closure_outcome closed_outcome(const km_mechanism *m, double residual, double scale) {
+  return residual <= km_larger(m->closure_tolerance, scale * km_residual_tolerance) ? KM_CLOSED : KM_INCONSISTENT;
 }
 
-/* Newton's place. */
-typedef struct newton {
-  double step, last; /* the largest entries of this step and of the one before it, where that led from closed loops */
-  double closed, settled; /* what shows the pose to be found: its error, and the step from there */
-  bool small;
-  bool converges; /* so soon that the next step may be taken by the same Jacobian */
-} newton;
+/* State of Newton's iteration. */
+typedef struct newton_state {
+  double step, last;                         /* |δ|_∞ of this step, and of the last step from a converged residual */
+  double residual_tolerance, step_tolerance; /* tolerances of the residual and of the step */
+  bool is_residual_small;
+  bool reuses_jacobian; /* convergence is so fast that the next step may use the same Jacobian */
+} newton_state;
 
-/* A step of this size, scaled, changes the Jacobian by so little that the next one by the same Jacobian is shorter by more than the
- * share below, as long as no rows are nearly dependent: then it isn't. */
-static const double short_newton = 0.01, fast_share = 0.1;
+/* The Jacobian is reused after a step of at most 0.01 that is at most a tenth of the one before it: then the next step
+ * by the same Jacobian is again shorter by more than that ratio, unless rows are nearly dependent. */
+static const double max_reuse_step = 0.01, max_reuse_ratio = 0.1;
 
-static void take_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence, double *x,
-                      newton *n) {
+/* Computes the next Newton step and the convergence indicators. */
+static void update_newton_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence,
+                               double *x, newton_state *n) {
   double before = n->step;
-  n->step = newton_step(m, s, index, driver, evidence->residual, n->converges, x);
-  n->converges = n->step <= short_newton && n->step <= fast_share * before;
-  n->small = primary_rms(&s->partition[index], km_state_error(s, &m->substructures[index])) <= n->closed;
+  n->step = newton_step(m, s, index, driver, evidence->residual, n->reuses_jacobian, x);
+  n->reuses_jacobian = n->step <= max_reuse_step && n->step <= max_reuse_ratio * before;
+  n->is_residual_small =
+      primary_rms(&s->partition[index], km_state_error(s, &m->substructures[index])) <= n->residual_tolerance;
 }
 
-static bool is_found(const km_partition *p, const newton *n) {
-  return n->small && (n->step <= n->settled || (p->forced_never_pivot && n->step >= n->last));
+/* Convergence test; with a fixed driver also the first step that is not shorter than the last one. */
+static bool is_converged(const km_partition *p, const newton_state *n) {
+  return n->is_residual_small && (n->step <= n->step_tolerance || (p->forced_never_pivot && n->step >= n->last));
 }
 
-/* Are the pivots that waited for the pose that is found good ones there? Rows that are kept beside others must be looked at again. */
-static bool still_serve(const km_mechanism *m, km_state *s, int index, int driver) {
+/* True if deferred pivots pass the growth monitor at the converged configuration. Kept rows of a deficient rank must be
+ * searched again. */
+static bool accept_deferred_pivots(const km_mechanism *m, km_state *s, int index, int driver) {
   const km_partition *p = &s->partition[index];
   return !p->is_deferred ||
-         ((p->kept_row_tolerance == 0.0 || km_has_full_row_rank(p)) && refactor(m, s, index, driver));
+         ((p->kept_row_tolerance == 0.0 || km_has_full_row_rank(p)) && try_refactor(m, s, index, driver));
 }
 
+/* Newton's iteration. */
 static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  double *x = s->work, first = 0.0, coarse = grain(m, s, sub);
-  newton n = {.step = HUGE_VAL, .last = HUGE_VAL, .closed = coarse * km_residual_tolerance};
+  double *x = s->work, first = 0.0, scale = tolerance_scale(m, s, sub);
+  newton_state n = {.step = HUGE_VAL, .last = HUGE_VAL, .residual_tolerance = scale * km_residual_tolerance};
   *evidence = (km_closure){.worst = -1, .last_step = x};
   for (int i = 0; i < MOST_ITERATIONS; ++i) {
     if (i == 0 && driver < 0)
@@ -316,18 +341,18 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
       return KM_OPEN;
     if (i == 0)
       first = evidence->residual;
-    n.settled = coarse * (i == 0 && driver >= 0 ? km_predicted_step_tolerance : km_step_tolerance);
-    factor(m, s, index, driver, evidence->residual);
-    take_step(m, s, index, driver, evidence, x, &n);
-    if (is_found(p, &n) && !still_serve(m, s, index, driver)) {
-      search(m, s, index, driver, evidence->residual);
-      if (!p->rows_were_kept) /* else the step is the same */
-        take_step(m, s, index, driver, evidence, x, &n);
+    n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_predicted_step_tolerance : km_step_tolerance);
+    factor_step(m, s, index, driver, evidence->residual);
+    update_newton_step(m, s, index, driver, evidence, x, &n);
+    if (is_converged(p, &n) && !accept_deferred_pivots(m, s, index, driver)) {
+      search_step_pivots(m, s, index, driver, evidence->residual);
+      if (!p->rows_were_kept) /* with the same primary rows the step is the same */
+        update_newton_step(m, s, index, driver, evidence, x, &n);
     }
-    if (is_found(p, &n))
-      return verdict(m, evidence->residual, coarse);
-    n.last = n.small ? n.step : HUGE_VAL;
-    if (!isfinite(n.step) || evidence->residual > residual_growth * (first + residual_floor))
+    if (is_converged(p, &n))
+      return closed_outcome(m, evidence->residual, scale);
+    n.last = n.is_residual_small ? n.step : HUGE_VAL;
+    if (!isfinite(n.step) || evidence->residual > residual_growth * (first + residual_offset))
       return KM_OPEN;
     if (n.step > km_max_newton_step)
       for (int k = 0; k < sub->columns; ++k)
@@ -337,17 +362,19 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     evidence->correction += km_step_length(m, sub, x);
     km_state_move(m, s, sub, x);
   }
-  /* At a singular pose Newton only halves its distance: the error is as small as it can be shown to be. */
-  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.closed ? verdict(m, evidence->residual, coarse)
-                                                                          : KM_OPEN;
+  /* At a singular configuration Newton's method only halves its distance: after all iterations a residual below the
+   * tolerance is accepted. */
+  return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.residual_tolerance
+             ? closed_outcome(m, evidence->residual, scale)
+             : KM_OPEN;
 }
 
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
-  if (driver < 0) /* poses of a driver are left at once */
+  if (driver < 0) /* configurations of a driven motion are not evaluated again */
     km_loops_cache(m, s, &m->substructures[index]);
   if (s->partition[index].is_deferred)
-    refactor(m, s, index, driver);
+    try_refactor(m, s, index, driver);
   return outcome;
 }
 

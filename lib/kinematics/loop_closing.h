@@ -1,86 +1,93 @@
-/* Closing the loops of a substructure by Newton-Raphson (theory 4). */
+/* Closes the loops of one substructure by Newton-Raphson with minimum-norm steps (docs/theory.md 4.2).
+ *
+ *   J_p δ = −e_p,   |D δ| minimal,   δ_driver = 0,   q <- exp(δ) q,   |δ|_∞ <= 0.6
+ *
+ * p: primary rows of the partition of J; e: closure errors; D: metric (1 for angles, 1/L for lengths). */
 #ifndef KM_KINEMATICS_LOOP_CLOSING_H
 #define KM_KINEMATICS_LOOP_CLOSING_H
 
 #include "kinematics/state.h"
 
-static const double km_residual_tolerance = 1e-12; /* rms of the primary rows (theory 4) */
+static const double km_residual_tolerance = 1e-12; /* rms of the primary rows e_p (docs/theory.md 4.2) */
 static const double km_step_tolerance =
-    1e-9; /* a step below this shows that the pose is found, not just the error small */
-/* The same of a predicted pose, whose error isn't the square of another one: near singular poses a small error can be far
- * away. */
+    1e-9; /* |δ|_∞; a small residual alone is not convergence near singular configurations */
+/* Limit of |δ|_∞ for a predicted configuration: its error is not the square of an earlier one, and near singular
+ * configurations a small error can belong to a large distance. */
 static const double km_predicted_step_tolerance = 1e-12;
 static const double km_max_newton_step = 0.6;       /* radians, or substructure sizes */
-static const double km_pivot_reuse_residual = 0.05; /* residual below which the pivots of the last pose serve */
+static const double km_pivot_reuse_residual = 0.05; /* residual below which the pivots of the last configuration are
+                                                     * reused */
 
-/* Coordinates of many turns carry their rounding into the loops: thresholds grow by this per radian or size of the
- * largest one, to so much at most. */
+/* Tolerance scale σ_s = min(1 + 1e-3 max|q_j|, 1e3): coordinates of many turns carry their rounding into the loops
+ * (docs/theory.md 4.1). */
 static const double km_tolerance_scale_growth = 1e-3, km_max_tolerance_scale = 1e3;
 typedef enum km_closure_outcome {
   KM_CLOSED,
-  KM_INCONSISTENT, /* the primary equations close, the others keep more than the closure tolerance */
-  KM_OPEN          /* the iteration gave out */
+  KM_INCONSISTENT, /* primary rows close, secondary rows keep more than the closure tolerance */
+  KM_OPEN          /* the iteration diverged or did not converge */
 } km_closure_outcome;
 
 /* Evidence of one closure. */
 typedef struct km_closure {
   int iterations;
-  double residual;   /* rms loop error of the worst loop, scaled */
+  double residual;   /* √(eᵀe/6) of the worst loop, scaled */
   int worst;         /* that loop; -1: a coupling */
-  double correction; /* scaled length of all that Newton moved, |D δq| */
+  double correction; /* sum of the step lengths |D δ| */
   const double
-      *last_step; /* [columns] the step that was too small to be taken, in the state's `work`; of closed loops */
+      *last_step; /* [columns] the last Newton step, which was not applied since it is below the tolerance; in the
+                   * state's `work`; closed loops only */
 } km_closure;
 
-/* Newton steps from the state's coordinates until the primary rows are below 1e-12 rms; each step has the least
- * |D δq|, and the coordinate of `driver` (a column, or KM_NO_DRIVER) doesn't move. Leaves error, Jacobian and
- * partition of the final pose; pivots are kept from call to call while the monitor allows it. */
+/* Closes the loops from the state's coordinates by minimum-norm Newton steps; the coordinate of `driver` (a column, or
+ * KM_NO_DRIVER) is fixed. Leaves errors, Jacobian and partition of the final configuration. Pivots are reused from call
+ * to call while the growth monitor accepts them (docs/theory.md 3.3). */
 km_closure_outcome km_loops_close(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                   km_closure *evidence);
 
-/* The same with the driver's coordinate held: where it can't be independent, so that the pose is rigid, the other
- * coordinates close what they can, and the rest is left in the residual. Beside a branch point rows depend on each other so
- * nearly that the rounding of closed loops alone moves Newton: the first step that isn't shorter than the one before it ends
- * that. Pivots are kept for the next such call only. */
+/* Closes the loops with the driver fixed at any remaining rank. If the driver cannot be independent, the other
+ * coordinates reduce the error and the rest stays in the residual. Rows are nearly dependent close to a branch point,
+ * where rounding keeps Newton's method moving: the iteration ends at the first step that is not shorter than the one
+ * before it. Pivots are reused by the next such call only. */
 km_closure_outcome km_close_with_driver(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                         km_closure *evidence);
 
-/* By km_loops_close or km_close_with_driver, with the rank that the closed pose has: on the way there pivots of an open pose may have left
- * out a row. Leaves pivots of the closed pose, searched anew. */
+/* Full closing (docs/theory.md 4.2): repeats `close` with pivots of the closed configuration until the rank no longer
+ * grows, since pivots of an open configuration can omit a row. Leaves pivots of a new search. */
 typedef km_closure_outcome (*km_closing_function)(const km_mechanism *mechanism, km_state *state, int substructure,
                                                   int driver, km_closure *evidence);
 km_closure_outcome km_close_fully(km_closing_function close, const km_mechanism *mechanism, km_state *state,
                                   int substructure, int driver, km_closure *evidence);
 
-/* The relative size below which a pivot counts as 0, with the secondary rows keeping `misfit` (scaled). */
+/* Rank tolerance: relative size below which a pivot counts as 0, if secondary rows keep `misfit` (scaled;
+ * docs/theory.md 3.2). */
 double km_rank_tolerance(const km_mechanism *mechanism, const km_substructure *sub, double misfit);
 
-/* Searches pivots at the state's Jacobian: forced `driver` column or none. */
+/* Factors the state's Jacobian with a search for pivots. `driver`: forced column, or KM_NO_DRIVER. */
 void km_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double tolerance);
 
-/* The same at the pose that the state's coordinates have, with the tolerance that its misfit asks for. */
+/* Updates errors and Jacobian at the state's coordinates and searches pivots with the rank tolerance of `misfit`. */
 void km_update_and_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                  double misfit);
 
-/* The same where what follows takes steps alone: of many motions the independent columns needn't be good ones, see `unwatched` of a
- * partition. */
+/* As km_search_pivots for steps only: with many freedoms any independent columns will do, see `basis_quality_unneeded`
+ * of a partition. */
 void km_search_pivots_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                 double tolerance);
 
-/* Has every row a pivot, so that no search further on finds more of them? Only where a search takes long that matters. */
+/* True if a sparse factor has full row rank, so that no later search finds more pivots. Dense factors are always
+ * searched again, which is cheap. */
 static inline bool km_has_full_row_rank(const km_partition *p) {
   return p->sparse && p->rank == p->rows;
 }
 
-/* The pivots at hand on the state's Jacobian as far as steps need them: see km_partition_defer. False, and nothing happens, where
- * steps need more of them. */
+/* Defers the factorisation of the state's Jacobian with the present pivots, if minimum-norm steps by the normal
+ * equations suffice (km_partition_defer). Otherwise false, and nothing changes. */
 bool km_defer_pivots(km_state *state, int substructure, int driver);
 
-/* x −= D⁻¹ Z Zᵀ D x over the null directions that leave the driver alone: what remains is the least step with
- * the same effect on the constraints and the driver. */
+/* Minimum-norm step: x <- x − D⁻¹ Z Zᵀ D x over the null vectors that do not move the driver (docs/theory.md 3.5). */
 void km_minimum_norm_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
 
-/* The rates t with J t = 0 and the driver's 1, least in |D t|, of a driver that is independent. */
+/* Minimum-norm rates of an independent driver: t_driver = 1, J t = 0, |D t| minimal (docs/theory.md 3.5). */
 void km_minimum_norm_rates(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *t);
 
 /* (D a)·(D b) of two scaled steps. */

@@ -1,21 +1,28 @@
-/* Loop errors and Jacobians by the compiled programs of steps. */
+/* Closure errors and Jacobians by the compiled programs of steps (docs/theory.md 2.3, 2.5).
+ *
+ *   X_to = X_from · before · exp(h q)          pose of each slot, from the base outwards
+ *   e    = log(X_a X_b⁻¹),   J_j = ±h_j        at a point o of the loop: v(o) = v + ω × o
+ *   plane: slots are (angle, x, y), twists (v_x, v_y, ω)
+ *
+ * Rows are taken at a point of the loop, since loops far from each other on one base would lose digits about a common
+ * point. A loop with all rows of v and ω may take the moving point where its frames meet; otherwise o is fixed in the
+ * base. */
 #include "kinematics/loop_equations.h"
 
 #include "kinematics/primitive_motion.h"
 
-/* Symbols: X pose of a slot, h unit twist of a step, e = log(X_a X_b⁻¹), J = ±h. Each loop takes e and h at a point o
- * of its own: loops far from each other on one base would lose digits about a common one. A loop that has all rows of v
- * and w takes its point where its frames meet; for the others o must be fixed in the base. */
-
-static inline double wrapped(double angle) {
+/* Angle in [−π, π] that differs from `angle` by full turns. */
+static inline double wrapped_angle(double angle) {
   if (fabs(angle) <= M_PI)
     return angle;
-  double turns = angle * (0.5 * M_1_PI), whole = fabs(turns) < 1e12 ? turns + KM_ROUNDING - KM_ROUNDING : round(turns);
-  return angle - 2.0 * M_PI * whole;
+  double turns = angle * (0.5 * M_1_PI),
+         full_turns = fabs(turns) < 1e12 ? turns + KM_ROUNDING - KM_ROUNDING : round(turns);
+  return angle - 2.0 * M_PI * full_turns;
 }
 
-static void planar_steps(const km_program *program, const km_planar_step *steps, const double *q, double size,
-                         km_planar_pose *slot, km_twist *h) {
+/* Forward kinematics of a planar program: poses of the slots and unit twists h of the steps, base outwards. */
+static void compute_planar_poses(const km_program *program, const km_planar_step *steps, const double *q, double size,
+                                 km_planar_pose *slot, km_twist *h) {
   double inverse = 1.0 / size;
   slot[0] = (km_planar_pose){0.0, 1.0, 0.0, 0.0, 0.0};
   for (int i = 0; i < program->step_count; ++i) {
@@ -38,35 +45,36 @@ static void planar_steps(const km_program *program, const km_planar_step *steps,
   }
 }
 
-/* log in the plane: v = V⁻¹ p, V⁻¹ = [[α, φ/2], [−φ/2, α]], α = (φ/2) cot(φ/2), about the place (x, y) of the first
- * frame. Out as (v x, v y, φ). */
-static km_vec3 planar_error(const km_loop *loop, const km_planar_pose *slot, double place[2]) {
+/* Closure error of a planar loop, the logarithm in SE(2): v = V⁻¹ p, V⁻¹ = [[α, φ/2], [−φ/2, α]], α = (φ/2) cot(φ/2),
+ * about the point (x, y) of the first frame. Returns (v_x, v_y, φ). */
+static km_vec3 planar_closure_error(const km_loop *loop, const km_planar_pose *slot, double place[2]) {
   const km_planar_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
   const double *ca = loop->planar_closing_point[0], *cb = loop->planar_closing_point[1];
   double ax = a->x + a->cosine * ca[0] - a->sine * ca[1], ay = a->y + a->sine * ca[0] + a->cosine * ca[1];
   double bx = b->x + b->cosine * cb[0] - b->sine * cb[1], by = b->y + b->sine * cb[0] + b->cosine * cb[1];
   double dx = ax - bx - loop->planar_origin_offset[0], dy = ay - by - loop->planar_origin_offset[1];
-  double turn = wrapped(a->angle - b->angle + loop->planar_closing_angle);
+  double angle_error = wrapped_angle(a->angle - b->angle + loop->planar_closing_angle);
   place[0] = ax;
   place[1] = ay;
   double cosine, sine, alpha;
-  if (fabs(turn) < KM_SERIES_TURN) {
-    double t2 = turn * turn, t4 = t2 * t2;
+  if (fabs(angle_error) < KM_SERIES_TURN) {
+    double t2 = angle_error * angle_error, t4 = t2 * t2;
     cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
-    sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));
+    sine = angle_error * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));
     alpha = 1.0 - t2 * (1.0 / 12.0) - t4 * (1.0 / 720.0);
   } else {
-    km_sincos(turn, &sine, &cosine);
-    alpha = 0.5 * turn * cos(0.5 * turn) / sin(0.5 * turn);
+    km_sincos(angle_error, &sine, &cosine);
+    alpha = 0.5 * angle_error * cos(0.5 * angle_error) / sin(0.5 * angle_error);
   }
   double px = cosine * dx - sine * dy, py = sine * dx + cosine * dy;
-  return (km_vec3){alpha * px + 0.5 * turn * py, alpha * py - 0.5 * turn * px, turn};
+  return (km_vec3){alpha * px + 0.5 * angle_error * py, alpha * py - 0.5 * angle_error * px, angle_error};
 }
 
-static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_planar_pose *slot, const km_twist *h,
-                        km_twist *misfit, double *error, double *J) {
+/* Writes closure error and Jacobian columns ±h of a planar loop, shifted to its row point. */
+static void update_planar_loop(const km_mechanism *m, const km_loop *loop, const km_planar_pose *slot,
+                               const km_twist *h, km_twist *misfit, double *error, double *J) {
   double place[2];
-  km_vec3 e = planar_error(loop, slot, place);
+  km_vec3 e = planar_closure_error(loop, slot, place);
   const double *o = loop->has_moving_point ? place : loop->planar_point;
   const double ox[2] = {o[0], o[0] - loop->planar_origin_offset[0]},
                oy[2] = {o[1], o[1] - loop->planar_origin_offset[1]};
@@ -87,14 +95,16 @@ static void planar_loop(const km_mechanism *m, const km_loop *loop, const km_pla
 
 static void update_planar(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
   km_twist *h = s->twist + program->twist_start;
-  planar_steps(program, m->planar_steps + program->step_start, s->q, sub->size, s->planar_slot, h);
+  compute_planar_poses(program, m->planar_steps + program->step_start, s->q, sub->size, s->planar_slot, h);
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
-    planar_loop(m, &m->loops[l], s->planar_slot, h, &s->misfit[l], km_state_error(s, sub), km_state_jacobian(s, sub));
+    update_planar_loop(m, &m->loops[l], s->planar_slot, h, &s->misfit[l], km_state_error(s, sub),
+                       km_state_jacobian(s, sub));
   }
 }
 
-static km_pose spatial_motion(const km_step *step, km_pose X, const km_state *s, double size, km_twist *h) {
+/* Pose after one step's motion from X; its unit twists into h. */
+static km_pose apply_spatial_motion(const km_step *step, km_pose X, const km_state *s, double size, km_twist *h) {
   double value = step->sign * s->q[step->coordinate];
   if (step->primitive == KM_PRISMATIC)
     value /= size;
@@ -102,23 +112,25 @@ static km_pose spatial_motion(const km_step *step, km_pose X, const km_state *s,
   return km_motion_step((km_motion){step->primitive, step->axis}, step->sign, step->pitch, value, ball, X, h);
 }
 
-static void spatial_steps(const km_mechanism *m, km_state *s, const km_program *program, double size) {
+/* Forward kinematics of a spatial program: poses of the slots and unit twists of the steps, base outwards. */
+static void compute_spatial_poses(const km_mechanism *m, km_state *s, const km_program *program, double size) {
   s->slot[0] = km_pose_identity();
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
     const km_pose *from = &s->slot[step->from];
     km_pose X = {step->has_rotation ? km_rotation_product(&from->R, &step->before.R) : from->R,
                  km_pose_point(from, step->before.p)};
-    s->slot[step->to] = spatial_motion(step, X, s, size, s->twist + program->twist_start + 3 * i);
+    s->slot[step->to] = apply_spatial_motion(step, X, s, size, s->twist + program->twist_start + 3 * i);
   }
 }
 
-static void spatial_loop(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_state *s,
-                         km_twist *misfit, km_vec3 *taken, double *error, double *J) {
+/* Writes closure error and Jacobian columns ±h of a spatial loop, shifted to its row point. */
+static void update_spatial_loop(const km_mechanism *m, const km_program *program, const km_loop *loop,
+                                const km_state *s, km_twist *misfit, km_vec3 *row_point, double *error, double *J) {
   km_pose a = km_pose_product(&s->slot[loop->slot[0]], &loop->closing_frame[0]);
   km_pose b = km_pose_product(&s->slot[loop->slot[1]], &loop->closing_frame[1]);
   km_vec3 first = loop->has_moving_point ? a.p : loop->point[0];
-  *taken = first;
+  *row_point = first;
   const km_vec3 o[2] = {first, km_vec3_sub(first, loop->origin_offset)};
   b.p = km_vec3_add(km_vec3_sub(b.p, a.p), loop->origin_offset);
   km_pose back = km_pose_inverse(&b), E = {km_rotation_product(&a.R, &back.R), km_rotate(&a.R, back.p)};
@@ -143,14 +155,15 @@ static void spatial_loop(const km_mechanism *m, const km_program *program, const
 }
 
 static void update_spatial(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
-  spatial_steps(m, s, program, sub->size);
+  compute_spatial_poses(m, s, program, sub->size);
   for (int i = 0; i < program->loop_count; ++i) {
     int l = m->loop_order[program->loop_start + i];
-    spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], &s->row_point[l], km_state_error(s, sub),
-                 km_state_jacobian(s, sub));
+    update_spatial_loop(m, program, &m->loops[l], s, &s->misfit[l], &s->row_point[l], km_state_error(s, sub),
+                        km_state_jacobian(s, sub));
   }
 }
 
+/* Horner's scheme for a polynomial term and its derivative. */
 double km_term_value(const km_mechanism *m, const km_state *s, const km_term *term, double *slope) {
   double x = s->q[term->coordinate] / m->unit[term->coordinate], value = 0.0;
   *slope = term->coefficient;
@@ -164,6 +177,7 @@ double km_term_value(const km_mechanism *m, const km_state *s, const km_term *te
   return value;
 }
 
+/* Horner's scheme for the second derivative of a polynomial term. */
 double km_term_curvature(const km_mechanism *m, const km_state *s, const km_term *term) {
   double x = s->q[term->coordinate] / m->unit[term->coordinate];
   double value = 0.0, slope = 0.0, curvature = 0.0;
@@ -175,6 +189,7 @@ double km_term_curvature(const km_mechanism *m, const km_state *s, const km_term
   return curvature;
 }
 
+/* Errors of the couplings, and the Jacobian entries of polynomial terms. */
 static void update_couplings(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   double *error = km_state_error(s, sub), *J = km_state_jacobian(s, sub), slope;
   for (int i = 0; i < sub->coupling_count; ++i) {
@@ -190,15 +205,16 @@ static void update_couplings(const km_mechanism *m, km_state *s, const km_substr
   }
 }
 
-/* Couplings also count held coordinates, which a saved pose leaves out: they are always found anew. */
-static bool are_shown(const km_mechanism *m, const km_state *s, const km_substructure *sub,
-                      const km_cached_configuration *shown) {
-  return shown->is_valid && shown->mechanism_version == m->version && sub->coupling_count == 0 &&
-         km_state_is_at(s, sub, shown->coordinates);
+/* True if errors and Jacobian belong to the present configuration. Couplings contain held coordinates, which a saved
+ * configuration omits, so substructures with couplings are always evaluated. */
+static bool is_cached(const km_mechanism *m, const km_state *s, const km_substructure *sub,
+                      const km_cached_configuration *cached) {
+  return cached->is_valid && cached->mechanism_version == m->version && sub->coupling_count == 0 &&
+         km_state_is_at(s, sub, cached->coordinates);
 }
 
 void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  km_cached_configuration *shown = &s->cached[sub - m->substructures];
+  km_cached_configuration *cached = &s->cached[sub - m->substructures];
   for (int i = 0; i < sub->program_count; ++i) {
     const km_program *program = &m->programs[sub->program_start + i];
     if (program->planar)
@@ -209,19 +225,19 @@ void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructur
   update_couplings(m, s, sub);
   if (s->partition[sub - m->substructures].locked)
     km_state_clear_locked(s, sub);
-  shown->is_valid = false;
-  shown->evaluations++;
+  cached->is_valid = false;
+  cached->evaluations++;
 }
 
 void km_loops_cache(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  km_cached_configuration *shown = &s->cached[sub - m->substructures];
-  km_state_save(s, sub, shown->coordinates);
-  shown->is_valid = true;
-  shown->mechanism_version = m->version;
+  km_cached_configuration *cached = &s->cached[sub - m->substructures];
+  km_state_save(s, sub, cached->coordinates);
+  cached->is_valid = true;
+  cached->mechanism_version = m->version;
 }
 
 void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
-  if (are_shown(m, s, sub, &s->cached[sub - m->substructures]))
+  if (is_cached(m, s, sub, &s->cached[sub - m->substructures]))
     return;
   km_loops_recompute(m, s, sub);
   km_loops_cache(m, s, sub);

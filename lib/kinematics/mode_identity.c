@@ -1,28 +1,32 @@
-/* Compares configurations as assembly modes: by the places of bodies, without passive turns. */
+/* Comparison of configurations as assembly modes (docs/theory.md 4.13): poses of bodies, without passive rotations.
+ *
+ * A body with all joints on one line (a rod) counts by that line, a body with all joints at one point (a crosspiece)
+ * by
+ * that point, the halves of a strut not at all. */
 #include "kinematics/mode_identity.h"
 
-static const double collinear = 1e-9; /* of the largest distance between joints */
+static const double collinear = 1e-9; /* relative to the largest distance between joints */
 
-/* Adds a joint's frame to what is known of its body's joints: the first one's origin is the point, the farthest other
- * one, or the axis of a slide, gives the direction. */
-static void add_frame(km_body_placement *place, bool *is_known, double *farthest, const km_pose *frame,
-                      int slide_axis) {
+/* Adds a joint's frame to the line of its body: the first joint gives the point; the farthest other joint, or the axis
+ * of a slide, gives the direction. */
+static void add_joint_frame(km_body_placement *placement, bool *is_known, double *farthest, const km_pose *frame,
+                            int slide_axis) {
   if (!*is_known) {
-    place->point = frame->p;
+    placement->point = frame->p;
     *is_known = true;
   }
-  km_vec3 way = km_vec3_sub(frame->p, place->point);
-  double length = km_vec3_norm(way);
+  km_vec3 offset = km_vec3_sub(frame->p, placement->point);
+  double length = km_vec3_norm(offset);
   if (length > *farthest) {
     *farthest = length;
-    place->direction = km_vec3_scale(1.0 / length, way);
+    placement->direction = km_vec3_scale(1.0 / length, offset);
   } else if (slide_axis >= 0 && *farthest == 0.0) {
-    place->direction = frame->R.axis[slide_axis];
+    placement->direction = frame->R.axis[slide_axis];
   }
 }
 
-/* The axis of a joint's slide; -1: it has none; -2: several, or a screw, so that its body has no passive turn. */
-static int slide_of(km_joint_type type) {
+/* Axis of a joint's slide; -1: no slide; -2: several slides, or a screw, so that the body has no passive rotation. */
+static int find_slide_axis(km_joint_type type) {
   const km_joint_kind *kind = km_joint_kind_of(type);
   int axis = -1;
   for (int i = 0; i < kind->motion_count; ++i) {
@@ -34,23 +38,25 @@ static int slide_of(km_joint_type type) {
   return axis;
 }
 
-static bool lies_along(km_vec3 way, km_vec3 direction, double size) {
-  return km_vec3_norm(km_vec3_cross(way, direction)) <= collinear * size;
+/* True if a vector is parallel to `direction`, to a part of `size`. */
+static bool is_parallel(km_vec3 offset, km_vec3 direction, double size) {
+  return km_vec3_norm(km_vec3_cross(offset, direction)) <= collinear * size;
 }
 
-/* One end of a joint: its body, the axis of its slide (slide_of), and its frame there. */
+/* One end of a joint: its body, slide axis (find_slide_axis), and frame on the body. */
 typedef struct joint_end {
-  int body, slide;
+  int body, slide_axis;
   const km_pose *frame;
 } joint_end;
 
-static joint_end end_of(const km_mechanism *m, int joint, int end) {
+static joint_end joint_end_of(const km_mechanism *m, int joint, int end) {
   const km_model_joint *j = &m->model->joints[joint];
   const km_model_frame *frame = &m->model->frames[j->frame[end]];
-  return (joint_end){frame->body, slide_of(j->type), &frame->pose};
+  return (joint_end){frame->body, find_slide_axis(j->type), &frame->pose};
 }
 
-static bool find_lines(const km_mechanism *m, km_body_placement *places) {
+/* Classifies each body as pose, line or point by its joints' frames. */
+static bool classify_placements(const km_mechanism *m, km_body_placement *placements) {
   const km_model *model = m->model;
   size_t bodies = (size_t)model->body_count;
   km_arena scratch = {0};
@@ -58,67 +64,71 @@ static bool find_lines(const km_mechanism *m, km_body_placement *places) {
   double *farthest = KM_ARENA_NEW(&scratch, double, bodies);
   bool made = !scratch.failed;
   for (int i = 0; made && i < 2 * model->joint_count; ++i) {
-    joint_end e = end_of(m, i / 2, i % 2);
-    add_frame(&places[e.body], &is_known[e.body], &farthest[e.body], e.frame, e.slide);
+    joint_end e = joint_end_of(m, i / 2, i % 2);
+    add_joint_frame(&placements[e.body], &is_known[e.body], &farthest[e.body], e.frame, e.slide_axis);
   }
   for (int b = 1; made && b < model->body_count; ++b)
-    if (places[b].identity != KM_BODY_PASSIVE && is_known[b])
-      places[b].identity = km_vec3_norm(places[b].direction) > 0.0 ? KM_BODY_LINE : KM_BODY_POINT;
+    if (placements[b].identity != KM_BODY_PASSIVE && is_known[b])
+      placements[b].identity = km_vec3_norm(placements[b].direction) > 0.0 ? KM_BODY_LINE : KM_BODY_POINT;
   for (int i = 0; made && i < 2 * model->joint_count; ++i) {
-    joint_end e = end_of(m, i / 2, i % 2);
-    km_body_placement *place = &places[e.body];
-    bool fits = e.slide != -2 && (e.slide < 0 || lies_along(e.frame->R.axis[e.slide], place->direction, 1.0)) &&
-                lies_along(km_vec3_sub(e.frame->p, place->point), place->direction, fmax(farthest[e.body], 1e-300));
-    if (!fits && place->identity != KM_BODY_PASSIVE)
-      place->identity = KM_BODY_POSE;
+    joint_end e = joint_end_of(m, i / 2, i % 2);
+    km_body_placement *placement = &placements[e.body];
+    bool fits =
+        e.slide_axis != -2 &&
+        (e.slide_axis < 0 || is_parallel(e.frame->R.axis[e.slide_axis], placement->direction, 1.0)) &&
+        is_parallel(km_vec3_sub(e.frame->p, placement->point), placement->direction, fmax(farthest[e.body], 1e-300));
+    if (!fits && placement->identity != KM_BODY_PASSIVE)
+      placement->identity = KM_BODY_POSE;
   }
   km_arena_free(&scratch);
   return made;
 }
 
-bool km_body_placements(const km_mechanism *m, km_body_placement *places) {
+bool km_body_placements(const km_mechanism *m, km_body_placement *placements) {
   for (int b = 0; b < m->model->body_count; ++b)
-    places[b] = (km_body_placement){.identity = m->model->bodies[b].is_strut_part ? KM_BODY_PASSIVE : KM_BODY_POSE};
-  return find_lines(m, places);
+    placements[b] = (km_body_placement){.identity = m->model->bodies[b].is_strut_part ? KM_BODY_PASSIVE : KM_BODY_POSE};
+  return classify_placements(m, placements);
 }
 
-static bool same_vectors(km_vec3 a, km_vec3 b, double tolerance) {
+static bool are_vectors_equal(km_vec3 a, km_vec3 b, double tolerance) {
   return km_vec3_norm(km_vec3_sub(a, b)) <= tolerance;
 }
 
-/* How much of a body's place is the same in two configurations. */
-typedef enum agreement { DIFFERS, SAME_POINT, SAME_LINE, SAME_PLACE } agreement;
+/* Part of a body's pose that agrees in two configurations. */
+typedef enum pose_agreement { DIFFERS, SAME_POINT, SAME_LINE, SAME_PLACE } pose_agreement;
 
-static agreement compare(const km_body_placement *p, const km_pose *a, const km_pose *b, double size,
-                         double tolerance) {
-  bool is_turned = false;
+/* Compares the distinguishing part of one body's pose in two configurations. */
+static pose_agreement compare(const km_body_placement *p, const km_pose *a, const km_pose *b, double size,
+                              double tolerance) {
+  bool is_rotated = false;
   if (p->identity == KM_BODY_PASSIVE)
     return SAME_PLACE;
-  if (!same_vectors(km_pose_point(a, p->point), km_pose_point(b, p->point), tolerance * size))
+  if (!are_vectors_equal(km_pose_point(a, p->point), km_pose_point(b, p->point), tolerance * size))
     return DIFFERS;
   for (int k = 0; k < 3; ++k)
-    is_turned = is_turned || !same_vectors(a->R.axis[k], b->R.axis[k], tolerance);
-  if (!is_turned)
+    is_rotated = is_rotated || !are_vectors_equal(a->R.axis[k], b->R.axis[k], tolerance);
+  if (!is_rotated)
     return SAME_PLACE;
   if (p->identity == KM_BODY_POINT)
     return SAME_POINT;
-  bool on_line = p->identity == KM_BODY_LINE &&
-                 same_vectors(km_rotate(&a->R, p->direction), km_rotate(&b->R, p->direction), tolerance);
-  return on_line ? SAME_LINE : DIFFERS;
+  bool is_line_equal = p->identity == KM_BODY_LINE &&
+                       are_vectors_equal(km_rotate(&a->R, p->direction), km_rotate(&b->R, p->direction), tolerance);
+  return is_line_equal ? SAME_LINE : DIFFERS;
 }
 
-bool km_is_same_mode(const km_mechanism *m, const km_body_placement *places, const km_pose *a, const km_pose *b,
+bool km_is_same_mode(const km_mechanism *m, const km_body_placement *placements, const km_pose *a, const km_pose *b,
                      double size, double tolerance) {
   const km_model *model = m->model;
   for (int i = 1; i < model->body_count; ++i)
-    if (compare(&places[i], &a[i], &b[i], size, tolerance) == DIFFERS)
+    if (compare(&placements[i], &a[i], &b[i], size, tolerance) == DIFFERS)
       return false;
-  /* A crosspiece may be turned between bodies that aren't. The links of a spherical linkage turn together: that is
-   * another mode. */
+  /* A crosspiece may rotate between fixed bodies. If two connected bodies keep only their point (the links of a
+   * spherical linkage), the configurations are different modes. */
   for (int j = 0; j < model->joint_count; ++j) {
-    int one = model->frames[model->joints[j].frame[0]].body, other = model->frames[model->joints[j].frame[1]].body;
-    if (compare(&places[one], &a[one], &b[one], size, tolerance) == SAME_POINT &&
-        compare(&places[other], &a[other], &b[other], size, tolerance) == SAME_POINT)
+    int first_body = model->frames[model->joints[j].frame[0]].body,
+        second_body = model->frames[model->joints[j].frame[1]].body;
+    if (compare(&placements[first_body], &a[first_body], &b[first_body], size, tolerance) == SAME_POINT &&
+        compare(&placements[second_body], &a[second_body], &b[second_body], size, tolerance) == SAME_POINT)
       return false;
   }
   return true;

@@ -1,4 +1,11 @@
-/* Closest poses by Newton's method with the loops' bend. */
+/* Closed configuration nearest to a given one by Newton's method with the Hessian of the closure (docs/theory.md
+ * 4.8).
+ *
+ *   K = [D² − Σ λ_r ∂²e_r   −Jᵀ; J   0],   K (δ, λ) = (−D² (x − y), −e),   x <- x + δ
+ *
+ * Unknowns of fixed coordinates and secondary rows are removed by unit rows. K is factored by sparse LU (3.6). A factor
+ * of
+ * an earlier K solves by iterative refinement where factoring costs more. */
 #include "kinematics/nearest_configuration.h"
 
 #include "base/extrema.h"
@@ -9,57 +16,58 @@
 #include <string.h>
 
 enum { MOST_ITERATIONS = 12 };
-static const double nowhere = 1e-10; /* behind a smaller step Newton's method leaves rounding alone */
-static const double rounding =
-    1e-8; /* the same, where steps don't shrink any more: the loops hardly tell it from others */
+static const double step_tolerance = 1e-10; /* |δ|_∞ of a converged iteration: smaller steps are rounding */
+static const double stagnation_tolerance =
+    1e-8; /* |δ|_∞ accepted where steps no longer shrink: the loops are nearly indifferent to the remainder */
 
-/* Entries of the matrix as column · size + row, in the order in which they were listed. */
-typedef struct listing {
+/* Positions of matrix entries, column · size + row, in the order in which they were appended. */
+typedef struct entry_list {
   int64_t *keys;
   int count, size;
-} listing;
+} entry_list;
 
-static int add(listing *l, int row, int column) {
+static int append_entry(entry_list *l, int row, int column) {
   l->keys[l->count] = (int64_t)column * l->size + row;
   return l->count++;
 }
 
-static int ascending(const void *a, const void *b) {
+static int compare_keys(const void *a, const void *b) {
   int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
   return (x > y) - (x < y);
 }
 
-/* All entries of the matrix, some of them several times. */
-static void list_entries(const km_substructure *sub, const int *pairs, int pair_count, listing *l) {
+/* Appends all entries of K: pairs of the Hessian, J and −Jᵀ, the diagonal. Some positions occur several times. */
+static void list_entries(const km_substructure *sub, const int *pairs, int pair_count, entry_list *l) {
   const km_pattern *pattern = &sub->pattern;
   for (int i = 0; i < pair_count; ++i) {
-    add(l, pairs[2 * i], pairs[2 * i + 1]);
-    add(l, pairs[2 * i + 1], pairs[2 * i]);
+    append_entry(l, pairs[2 * i], pairs[2 * i + 1]);
+    append_entry(l, pairs[2 * i + 1], pairs[2 * i]);
   }
   for (int c = 0; c < sub->columns; ++c) {
     int first = pattern->start ? pattern->start[c] : c * sub->rows;
     int end = pattern->start ? pattern->start[c + 1] : first + sub->rows;
     for (int i = first; i < end; ++i) {
       int row = sub->columns + (pattern->start ? pattern->row[i] : i - first);
-      add(l, row, c);
-      add(l, c, row);
+      append_entry(l, row, c);
+      append_entry(l, c, row);
     }
   }
   for (int i = 0; i < l->size; ++i)
-    add(l, i, i);
+    append_entry(l, i, i);
 }
 
-/* Where an entry is among those that differ. */
-static int place_of(int64_t key, const int64_t *keys, int count) {
-  const int64_t *at = bsearch(&key, keys, (size_t)count, sizeof key, ascending);
+/* Index of a position in the sorted list of distinct positions. */
+static int find_entry(int64_t key, const int64_t *keys, int count) {
+  const int64_t *at = bsearch(&key, keys, (size_t)count, sizeof key, compare_keys);
   return (int)(at - keys);
 }
 
-/* The places of the listed entries, and the pattern that they make. */
-static void compress(km_nearest_configuration *c, const km_substructure *sub, const listing *l, int64_t *sorted) {
+/* Merges equal positions into the pattern of K, and stores the index of each appended entry. */
+static void merge_entries(km_nearest_configuration *c, const km_substructure *sub, const entry_list *l,
+                          int64_t *sorted) {
   int count = 0, next = 0, entries = (int)sub->pattern.size;
   memcpy(sorted, l->keys, (size_t)l->count * sizeof *sorted);
-  qsort(sorted, (size_t)l->count, sizeof *sorted, ascending);
+  qsort(sorted, (size_t)l->count, sizeof *sorted, compare_keys);
   for (int i = 0; i < l->count; ++i)
     if (i == 0 || sorted[i] != sorted[count - 1])
       sorted[count++] = sorted[i];
@@ -68,22 +76,22 @@ static void compress(km_nearest_configuration *c, const km_substructure *sub, co
     c->start[sorted[i] / l->size + 1] = i + 1;
   }
   for (int i = 0; i < 2 * c->hessian_count; ++i)
-    c->hessian_index[i] = place_of(l->keys[next++], sorted, count);
+    c->hessian_index[i] = find_entry(l->keys[next++], sorted, count);
   for (int i = 0; i < entries; ++i) {
-    c->J_index[i] = place_of(l->keys[next++], sorted, count);
-    c->transposed_index[i] = place_of(l->keys[next++], sorted, count);
+    c->J_index[i] = find_entry(l->keys[next++], sorted, count);
+    c->transposed_index[i] = find_entry(l->keys[next++], sorted, count);
   }
   for (int i = 0; i < c->size; ++i)
-    c->diagonal_index[i] = place_of(l->keys[next++], sorted, count);
+    c->diagonal_index[i] = find_entry(l->keys[next++], sorted, count);
 }
 
-static bool make_pattern(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
-                         km_arena *arena) {
+static bool create_pattern(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
+                           km_arena *arena) {
   size_t most = 2 * (size_t)c->hessian_count + 2 * sub->pattern.size + (size_t)c->size;
   km_arena scratch = {0};
   int *pairs = KM_ARENA_NEW(&scratch, int, 2 * (size_t)c->hessian_count + 1);
   int64_t *sorted = KM_ARENA_NEW(&scratch, int64_t, most);
-  listing l = {.keys = KM_ARENA_NEW(&scratch, int64_t, most), .size = c->size};
+  entry_list l = {.keys = KM_ARENA_NEW(&scratch, int64_t, most), .size = c->size};
   c->start = KM_ARENA_NEW(arena, int, (size_t)c->size + 1);
   c->row = KM_ARENA_NEW(arena, int, most);
   c->value = KM_ARENA_NEW(arena, double, most);
@@ -95,7 +103,7 @@ static bool make_pattern(km_nearest_configuration *c, const km_mechanism *m, con
   if (made) {
     km_loops_hessian_entries(m, sub, pairs);
     list_entries(sub, pairs, c->hessian_count, &l);
-    compress(c, sub, &l, sorted);
+    merge_entries(c, sub, &l, sorted);
   }
   km_arena_free(&scratch);
   return made;
@@ -116,15 +124,16 @@ bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mech
   c->correction = KM_ARENA_NEW(arena, double, size);
   c->fixed = KM_ARENA_NEW(arena, bool, size);
   c->fixed_next = KM_ARENA_NEW(arena, bool, size);
-  if (!make_pattern(c, m, sub, arena) ||
-      !km_partition_reserve_sparse(&c->factor, c->size, c->size, c->start, c->row, arena))
+  if (!create_pattern(c, m, sub, arena) ||
+      !km_partition_reserve_sparse(&c->update_factor, c->size, c->size, c->start, c->row, arena))
     return false;
-  c->factor.unrestricted_basis = true;
+  c->update_factor.unrestricted_basis = true;
   return true;
 }
 
-static void fix(km_nearest_configuration *c, const km_substructure *sub, int driver, const bool *locked,
-                const km_partition *pivots) {
+/* Sets the fixed unknowns. A factor of other fixed unknowns becomes invalid. */
+static void set_fixed(km_nearest_configuration *c, const km_substructure *sub, int driver, const bool *locked,
+                      const km_partition *pivots) {
   bool *before = c->fixed, *now = c->fixed_next;
   for (int i = 0; i < c->size; ++i)
     now[i] = i >= sub->columns || i == driver || (locked && locked[i]);
@@ -135,24 +144,24 @@ static void fix(km_nearest_configuration *c, const km_substructure *sub, int dri
   c->fixed_next = before;
 }
 
-/* Fixed rows say that their unknown is 0. */
-static void put(km_nearest_configuration *c, int at, double value) {
+/* Adds to an entry of K. Rows of fixed unknowns are omitted: their diagonal 1 makes the unknown 0. */
+static void add_entry(km_nearest_configuration *c, int at, double value) {
   if (!c->fixed[c->row[at]])
     c->value[at] += value;
 }
 
-/* The matrix with the bend by the multipliers λ. */
-static void fill(km_nearest_configuration *c, const km_mechanism *m, km_state *s, const km_substructure *sub,
-                 const double *lambda) {
+/* Assembles K with the Hessian of the closure at the multipliers λ. */
+static void assemble_matrix(km_nearest_configuration *c, const km_mechanism *m, km_state *s, const km_substructure *sub,
+                            const double *lambda) {
   const double *weight = m->column_weight + sub->column_start, *J = km_state_jacobian(s, sub);
   km_loops_hessian(m, s, sub, lambda, c->hessian, c->hessian_diagonal);
   c->is_current = false;
   memset(c->value, 0, (size_t)c->start[c->size] * sizeof *c->value);
   for (int i = 0; i < 2 * c->hessian_count; ++i)
-    put(c, c->hessian_index[i], -c->hessian[i / 2]);
+    add_entry(c, c->hessian_index[i], -c->hessian[i / 2]);
   for (size_t i = 0; i < sub->pattern.size; ++i) {
-    put(c, c->J_index[i], J[i]);
-    put(c, c->transposed_index[i], -J[i]);
+    add_entry(c, c->J_index[i], J[i]);
+    add_entry(c, c->transposed_index[i], -J[i]);
   }
   for (int i = 0; i < c->size; ++i)
     if (c->fixed[i])
@@ -161,91 +170,96 @@ static void fill(km_nearest_configuration *c, const km_mechanism *m, km_state *s
       c->value[c->diagonal_index[i]] += weight[i] * weight[i] - c->hessian_diagonal[i];
 }
 
-/* NaN where one of them is no number. */
-static double largest_of(const double *x, int count) {
+/* |x|_∞; NaN if an entry is NaN. */
+static double max_norm(const double *x, int count) {
   double largest = 0.0;
   for (int i = 0; i < count; ++i)
     largest = km_larger_or_nan(fabs(x[i]), largest);
   return largest;
 }
 
-/* Solves by the factor of a matrix before, from the x at hand: what the solution leaves of b is solved again until rounding is left.
- * False where that takes long, since the matrix has changed too much. */
-static bool correct(km_nearest_configuration *c) {
+/* Iterative refinement of K x = b with the factor of an earlier matrix, from the present x. False if it converges
+ * slowly, since the matrix has changed too much. */
+static bool refine(km_nearest_configuration *c) {
   enum { MOST_CORRECTIONS = 6 };
-  static const double grain = 1e-14, coarse_grain = 1e-10, most_share = 0.05;
+  static const double relative_tolerance = 1e-14, stagnation_size = 1e-10, max_ratio = 0.05;
   double last = HUGE_VAL;
   for (int pass = 0; pass < MOST_CORRECTIONS; ++pass) {
     memcpy(c->residual, c->b, (size_t)c->size * sizeof *c->residual);
     for (int k = 0; k < c->size; ++k)
       for (int i = c->start[k]; i < c->start[k + 1]; ++i)
         c->residual[c->row[i]] -= c->value[i] * c->x[k];
-    km_partition_solve(&c->factor, c->residual, c->correction);
+    km_partition_solve(&c->update_factor, c->residual, c->correction);
     for (int k = 0; k < c->size; ++k)
       c->x[k] += c->correction[k];
-    double size = largest_of(c->correction, c->size), all = largest_of(c->x, c->size);
-    if (size <= grain * all)
+    double size = max_norm(c->correction, c->size), all = max_norm(c->x, c->size);
+    if (size <= relative_tolerance * all)
       return true;
-    if (!(size <= most_share * last)) /* among rounding alone nothing shrinks */
-      return size <= coarse_grain * all;
+    if (!(size <= max_ratio * last)) /* corrections of rounding size no longer shrink */
+      return size <= stagnation_size * all;
     last = size;
   }
   return false;
 }
 
-/* Does a factor take as long as all corrections that may be tried? Little fills in where the loops make a chain. */
-static bool is_costly(const km_nearest_configuration *c) {
-  static const double most = 100.0; /* multiplications of each entry of the matrix */
-  return km_partition_multiplications(&c->factor) > most * c->start[c->size];
+/* True if factoring costs more than all refinement steps that may be tried. Chains of loops have little fill-in and are
+ * factored. */
+static bool is_factor_costly(const km_nearest_configuration *c) {
+  static const double most = 100.0; /* multiplications per entry of the matrix */
+  return km_partition_multiplications(&c->update_factor) > most * c->start[c->size];
 }
 
-static bool factor(km_nearest_configuration *c) {
-  if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
+static bool update_factor(km_nearest_configuration *c) {
+  if (c->update_factor.rank == c->size && km_partition_refactor(&c->update_factor, c->value))
     return true;
-  km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
-  c->is_costly = is_costly(c);
-  return !c->factor.failed && c->factor.rank == c->size;
+  km_partition_factor(&c->update_factor, c->value, c->size, c->size, NULL, 0.0);
+  c->is_factor_costly = is_factor_costly(c);
+  return !c->update_factor.failed && c->update_factor.rank == c->size;
 }
 
+/* Solves K x = b by the present factor, by refinement with an earlier one, or after factoring. */
 static bool solve(km_nearest_configuration *c) {
-  if (!c->is_current && c->is_factored && c->is_costly && correct(c))
+  if (!c->is_current && c->is_factored && c->is_factor_costly && refine(c))
     return true;
   if (!c->is_current)
-    c->is_current = c->is_factored = factor(c);
+    c->is_current = c->is_factored = update_factor(c);
   if (c->is_current)
-    km_partition_solve(&c->factor, c->b, c->x);
+    km_partition_solve(&c->update_factor, c->b, c->x);
   return c->is_current;
 }
 
 bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechanism *m, km_state *s, int index,
-                                   int driver, const km_partition *pivots, double *away) {
+                                   int driver, const km_partition *pivots, double *displacement) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
   double *lambda = c->x + sub->columns, largest = HUGE_VAL;
-  bool settled = false;
-  fix(c, sub, driver, s->partition[index].locked, pivots);
+  bool is_converged = false;
+  set_fixed(c, sub, driver, s->partition[index].locked, pivots);
   memset(c->x, 0, (size_t)c->size * sizeof *c->x);
-  for (int pass = 0; pass <= MOST_ITERATIONS && !settled; ++pass) {
+  for (int pass = 0; pass <= MOST_ITERATIONS && !is_converged; ++pass) {
     km_loops_recompute(m, s, sub);
-    fill(c, m, s, sub, lambda);
+    assemble_matrix(c, m, s, sub, lambda);
     for (int i = 0; i < c->size; ++i)
-      c->b[i] = c->fixed[i] ? 0.0 : i < sub->columns ? -weight[i] * weight[i] * away[i] : -error[i - sub->columns];
-    memset(c->x, 0, (size_t)sub->columns * sizeof *c->x); /* the multipliers of the last pass are near these */
+      c->b[i] = c->fixed[i]        ? 0.0
+                : i < sub->columns ? -weight[i] * weight[i] * displacement[i]
+                                   : -error[i - sub->columns];
+    memset(c->x, 0, (size_t)sub->columns * sizeof *c->x); /* δ restarts at 0; the multipliers of the last pass are good
+                                                           * starts */
     if (!solve(c))
       return false;
-    if (pass == 0) /* the first multipliers; without them the step knows nothing of the bend */
+    if (pass == 0) /* the first solution supplies λ only; without λ the step would omit the Hessian */
       continue;
     double last = largest;
-    largest = largest_of(c->x, sub->columns);
-    settled = largest <= nowhere || (largest <= rounding && largest > 0.25 * last);
-    if (!isfinite(largest) || (!settled && largest > 2.0 * last))
+    largest = max_norm(c->x, sub->columns);
+    is_converged = largest <= step_tolerance || (largest <= stagnation_tolerance && largest > 0.25 * last);
+    if (!isfinite(largest) || (!is_converged && largest > 2.0 * last))
       return false;
     double share = largest > km_max_newton_step ? km_max_newton_step / largest : 1.0;
     for (int k = 0; k < sub->columns; ++k)
-      away[k] += c->x[k] *= share;
+      displacement[k] += c->x[k] *= share;
     km_state_move(m, s, sub, c->x);
   }
-  return settled;
+  return is_converged;
 }
 
 void km_nearest_configuration_follow(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,

@@ -1,43 +1,49 @@
-/* The closed pose that is closest to a given one. Private to kinematics/. */
+/* Closed configuration that is nearest to a given one (docs/theory.md 4.8).
+ *
+ *   min |D (x − y)|²  subject to  e(x) = 0:     [D² − Σ λ_r ∂²e_r   −Jᵀ] [δ]   [−D² (x − y)]
+ *                                               [J                   0 ] [λ] = [−e         ] */
 #ifndef KM_KINEMATICS_NEAREST_CONFIGURATION_H
 #define KM_KINEMATICS_NEAREST_CONFIGURATION_H
 
 #include "kinematics/state.h"
 
-/* Newton's method on the conditions for the least |D (x − y)| with closed loops, whose matrix is sparse:
- * [D² − Σ λ_r ∂²e_r, −Jᵀ; J, 0]. Least steps leave out how the loops bend, and part from the closest pose where its distance
- * passes the radius of their bend; these don't. */
+/* Newton's method on the Karush-Kuhn-Tucker conditions; the matrix is sparse. Minimum-norm steps omit the Hessian of
+ * the closure and drift away where the distance exceeds the radius of curvature. */
 typedef struct km_nearest_configuration {
-  int size;                                 /* columns and rows of J: of the matrix */
-  int *start, *row;                         /* its pattern, by columns */
+  int size;                                 /* columns + rows of J: order of the matrix */
+  int *start, *row;                         /* pattern of the matrix, by columns */
   double *value;                            /* [start[size]] */
-  int hessian_count;                        /* of km_loops_hessian_entries */
-  int *hessian_index;                       /* [2 · pairs] where both entries of each are in `value`; */
-  int *J_index, *transposed_index;          /* [pattern.size] the same of J, and of −Jᵀ; */
-  int *diagonal_index;                      /* [size] and of the diagonal */
-  double *hessian, *hessian_diagonal;       /* [pairs], [columns] of km_loops_hessian */
-  double *b, *x;                            /* [size] right side; the step, and behind it λ */
-  double *residual, *correction;            /* [size] of a solution by the factor of a matrix before */
-  double *displacement, *next_displacement; /* [columns] for the caller */
-  bool *fixed;                              /* [size] coordinates that don't move, rows that aren't primary; */
-  bool *fixed_next;                         /* [size] and room for those of the next pose */
-  km_partition factor;                      /* of the matrix, or of one before it with the same coordinates and rows */
-  bool is_factored;                         /* is there one? */
-  bool is_current;                          /* is it of the matrix as it is now? */
-  bool is_costly;                           /* does it take longer than corrections of solutions by one before? */
+  int hessian_count;                        /* pairs of columns of km_loops_hessian_entries */
+  int *hessian_index;                       /* [2 · hessian_count] indices of both entries of a pair in `value` */
+  int *J_index, *transposed_index;          /* [pattern.size] indices of the entries of J, and of −Jᵀ, in `value` */
+  int *diagonal_index;                      /* [size] indices of the diagonal entries in `value` */
+  double *hessian, *hessian_diagonal;       /* [hessian_count], [columns] results of km_loops_hessian */
+  double *b, *x;                            /* [size] right side; solution (δ, λ) */
+  double *residual, *correction;            /* [size] iterative refinement with the factor of an earlier matrix */
+  double *displacement, *next_displacement; /* [columns] for the caller: x − y, and its next value */
+  bool *fixed;                              /* [size] fixed unknowns: driver, locked coordinates, multipliers of
+                                             * secondary rows */
+  bool *fixed_next;                         /* [size] flags of the next call */
+  km_partition factor;                      /* of the present matrix, or of an earlier one with the same fixed
+                                             * unknowns */
+  bool is_factored;                         /* `factor` is valid for the fixed unknowns */
+  bool is_current;                          /* `factor` belongs to the present matrix */
+  bool is_costly;                           /* factoring costs more than iterative refinement with an earlier factor */
 } km_nearest_configuration;
 
-/* For a substructure, whose mechanism has no ball joints: two turns about different axes have no difference. False when out of
- * memory. O(entries of J and pairs of columns in a loop). */
+/* Reserves a solver for a substructure. Mechanisms with ball joints are excluded: two rotations about different axes
+ * have no difference. False when out of memory. O(entries of J + pairs of columns on one side of a loop). */
 bool km_nearest_configuration_reserve(km_nearest_configuration *closest, const km_mechanism *mechanism,
                                       const km_substructure *sub, km_arena *arena);
 
-/* From the state's pose, which is `away` (scaled) from y, to the closed pose closest to y; `away` is then what leads from y
- * there. The coordinate of `driver` (a column, or KM_NO_DRIVER) doesn't move, and `pivots` tells the primary rows. False where
- * Newton's method gives out. Leaves the state at its last pose. */
+/* Moves the state to the closed configuration nearest to y. On entry the state is at y + displacement (scaled); on
+ * return `displacement` is the step from y to the result. The coordinate of `driver` (a column, or KM_NO_DRIVER) is
+ * fixed; `pivots` gives the primary rows. False if Newton's method does not converge; the state is left at its last
+ * configuration. */
 bool km_nearest_configuration_find(km_nearest_configuration *closest, const km_mechanism *mechanism, km_state *state,
-                                   int substructure, int driver, const km_partition *pivots, double *away);
-/* How the closest pose found last moves where y moves by `step`, which is then that. */
+                                   int substructure, int driver, const km_partition *pivots, double *displacement);
+/* Linear response of the nearest configuration found last to a change of y: replaces `step` of y by the step of the
+ * result. */
 void km_nearest_configuration_follow(km_nearest_configuration *closest, const km_mechanism *mechanism,
                                      const km_substructure *sub, double *step);
 

@@ -1,18 +1,19 @@
-/* Shows from lengths alone that a loop can't close. Private to kinematics/. */
+/* Polygon inequality of a loop: a proof that it closes in no configuration (docs/theory.md 4.3). Private to
+ * kinematics/. */
 #ifndef KM_KINEMATICS_POLYGON_INEQUALITY_H
 #define KM_KINEMATICS_POLYGON_INEQUALITY_H
 
 #include "topology/mechanism.h"
 
-/* The longest link of a loop that closes in no configuration. */
+/* Longest link of a loop that violates the polygon inequality. */
 typedef struct km_long_link {
-  double excess;      /* its length less the sum of the other links' lengths, scaled */
-  int coordinates[2]; /* of the joints at its ends */
+  double excess;      /* length of that link minus the sum of the other lengths, scaled */
+  int coordinates[2]; /* coordinates of the joints at its ends */
 } km_long_link;
 
-/* Polygon inequality: a closed loop of links with constant lengths l_i needs max l_i <= sum of the others. Lengths are
- * constant where every joint of the loop only turns (hinges, universal and ball joints). True, and `out` is filled, if
- * the loop violates it; false proves nothing. O(joints of the loop). */
+/* Tests max l_i <= sum of the others for the constant link lengths l_i of a loop whose joints only rotate (hinges,
+ * universal and ball joints). True, with `out` filled, if the loop violates it; false proves nothing. O(joints of the
+ * loop). */
 bool km_loop_violates_polygon(const km_mechanism *mechanism, int loop, km_long_link *out);
 
 #endif

@@ -1,4 +1,9 @@
-/* One primitive motion on the way out along a chain: what programs of loops and equations of motion share. */
+/* One primitive motion of a chain (docs/theory.md 2.1), shared by the loop programs and the equations of motion.
+ *
+ *   revolute : h = (p × a; a),          R <- R rot(a, q)
+ *   prismatic: h = (a; 0),              p <- p + q a
+ *   helical  : h = (p × a + P a; a),    both, with the travel P per radian
+ *   ball     : h_k = (p × a_k; a_k),    R <- R rot(quaternion), a_k axes of the parent frame */
 #ifndef KM_KINEMATICS_PRIMITIVE_MOTION_H
 #define KM_KINEMATICS_PRIMITIVE_MOTION_H
 
@@ -6,9 +11,9 @@
 #include "spatial/sincos.h"
 #include "spatial/twist.h"
 
-/* The pose after a motion from X, its frame. `sign` is -1 where the joint is passed against its sense; `value` is the
- * coordinate times that, a length in the unit that X has, `pitch` the travel per radian in that unit; `ball` a ball's
- * coordinates (else not read). h receives the columns with the sign, one a coordinate. */
+/* Returns the pose after a motion from the frame X. `sign` is −1 for a reversed joint; `value` is the coordinate times
+ * `sign`, a length in the unit of X; `pitch` is the travel per radian in that unit; `ball` is the quaternion of a ball
+ * motion (else unused). h receives the signed unit twists, one per coordinate. */
 static inline km_pose km_motion_step(km_motion motion, double sign, double pitch, double value,
                                      const km_quaternion *ball, km_pose X, km_twist *h) {
   km_vec3 axis = X.R.axis[motion.axis];
@@ -31,8 +36,8 @@ static inline km_pose km_motion_step(km_motion motion, double sign, double pitch
     X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
     break;
   case KM_BALL: {
-    /* Rates are about the axes of the joint's parent frame: the frame before the turn, or, passed against its sense, the
-     * frame after it. */
+    /* Rates are about the axes of the joint's parent frame: the frame before the rotation, or after it if the joint is
+     * reversed. */
     km_rotation turn = km_quaternion_rotation(sign > 0.0 ? *ball : km_quaternion_conjugate(*ball)), before = X.R;
     X.R = km_rotation_product(&X.R, &turn);
     const km_rotation *axes = sign > 0.0 ? &before : &X.R;

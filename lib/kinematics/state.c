@@ -1,17 +1,18 @@
-/* One thread's copy of what moves: allocation, coordinates. */
+/* State of one thread: allocation, coordinates, cached null spaces, locked coordinates, saved configurations. */
 #include "kinematics/state.h"
 
 #include "base/arguments.h"
 
 #include <string.h>
 
+/* Reserves the dense or sparse factorisation of a substructure's Jacobian. */
 static bool reserve_partition(const km_substructure *sub, km_partition *p, km_arena *arena) {
   return sub->pattern.start
              ? km_partition_reserve_sparse(p, sub->rows, sub->columns, sub->pattern.start, sub->pattern.row, arena)
              : km_partition_reserve(p, sub->rows, sub->columns, arena);
 }
 
-static bool allocate(const km_mechanism *m, km_state *s) {
+static bool allocate_arrays(const km_mechanism *m, km_state *s) {
   km_arena *arena = &s->arena;
   const km_topology *t = &m->topology;
   size_t coordinates = (size_t)m->coordinate_count;
@@ -60,7 +61,7 @@ static bool allocate(const km_mechanism *m, km_state *s) {
   return !arena->failed;
 }
 
-/* The entries of couplings that don't change with the pose. */
+/* Writes the constant Jacobian entries of linear couplings. */
 static void set_coupling_rows(const km_mechanism *m, km_state *s) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
@@ -107,7 +108,7 @@ km_status km_state_create(const km_mechanism *m, km_state **out, km_error *error
   km_state *s = KM_NEW(km_state, 1);
   if (s)
     s->mechanism = m;
-  if (!s || !allocate(m, s)) {
+  if (!s || !allocate_arrays(m, s)) {
     km_state_free(s);
     return km_fail(error, KM_MEMORY, "out of memory for a state of the mechanism");
   }
@@ -151,14 +152,14 @@ void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, doub
       J[(size_t)c * (size_t)sub->rows + (size_t)pattern->row[i]] = values[i];
 }
 
-static double *basis_room(km_basis *basis, const km_substructure *sub, int count) {
+static double *reserve_basis(km_basis *basis, const km_substructure *sub, int count) {
   return km_arena_grow(basis->arena, (void **)&basis->Z, &basis->capacity, (size_t)count * (size_t)sub->columns,
                        sizeof *basis->Z)
              ? basis->Z
              : NULL;
 }
 
-/* Z, NULL: there is no memory for it, is the basis of the pose at hand: so many motions of it. */
+/* Records Z as the basis of the present partition with `count` vectors; Z NULL: out of memory. */
 static void set_basis(const km_state *s, int index, const double *Z, int count) {
   km_basis *basis = &s->basis[index];
   km_partition *p = &s->partition[index];
@@ -175,19 +176,19 @@ double *km_state_null_space(const km_mechanism *m, const km_state *s, int index,
   km_basis *basis = &s->basis[index];
   if (basis->is_known && !basis->is_deferred && basis->partition_version == p->version && basis->count >= count)
     return basis->Z;
-  double *Z = basis_room(basis, sub, count);
-  int there = Z && basis->partition_version == p->version ? basis->count : 0;
-  if (Z && there < count)
-    km_partition_extend_null_space(p, m->column_weight + sub->column_start, there, count, Z);
-  set_basis(s, index, Z, there < count ? count : there);
+  double *Z = reserve_basis(basis, sub, count);
+  int existing = Z && basis->partition_version == p->version ? basis->count : 0;
+  if (Z && existing < count)
+    km_partition_extend_null_space(p, m->column_weight + sub->column_start, existing, count, Z);
+  set_basis(s, index, Z, existing < count ? count : existing);
   return Z;
 }
 
-void km_state_set_single_basis(km_state *s, int index, const double *z, size_t apart) {
+void km_state_set_single_basis(km_state *s, int index, const double *z, size_t stride) {
   const km_substructure *sub = &s->mechanism->substructures[index];
-  double *Z = basis_room(&s->basis[index], sub, 1);
+  double *Z = reserve_basis(&s->basis[index], sub, 1);
   for (int k = 0; Z && k < sub->columns; ++k)
-    Z[k] = z[(size_t)k * apart];
+    Z[k] = z[(size_t)k * stride];
   set_basis(s, index, Z, 1);
 }
 
@@ -206,24 +207,24 @@ bool km_state_project_onto_motions(const km_mechanism *m, km_state *s, int index
   return km_partition_project_null_space(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, y, 1);
 }
 
-/* Do so many motions need no basis before someone asks for it? */
-static bool basis_waits(const km_partition *p) {
+/* True if mobility numbers need no basis, so that it is formed only when it is requested. */
+static bool is_basis_deferred(const km_partition *p) {
   int freedom = km_partition_freedom(p);
   return freedom > KM_MANY_VECTORS && (p->sparse || p->rank < freedom);
 }
 
 void km_state_mark_mobility_known(km_state *s, int index) {
-  if (basis_waits(&s->partition[index]))
+  if (is_basis_deferred(&s->partition[index]))
     s->basis[index].is_known = s->basis[index].is_deferred = true;
   else
     km_state_basis(s, index);
 }
 
-/* Without a basis; false where it has to be made. */
-static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
+/* Mobility numbers from the row space by sparse QR. False if they need the basis Z. */
+static bool compute_numbers_without_basis(const km_mechanism *m, km_state *s, int index, double *numbers) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  if (!basis_waits(p) ||
+  if (!is_basis_deferred(p) ||
       !km_partition_mobility_numbers(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, numbers))
     return false;
   km_state_mark_mobility_known(s, index);
@@ -231,7 +232,7 @@ static bool find_many_numbers(const km_mechanism *m, km_state *s, int index, dou
 }
 
 void km_state_mobility_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
-  if (find_many_numbers(m, s, index, numbers))
+  if (compute_numbers_without_basis(m, s, index, numbers))
     return;
   const double *Z = km_state_basis(s, index);
   km_mobility_numbers(Z, m->substructures[index].columns, Z ? km_partition_freedom(&s->partition[index]) : 0, numbers);
@@ -239,7 +240,7 @@ void km_state_mobility_numbers(const km_mechanism *m, km_state *s, int index, do
 
 double *km_state_row_space(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
-  double *R = basis_room(&s->basis[index], sub, s->partition[index].rank);
+  double *R = reserve_basis(&s->basis[index], sub, s->partition[index].rank);
   s->basis[index].count = 0;
   s->basis[index].is_deferred = false;
   if (R)
@@ -247,12 +248,12 @@ double *km_state_row_space(const km_mechanism *m, km_state *s, int index, int co
   return R;
 }
 
-static km_quaternion turned(const km_state *s, int ball, km_vec3 turn) {
+static km_quaternion rotated_quaternion(const km_state *s, int ball, km_vec3 turn) {
   return km_quaternion_normalised(km_quaternion_product(km_quaternion_exp(turn), s->ball[ball]));
 }
 
-/* Its coordinates follow its quaternion. */
-static void show_ball(const km_mechanism *m, km_state *s, int ball) {
+/* Sets the rotation vector of a ball joint from its quaternion, q = log(quaternion), nearest to the last one. */
+static void update_ball_coordinates(const km_mechanism *m, km_state *s, int ball) {
   int c = m->ball_coordinate[ball];
   km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_make(&s->q[c]));
   s->q[c] = v.x;
@@ -261,17 +262,17 @@ static void show_ball(const km_mechanism *m, km_state *s, int ball) {
 }
 
 void km_state_rotate_ball(const km_mechanism *m, km_state *s, int ball, km_vec3 turn) {
-  s->ball[ball] = turned(s, ball, turn);
-  show_ball(m, s, ball);
+  s->ball[ball] = rotated_quaternion(s, ball, turn);
+  update_ball_coordinates(m, s, ball);
 }
 
 void km_state_set_ball(const km_mechanism *m, km_state *s, int ball, km_quaternion q) {
   s->ball[ball] = km_quaternion_normalised(q);
-  show_ball(m, s, ball);
+  update_ball_coordinates(m, s, ball);
 }
 
-static inline void move(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step,
-                        bool shown) {
+static inline void add_step(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step,
+                            bool updates_ball_coordinates) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k) {
     const int c = coordinate[k], ball = m->ball_of[c];
@@ -279,21 +280,21 @@ static inline void move(const km_mechanism *m, km_state *s, const km_substructur
       s->q[c] += m->unit[c] * step[k];
       continue;
     }
-    if (!s->locked[c]) { /* no turn at all would still round */
-      s->ball[ball] = turned(s, ball, km_vec3_make(step + k));
-      if (shown)
-        show_ball(m, s, ball);
+    if (!s->locked[c]) { /* a zero rotation would still change the rounding */
+      s->ball[ball] = rotated_quaternion(s, ball, km_vec3_make(step + k));
+      if (updates_ball_coordinates)
+        update_ball_coordinates(m, s, ball);
     }
     k += 2;
   }
 }
 
 void km_state_move(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
-  move(m, s, sub, step, true);
+  add_step(m, s, sub, step, true);
 }
 
 void km_state_move_temporarily(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step) {
-  move(m, s, sub, step, false);
+  add_step(m, s, sub, step, false);
 }
 
 void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
@@ -308,9 +309,9 @@ void km_state_lock(km_state *s, int coordinate) {
   s->locked[coordinate] = true;
   if (column < 0)
     return;
-  bool *own = s->locked_column + m->substructures[i].column_start;
-  own[column] = true;
-  s->partition[i].locked = own;
+  bool *locked_column = s->locked_column + m->substructures[i].column_start;
+  locked_column[column] = true;
+  s->partition[i].locked = locked_column;
   s->cached[i].is_valid = false;
   s->basis[i].is_known = false;
   km_state_invalidate_pivots(s, i);
@@ -341,7 +342,7 @@ void km_state_clear_locked(km_state *s, const km_substructure *sub) {
   }
 }
 
-/* Behind the columns the quaternions of the substructure's balls. */
+/* Layout: coordinates by column, then the quaternions of the substructure's ball joints. */
 void km_state_save(const km_state *s, const km_substructure *sub, double *saved) {
   const km_mechanism *m = s->mechanism;
   const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;
@@ -419,8 +420,8 @@ km_status km_state_assign(const km_mechanism *m, km_state *to, const km_state *f
   return status;
 }
 
-/* Of the numbers that are this coordinate in the file's unit, one with few digits where there is one: 30 degrees
- * come back as 30, though 30 · (π/180) / (π/180) doesn't. */
+/* Several numbers in the model's unit convert to the same q. The one with at most ten decimals is chosen: 30 degrees
+ * are returned as 30, though 30 · (π/180) / (π/180) differs from 30. */
 double km_convert_unit(double q, double factor) {
   double exact = q / factor, rounded = nearbyint(exact * 1e10) / 1e10;
   return rounded * factor == q ? rounded : exact;

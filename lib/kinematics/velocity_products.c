@@ -1,14 +1,15 @@
-/* The accelerations that constant rates make around the loops, and how they change with the rates. */
+/* Velocity products of the loops and their derivatives by the rates (docs/theory.md 2.6).
+ *
+ *   γ = −J̇ q̇,   ḣ = ad(V) h,   ξ = h q̇
+ *   c_to = c_from + ad(V_from) ξ                             V, c: twist and acceleration (q̈ = 0) of a slot
+ *   ∂c_end/∂q̇_j = ad(V_from) h_j + ad(h_j) (V_end − V_to)
+ *   plane: twists (v_x, v_y, ω),  ad(V) ξ = (V_y ξ_ω − V_ω ξ_y, V_ω ξ_x − V_x ξ_ω, 0)
+ *
+ * Both sides of a closed loop rotate alike, so the point at which rows are taken may move. */
 #include "kinematics/loop_equations.h"
 
-/* Symbols: V twist of a slot against its base, ξ = h q̇ the twist of a step, c acceleration of a slot where q̈ = 0.
- * A column h is fixed in what carries the step, so ḣ = ad(V) h and c_to = c_from + ad(V_from) ξ. Around a closed loop
- * both sides turn alike: the point about which rows are taken may move. In a plane a twist is (x, y, turn), and
- * ad(V) ξ = (V_y ξ_t − V_t ξ_y, V_t ξ_x − V_x ξ_t, 0). By a rate the end's acceleration changes by ad(V_from) h, and through
- * the twists of the slots behind by ad(h) (V_end − V_to). */
-
-static void planar_motions(const km_program *program, const km_planar_step *steps, const km_twist *h, double size,
-                           const double *rate, km_slot_motion *slot) {
+static void compute_planar_slot_motions(const km_program *program, const km_planar_step *steps, const km_twist *h,
+                                        double size, const double *rate, km_slot_motion *slot) {
   double inverse = 1.0 / size;
   slot[0] = (km_slot_motion){{{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}};
   for (int i = 0; i < program->step_count; ++i) {
@@ -20,29 +21,31 @@ static void planar_motions(const km_program *program, const km_planar_step *step
   }
 }
 
-static void planar_slopes(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_twist *h,
-                          const km_slot_motion *slot, double *slopes) {
+/* ∂γ/∂q̇_j of a planar loop, by the entries of J. */
+static void write_planar_derivatives(const km_mechanism *m, const km_program *program, const km_loop *loop,
+                                     const km_twist *h, const km_slot_motion *slot, double *slopes) {
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_planar_step *step = &m->planar_steps[program->step_start + entry->step];
-    km_vec3 own = h[entry->step].v, end = slot[loop->slot[entry->side < 0.0]].twist.v;
-    km_vec3 c = km_vec3_add(km_planar_bracket(slot[step->from].twist.v, own),
-                            km_planar_bracket(own, km_vec3_sub(end, slot[step->to].twist.v)));
+    km_vec3 column = h[entry->step].v, end = slot[loop->slot[entry->side < 0.0]].twist.v;
+    km_vec3 c = km_vec3_add(km_planar_bracket(slot[step->from].twist.v, column),
+                            km_planar_bracket(column, km_vec3_sub(end, slot[step->to].twist.v)));
     const double values[3] = {c.x, c.y, 0.0};
     for (int r = 0; r < loop->lambda; ++r)
       slopes[entry->value_index + (size_t)r] = -entry->side * values[loop->rows[r]];
   }
 }
 
-static void planar_loop(const km_loop *loop, const km_slot_motion *slot, double *gamma) {
+/* γ of a planar loop: c_b − c_a of its two ends. */
+static void write_planar_products(const km_loop *loop, const km_slot_motion *slot, double *gamma) {
   km_vec3 c = km_vec3_sub(slot[loop->slot[1]].product.v, slot[loop->slot[0]].product.v);
   const double values[3] = {c.x, c.y, 0.0};
   for (int r = 0; r < loop->lambda; ++r)
     gamma[loop->row_start + r] = values[loop->rows[r]];
 }
 
-static void spatial_motions(const km_mechanism *m, const km_program *program, const km_twist *h, double size,
-                            const double *rate, km_slot_motion *slot) {
+static void compute_spatial_slot_motions(const km_mechanism *m, const km_program *program, const km_twist *h,
+                                         double size, const double *rate, km_slot_motion *slot) {
   slot[0] = (km_slot_motion){{{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}};
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
@@ -56,32 +59,35 @@ static void spatial_motions(const km_mechanism *m, const km_program *program, co
   }
 }
 
-/* The acceleration of a loop's end about the point of its rows, which lies `o` from the origin of that branch. */
-static km_twist about(km_twist c, km_vec3 o) {
+/* Shifts an acceleration to the point of the loop's rows, at `o` from the origin of the branch. */
+static km_twist shift_to_point(km_twist c, km_vec3 o) {
   return (km_twist){km_vec3_add(c.v, km_vec3_cross(c.w, o)), c.w};
 }
 
-static void spatial_loop(const km_loop *loop, const km_slot_motion *slot, km_vec3 place, double *gamma) {
-  km_twist a = about(slot[loop->slot[0]].product, place);
-  km_twist b = about(slot[loop->slot[1]].product, km_vec3_sub(place, loop->origin_offset));
+/* γ of a spatial loop: c_b − c_a of its two ends, at the loop's point. */
+static void write_spatial_products(const km_loop *loop, const km_slot_motion *slot, km_vec3 place, double *gamma) {
+  km_twist a = shift_to_point(slot[loop->slot[0]].product, place);
+  km_twist b = shift_to_point(slot[loop->slot[1]].product, km_vec3_sub(place, loop->origin_offset));
   km_twist c = km_twist_axpy(-1.0, a, b);
   const double values[6] = {c.v.x, c.v.y, c.v.z, c.w.x, c.w.y, c.w.z};
   for (int r = 0; r < loop->lambda; ++r)
     gamma[loop->row_start + r] = values[loop->rows[r]];
 }
 
-static void spatial_slopes(const km_mechanism *m, const km_program *program, const km_loop *loop, const km_twist *h,
-                           const km_slot_motion *slot, km_vec3 place, double *slopes) {
+/* ∂γ/∂q̇_j of a spatial loop, by the entries of J. */
+static void write_spatial_derivatives(const km_mechanism *m, const km_program *program, const km_loop *loop,
+                                      const km_twist *h, const km_slot_motion *slot, km_vec3 place, double *slopes) {
   const km_vec3 o[2] = {place, km_vec3_sub(place, loop->origin_offset)};
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_step *step = &m->steps[program->step_start + entry->step];
     int side = entry->side < 0.0;
-    km_twist behind = km_twist_axpy(-1.0, slot[step->to].twist, slot[loop->slot[side]].twist);
+    km_twist twist_beyond = km_twist_axpy(-1.0, slot[step->to].twist, slot[loop->slot[side]].twist);
     for (int k = 0; k < km_primitive_freedom(step->primitive); ++k) {
-      km_twist own = h[3 * entry->step + k];
-      km_twist c = km_twist_axpy(1.0, km_twist_bracket(slot[step->from].twist, own), km_twist_bracket(own, behind));
-      c = about(c, o[side]);
+      km_twist column = h[3 * entry->step + k];
+      km_twist c =
+          km_twist_axpy(1.0, km_twist_bracket(slot[step->from].twist, column), km_twist_bracket(column, twist_beyond));
+      c = shift_to_point(c, o[side]);
       const double values[6] = {c.v.x, c.v.y, c.v.z, c.w.x, c.w.y, c.w.z};
       for (int r = 0; r < loop->lambda; ++r)
         slopes[entry->value_index + (size_t)k * entry->column_stride + (size_t)r] =
@@ -90,42 +96,42 @@ static void spatial_slopes(const km_mechanism *m, const km_program *program, con
   }
 }
 
-/* p″(x) ẋ² of a term of a coupling, and its derivative by ẋ; 0 where it is linear. */
-static double bend(const km_mechanism *m, const km_state *s, const km_term *term, const double *rate,
-                   double *slope_of) {
+/* p″(x) ẋ² of a term of a coupling, and its derivative by ẋ; 0 for a linear term. */
+static double coupling_product(const km_mechanism *m, const km_state *s, const km_term *term, const double *rate,
+                               double *derivative) {
   double v = rate[term->coordinate] / m->unit[term->coordinate], curvature = km_term_curvature(m, s, term);
-  *slope_of = 2.0 * curvature * v;
+  *derivative = 2.0 * curvature * v;
   return curvature * v * v;
 }
 
-/* Sets slot_motion of a program's slots. */
-static void move_slots(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program,
-                       const double *rate) {
+/* Twists V and accelerations c of a program's slots, base outwards. */
+static void compute_slot_motions(const km_mechanism *m, km_state *s, const km_substructure *sub,
+                                 const km_program *program, const double *rate) {
   const km_twist *h = s->twist + program->twist_start;
   if (program->planar)
-    planar_motions(program, m->planar_steps + program->step_start, h, sub->size, rate, s->slot_motion);
+    compute_planar_slot_motions(program, m->planar_steps + program->step_start, h, sub->size, rate, s->slot_motion);
   else
-    spatial_motions(m, program, h, sub->size, rate, s->slot_motion);
+    compute_spatial_slot_motions(m, program, h, sub->size, rate, s->slot_motion);
 }
 
 void km_loops_velocity_products(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *rate,
                                 double *gamma) {
   for (int p = 0; p < sub->program_count; ++p) {
     const km_program *program = &m->programs[sub->program_start + p];
-    move_slots(m, s, sub, program, rate);
+    compute_slot_motions(m, s, sub, program, rate);
     for (int i = 0; i < program->loop_count; ++i) {
       int l = m->loop_order[program->loop_start + i];
       if (program->planar)
-        planar_loop(&m->loops[l], s->slot_motion, gamma);
+        write_planar_products(&m->loops[l], s->slot_motion, gamma);
       else
-        spatial_loop(&m->loops[l], s->slot_motion, s->row_point[l], gamma);
+        write_spatial_products(&m->loops[l], s->slot_motion, s->row_point[l], gamma);
     }
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
     const km_coupling *coupling = &m->couplings[sub->coupling_start + i];
     double sum = 0.0, slope;
     for (int k = 0; k < coupling->term_count; ++k)
-      sum += bend(m, s, &m->terms[coupling->term_start + k], rate, &slope);
+      sum += coupling_product(m, s, &m->terms[coupling->term_start + k], rate, &slope);
     gamma[coupling->row] = -sum;
   }
 }
@@ -135,13 +141,13 @@ void km_loops_velocity_slopes(const km_mechanism *m, km_state *s, const km_subst
   for (int p = 0; p < sub->program_count; ++p) {
     const km_program *program = &m->programs[sub->program_start + p];
     const km_twist *h = s->twist + program->twist_start;
-    move_slots(m, s, sub, program, rate);
+    compute_slot_motions(m, s, sub, program, rate);
     for (int i = 0; i < program->loop_count; ++i) {
       int l = m->loop_order[program->loop_start + i];
       if (program->planar)
-        planar_slopes(m, program, &m->loops[l], h, s->slot_motion, slopes);
+        write_planar_derivatives(m, program, &m->loops[l], h, s->slot_motion, slopes);
       else
-        spatial_slopes(m, program, &m->loops[l], h, s->slot_motion, s->row_point[l], slopes);
+        write_spatial_derivatives(m, program, &m->loops[l], h, s->slot_motion, s->row_point[l], slopes);
     }
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
@@ -149,7 +155,7 @@ void km_loops_velocity_slopes(const km_mechanism *m, km_state *s, const km_subst
     for (int k = 0; k < coupling->term_count; ++k) {
       const km_term *term = &m->terms[coupling->term_start + k];
       double slope;
-      bend(m, s, term, rate, &slope);
+      coupling_product(m, s, term, rate, &slope);
       if (term->column >= 0)
         slopes[term->value_index] = -slope;
     }
