@@ -1,4 +1,4 @@
-/* The words for what is missing or out of range in a call. */
+/* Errors about missing or invalid arguments. */
 #include "base/arguments.h"
 
 void km_tell_missing(const char *what, km_error *error) {

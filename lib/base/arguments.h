@@ -1,5 +1,5 @@
-/* What public functions ask of what comes in: a pointer that is missing and an index out of range are told, never
- * followed. Internal functions don't ask again. */
+/* Checks of arguments by public functions: missing pointers, indices out of range. Internal functions don't repeat
+ * them. */
 #ifndef KM_BASE_ARGUMENTS_H
 #define KM_BASE_ARGUMENTS_H
 
@@ -7,7 +7,7 @@
 
 #include <stdbool.h>
 
-/* The words of what follows. */
+/* Texts of the errors below. */
 void km_tell_missing(const char *what, km_error *error);
 void km_tell_index(int index, int count, const char *what, km_error *error);
 void km_tell_count(int count, const char *what, km_error *error);

@@ -1,4 +1,4 @@
-/* Finds and starts programs of kmech's own. */
+/* Finds and starts the programs of kmech. */
 #include "base/child_process.h"
 
 #include <dlfcn.h>
@@ -15,7 +15,7 @@
 
 extern char **environ;
 
-/* Writes the file that holds this function: the shared library, or the program that the static one is linked into. */
+/* Writes the path of the file that holds this function: the shared library, or the program with the static library. */
 static bool find_own_file(char out[PATH_MAX]) {
   static const char own = 0;
   Dl_info info;
@@ -24,7 +24,7 @@ static bool find_own_file(char out[PATH_MAX]) {
   if (!dladdr1(&own, &info, &extra, RTLD_DL_LINKMAP))
     return false;
   map = extra;
-  /* The program itself has no name in the list of what is loaded. */
+  /* The program has an empty name in the list of loaded objects. */
   return realpath(map && map->l_name[0] ? map->l_name : "/proc/self/exe", out) != NULL;
 }
 
@@ -32,14 +32,14 @@ static bool is_program(const char *path) {
   return access(path, X_OK) == 0;
 }
 
-/* False: no such file, or a path that is too long. */
+/* False if the file doesn't exist or the path is too long. */
 static bool try_folder(const char *folder, const char *below, const char *name, char out[PATH_MAX]) {
   int size = snprintf(out, PATH_MAX, "%s%s/%s", folder, below, name);
   return size > 0 && size < PATH_MAX && is_program(out);
 }
 
 static bool find_program(const char *name, char out[PATH_MAX]) {
-  const int levels = 3; /* lib/x86_64-linux-gnu/libkmech.so, of which libexec lies beside lib */
+  const int levels = 3; /* lib/x86_64-linux-gnu/libkmech.so: libexec is a sibling of lib */
   char file[PATH_MAX];
   const char *stated = secure_getenv("KMECH_LIBEXEC");
   if (stated && *stated)
@@ -56,7 +56,7 @@ static bool find_program(const char *name, char out[PATH_MAX]) {
   return try_folder(KM_LIBEXEC_INSTALLED, "", name, out);
 }
 
-/* Prepares what the new process does before it runs the program: signals as by default, no descriptor but 0, 1 and 2. */
+/* Prepares the new process: default signals, no descriptors but 0, 1 and 2. */
 static int prepare(posix_spawn_file_actions_t *files, posix_spawnattr_t *attributes, int output) {
   sigset_t none, all;
   sigemptyset(&none);

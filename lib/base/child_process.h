@@ -1,5 +1,5 @@
-/* Programs of kmech's own that the library starts, whose standard output it reads. What they do can neither crash nor stop
- * the caller. */
+/* Child processes: programs of kmech that the library starts and whose standard output it reads. A crash or an
+ * endless loop of the child doesn't affect the caller. */
 #ifndef KM_BASE_CHILD_PROCESS_H
 #define KM_BASE_CHILD_PROCESS_H
 
@@ -13,17 +13,17 @@ typedef struct km_helper {
   FILE *output;
 } km_helper;
 
-/* Starts `name` with one argument; it has no input, and its messages are dropped. NULL, or why it can't be started: static text or the thread's own, good until the next call in
- * this thread. After success km_helper_end is due. Safe in a process of several threads: nothing of the caller runs between fork and exec.
- *
- * The program lies in the folder KMECH_LIBEXEC of the environment, in libexec/kmech of the folder of the file that holds the
- * library (the shared library, else the program) or of one of the two folders above that, or where kmech was configured to be
- * installed: so it is found in a build folder and in an installation that was moved. */
+/* Starts the program `name` with one argument, without input; its standard error is discarded. Returns NULL, or the
+ * reason of a failure: static or thread-local text, valid until the next call in this thread. km_helper_end must be
+ * called after success. Safe in a process with several threads: nothing of the caller runs between fork and exec.
+ * The program lies in the folder KMECH_LIBEXEC of the environment, or in libexec/kmech of the folder that holds the
+ * library (the shared library, else the program) or of one of the two folders above it, or in the configured
+ * installation folder. So a build folder and an installation that was moved both work. */
 const char *km_helper_start(km_helper *helper, const char *name, const char *argument);
-/* Reads so many bytes; false if the output ends before. */
+/* Reads `size` bytes; false if the output ends before. */
 bool km_helper_read(km_helper *helper, void *out, size_t size);
-/* Closes the output and waits for the end. Returns the signal that ended the program; 0: it ended by itself, or its status can't be
- * had since the caller's process ignores SIGCHLD. */
+/* Closes the output and waits for the end. Returns the signal that ended the program; 0 if it exited, or if its
+ * status is unknown because the process ignores SIGCHLD. */
 int km_helper_end(km_helper *helper);
 
 #endif

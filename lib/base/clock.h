@@ -1,10 +1,10 @@
-/* Time that passes. */
+/* Elapsed time. */
 #ifndef KM_BASE_CLOCK_H
 #define KM_BASE_CLOCK_H
 
 #include <time.h>
 
-/* Seconds since some moment, by a clock that nobody sets. */
+/* Seconds of the monotonic clock. */
 static inline double km_clock(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);

@@ -1,4 +1,4 @@
-/* Functions of libraries that are loaded when they are first needed. */
+/* Loads shared libraries with dlopen. */
 #include "base/dynamic_library.h"
 
 #include "base/parallel.h"
@@ -10,7 +10,7 @@ enum { FILES_MOST = 8 };
 
 typedef void (*any_function)(void);
 
-/* POSIX lets a function's address through a void *, C's conversions don't. */
+/* POSIX allows a function's address in a void *, C's conversions don't. */
 static bool find(void *const *handles, const char *name, any_function *function) {
   void *address = NULL;
   for (int i = 0; handles[i] && !address; ++i)

@@ -1,20 +1,19 @@
-/* The larger and the smaller of two numbers as processors take them: without fmax's care for what is no number, which costs
- * a call. */
+/* Maximum and minimum by one instruction. fmax and fmin treat NaN specially, at the cost of a call. */
 #ifndef KM_BASE_EXTREMA_H
 #define KM_BASE_EXTREMA_H
 
 #include <math.h>
 
-/* a > b ? a : b: b where one of them is no number. */
+/* a > b ? a : b, which is b if one of them is NaN. */
 static inline double km_larger(double a, double b) {
   return a > b ? a : b;
 }
-/* a < b ? a : b: b where one of them is no number. */
+/* a < b ? a : b, which is b if one of them is NaN. */
 static inline double km_smaller(double a, double b) {
   return a < b ? a : b;
 }
 
-/* The larger of two, or what is no number, once one of them is none. */
+/* The maximum; NaN if one of them is NaN. */
 static inline double km_larger_or_nan(double a, double b) {
   return a <= b || isnan(b) ? b : a;
 }

@@ -1,4 +1,4 @@
-/* Reading whole files, and writing them whole or not at all. */
+/* Reads files, and writes them atomically. */
 #include "base/file.h"
 
 #include "base/arguments.h"
@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const size_t largest_file = (size_t)512 << 20; /* a device that never ends is no model */
+static const size_t largest_file = (size_t)512 << 20; /* an endless device isn't a model */
 
 static km_status read_all(FILE *file, const char *path, km_text *out, km_error *error) {
   char chunk[1 << 16];
@@ -54,7 +54,7 @@ static km_status cannot_write(const char *path, int reason, km_error *error) {
   return km_fail(error, KM_IO, "%s: can't be written: %s", path, strerror(reason));
 }
 
-/* Writes in place: a device, a pipe or a link to nothing can't be replaced by a rename. */
+/* Writes in place: a device, a pipe or a dangling link can't be replaced by a rename. */
 static km_status write_in_place(const char *path, const km_text *bytes, km_error *error) {
   FILE *file = fopen(path, "wb");
   int failed = !file || write_all(file, bytes), reason = errno;
@@ -63,15 +63,15 @@ static km_status write_in_place(const char *path, const km_text *bytes, km_error
   return failed ? cannot_write(path, reason, error) : KM_OK;
 }
 
-/* A new file on its way to its place. It has no name until it is complete, where the system can do that: whatever ends
- * the process leaves nothing behind. Else it has the name `temporary`. */
+/* A new file before its rename. Where the system supports it the file has no name until it is complete, so that an
+ * interruption leaves nothing. Otherwise it has the name `temporary`. */
 typedef struct draft {
   char *temporary; /* a template of mkstemp */
   int descriptor;
   bool named;
 } draft;
 
-/* The folder of a path, for open(). */
+/* Writes the folder of a path. */
 static void folder_of(const char *path, km_text *out) {
   const char *slash = strrchr(path, '/');
   if (slash)
@@ -92,7 +92,7 @@ static bool open_draft(draft *d, const char *path, mode_t mode) {
   return d->descriptor >= 0 && fchmod(d->descriptor, mode) == 0;
 }
 
-/* Gives a draft without name the temporary one. */
+/* Links an unnamed draft to the temporary name. */
 static bool name_draft(draft *d) {
   char own[64];
   int free_name = mkstemp(d->temporary);
@@ -105,7 +105,7 @@ static bool name_draft(draft *d) {
   return d->named;
 }
 
-/* The mode that a new file gets: an old one's, or what the process's mask leaves. */
+/* Mode of the new file: that of the old file, or the default under the process's mask. */
 static mode_t mode_of(const struct stat *old, bool exists) {
   mode_t mask = umask(0);
   umask(mask);
@@ -124,7 +124,7 @@ static bool write_draft(draft *d, const char *path, const km_text *bytes, mode_t
   return written && fchmod(d->descriptor, mode) == 0 && (d->named || name_draft(d)) && rename(d->temporary, path) == 0;
 }
 
-/* Signals wait while a temporary file has a name, so that an interrupt doesn't leave it behind. */
+/* Signals are blocked while a temporary file has a name, so that an interruption doesn't leave it. */
 static km_status replace(const char *path, const km_text *bytes, mode_t mode, km_error *error) {
   km_text name = {0};
   sigset_t all, before;
@@ -159,7 +159,7 @@ km_status km_file_write(const char *path, const km_text *bytes, km_error *error)
     return write_in_place(path, bytes, error);
   if (exists && access(path, W_OK) != 0)
     return cannot_write(path, errno, error);
-  char *target = linked ? realpath(path, NULL) : NULL; /* the link stays, what it leads to is replaced */
+  char *target = linked ? realpath(path, NULL) : NULL; /* the link is kept, its target is replaced */
   km_status status = replace(target ? target : path, bytes, mode_of(&info, exists), error);
   free(target);
   return status;

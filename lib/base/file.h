@@ -1,4 +1,4 @@
-/* Whole files in and out (kmech/base.h), and their fingerprint. */
+/* Files (kmech/base.h) and their SHA-256. */
 #ifndef KM_BASE_FILE_H
 #define KM_BASE_FILE_H
 

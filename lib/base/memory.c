@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* An arena's first block, and the size that they grow to: many arenas hold little. Where KM_LONE_BLOCKS is defined each
- * request has a block of its own, so that sanitizers see what runs over its end, and tests can let each one fail. */
+/* Size of an arena's first block, and the largest size of a block: many arenas are small. With KM_LONE_BLOCKS each
+ * request has its own block, so that sanitizers detect an overrun and tests can fail each request. */
 #ifdef KM_LONE_BLOCKS
 enum { FIRST_BLOCK = 0, LARGEST_BLOCK = 0, ALIGNMENT = 64 };
 #else
@@ -106,7 +106,7 @@ km_arena km_arena_take(km_arena *memory) {
 }
 
 void km_arena_give(km_arena *arena, km_arena *memory) {
-  struct km_arena_block *kept = arena->block; /* mostly the largest one */
+  struct km_arena_block *kept = arena->block; /* mostly the largest block */
   if (!memory || !kept) {
     km_arena_free(arena);
     return;

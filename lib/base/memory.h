@@ -1,17 +1,17 @@
-/* Memory inside of the library: kmech/base.h, and arrays that grow in an arena. */
+/* Memory functions of the library beyond kmech/base.h: arrays that grow in an arena, recycled arenas. */
 #ifndef KM_BASE_MEMORY_H
 #define KM_BASE_MEMORY_H
 
 #include "kmech/base.h"
 
-/* Grows `*data`, which lies in the arena, to hold at least `need` elements; what it held stays, the old space is lost
- * until the arena goes. False when out of memory (data unchanged). */
+/* Grows the array `*data` of the arena to at least `need` elements. Its contents are kept; the old block is freed
+ * with the arena only. False when out of memory; the array is then unchanged. */
 bool km_arena_grow(km_arena *arena, void **data, size_t *capacity, size_t need, size_t size);
-/* What lives in `from`, which hasn't failed, lives on in `arena`; `from` is empty then. */
+/* Moves all blocks of `from`, which must not have failed, to `arena` and leaves `from` empty. */
 void km_arena_join(km_arena *arena, km_arena *from);
-/* Memory that goes from one owner to the next. Takes it all, for an arena in which nothing lives yet; NULL: there is none. */
+/* Recycled memory. Gives all blocks of `memory` (NULL: none) to an empty arena. */
 km_arena km_arena_take(km_arena *memory);
-/* Nothing lives in the arena any more: its memory goes into `memory`, which is empty; NULL: it is freed. */
+/* Empties the arena and stores its blocks in the empty `memory`; frees them if `memory` is NULL. */
 void km_arena_give(km_arena *arena, km_arena *memory);
 
 #endif

@@ -1,4 +1,4 @@
-/* A hash table from scoped names to numbers. */
+/* Hash table from scoped names to numbers. */
 #include "base/name_map.h"
 
 #include "base/memory.h"
@@ -11,7 +11,7 @@ void km_names_free(km_names *names) {
   *names = (km_names){0};
 }
 
-/* FNV-1a. */
+/* FNV-1a hash. */
 static size_t hash(int scope, const char *name) {
   uint64_t h = 14695981039346656037u ^ (uint64_t)(unsigned)scope;
   h *= 1099511628211u;
@@ -20,7 +20,7 @@ static size_t hash(int scope, const char *name) {
   return (size_t)(h ^ (h >> 29));
 }
 
-/* The entry of the name, or the empty one where it would go. The capacity is a power of two. */
+/* The entry of the name, or the empty entry where it belongs. The capacity is a power of two. */
 static km_name_entry *slot(const km_names *names, int scope, const char *name) {
   size_t i = hash(scope, name) & (names->capacity - 1);
   while (names->entries[i].name && (names->entries[i].scope != scope || strcmp(names->entries[i].name, name) != 0))

@@ -1,4 +1,4 @@
-/* Names to numbers, each within a scope: what finds bodies, joints and frames in constant time. */
+/* Map from (scope, name) to a number, for bodies, joints and frames. O(1). */
 #ifndef KM_BASE_NAME_MAP_H
 #define KM_BASE_NAME_MAP_H
 
@@ -16,9 +16,9 @@ typedef struct km_names {
 } km_names;
 
 void km_names_free(km_names *names);
-/* Sets the value of (scope, name), new or not; false when out of memory. */
+/* Sets the value of (scope, name). False when out of memory. */
 bool km_names_set(km_names *names, int scope, const char *name, int value);
-/* The value, or -1 if the name isn't there. */
+/* The value of (scope, name), or -1. */
 int km_names_get(const km_names *names, int scope, const char *name);
 
 #endif

@@ -1,4 +1,4 @@
-/* A loop whose passes run on several threads. */
+/* A loop whose iterations run on several threads. */
 #include "base/parallel.h"
 
 #include "base/memory.h"
@@ -27,7 +27,7 @@ void km_parallel_for(int count, int jobs, void (*work)(void *context, int index)
   pthread_t threads[KM_MAX_THREADS];
   int started = 0;
   atomic_init(&q.next, 0);
-  /* A thread that can't be had is no loss: the others do its work. */
+  /* If a thread can't be created, the others do its work. */
   while (started + 1 < jobs && started + 1 < count && started < KM_MAX_THREADS &&
          pthread_create(&threads[started], NULL, run, &q) == 0)
     ++started;
@@ -38,29 +38,29 @@ void km_parallel_for(int count, int jobs, void (*work)(void *context, int index)
 
 typedef struct member {
   struct km_team *team;
-  int index;        /* that it takes first: what it worked on in the last round is in its processor's memory */
-  atomic_bool held; /* that index, by this member or by another one that had nothing else to do */
+  int index;        /* index that it takes first, because its data of the last round is in its cache */
+  atomic_bool held; /* true if that index is taken, by this member or by an idle one */
   pthread_t thread;
 } member;
 
-/* A round is over when all its passes are done, not when all threads have seen it: one that the system wakes late finds nothing
- * left, or takes a pass of the next round. So a pass is taken first, and what belongs to it is read then: the round can't
- * end before that pass is done. Between rounds a thread watches for a moment, then sleeps. */
+/* A round ends when all its indices are done, not when all threads have noticed it. A thread that wakes late finds
+ * no index left, or takes one of the next round. Therefore an index is taken first and its data read afterwards: the
+ * round can't end before that index is done. Between rounds a thread polls for a short time, then sleeps. */
 struct km_team {
-  member members[KM_MAX_THREADS + 1]; /* the first one is the caller */
+  member members[KM_MAX_THREADS + 1]; /* the first member is the caller */
   int started;
   pthread_mutex_t mutex;
   pthread_cond_t begins, ends;
-  atomic_uint round; /* its number */
+  atomic_uint round; /* number of the round */
   atomic_bool over;
   int count;
   void (*work)(void *context, int index);
   void *context;
-  atomic_int left; /* passes that are no member's own and that nobody has taken */
+  atomic_int left; /* indices without a member of their own that aren't taken */
   atomic_int done;
 };
 
-enum { WATCH = 6000 }; /* for less than 0.3 ms: longer than a level of a small tree takes */
+enum { WATCH = 6000 }; /* iterations of polling, less than 0.3 ms: longer than a level of a small tree takes */
 
 static void breathe(void) {
 #if defined(__x86_64__) || defined(__i386__)
@@ -68,7 +68,7 @@ static void breathe(void) {
 #endif
 }
 
-/* Waits for a round other than `seen`; its number. */
+/* Waits for a round other than `seen`; returns its number. */
 static unsigned await_round(km_team *team, unsigned seen) {
   for (int i = 0; i < WATCH; ++i, breathe())
     if (atomic_load(&team->round) != seen)
@@ -84,7 +84,7 @@ static bool all_done(km_team *team) {
   return atomic_load(&team->done) == team->count;
 }
 
-/* Works on a pass that was taken. Whoever ends the last one tells the caller. */
+/* Works on an index that was taken. The thread that ends the last index wakes the caller. */
 static void work_on(km_team *team, int index) {
   int count = team->count;
   team->work(team->context, index);
@@ -100,7 +100,7 @@ static void take_own(member *m) {
     work_on(m->team, m->index);
 }
 
-/* One of those that are no member's own. */
+/* Takes an index without a member of its own. */
 static bool take_another(km_team *team) {
   int left = atomic_load(&team->left);
   while (left > 0 && !atomic_compare_exchange_weak(&team->left, &left, left - 1))
@@ -110,7 +110,7 @@ static bool take_another(km_team *team) {
   return left > 0;
 }
 
-/* Its own pass first, those of members that haven't begun last. */
+/* Takes the member's own index first, and those of members that haven't begun last. */
 static void take_part(member *m) {
   km_team *team = m->team;
   take_own(m);

@@ -1,4 +1,4 @@
-/* Which known names are nearest to one that isn't known. */
+/* Suggestions for an unknown name, by edit distance. */
 #include "base/similar_names.h"
 
 #include <stdbool.h>
@@ -31,8 +31,9 @@ static size_t smaller(size_t a, size_t b) {
   return a < b ? a : b;
 }
 
-/* In halves of an edit. A name that differs in its capitals alone is nearest, then one that is an edit away; one that holds what is wanted,
- * or is held by it, is near however long the rest is, and nearer where that is the shorter part. */
+/* Distance in halves of an edit. The nearest names differ in capitals only, then by one edit. A name that contains
+ * the wanted one, or is contained in it, is near whatever the length of the rest, and nearer if the shorter name is
+ * the known one. */
 static size_t distance_to(const char *wanted, const char *name) {
   enum { HALF_HELD = 3, HELD = 5 };
   size_t edits = km_text_distance(wanted, name), n = strlen(wanted), k = strlen(name);

@@ -1,4 +1,4 @@
-/* Filling errors and gathering messages. */
+/* Errors and lists of messages. */
 #include "kmech/base.h"
 
 #include "base/memory.h"

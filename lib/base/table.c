@@ -19,7 +19,7 @@ struct km_table {
   column *columns;
   double *data;
   size_t column_count, column_capacity, row_count, data_capacity;
-  size_t kept_columns; /* before the table was begun again, 0: others were added since */
+  size_t kept_columns; /* before the table was restarted; 0 if other columns have been added since */
 };
 
 km_table *km_table_create(void) {
@@ -45,12 +45,12 @@ km_table *km_table_begin_again(km_table *table) {
   return table;
 }
 
-/* A column's name in three parts. */
+/* A column name in three parts. */
 typedef struct title {
   const char *prefix, *name, *suffix;
 } title;
 
-/* What follows `part` in a text that begins with it; NULL where it doesn't, or for NULL. */
+/* The rest of `text` after its beginning `part`; NULL if it begins otherwise, or for NULL. */
 static const char *behind(const char *text, const char *part) {
   for (; text && *part; ++text, ++part)
     if (*text != *part)
@@ -74,7 +74,7 @@ static char *joined(km_arena *arena, const title *t) {
   return text;
 }
 
-/* Was the next column the same before the table was begun again? */
+/* True if the next column had this name before the table was restarted. */
 static bool is_kept(const km_table *table, const title *t, const char *unit, bool plain) {
   if (table->column_count >= table->kept_columns)
     return false;

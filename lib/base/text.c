@@ -1,4 +1,4 @@
-/* Text that grows, and numbers as text. */
+/* Texts that grow, and numbers as text. */
 #include "base/text.h"
 
 #include "base/arguments.h"
@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The bytes that a control character or a mark of direction takes at the begin of a text, and its code; 0: something else stands there. */
+/* Length in bytes of the control character or bidirectional mark at the start of the text, and its code; 0 if there
+ * is none. */
 static size_t control_at(const unsigned char *c, size_t size, unsigned *code) {
   *code = c[0];
   if (c[0] == '\r' && size >= 2 && c[1] == '\n')

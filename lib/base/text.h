@@ -1,4 +1,4 @@
-/* Texts inside of the library: kmech/base.h, and what formats into arenas and messages. */
+/* Text functions of the library beyond kmech/base.h: formatting into arenas and messages. */
 #ifndef KM_BASE_TEXT_H
 #define KM_BASE_TEXT_H
 
@@ -10,11 +10,11 @@
 /* Formatted text in an arena. NULL when out of memory. */
 char *km_arena_format_list(km_arena *arena, const char *format, va_list arguments);
 
-/* A number for a message, where it is asked for. */
+/* A number as text in a buffer, for a message. */
 #define KM_SHOWN(x) km_number_shown((char[KM_NUMBER_TEXT]){0}, x)
 const char *km_number_shown(char out[KM_NUMBER_TEXT], double value); /* returns `out` */
 
-/* As strtod, but in the C locale whatever the process's locale is, of decimals and words alone: no number begins with a blank or 0x. */
+/* strtod in the C locale, for decimals and words (inf, nan) only: a leading blank or 0x isn't accepted. */
 double km_number_read(const char *text, char **end);
 
 #endif

@@ -1,4 +1,4 @@
-/* Trees of values inside of the library: kmech/data.h, and the names of kinds in messages. */
+/* Trees of values (kmech/data.h) and the names of their kinds in messages. */
 #ifndef KM_BASE_VALUE_H
 #define KM_BASE_VALUE_H
 

@@ -1,4 +1,4 @@
-/* Numbers from text with a decimal point, whatever the process's locale is. */
+/* Reads numbers with a decimal point in every locale. */
 #include "base/text.h"
 
 #include <ctype.h>
@@ -19,7 +19,7 @@ double km_number_read(const char *text, char **end) {
   const char *digits = text + strspn(text, "+-");
   if (isspace((unsigned char)*text) || (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X'))) {
     if (end)
-      *end = (char *)(uintptr_t)text; /* as strtod does where there is no number */
+      *end = (char *)(uintptr_t)text; /* like strtod if there is no number */
     return 0.0;
   }
   pthread_once(&once, make_plain);

@@ -33,7 +33,7 @@ static int floor_log10_three_quarters_pow2(int e) {
   return (e * 1262611 - 524031) >> 22;
 }
 
-/* The product of a power's 128 bits with x, over 2^128, with the last bit set where anything was cut off. */
+/* The product of a 128-bit power with x, divided by 2^128, rounded to odd. */
 static uint64_t round_to_odd(const uint64_t power[2], uint64_t x) {
   __extension__ typedef unsigned __int128 wide;
   wide low = (wide)power[1] * x, high = (wide)power[0] * x;
@@ -47,8 +47,8 @@ static decimal shortest(uint64_t fraction, int biased) {
   uint64_t c = normal ? ((uint64_t)1 << FRACTION_BITS) | fraction : fraction;
   int q = (normal ? biased : 1) - EXPONENT_BIAS;
   if (normal && q <= 0 && q > -(FRACTION_BITS + 1) && (c & (((uint64_t)1 << -q) - 1)) == 0)
-    return (decimal){c >> -q, 0}; /* a whole number */
-  /* At a power of two the neighbour below is nearer. */
+    return (decimal){c >> -q, 0}; /* an integer */
+  /* The lower neighbour of a power of two is nearer. */
   bool closer = fraction == 0 && biased > 1, even = c % 2 == 0;
   int k = closer ? floor_log10_three_quarters_pow2(q) : floor_log10_pow2(q);
   int h = q + floor_log2_pow10(-k) + 1;
@@ -77,7 +77,7 @@ static void put_pair(char *to, uint32_t value) {
   memcpy(to, pairs + 2 * value, 2);
 }
 
-/* Eight digits, with zeros in front. */
+/* Writes eight digits with leading zeros. */
 static void put_eight(char *to, uint32_t value) {
   uint32_t high = value / 10000, low = value % 10000;
   put_pair(to, high / 100);
@@ -86,8 +86,8 @@ static void put_eight(char *to, uint32_t value) {
   put_pair(to + 6, low % 100);
 }
 
-/* The digits as text, without zeros in front or at the end, and how many there are; `exponent` becomes that of the
- * first. The text lies in `buffer`. */
+/* The digits as text in `buffer`, without leading or trailing zeros, and their count; `exponent` becomes that of the
+ * first digit. */
 static const char *write_digits(decimal *d, char buffer[MOST_DIGITS], int *count) {
   uint64_t high = d->digits / 100000000;
   buffer[0] = (char)('0' + high / 100000000);
@@ -113,7 +113,7 @@ static char *put_zeros(char *to, int count) {
   return to + count;
 }
 
-/* d.ddde±XX, at least two digits of exponent. */
+/* Writes d.ddde±XX with at least two digits of exponent. */
 static char *put_scientific(char *to, const char *digits, int count, int point) {
   int e = point < 0 ? -point : point;
   *to++ = digits[0];
@@ -165,7 +165,7 @@ size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
     int count;
     const char *digits = write_digits(&d, buffer, &count);
     int point = d.exponent, precision = count > 15 ? count : 15;
-    /* As printf's %g with the precision that these digits need. */
+    /* Formats like printf's %g with the precision of these digits. */
     bool scientific = point < -4 || point >= precision;
     to = scientific ? put_scientific(to, digits, count, point) : put_plain(to, digits, count, point);
   }

@@ -11,7 +11,7 @@ double km_moments_scaled(const km_moments *m, double x) {
   return ldexp(x, -m->exponent);
 }
 
-/* Chooses the unit by the first number that isn't 0, and anew by one that exceeds it by far. */
+/* Chooses the unit by the first number that isn't 0, and again by a number that is much larger. */
 static double choose_exponent(km_moments *m, double x) {
   int before = m->exponent;
   bool first = m->mean == 0.0 && m->squares == 0.0;

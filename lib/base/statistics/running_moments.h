@@ -1,4 +1,4 @@
-/* Mean and standard deviation of numbers of any size, in one pass. Private to the library. */
+/* Mean and standard deviation in one pass, without overflow. Private to the library. */
 #ifndef KM_BASE_STATISTICS_RUNNING_MOMENTS_H
 #define KM_BASE_STATISTICS_RUNNING_MOMENTS_H
 
@@ -15,7 +15,7 @@ typedef struct km_moments {
 
 /* Adds a finite number. Returns the factor by which the sums of the numbers before were multiplied, a power of two. */
 double km_moments_add(km_moments *moments, double x);
-/* A number as the sums count it. */
+/* The number in the unit of the sums, x / 2^exponent. */
 double km_moments_scaled(const km_moments *moments, double x);
 double km_moments_mean(const km_moments *moments);
 /* √(squares / (count − 1)); NaN for fewer than two numbers. Infinite where it exceeds the largest double. */

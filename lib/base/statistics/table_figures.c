@@ -1,13 +1,13 @@
-/* Figures of merit of a table's columns. */
+/* Figures of merit of table columns: minimum, maximum, mean, span, interpolated value. */
 #include "base/arguments.h"
 #include "base/extrema.h"
 #include "base/table.h"
 
 #include <math.h>
 
-/* Two columns of a table, row by row. */
+/* Two columns of a table. */
 typedef struct series {
-  const double *first; /* row; the others are `width` numbers apart */
+  const double *first; /* first row; rows are `width` numbers apart */
   size_t rows, width, s, column;
 } series;
 
@@ -19,11 +19,11 @@ static double value_of(const series *f, size_t row) {
   return f->first[row * f->width + f->column];
 }
 
-/* Rows that are compared at a time, so that one comparison doesn't wait for the other, and rows of a block, in which the
- * extreme one is looked for again. */
+/* Number of rows that are compared at a time, so that comparisons don't wait for each other; and rows of a block, in
+ * which the extreme row is searched again. */
 enum { ABREAST = 4, BLOCK_ROWS = 32 };
 
-/* The smallest of sign × value, which skips what is no number; HUGE_VAL: none is smaller. */
+/* The smallest sign × value, NaN skipped; HUGE_VAL if there is none. */
 static double least_of(const double *cell, size_t rows, size_t width, double sign) {
   double least[ABREAST] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL};
   size_t r = 0;
@@ -51,7 +51,7 @@ size_t km_table_extreme_row(const km_table *table, size_t column, double sign) {
   return r;
 }
 
-/* Over the rows that have a value. */
+/* Mean over the rows that have a value. */
 static double mean(const series *f) {
   size_t last = f->rows;
   double area = 0.0, width = 0.0;
@@ -69,7 +69,7 @@ static double mean(const series *f) {
   return last < f->rows ? value_of(f, last) : nan("");
 }
 
-/* On the line through the rows around `at`. */
+/* Linear interpolation between the rows around `at`. */
 static double value_at(const series *f, double at) {
   for (size_t r = 0; r < f->rows; ++r) {
     double s = s_of(f, r);

@@ -1,4 +1,4 @@
-/* Models by calls: definitions with defaults are added to a builder, which then gives the same model that a file would.
+/* Models by calls. Definitions with defaults are added to a builder, which then creates the same model as a file.
  *
  *   km_builder *builder;
  *   km_builder_create(&builder, &error);
@@ -10,9 +10,8 @@
  *   km_builder_finish(builder, &model, &error);
  *   km_builder_free(builder);
  *
- * Every number is in the units of km_settings_def, as in a file; texts and arrays are copied. An id of 0 is none, so a
- * definition that is left at {0} is refused instead of meaning the first element. After a failed call the builder is as
- * it was before. */
+ * Numbers are in the units of km_settings_def; texts and arrays are copied. An id of 0 is invalid, so a definition left at
+ * {0} is refused. A failed call leaves the builder unchanged. */
 #ifndef KMECH_BUILD_H
 #define KMECH_BUILD_H
 
@@ -25,221 +24,228 @@
 extern "C" {
 #endif
 
-/* A model in the making. */
+/* Builder of a model. */
 typedef struct km_builder km_builder;
 
-/* An assembly of the builder; value 0: none. */
+/* Assembly of a builder; 0: none. */
 typedef struct km_assembly_id {
-  int value; /* from 1 */
+  int value; /* 1 … count */
 } km_assembly_id;
-/* A body of the builder; value 0: none. */
+/* Body of a builder; 0: none. */
 typedef struct km_body_id {
-  int value; /* from 1 */
+  int value; /* 1 … count */
 } km_body_id;
-/* A frame of a body; value 0: none. */
+/* Frame of a body; 0: none. */
 typedef struct km_frame_id {
-  int value; /* from 1 */
+  int value; /* 1 … count */
 } km_frame_id;
-/* A joint of the builder; value 0: none. */
+/* Joint of a builder; 0: none. */
 typedef struct km_joint_id {
-  int value; /* from 1 */
+  int value; /* 1 … count */
 } km_joint_id;
 
-/* Freedom of a joint type along or about the axes of the parent frame. */
+/* Joint types, with their coordinates along or about the axes of the parent frame. */
 typedef enum km_joint_type {
-  KM_RX,          /* a hinge about x; one angle */
-  KM_RY,          /* a hinge about y */
-  KM_RZ,          /* a hinge about z */
-  KM_TX,          /* a slide along x; one length */
-  KM_TY,          /* a slide along y */
-  KM_TZ,          /* a slide along z */
-  KM_RIGID,       /* no coordinate */
+  KM_RX,          /* revolute about x; one angle */
+  KM_RY,          /* revolute about y */
+  KM_RZ,          /* revolute about z */
+  KM_TX,          /* prismatic along x; one length */
+  KM_TY,          /* prismatic along y */
+  KM_TZ,          /* prismatic along z */
+  KM_RIGID,       /* rigid: no coordinate */
   KM_SPHERICAL,   /* a rotation vector */
   KM_FLOAT,       /* x, y, z and a rotation vector */
   KM_CYLINDRICAL, /* Tz, Rz */
   KM_UNIVERSAL,   /* Rx(q0) · Ry(q1) */
   KM_PLANAR,      /* Tx, Ty, Rz */
   KM_SCREW,       /* Rz(q) with Tz = pitch · q / 2π */
-  KM_JOINT_TYPES  /* how many there are */
+  KM_JOINT_TYPES  /* number of enumerators */
 } km_joint_type;
 
 enum {
-  KM_MAX_FREEDOM = 6 /* the most coordinates of a joint */
+  KM_MAX_FREEDOM = 6 /* largest number of coordinates of a joint */
 };
 
-/* What holds for the whole model. Start from km_settings_default(). */
+/* Settings of a model. Start from km_settings_default(). */
 typedef struct km_settings_def {
-  const char *angle, *length, *mass, *time, *force; /* unit words of the format: "radians", "meters", "kilograms", … */
+  const char *angle, *length, *mass, *time, *force; /* unit words of the format: "radians", "meters", "kilograms" … */
   double gravity[3];                                /* length / time²; 0: weightless */
   double characteristic_length;                     /* length; 0: the longest link */
-  double closure_tolerance;                         /* relative; 0: 1e-9, and ranks don't follow it */
-  const char *source;                               /* where the model is from, in words; NULL: not told */
+  double closure_tolerance;                         /* relative closure tolerance; 0: 1e-9, without effect on rank
+                                                     * tolerances */
+  const char *source;                               /* origin of the model as text; NULL: none */
 } km_settings_def;
 KM_API km_settings_def km_settings_default(void); /* SI units */
 
-/* A frame of a body: where joints, loads and points are. */
+/* Definition of a frame of a body, to which joints, loads and points refer. */
 typedef struct km_frame_def {
   const char *name;
-  double T[3]; /* from the body's frame; length */
-  double R[9]; /* by rows; identity by default; the nearest rotation is taken, 0.01 in an entry away at most */
+  double T[3]; /* position in the body's frame, length */
+  double R[9]; /* rotation by rows; default identity; replaced by the nearest rotation, at most 0.01 away in an entry */
 } km_frame_def;
 KM_API km_frame_def km_frame_default(void);
 
-/* Massless by default. */
+/* Definition of a body; massless by default. */
 typedef struct km_body_def {
   const char *name;
-  km_assembly_id assembly;  /* none: the model's first one, which is made where there is none */
-  double mass;              /* model's mass unit */
+  km_assembly_id assembly;  /* none: the first assembly of the model, which is created if necessary */
+  double mass;              /* mass unit of the model */
   double center_of_mass[3]; /* in the body's frame */
-  double inertia[6];        /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass, the matrix's own entries */
-  double density;           /* < 0 (default): mass and inertia count; else they come from the mesh */
-  const char *mesh;         /* file; NULL: none */
+  double inertia[6];        /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass, entries of the matrix */
+  double density;   /* ≥ 0: mass and inertia are computed from the mesh; < 0 (default): they are those above */
+  const char *mesh; /* path; NULL: none */
 } km_body_def;
 KM_API km_body_def km_body_default(void);
 
-/* The bodies that a shape can be. */
+/* Kinds of shapes. */
 typedef enum km_shape_kind {
-  KM_SHAPE_OF_MESH,  /* a surface from a file */
+  KM_SHAPE_OF_MESH,  /* surface from a file */
   KM_SHAPE_BOX,      /* size: x, y, z */
   KM_SHAPE_SPHERE,   /* radius */
   KM_SHAPE_CYLINDER, /* radius, length along z */
   KM_SHAPE_CAPSULE,  /* radius, length along z without the caps */
-  KM_SHAPE_KINDS     /* how many there are */
+  KM_SHAPE_KINDS     /* number of enumerators */
 } km_shape_kind;
 
-/* A part of what a body looks like, about its own origin. It is weighed where it has a density; the body's stated mass
- * doesn't count then. */
+/* Shape of a body about its own origin. With a density the shape determines the mass, and the body's stated mass is
+ * ignored. */
 typedef struct km_shape_def {
-  km_shape_kind kind; /* which of the sizes count */
-  const char *mesh;   /* file; of a mesh */
-  double scale[3];    /* of a mesh: the model's lengths per unit of its file; 1 by default */
+  km_shape_kind kind; /* selects the sizes that are valid */
+  const char *mesh;   /* path of a mesh */
+  double scale[3];    /* mesh: length units of the model per unit of the file; default 1 */
   double size[3];     /* length */
   double T[3], R[9];  /* in the body's frame; R by rows */
-  double density;     /* < 0 (default): not weighed */
-  double color[4];    /* red, green, blue, opacity, 0 to 1; opacity < 0 (default): none is stated */
+  double density;     /* ≥ 0: determines the mass; < 0 (default): doesn't */
+  double color[4];    /* red, green, blue, opacity, 0 … 1; opacity < 0 (default): not stated */
 } km_shape_def;
-KM_API km_shape_def km_shape_default(void); /* a sphere */
+KM_API km_shape_def km_shape_default(void); /* defaults: a sphere */
 
-/* A motion over time that a simulation prescribes. Angles in the model's unit. */
+/* Prescribed motions over time. Angles in the model's unit. */
 typedef enum km_motion_law {
-  KM_MOTION_FREE,       /* none: forces move it */
-  KM_MOTION_TABLE,      /* values at times, joined by a cubic spline */
+  KM_MOTION_FREE,       /* not prescribed: forces move the coordinate */
+  KM_MOTION_TABLE,      /* cubic spline through values at times */
   KM_MOTION_POLYNOMIAL, /* Σ c_k t^k */
   KM_MOTION_SINE        /* offset + amplitude · sin(2π · frequency · t + phase) */
 } km_motion_law;
 
-/* Arrays have an entry for each coordinate of the type. */
+/* Definition of a joint. Arrays have an entry for each coordinate of the type. */
 typedef struct km_joint_def {
   const char *name;
-  km_assembly_id assembly;         /* none: as for bodies */
-  km_joint_type type;              /* which motion it allows */
+  km_assembly_id assembly;         /* none: the first assembly, as for bodies */
+  km_joint_type type;              /* type of motion */
   km_frame_id parent, child;       /* X_child = X_parent · motion(q) */
-  double pitch;                    /* of a screw: travel in one turn */
-  double position[KM_MAX_FREEDOM]; /* at the start */
-  double velocity[KM_MAX_FREEDOM]; /* at the start; a joint with 0 in all of them follows the joints that state one */
-  double damping[KM_MAX_FREEDOM];  /* force against a unit rate */
-  double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM]; /* ∓infinity by default */
-  double most_turn; /* of a spherical joint: limit of the angle |q| of its rotation vector; 0: none */
-  double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM]; /* of the drive; infinity by default */
-  double armature[KM_MAX_FREEDOM];                            /* inertia of the drive's rotor, seen by the coordinate */
-  double constant_friction[KM_MAX_FREEDOM];                   /* force, or torque of angles */
-  double friction, friction_radius;    /* Coulomb's coefficient; where the pin of a hinge slides (length) */
-  double stiction_velocity;            /* sliding speed below which a simulation counts it as sticking */
-  double stop_stiffness, stop_damping; /* of the limits, in a simulation */
-  km_motion_law law;                   /* how a simulation moves it */
-  int law_count; /* rows of a table (t, q), or coefficients; 1 for a sine (offset, amplitude, frequency, phase) */
+  double pitch;                    /* screw: translation per turn */
+  double position[KM_MAX_FREEDOM]; /* initial displacement */
+  double velocity[KM_MAX_FREEDOM]; /* initial rates; a joint with all rates 0 follows the joints that state rates */
+  double damping[KM_MAX_FREEDOM];  /* force per unit rate */
+  double low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM]; /* default ∓∞ */
+  double most_turn; /* spherical joint: limit of the angle |q| of its rotation vector; 0: none */
+  double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM]; /* largest force of the drive; default ∞ */
+  double armature[KM_MAX_FREEDOM];                            /* inertia of the drive's rotor, referred to the
+                                                               * coordinate */
+  double constant_friction[KM_MAX_FREEDOM];                   /* force, or torque about an angle */
+  double friction, friction_radius;    /* Coulomb coefficient; radius of the sliding surface of a revolute joint
+                                        * (length) */
+  double stiction_velocity;            /* sliding speed below which a simulation regularises Coulomb friction */
+  double stop_stiffness, stop_damping; /* stiffness and damping of the limit stops in a simulation */
+  km_motion_law law;                   /* prescribed motion in a simulation */
+  int law_count; /* number of rows (t, q) of a table, or of coefficients; 1 for a sine (offset, amplitude, frequency,
+                  * phase) */
   const double *law_values; /* [2 · law_count], [law_count] or [4] */
 } km_joint_def;
 KM_API km_joint_def km_joint_default(void);
 
-/* One coordinate of a joint. */
+/* Reference to a coordinate of a joint. */
 typedef struct km_coordinate_ref {
-  km_joint_id joint; /* whose; 0: no coordinate */
-  int index;         /* 0 … */
+  km_joint_id joint; /* joint; 0: no coordinate */
+  int index;         /* index in the joint */
 } km_coordinate_ref;
 
-/* Σ ratio · q = const over `count` coordinates, or of two q1 = Σ c_k q2^k; angles in radians. */
+/* Definition of a coupling: Σ ratio · q = constant over `count` coordinates, or q1 = Σ c_k q2^k for two; angles in
+ * radians. */
 typedef struct km_coupling_def {
   const char *name;
-  km_assembly_id assembly; /* none: as for bodies */
+  km_assembly_id assembly; /* none: the first assembly, as for bodies */
   int count;
-  const km_coordinate_ref *coordinates; /* [count] which are tied together */
-  const double *ratios;                 /* [count]; NULL where there is a polynomial */
-  bool constant_given;                  /* else the constant is what the first positions give */
-  double constant;                      /* of Σ ratio · q */
-  int polynomial_count;                 /* 0: none */
-  const double *polynomial;             /* [polynomial_count] lowest power first */
+  const km_coordinate_ref *coordinates; /* [count] coupled coordinates */
+  const double *ratios;                 /* [count] ratios; NULL for a polynomial */
+  bool constant_given;                  /* true if `constant` is stated; otherwise the initial displacements
+                                         * determine it */
+  double constant;                      /* constant of Σ ratio · q */
+  int polynomial_count;                 /* number of coefficients; 0: linear */
+  const double *polynomial;             /* [polynomial_count] coefficients, lowest power first */
 } km_coupling_def;
 
-/* What a force follows. */
+/* Types of force modules. */
 typedef enum km_module_type {
-  KM_MODULE_STIFFNESS, /* a force from the displacement: a spring */
-  KM_MODULE_DAMPING,   /* a force from the rate */
-  KM_MODULE_FRICTION,  /* the same, as dry friction is told */
-  KM_MODULE_MOTOR,     /* a force from time */
-  KM_MODULE_PID,       /* a controller of a coordinate */
-  KM_MODULE_TIRE,      /* Fiala's tyre */
-  KM_MODULE_TYPES      /* how many there are */
+  KM_MODULE_STIFFNESS, /* force as a function of displacement (spring) */
+  KM_MODULE_DAMPING,   /* force as a function of rate (damper) */
+  KM_MODULE_FRICTION,  /* force as a function of rate (dry friction) */
+  KM_MODULE_MOTOR,     /* force as a function of time */
+  KM_MODULE_PID,       /* controller of a coordinate */
+  KM_MODULE_TIRE,      /* Fiala tyre */
+  KM_MODULE_TYPES      /* number of enumerators */
 } km_module_type;
 
-/* What a port between frames measures: the distance of their origins, or along an axis of the parent's. */
+/* Measure between two frames: distance of their origins, or a component along an axis of the parent frame. */
 typedef enum km_distance {
-  KM_DISTANCE_EUCLID, /* how far apart they are */
-  KM_DISTANCE_X,      /* along x */
-  KM_DISTANCE_Y,      /* along y */
-  KM_DISTANCE_Z       /* along z */
+  KM_DISTANCE_EUCLID, /* distance */
+  KM_DISTANCE_X,      /* component along x */
+  KM_DISTANCE_Y,      /* component along y */
+  KM_DISTANCE_Z       /* component along z */
 } km_distance;
 
-/* A force from a displacement, a rate or time: in a joint's coordinate, or between the origins of two frames. The value
- * of the piece between two knots is a polynomial, lowest power first; angles in radians; positive pushes the
- * coordinate or the distance to grow. A spring of stiffness k has no knot and the piece {0, -k}. */
+/* Definition of a force as a piecewise polynomial of a displacement, rate or time: in a joint's coordinate, or
+ * between the origins of two frames. Coefficients from the lowest power; angles in radians. A positive force
+ * increases the coordinate or distance. A spring of stiffness k has no knot and the piece {0, -k}. */
 typedef struct km_force_def {
   const char *name;
-  km_module_type type;          /* what the law follows */
-  km_coordinate_ref coordinate; /* where it measures and acts, or … */
-  km_frame_id from, to;         /* … between these */
-  km_distance distance;         /* of frames: what is measured */
+  km_module_type type;          /* argument of the law */
+  km_coordinate_ref coordinate; /* coordinate at which it measures and acts, or … */
+  km_frame_id from, to;         /* … frames between which it measures and acts */
+  km_distance distance;         /* between frames: the measure */
   int knot_count;
-  const double *knots;          /* [knot_count] where pieces of the law meet, increasing */
-  const int *piece_sizes;       /* [knot_count + 1] how many coefficients each piece has */
-  const double *coefficients;   /* [Σ piece_sizes] piece by piece */
-  double reference, kp, ki, kd; /* of a controller */
+  const double *knots;          /* [knot_count] ends of the pieces, increasing */
+  const int *piece_sizes;       /* [knot_count + 1] numbers of coefficients of the pieces */
+  const double *coefficients;   /* [Σ piece_sizes] coefficients, piece by piece */
+  double reference, kp, ki, kd; /* gains and reference of a controller */
 } km_force_def;
 KM_API km_force_def km_force_default(void);
 
-/* A wrench at a frame's origin, along the inertial axes, or turning with the frame. */
+/* Definition of a load: a wrench at a frame's origin, along inertial axes or the frame's axes. */
 typedef struct km_load_def {
   const char *name;
-  km_frame_id frame;          /* at whose origin it acts */
-  double force[3], torque[3]; /* model's units of force, and of force × length */
-  bool turning;               /* along the frame's axes, else along the inertial frame's */
+  km_frame_id frame;          /* frame at whose origin the load acts */
+  double force[3], torque[3]; /* units of force and of force · length of the model */
+  bool turning;               /* true: along the frame's axes; false: along inertial axes */
 } km_load_def;
 
-/* What sweeps do by default: a driver over a range, or (arclength > 0) along the motion. */
+/* Default sweep: a driver over a range, or (arclength > 0) a motion by arc length. */
 typedef struct km_sweep_def {
-  km_coordinate_ref driver; /* what moves; of a sweep by arc length none */
-  double from, to;          /* the driver's unit */
-  double arclength; /* > 0: length of a step along the motion, over radians and scaled lengths, without a driver */
-  km_coordinate_ref direction; /* by arc length: what starts the motion; joint 0: the liveliest */
-  double sign;                 /* +1 or -1 */
-  int steps;                   /* intervals */
+  km_coordinate_ref driver;    /* driver; none for a sweep by arc length */
+  double from, to;             /* unit of the driver */
+  double arclength;            /* > 0: arc length of a step in radians and scaled lengths, without a driver */
+  km_coordinate_ref direction; /* coordinate that determines the direction by arc length; joint 0: that with the
+                                * largest mobility number */
+  double sign;                 /* sense of that coordinate: +1 or −1 */
+  int steps;                   /* number of intervals */
 } km_sweep_def;
 KM_API km_sweep_def km_sweep_default(void); /* 100 steps */
 
-/* An end of a mechanical advantage: a coordinate, or a frame's origin along a direction (inertial axes). */
+/* Definition of a port of a mechanical advantage: a coordinate, or a frame's origin along a direction (inertial
+ * axes). */
 typedef struct km_end_def {
-  km_coordinate_ref coordinate; /* joint 0: none, the frame counts */
-  km_frame_id frame;            /* whose origin moves */
-  double direction[3];          /* inertial axes; any length but 0 */
+  km_coordinate_ref coordinate; /* coordinate; joint 0: the port is the frame */
+  km_frame_id frame;            /* frame whose origin is the port */
+  double direction[3];          /* direction in inertial axes; any length except 0 */
 } km_end_def;
 
-/* The caller frees `*out`. KM_MEMORY. */
+/* Creates a builder. The caller frees `*out`. KM_MEMORY. */
 KM_API km_status km_builder_create(km_builder **out, km_error *error);
 KM_API void km_builder_free(km_builder *builder);
 
-/* Each of these copies what it is given. KM_MODEL: the definition is wrong, and says which name, what was found and
- * what is expected; KM_MEMORY. `out` may be NULL. `parent`: the assembly around it; none: it stands alone.
- * Cost: O(1), O(name) for names. */
+/* Add a copy of a definition. `out` may be NULL. `parent`: enclosing assembly; none: top level. KM_MODEL: an invalid
+ * definition, with the name, found and expected; KM_MEMORY. Cost: O(1), O(length) for names. */
 KM_API km_status km_model_set(km_builder *builder, const km_settings_def *def, km_error *error);
 KM_API km_status km_model_add_assembly(km_builder *builder, const char *name, km_assembly_id parent,
                                        km_assembly_id *out, km_error *error);
@@ -251,29 +257,30 @@ KM_API km_status km_model_add_joint(km_builder *builder, const km_joint_def *def
 KM_API km_status km_model_add_coupling(km_builder *builder, const km_coupling_def *def, km_error *error);
 KM_API km_status km_model_add_force(km_builder *builder, const km_force_def *def, km_error *error);
 KM_API km_status km_model_add_load(km_builder *builder, const km_load_def *def, km_error *error);
-/* analysis.hold: the coordinate is kept at the value. Of a ball all three components together. */
+/* analysis.hold: holds the coordinate at a value. The three components of a ball joint are held together. */
 KM_API km_status km_model_add_hold(km_builder *builder, km_coordinate_ref coordinate, double value, km_error *error);
-/* analysis.actuators: a coordinate that kstatic and others take as driven. KM_MODEL: named twice. */
+/* analysis.actuators: the coordinate is an actuator of the static analyses. KM_MODEL: named twice. */
 KM_API km_status km_model_add_actuator(km_builder *builder, km_coordinate_ref coordinate, km_error *error);
-/* A pose by name: values of `count` coordinates. */
+/* Adds a named pose: values of `count` coordinates. */
 KM_API km_status km_model_add_pose(km_builder *builder, const char *name, const km_coordinate_ref *coordinates,
                                    const double *values, int count, km_error *error);
-/* analysis.sweep. KM_MODEL: neither a driver nor a step along the motion, or both; steps out of range. */
+/* analysis.sweep. KM_MODEL: neither or both of a driver and an arc length, or steps out of range. */
 KM_API km_status km_model_set_sweep(km_builder *builder, const km_sweep_def *def, km_error *error);
-/* analysis.mechanical_advantage: that of an `input` for an `output`. KM_MODEL: an end is neither a coordinate nor a point. */
+/* analysis.mechanical_advantage between an `input` and an `output`. KM_MODEL: a port is neither a coordinate nor a
+ * point. */
 KM_API km_status km_model_set_advantage(km_builder *builder, const km_end_def *input, const km_end_def *output,
                                         km_error *error);
 
-/* The inertial frame as a body, and the frame that every body has at its own origin. {0} for an id that is none. */
+/* The inertial frame as a body; and the frame at the origin of a body. {0} for an invalid id. */
 KM_API km_body_id km_builder_fixed(const km_builder *builder);
 KM_API km_frame_id km_builder_origin(const km_builder *builder, km_body_id body);
 
-/* Labels the joints, checks what needs the whole (every body tied to the inertial frame, inertias), and hands the model
- * over; the builder is empty afterwards, whatever the status. KM_MODEL tells the first fault. The caller frees
- * `*out` with km_model_free. */
+/* Labels the joints, checks the complete model (each body connected to the inertial frame, valid inertias) and
+ * creates it; the builder is then empty, whatever the status. KM_MODEL: the first fault. The caller frees `*out`
+ * with km_model_free. */
 KM_API km_status km_builder_finish(km_builder *builder, km_model **out, km_error *error);
-/* Mass properties of the bodies with a density, from their meshes, which are looked for from the current folder. Files
- * do this by themselves. KM_MODEL: a mesh isn't found or isn't closed. */
+/* Computes the mass properties of bodies with a density from their meshes, relative to the current folder. Readers
+ * of files call it themselves. KM_MODEL: a mesh isn't found or isn't closed. */
 KM_API km_status km_model_weigh_meshes(km_model *model, km_error *error);
 
 #ifdef __cplusplus
