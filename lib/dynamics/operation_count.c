@@ -4,7 +4,7 @@
 /* A wrench of a body, of an articulated one; the product of a wrench and a twist, a twist's multiple. */
 enum { OF_BODY = 24, OF_ARTICULATED = 36, OF_SCREW = 6, OF_SQUARE = 21 };
 
-/* What km_tree_solve does for a cluster (solve.c), pass by pass. */
+/* What km_tree_solve does for a cluster (acceleration_solve.c), pass by pass. */
 static double of_cluster(const km_dynamics *d, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   double k = d->cluster[index].freedom, n = cluster->coordinate_count, nodes = cluster->node_count, loaded = 0.0;

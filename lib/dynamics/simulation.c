@@ -75,7 +75,7 @@ static bool lay_out(km_simulation *run) {
   return listed && km_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
 }
 
-/* Errors are compared in radians and characteristic lengths, rates per second; works by works.c. */
+/* Errors are compared in radians and characteristic lengths, rates per second; works by work_error.c. */
 static void set_tolerances(km_simulation *run) {
   const km_mechanism *m = run->dynamics->mechanism;
   double absolute = run->def.absolute, second = m->model->units.time->si;

@@ -29,9 +29,9 @@ struct km_simulation {
   int size, rate_start, memory_start, work_start;
   int *place;             /* [coordinate] of its value; of a ball's first one the quaternion's */
   double *y, *ydot;       /* [size] at `time` */
-  double *shift;          /* [size] what the state has more than the vector, since pivots changed (vector.c) */
+  double *shift;          /* [size] what the state has more than the vector, since pivots changed (integrator_vector.c) */
   double *seen, *closed;  /* [size] the vector with it, at the last evaluation; and the state that it became */
-  double *tolerance;      /* [size] absolute; of works infinity: works.c has theirs */
+  double *tolerance;      /* [size] absolute; of works infinity: work_error.c has theirs */
   double *stage;          /* [(KM_STAGES + 2) × size] of steps that aren't CVODE's */
   double *kept;           /* [KM_STAGES × size] those of collocation that the last step was made with */
   double *before, *slope; /* [size] the vector before the last fixed step, and its derivative */
@@ -40,7 +40,7 @@ struct km_simulation {
   double last_time;       /* before the last step */
   double usual;           /* length of a step that counts as usual; and before the last step */
   double usual_before;
-  double usual_energy, largest_energy; /* what the works may err by goes by (works.c) */
+  double usual_energy, largest_energy; /* what the works may err by goes by (work_error.c) */
   km_step_way way;                     /* how the last step was made */
   double time;
   km_dynamics_outcome outcome; /* of the last evaluation that failed */
@@ -65,7 +65,7 @@ struct km_simulation {
 /* The state from the vector, and back. */
 void km_simulation_unpack(km_simulation *run, const double *y, double time);
 void km_simulation_pack(km_simulation *run, double *y);
-/* From here on the state at the last evaluation is what the vector there means (vector.c). */
+/* From here on the state at the last evaluation is what the vector there means (integrator_vector.c). */
 void km_simulation_shift(km_simulation *run);
 /* The vector's derivative. False where an evaluation fails: the step is too long. */
 bool km_simulation_derivative(km_simulation *run, double time, const double *y, double *ydot);

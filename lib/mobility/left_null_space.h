@@ -22,7 +22,7 @@ typedef struct km_left_space {
   int *first_place; /* [joint + 1] into `place`: the loops of each joint */
   km_loop_place *place;
   km_vec3 *about;     /* [loop] by its place in the substructure */
-  signed char *helps; /* [4 · joint] what remedies.c has found out about swaps of a joint: 0 nothing yet */
+  signed char *helps; /* [4 · joint] what redundancy_remedies.c has found out about swaps of a joint: 0 nothing yet */
 } km_left_space;
 
 /* What a left null vector has in one loop: a wrench (f; τ); or in one coupling: a force. */

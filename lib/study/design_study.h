@@ -68,7 +68,7 @@ typedef struct km_design_answer {
   double *bands;   /* [bands × rows] NaN where the motion doesn't come; NULL: none */
 } km_design_answer;
 
-/* definition.c: is the definition one that can be opened? KM_USAGE with the place. */
+/* definition_check.c: is the definition one that can be opened? KM_USAGE with the place. */
 km_status km_design_check(const km_design_study_def *def, km_error *error);
 /* Index of a figure by its name among all questions'; -1: none. */
 int km_design_find_figure(const km_design_study_def *def, const char *name);
@@ -81,11 +81,11 @@ void km_design_values(const km_design_study *study, int design, double *values);
  * which may have an order, one of each of so many pieces. */
 int km_design_drawn(const km_design_study *study, int k, int count);
 
-/* bounds.c: are all designs within the bounds that the model states for its parameters (of a normal distribution its mean)?
+/* parameter_bounds.c: are all designs within the bounds that the model states for its parameters (of a normal distribution its mean)?
  * KM_USAGE where they aren't, KM_MEMORY. */
 km_status km_design_check_bounds(const km_design_study *study, km_error *error);
 
-/* patch.c: finds where the parameters go, by reading the model with other values of each and comparing, and tries the
+/* model_patch.c: finds where the parameters go, by reading the model with other values of each and comparing, and tries the
  * answer on several designs at once. KM_MEMORY, KM_MODEL. */
 km_status km_patch_find(km_design_study *study, km_error *error);
 
@@ -118,7 +118,7 @@ typedef struct km_design_task {
   km_error *error;
 } km_design_task;
 
-/* worker.c: one thread's models, mechanisms and states, which answer several designs side by side, each with the bits that it
+/* study_worker.c: one thread's models, mechanisms and states, which answer several designs side by side, each with the bits that it
  * has alone. */
 typedef struct km_design_worker km_design_worker;
 km_status km_design_worker_create(const km_design_study *study, km_design_worker **out, km_error *error);

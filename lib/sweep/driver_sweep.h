@@ -1,4 +1,4 @@
-/* A driven sweep on its way from row to row. Private to sweep/driver_sweep.c and sweep_beside.c. */
+/* A driven sweep on its way from row to row. Private to sweep/driver_sweep.c and batch_sweep.c. */
 #ifndef KM_SWEEP_DRIVER_SWEEP_H
 #define KM_SWEEP_DRIVER_SWEEP_H
 

@@ -1,6 +1,6 @@
 /* The loops and joints that stop a driver at its dead point.
  *
- *   J = [j_d  J'] : the six rows of every loop (whole_jacobian.h), j_d the driver's column, J' the others
+ *   J = [j_d  J'] : the six rows of every loop (full_jacobian.h), j_d the driver's column, J' the others
  *   dead point    : J' loses a row rank that j_d needs: a left null vector w of J' with w · j_d ≠ 0
  *   w ~ (J' J'ᵀ + ε² I)⁻¹ j_d, ε above the smallest singular value that is left at a located end: other directions have 1/σ² of it,
  *        and what is redundant for all motions is orthogonal to j_d

@@ -101,7 +101,7 @@ typedef struct km_sweep_workspace {
 } km_sweep_workspace;
 void km_sweep_workspace_free(km_sweep_workspace *room);
 
-/* One of several sweeps. What it looks at sets `observer` and `out`, and a status where it can't: see observers.h. */
+/* One of several sweeps. What it looks at sets `observer` and `out`, and a status where it can't: see sweep_observer.h. */
 struct km_sweep_job {
   const km_mechanism *m;
   km_state *s; /* of its own */

@@ -33,7 +33,7 @@ static void add(km_newton *n, int component) {
   n->component[n->count++] = component;
 }
 
-/* What an evaluation reads of the vector (vector.c): of balls the whole quaternion; all where errors are fed back. */
+/* What an evaluation reads of the vector (integrator_vector.c): of balls the whole quaternion; all where errors are fed back. */
 static void list_components(km_newton *n) {
   const km_simulation *run = n->run;
   const km_dynamics *d = run->dynamics;

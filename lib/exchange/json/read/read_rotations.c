@@ -1,6 +1,6 @@
 /* Orientations: a matrix, a quaternion, Euler angles or a rotation vector, and what rounding leaves of them.
  *
- *   R        the rotation nearest to the matrix (finish.h)
+ *   R        the rotation nearest to the matrix (validation.h)
  *   q / |q|  of a quaternion, where ||q| - 1| <= KM_ROTATION_ROUNDING
  *   R_1(a) R_2(b) R_3(c)  of Euler angles: each turn about an axis of the frame that the turns before it gave */
 #include "exchange/json/read/reader.h"

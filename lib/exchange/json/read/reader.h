@@ -27,7 +27,7 @@ typedef struct km_reader {
   double rounded_most;                         /* the largest change of an entry, */
   char rounded_first[KM_PLACE_TEXT];           /* and the first one's place */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
-  km_names labels;                             /* scopes: see finish.h */
+  km_names labels;                             /* scopes: see validation.h */
   size_t strut_room;                           /* struts in the file, left-out ones too */
   const km_pose *start; /* [body] of the bodies where the assembly starts, while struts are read */
   int start_count;
