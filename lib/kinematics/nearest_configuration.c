@@ -125,9 +125,9 @@ bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mech
   c->fixed = KM_ARENA_NEW(arena, bool, size);
   c->fixed_next = KM_ARENA_NEW(arena, bool, size);
   if (!create_pattern(c, m, sub, arena) ||
-      !km_partition_reserve_sparse(&c->update_factor, c->size, c->size, c->start, c->row, arena))
+      !km_partition_reserve_sparse(&c->factor, c->size, c->size, c->start, c->row, arena))
     return false;
-  c->update_factor.unrestricted_basis = true;
+  c->factor.unrestricted_basis = true;
   return true;
 }
 
@@ -189,7 +189,7 @@ static bool refine(km_nearest_configuration *c) {
     for (int k = 0; k < c->size; ++k)
       for (int i = c->start[k]; i < c->start[k + 1]; ++i)
         c->residual[c->row[i]] -= c->value[i] * c->x[k];
-    km_partition_solve(&c->update_factor, c->residual, c->correction);
+    km_partition_solve(&c->factor, c->residual, c->correction);
     for (int k = 0; k < c->size; ++k)
       c->x[k] += c->correction[k];
     double size = max_norm(c->correction, c->size), all = max_norm(c->x, c->size);
@@ -206,25 +206,25 @@ static bool refine(km_nearest_configuration *c) {
  * factored. */
 static bool is_factor_costly(const km_nearest_configuration *c) {
   static const double most = 100.0; /* multiplications per entry of the matrix */
-  return km_partition_multiplications(&c->update_factor) > most * c->start[c->size];
+  return km_partition_multiplications(&c->factor) > most * c->start[c->size];
 }
 
 static bool update_factor(km_nearest_configuration *c) {
-  if (c->update_factor.rank == c->size && km_partition_refactor(&c->update_factor, c->value))
+  if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
     return true;
-  km_partition_factor(&c->update_factor, c->value, c->size, c->size, NULL, 0.0);
-  c->is_factor_costly = is_factor_costly(c);
-  return !c->update_factor.failed && c->update_factor.rank == c->size;
+  km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
+  c->is_costly = is_factor_costly(c);
+  return !c->factor.failed && c->factor.rank == c->size;
 }
 
 /* Solves K x = b by the present factor, by refinement with an earlier one, or after factoring. */
 static bool solve(km_nearest_configuration *c) {
-  if (!c->is_current && c->is_factored && c->is_factor_costly && refine(c))
+  if (!c->is_current && c->is_factored && c->is_costly && refine(c))
     return true;
   if (!c->is_current)
     c->is_current = c->is_factored = update_factor(c);
   if (c->is_current)
-    km_partition_solve(&c->update_factor, c->b, c->x);
+    km_partition_solve(&c->factor, c->b, c->x);
   return c->is_current;
 }
 
