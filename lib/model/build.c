@@ -1,9 +1,10 @@
-/* Building models by calls: settings, assemblies, bodies, frames and joints. */
+/* Models by calls: settings, assemblies, bodies, frames. */
 #include "model/builder.h"
 
 #include <string.h>
 
-static const double largest_number = 1e60; /* as in a file: past this a product of a few numbers overflows */
+static const double largest_number = 1e60; /* limit of magnitude, as in files: a product of a few larger numbers
+                                            * overflows */
 
 km_status km_builder_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory while building the model");
@@ -85,7 +86,7 @@ static bool add_body(km_builder *b, km_model_body body) {
   return true;
 }
 
-/* An empty model with its inertial frame. */
+/* Creates a model with the inertial frame only. */
 static bool begin(km_builder *b) {
   *b = (km_builder){.model = KM_NEW(km_model, 1)};
   if (!b->model)

@@ -1,4 +1,4 @@
-/* Building models by calls: what acts on the mechanism, and what the tools do by default. */
+/* Models by calls: force modules, loads, actuators, held coordinates, named poses, default analyses. */
 #include "model/builder.h"
 
 #include <stdio.h>
@@ -27,7 +27,7 @@ static km_status copy_law(km_builder *b, const km_force_def *def, const char *wh
   return b->model->arena.failed ? km_builder_memory(error) : KM_OK;
 }
 
-/* Where a force measures and acts. */
+/* Finds the coordinate or frames at which a force measures and acts. */
 static bool find_port(const km_builder *b, const km_force_def *def, const char *who, km_module_port *out,
                       km_error *error) {
   *out = (km_module_port){KM_MODULE_PORT_FRAMES, {0, 0}};
@@ -176,7 +176,7 @@ km_status km_model_set_sweep(km_builder *b, const km_sweep_def *def, km_error *e
   return KM_OK;
 }
 
-/* An end as the file's own: a point's name tells body, frame and direction. */
+/* A port of the model. The name of a point states body, frame and direction. */
 static km_status find_end(km_builder *b, const km_end_def *def, km_model_port *out, km_error *error) {
   static const char who[] = "a mechanical advantage";
   *out = (km_model_port){-1, -1, km_vec3_make(def->direction), NULL};

@@ -1,4 +1,4 @@
-/* The defaults of the definitions that models are built from. */
+/* Default definitions of elements. */
 #include "kmech/build.h"
 
 #include <math.h>
@@ -13,19 +13,19 @@ km_frame_def km_frame_default(void) {
 }
 
 km_body_def km_body_default(void) {
-  return (km_body_def){.density = -1.0}; /* below 0: mass and inertia are given, not a density */
+  return (km_body_def){.density = -1.0}; /* < 0: mass and inertia are given instead of a density */
 }
 
 km_shape_def km_shape_default(void) {
   return (km_shape_def){.kind = KM_SHAPE_SPHERE,
                         .scale = {1, 1, 1},
                         .R = {1, 0, 0, 0, 1, 0, 0, 0, 1},
-                        .density = -1.0, /* below 0: drawn, not weighed */
+                        .density = -1.0, /* < 0: drawn only, without mass */
                         .color = {0, 0, 0, -1.0}};
 }
 
 km_joint_def km_joint_default(void) {
-  km_joint_def def = {.type = KM_RZ}; /* a planar mechanism's hinge in the plane x, y */
+  km_joint_def def = {.type = KM_RZ}; /* revolute joint of a planar mechanism in the x, y plane */
   for (int k = 0; k < KM_MAX_FREEDOM; ++k) {
     def.low[k] = -HUGE_VAL;
     def.high[k] = HUGE_VAL;

@@ -1,9 +1,9 @@
-/* Building models by calls: joints and couplings. */
+/* Models by calls: joints and couplings. */
 #include "model/builder.h"
 
 #include <stdio.h>
 
-/* What a joint's drive and its friction tell of coordinate k. */
+/* Copies drive and friction of coordinate k. */
 static km_status check_drive(const km_joint_def *def, const char *name, size_t k, km_error *error) {
   if (!(def->max_rate[k] > 0.0) || !(def->max_force[k] > 0.0))
     return km_fail(error, KM_MODEL,
@@ -148,7 +148,7 @@ km_status km_model_add_joint(km_builder *b, const km_joint_def *def, km_joint_id
   return KM_OK;
 }
 
-/* The coordinates of a coupling into `list`. */
+/* Collects the coordinates of a coupling in `list`. */
 static km_status find_coupled(const km_builder *b, const km_coupling_def *def, const char *who, int *list,
                               km_error *error) {
   bool some = def->polynomial_count > 0;
@@ -166,7 +166,7 @@ static km_status find_coupled(const km_builder *b, const km_coupling_def *def, c
   return some ? KM_OK : km_fail(error, KM_MODEL, "%s: every ratio is 0; expected at least one that isn't", who);
 }
 
-/* Either ratios, and perhaps a constant, or two coordinates and a polynomial. */
+/* Checks that a coupling has either ratios, or two coordinates and a polynomial. */
 static bool is_law(const km_coupling_def *def) {
   if (def->polynomial_count > 0)
     return def->count == 2 && !def->ratios && !def->constant_given && def->polynomial &&

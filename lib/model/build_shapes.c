@@ -1,4 +1,4 @@
-/* Building models by calls: what bodies look like. */
+/* Models by calls: shapes of bodies. */
 #include "model/builder.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* What a program that shows a model asks of it by index: assemblies, types, frames, masses. */
+/* Access by index for programs that display a model: assemblies, types, frames, masses. */
 #include "kmech/inspect.h"
 
 #include "base/arguments.h"

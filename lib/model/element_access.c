@@ -1,4 +1,4 @@
-/* What a program asks of a model by index: names, owners, limits. */
+/* Access by index: names, owners, limits. */
 #include "model/model.h"
 
 #include "base/arguments.h"
@@ -168,7 +168,7 @@ const char *km_model_first_friction(const km_model *m) {
   return NULL;
 }
 
-/* Does the joint move, and by no length? */
+/* True if the joint has coordinates and all are angles. */
 static bool turns_alone(const km_model *model, int joint) {
   const int first = model->joints[joint].first_coordinate, freedom = km_model_freedom(model, joint);
   bool alone = freedom > 0;

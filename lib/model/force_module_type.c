@@ -1,4 +1,4 @@
-/* The words of the types of force modules. */
+/* Names of the force module types. */
 #include "model/model.h"
 
 #include <string.h>

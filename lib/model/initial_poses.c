@@ -1,4 +1,4 @@
-/* Poses of the bodies before the assembly. */
+/* Initial poses of the bodies, before loops are closed. */
 #include "model/initial_poses.h"
 
 km_pose km_model_start_motion(const km_model *model, int joint) {
@@ -22,7 +22,7 @@ static bool stands_drawn(const km_model *model, int body) {
   return body == 0 || (assembly != KM_NO_ASSEMBLY && model->assemblies[assembly].drawn);
 }
 
-/* The body at the other end of a joint whose one body is known; false where both or none are. */
+/* Places the second body of a joint from the first. False if both or none are placed. */
 static bool pass(const km_model *model, int joint, bool *known, km_pose *pose) {
   const km_model_frame *a = &model->frames[model->joints[joint].frame[0]],
                        *b = &model->frames[model->joints[joint].frame[1]];

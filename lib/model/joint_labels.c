@@ -1,4 +1,4 @@
-/* The labels of joints and coordinates. */
+/* Labels of joints and coordinates. */
 #include "base/text.h"
 #include "model/validation.h"
 
@@ -8,7 +8,7 @@ typedef struct labeller {
   km_messages *messages;
 } labeller;
 
-/* Recursion as deep as the parser's limit on nesting. */
+/* Recursion depth: the parser's nesting limit. */
 static void add_assembly_path(const km_model *model, int assembly, km_text *text) {
   if (assembly == KM_NO_ASSEMBLY)
     return;
@@ -25,7 +25,7 @@ static const char *full_path(km_model *model, const km_model_joint *joint) {
   return label;
 }
 
-/* Enters a label in one of the tables; two joints can't have the same. */
+/* Enters a label in a table; a second joint with the same label is an error. */
 static void enter_label(labeller *l, int scope, const char *label, int index, int joint) {
   km_model *model = l->model;
   if (km_names_get(l->labels, scope, label) >= 0 && km_messages_errors(l->messages) == 0)
@@ -53,7 +53,7 @@ static void label_coordinates(labeller *l, int index) {
   }
 }
 
-/* Notes the labels of a joint that aren't its own name: a path, and those of several coordinates. */
+/* Creates the labels of a joint that differ from its name: a path, and those of several coordinates. */
 static void reserve_labels(labeller *l, int index) {
   km_model *model = l->model;
   const km_model_joint *joint = &model->joints[index];
@@ -70,7 +70,7 @@ static void reserve_labels(labeller *l, int index) {
   }
 }
 
-/* A joint's label is its name where no other joint has that name or label, else its full path. */
+/* The label of a joint is its name if no other joint has that name or label, otherwise its full path. */
 void km_model_assign_labels(km_model *model, km_names *labels, km_messages *messages) {
   labeller own = {model, labels, messages}, *l = &own;
   for (int j = 0; j < model->joint_count; ++j) {

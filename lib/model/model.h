@@ -1,4 +1,4 @@
-/* The model as the other modules see it: checked, resolved, in the file's units (angles too). */
+/* The model for other modules: validated, references resolved, in the file's units. */
 #ifndef KM_MODEL_MODEL_H
 #define KM_MODEL_MODEL_H
 
@@ -13,66 +13,68 @@ enum { KM_NO_ASSEMBLY = -1 };
 
 typedef struct km_model_assembly {
   const char *name;
-  int parent; /* assembly, or KM_NO_ASSEMBLY */
-  bool drawn; /* its bodies' frames are the inertial frame where the joints have the values that they start from */
+  int parent; /* enclosing assembly, or KM_NO_ASSEMBLY */
+  bool drawn; /* drawn: its bodies' frames coincide with the inertial frame at the initial displacements */
 } km_model_assembly;
 
-/* Body 0 is the inertial frame, called `fixed`. */
+/* Bodies; body 0 is the inertial frame, named `fixed`. */
 typedef struct km_model_body {
   const char *name;
   int assembly;
   double mass;
   km_vec3 center_of_mass;
   double inertia[6];  /* Ixx Iyy Izz Ixy Iyz Izx about the centre of mass */
-  double density;     /* < 0: not given */
-  bool is_strut_part; /* a half of a strut: its place is that of the strut's ends */
-  const char *mesh;   /* file name of the definition, NULL: none */
+  double density;     /* < 0: not stated */
+  bool is_strut_part; /* half of a strut: its position follows from the strut's ends */
+  const char *mesh;   /* path as stated; NULL: none */
   const char *where;
 } km_model_body;
 
-/* A part of what a body looks like. */
+/* Shape of a body. */
 typedef struct km_model_shape {
   int body;
   km_shape_kind kind;
   const char *mesh, *where;
-  double scale[3], size[3]; /* of a mesh; of the others */
-  km_pose pose;             /* in the body's frame */
-  double density;           /* < 0: not given */
-  double color[4];          /* opacity < 0: none is stated */
+  double scale[3], size[3]; /* scale of a mesh; sizes of other kinds */
+  km_pose pose;             /* pose in the body's frame */
+  double density;           /* < 0: not stated */
+  double color[4];          /* red, green, blue, opacity; opacity < 0: not stated */
 } km_model_shape;
 
-/* Every body has its `origin` first. */
+/* Frames; the first of each body is `origin`. */
 typedef struct km_model_frame {
   const char *name;
   int body;
-  km_pose pose; /* in the body's frame; length in the model's unit */
+  km_pose pose; /* pose in the body's frame; lengths in the model's unit */
 } km_model_frame;
 
-/* What resists a joint's motion where its surfaces touch (Coulomb). All 0: no friction. */
+/* Coulomb friction of a joint's surfaces. All 0: no friction. */
 typedef struct km_joint_friction {
-  double coefficient, radius, stiction_velocity; /* radius: length unit, for joints that turn; length per time */
+  double coefficient, radius, stiction_velocity; /* radius of the surface of rotating joints, length; sliding speed
+                                                  * of regularisation, length per time */
 } km_joint_friction;
 
-/* What the limits do in a simulation: a force or torque per unit beyond them, and per rate. */
+/* Limit stops in a simulation: force or torque per unit beyond the limit, and per rate. */
 typedef struct km_joint_stop {
   double stiffness, damping;
 } km_joint_stop;
 
-/* A joint's motion over time. Angles in the file's unit. */
+/* Prescribed motion of a joint over time. Angles in the file's unit. */
 typedef struct km_joint_prescribed {
   km_motion_law law;
-  int count;      /* rows of the table, or coefficients */
-  double *values; /* [2 · count] t, q; or [count], lowest power first; or [4] offset, amplitude, frequency, phase */
+  int count;      /* number of rows of the table, or of coefficients */
+  double *values; /* [2 · count] rows t, q; or [count] coefficients, lowest power first; or [4] offset, amplitude,
+                   * frequency, phase */
 } km_joint_prescribed;
 
 typedef struct km_model_joint {
   const char *name, *label;
   km_joint_type type;
   int assembly;
-  int frame[2];         /* parent, child */
-  int first_coordinate; /* into the coordinates */
+  int frame[2];         /* parent frame, child frame */
+  int first_coordinate; /* index of the first coordinate */
   double pitch;
-  double most_turn; /* of a spherical joint: limit of the angle |q|, in the file's unit; 0: none */
+  double most_turn; /* spherical joint: limit of the angle |q|, in the file's unit; 0: none */
   km_joint_friction friction;
   km_joint_stop stop;
   km_joint_prescribed prescribed;
@@ -82,49 +84,49 @@ typedef struct km_model_joint {
 typedef struct km_model_coordinate {
   const char *label;
   int joint, index;
-  bool is_strut; /* the length of a strut is |q|: where its ends have passed each other, q is negative */
-  double position, rate, low, high, damping; /* in the file's units; no limit is ∓infinity */
-  bool rate_stated;                          /* else the rate at the start follows the others' */
-  double max_rate, max_force;                /* of the drive; none is infinity */
-  double armature, friction;                 /* of the drive's rotor; what resists every motion alike */
+  bool is_strut; /* slide of a strut: its length is |q|, and q is negative after the ends have passed each other */
+  double position, rate, low, high, damping; /* in the file's units; ∓∞ if there is no limit */
+  bool rate_stated;                          /* true if `rate` is stated; otherwise the other rates determine it */
+  double max_rate, max_force;                /* largest force of the drive; ∞ if there is none */
+  double armature, friction;                 /* inertia of the drive's rotor; constant friction */
 } km_model_coordinate;
 
 typedef struct km_model_coupling {
   const char *name, *where;
   int count;
   int *coordinates;
-  double *ratios;      /* NULL: of the first coordinate by a polynomial in the second one */
-  bool constant_given; /* else it is that of the first positions */
+  double *ratios;      /* NULL: the first coordinate is a polynomial of the second */
+  bool constant_given; /* true if `constant` is stated; otherwise the initial displacements determine it */
   double constant;
   int polynomial_count;
-  double *polynomial; /* [polynomial_count] lowest power first; radians, lengths */
+  double *polynomial; /* [polynomial_count] coefficients, lowest power first; radians, lengths */
 } km_model_coupling;
 
 enum { KM_MODULE_PORT_FRAMES = -1 };
 
-/* Where a force module measures or acts: a coordinate, or between two frames. */
+/* Port of a force module: a coordinate, or two frames. */
 typedef struct km_module_port {
   int coordinate; /* KM_MODULE_PORT_FRAMES: between two frames */
-  int frame[2];   /* the parent's, the child's */
+  int frame[2];   /* parent frame, child frame */
 } km_module_port;
 
-/* "stiffness", "damping" …, as the format writes them. */
+/* Names of the types in the format: "stiffness", "damping" … */
 const char *km_module_type_word(km_module_type type);
-int km_module_type_find(const char *word); /* -1: no type */
+int km_module_type_find(const char *word); /* type with a name; -1 if there is none */
 
-/* A force law: polynomials between knots of the plain variable (radians, lengths, time). */
+/* A force law: piecewise polynomial of a variable in radians, length or time. */
 typedef struct km_law {
   int knot_count;
   const double *knots;
-  const int *start;           /* [knot_count + 2] where each polynomial begins in `coefficients` */
-  const double *coefficients; /* lowest power first */
+  const int *start;           /* [knot_count + 2] index of the first coefficient of each piece */
+  const double *coefficients; /* coefficients, lowest power first */
 } km_law;
 
-/* Numbers of a tyre by Fiala. */
+/* Parameters of a Fiala tyre. */
 typedef struct km_tire {
-  double radius, stiffness, damping; /* without load; vertical */
-  double rolling_resistance, width;  /* lengths */
-  double longitudinal, lateral;      /* stiffnesses: force for each unit of slip */
+  double radius, stiffness, damping; /* unloaded radius; vertical stiffness */
+  double rolling_resistance, width;  /* relaxation lengths */
+  double longitudinal, lateral;      /* stiffnesses: force per unit of slip */
   double friction_peak, friction_sliding, relaxation[2];
 } km_tire;
 
@@ -134,9 +136,9 @@ typedef struct km_model_module {
   km_module_port input, output;
   km_distance distance;
   km_law law;
-  double reference, kp, ki, kd; /* of a controller */
-  int table_count;              /* of a motor's table: rows */
-  const double *table;          /* [2 · table_count] t, f */
+  double reference, kp, ki, kd; /* gains of a controller */
+  int table_count;              /* number of rows of a motor's table */
+  const double *table;          /* [2 · table_count] rows t, f */
   km_tire tire;
 } km_model_module;
 
@@ -144,14 +146,14 @@ typedef struct km_applied_load {
   const char *name;
   int frame;
   km_vec3 force, torque;
-  bool turning; /* axes turn with the frame */
+  bool turning; /* true: along the frame's axes */
 } km_applied_load;
 
-/* An end of a mechanical advantage: a joint, or a frame's origin along a direction. */
+/* Port of a mechanical advantage: a joint, or a frame's origin along a direction. */
 typedef struct km_model_port {
-  int coordinate, frame; /* -1: not this kind; both -1: none given */
-  km_vec3 direction;     /* inertial axes */
-  const char *name;      /* of a point: body/frame:dx,dy,dz */
+  int coordinate, frame; /* coordinate, frame; −1: not this kind; both −1: not stated */
+  km_vec3 direction;     /* direction in inertial axes */
+  const char *name;      /* name of a point: body/frame:dx,dy,dz */
 } km_model_port;
 
 typedef struct km_model_hold {
@@ -159,7 +161,7 @@ typedef struct km_model_hold {
   double value; /* file's unit */
 } km_model_hold;
 
-/* A pose by name: values of some coordinates, in the file's units. */
+/* A named pose: values of some coordinates, in the file's units. */
 typedef struct km_model_pose {
   const char *name;
   int count;
@@ -168,28 +170,28 @@ typedef struct km_model_pose {
 } km_model_pose;
 
 typedef struct km_model_sweep {
-  int coordinate;   /* -1: none given */
+  int coordinate;   /* −1: not stated */
   double range[2];  /* file's unit */
-  double arclength; /* 0: none given */
-  int direction;    /* coordinate of `direction`, -1: none */
+  double arclength; /* 0: not stated */
+  int direction;    /* coordinate of `direction`; −1: none */
   double sign;
   int steps;
 } km_model_sweep;
 
-/* Settings of a simulation; 0: not given. */
+/* Settings of a simulation; 0: not stated. */
 typedef struct km_simulation_settings {
   double span, step, relative, absolute;
-  const char *integration_type; /* NULL: not given */
+  const char *integration_type; /* NULL: not stated */
 } km_simulation_settings;
 
-/* Where the meshes of a model are. */
+/* Folders of a model's meshes. */
 typedef struct km_folders {
-  const char *folder;        /* of the file, where include_dirs start */
-  const char **include_dirs; /* where meshes are looked for */
+  const char *folder;        /* folder of the file, to which include_dirs are relative */
+  const char **include_dirs; /* folders that are searched for meshes */
   int include_dir_count;
 } km_folders;
 
-/* The numbers that calls can change, as they were before the first change. */
+/* Copies of the numbers that calls can change, before the first change. */
 typedef struct km_unedited {
   km_model_body *bodies;
   km_model_frame *frames;
@@ -200,23 +202,23 @@ typedef struct km_unedited {
 struct km_model {
   km_arena arena;
   const struct km_origin
-      *origin; /* what the room of exchange/ that read it needs to write it again; NULL: built by calls */
+      *origin; /* data of the reader in exchange/ for writing the model; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
-  const char *source; /* where the model is from, in words; NULL: not told */
+  const char *source; /* origin of the model as text; NULL: not stated */
   km_folders folders;
   km_units units;
   km_vec3 gravity;
-  bool gravity_assumed, angle_assumed, length_assumed; /* the file states none: the format's default counts */
+  bool gravity_assumed, angle_assumed, length_assumed; /* true: not stated, the format's default applies */
   km_simulation_settings simulation;
-  double characteristic_length; /* 0: the file states none */
-  bool length_shared;           /* it is that of another model, which this one is compared with */
+  double characteristic_length; /* 0: not stated */
+  bool length_shared;           /* true: shared with models that are compared */
   double closure_tolerance;
   bool closure_tolerance_given;
-  double rotation_misfit; /* the largest entry of RᵀR − I, as the file states its frames */
+  double rotation_misfit; /* largest entry of RᵀR − I over the stated frames */
   km_model_assembly *assemblies;
   km_model_body *bodies;
   km_model_frame *frames;
-  km_model_shape *shapes; /* by body */
+  km_model_shape *shapes; /* [body] */
   km_model_joint *joints;
   km_model_coordinate *coordinates;
   km_model_coupling *couplings;
@@ -224,30 +226,30 @@ struct km_model {
   km_applied_load *loads;
   km_model_hold *holds;
   km_model_pose *poses;
-  int *actuators;       /* coordinates */
-  bool actuators_given; /* also where the list is empty */
+  int *actuators;       /* coordinate indices */
+  bool actuators_given; /* true if stated, even if the list is empty */
   km_model_port advantage_input, advantage_output;
   km_model_sweep sweep;
-  const km_unedited *unedited; /* NULL: nothing was changed */
+  const km_unedited *unedited; /* NULL: unchanged */
   int assembly_count, body_count, frame_count, shape_count, joint_count, coordinate_count, coupling_count, module_count;
   int load_count, hold_count, pose_count, actuator_count;
 };
 
-/* Before a change: keeps the numbers as they were read, once. KM_MEMORY: the model is as it was. */
+/* Saves the numbers as they were read, before the first change. KM_MEMORY: the model is unchanged. */
 km_status km_model_keep_unedited(km_model *model, km_error *error);
 
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;
 }
 
-/* Is the coordinate a component of a rotation vector? */
+/* True if the coordinate is a component of a rotation vector. */
 static inline bool km_model_turns(const km_model *model, int coordinate) {
   const km_model_coordinate *c = &model->coordinates[coordinate];
   km_joint_type type = model->joints[c->joint].type;
   return type == KM_SPHERICAL || (type == KM_FLOAT && c->index >= 3);
 }
 
-/* Radians per angle unit for an angle, 1 for a length: file's value × this = the engine's value. */
+/* Factor from the file's unit to that of computations: radians per angle unit, 1 for a length. */
 static inline double km_model_coordinate_factor(const km_model *model, int coordinate) {
   const km_model_coordinate *c = &model->coordinates[coordinate];
   return km_joint_is_length(model->joints[c->joint].type, c->index) ? 1.0 : model->units.angle->si;

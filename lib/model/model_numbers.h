@@ -1,14 +1,15 @@
-/* Every number of a model that a file states, in one order: what tells which of them a parameter moves. */
+/* All numbers of a model in a fixed order, so that the numbers that depend on a parameter can be found by
+ * comparison. */
 #ifndef KM_MODEL_MODEL_NUMBERS_H
 #define KM_MODEL_MODEL_NUMBERS_H
 
 #include "model/model.h"
 
-/* What a reader asks of a number before it takes it over as it is. */
+/* Conditions under which a reader copies a number unchanged. */
 typedef enum km_number_rule {
-  KM_NUMBER_FREE,         /* nothing */
-  KM_NUMBER_NOT_NEGATIVE, /* at least 0 */
-  KM_NUMBER_CHECKED       /* something that involves others, or it isn't taken over as it is */
+  KM_NUMBER_FREE,         /* always */
+  KM_NUMBER_NOT_NEGATIVE, /* if it is at least 0 */
+  KM_NUMBER_CHECKED       /* not copied unchanged, or depends on others */
 } km_number_rule;
 
 typedef struct km_model_number {
@@ -22,7 +23,7 @@ typedef struct km_model_numbers {
   bool failed; /* out of memory */
 } km_model_numbers;
 
-/* Two models of one structure give the same count and order. Free in any case. */
+/* Lists the numbers of a model. Models with equal structure have equal count and order. Free in any case. */
 void km_model_numbers_list(km_model *model, km_model_numbers *out);
 void km_model_numbers_free(km_model_numbers *numbers);
 

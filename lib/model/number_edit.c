@@ -1,4 +1,4 @@
-/* Changing the numbers of a model. */
+/* Changes the numbers of a model. */
 #include "kmech/model.h"
 
 #include "model/builder.h"
@@ -16,7 +16,7 @@ static void *copy(km_arena *arena, const void *items, int count, size_t size) {
 km_status km_model_keep_unedited(km_model *m, km_error *error) {
   if (m->unedited)
     return KM_OK;
-  km_arena own = {0}; /* a failure mustn't stay with the model */
+  km_arena own = {0}; /* the arena's failure is reset, because the model is unchanged */
   km_unedited *kept = km_arena_alloc(&own, 1, sizeof *kept);
   if (kept)
     *kept = (km_unedited){copy(&own, m->bodies, m->body_count, sizeof *m->bodies),

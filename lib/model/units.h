@@ -1,4 +1,4 @@
-/* Units inside of the library: kmech/model.h, their tables, and dimensions that are multiplied. */
+/* Unit tables and products of dimensions; public functions are in kmech/model.h. */
 #ifndef KM_MODEL_UNITS_H
 #define KM_MODEL_UNITS_H
 
@@ -6,9 +6,9 @@
 
 #include <stdbool.h>
 
-/* The table of one quantity, ended by an entry without word. */
+/* Units of one quantity; the last entry has no word. */
 const km_unit *km_quantity_units(km_quantity quantity);
 km_dimension km_dimension_product(km_dimension a, km_dimension b);
-km_dimension km_dimension_power(km_dimension a, int n); /* n of any sign */
+km_dimension km_dimension_power(km_dimension a, int n); /* dimension to the power n, of any sign */
 
 #endif

@@ -1,4 +1,4 @@
-/* What is checked of a model when all its elements are there. */
+/* Validation of a complete model. */
 #include "model/validation.h"
 
 #include "model/geometry/mass_properties.h"
@@ -12,7 +12,7 @@ static int root_of(int *parent, int body) {
   return body;
 }
 
-/* Every body must be tied to the inertial frame. */
+/* Marks the bodies connected to the inertial frame. */
 void km_model_check_ties(km_model *model, km_messages *messages) {
   int *parent = model->arena.failed ? NULL : KM_NEW(int, (size_t)model->body_count);
   if (!parent) {
@@ -35,7 +35,7 @@ void km_model_check_ties(km_model *model, km_messages *messages) {
   km_free(parent);
 }
 
-/* How far the model reaches: the greatest distance of a frame or a centre of mass from its body's origin. */
+/* Size of the model: the largest distance of a frame or centre of mass from its body's origin. */
 static double reach(const km_model *model) {
   double far = 0.0;
   for (int f = 0; f < model->frame_count; ++f)
@@ -45,8 +45,8 @@ static double reach(const km_model *model) {
   return far;
 }
 
-/* A principal moment below zero by less than this is rounding: of the matrix's own entries, or of moments m·l² about a
- * far point that should have cancelled. A light body may have been cut from a heavy one. */
+/* Tolerance of a negative principal moment: rounding of the entries, or of cancelled moments m·l² about a distant
+ * point; a light body may have been separated from a heavy one. */
 static double moment_rounding(const km_model_body *body, double heaviest, double far) {
   double size = 0.0;
   for (int k = 0; k < 6; ++k)
@@ -54,8 +54,8 @@ static double moment_rounding(const km_model_body *body, double heaviest, double
   return 1e-9 * size + 1e-12 * fmax(body->mass, 1e-3 * heaviest) * far * far;
 }
 
-/* Of three rising principal moments none can be larger than the two others together. A planar model may state one alone;
- * what a file's rounded digits make of a flat body is none of its faults. */
+/* Triangle inequality of principal moments in ascending order: the largest is at most the sum of the others. A
+ * planar model may state one moment only; rounded digits of a flat body are tolerated. */
 static bool no_body_has(const double moments[3]) {
   static const double rounded = 1e-3;
   return moments[1] > 1e-9 * moments[2] && moments[0] + moments[1] < (1.0 - rounded) * moments[2];
@@ -97,15 +97,15 @@ km_status km_model_rotation(const double rows[9], km_rotation *out, double *misf
   if (determinant < 0.0)
     return km_fail(error, KM_MODEL, "a mirrored frame (determinant %.3g); expected a right-handed rotation",
                    determinant);
-  bool near = *misfit <= 10.0 * KM_ROTATION_ROUNDING; /* of less than 3.5 of it where no entry is further off */
+  bool near = *misfit <= 10.0 * KM_ROTATION_ROUNDING; /* Frobenius error is below 3.5 times this bound if no entry is
+                                                       * further off */
   km_rotation nearest = near ? km_rotation_nearest(&R) : R;
   double distance = near ? km_rotation_distance(&R, &nearest) : *misfit;
   if (!near || !(distance <= KM_ROTATION_ROUNDING))
     return km_fail(error, KM_MODEL, "not a rotation: %s by %.3g; expected at most %g",
                    near ? "an entry differs from the nearest rotation's" : "an entry of RᵀR differs from the identity",
                    distance, KM_ROTATION_ROUNDING);
-  /* Within four roundings a matrix is as good as doubles allow: it is kept, so that one written out comes back itself.
-   */
+  /* A matrix within four rounding errors is kept as it is, so that writing and reading doesn't change it. */
   *out = *misfit <= 4.0 * DBL_EPSILON ? R : nearest;
   return KM_OK;
 }

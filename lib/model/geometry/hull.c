@@ -1,4 +1,4 @@
-/* Convex hulls by quickhull, in whole numbers. */
+/* Convex hulls by quickhull in integers. */
 #include "model/geometry/hull.h"
 
 #include "base/memory.h"
@@ -14,27 +14,27 @@ typedef struct point {
 } point;
 
 typedef struct face {
-  int corner[3], beyond[3]; /* beyond[k]: the face across the side from corner k to the next one */
+  int corner[3], beyond[3]; /* beyond[k]: the adjacent face across the edge from corner k to the next one */
   point normal;
-  int outside, farthest; /* the points that see it: a list by `next`, -1: none */
-  wide height;           /* of the farthest one */
+  int outside, farthest; /* list (by `next`) of points outside the face; -1: none */
+  wide height;           /* distance of the farthest one */
   bool seen, gone;
 } face;
 
 typedef struct side {
-  int from, to, face, index; /* of the face beyond, which isn't seen, and which of its sides this is */
+  int from, to, face, index; /* the hidden face across the edge, and the index of this edge in it */
 } side;
 
 typedef struct hull {
   km_arena arena;
-  int count;     /* of points */
+  int count;     /* number of points */
   point *points; /* [count] */
-  int *next;     /* [count] in the list of a face */
-  int *starting; /* [count] the new face whose outer side starts at a point */
+  int *next;     /* [count] next point in the list of a face */
+  int *starting; /* [count] new face whose horizon edge starts at a point */
   face *faces;
-  int face_count, free_face; /* the faces that are gone are a list by `outside` */
+  int face_count, free_face; /* deleted faces, a list by `outside` */
   size_t face_room, work_room, horizon_room, seen_room;
-  int *work; /* faces that points may see */
+  int *work; /* faces that may have points outside */
   int work_count;
   side *horizon;
   int horizon_count;
@@ -63,13 +63,13 @@ static point normal_of(const hull *h, int a, int b, int c) {
   return cross(&u, &v);
 }
 
-/* Above 0: the point sees the face. */
+/* Positive if the point lies outside the face. */
 static wide height_over(const hull *h, const face *f, int p) {
   point d = difference(h, p, f->corner[0]);
   return dot(&f->normal, &d);
 }
 
-/* The index of a new face; -1: out of memory. */
+/* Index of a new face; -1 when out of memory. */
 static int add_face(hull *h, int a, int b, int c) {
   int index = h->free_face;
   if (index >= 0) {
@@ -84,7 +84,7 @@ static int add_face(hull *h, int a, int b, int c) {
   return index;
 }
 
-/* Gives a point to the first of the faces that it sees. */
+/* Assigns a point to the first face that it lies outside of. */
 static void give(hull *h, int p, const int *faces, int count) {
   for (int i = 0; i < count; ++i) {
     face *f = &h->faces[faces[i]];
@@ -112,7 +112,7 @@ static bool queue(hull *h, int index) {
   return h->faces[index].outside < 0 || push(h, &h->work, &h->work_count, &h->work_room, index);
 }
 
-/* The point of the largest |value|, as `measure` finds it; the value is 0 where there is none. */
+/* The point with the largest |measure|; the measure is 0 if there is none. */
 typedef double (*measure)(const hull *h, const int *fixed, int p);
 
 static double from_one(const hull *h, const int *fixed, int p) {
@@ -144,7 +144,7 @@ static int find_farthest(const hull *h, measure value, const int *fixed) {
   return best;
 }
 
-/* Four points that aren't in a plane, and their faces. False: there are none, or out of memory. */
+/* Creates the initial tetrahedron. False if all points are coplanar, or when out of memory. */
 static bool begin(hull *h) {
   static const int corners[4][3] = {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}};
   static const int beyond[4][3] = {{1, 2, 3}, {3, 2, 0}, {1, 3, 0}, {2, 1, 0}};
@@ -153,7 +153,7 @@ static bool begin(hull *h) {
   for (int k = 0; k < 3; ++k)
     if ((v[k + 1] = find_farthest(h, steps[k], v)) < 0)
       return false;
-  if (from_plane(h, v, v[3]) > 0.0) { /* the first face has to look away from the fourth point */
+  if (from_plane(h, v, v[3]) > 0.0) { /* the first face must be oriented away from the fourth point */
     int keep = v[1];
     v[1] = v[2];
     v[2] = keep;
@@ -172,7 +172,7 @@ static bool begin(hull *h) {
   return true;
 }
 
-/* All faces that the point sees, spreading from one of them, and the sides around them. */
+/* Collects all faces visible from a point, starting from one of them, and the horizon edges around them. */
 static bool look(hull *h, int first, int p) {
   h->seen_count = h->horizon_count = 0;
   h->faces[first].seen = true;
@@ -200,7 +200,7 @@ static bool look(hull *h, int first, int p) {
   return true;
 }
 
-/* A cone of new faces from the point to the horizon; `fresh` has room for them. */
+/* Creates a cone of new faces from the point to the horizon, into `fresh`. */
 static bool close_up(hull *h, int p, int *fresh) {
   for (int i = 0; i < h->horizon_count; ++i) {
     const side *s = &h->horizon[i];
@@ -220,7 +220,7 @@ static bool close_up(hull *h, int p, int *fresh) {
   return true;
 }
 
-/* The points of the faces that are seen see the new ones, or lie inside. */
+/* Reassigns the points of visible faces to new faces, or drops them as interior points. */
 static bool hand_over(hull *h, int p, const int *fresh, int count) {
   for (int i = 0; i < h->seen_count; ++i) {
     face *f = &h->faces[h->seen[i]];

@@ -1,7 +1,6 @@
-/* A tetrahedron 0abc has the signed volume V = d/6, d = a·(b × c), and with s = a + b + c
- *   ∫ x dV    = d/24 s
- *   ∫ x xᵀ dV = d/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ),
- * quadratic in the corners, so exact. Summed over a closed surface only the inside remains. */
+/* Mass properties of a closed surface (docs/theory.md 14.1). A tetrahedron 0abc has the signed volume V = d/6, d =
+ * a·(b × c). With s = a + b + c: ∫ x dV = d/24 s, ∫ x xᵀ dV = d/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), exact because the
+ * integrands are quadratic. The sum over a closed surface is the integral over its interior. */
 #include "model/geometry/mass_properties.h"
 
 #include "base/memory.h"
@@ -10,7 +9,7 @@
 
 typedef struct side {
   int low, high; /* vertices */
-  int sense;     /* +1: run through from low to high */
+  int sense;     /* +1: traversed from the lower to the higher vertex */
 } side;
 
 static int by_ends(const void *a, const void *b) {
@@ -37,7 +36,7 @@ km_status km_mesh_check(const km_mesh *mesh, km_mesh_faults *out, km_error *erro
   list_sides(mesh, sides);
   qsort(sides, count, sizeof *sides, by_ends);
   for (size_t i = 0, next; i < count; i = next) {
-    int turns = 0; /* how much oftener the edge is run through one way than the other */
+    int turns = 0; /* traversals in one sense minus those in the other */
     for (next = i; next < count && by_ends(&sides[i], &sides[next]) == 0; ++next)
       turns += sides[next].sense;
     if (turns % 2 != 0)
@@ -82,14 +81,14 @@ static void inertia_about_centre(const double second[6], double volume, km_vec3 
 }
 
 km_status km_mass_properties_of(const km_mesh *mesh, km_mass_properties *out, km_error *error) {
-  static const double least_volume = 1e-12; /* over size³; below it rounding of the corners decides */
+  static const double least_volume = 1e-12; /* relative to size³; below, rounding of the vertices decides */
   double second[6];
   km_vec3 low, high;
   integrals sum = {0};
   *out = (km_mass_properties){0};
   km_mesh_box(mesh, &low, &high);
   double size = km_vec3_norm(km_vec3_sub(high, low));
-  km_vec3 origin = km_vec3_axpy(0.5, km_vec3_sub(high, low), low); /* near, so that no digits cancel */
+  km_vec3 origin = km_vec3_axpy(0.5, km_vec3_sub(high, low), low); /* a point near the surface, against cancellation */
   for (int t = 0; t < mesh->triangle_count; ++t) {
     const int *corner = mesh->triangles[t].corner;
     add_tetrahedron(&sum, km_vec3_sub(mesh->vertices[corner[0]], origin),
@@ -144,12 +143,12 @@ km_status km_mesh_weigh(const km_mesh *mesh, const char *name, km_mass *out, km_
   return KM_OK;
 }
 
-/* Turns the symmetric A about the axis that is neither p nor q so that A_pq becomes 0, and the axes with it. */
+/* Jacobi rotation of the symmetric A in the plane p, q that makes A_pq zero; rotates the axes too. */
 static void annihilate(double A[3][3], km_vec3 axes[3], int p, int q) {
   if (A[p][q] == 0.0)
     return;
   double theta = (A[q][q] - A[p][p]) / (2.0 * A[p][q]);
-  double t = copysign(1.0, theta) / (fabs(theta) + hypot(theta, 1.0)); /* the smaller turn */
+  double t = copysign(1.0, theta) / (fabs(theta) + hypot(theta, 1.0)); /* the smaller of the two angles */
   double c = 1.0 / hypot(t, 1.0), s = t * c;
   int r = 3 - p - q;
   double pr = A[p][r], qr = A[q][r];
@@ -164,7 +163,7 @@ static void annihilate(double A[3][3], km_vec3 axes[3], int p, int q) {
 }
 
 void km_principal_axes(const double I[6], double moments[3], km_vec3 axes[3]) {
-  enum { SWEEPS = 12 }; /* convergence is quadratic: six do */
+  enum { SWEEPS = 12 }; /* convergence is quadratic: six sweeps suffice */
   double scale = 0.0;
   for (int k = 0; k < 6; ++k)
     scale = fmax(scale, fabs(I[k]));

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-static const double weld_distance = 1e-6; /* over the mesh's size */
+static const double weld_distance = 1e-6; /* relative to the mesh's size */
 
 km_mesh *km_mesh_create(int vertex_count, int triangle_count) {
   km_mesh *mesh = KM_NEW(km_mesh, 1);
@@ -62,9 +62,9 @@ static int by_place(const void *a, const void *b) {
   return (x->vertex > y->vertex) - (x->vertex < y->vertex);
 }
 
-/* same[i]: the vertex that stands for i. */
+/* same[i]: vertex that replaces vertex i. */
 static void find_same(const km_mesh *mesh, sorted *order, int *same) {
-  /* Along a direction in which no edge of a usual part lies at right angles, few vertices share a place. */
+  /* Vertices are sorted along a direction that isn't perpendicular to usual edges, so that few have equal keys. */
   const km_vec3 direction = {0.8523, 0.4318, 0.2951};
   km_vec3 low, high;
   km_mesh_box(mesh, &low, &high);
@@ -88,7 +88,7 @@ static void find_same(const km_mesh *mesh, sorted *order, int *same) {
   }
 }
 
-/* Numbers the vertices that are left, and the triangles by them. */
+/* Renumbers the remaining vertices and the triangles. */
 static void join(km_mesh *mesh, const int *same, int *number) {
   int vertices = 0, triangles = 0;
   for (int i = 0; i < mesh->vertex_count; ++i)

@@ -1,4 +1,4 @@
-/* Mass properties of plain solids, moved and put together. */
+/* Mass properties of primitive solids; rigid displacement and sum. */
 #include "model/geometry/solids.h"
 
 #include <math.h>
@@ -24,7 +24,7 @@ km_mass km_mass_moved(const km_pose *pose, km_mass mass) {
   return out;
 }
 
-/* Adds the inertia of a mass at d from the point that the sum is about. */
+/* Adds the inertia of a point mass at d (parallel axis theorem). */
 static void add_about(double sum[6], const km_mass *part, km_vec3 d) {
   double m = part->mass;
   const double far[6] = {
@@ -50,7 +50,7 @@ km_mass km_mass_scaled(double factor, km_mass mass) {
   return mass;
 }
 
-/* A solid whose moments about its three planes are m a, m b, m c. */
+/* A solid with planar second moments m a, m b, m c. */
 static km_mass symmetric(double m, double a, double b, double c) {
   return (km_mass){.mass = m, .inertia = {m * (b + c), m * (c + a), m * (a + b), 0, 0, 0}};
 }
@@ -70,8 +70,7 @@ km_mass km_solid_cylinder(double r, double h) {
 km_mass km_solid_capsule(double r, double h) {
   const double ball[3] = {r, r, r};
   km_mass sum = km_solid_cylinder(r, h), cap = km_solid_ellipsoid(ball);
-  /* The two caps are one ball cut through the middle; each half's moment about its cut is that of the ball's half, and
-   * its centre is 3r/8 from the cut. */
+  /* The caps are two halves of a ball; the centre of a half is 3r/8 from its cut. */
   double m = cap.mass, second = r * r / 5.0 + 2.0 * h * (3.0 / 8.0 * r) + h * h;
   km_mass caps = symmetric(m, r * r / 5.0, r * r / 5.0, second);
   sum.mass += m;

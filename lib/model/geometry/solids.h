@@ -1,25 +1,25 @@
-/* Mass properties of plain solids, moved and put together. */
+/* Mass properties of primitive solids; rigid displacement and sum. */
 #ifndef KM_MODEL_GEOMETRY_SOLIDS_H
 #define KM_MODEL_GEOMETRY_SOLIDS_H
 
 #include "spatial/pose.h"
 
-/* Mass, centre and inertia (Ixx Iyy Izz Ixy Iyz Izx, about the centre, along the axes). */
+/* Mass, centre of mass, and inertia about it (Ixx Iyy Izz Ixy Iyz Izx). */
 typedef struct km_mass {
   double mass;
   km_vec3 center;
   double inertia[6];
 } km_mass;
-/* The same seen from a frame in which the axes and the origin have the pose. */
+/* The mass properties in a frame in which their own frame has `pose`. */
 km_mass km_mass_moved(const km_pose *pose, km_mass mass);
 km_mass km_mass_sum(km_mass a, km_mass b);
-/* Solids of density 1 about their own centres: half sizes of a box, half axes of an ellipsoid, radius and half length
+/* Solids of density 1 about their centres: half sizes of a box, half axes of an ellipsoid, radius and half length
  * (without caps) along z. */
 km_mass km_solid_box(const double half[3]);
 km_mass km_solid_ellipsoid(const double half[3]);
 km_mass km_solid_cylinder(double radius, double half);
 km_mass km_solid_capsule(double radius, double half);
-/* With the tip at +half and the base at -half, about the middle between them. */
+/* A cone with tip at +half and base at −half, about the middle between them. */
 km_mass km_solid_cone(double radius, double half);
 km_mass km_mass_scaled(double factor, km_mass mass);
 

@@ -1,4 +1,4 @@
-/* The methods of path studies: words, defaults, settings and their ranges. */
+/* Tracking methods: words, defaults, settings and their ranges. */
 #include "model/path_study/method_settings.h"
 
 #include "base/arguments.h"
@@ -8,13 +8,13 @@
 
 static const char *const words[KM_METHODS] = {"greedy", "lookahead", "fixed", "dls", "gradient", "dp", "global"};
 
-/* Which methods have a setting, and its range; of numbers, where it stands in km_method. */
+/* A setting: the methods that have it, its range, and for numbers its offset in km_method. */
 typedef struct setting {
   const char *key;
-  unsigned methods; /* bits */
+  unsigned methods; /* bit mask of methods */
   enum { WORD, WHOLE, NUMBER, DEGREES } kind;
   double low, high;
-  bool automatic; /* 0, which is the default, leaves the choice to the method */
+  bool automatic; /* the default 0 lets the method choose */
   size_t offset;
 } setting;
 
@@ -112,7 +112,7 @@ const char *km_method_setting(int index) {
   return settings[index].kind == WORD ? NULL : settings[index].key;
 }
 
-/* A setting as the method has it: angles in radians. */
+/* The value of a setting in a method: angles in radians. */
 static double value_of(const setting *s, const km_method *m) {
   const char *at = (const char *)m + s->offset;
   return s->kind == WHOLE ? *(const int *)at : *(const double *)at;

@@ -1,11 +1,11 @@
-/* The settings of path studies' methods as data; kmech/arm.h has what programs ask. */
+/* Table of the settings of tracking methods. The public functions are in kmech/arm.h. */
 #ifndef KM_MODEL_PATH_STUDY_METHOD_SETTINGS_H
 #define KM_MODEL_PATH_STUDY_METHOD_SETTINGS_H
 
 #include "base/text.h"
 #include "kmech/arm.h"
 
-/* The settings that are numbers, as a study writes them: angles in degrees. */
+/* Numeric settings as in a study file: angles in degrees. */
 int km_method_setting_count(void);
 const char *km_method_setting(int index);
 

@@ -1,4 +1,4 @@
-/* Objectives and tasks by name. */
+/* Names of objectives and tasks. */
 #include "kmech/arm.h"
 
 #include "base/arguments.h"

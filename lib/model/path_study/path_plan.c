@@ -1,4 +1,4 @@
-/* Plans of paths: defaults, and the checks that need no arm. */
+/* Defaults and validation of path plans. */
 #include "model/path_study/path_plan.h"
 
 #include "base/text.h"
@@ -43,7 +43,7 @@ static km_status check_waves(double waves, km_error *error) {
   return km_fail(error, KM_USAGE, "found %s; expected a number above 0 up to 10000", KM_SHOWN(waves));
 }
 
-/* The key of what is wrong, NULL: nothing is. */
+/* Key of the first fault of a segment; NULL if there is none. */
 static const char *faulty_key(const km_path_segment *g, km_error *error) {
   if (!g->at_points && (g->steps < 1 || g->steps > KM_PATH_STEPS)) {
     km_fail(error, KM_USAGE, "found %d; expected a whole number from 1 to %d", g->steps, KM_PATH_STEPS);

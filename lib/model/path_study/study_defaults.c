@@ -1,4 +1,4 @@
-/* The definition of a path study by default, with the words by which messages name its parts. */
+/* Default definition of a path study, with the names of its parts in messages. */
 #include "kmech/arm.h"
 
 km_study_def km_study_def_default(void) {
