@@ -239,7 +239,7 @@ km_pose km_arm_from_model(const km_arm *a, const km_pose *pose) {
 
 km_pose km_arm_pose_of(const km_arm *a, const km_frame_pose *given) {
   const double *R = given->R;
-  km_pose pose = {{{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}}, km_vec3_make(given->p)};
+  km_pose pose = {{{{R[0], R[3], R[6]}, {R[1], R[4], R[7]}, {R[2], R[5], R[8]}}}, km_vec3_from_array(given->p)};
   return km_arm_from_model(a, &pose);
 }
 

@@ -51,7 +51,7 @@ static void go_out(const km_arm *a, km_arm_space *s, const double *q) {
       X.p = km_vec3_axpy(m->pitch * value, X.R.axis[m->axis], X.p);
     double sine, cosine;
     sincos(value, &sine, &cosine);
-    X.R = km_rotation_turn(&X.R, m->axis, cosine, sine);
+    X.R = km_rotation_about_axis(&X.R, m->axis, cosine, sine);
   }
   s->pose = km_pose_product(&X, &a->tool);
 }
@@ -70,7 +70,7 @@ static km_twist column_twist(const km_arm *a, const km_arm_space *s, int k) {
 /* The same by the kernel of seven joints; false if an angle is too large for its sines. */
 static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
   for (int k = 0; k < SEVEN; ++k)
-    if (!(fabs(q[k]) <= KM_SINCOS_MOST))
+    if (!(fabs(q[k]) <= KM_SINCOS_MAX_ANGLE))
       return false;
   km_one_forward(a, q, s->seven);
   memcpy(&s->pose.R, s->seven->R, sizeof s->pose.R);

@@ -48,7 +48,7 @@ static void convert_ball_rates(const km_mechanism *m, const km_substructure *sub
   for (int k = 0; k < sub->columns; ++k) {
     if (m->ball_of[coordinate[k]] < 0)
       continue;
-    km_vec3 v = rotation_vector_rate(km_vec3_make(move + k), km_vec3_make(rate + k));
+    km_vec3 v = rotation_vector_rate(km_vec3_from_array(move + k), km_vec3_from_array(rate + k));
     memcpy(rate + k, &(double[3]){v.x, v.y, v.z}, 3 * sizeof *rate);
     k += 2;
   }
@@ -146,7 +146,7 @@ static nodes gather_nodes(const km_step_history *c, double h) {
 static km_vec3 weighted_angular_velocity(const nodes *n, const double *weight, int column) {
   km_vec3 sum = {0, 0, 0};
   for (int i = 0; i < n->count; ++i)
-    sum = km_vec3_axpy(weight[i], km_vec3_make(n->t[i] + column), sum);
+    sum = km_vec3_axpy(weight[i], km_vec3_from_array(n->t[i] + column), sum);
   return sum;
 }
 
@@ -163,7 +163,7 @@ static void add_magnus_terms(const km_mechanism *m, const km_substructure *sub, 
       continue;
     km_vec3 change =
         km_vec3_axpy(0.5, weighted_angular_velocity(n, curvature, k), weighted_angular_velocity(n, slope, k));
-    km_vec3 correction = km_vec3_scale(-h * h / 12.0, km_vec3_cross(km_vec3_make(n->t[0] + k), change));
+    km_vec3 correction = km_vec3_scale(-h * h / 12.0, km_vec3_cross(km_vec3_from_array(n->t[0] + k), change));
     move[k] += correction.x;
     move[k + 1] += correction.y;
     move[k + 2] += correction.z;

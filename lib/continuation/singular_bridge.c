@@ -77,7 +77,7 @@ static double *node_tangent(const km_driver_motion *d, int i) {
  * configuration to the present one: v' = w - v x w / 2 + v x (v x w) / 12 + O(v^4), the inverse of the exponential
  * map's derivative. */
 static void rotation_vector_rate(const double *v, double *rate) {
-  km_vec3 rotation = km_vec3_make(v), w = km_vec3_make(rate), v_cross_w = km_vec3_cross(rotation, w);
+  km_vec3 rotation = km_vec3_from_array(v), w = km_vec3_from_array(rate), v_cross_w = km_vec3_cross(rotation, w);
   w = km_vec3_axpy(-0.5, v_cross_w, w);
   w = km_vec3_axpy(1.0 / 12.0, km_vec3_cross(rotation, v_cross_w), w);
   rate[0] = w.x;

@@ -137,7 +137,7 @@ static void load_base(km_dynamics *d, const km_cluster *cluster, const km_cluste
     double pivot = c->D[k * count + k];
     for (int l = 0; l < k; ++l)
       c->U[k] = km_wrench_axpy(-c->D[k * count + l], c->U[l], c->U[k]);
-    km_articulated_add_square(base, -1.0 / pivot, c->U[k]);
+    km_articulated_add_outer_product(base, -1.0 / pivot, c->U[k]);
     sum = km_wrench_axpy(c->b[k] / pivot, c->U[k], sum);
   }
   d->node[cluster->base].p = km_wrench_axpy(1.0, sum, d->node[cluster->base].p);

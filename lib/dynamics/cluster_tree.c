@@ -26,7 +26,7 @@ static void carry_body(build *w, int body, int node, const km_pose *in_node) {
   tree->node_of_body[body] = node;
   tree->body_in_node[body] = *in_node;
   km_inertia own = km_inertia_of_body(def->mass, def->center_of_mass, def->inertia);
-  km_inertia there = km_inertia_move(in_node, &own);
+  km_inertia there = km_inertia_transform(in_node, &own);
   double factor = km_inertial_factor(w->m->model);
   there.m *= factor;
   there.mc = km_vec3_scale(factor, there.mc);

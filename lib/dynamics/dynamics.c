@@ -303,9 +303,9 @@ void km_dynamics_balance(km_dynamics *d, const km_state *s) {
     const km_model_body *def = &m->model->bodies[b];
     const km_node_motion *node = &d->node[d->tree.node_of_body[b]];
     km_inertia own = km_inertia_of_body(def->mass, def->center_of_mass, def->inertia);
-    km_inertia there = km_inertia_move(&f->pose[b], &own);
+    km_inertia there = km_inertia_transform(&f->pose[b], &own);
     km_wrench rate = km_wrench_axpy(1.0, km_inertia_times(&there, node->A),
-                                    km_wrench_carried(node->V, km_inertia_times(&there, node->V)));
+                                    km_wrench_cross(node->V, km_inertia_times(&there, node->V)));
     km_wrench w = km_wrench_axpy(-km_inertial_factor(m->model), rate, (km_wrench){{0, 0, 0}, {0, 0, 0}});
     km_vec3 at = km_pose_point(&f->pose[b], def->center_of_mass);
     km_forces_add(f, b, w.f, km_wrench_about(w, at).t, at);
@@ -323,7 +323,7 @@ km_wrench km_dynamics_inertia_forces(const km_dynamics *d) {
     km_twist a = node->A; /* without the inertial frame's acceleration, which stands for gravity */
     a.v = km_vec3_add(a.v, d->forces->stated_gravity);
     km_wrench rate = km_wrench_axpy(1.0, km_inertia_times(&node->inertia, a),
-                                    km_wrench_carried(node->V, km_inertia_times(&node->inertia, node->V)));
+                                    km_wrench_cross(node->V, km_inertia_times(&node->inertia, node->V)));
     sum = km_wrench_axpy(-1.0, rate, sum);
   }
   return sum;

@@ -73,7 +73,7 @@ void km_nudge(const km_mechanism *m, km_state *s, int c, double by) {
   }
   double turn[3] = {0.0, 0.0, 0.0};
   turn[c - m->ball_coordinate[ball]] = by;
-  km_state_rotate_ball(m, s, ball, km_vec3_make(turn));
+  km_state_rotate_ball(m, s, ball, km_vec3_from_array(turn));
 }
 
 /* Accelerations of the independent coordinates at the state; false where an evaluation fails. */

@@ -46,12 +46,12 @@ static void add_body(look *w, int b) {
   const km_pose *X = &w->s->pose[b];
   km_vec3 c = km_rotate(&X->R, body->center_of_mass);
   for (int f = 0; f < w->r; ++f) {
-    km_vec3 wf = km_vec3_make(w->twists + 6 * f + 3);
-    km_vec3 vf = km_vec3_add(km_vec3_make(w->twists + 6 * f), km_vec3_cross(wf, c));
+    km_vec3 wf = km_vec3_from_array(w->twists + 6 * f + 3);
+    km_vec3 vf = km_vec3_add(km_vec3_from_array(w->twists + 6 * f), km_vec3_cross(wf, c));
     km_vec3 Iw = inertia_times(body, &X->R, wf);
     for (int g = 0; g <= f; ++g) {
-      km_vec3 wg = km_vec3_make(w->twists + 6 * g + 3);
-      km_vec3 vg = km_vec3_add(km_vec3_make(w->twists + 6 * g), km_vec3_cross(wg, c));
+      km_vec3 wg = km_vec3_from_array(w->twists + 6 * g + 3);
+      km_vec3 vg = km_vec3_add(km_vec3_from_array(w->twists + 6 * g), km_vec3_cross(wg, c));
       w->M[f * w->r + g] += body->mass * km_vec3_dot(vf, vg) + km_vec3_dot(Iw, wg);
     }
   }

@@ -17,8 +17,8 @@ static void move_node(km_dynamics *d, const km_state *s, int n) {
   out->V = km_twist_axpy(1.0, x, parent->V);
   out->zeta = km_twist_bracket(parent->V, x);
   if (node->massive) {
-    out->inertia = km_inertia_move(&out->pose, &node->inertia);
-    out->p = km_wrench_carried(out->V, km_inertia_times(&out->inertia, out->V));
+    out->inertia = km_inertia_transform(&out->pose, &node->inertia);
+    out->p = km_wrench_cross(out->V, km_inertia_times(&out->inertia, out->V));
   } else {
     out->p = (km_wrench){{0, 0, 0}, {0, 0, 0}};
   }

@@ -41,7 +41,7 @@ km_status km_forces_create(const km_mechanism *m, const double gravity[3], const
     return km_fail(error, KM_MEMORY, "out of memory for the forces");
   }
   f->mechanism = m;
-  f->stated_gravity = gravity ? km_vec3_make(gravity) : m->model->gravity;
+  f->stated_gravity = gravity ? km_vec3_from_array(gravity) : m->model->gravity;
   f->gravity = km_vec3_scale(km_units_factor(&m->model->units, acceleration), f->stated_gravity);
   f->load_count = load_count;
   if (load_count)
@@ -102,7 +102,7 @@ void km_loads_add(const km_mechanism *m, km_forces *f) {
     const km_load *load = &f->loads[i];
     const km_model_frame *frame = &m->model->frames[load->frame];
     km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
-    km_vec3 force = km_vec3_make(load->force), torque = km_vec3_make(load->torque);
+    km_vec3 force = km_vec3_from_array(load->force), torque = km_vec3_from_array(load->torque);
     if (load->turning) {
       force = km_rotate(&X.R, force);
       torque = km_rotate(&X.R, torque);

@@ -155,8 +155,8 @@ static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km
   double x = km_state_ball_excess(m, c, &s->q[c]);
   if (!(x > 0.0))
     return;
-  km_vec3 q = km_vec3_make(&s->q[c]), u = km_vec3_scale(1.0 / km_vec3_norm(q), q);
-  double push = push_of(stop, x, km_vec3_dot(u, km_vec3_make(&s->rate[c])), f);
+  km_vec3 q = km_vec3_from_array(&s->q[c]), u = km_vec3_scale(1.0 / km_vec3_norm(q), q);
+  double push = push_of(stop, x, km_vec3_dot(u, km_vec3_from_array(&s->rate[c])), f);
   f->joint[c] -= push * u.x;
   f->joint[c + 1] -= push * u.y;
   f->joint[c + 2] -= push * u.z;
@@ -284,7 +284,7 @@ static double power_of_loads(const km_mechanism *m, const km_forces *f) {
     const km_model_frame *frame = &m->model->frames[load->frame];
     km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
     km_twist V = f->twist[frame->body];
-    km_vec3 force = km_vec3_make(load->force), torque = km_vec3_make(load->torque);
+    km_vec3 force = km_vec3_from_array(load->force), torque = km_vec3_from_array(load->torque);
     if (load->turning) {
       force = km_rotate(&X.R, force);
       torque = km_rotate(&X.R, torque);

@@ -128,7 +128,7 @@ static double *write_coordinates(const km_history_writer *w, double *out) {
   km_state *s = w->state;
   for (int b = 0; b < m->ball_count; ++b) { /* the vector nearest to the last row's */
     double *q = &s->q[m->ball_coordinate[b]];
-    km_vec3 v = km_quaternion_log_near(s->ball[b], km_vec3_make(q));
+    km_vec3 v = km_quaternion_log_near(s->ball[b], km_vec3_from_array(q));
     q[0] = v.x;
     q[1] = v.y;
     q[2] = v.z;

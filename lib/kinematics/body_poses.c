@@ -17,7 +17,7 @@ static inline __attribute__((always_inline)) void apply_motion(const km_mechanis
   case KM_HELICAL:
     X->p = km_vec3_axpy(sign * (pitch * value), X->R.axis[motion.axis], X->p); /* fall through */
   case KM_REVOLUTE:
-    X->R = km_rotation_turn(&X->R, motion.axis, cos(value), sign * sin(value));
+    X->R = km_rotation_about_axis(&X->R, motion.axis, cos(value), sign * sin(value));
     break;
   case KM_BALL: {
     km_quaternion q = s->ball[m->ball_of[coordinate]];

@@ -43,8 +43,8 @@ static double planar_bracket_product(const km_twist *a, const km_twist *b, const
 /* λᵀ[a, b] of spatial twists, with the bracket taken at the loop's point. */
 static double spatial_bracket_product(const km_twist *a, const km_twist *b, km_vec3 point, const double wrench[6]) {
   km_twist c = km_twist_bracket(*a, *b);
-  return km_vec3_dot(km_vec3_make(wrench), km_vec3_add(c.v, km_vec3_cross(c.w, point))) +
-         km_vec3_dot(km_vec3_make(wrench + 3), c.w);
+  return km_vec3_dot(km_vec3_from_array(wrench), km_vec3_add(c.v, km_vec3_cross(c.w, point))) +
+         km_vec3_dot(km_vec3_from_array(wrench + 3), c.w);
 }
 
 /* Hessian entries of one loop, in the order of km_loops_hessian_entries. Returns their number. */

@@ -29,7 +29,7 @@ km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_p
       status = km_fail(error, KM_USAGE, "a pose of %g and %g; expected finite numbers", p[k], turn[k]);
   if (status)
     return status;
-  const km_pose pose = {km_quaternion_rotation(km_quaternion_exp(km_vec3_make(turn))), km_vec3_make(p)};
+  const km_pose pose = {km_quaternion_rotation(km_quaternion_exp(km_vec3_from_array(turn))), km_vec3_from_array(p)};
   km_pose_write(&pose, out);
   return KM_OK;
 }

@@ -4,7 +4,7 @@
 #include <math.h>
 
 double km_state_ball_excess(const km_mechanism *m, int c, const double *q) {
-  return m->max_ball_angle[c] < HUGE_VAL ? km_vec3_norm(km_vec3_make(q)) - m->max_ball_angle[c] : -HUGE_VAL;
+  return m->max_ball_angle[c] < HUGE_VAL ? km_vec3_norm(km_vec3_from_array(q)) - m->max_ball_angle[c] : -HUGE_VAL;
 }
 
 /* Excess of coordinate c, with its value at q, above (> 0) or below (< 0) its limits; 0 within them and their rounding.

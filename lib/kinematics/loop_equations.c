@@ -57,7 +57,7 @@ static km_vec3 planar_closure_error(const km_loop *loop, const km_planar_pose *s
   place[0] = ax;
   place[1] = ay;
   double cosine, sine, alpha;
-  if (fabs(angle_error) < KM_SERIES_TURN) {
+  if (fabs(angle_error) < KM_SERIES_ANGLE) {
     double t2 = angle_error * angle_error, t4 = t2 * t2;
     cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
     sine = angle_error * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));

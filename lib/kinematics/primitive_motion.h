@@ -26,14 +26,14 @@ static inline km_pose km_motion_step(km_motion motion, double sign, double pitch
   case KM_REVOLUTE:
     h[0] = km_twist_revolute(km_vec3_scale(sign, axis), X.p);
     km_sincos(value, &sine, &cosine);
-    X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
+    X.R = km_rotation_about_axis(&X.R, motion.axis, cosine, sine);
     break;
   case KM_HELICAL:
     h[0] = km_twist_revolute(km_vec3_scale(sign, axis), X.p);
     h[0].v = km_vec3_axpy(sign * pitch, axis, h[0].v);
     X.p = km_vec3_axpy(value * pitch, axis, X.p);
     km_sincos(value, &sine, &cosine);
-    X.R = km_rotation_turn(&X.R, motion.axis, cosine, sine);
+    X.R = km_rotation_about_axis(&X.R, motion.axis, cosine, sine);
     break;
   case KM_BALL: {
     /* Rates are about the axes of the joint's parent frame: the frame before the rotation, or after it if the joint is

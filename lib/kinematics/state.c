@@ -255,7 +255,7 @@ static km_quaternion rotated_quaternion(const km_state *s, int ball, km_vec3 tur
 /* Sets the rotation vector of a ball joint from its quaternion, q = log(quaternion), nearest to the last one. */
 static void update_ball_coordinates(const km_mechanism *m, km_state *s, int ball) {
   int c = m->ball_coordinate[ball];
-  km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_make(&s->q[c]));
+  km_vec3 v = km_quaternion_log_near(s->ball[ball], km_vec3_from_array(&s->q[c]));
   s->q[c] = v.x;
   s->q[c + 1] = v.y;
   s->q[c + 2] = v.z;
@@ -281,7 +281,7 @@ static inline void add_step(const km_mechanism *m, km_state *s, const km_substru
       continue;
     }
     if (!s->locked[c]) { /* a zero rotation would still change the rounding */
-      s->ball[ball] = rotated_quaternion(s, ball, km_vec3_make(step + k));
+      s->ball[ball] = rotated_quaternion(s, ball, km_vec3_from_array(step + k));
       if (updates_ball_coordinates)
         update_ball_coordinates(m, s, ball);
     }
@@ -300,7 +300,7 @@ void km_state_move_temporarily(const km_mechanism *m, km_state *s, const km_subs
 void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
   memmove(s->q, q, (size_t)m->coordinate_count * sizeof *q);
   for (int b = 0; b < m->ball_count; ++b)
-    s->ball[b] = km_quaternion_exp(km_vec3_make(&s->q[m->ball_coordinate[b]]));
+    s->ball[b] = km_quaternion_exp(km_vec3_from_array(&s->q[m->ball_coordinate[b]]));
 }
 
 void km_state_lock(km_state *s, int coordinate) {

@@ -113,7 +113,7 @@ static void load(km_partition *p, const double *matrix) {
 /* km_register_factor for any size. */
 static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
   load(p, matrix);
-  p->scale = km_largest_size(matrix, p->rows * p->columns);
+  p->scale = km_max_magnitude(matrix, p->rows * p->columns);
   const int64_t magnitude = KM_MAGNITUDE;
   memset(p->work, 0, (size_t)p->stride * sizeof *p->work);
   for (int r = 0; r < p->rows; ++r)

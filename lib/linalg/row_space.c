@@ -81,7 +81,7 @@ static km_sparse_qr *null_of(const km_partition *p, const double *weight, int co
   km_error error;
   int entries;
   double *work = KM_NEW(double, (size_t)p->columns + 1), rows = km_sparse_gram_cost(p);
-  bool known = !p->sparse->by_rows && !p->unrestricted_basis;
+  bool known = !p->sparse->has_rows_only && !p->unrestricted_basis;
   if (work && known && crowd_of_null(p, count, rows, &entries) < rows && km_sparse_current_max_b(p) <= km_max_good_b &&
       !km_sparse_qr_create(p->columns, count, entries, &q, &error))
     for (int k = 0; k < count; ++k)

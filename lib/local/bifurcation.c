@@ -48,7 +48,7 @@ static int find_in_many(km_tangents *f, double *directions) {
 /* Are all rows independent, so that no motions meet at the pose? Its pivots are searched then. */
 static bool is_regular(const km_mechanism *m, km_state *s, int index) {
   km_second_order conditions;
-  return km_second_order_count_tangents(m, s, index, &conditions) && !conditions.redundant;
+  return km_second_order_count_tangents(m, s, index, &conditions) && !conditions.has_redundant_rows;
 }
 
 /* Does the mechanism shake at the pose as it does all along its motion? That isn't a branch point. */

@@ -208,7 +208,7 @@ bool km_tangents_have_dropped(km_tangents *f) {
   double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
   ask_for_rows(f, true);
   km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
-  bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom + f->conditions.idle;
+  bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom + f->conditions.passive_count;
   ask_for_all(f);
   km_partition_unstash(f->s, f->index);
   km_state_invalidate_pivots(f->s, f->index);

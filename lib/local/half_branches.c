@@ -158,7 +158,7 @@ static void take_shares(const km_tangents *f, const double *y, double *a) {
 }
 
 static double *pose_of(const km_half_branches *out, const km_tangents *f, int i) {
-  return out->pose + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns;
+  return out->saved + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns;
 }
 
 /* True if the state is at no half-branch that is listed. */
@@ -268,7 +268,7 @@ static void release(sphere *p) {
 bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
   size_t n = (size_t)f->sub->columns, k = (size_t)f->conditions.freedom;
   *out = (km_half_branches){.length = radius};
-  out->pose = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
+  out->saved = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
   out->shares = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *k);
   sphere p = {.f = f};
   bool made = reserve(&p);

@@ -12,7 +12,7 @@ typedef struct km_half_branches {
   int count;
   bool truncated; /* there are more than these */
   double length;  /* |D (q - q0)| of the configurations */
-  double *pose;   /* [KM_MAX_HALF_BRANCHES × 3 · columns] saved */
+  double *saved;  /* [KM_MAX_HALF_BRANCHES × 3 · columns] saved */
   double *shares; /* [KM_MAX_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
 } km_half_branches;
 

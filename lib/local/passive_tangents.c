@@ -77,7 +77,7 @@ int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *idle, 
   for (int i = 0; i < l.count && directions; ++i)
     km_tangents_direction(f, l.V + (size_t)i * (size_t)l.freedom, directions + (size_t)i * (size_t)f->sub->columns);
   f->arena->failed = f->arena->failed || arena.failed || !km_tangents_remove(f, l.V, l.count);
-  f->conditions.idle = l.count;
+  f->conditions.passive_count = l.count;
   km_arena_free(&arena);
   return l.count;
 }

@@ -21,9 +21,9 @@ bool km_tangents_are_many(const km_tangents *f) {
 bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *f) {
   int starts = MOST_WORK / f->sub->columns;
   *many = (km_sampled_tangents){.f = f,
-                                .most_starts = starts > LEAST_STARTS ? starts : LEAST_STARTS,
+                                .max_starts = starts > LEAST_STARTS ? starts : LEAST_STARTS,
                                 .x = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns),
-                                .part = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
+                                .projection = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
   return !f->arena->failed;
 }
 
@@ -56,7 +56,7 @@ double km_tangent_project(const km_mechanism *m, km_state *s, int index, double 
 static bool project(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
   return_to_pose(f);
-  double length = km_tangent_project(f->m, f->s, f->index, many->x, many->part);
+  double length = km_tangent_project(f->m, f->s, f->index, many->x, many->projection);
   return isfinite(length) && length > 0.0;
 }
 
@@ -71,9 +71,9 @@ bool km_sampled_tangents_draw(km_sampled_tangents *many) {
 static bool need_conditions(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
   km_error error;
-  if (many->built)
+  if (many->has_conditions)
     return many->conditions.q != NULL;
-  many->built = true;
+  many->has_conditions = true;
   km_status status = km_second_order_columns_create(f->m, f->s, f->index, f->conditions.tolerance, f->arena,
                                                     &many->conditions, &error);
   f->arena->failed = f->arena->failed || status == KM_MEMORY;
@@ -82,8 +82,8 @@ static bool need_conditions(km_sampled_tangents *many) {
 
 /* Shows the second order, before a single step, that the direction isn't real? Where following takes longer than that. */
 static bool is_refuted(km_sampled_tangents *many) {
-  return many->f->conditions.redundant && many->f->conditions.freedom > KM_MANY_VECTORS && need_conditions(many) &&
-         km_second_order_columns_refutes(&many->conditions, many->x);
+  return many->f->conditions.has_redundant_rows && many->f->conditions.freedom > KM_MANY_VECTORS &&
+         need_conditions(many) && km_second_order_columns_refutes(&many->conditions, many->x);
 }
 
 bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
@@ -98,7 +98,7 @@ bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
 }
 
 bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
-  int trials = many->f->conditions.redundant ? TRIALS : 1; /* where nothing is redundant all are real anyway */
+  int trials = many->f->conditions.has_redundant_rows ? TRIALS : 1; /* where nothing is redundant all are real anyway */
   *length = HUGE_VAL;
   for (int trial = 0; trial < trials; ++trial) {
     if (!km_sampled_tangents_draw(many) || is_refuted(many))
@@ -106,7 +106,7 @@ bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
     km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
     if (found.verdict < many->f->min_verdict)
       return false;
-    if (many->f->conditions.redundant &&
+    if (many->f->conditions.has_redundant_rows &&
         (!km_tangents_secant_agrees(many->f, many->x) || km_tangents_have_dropped(many->f)))
       return false;
     *length = fmin(*length, found.length);
@@ -125,7 +125,7 @@ static bool begin(km_sampled_tangents *many) {
 }
 
 bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length) {
-  while (many->starts < many->most_starts) {
+  while (many->starts < many->max_starts) {
     if (!begin(many) || !need_conditions(many) || !km_second_order_columns_solve(&many->conditions, many->x))
       continue;
     km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);

@@ -9,9 +9,9 @@
 typedef struct km_sampled_tangents {
   km_tangents *f;                     /* the pose, and following directions from it */
   km_second_order_columns conditions; /* where `built` */
-  bool built;
-  int starts, most_starts; /* directions that were sought, and how many may be */
-  double *x, *part;        /* [columns] the direction found last, unit and scaled; workspace */
+  bool has_conditions;
+  int starts, max_starts; /* directions that were sought, and how many may be */
+  double *x, *projection; /* [columns] the direction found last, unit and scaled; workspace */
 } km_sampled_tangents;
 
 /* Takes out of the scaled step x what the loops don't allow to first order, and gives the rest length 1; returns the length that

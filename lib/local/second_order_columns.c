@@ -19,7 +19,7 @@ static bool list_rows(km_second_order_columns *c, const bool *locked, km_arena *
   const km_pattern *pattern = &sub->pattern;
   c->row_start = KM_ARENA_NEW(arena, int, (size_t)sub->rows + 2);
   c->column = KM_ARENA_NEW(arena, int, pattern->size);
-  c->at = KM_ARENA_NEW(arena, int, pattern->size);
+  c->value_index = KM_ARENA_NEW(arena, int, pattern->size);
   if (arena->failed)
     return false;
   /* The first pass counts, the second one places: row_start[r + 1] is then the next place of row r. */
@@ -34,7 +34,7 @@ static bool list_rows(km_second_order_columns *c, const bool *locked, km_arena *
           continue;
         }
         c->column[c->row_start[row + 1]] = k;
-        c->at[c->row_start[row + 1]++] = i;
+        c->value_index[c->row_start[row + 1]++] = i;
       }
     }
     for (int r = 0; r < sub->rows && pass == 0; ++r)
@@ -54,7 +54,7 @@ static bool find_left(km_second_order_columns *c, double tolerance, km_arena *sc
   if (scratch->failed || !km_partition_reserve_sparse(&p, c->sub->columns, rows, c->row_start, c->column, scratch))
     return false;
   for (int i = 0; i < entries; ++i)
-    values[i] = c->J[c->at[i]];
+    values[i] = c->J[c->value_index[i]];
   p.unrestricted_basis = true;
   km_partition_factor(&p, values, c->sub->columns, rows, NULL, tolerance);
   c->rank = p.rank;
@@ -113,7 +113,7 @@ static bool list_columns(km_second_order_columns *c, km_arena *scratch, km_arena
 
 static bool reserve(km_second_order_columns *c, km_arena *arena) {
   size_t rows = (size_t)c->sub->rows, columns = (size_t)c->sub->columns, count = (size_t)c->conditions;
-  c->slopes = KM_ARENA_NEW(arena, double, c->sub->pattern.size);
+  c->gamma_derivatives = KM_ARENA_NEW(arena, double, c->sub->pattern.size);
   c->gamma = KM_ARENA_NEW(arena, double, rows);
   c->rate = KM_ARENA_NEW(arena, double, (size_t)c->m->coordinate_count);
   c->value = KM_ARENA_NEW(arena, double, count);
@@ -159,14 +159,14 @@ static double evaluate(km_second_order_columns *c, const double *x) {
     c->rate[coordinate] = c->m->unit[coordinate] * x[k];
   }
   km_loops_velocity_products(c->m, c->s, sub, c->rate, c->gamma);
-  km_loops_velocity_slopes(c->m, c->s, sub, c->rate, c->slopes);
+  km_loops_velocity_slopes(c->m, c->s, sub, c->rate, c->gamma_derivatives);
   for (int k = 0; k < c->conditions; ++k) {
     double value = 0.0, square = 0.0;
     for (int i = c->w_start[k]; i < c->w_start[k + 1]; ++i) {
       int row = c->w_row[i];
       value += c->w[i] * c->gamma[row];
       for (int n = c->row_start[row]; n < c->row_start[row + 1]; ++n)
-        c->sum[c->column[n]] += c->w[i] * c->slopes[c->at[n]];
+        c->sum[c->column[n]] += c->w[i] * c->gamma_derivatives[c->value_index[n]];
     }
     c->value[k] = value;
     for (int i = c->g_start[k]; i < c->g_start[k + 1]; ++i) {
@@ -197,7 +197,7 @@ static void fill(const km_second_order_columns *c, double damping, const double 
   for (int k = 0; k < c->rank; ++k) {
     for (int i = c->row_start[c->primary[k]]; i < c->row_start[c->primary[k] + 1]; ++i) {
       out.row[next] = c->column[i];
-      out.value[next++] = c->J[c->at[i]] / weight[c->column[i]];
+      out.value[next++] = c->J[c->value_index[i]] / weight[c->column[i]];
     }
     out.start[k + 1] = next;
   }

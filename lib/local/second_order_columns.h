@@ -16,19 +16,19 @@ typedef struct km_second_order_columns {
   double residual;         /* of the pose */
   int rank, *primary;      /* [rank] rows of J that the others depend on */
   int *row_start, *column; /* [rows + 1] the entries of J by row: their columns, ascending, */
-  int *at;                 /* and where their values are stored */
+  int *value_index;        /* and where their values are stored */
   int conditions;
-  int *w_start, *w_row;    /* of each condition: the rows in which it has entries, */
-  double *w;               /* and these */
-  int *g_start, *g_column; /* the columns that it depends on, ascending */
-  double *J;               /* [pattern.size] at the pose */
-  double *slopes;          /* [pattern.size] ∂γ/∂x */
-  double *gamma;           /* [rows] */
-  double *rate;            /* [coordinate] */
-  double *value, *g;       /* of each condition; its derivatives, by g_start */
-  double *sum;             /* [columns] 0 between conditions */
-  double *b, *z;           /* of a step */
-  double size;             /* of what the conditions are compared with */
+  int *w_start, *w_row;      /* of each condition: the rows in which it has entries, */
+  double *w;                 /* and these */
+  int *g_start, *g_column;   /* the columns that it depends on, ascending */
+  double *J;                 /* [pattern.size] at the pose */
+  double *gamma_derivatives; /* [pattern.size] ∂γ/∂x */
+  double *gamma;             /* [rows] */
+  double *rate;              /* [coordinate] */
+  double *value, *g;         /* of each condition; its derivatives, by g_start */
+  double *sum;               /* [columns] 0 between conditions */
+  double *b, *z;             /* of a step */
+  double size;               /* of what the conditions are compared with */
   km_sparse_qr *q;
 } km_second_order_columns;
 

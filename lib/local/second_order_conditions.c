@@ -67,7 +67,7 @@ bool km_second_order_count_tangents(const km_mechanism *m, km_state *s, int inde
   const km_partition *p = &s->partition[index];
   *out = (km_second_order){.columns = sub->columns,
                            .freedom = km_partition_freedom(p),
-                           .redundant = p->rank < sub->rows,
+                           .has_redundant_rows = p->rank < sub->rows,
                            .tolerance = tolerance,
                            .noise = fmax(1e-7, 100.0 * residual)};
   return !p->failed;
@@ -201,8 +201,8 @@ bool km_second_order_build_all(const km_mechanism *m, km_state *s, int index, km
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
-  out->built = true;
-  if (!out->redundant)
+  out->is_built = true;
+  if (!out->has_redundant_rows)
     return true;
   double *x = KM_ARENA_NEW(arena, double, n *k), *J = KM_ARENA_NEW(arena, double, n *rows);
   double *rate = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
@@ -220,7 +220,7 @@ bool km_second_order_build_all(const km_mechanism *m, km_state *s, int index, km
     x[i] = out->Z[i] / weight[i % n];
   fill_conditions(m, s, sub, out->W, x, rate, gamma, out);
   out->size = largest_entry(out);
-  out->definite = any_definite(out, work);
+  out->has_definite = any_definite(out, work);
   return true;
 }
 
@@ -260,8 +260,8 @@ bool km_second_order_restrict(const km_second_order *c, const double *shares, in
   *out = (km_second_order){.columns = c->columns,
                            .freedom = count,
                            .conditions = c->conditions,
-                           .redundant = c->redundant,
-                           .built = true,
+                           .has_redundant_rows = c->has_redundant_rows,
+                           .is_built = true,
                            .tolerance = c->tolerance,
                            .noise = c->noise};
   double *part = KM_ARENA_NEW(arena, double, (size_t)(count * k));
@@ -286,7 +286,7 @@ bool km_second_order_restrict(const km_second_order *c, const double *shares, in
   if (arena->failed)
     return false;
   out->size = largest_entry(out);
-  out->definite = any_definite(out, work);
+  out->has_definite = any_definite(out, work);
   return true;
 }
 
@@ -327,7 +327,7 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
   if (!km_second_order_is_significant(c))
     return true;
-  if (c->definite)
+  if (c->has_definite)
     return false;
   for (int pass = 0; pass < 60; ++pass) {
     double worst = 0.0, norm = 0.0;

@@ -17,16 +17,16 @@ static inline bool km_is_same_tangent(double cosine) {
  * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
 typedef struct km_second_order {
   int columns, freedom, conditions;
-  int idle;       /* freedoms that were taken out of Z, and don't count in `freedom` */
-  bool redundant; /* some constraint is: then conditions may stand between a tangent and a motion */
-  bool built;     /* Q is */
+  int passive_count;       /* freedoms that were taken out of Z, and don't count in `freedom` */
+  bool has_redundant_rows; /* some constraint is: then conditions may stand between a tangent and a motion */
+  bool is_built;           /* Q is */
   double tolerance;
-  double *Z;     /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
-  double *Q;     /* [conditions × freedom × freedom] symmetric */
-  double *W;     /* [conditions × rows] the left null vectors, where all conditions are kept */
-  double size;   /* largest entry of Q: what a condition is compared with */
-  double noise;  /* what the pose's misfit may have made of 0: Q below it says nothing */
-  bool definite; /* some Q_i is: then no direction meets its condition */
+  double *Z;         /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
+  double *Q;         /* [conditions × freedom × freedom] symmetric */
+  double *W;         /* [conditions × rows] the left null vectors, where all conditions are kept */
+  double size;       /* largest entry of Q: what a condition is compared with */
+  double noise;      /* what the pose's misfit may have made of 0: Q below it says nothing */
+  bool has_definite; /* some Q_i is: then no direction meets its condition */
 } km_second_order;
 
 /* How many tangents the state's (closed) pose has, which stays; no basis of them and no conditions yet. False when out of

@@ -34,7 +34,7 @@ bool km_tangents_create(km_tangents *f, const km_mechanism *m, km_state *s, int 
 bool km_tangents_create_basis(km_tangents *f) {
   size_t k = (size_t)f->conditions.freedom;
   f->a = KM_ARENA_NEW(f->arena, double, k);
-  f->tried = KM_ARENA_NEW(f->arena, double, k);
+  f->previous = KM_ARENA_NEW(f->arena, double, k);
   f->length = KM_ARENA_NEW(f->arena, double, k);
   f->work = KM_ARENA_NEW(f->arena, double, 4 * k * k + 8 * k);
   if (f->arena->failed)
@@ -136,7 +136,7 @@ bool km_tangents_are_regular(km_tangents *f) {
 }
 
 bool km_tangents_update_conditions(km_tangents *f) {
-  if (f->conditions.built)
+  if (f->conditions.is_built)
     return !f->arena->failed;
   km_state_restore(f->s, f->sub, f->origin);
   return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
@@ -201,12 +201,12 @@ static km_followed_tangent settle(km_tangents *f) {
     found = km_tangents_follow_both_senses(f, f->direction);
     if (found.verdict < f->min_verdict)
       return found;
-    memcpy(f->tried, f->a, (size_t)k * sizeof *f->a);
+    memcpy(f->previous, f->a, (size_t)k * sizeof *f->a);
     take_secant(f, f->a);
-    if (!km_second_order_solve(&f->conditions, f->a, f->work) || are_same(k, f->a, f->tried))
+    if (!km_second_order_solve(&f->conditions, f->a, f->work) || are_same(k, f->a, f->previous))
       break;
   }
-  memcpy(f->a, f->tried, (size_t)k * sizeof *f->a);
+  memcpy(f->a, f->previous, (size_t)k * sizeof *f->a);
   return found;
 }
 

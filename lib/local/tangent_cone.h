@@ -37,7 +37,7 @@ typedef struct km_tangents {
   double *x, *move, *work;
   double *direction; /* of the tangent that is tried */
   double *a;         /* [freedom] a tangent by its share of each column of Z */
-  double *tried;     /* [freedom] by km_tangents_find_next, before what was followed took its place */
+  double *previous;  /* [freedom] by km_tangents_find_next, before what was followed took its place */
   double *length;    /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
   int starts;        /* by km_tangents_find_next */
   uint64_t random;

@@ -31,13 +31,13 @@ typedef struct pull {
 } pull;
 
 static km_vec3 place_of(const pull *p) {
-  return km_pose_point(&p->h->state->pose[p->grip->body], km_vec3_make(p->grip->point));
+  return km_pose_point(&p->h->state->pose[p->grip->body], km_vec3_from_array(p->grip->point));
 }
 
 /* What is left over L, and its length. */
 static double look(pull *p) {
-  km_vec3 e = km_vec3_scale(1.0 / p->length, km_vec3_sub(km_vec3_make(p->grip->target), place_of(p)));
-  km_vec3 normal = km_vec3_make(p->grip->normal);
+  km_vec3 e = km_vec3_scale(1.0 / p->length, km_vec3_sub(km_vec3_from_array(p->grip->target), place_of(p)));
+  km_vec3 normal = km_vec3_from_array(p->grip->normal);
   e = km_vec3_axpy(-km_vec3_dot(e, normal), normal, e);
   memcpy(p->e, (const double[]){e.x, e.y, e.z}, sizeof p->e);
   return km_vec3_norm(e);
@@ -47,7 +47,7 @@ static double look(pull *p) {
 static void find_ways(pull *p) {
   km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
-  km_vec3 at = place_of(p), normal = km_vec3_make(p->grip->normal);
+  km_vec3 at = place_of(p), normal = km_vec3_from_array(p->grip->normal);
   memset(h->column, 0, (size_t)m->coordinate_count * sizeof *h->column);
   memset(h->on_way, 0, (size_t)m->topology.substructure_count * sizeof *h->on_way);
   h->way_count = 0;
@@ -143,7 +143,7 @@ static void columns_of(pull *p, int index) {
 
 /* x of (A Aᵀ + ε) x = e, by Cholesky's way in three dimensions. */
 static void solve(const pull *p, double x[3]) {
-  double e = fmin(1.0, km_vec3_norm(km_vec3_make(p->e)) / far), epsilon = fmax(damping * e * e, least_damping);
+  double e = fmin(1.0, km_vec3_norm(km_vec3_from_array(p->e)) / far), epsilon = fmax(damping * e * e, least_damping);
   double G[3][3] = {{epsilon, 0, 0}, {0, epsilon, 0}, {0, 0, epsilon}}, y[3];
   for (int k = 0; k < p->freedoms; ++k)
     for (int i = 0; i < 3; ++i)
@@ -236,7 +236,7 @@ static double room_to_limits(const km_manipulation *h) {
 
 /* A ball's angle is limited as a whole: how far it is turned. */
 static double turned(const double *q) {
-  return km_vec3_norm(km_vec3_make(q));
+  return km_vec3_norm(km_vec3_from_array(q));
 }
 
 /* Is a coordinate further outside its limits than before? Then it is the one that blocks; a ball only stops the hand. */
@@ -309,7 +309,7 @@ static void go_tree(const pull *p, double part) {
         h->state->q[first] += part * h->z[first] / m->scale[first];
         continue;
       }
-      km_state_rotate_ball(m, h->state, m->ball_of[first], km_vec3_scale(part, km_vec3_make(&h->z[first])));
+      km_state_rotate_ball(m, h->state, m->ball_of[first], km_vec3_scale(part, km_vec3_from_array(&h->z[first])));
       first += 2;
     }
 }

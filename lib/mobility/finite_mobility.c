@@ -32,9 +32,9 @@ static int common_span(km_tangents *f, double *basis) {
       km_tangents_normalise(f->a, k);
       together = km_tangents_is_finite(f, f->a);
     }
-    memcpy(f->tried, basis + (size_t)found * (size_t)k, (size_t)k * sizeof *basis);
-    found += together &&
-             km_tangents_append_orthonormal(basis, found, k, f->tried); /* what the others span already adds nothing */
+    memcpy(f->previous, basis + (size_t)found * (size_t)k, (size_t)k * sizeof *basis);
+    found += together && km_tangents_append_orthonormal(basis, found, k,
+                                                        f->previous); /* what the others span already adds nothing */
   }
   return found;
 }
@@ -195,8 +195,8 @@ static void add_space(branch_spaces *spaces, km_tangents *f, km_arena *arena) {
   km_state_move(f->m, f->s, f->sub, f->chord);
   bool closed = km_close_fully(km_loops_close, f->m, f->s, f->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
   const km_partition *p = &f->s->partition[f->index];
-  int freedom = km_partition_freedom(p) - f->conditions.idle;
-  if (!closed || spaces->count == MOST_SPACES || freedom < 2 || freedom >= k || f->conditions.idle > 0)
+  int freedom = km_partition_freedom(p) - f->conditions.passive_count;
+  if (!closed || spaces->count == MOST_SPACES || freedom < 2 || freedom >= k || f->conditions.passive_count > 0)
     return;
   double *Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)n);
   double *share = KM_ARENA_NEW(arena, double, (size_t)k), *V = space_of(spaces, spaces->count);
@@ -231,7 +231,7 @@ static int find_branches(km_tangents *f, const km_passive_freedoms *idle, int mo
       km_arena scratch = {0};
       bool doubtful = false;
       km_state_restore(f->s, f->sub, f->end_ahead);
-      int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.idle;
+      int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.passive_count;
       km_arena_free(&scratch);
       dimension = smaller(dimension, most_here);
       f->undecided_dimension = doubtful && most_here > f->undecided_dimension ? most_here : f->undecided_dimension;
@@ -253,7 +253,7 @@ static int least_dimension_here(const km_mechanism *m, km_state *s, int index) {
   double length;
   int dimension = 1;
   if (km_tangents_create(&f, m, s, index, &arena) && km_sampled_tangents_create(&many, &f) &&
-      (f.conditions.freedom <= 1 || !f.conditions.redundant || km_sampled_tangents_all_finite(&many, &length)))
+      (f.conditions.freedom <= 1 || !f.conditions.has_redundant_rows || km_sampled_tangents_all_finite(&many, &length)))
     dimension = f.conditions.freedom;
   km_sampled_tangents_free(&many);
   km_arena_free(&arena);
@@ -282,7 +282,7 @@ static int find_in_many(km_tangents *f, km_finite_mobility *out) {
   out->truncated = true;
   if (made && km_sampled_tangents_all_finite(&many, &length)) {
     list_direction(f, many.x, KM_MOTION_REGULAR, length, out);
-  } else if (made && f->conditions.redundant) {
+  } else if (made && f->conditions.has_redundant_rows) {
     bool refuted = !f->has_undecided; /* not all are real: k − 1 is the most that can be */
     mobility = find_some_branches(&many, out);
     out->undecided = out->undecided || !(refuted && mobility == k - 1);
@@ -375,8 +375,8 @@ static int dimension_of_half_branches(km_tangents *f, const km_half_branches *h,
   for (int i = 0; i < h->count; ++i) {
     km_arena scratch = {0};
     bool doubtful = false;
-    km_state_restore(f->s, f->sub, h->pose + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns);
-    int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.idle;
+    km_state_restore(f->s, f->sub, h->saved + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns);
+    int dimension = dimension_here(f->m, f->s, f->index, idle, &scratch, &doubtful) - f->conditions.passive_count;
     km_arena_free(&scratch);
     best = dimension > best ? dimension : best;
   }
@@ -405,7 +405,7 @@ static void find_touching(km_tangents *f, const km_passive_freedoms *idle, int f
 static int find_in_few(km_tangents *f, const km_passive_freedoms *idle, km_arena *arena, km_finite_mobility *out) {
   if (f->conditions.freedom == 0 || !km_tangents_create_basis(f))
     return 0;
-  bool regular = !f->conditions.redundant || km_tangents_all_finite(f);
+  bool regular = !f->conditions.has_redundant_rows || km_tangents_all_finite(f);
   int apart = regular ? 0 : list_idle(f, idle, arena, out);
   regular = regular || f->conditions.freedom == 0 || (apart > 0 && km_tangents_all_finite(f));
   int k = f->conditions.freedom, steady = regular ? -1 : find_steady(f, arena, out);
@@ -438,7 +438,8 @@ static int count_idle(const km_tangents *f, const km_passive_freedoms *idle) {
 
 /* The same of many, for which a basis is tried for this alone. */
 static int find_steady_of_many(km_tangents *f, km_arena *arena, km_finite_mobility *out) {
-  bool tried = f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.redundant && km_constant_rank_is_small(f->sub);
+  bool tried =
+      f->conditions.freedom <= KM_MANY_VECTORS && f->conditions.has_redundant_rows && km_constant_rank_is_small(f->sub);
   return tried && km_tangents_create_basis(f) ? find_steady(f, arena, out) : -1;
 }
 

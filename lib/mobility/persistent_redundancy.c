@@ -102,7 +102,7 @@ static bool compare_block(const comparison *c, int first, int count, bool *lasti
     size[k] = square(v, c->a->rows);
     along[k] = along_local(c, v) + (c->span ? 0.0 : along_whole(c, v));
   }
-  if (c->span && !km_sparse_qr_squares(c->span, c->v, count, squares))
+  if (c->span && !km_sparse_qr_projected_squares(c->span, c->v, count, squares))
     return false;
   for (int k = 0; k < count; ++k)
     lasting[first + k] = along[k] + (c->span ? squares[k] : 0.0) > 0.5 * size[k];

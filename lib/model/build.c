@@ -166,7 +166,7 @@ km_status km_model_set(km_builder *b, const km_settings_def *def, km_error *erro
   if (def->source && !source)
     return km_builder_memory(error);
   b->model->units = units;
-  b->model->gravity = km_vec3_make(def->gravity);
+  b->model->gravity = km_vec3_from_array(def->gravity);
   b->model->characteristic_length = def->characteristic_length;
   b->model->closure_tolerance_given = def->closure_tolerance > 0.0;
   b->model->closure_tolerance = def->closure_tolerance > 0.0 ? def->closure_tolerance : 1e-9;
@@ -227,7 +227,7 @@ km_status km_model_add_body(km_builder *b, const km_body_def *def, km_body_id *o
   km_model_body body = {.name = name,
                         .assembly = assembly,
                         .mass = def->mass,
-                        .center_of_mass = km_vec3_make(def->center_of_mass),
+                        .center_of_mass = km_vec3_from_array(def->center_of_mass),
                         .density = def->density,
                         .mesh = km_arena_string(&b->model->arena, def->mesh),
                         .where = name};
@@ -250,7 +250,7 @@ km_status km_model_add_frame(km_builder *b, km_body_id body, const km_frame_def 
     return status;
   if (!km_builder_sane(def->T, 3) || !km_builder_sane(def->R, 9))
     return insane("frame", name, error);
-  km_pose pose = {.p = km_vec3_make(def->T)};
+  km_pose pose = {.p = km_vec3_from_array(def->T)};
   double misfit;
   km_error fault;
   if (km_model_rotation(def->R, &pose.R, &misfit, &fault))

@@ -91,8 +91,8 @@ km_status km_model_add_load(km_builder *b, const km_load_def *def, km_error *err
     return km_builder_memory(error);
   b->model->loads[b->model->load_count++] = (km_applied_load){.name = name,
                                                               .frame = frame,
-                                                              .force = km_vec3_make(def->force),
-                                                              .torque = km_vec3_make(def->torque),
+                                                              .force = km_vec3_from_array(def->force),
+                                                              .torque = km_vec3_from_array(def->torque),
                                                               .turning = def->turning};
   return KM_OK;
 }
@@ -179,7 +179,7 @@ km_status km_model_set_sweep(km_builder *b, const km_sweep_def *def, km_error *e
 /* A port of the model. The name of a point states body, frame and direction. */
 static km_status find_end(km_builder *b, const km_end_def *def, km_model_port *out, km_error *error) {
   static const char who[] = "a mechanical advantage";
-  *out = (km_model_port){-1, -1, km_vec3_make(def->direction), NULL};
+  *out = (km_model_port){-1, -1, km_vec3_from_array(def->direction), NULL};
   if (def->coordinate.joint.value) {
     out->direction = (km_vec3){0, 0, 0};
     return km_builder_coordinate(b, def->coordinate, who, &out->coordinate, error) ? KM_OK : KM_MODEL;

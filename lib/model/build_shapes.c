@@ -43,7 +43,7 @@ km_status km_model_add_shape(km_builder *b, km_body_id body, const km_shape_def 
         "a shape of body \"%.80s\": expected a kind with sizes greater than 0 (of a mesh a file and a scale), "
         "and a density greater than 0 or none",
         name);
-  km_pose pose = {.p = km_vec3_make(def->T)};
+  km_pose pose = {.p = km_vec3_from_array(def->T)};
   if (km_model_rotation(def->R, &pose.R, &misfit, &fault))
     return km_fail(error, KM_MODEL, "a shape of body \"%.80s\": %s", name, fault.text);
   const char *mesh = km_arena_string(&m->arena, def->kind == KM_SHAPE_OF_MESH ? def->mesh : NULL);

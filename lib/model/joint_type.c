@@ -65,10 +65,10 @@ km_pose km_motion_pose(km_motion motion, double pitch, const double *value) {
   case KM_HELICAL:
     x.p = along(motion.axis, pitch * value[0]); /* fall through */
   case KM_REVOLUTE:
-    x.R = km_rotation_turn(&x.R, motion.axis, cos(value[0]), sin(value[0]));
+    x.R = km_rotation_about_axis(&x.R, motion.axis, cos(value[0]), sin(value[0]));
     break;
   case KM_BALL:
-    x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value)));
+    x.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_from_array(value)));
     break;
   }
   return x;

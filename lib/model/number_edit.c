@@ -52,7 +52,7 @@ km_status km_model_set_frame(km_model *m, int frame, const double T[3], const do
     status = km_model_keep_unedited(m, error);
   if (status)
     return status;
-  m->frames[frame].pose = (km_pose){rotation, km_vec3_make(T)};
+  m->frames[frame].pose = (km_pose){rotation, km_vec3_from_array(T)};
   m->rotation_misfit = fmax(m->rotation_misfit, misfit);
   return KM_OK;
 }
@@ -103,7 +103,7 @@ km_status km_model_set_mass(km_model *m, int body, double mass, const double cen
   km_model_body *to = &m->bodies[body];
   to->mass = mass;
   if (center_of_mass)
-    to->center_of_mass = km_vec3_make(center_of_mass);
+    to->center_of_mass = km_vec3_from_array(center_of_mass);
   if (inertia)
     memcpy(to->inertia, inertia, sizeof to->inertia);
   return KM_OK;
@@ -118,8 +118,8 @@ km_status km_model_set_load(km_model *m, int load, const double force[3], const 
   if (status)
     return status;
   if (force)
-    m->loads[load].force = km_vec3_make(force);
+    m->loads[load].force = km_vec3_from_array(force);
   if (torque)
-    m->loads[load].torque = km_vec3_make(torque);
+    m->loads[load].torque = km_vec3_from_array(torque);
   return KM_OK;
 }

@@ -34,13 +34,13 @@ static inline km_symmetric km_symmetric_axpy(double s, km_symmetric a, km_symmet
 }
 
 /* a bᵀ + b aᵀ */
-static inline km_symmetric km_symmetric_pair(km_vec3 a, km_vec3 b) {
+static inline km_symmetric km_symmetric_product(km_vec3 a, km_vec3 b) {
   return (km_symmetric){2.0 * a.x * b.x,       2.0 * a.y * b.y,       2.0 * a.z * b.z,
                         a.x * b.y + a.y * b.x, a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z};
 }
 
 /* R S Rᵀ */
-static inline km_symmetric km_symmetric_turned(const km_rotation *R, const km_symmetric *S) {
+static inline km_symmetric km_symmetric_rotated(const km_rotation *R, const km_symmetric *S) {
   const km_vec3 *a = R->axis;
   /* T = R S by columns; then T Rᵀ. */
   km_vec3 t0 = km_vec3_axpy(S->xx, a[0], km_vec3_axpy(S->xy, a[1], km_vec3_scale(S->zx, a[2])));
@@ -57,10 +57,10 @@ static inline km_inertia km_inertia_add(km_inertia a, km_inertia b) {
 
 /* The same inertia, given in a child frame X, in the parent frame: mc' = R mc + m p,
  * I' = R I Rᵀ + 2 (p·u) 1 − (p uᵀ + u pᵀ), u = R mc + m p / 2. */
-static inline km_inertia km_inertia_move(const km_pose *X, const km_inertia *a) {
+static inline km_inertia km_inertia_transform(const km_pose *X, const km_inertia *a) {
   km_vec3 s = km_rotate(&X->R, a->mc), u = km_vec3_axpy(0.5 * a->m, X->p, s);
   double trace = 2.0 * km_vec3_dot(X->p, u);
-  km_symmetric turned = km_symmetric_turned(&X->R, &a->I), pair = km_symmetric_pair(X->p, u);
+  km_symmetric turned = km_symmetric_rotated(&X->R, &a->I), pair = km_symmetric_product(X->p, u);
   km_symmetric I = km_symmetric_axpy(-1.0, pair, turned);
   I.xx += trace;
   I.yy += trace;
@@ -72,7 +72,7 @@ static inline km_inertia km_inertia_move(const km_pose *X, const km_inertia *a) 
 static inline km_inertia km_inertia_of_body(double mass, km_vec3 c, const double I[6]) {
   km_inertia about = {mass, {0, 0, 0}, {I[0], I[1], I[2], I[3], I[4], I[5]}};
   km_pose X = {km_rotation_identity(), c};
-  return km_inertia_move(&X, &about);
+  return km_inertia_transform(&X, &about);
 }
 
 /* The momentum of a twist, or the force of a spatial acceleration. */
@@ -114,9 +114,9 @@ static inline void km_articulated_add(km_articulated *a, const km_articulated *b
 }
 
 /* a += s u uᵀ */
-static inline void km_articulated_add_square(km_articulated *a, double s, km_wrench u) {
-  a->M = km_symmetric_axpy(0.5 * s, km_symmetric_pair(u.f, u.f), a->M);
-  a->I = km_symmetric_axpy(0.5 * s, km_symmetric_pair(u.t, u.t), a->I);
+static inline void km_articulated_add_outer_product(km_articulated *a, double s, km_wrench u) {
+  a->M = km_symmetric_axpy(0.5 * s, km_symmetric_product(u.f, u.f), a->M);
+  a->I = km_symmetric_axpy(0.5 * s, km_symmetric_product(u.t, u.t), a->I);
   const double f[3] = {s * u.f.x, s * u.f.y, s * u.f.z}, t[3] = {u.t.x, u.t.y, u.t.z};
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c)
@@ -124,7 +124,7 @@ static inline void km_articulated_add_square(km_articulated *a, double s, km_wre
 }
 
 /* V ×* w: the rate of a wrench that moves with V. */
-static inline km_wrench km_wrench_carried(km_twist V, km_wrench w) {
+static inline km_wrench km_wrench_cross(km_twist V, km_wrench w) {
   return (km_wrench){km_vec3_cross(V.w, w.f), km_vec3_add(km_vec3_cross(V.w, w.t), km_vec3_cross(V.v, w.f))};
 }
 

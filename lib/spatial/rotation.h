@@ -44,7 +44,7 @@ static inline km_rotation km_rotation_inverse(const km_rotation *r) {
 }
 
 /* R turned about its own axis k (0, 1, 2): R · rot_k(angle). Twelve multiplies. */
-static inline km_rotation km_rotation_turn(const km_rotation *r, int k, double cosine, double sine) {
+static inline km_rotation km_rotation_about_axis(const km_rotation *r, int k, double cosine, double sine) {
   int i = (k + 1) % 3, j = (k + 2) % 3;
   km_rotation out;
   out.axis[k] = r->axis[k];

@@ -10,7 +10,7 @@
 #define KM_ROUNDING 6755399441055744.0
 
 /* The polynomials are good for angles up to this. */
-#define KM_SINCOS_MOST 1e5
+#define KM_SINCOS_MAX_ANGLE 1e5
 
 static inline uint64_t km_double_bits(double x) {
   uint64_t bits;
@@ -55,7 +55,7 @@ typedef uint64_t km_two_words __attribute__((vector_size(16)));
 
 /* To an ulp or so, of any angle. */
 static inline void km_sincos(double x, double *sine, double *cosine) {
-  if (fabs(x) <= KM_SINCOS_MOST) {
+  if (fabs(x) <= KM_SINCOS_MAX_ANGLE) {
     km_near_sincos(x, sine, cosine);
   } else {
     *sine = sin(x);

@@ -22,7 +22,7 @@ static inline km_twist km_twist_axpy(double s, km_twist a, km_twist b) {
 }
 
 /* Adjoint: the same twist expressed in the parent frame. */
-static inline km_twist km_twist_move(const km_pose *x, km_twist a) {
+static inline km_twist km_twist_transform(const km_pose *x, km_twist a) {
   km_vec3 w = km_rotate(&x->R, a.w);
   return (km_twist){km_vec3_add(km_rotate(&x->R, a.v), km_vec3_cross(x->p, w)), w};
 }
@@ -38,7 +38,7 @@ static inline km_vec3 km_planar_bracket(km_vec3 a, km_vec3 b) {
 }
 
 /* Turns below this have series that are good to 1e-16. */
-#define KM_SERIES_TURN 1e-3
+#define KM_SERIES_ANGLE 1e-3
 
 /* log of a displacement: the constant twist that produces it in unit time. The loops that are being closed have small ones. */
 static inline km_twist km_twist_log(const km_pose *x) {
@@ -46,7 +46,7 @@ static inline km_twist km_twist_log(const km_pose *x) {
   /* sin θ times the unit vector of the turn, from the part of R that changes its sign when R is transposed */
   km_vec3 w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
   double sine2 = km_vec3_dot(w, w), c; /* v = p − ½ ω×p + c ω×(ω×p), c = (1 − (θ/2) cot(θ/2)) / θ² */
-  if (sine2 < KM_SERIES_TURN * KM_SERIES_TURN && a[0].x + a[1].y + a[2].z > 2.0) {
+  if (sine2 < KM_SERIES_ANGLE * KM_SERIES_ANGLE && a[0].x + a[1].y + a[2].z > 2.0) {
     w = km_vec3_scale(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
     c = 1.0 / 12.0 + km_vec3_dot(w, w) * (1.0 / 720.0);
   } else {

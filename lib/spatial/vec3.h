@@ -8,7 +8,7 @@ typedef struct km_vec3 {
   double x, y, z;
 } km_vec3;
 
-static inline km_vec3 km_vec3_make(const double a[3]) {
+static inline km_vec3 km_vec3_from_array(const double a[3]) {
   return (km_vec3){a[0], a[1], a[2]};
 }
 static inline km_vec3 km_vec3_add(km_vec3 a, km_vec3 b) {

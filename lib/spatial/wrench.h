@@ -28,7 +28,7 @@ static inline km_wrench km_wrench_about(km_wrench w, km_vec3 point) {
 }
 
 /* The same wrench in a frame's axes. */
-static inline km_wrench km_wrench_turned_back(const km_rotation *axes, km_wrench w) {
+static inline km_wrench km_wrench_rotate_back(const km_rotation *axes, km_wrench w) {
   return (km_wrench){km_rotate_back(axes, w.f), km_rotate_back(axes, w.t)};
 }
 

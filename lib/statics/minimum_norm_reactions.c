@@ -14,8 +14,8 @@ static km_wrench in_joint(const km_reaction_workspace *c, int j, const double *m
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
   for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
     const double *chord = mu + 6 * c->passing[i].loop, sense = c->passing[i].sense;
-    sum.f = km_vec3_axpy(sense, km_vec3_make(chord), sum.f);
-    sum.t = km_vec3_axpy(sense, km_vec3_make(chord + 3), sum.t);
+    sum.f = km_vec3_axpy(sense, km_vec3_from_array(chord), sum.f);
+    sum.t = km_vec3_axpy(sense, km_vec3_from_array(chord + 3), sum.t);
   }
   sum.f = km_vec3_scale(1.0 / c->size, sum.f);
   return km_wrench_about(sum, c->arm[j]);

@@ -73,7 +73,7 @@ static km_status check_actuators(const km_mechanism *m, const km_port *actuators
   km_status status = actuators ? km_check_list(actuators, count, "actuators", error) : KM_OK;
   for (int i = 0; i < count && actuators && !status; ++i) {
     const km_port *h = &actuators[i];
-    double length = km_vec3_norm(km_vec3_make(h->direction));
+    double length = km_vec3_norm(km_vec3_from_array(h->direction));
     if (h->kind == KM_PORT_JOINT)
       status = km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
     else if (h->kind != KM_PORT_POINT || !h->name || !(fabs(length - 1.0) < 1e-6))

@@ -48,7 +48,7 @@ static int point_column(const km_table *t, const char *name) {
 }
 
 static km_vec3 point_of(const km_table *t, int column, size_t row) {
-  return km_vec3_make(km_table_row(t, row) + column);
+  return km_vec3_from_array(km_table_row(t, row) + column);
 }
 
 static double distance_to_piece(km_vec3 p, km_vec3 a, km_vec3 b) {
@@ -66,7 +66,7 @@ static double distance(const km_design_figure *f, const km_table *t) {
   if (column < 0 || rows == 0)
     return nan("");
   for (int i = 0; i < f->point_count; ++i) {
-    km_vec3 p = km_vec3_make(f->points + 3 * i);
+    km_vec3 p = km_vec3_from_array(f->points + 3 * i);
     double least = km_vec3_norm(km_vec3_sub(p, point_of(t, column, 0)));
     for (size_t r = 1; r < rows; ++r)
       least = fmin(least, distance_to_piece(p, point_of(t, column, r - 1), point_of(t, column, r)));

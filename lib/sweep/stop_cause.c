@@ -84,7 +84,7 @@ static bool find_nets(cause *c) {
   c->joint = KM_ARENA_NEW(&c->arena, net, (size_t)c->m->model->joint_count);
   for (int i = 0; c->joint && i < c->sub->loop_count; ++i) {
     int loop = t->loop[t->loop_start[c->index] + i];
-    km_vec3 force = km_vec3_make(c->w + 6 * i), moment = km_vec3_make(c->w + 6 * i + 3);
+    km_vec3 force = km_vec3_from_array(c->w + 6 * i), moment = km_vec3_from_array(c->w + 6 * i + 3);
     for (int k = t->member_start[loop]; k < t->member_start[loop + 1]; ++k) {
       net *n = &c->joint[t->member[k].joint];
       double sense = km_member_sign(&t->member[k]);

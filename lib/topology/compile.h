@@ -7,7 +7,7 @@
 /* Where walks have been, by body: kept from program to program by a stamp instead of clearing. */
 typedef struct km_compile_workspace {
   int *stamp, *entry_joint, *first_step, *step_count; /* [body] `via`: the joint by which it was reached */
-  km_chain_frame *stand;                              /* [body] */
+  km_chain_frame *body_frame;                         /* [body] */
   km_pose *reference_pose;                            /* [slot] poses of a program's slots when all coordinates are 0 */
   km_twist *twist;                                    /* [entry + 2] twists of one loop */
   int *next_column;                                   /* [substructure] where its next column goes */

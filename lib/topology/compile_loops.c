@@ -20,7 +20,7 @@ bool km_compile_workspace_create(const km_mechanism *m, size_t steps, km_arena *
                               .entry_joint = KM_ARENA_NEW(arena, int, bodies),
                               .first_step = KM_ARENA_NEW(arena, int, bodies),
                               .step_count = KM_ARENA_NEW(arena, int, bodies),
-                              .stand = KM_ARENA_NEW(arena, km_chain_frame, bodies),
+                              .body_frame = KM_ARENA_NEW(arena, km_chain_frame, bodies),
                               .reference_pose = KM_ARENA_NEW(arena, km_pose, steps + 1),
                               .twist = KM_ARENA_NEW(arena, km_twist, 3 * steps),
                               .next_column = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count),
@@ -94,7 +94,7 @@ static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int
 static void remember(km_compile_workspace *w, int body, int joint, const km_chain_frame *at, int first, int count) {
   w->stamp[body] = w->current_stamp;
   w->entry_joint[body] = joint;
-  w->stand[body] = *at;
+  w->body_frame[body] = *at;
   w->first_step[body] = first;
   w->step_count[body] = count;
 }
@@ -116,7 +116,7 @@ static km_chain_frame walk_side(km_mechanism *m, km_program *program, km_loop *l
     bool passed = shared && w->stamp[body] == w->current_stamp && w->entry_joint[body] == member->joint;
     shared = passed || (shared && member->joint != t->chord[l] && w->stamp[body] != w->current_stamp);
     if (passed) {
-      at = w->stand[body];
+      at = w->body_frame[body];
       add_entries(m, program, loop, w->first_step[body], w->step_count[body], side);
       continue;
     }

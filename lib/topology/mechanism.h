@@ -121,7 +121,7 @@ typedef struct km_arc {
 struct km_mechanism {
   km_arena arena;
   km_mechanism *spare; /* arrays of its own that the next renumbering fills; NULL until the first one */
-  struct km_compile_workspace *spare_walks;
+  struct km_compile_workspace *spare_workspace;
   km_hold *holds;
   int hold_count;
   unsigned version; /* how often it was given new numbers */

@@ -14,8 +14,8 @@ static bool make_spare(km_mechanism *m) {
   spare->coordinate_count = m->coordinate_count;
   spare->closure_tolerance = m->closure_tolerance;
   spare->closure_tolerance_given = m->closure_tolerance_given;
-  spare->spare_walks = KM_ARENA_NEW(&spare->arena, km_compile_workspace, 1);
-  if (spare->spare_walks && km_compile_allocate(spare, spare->spare_walks))
+  spare->spare_workspace = KM_ARENA_NEW(&spare->arena, km_compile_workspace, 1);
+  if (spare->spare_workspace && km_compile_allocate(spare, spare->spare_workspace))
     return true;
   km_mechanism_free(spare);
   m->spare = NULL;
@@ -69,8 +69,8 @@ static void exchange(km_mechanism *m, km_mechanism *spare) {
   *spare = old;
   m->spare = spare;
   spare->spare = NULL;
-  km_compile_workspace *walks = m->spare_walks ? m->spare_walks : spare->spare_walks;
-  m->spare_walks = spare->spare_walks = walks;
+  km_compile_workspace *walks = m->spare_workspace ? m->spare_workspace : spare->spare_workspace;
+  m->spare_workspace = spare->spare_workspace = walks;
   m->holds = old.holds;
   m->hold_count = old.hold_count;
   m->version = old.version + 1;
@@ -87,7 +87,7 @@ km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for new numbers");
   km_mechanism *spare = m->spare;
   clear(spare);
-  km_compile_values(spare, &how, spare->spare_walks);
+  km_compile_values(spare, &how, spare->spare_workspace);
   if (!same_structure(m, spare))
     return km_fail(error, KM_PARTIAL,
                    "the new numbers change how a loop can move; expected to compile the model again");

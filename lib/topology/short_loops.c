@@ -203,7 +203,7 @@ static bool is_needed(const km_topology *t) {
   return needed;
 }
 
-bool km_short_loops_find(const km_graph *g, const km_incidence *at, km_arena *scratch, km_topology *t) {
+bool km_find_short_loops(const km_graph *g, const km_incidence *at, km_arena *scratch, km_topology *t) {
   finder f = {.g = g, .at = at, .t = t};
   int used = 0;
   if (!is_needed(t))

@@ -16,6 +16,6 @@ typedef struct km_incidence {
  * shorter, where that is shorter than the tree's. By that order the matrix of loops by chords stays triangular, so the
  * loops stay a cycle basis. The topology's loops, tree and substructures are known. Time: a search about each chord as
  * wide as its loop is long. False when out of memory. */
-bool km_short_loops_find(const km_graph *graph, const km_incidence *at, km_arena *scratch, km_topology *topology);
+bool km_find_short_loops(const km_graph *graph, const km_incidence *at, km_arena *scratch, km_topology *topology);
 
 #endif

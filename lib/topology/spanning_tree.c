@@ -112,10 +112,10 @@ static void unite_loops(const km_graph *g, const km_topology *t, int *set, bool 
       unite(set, t->chord[l], t->member[i].joint);
     }
   }
-  for (int i = 0; i < g->tie_count; ++i) {
-    for (int k = 0; k < g->ties[i].count; ++k) {
-      inside[g->ties[i].joints[k]] = true;
-      unite(set, g->ties[i].joints[0], g->ties[i].joints[k]);
+  for (int i = 0; i < g->coupled_count; ++i) {
+    for (int k = 0; k < g->coupled[i].count; ++k) {
+      inside[g->coupled[i].joints[k]] = true;
+      unite(set, g->coupled[i].joints[0], g->coupled[i].joints[k]);
     }
   }
 }
@@ -215,7 +215,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   number_substructures(t, set, inside);
   group_all(t);
   group_bodies(t, class_of);
-  return km_short_loops_find(g, &at, scratch, t);
+  return km_find_short_loops(g, &at, scratch, t);
 }
 
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *out, km_error *error) {

@@ -17,9 +17,9 @@ typedef struct km_coupled_joints {
 } km_coupled_joints;
 
 typedef struct km_graph {
-  int body_count, joint_count, tie_count;
-  const km_edge *edges;          /* [joint_count]; body 0 is the inertial frame; every body hangs on it */
-  const km_coupled_joints *ties; /* [tie_count] */
+  int body_count, joint_count, coupled_count;
+  const km_edge *edges;             /* [joint_count]; body 0 is the inertial frame; every body hangs on it */
+  const km_coupled_joints *coupled; /* [tie_count] */
 } km_graph;
 
 /* A joint of a loop, with the side of the loop that it lies on. */

@@ -103,7 +103,7 @@ static void add_own_friction(const km_mechanism *m, km_losses_workspace *w, int 
   int c = w->rubbing[place].coordinate;
   double *own = w->friction.B + 3 * (place * w->friction.count + place);
   double along = -w->resists[place] / km_slip_arm(m, c) * km_thread_slope(m, c);
-  km_vec3 sum = km_vec3_axpy(along, km_surface_axis(&w->statics, c), km_vec3_make(own));
+  km_vec3 sum = km_vec3_axpy(along, km_surface_axis(&w->statics, c), km_vec3_from_array(own));
   memcpy(own, (double[3]){sum.x, sum.y, sum.z}, 3 * sizeof *own);
 }
 
@@ -124,7 +124,7 @@ static double balance(const km_mechanism *m, km_state *s, km_losses_workspace *w
 static double largest_reaction(const km_mechanism *m, const km_statics *st) {
   double size = 0.0;
   for (int j = 0; j < m->topology.joint_count; ++j) {
-    km_vec3 force = km_vec3_make(st->reactions[j].force), torque = km_vec3_make(st->reactions[j].torque);
+    km_vec3 force = km_vec3_from_array(st->reactions[j].force), torque = km_vec3_from_array(st->reactions[j].torque);
     size = fmax(size, fmax(km_vec3_norm(force), km_vec3_norm(torque) / m->length));
   }
   return size;
@@ -152,7 +152,7 @@ static bool make_equations(const km_mechanism *m, km_state *s, km_losses_workspa
     f->w[k] = (force - ideal) / ideal;
     double least = rounded * (largest_reaction(m, &w->statics) + fabs(1.0 + f->w[k]) * alone);
     for (int c = 0; c < f->count; ++c) {
-      km_vec3 both = km_surface_load(m, &w->statics, &w->rubbing[c]), a = km_vec3_make(f->a + 3 * c);
+      km_vec3 both = km_surface_load(m, &w->statics, &w->rubbing[c]), a = km_vec3_from_array(f->a + 3 * c);
       put(km_vec3_axpy(-1.0 - f->w[k], a, both), least, f->B + 3 * (c * f->count + k));
     }
     add_own_friction(m, w, k);

@@ -40,7 +40,7 @@ double km_slip_speed(const km_mechanism *m, const double *rates, int c) {
   const km_model_joint *joint = joint_of(m, c);
   const int first = joint->first_coordinate;
   if (m->ball_of[c] >= 0)
-    return km_slip_arm(m, c) * km_vec3_norm(km_vec3_make(rates + m->ball_coordinate[m->ball_of[c]]));
+    return km_slip_arm(m, c) * km_vec3_norm(km_vec3_from_array(rates + m->ball_coordinate[m->ball_of[c]]));
   if (joint->type == KM_CYLINDRICAL || (joint->type == KM_PLANAR && m->model->coordinates[c].index < 2))
     return hypot(km_slip_arm(m, first) * rates[first], km_slip_arm(m, first + 1) * rates[first + 1]);
   return km_slip_arm(m, c) * fabs(rates[c]);
@@ -54,7 +54,7 @@ km_vec3 km_surface_axis(const km_statics *st, int c) {
 km_vec3 km_surface_load(const km_mechanism *m, const km_statics *st, const km_surface *surface) {
   int c = surface->coordinate;
   const km_model_joint *joint = joint_of(m, c);
-  km_vec3 force = km_vec3_make(st->reactions[m->model->coordinates[c].joint].force);
+  km_vec3 force = km_vec3_from_array(st->reactions[m->model->coordinates[c].joint].force);
   km_vec3 axis = km_surface_axis(st, joint->type == KM_PLANAR ? joint->first_coordinate + 2 : c);
   double along = km_vec3_dot(force, axis);
   if (m->ball_of[c] >= 0)

@@ -74,7 +74,7 @@ static bool same(const km_port *a, const km_port *b) {
     return false;
   if (a->kind == KM_PORT_JOINT)
     return a->coordinate == b->coordinate;
-  km_vec3 difference = km_vec3_cross(km_vec3_make(a->direction), km_vec3_make(b->direction));
+  km_vec3 difference = km_vec3_cross(km_vec3_from_array(a->direction), km_vec3_from_array(b->direction));
   return a->frame == b->frame && km_vec3_norm(difference) < 1e-12;
 }
 
@@ -183,7 +183,7 @@ const double *km_transfer_rates(const km_transfer *l) {
 static void point_row(const km_mechanism *m, const km_state *s, const km_transfer *l, km_transfer_end *end) {
   const km_topology *t = &m->topology;
   const km_model_frame *frame = &m->model->frames[end->handle.frame];
-  km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), along = km_vec3_make(end->handle.direction);
+  km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), along = km_vec3_from_array(end->handle.direction);
   for (int body = frame->body; body > 0; body = t->parent[body]) {
     int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {

@@ -36,7 +36,7 @@ static km_status check_handle(const km_mechanism *m, const km_port *h, bool outp
     return km_check_index(h->coordinate, m->coordinate_count, "coordinate", error);
   if (h->kind != KM_PORT_POINT)
     return km_fail(error, KM_USAGE, "the %s is neither a joint nor a point", km_end_word(output));
-  double length = km_vec3_norm(km_vec3_make(h->direction));
+  double length = km_vec3_norm(km_vec3_from_array(h->direction));
   if (!(length > 0.0 && isfinite(length)))
     return km_fail(error, KM_USAGE, "the %s is a point without a direction", km_end_word(output));
   return km_check_index(h->frame, m->model->frame_count, "frame", error);

@@ -170,7 +170,7 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
   if (km_partition_freedom(&w->partition) != 1)
     return false;
   km_partition_null_space(&w->partition, ones, 1, x);
-  km_vec3 f = km_vec3_scale(1.0 / sub->size, km_vec3_make(x)), t = km_vec3_make(x + 3);
+  km_vec3 f = km_vec3_scale(1.0 / sub->size, km_vec3_from_array(x)), t = km_vec3_from_array(x + 3);
   double force = km_vec3_norm(f), couple = km_vec3_norm(t);
   bool pure_couple = force * sub->size <= 1e-9 * couple;
   double scale = 1.0 / (pure_couple ? couple : force);

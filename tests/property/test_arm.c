@@ -75,8 +75,8 @@ static void jacobian_is_that_of_the_twists(void **state) {
         km_vec3 v = km_vec3_scale(sign * unit / L, km_vec3_add(t.v, km_vec3_cross(t.w, at.p)));
         km_vec3 w = km_vec3_scale(sign * unit, t.w);
         const double *c = s.space.jacobian + 6 * k;
-        assert_at_most(km_vec3_norm(km_vec3_sub(v, km_vec3_make(c))), far);
-        assert_at_most(km_vec3_norm(km_vec3_sub(w, km_vec3_make(c + 3))), 1e-13);
+        assert_at_most(km_vec3_norm(km_vec3_sub(v, km_vec3_from_array(c))), far);
+        assert_at_most(km_vec3_norm(km_vec3_sub(w, km_vec3_from_array(c + 3))), 1e-13);
       }
     }
     subject_close(&s);
@@ -196,7 +196,7 @@ static void thesis_robot(void **state) {
   km_vec3 p = km_arm_to_model(s.arm, &s.space.pose).p;
   for (int k = 0; k < 7; ++k) {
     const double *c = s.space.jacobian + 6 * k;
-    km_vec3 w = km_vec3_make(c + 3), v = km_vec3_add(km_vec3_make(c), km_vec3_cross(p, w));
+    km_vec3 w = km_vec3_from_array(c + 3), v = km_vec3_add(km_vec3_from_array(c), km_vec3_cross(p, w));
     double found[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
     for (int r = 0; r < 6; ++r)
       assert_near(found[r], golden_rows[r][k], 5e-4);

@@ -106,7 +106,7 @@ static void starts_in_folded_chains(void **state) {
     assert_true(km_tangents_create(&t, f.mechanism, f.state, 0, &arena) && km_sampled_tangents_create(&many, &t));
     while (km_sampled_tangents_find_next(&many, &length))
       ++found;
-    assert_int_equal(found, many.most_starts);
+    assert_int_equal(found, many.max_starts);
     km_sampled_tangents_free(&many);
     km_arena_free(&arena);
     fixture_close(&f);

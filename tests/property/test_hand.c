@@ -70,7 +70,7 @@ static km_manipulation_point grip_of(const fixture *f, randomness *r) {
 }
 
 static void aim(const fixture *f, km_manipulation_point *grip, randomness *r, double far) {
-  km_vec3 at = km_pose_point(&f->state->pose[grip->body], km_vec3_make(grip->point));
+  km_vec3 at = km_pose_point(&f->state->pose[grip->body], km_vec3_from_array(grip->point));
   const double p[3] = {at.x, at.y, at.z};
   for (int k = 0; k < 3; ++k)
     grip->target[k] = p[k] + uniform(r, -far, far) * f->mechanism->length;
@@ -162,12 +162,12 @@ static void reachable_points_are_reached(void **state) {
       for (int k = 0; k < 5; ++k)
         assert_int_equal(km_manipulation_pull_point(elsewhere, &away, 0.05, &move, &error), KM_OK);
       km_manipulation_free(elsewhere);
-      km_vec3 goal = km_pose_point(&other.state->pose[grip.body], km_vec3_make(grip.point));
+      km_vec3 goal = km_pose_point(&other.state->pose[grip.body], km_vec3_from_array(grip.point));
       memcpy(grip.target, (const double[]){goal.x, goal.y, goal.z}, sizeof grip.target);
       move.there = false;
       for (int k = 0; k < 60 && !move.there; ++k)
         assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.2, &move, &error), KM_OK);
-      km_vec3 at = km_pose_point(&h.f.state->pose[grip.body], km_vec3_make(grip.point));
+      km_vec3 at = km_pose_point(&h.f.state->pose[grip.body], km_vec3_from_array(grip.point));
       assert_true(km_vec3_norm(km_vec3_sub(at, goal)) <= 1e-6 * h.f.mechanism->length);
     }
     fixture_close(&other);
@@ -289,7 +289,7 @@ static void balls_keep_their_limit(void **state) {
   km_manipulation_point grip = {.body = 1, .point = {1, 0, 0}, .target = {0, 0, 5}};
   for (int i = 0; i < 60; ++i) {
     assert_int_equal(km_manipulation_pull_point(hand, &grip, 0.1, &move, &error), KM_OK);
-    km_vec3 q = km_vec3_make(f.state->q);
+    km_vec3 q = km_vec3_from_array(f.state->q);
     assert_true(km_vec3_norm(q) <= 0.5 + 1e-9);
   }
   assert_int_equal(move.stop, KM_MANIPULATION_LIMIT);

@@ -34,7 +34,8 @@ static double power(const km_left_space *space, const double *J, const double *w
   double sum = 0.0;
   for (int l = 0; l < space->sub->loop_count; ++l) {
     const double *h = J + (size_t)c * (size_t)space->rows + 6 * l;
-    km_vec3 v = km_vec3_make(h), turn = km_vec3_make(h + 3), o = km_vec3_scale(1.0 / space->sub->size, space->about[l]);
+    km_vec3 v = km_vec3_from_array(h), turn = km_vec3_from_array(h + 3),
+            o = km_vec3_scale(1.0 / space->sub->size, space->about[l]);
     v = km_vec3_add(v, km_vec3_cross(turn, o)); /* J is about the inertial origin */
     const double moved[6] = {v.x, v.y, v.z, turn.x, turn.y, turn.z};
     for (int r = 0; r < 6; ++r)

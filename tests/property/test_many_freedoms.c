@@ -204,7 +204,7 @@ static bool compare(fixture f) {
   bool branches = few.motion_count > 0 && few.motions[0].kind == KM_MOTION_BRANCH;
   if (t.conditions.freedom > 0)
     assert_int_equal(km_sampled_tangents_all_finite(&many, &length), regular);
-  many.most_starts = regular ? 0 : 100 * t.conditions.freedom;
+  many.max_starts = regular ? 0 : 100 * t.conditions.freedom;
   while (km_sampled_tangents_find_next(&many, &length)) {
     int i = motion_along(&f, &few, &t, many.x);
     assert_true(i >= 0 && few.motions[i].kind == KM_MOTION_BRANCH);

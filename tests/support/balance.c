@@ -43,10 +43,10 @@ static balance balance_open(fixture *f, randomness *r, km_axes axes) {
   for (int i = 0; i < model->frame_count; ++i) {
     double place[3];
     km_frame_position(f->mechanism, f->state, i, place);
-    b.reach = fmax(b.reach, km_vec3_norm(km_vec3_make(place)));
+    b.reach = fmax(b.reach, km_vec3_norm(km_vec3_from_array(place)));
   }
   for (int j = 0; j < model->joint_count; ++j)
-    b.size = fmax(b.size, km_vec3_norm(km_vec3_make(b.statics.reactions[j].force)));
+    b.size = fmax(b.size, km_vec3_norm(km_vec3_from_array(b.statics.reactions[j].force)));
   b.size += b.forces->force_size + b.forces->couple_size / b.reach;
   return b;
 }
@@ -61,7 +61,7 @@ static km_wrench reaction(const balance *b, int joint) {
   const km_reaction *r = &b->statics.reactions[joint];
   const km_model_frame *frame = &b->f->model->frames[b->f->model->joints[joint].frame[1]];
   km_vec3 p = km_pose_point(&b->f->state->pose[frame->body], frame->pose.p);
-  return km_wrench_at(km_vec3_make(r->force), km_vec3_make(r->torque), p);
+  return km_wrench_at(km_vec3_from_array(r->force), km_vec3_from_array(r->torque), p);
 }
 
 /* Force and moment of every body add up to nothing. */

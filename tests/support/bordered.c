@@ -6,7 +6,7 @@
 km_wrench applied_to(const km_forces *forces, int body) {
   double w[6];
   km_forces_on_body(forces, body, w);
-  return (km_wrench){km_vec3_make(w), km_vec3_make(w + 3)};
+  return (km_wrench){km_vec3_from_array(w), km_vec3_from_array(w + 3)};
 }
 
 static void fill_joint(const km_mechanism *m, const km_state *s, double reach, bordered *e, int j) {

@@ -43,7 +43,7 @@ static km_pose axis_frame(const axis_joint *j, const writing *how, randomness *r
   if (!how->own_frames)
     return X;
   double turn = uniform(r, -3, 3);
-  X.R = km_rotation_turn(&X.R, 2, cos(turn), sin(turn));
+  X.R = km_rotation_about_axis(&X.R, 2, cos(turn), sin(turn));
   X.p = km_vec3_axpy(how->size * uniform(r, -0.3, 0.3), z, X.p);
   return X;
 }
@@ -62,7 +62,7 @@ static void write_joint(const linkage *l, int index, const writing *how, randomn
   if (j->slides)
     there.p = km_vec3_axpy(q, X.R.axis[2], X.p);
   else
-    there.R = km_rotation_turn(&X.R, 2, cos(q), sin(q));
+    there.R = km_rotation_about_axis(&X.R, 2, cos(q), sin(q));
   km_pose a = km_pose_product(&own[j->parent], &X), b = km_pose_product(&own[j->child], &there);
   write_frame(&frames[j->parent], "p", index, &a, how->digits);
   write_frame(&frames[j->child], "c", index, &b, how->digits);
@@ -114,9 +114,9 @@ static void denavit_hartenberg(const double *angle, const double *length, const 
   for (int j = 0; j < count; ++j) {
     at[j] = X.p;
     along[j] = X.R.axis[2];
-    X.R = km_rotation_turn(&X.R, 2, cos(angle[j]), sin(angle[j]));
+    X.R = km_rotation_about_axis(&X.R, 2, cos(angle[j]), sin(angle[j]));
     X.p = km_vec3_axpy(length[j], X.R.axis[0], X.p);
-    X.R = km_rotation_turn(&X.R, 0, cos(twist[j]), sin(twist[j]));
+    X.R = km_rotation_about_axis(&X.R, 0, cos(twist[j]), sin(twist[j]));
   }
 }
 

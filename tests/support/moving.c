@@ -66,7 +66,7 @@ static void momenta(const km_mechanism *m, km_state *s, km_wrench *out) {
     const km_model_body *def = &m->model->bodies[b];
     V[b] = km_twist_axpy(1.0, km_body_twist(m, s, b, s->rate), V[m->arcs[i].parent]);
     km_inertia own = km_inertia_of_body(def->mass, def->center_of_mass, def->inertia);
-    km_inertia there = km_inertia_move(&s->pose[b], &own);
+    km_inertia there = km_inertia_transform(&s->pose[b], &own);
     out[b] = km_inertia_times(&there, V[b]);
   }
   free(V);

@@ -46,7 +46,7 @@ km_rotation solid_turn(double x, double y, double z) {
   km_rotation r = km_rotation_identity();
   const double angles[3] = {x, y, z};
   for (int k = 0; k < 3; ++k)
-    r = km_rotation_turn(&r, k, cos(angles[k]), sin(angles[k]));
+    r = km_rotation_about_axis(&r, k, cos(angles[k]), sin(angles[k]));
   return r;
 }
 

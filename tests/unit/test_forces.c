@@ -71,7 +71,7 @@ static double displacement(const fixture *f, const km_module_port *port, const c
   double a[3], b[3];
   km_frame_position(f->mechanism, f->state, port->frame[0], a);
   km_frame_position(f->mechanism, f->state, port->frame[1], b);
-  km_vec3 way = km_vec3_sub(km_vec3_make(b), km_vec3_make(a));
+  km_vec3 way = km_vec3_sub(km_vec3_from_array(b), km_vec3_from_array(a));
   if (distance[0] == 'e')
     return km_vec3_norm(way);
   const km_model_frame *frame = &f->model->frames[port->frame[0]];

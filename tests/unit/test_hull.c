@@ -74,7 +74,7 @@ static void a_cross_becomes_an_octahedron(void **unused) {
   for (int i = 0; i < 12; ++i) {
     double x[3] = {0};
     x[i % 3] = i / 3 % 2 ? 1 : -1;
-    points->vertices[i] = km_vec3_make(x);
+    points->vertices[i] = km_vec3_from_array(x);
   }
   km_mesh *hull = hull_of(points);
   assert_int_equal(hull->triangle_count, 8);

@@ -19,7 +19,7 @@ static void check(const km_twist *twists, int count, int dimension, randomness *
     km_pose X = trial ? random_pose(r) : km_pose_identity();
     km_twist moved[8];
     for (int i = 0; i < count; ++i)
-      moved[i] = km_twist_move(&X, twists[i]);
+      moved[i] = km_twist_transform(&X, twists[i]);
     km_motion_space space;
     km_motion_space_close(moved, count, 6, 3e-8, &space);
     assert_int_equal(space.dimension, dimension);
@@ -58,7 +58,7 @@ static void rows_are_independent(void **state) {
                           i % 2 ? km_twist_prismatic((km_vec3){1, 0, 0})
                                 : km_twist_revolute((km_vec3){1, 0, 0}, (km_vec3){0, 0, 0})};
     for (int k = 0; k < 2; ++k)
-      twists[k] = km_twist_move(&X, twists[k]);
+      twists[k] = km_twist_transform(&X, twists[k]);
     km_motion_space space;
     km_motion_space_close(twists, 2, 6, 3e-8, &space);
     assert_int_equal(space.dimension, 3);

@@ -55,9 +55,9 @@ static void products_of_rows(void **state) {
       used[r] = index_below(5) > 0;
     fill_pattern(rows, columns);
     leave_out(columns, used);
-    assert_true(km_row_products_make(rows, columns, start, row, place, upper, &p));
+    assert_true(km_row_products_create(rows, columns, start, row, place, upper, &p));
     for (int pass = 0; pass < 2; ++pass) /* nothing is left of the pass before */
-      km_row_products_find(&p, value, used);
+      km_row_products_compute(&p, value, used);
     for (int k = 0; k < rows; ++k)
       for (long n = p.start[k]; n < p.start[k + 1]; ++n) {
         assert_true(n == p.start[k] || p.row[n] > p.row[n - 1]);

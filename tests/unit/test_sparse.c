@@ -188,7 +188,7 @@ static void zeros_that_fill(void **state) {
     fill_zeros(0.6, false);
     run_svd();
     factor(&f.p);
-    singles += f.p.sparse->singles;
+    singles += f.p.sparse->singleton_count;
     assert_near(f.p.rank, f.svd_rank, 0.0);
     if (f.p.max_b < 1e3)
       check_all(&f.p, 1e-9);
@@ -404,7 +404,7 @@ static void rows_that_stand(void **state) {
     run_svd();
     f.p.rows_only = f.p.forced_never_pivot = true;
     factor(&f.p);
-    assert_int_equal(f.p.sparse->by_normal, !depends);
+    assert_int_equal(f.p.sparse->has_normal_only, !depends);
     assert_int_equal(f.p.rank, f.rows - depends);
     assert_int_equal(f.svd_rank, f.p.rank);
     assert_int_equal(f.p.column[f.columns - 1], i % f.columns);
@@ -458,8 +458,8 @@ static void rows_where_no_pivot_tells(void **state) {
     for (int c = 0; c < f.columns; ++c)
       longest = fmax(longest, fabs(least[c]));
     check_rows(f.p.row, f.p.rank, least, rhs, 1e-13 * longest); /* rounding of what nearly dependent rows need */
-    f.p.sparse->waits = false;
-    memset(f.p.sparse->late, 0, (size_t)f.columns * sizeof *f.p.sparse->late);
+    f.p.sparse->postpones_small = false;
+    memset(f.p.sparse->is_postponed, 0, (size_t)f.columns * sizeof *f.p.sparse->is_postponed);
     km_sparse_eliminate(&f.p, stored(&f.p), NULL, 1e-9 * f.p.scale);
     assert_int_equal(km_sparse_hidden_row(&f.p, stored(&f.p), NULL, 1e-9 * f.p.scale) >= 0, f.svd_rank < f.p.rank);
     hidden += f.svd_rank < f.p.rank;

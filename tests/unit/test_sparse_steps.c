@@ -185,8 +185,8 @@ static void rows_that_lean_on_many(void **state) {
     km_partition_factor(&f.q, f.J, rows, rows, NULL, 1e-9);
     assert_int_equal(f.q.rank, rows - i % 2);
     assert_int_equal(f.p.rank, f.q.rank);
-    f.p.sparse->waits = false;
-    memset(f.p.sparse->late, 0, (size_t)rows * sizeof *f.p.sparse->late);
+    f.p.sparse->postpones_small = false;
+    memset(f.p.sparse->is_postponed, 0, (size_t)rows * sizeof *f.p.sparse->is_postponed);
     km_sparse_eliminate(&f.p, stored(&f.p), NULL, 1e-14);
     assert_int_equal(f.p.rank, rows);
     assert_int_equal(km_sparse_hidden_row(&f.p, stored(&f.p), NULL, 1e-9) >= 0, i % 2);

@@ -89,10 +89,11 @@ static void adjoint_respects_composition_and_bracket(void **state) {
     km_twist t = {random_vector(&r, 1), random_vector(&r, 1)}, u = {random_vector(&r, 1), random_vector(&r, 1)};
     km_pose ab = km_pose_product(&a, &b), back = km_pose_inverse(&ab), one = km_pose_product(&ab, &back);
     assert_vectors(one.p, (km_vec3){0, 0, 0}, 1e-14);
-    km_twist inner = km_twist_move(&b, t), twice = km_twist_move(&a, inner), once = km_twist_move(&ab, t);
+    km_twist inner = km_twist_transform(&b, t), twice = km_twist_transform(&a, inner),
+             once = km_twist_transform(&ab, t);
     assert_vectors(once.v, twice.v, 1e-13);
-    km_twist moved = km_twist_move(&a, km_twist_bracket(t, u));
-    km_twist bracket = km_twist_bracket(km_twist_move(&a, t), km_twist_move(&a, u));
+    km_twist moved = km_twist_transform(&a, km_twist_bracket(t, u));
+    km_twist bracket = km_twist_bracket(km_twist_transform(&a, t), km_twist_transform(&a, u));
     assert_vectors(moved.v, bracket.v, 1e-13);
     assert_vectors(moved.w, bracket.w, 1e-13);
   }

@@ -33,8 +33,8 @@ static km_triangle open_triangle(int size, double share, double holes) {
   start[size] = entries;
   km_triangle R = {start, column, value, row_continues, row_leads, size};
   for (long k = 0; k < size; ++k) {
-    row_continues[k] = km_triangle_continues(&R, k);
-    row_leads[k] = km_triangle_leads(&R, k);
+    row_continues[k] = km_triangle_is_nested(&R, k);
+    row_leads[k] = km_triangle_covers_later(&R, k);
   }
   return R;
 }

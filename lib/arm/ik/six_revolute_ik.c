@@ -233,7 +233,7 @@ bool km_six_hinges_find(const km_arm *a, km_arm_space *s, const double *q, int h
     if (a->motions[k].primitive != KM_REVOLUTE)
       return false;
     const double *J = s->jacobian + k * a->rows;
-    km_vec3 v = km_vec3_make(J), w = km_vec3_make(J + 3); /* v = w × (hand − point) */
+    km_vec3 v = km_vec3_from_array(J), w = km_vec3_from_array(J + 3); /* v = w × (hand − point) */
     out->hinges[i] = (km_hinge){w, km_vec3_sub(s->pose.p, km_vec3_cross(v, w))};
     out->column[i++] = k;
   }

@@ -13,7 +13,7 @@ typedef struct maker {
 } maker;
 
 static km_vec3 place_of(const maker *b, const double p[3]) {
-  km_pose pose = {km_rotation_identity(), km_vec3_make(p)};
+  km_pose pose = {km_rotation_identity(), km_vec3_from_array(p)};
   return km_arm_from_model(b->path->arm, &pose).p;
 }
 
@@ -29,7 +29,7 @@ static km_vec3 turn_to(const maker *b, const km_path_segment *g) {
 }
 
 static km_vec3 direction_of(const double v[3]) {
-  km_vec3 axis = km_vec3_make(v);
+  km_vec3 axis = km_vec3_from_array(v);
   return km_vec3_scale(1.0 / km_vec3_norm(axis), axis);
 }
 

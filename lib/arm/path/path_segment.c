@@ -54,14 +54,14 @@ static km_pose spline_pose(const km_segment *g, double u, km_twist *rate) {
   }
   bernstein((u - g->knot[k]) / h, value, slope);
   km_quaternion q = g->piece[k].start;
-  rate->v = km_vec3_make(v);
+  rate->v = km_vec3_from_array(v);
   rate->w = (km_vec3){0, 0, 0};
   for (int i = 0; i < 3; ++i) { /* each factor turns about an axis of its own, fixed in the body before it */
     km_rotation R = km_quaternion_rotation(q);
     rate->w = km_vec3_axpy(slope[i] / h, km_rotate(&R, g->piece[k].w[i]), rate->w);
     q = km_quaternion_product(q, km_quaternion_exp(km_vec3_scale(value[i], g->piece[k].w[i])));
   }
-  return (km_pose){km_quaternion_rotation(km_quaternion_normalised(q)), km_vec3_make(p)};
+  return (km_pose){km_quaternion_rotation(km_quaternion_normalised(q)), km_vec3_from_array(p)};
 }
 
 km_pose km_segment_pose(const km_segment *g, double u, km_twist *rate) {

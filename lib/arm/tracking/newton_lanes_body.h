@@ -140,7 +140,7 @@ static inline mask reach(const km_arm *a, km_lanes *io, int first, vector *q, la
   mask fit = mask_of(io->used >> first & ((1u << WIDTH) - 1)), active = fit;
   for (int i = 0; i < SEVEN; ++i) {
     far += moved[i] * moved[i];
-    fit &= at_most(size_of(q[i]), all(0.5 * KM_SINCOS_MOST));
+    fit &= at_most(size_of(q[i]), all(0.5 * KM_SINCOS_MAX_ANGLE));
   }
   mask guessed = below(ZERO, far);
   for (int step = 0;; ++step) {

@@ -31,7 +31,7 @@ static inline quaternion quaternion_normalised(const quaternion *a) {
   vector s = 1.0 / root(a->w * a->w + a->x * a->x + a->y * a->y + a->z * a->z);
   return (quaternion){s * a->w, s * a->x, s * a->y, s * a->z};
 }
-/* Exponential of a rotation vector not longer than KM_SINCOS_MOST. */
+/* Exponential of a rotation vector not longer than KM_SINCOS_MAX_ANGLE. */
 static inline quaternion quaternion_exp(lanes_vec v) {
   vector angle = root(lanes_dot(v, v)), sine, cosine;
   lanes_sincos(0.5 * angle, &sine, &cosine);

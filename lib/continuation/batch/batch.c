@@ -24,7 +24,7 @@ static bool can_be_batched(const km_driver_motion *d) {
 
 /* Records the elimination with the pivots of the first active lane; all lanes use them. */
 static void record_elimination(km_batch *l, const km_partition *p) {
-  km_recorded_elimination_make(&l->elimination, p, l->sub->pattern.used);
+  km_recorded_elimination_record(&l->elimination, p, l->sub->pattern.used);
   l->extra_freedoms = km_partition_freedom(p) - 1;
   memset(l->J, 0, l->sub->pattern.size * sizeof *l->J);
 }
@@ -43,9 +43,9 @@ static void load_lane(km_batch *l, int i) {
   const km_partition *p = &d->c.state->partition[d->c.substructure];
   if (!can_be_batched(d))
     return;
-  if (!l->active && !km_recorded_elimination_fits(&l->elimination, p))
+  if (!l->active && !km_recorded_elimination_matches(&l->elimination, p))
     record_elimination(l, p);
-  else if (!km_recorded_elimination_fits(&l->elimination, p))
+  else if (!km_recorded_elimination_matches(&l->elimination, p))
     return;
   const km_lane_past older = km_lane_past_of(l, history);
   for (int c = 0; c < l->m->coordinate_count; ++c)

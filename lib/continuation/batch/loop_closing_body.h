@@ -89,7 +89,8 @@ static INLINED void newton_step(km_batch *l, vector *error, vector *largest, int
   for (int i = 0; i < elimination->row_count; ++i)
     EACH(r)
   PUT(l->y[i], GET(l->error[i]));
-  for (const km_recorded_elimination_update *turn = elimination->turns, *end = turn + elimination->turn_count;
+  for (const km_recorded_elimination_update *turn = elimination->rhs_updates,
+                                            *end = turn + elimination->rhs_update_count;
        turn < end; ++turn) {
     double *x = y + turn->x;
     const double *a = J + turn->l, *u = y + turn->u;

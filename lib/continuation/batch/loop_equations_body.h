@@ -78,17 +78,17 @@ static INLINED void planar_steps(km_batch *l, const km_program *program, bool ag
     put_planar_pose(&slots[slot], AT(r), &at[r]);
   }
   EACH(r)
-  valid[r] &= at_most(largest[r], all(KM_SINCOS_MOST));
+  valid[r] &= at_most(largest[r], all(KM_SINCOS_MAX_ANGLE));
 }
 
-/* Wraps an angle to (-π, π], for angles up to KM_SINCOS_MOST. */
+/* Wraps an angle to (-π, π], for angles up to KM_SINCOS_MAX_ANGLE. */
 static inline vector wrapped(vector angle) {
   vector turns = angle * (0.5 * M_1_PI), nearest = turns + KM_ROUNDING - KM_ROUNDING;
   return pick(at_most(size_of(angle), all(M_PI)), angle, angle - 2.0 * M_PI * nearest);
 }
 
 /* Closure error of a planar loop, the logarithm of its misfit by series. Clears lanes whose angle error exceeds
- * KM_SERIES_TURN. */
+ * KM_SERIES_ANGLE. */
 static INLINED void compute_planar_error(km_batch *l, int index, mask *valid, int first, int count) {
   const km_loop *loop = &l->m->loops[index];
   km_lane_planar_loop *n = &l->planar_loops[index];
@@ -105,7 +105,7 @@ static INLINED void compute_planar_error(km_batch *l, int index, mask *valid, in
     vector apart_x = GET(n->origin_offset[0]), apart_y = GET(n->origin_offset[1]);
     vector dx = ax - bx - apart_x, dy = ay - by - apart_y;
     vector turn = wrapped(GET(a->angle) - GET(b->angle) + GET(n->turn));
-    valid[r] &= below(size_of(turn), all(KM_SERIES_TURN));
+    valid[r] &= below(size_of(turn), all(KM_SERIES_ANGLE));
     vector t2 = turn * turn, t4 = t2 * t2;
     vector cosine = 1.0 - 0.5 * t2 + t4 * (1.0 / 24.0);
     vector sine = turn * (1.0 - t2 * (1.0 / 6.0) + t4 * (1.0 / 120.0));

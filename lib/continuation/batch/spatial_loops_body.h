@@ -69,7 +69,7 @@ static inline pose motion_step(const km_step *step, vector pitch, vector value, 
       X.p = lanes_axpy(value * pitch, axis, X.p);
     }
     lanes_sincos(value, &sine, &cosine);
-    *valid &= at_most(size_of(value), all(KM_SINCOS_MOST));
+    *valid &= at_most(size_of(value), all(KM_SINCOS_MAX_ANGLE));
     lanes_turn_about(X.R.axis, step->axis, cosine, sine);
   }
   put_vec(&h->v, lane, v);
@@ -108,7 +108,7 @@ static inline twist twist_log(const pose *E, mask *valid) {
   const lanes_vec *a = E->R.axis;
   lanes_vec w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
   vector sine2 = lanes_dot(w, w);
-  *valid &= below(sine2, all(KM_SERIES_TURN * KM_SERIES_TURN)) & below(all(2.0), a[0].x + a[1].y + a[2].z);
+  *valid &= below(sine2, all(KM_SERIES_ANGLE * KM_SERIES_ANGLE)) & below(all(2.0), a[0].x + a[1].y + a[2].z);
   w = lanes_scaled(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
   vector c = 1.0 / 12.0 + lanes_dot(w, w) * (1.0 / 720.0);
   lanes_vec wp = lanes_cross(w, E->p);

@@ -17,7 +17,7 @@ static void walk_copies(km_mjcf *m, const km_xml *e, const km_mjcf_place *place,
     return;
   }
   km_pose step = km_mjcf_pose(m, e, &(km_mjcf_place){km_pose_identity(), NULL, ""});
-  step.p = km_vec3_make(offset);
+  step.p = km_vec3_from_array(offset);
   km_pose here = km_pose_identity();
   int digits = (int)strlen(km_robot_text(robot, "%d", (int)count));
   for (int i = 0; i < (int)count && !robot->arena.failed; ++i) {

@@ -89,7 +89,7 @@ static void place_connect(km_mjcf *m, const km_xml *e, bool sites, loop_ends *en
   if (!sites) {
     if (!km_robot_numbers(m->robot, e, "anchor", anchor, 3) && !km_xml_attribute_of(e, "anchor"))
       km_robot_error(m->robot, e, "a connection without anchor; expected anchor=\"x y z\"");
-    ends->pose[0].p = km_vec3_make(anchor);
+    ends->pose[0].p = km_vec3_from_array(anchor);
   }
   if (!sites)
     ends->pose[1].p = across(m, ends).p;
@@ -103,11 +103,11 @@ static void place_weld(km_mjcf *m, const km_xml *e, bool sites, loop_ends *ends)
   if (sites)
     return;
   km_robot_numbers(m->robot, e, "anchor", anchor, 3);
-  ends->pose[1].p = km_vec3_make(anchor);
+  ends->pose[1].p = km_vec3_from_array(anchor);
   bool told = text && km_robot_parse(m->robot, e, "relpose", text, r, 7);
   if (told && (r[3] != 0.0 || r[4] != 0.0 || r[5] != 0.0 || r[6] != 0.0)) {
     ends->pose[0] = (km_pose){km_quaternion_rotation(km_quaternion_normalised((km_quaternion){r[3], r[4], r[5], r[6]})),
-                              km_vec3_make(r)};
+                              km_vec3_from_array(r)};
   } else {
     loop_ends other = {{ends->body[1], ends->body[0]}, {ends->pose[1], ends->pose[0]}};
     ends->pose[0] = across(m, &other);

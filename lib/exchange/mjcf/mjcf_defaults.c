@@ -133,9 +133,9 @@ double km_mjcf_number(km_mjcf *m, const km_xml *element, const km_mjcf_place *pl
 }
 
 km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const double u[3]) {
-  double length = km_vec3_norm(km_vec3_make(u));
+  double length = km_vec3_norm(km_vec3_from_array(u));
   if (length > 0.0)
-    return km_vec3_scale(1.0 / length, km_vec3_make(u));
+    return km_vec3_scale(1.0 / length, km_vec3_from_array(u));
   km_robot_error(robot, at, "%s: found 0 0 0; expected a direction", what);
   return (km_vec3){0, 0, 1};
 }
@@ -147,14 +147,14 @@ static km_rotation euler(const km_mjcf_compiler *c, const double angles[3]) {
     bool intrinsic = letter >= 'x';
     double turn[3] = {0};
     turn[letter - (intrinsic ? 'x' : 'X')] = angles[k] * c->angle;
-    km_quaternion step = km_quaternion_exp(km_vec3_make(turn));
+    km_quaternion step = km_quaternion_exp(km_vec3_from_array(turn));
     q = intrinsic ? km_quaternion_product(q, step) : km_quaternion_product(step, q);
   }
   return km_quaternion_rotation(q);
 }
 
 static km_rotation from_axes(km_mjcf *m, const km_xml *e, const double v[6]) {
-  km_vec3 x = km_mjcf_unit(m->robot, e, "xyaxes", v), y = km_vec3_make(v + 3);
+  km_vec3 x = km_mjcf_unit(m->robot, e, "xyaxes", v), y = km_vec3_from_array(v + 3);
   y = km_vec3_axpy(-km_vec3_dot(x, y), x, y);
   const double across[3] = {y.x, y.y, y.z};
   y = km_mjcf_unit(m->robot, e, "xyaxes", across);
@@ -195,5 +195,5 @@ static km_rotation read_rotation(km_mjcf *m, const km_xml *e, const km_mjcf_plac
 km_pose km_mjcf_pose(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
   double p[3] = {0};
   given(m, e, place, "pos", p, 3, 0.0, NULL);
-  return (km_pose){read_rotation(m, e, place), km_vec3_make(p)};
+  return (km_pose){read_rotation(m, e, place), km_vec3_from_array(p)};
 }

@@ -12,7 +12,7 @@ bool km_mjcf_find_line(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   double ends[6];
   if (km_mjcf_numbers(m, e, place, "fromto", ends, 6) != 6)
     return false;
-  km_vec3 from = km_vec3_make(ends), to = km_vec3_make(ends + 3), along = km_vec3_sub(from, to);
+  km_vec3 from = km_vec3_from_array(ends), to = km_vec3_from_array(ends + 3), along = km_vec3_sub(from, to);
   const double u[3] = {along.x, along.y, along.z};
   *out = (km_mjcf_line){
       {km_rotation_onto(2, km_mjcf_unit(m->robot, e, "fromto", u)), km_vec3_scale(0.5, km_vec3_add(from, to))},

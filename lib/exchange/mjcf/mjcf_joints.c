@@ -123,7 +123,7 @@ static void set_single(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   if (km_mjcf_numbers(m, e, place, "axis", u, 3) == 3)
     km_robot_judge_digits(km_mjcf_get(m, e, place, "axis"), 0.0, &m->robot->angle_rounding);
   joint->axis = km_mjcf_unit(m->robot, e, "axis", u);
-  km_pose anchor = {km_rotation_identity(), km_vec3_make(p)}, back = km_pose_identity();
+  km_pose anchor = {km_rotation_identity(), km_vec3_from_array(p)}, back = km_pose_identity();
   joint->in_child = km_pose_product(&place->pose, &anchor);
   joint->in_parent = km_pose_product(&link->pose, &joint->in_child);
   km_vec3 way = km_vec3_scale(-reference, joint->axis);

@@ -36,7 +36,7 @@ bool km_mjcf_find_mesh(km_mjcf *m, const char *name, km_mjcf_mesh *out) {
   km_quaternion q = {turn[0], turn[1], turn[2], turn[3]};
   km_rotation R = km_quaternion_rotation(km_quaternion_normalised(q));
   out->pose.R = km_rotation_inverse(&R);
-  km_vec3 p = km_rotate(&out->pose.R, km_vec3_make(at));
+  km_vec3 p = km_rotate(&out->pose.R, km_vec3_from_array(at));
   out->pose.p = (km_vec3){-out->scale[0] * p.x, -out->scale[1] * p.y, -out->scale[2] * p.z};
   return true;
 }
@@ -75,7 +75,7 @@ static km_mesh *read_inline(km_mjcf *m, const km_xml *e) {
   if (!mesh)
     return NULL;
   for (int v = 0; v < vertices; ++v)
-    mesh->vertices[v] = km_vec3_make(at + 3 * v);
+    mesh->vertices[v] = km_vec3_from_array(at + 3 * v);
   if (faces && corners && copy_faces(m, e, corners, mesh))
     return mesh;
   if (!faces && km_mesh_hull(mesh, &hull, &error) == KM_MEMORY)

@@ -117,6 +117,6 @@ void km_robot_judge_origin(km_robot *robot, const km_xml *element) {
 km_rotation km_rotation_rpy(const double rpy[3]) {
   km_rotation R = km_rotation_identity();
   for (int k = 2; k >= 0; --k)
-    R = km_rotation_turn(&R, k, cos(rpy[k]), sin(rpy[k]));
+    R = km_rotation_about_axis(&R, k, cos(rpy[k]), sin(rpy[k]));
   return R;
 }

@@ -159,7 +159,7 @@ km_pose km_written_motion_at(const km_written_motion *motion, const double *q) {
   km_pose X = km_pose_identity();
   const double *value = q + motion->coordinate;
   if (motion->primitive == KM_BALL) {
-    X.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_make(value)));
+    X.R = km_quaternion_rotation(km_quaternion_exp(km_vec3_from_array(value)));
     if (motion->sign < 0.0)
       X.R = km_rotation_inverse(&X.R);
   } else if (motion->primitive == KM_PRISMATIC) {

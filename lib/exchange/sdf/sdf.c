@@ -28,7 +28,7 @@ km_pose km_sdf_pose(km_robot *robot, const km_xml *element) {
   double v[7];
   if (!e || !km_robot_parse(robot, e, "pose", e->text, v, quaternion ? 7 : 6))
     return km_pose_identity();
-  km_pose pose = {km_rotation_identity(), km_vec3_make(v)};
+  km_pose pose = {km_rotation_identity(), km_vec3_from_array(v)};
   double unit = km_sdf_is_true(km_xml_attribute_of(e, "degrees")) ? M_PI / 180.0 : 1.0;
   km_robot_judge_digits(e->text, M_PI / 12.0 / unit, &robot->angle_rounding);
   if (quaternion && (v[3] != 0.0 || v[4] != 0.0 || v[5] != 0.0 || v[6] != 0.0))

@@ -69,7 +69,7 @@ static void read_ball(const km_closures *c, const km_xml *e) {
       return;
     }
     km_robot_parse(c->robot, e, points[k], point, p, 3);
-    ends[k].in_link.p = km_pose_point(&ends[k].in_link, km_vec3_make(p));
+    ends[k].in_link.p = km_pose_point(&ends[k].in_link, km_vec3_from_array(p));
   }
   const char *name = km_robot_text(c->robot, "ball_%s_%s", said(e, bodies[0], "name"), said(e, bodies[1], "name"));
   km_robot_joint joint = new_joint(name, KM_SPHERICAL);
@@ -108,7 +108,7 @@ static void read_loop_joint(const km_closures *c, const km_xml *e) {
     km_robot_numbers(c->robot, l, "xyz", xyz, 3);
     km_robot_numbers(c->robot, l, "rpy", rpy, 3);
     km_robot_judge_origin(c->robot, l);
-    km_pose own = {km_rotation_rpy(rpy), km_vec3_make(xyz)};
+    km_pose own = {km_rotation_rpy(rpy), km_vec3_from_array(xyz)};
     ends[count].in_link = km_pose_product(&ends[count].in_link, &own);
     count++;
   }
@@ -123,12 +123,12 @@ static void read_loop_joint(const km_closures *c, const km_xml *e) {
   km_robot_joint joint = new_joint(km_xml_attribute_of(e, "name"), type);
   double u[3] = {1, 0, 0};
   km_robot_numbers(c->robot, km_xml_child(e, "axis"), "xyz", u, 3);
-  double length = km_vec3_norm(km_vec3_make(u));
+  double length = km_vec3_norm(km_vec3_from_array(u));
   if (!(length > 0.0)) {
     km_robot_error(c->robot, e, "joint \"%.80s\": its axis is 0 0 0; expected a direction", joint.name);
     return;
   }
-  joint.axis = km_vec3_scale(1.0 / length, km_vec3_make(u));
+  joint.axis = km_vec3_scale(1.0 / length, km_vec3_from_array(u));
   add(c, e, ends, &joint);
 }
 
@@ -148,8 +148,8 @@ static km_vec3 axis_of(const km_closures *c, const km_xml *axis, const km_pose *
   double u[3] = {0, 0, 1};
   if (xyz && km_robot_parse(c->robot, xyz, "xyz", xyz->text, u, 3))
     km_robot_judge_digits(xyz->text, 0.0, &c->robot->angle_rounding);
-  double length = km_vec3_norm(km_vec3_make(u));
-  km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_make(u)) : (km_vec3){0, 0, 1};
+  double length = km_vec3_norm(km_vec3_from_array(u));
+  km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_from_array(u)) : (km_vec3){0, 0, 1};
   if (!(length > 0.0))
     km_robot_error(c->robot, xyz, "the axis is 0 0 0; expected a direction");
   km_pose other = km_pose_identity();

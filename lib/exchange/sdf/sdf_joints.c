@@ -39,8 +39,8 @@ km_vec3 km_sdf_axis(km_sdf *sdf, int joint, const km_xml *axis) {
   double u[3] = {0, 0, 1};
   if (xyz && km_robot_parse(sdf->robot, xyz, "xyz", xyz->text, u, 3))
     km_robot_judge_digits(xyz->text, 0.0, &sdf->robot->angle_rounding);
-  double length = km_vec3_norm(km_vec3_make(u));
-  km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_make(u)) : (km_vec3){0, 0, 1};
+  double length = km_vec3_norm(km_vec3_from_array(u));
+  km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_from_array(u)) : (km_vec3){0, 0, 1};
   if (!(length > 0.0))
     km_robot_error(sdf->robot, xyz, "joint \"%.80s\": its axis is 0 0 0; expected a direction", e->name);
   bool of_model = sdf->entities[e->home].old_axes || strcmp(old, "true") == 0 || strcmp(old, "1") == 0;

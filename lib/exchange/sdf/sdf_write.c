@@ -28,7 +28,7 @@ static void add_number(km_written *w, const char *name, double value) {
 /* A link without a statement would weigh 1 kg. */
 static void add_inertial(km_written *w, const double center[3], double mass, const double I[6]) {
   static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
-  km_pose at = {km_rotation_identity(), km_vec3_make(center)};
+  km_pose at = {km_rotation_identity(), km_vec3_from_array(center)};
   km_xml_begin(&w->xml, "inertial");
   add_pose(w, &at, NULL);
   add_number(w, "mass", mass);

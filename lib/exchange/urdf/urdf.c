@@ -9,7 +9,7 @@ km_pose km_urdf_origin(km_robot *robot, const km_xml *element) {
   double xyz[3] = {0}, rpy[3] = {0};
   km_robot_numbers(robot, origin, "xyz", xyz, 3);
   km_robot_numbers(robot, origin, "rpy", rpy, 3);
-  return (km_pose){km_rotation_rpy(rpy), km_vec3_make(xyz)};
+  return (km_pose){km_rotation_rpy(rpy), km_vec3_from_array(xyz)};
 }
 
 static km_mass read_inertial(km_robot *robot, const km_xml *link) {

@@ -76,9 +76,9 @@ static km_vec3 read_axis(km_robot *robot, const km_urdf_joint *joint) {
   if (!needed)
     return (km_vec3){0, 0, 1};
   km_robot_numbers(robot, axis, "xyz", u, 3);
-  double length = km_vec3_norm(km_vec3_make(u));
+  double length = km_vec3_norm(km_vec3_from_array(u));
   if (length > 0.0)
-    return km_vec3_scale(1.0 / length, km_vec3_make(u));
+    return km_vec3_scale(1.0 / length, km_vec3_from_array(u));
   km_robot_error(robot, axis, "joint \"%.80s\": its axis is 0 0 0; expected a direction", joint->name);
   return (km_vec3){0, 0, 1};
 }

@@ -14,8 +14,8 @@ static void set_origin(km_written *w, const km_pose *X) {
   rpy[1] = atan2(-r[6], hypot(r[0], r[3]));
   rpy[2] = hypot(r[0], r[3]) > 0.0 ? atan2(r[3], r[0]) : 0.0;
   km_rotation turn = km_rotation_identity();
-  turn = km_rotation_turn(&turn, 2, cos(rpy[2]), sin(rpy[2]));
-  turn = km_rotation_turn(&turn, 1, cos(rpy[1]), sin(rpy[1]));
+  turn = km_rotation_about_axis(&turn, 2, cos(rpy[2]), sin(rpy[2]));
+  turn = km_rotation_about_axis(&turn, 1, cos(rpy[1]), sin(rpy[1]));
   turn = km_rotation_inverse(&turn);
   km_rotation rest = km_rotation_product(&turn, &X->R);
   rpy[0] = atan2(rest.axis[1].z, rest.axis[1].y);
@@ -72,7 +72,7 @@ static void add_link(km_written *w, int body) {
   double mass = km_written_mass(w, body, center, I);
   int shapes;
   const km_model_shape *shape = km_written_shapes(w, body, &shapes);
-  km_pose at = {km_rotation_identity(), km_vec3_make(center)};
+  km_pose at = {km_rotation_identity(), km_vec3_from_array(center)};
   km_xml_begin(&w->xml, "link");
   km_xml_set(&w->xml, "name", w->bodies[body]);
   km_xml_begin(&w->xml, "inertial");

@@ -9,7 +9,7 @@ bool km_recorded_elimination_reserve(km_recorded_elimination *r, int rows, int c
   r->steps = KM_ARENA_NEW(arena, km_recorded_elimination_step, steps);
   r->scales = KM_ARENA_NEW(arena, int, steps *m);
   r->updates = KM_ARENA_NEW(arena, km_recorded_elimination_update, steps * m * n);
-  r->turns = KM_ARENA_NEW(arena, km_recorded_elimination_update, steps * m);
+  r->rhs_updates = KM_ARENA_NEW(arena, km_recorded_elimination_update, steps * m);
   r->fill = KM_ARENA_NEW(arena, int, m *n);
   r->row = KM_ARENA_NEW(arena, int, m);
   r->column = KM_ARENA_NEW(arena, int, n);
@@ -46,9 +46,9 @@ static void list_updates(km_recorded_elimination *r, int first, int row, int oth
   }
 }
 
-void km_recorded_elimination_make(km_recorded_elimination *r, const km_partition *p, const bool *used) {
+void km_recorded_elimination_record(km_recorded_elimination *r, const km_partition *p, const bool *used) {
   int rows = r->row_count;
-  ends to = {r->scales, r->updates, r->turns};
+  ends to = {r->scales, r->updates, r->rhs_updates};
   memcpy(r->reduced, used, (size_t)rows * (size_t)r->column_count * sizeof *used);
   r->rank = p->rank;
   r->fill_count = 0;
@@ -65,10 +65,10 @@ void km_recorded_elimination_make(km_recorded_elimination *r, const km_partition
                                                  .scale_count = (int)(to.scale - from.scale),
                                                  .update_count = (int)(to.update - from.update)};
   }
-  r->turn_count = (int)(to.turn - r->turns);
+  r->rhs_update_count = (int)(to.turn - r->rhs_updates);
 }
 
-bool km_recorded_elimination_fits(const km_recorded_elimination *r, const km_partition *p) {
+bool km_recorded_elimination_matches(const km_recorded_elimination *r, const km_partition *p) {
   return r->rank == p->rank && memcmp(r->row, p->row, (size_t)r->rank * sizeof *r->row) == 0 &&
          memcmp(r->column, p->column, (size_t)r->column_count * sizeof *r->column) == 0;
 }

@@ -22,11 +22,11 @@ typedef struct km_recorded_elimination_update {
 
 typedef struct km_recorded_elimination {
   int rank, row_count, column_count, stride;
-  km_recorded_elimination_step *steps;     /* [rank] */
-  int *scales;                             /* places in the matrix, of all steps */
-  km_recorded_elimination_update *updates; /* x, l, u in the matrix */
-  km_recorded_elimination_update *turns;   /* [turn_count] x, u in a right side, l in the matrix */
-  int turn_count;
+  km_recorded_elimination_step *steps;         /* [rank] */
+  int *scales;                                 /* places in the matrix, of all steps */
+  km_recorded_elimination_update *updates;     /* x, l, u in the matrix */
+  km_recorded_elimination_update *rhs_updates; /* [turn_count] x, u in a right side, l in the matrix */
+  int rhs_update_count;
   int *fill; /* [fill_count] places that hold something else than 0 only after elimination */
   int fill_count;
   int *row, *column; /* of the pivots, then the independent columns, as in the partition */
@@ -38,8 +38,8 @@ bool km_recorded_elimination_reserve(km_recorded_elimination *replay, int rows, 
                                      km_arena *arena);
 /* The list for the pivots of a dense partition. `used`[rows × columns, column-major]: can the entry be other than 0? Leaving
  * out what is 0 changes no value: x − l·0 = x. O(rows·columns·rank). */
-void km_recorded_elimination_make(km_recorded_elimination *replay, const km_partition *partition, const bool *used);
+void km_recorded_elimination_record(km_recorded_elimination *replay, const km_partition *partition, const bool *used);
 /* Is it the list for these pivots? */
-bool km_recorded_elimination_fits(const km_recorded_elimination *replay, const km_partition *partition);
+bool km_recorded_elimination_matches(const km_recorded_elimination *replay, const km_partition *partition);
 
 #endif

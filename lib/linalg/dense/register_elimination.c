@@ -141,14 +141,14 @@ INLINE void factor(km_partition *p, const double *matrix, int candidates, double
   for (; step < most; ++step) {
     int place = 0;
     double size = 0.0;
-    if (km_key_valid(key)) {
+    if (km_key_is_valid(key)) {
       place = take_place(p, step, key);
       size = size_at(p, place, stride);
     }
     if (!(size > threshold) && candidates < p->columns && !p->forced_never_pivot) {
       key = look(p, &s, candidates, stride);
       place = km_key_place(key);
-      size = km_key_valid(key) ? size_at(p, place, stride) : 0.0;
+      size = km_key_is_valid(key) ? size_at(p, place, stride) : 0.0;
       candidates = p->columns;
       p->forced_dependent = size > threshold;
     }

@@ -58,7 +58,7 @@ static inline int64_t km_key_bits(km_pair best) {
   memcpy(&bits, &key, sizeof bits);
   return bits;
 }
-static inline bool km_key_valid(int64_t key) {
+static inline bool km_key_is_valid(int64_t key) {
   return key >> KM_PLACE_BITS != 0;
 }
 static inline int km_key_place(int64_t key) {
@@ -108,7 +108,7 @@ static inline double km_sum_of_squares(const double *x, int count) {
 }
 
 /* The largest |x| of those that are numbers; 0: there is none. */
-static inline double km_largest_size(const double *x, int count) {
+static inline double km_max_magnitude(const double *x, int count) {
   const int64_t magnitude = KM_MAGNITUDE;
   const km_pair mask = (km_pair)(km_bits){magnitude, magnitude};
   km_pair best[2] = {{0.0, 0.0}, {0.0, 0.0}};

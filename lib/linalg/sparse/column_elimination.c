@@ -17,33 +17,34 @@ static int reach(km_partition *p, int c) {
   km_sparse *s = p->sparse;
   int top = p->rows;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
-    if (s->seen[s->row[i]])
+    if (s->visited[s->row[i]])
       continue;
     int depth = 0, first = s->step_of[s->row[i]];
-    if (first < s->singles) { /* a row without a pivot, or one that nothing is below */
-      s->seen[s->row[i]] = true;
-      s->list[--top] = s->row[i];
+    if (first < s->singleton_count) { /* a row without a pivot, or one that nothing is below */
+      s->visited[s->row[i]] = true;
+      s->reach_list[--top] = s->row[i];
       continue;
     }
     s->stack[0] = s->row[i];
-    s->next[0] = -1;
+    s->stack_position[0] = -1;
     while (depth >= 0) {
       int row = s->stack[depth], step = s->step_of[row];
       const km_entry_range *below = step < 0 ? NULL : &s->lower[p->column[step]];
-      if (s->next[depth] < 0) {
-        s->seen[row] = true;
-        s->next[depth] = below ? below->start : 0;
+      if (s->stack_position[depth] < 0) {
+        s->visited[row] = true;
+        s->stack_position[depth] = below ? below->start : 0;
       }
-      if (below && s->nests[step] && s->seen[p->row[step + 1]]) /* then its other rows are too */
-        s->next[depth] = below->end;
-      while (below && s->next[depth] < below->end && s->seen[s->lower_store.index[s->next[depth]]])
-        s->next[depth]++;
-      if (below && s->next[depth] < below->end) {
-        int child = s->lower_store.index[s->next[depth]++];
+      if (below && s->is_nested[step] && s->visited[p->row[step + 1]]) /* then its other rows are too */
+        s->stack_position[depth] = below->end;
+      while (below && s->stack_position[depth] < below->end &&
+             s->visited[s->lower_store.index[s->stack_position[depth]]])
+        s->stack_position[depth]++;
+      if (below && s->stack_position[depth] < below->end) {
+        int child = s->lower_store.index[s->stack_position[depth]++];
         s->stack[++depth] = child;
-        s->next[depth] = -1;
+        s->stack_position[depth] = -1;
       } else {
-        s->list[--top] = row;
+        s->reach_list[--top] = row;
         --depth;
       }
     }
@@ -66,7 +67,7 @@ static int choose_row(const km_sparse *s, const km_entry_range *rows, double lar
   int best = -1;
   for (int i = rows->start; i < rows->end && largest > 0.0; ++i) {
     int row = s->lower_store.index[i];
-    if (fabs(s->x[row]) < large_share * largest || s->spare[row])
+    if (fabs(s->x[row]) < large_share * largest || s->is_excluded_row[row])
       continue;
     bool shorter = best < 0 || row_size(s, row) < row_size(s, best);
     if (shorter || (row_size(s, row) == row_size(s, best) && fabs(s->x[row]) > fabs(s->x[best])))
@@ -104,23 +105,23 @@ static int reduce(km_partition *p, const double *matrix, int c, int *upper_end, 
   s->lower[c] = (km_entry_range){*lower_end, *lower_end};
   if (!km_sparse_reserve_factor(s, *upper_end + p->rows - top, *lower_end + p->rows - top)) {
     for (int i = top; i < p->rows; ++i)
-      s->seen[s->list[i]] = false;
+      s->visited[s->reach_list[i]] = false;
     p->failed = true;
     return -1;
   }
   scatter(p, matrix, c);
   for (int i = top; i < p->rows; ++i)
-    s->seen[s->list[i]] = false;
+    s->visited[s->reach_list[i]] = false;
   for (int i = top; i < p->rows; ++i) {
-    int row = s->list[i], step = s->step_of[row];
-    if (km_sparse_supernode_follows(p, s->list + i, p->rows - i)) {
+    int row = s->reach_list[i], step = s->step_of[row];
+    if (km_sparse_supernode_follows(p, s->reach_list + i, p->rows - i)) {
       take_steps(p, step, upper_end);
       i += KM_SUPERNODE_WIDTH - 1;
     } else if (step >= 0) {
       take_step(p, step, upper_end);
     } else {
       s->lower_store.index[(*lower_end)++] = row;
-      largest = fabs(s->x[row]) > largest && !s->spare[row] ? fabs(s->x[row]) : largest;
+      largest = fabs(s->x[row]) > largest && !s->is_excluded_row[row] ? fabs(s->x[row]) : largest;
     }
   }
   s->upper[c].end = *upper_end;
@@ -158,16 +159,16 @@ static void drop(km_partition *p, int c) {
 enum { GROUPS = 4 };
 
 static int group_of(const km_partition *p, const bool *forced, int c) {
-  return km_sparse_is_locked(p, c) ? 3 : km_sparse_is_preset(p, forced, c) ? 2 : p->sparse->late[c] ? 1 : 0;
+  return km_sparse_is_locked(p, c) ? 3 : km_sparse_is_preset(p, forced, c) ? 2 : p->sparse->is_postponed[c] ? 1 : 0;
 }
 
 /* Behind the single columns: those that shall stay independent behind the others, then the forced ones, then the locked ones.
  * Returns where the first of these begin. */
 static int arrange(km_partition *p, const bool *forced) {
   km_sparse *s = p->sparse;
-  int next[GROUPS] = {s->singles, 0, 0, 0}, *const rest = s->dropped, count = 0;
+  int next[GROUPS] = {s->singleton_count, 0, 0, 0}, *const rest = s->dropped, count = 0;
   for (int i = 0; i < p->columns; ++i)
-    if (s->open[s->order[i]].count >= 0)
+    if (s->open_entries[s->order[i]].count >= 0)
       rest[count++] = s->order[i];
   for (int i = 0; i < count; ++i)
     if (group_of(p, forced, rest[i]) + 1 < GROUPS)
@@ -175,7 +176,7 @@ static int arrange(km_partition *p, const bool *forced) {
   for (int group = 1; group < GROUPS; ++group)
     next[group] += next[group - 1];
   for (int i = 0; i < count; ++i)
-    s->lead[next[group_of(p, forced, rest[i])]++] = rest[i];
+    s->factor_order[next[group_of(p, forced, rest[i])]++] = rest[i];
   return next[0];
 }
 
@@ -189,10 +190,10 @@ static bool is_small(const km_sparse *s, const double *matrix, int c, double siz
 
 /* The column at place i becomes the last one before `end`. */
 static void put_off(km_sparse *s, int i, int end) {
-  int c = s->lead[i];
-  memmove(s->lead + i, s->lead + i + 1, (size_t)(end - 1 - i) * sizeof *s->lead);
-  s->lead[end - 1] = c;
-  s->late[c] = true;
+  int c = s->factor_order[i];
+  memmove(s->factor_order + i, s->factor_order + i + 1, (size_t)(end - 1 - i) * sizeof *s->factor_order);
+  s->factor_order[end - 1] = c;
+  s->is_postponed[c] = true;
 }
 
 /* Rows that are no primary constraints leave L: nothing asks for them, and new values for the same pivots needn't be
@@ -200,8 +201,8 @@ static void put_off(km_sparse *s, int i, int end) {
 static void keep_primary(km_partition *p) {
   km_sparse *s = p->sparse;
   int kept = 0; /* of single columns, which have nothing in L */
-  for (int i = s->singles; i < p->columns; ++i) {
-    km_entry_range *run = &s->lower[s->lead[i]];
+  for (int i = s->singleton_count; i < p->columns; ++i) {
+    km_entry_range *run = &s->lower[s->factor_order[i]];
     int start = kept;
     for (int k = run->start; k < run->end; ++k)
       if (s->step_of[s->lower_store.index[k]] >= 0) {
@@ -234,12 +235,12 @@ bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
   const int rank = p->rank;
   int upper_end = 0, lower_end = 0;
   bool good = true;
-  s->singles = s->zero_count = 0;
+  s->singleton_count = s->singleton_zero_count = 0;
   p->rank = 0;
   km_sparse_reset_supernodes(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
-  memcpy(s->lead, p->column, (size_t)p->columns * sizeof *s->lead);
+  memcpy(s->factor_order, p->column, (size_t)p->columns * sizeof *s->factor_order);
   for (int k = 0; k < rank && good; ++k) {
     int c = p->column[k], row = p->row[k];
     reduce(p, matrix, c, &upper_end, &lower_end);
@@ -253,7 +254,7 @@ bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
   p->rank = rank;
   if (!good)
     return false;
-  if (!s->by_rows)
+  if (!s->has_rows_only)
     reduce_dropped(p, matrix, p->column + rank, p->columns - rank, upper_end, lower_end);
   keep_primary(p);
   return !p->failed;
@@ -271,11 +272,12 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
     s->step_of[r] = -1;
   int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, single_share * p->scale));
   int early = arrange(p, forced);
-  s->overfull = false;
-  for (int i = s->singles; i < p->columns; ++i) {
-    int c = s->lead[i];
-    s->overfull = (s->waits || !s->waits_to_fill) && s->most_entries > 0 && upper_end + lower_end > s->most_entries;
-    if (s->overfull)
+  s->is_overfull = false;
+  for (int i = s->singleton_count; i < p->columns; ++i) {
+    int c = s->factor_order[i];
+    s->is_overfull = (s->postpones_small || !s->limits_fill_if_postponing) && s->max_entries > 0 &&
+                     upper_end + lower_end > s->max_entries;
+    if (s->is_overfull)
       return;
     if (p->rank == p->rows) { /* nothing can be left of it */
       s->dropped[dropped++] = c;
@@ -283,7 +285,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
     }
     int row = reduce(p, matrix, c, &upper_end, &lower_end);
     double size = row < 0 ? 0.0 : fabs(s->x[row]);
-    if (s->waits && i < early && !s->late[c] && is_small(s, matrix, c, size)) {
+    if (s->postpones_small && i < early && !s->is_postponed[c] && is_small(s, matrix, c, size)) {
       drop(p, c);
       upper_end = s->upper[c].start;
       lower_end = s->lower[c].start;
@@ -304,7 +306,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
     }
   }
   clear_dropped(p, dropped);
-  if (!s->by_rows)
+  if (!s->has_rows_only)
     reduce_dropped(p, matrix, s->dropped, dropped, upper_end, lower_end);
   memcpy(p->column + p->rank, s->dropped, (size_t)dropped * sizeof *p->column);
   p->last_pivot = p->rank ? p->smallest_pivot : 0.0;

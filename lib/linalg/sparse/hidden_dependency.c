@@ -16,7 +16,7 @@ static void solve_transposed(const km_partition *p, double *y) {
       y[k] -= s->upper_store.value[i] * y[s->upper_store.index[i]];
     y[k] *= p->inverse[k];
   }
-  for (int k = p->rank - 1; k >= s->singles; --k) {
+  for (int k = p->rank - 1; k >= s->singleton_count; --k) {
     const km_entry_range *below = &s->lower[p->column[k]];
     for (int i = below->start; i < below->end; ++i)
       y[k] -= s->lower_store.value[i] * y[s->step_of[s->lower_store.index[i]]];
@@ -26,7 +26,7 @@ static void solve_transposed(const km_partition *p, double *y) {
 /* (LU)⁻¹ y, both by step. */
 static void solve(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
-  for (int k = s->singles; k < p->rank; ++k) {
+  for (int k = s->singleton_count; k < p->rank; ++k) {
     const km_entry_range *below = &s->lower[p->column[k]];
     for (int i = below->start; i < below->end && y[k] != 0.0; ++i)
       y[s->step_of[s->lower_store.index[i]]] -= s->lower_store.value[i] * y[k];
@@ -73,7 +73,7 @@ static bool rows_stand_apart(const km_partition *p, const double *matrix, const 
         sum += matrix[i] * y[s->step_of[s->row[i]]];
     square += sum * sum;
   }
-  return sqrt(square) > threshold * km_largest_size(y, p->rank);
+  return sqrt(square) > threshold * km_max_magnitude(y, p->rank);
 }
 
 int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool *forced, double threshold) {

@@ -58,7 +58,7 @@ static void count_looks(choice *h, const null_vector *v) {
 }
 
 static bool may_be_chosen(const choice *h, int c) {
-  return !h->p->sparse->late[c] && !km_sparse_is_preset(h->p, h->forced, c);
+  return !h->p->sparse->is_postponed[c] && !km_sparse_is_preset(h->p, h->forced, c);
 }
 
 /* Of equal entries that of the first column; without any other than 0 the first column of all. */
@@ -189,7 +189,7 @@ static bool choose(choice *h) {
       find_largest(h, v);
     if (v->largest < 0)
       break;
-    h->p->sparse->late[v->largest] = done[vector] = true;
+    h->p->sparse->is_postponed[v->largest] = done[vector] = true;
     whole = !h->full && eliminate(h, vector, done);
   }
   return whole;
@@ -198,11 +198,11 @@ static bool choose(choice *h) {
 bool km_sparse_choose_independent(km_partition *p, const bool *forced) {
   choice h = {.p = p, .forced = forced};
   bool changed = false;
-  memset(p->sparse->late, 0, (size_t)p->columns * sizeof *p->sparse->late);
+  memset(p->sparse->is_postponed, 0, (size_t)p->columns * sizeof *p->sparse->is_postponed);
   bool chosen = list_vectors(&h) && choose(&h);
   p->failed = p->failed || (!chosen && !h.full);
   km_arena_free(&h.arena);
   for (int k = 0; k < p->rank; ++k)
-    changed = changed || p->sparse->late[p->column[k]];
+    changed = changed || p->sparse->is_postponed[p->column[k]];
   return changed && chosen;
 }

@@ -130,7 +130,7 @@ static bool analyse(km_normal_equations *n, const int *start, const int *row) {
   for (long k = 0; k < n->rows; ++k)
     n->place[((const long *)first->Perm)[k]] = k;
   n->cholmod->cholmod_l_free_factor(&first, c);
-  if (!km_row_products_make((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
+  if (!km_row_products_create((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
     return false;
   c->method[0].ordering = CHOLMOD_NATURAL;
   c->postorder = 0;
@@ -179,7 +179,7 @@ const long *km_normal_equations_dissection(km_normal_equations *n) {
   return n->dissection;
 }
 
-bool km_normal_equations_has(const km_normal_equations *n, const bool *used_rows, const bool *used_columns) {
+bool km_normal_equations_is_factored(const km_normal_equations *n, const bool *used_rows, const bool *used_columns) {
   return n->is_factored && memcmp(n->used, used_rows, (size_t)n->rows * sizeof *n->used) == 0 &&
          memcmp(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns) == 0;
 }
@@ -190,16 +190,17 @@ bool km_normal_equations_factor(km_normal_equations *n, const double *matrix, co
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
-  if (km_normal_equations_has(n, used_rows, used_columns) && memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
+  if (km_normal_equations_is_factored(n, used_rows, used_columns) &&
+      memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
     return true;
   memcpy(n->value, n->next, entries * sizeof *n->next);
   memcpy(n->used, used_rows, (size_t)n->rows * sizeof *n->used);
   memcpy(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns);
-  km_row_products_find(&n->products, n->value, n->used);
+  km_row_products_compute(&n->products, n->value, n->used);
   cholmod_sparse P = products_of(n, !n->L->is_super);
-  int levels = km_single_thread_begin();
+  int levels = km_openmp_single_thread_begin();
   n->is_factored = n->cholmod->cholmod_l_factorize(&P, n->L, &n->common) && n->L->minor == n->L->n;
-  km_single_thread_end(levels);
+  km_openmp_single_thread_end(levels);
   return n->is_factored;
 }
 
@@ -224,9 +225,9 @@ static const double *solve_normal(km_normal_equations *n) {
   return n->z;
 }
 
-double km_normal_equations_smallest(km_normal_equations *n) {
+double km_normal_equations_smallest_singular_value(km_normal_equations *n) {
   enum { PASSES = 3 };
-  double square = 0.0, largest = km_largest_size(n->value, (int)n->start[n->columns]);
+  double square = 0.0, largest = km_max_magnitude(n->value, (int)n->start[n->columns]);
   uint64_t seed = 1;
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = n->used[r] ? km_uniform(&seed) : 0.0;

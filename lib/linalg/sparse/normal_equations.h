@@ -21,9 +21,10 @@ const long *km_normal_equations_dissection(km_normal_equations *normal);
 bool km_normal_equations_factor(km_normal_equations *normal, const double *matrix, const double *weight,
                                 const bool *used_rows, const bool *used_columns);
 /* Was what was factored last of these rows and columns? */
-bool km_normal_equations_has(const km_normal_equations *normal, const bool *used_rows, const bool *used_columns);
+bool km_normal_equations_is_factored(const km_normal_equations *normal, const bool *used_rows,
+                                     const bool *used_columns);
 /* About the smallest singular value of A in the rows that are used, over its largest entry; 0 where it can't be found. */
-double km_normal_equations_smallest(km_normal_equations *normal);
+double km_normal_equations_smallest_singular_value(km_normal_equations *normal);
 /* The x[columns] of least |x| with A x = b[rows] in the rows that are used. Corrected until nothing but rounding is left to
  * correct; false where that takes long, since the equations square the condition of A: then Q R is needed. */
 bool km_normal_equations_minimum_norm(km_normal_equations *normal, const double *b, double *x);

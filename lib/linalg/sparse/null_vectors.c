@@ -8,22 +8,22 @@ int km_sparse_reach_upper(const km_partition *p, const km_entry_range *own) {
   for (int i = own->start; i < own->end; ++i) {
     int depth = s->upper_store.value[i] != 0.0 ? 0 : -1;
     s->stack[0] = s->upper_store.index[i];
-    s->next[0] = -1;
-    while (depth >= 0 && (s->next[depth] >= 0 || !s->seen[s->stack[depth]])) {
+    s->stack_position[0] = -1;
+    while (depth >= 0 && (s->stack_position[depth] >= 0 || !s->visited[s->stack[depth]])) {
       int step = s->stack[depth];
       const km_entry_range *above = &s->upper[p->column[step]];
-      if (s->next[depth] < 0)
-        s->next[depth] = above->start;
-      s->seen[step] = true;
-      while (s->next[depth] < above->end &&
-             (s->seen[s->upper_store.index[s->next[depth]]] || s->upper_store.value[s->next[depth]] == 0.0))
-        s->next[depth]++;
-      if (s->next[depth] < above->end) {
-        int child = s->upper_store.index[s->next[depth]++];
+      if (s->stack_position[depth] < 0)
+        s->stack_position[depth] = above->start;
+      s->visited[step] = true;
+      while (s->stack_position[depth] < above->end && (s->visited[s->upper_store.index[s->stack_position[depth]]] ||
+                                                       s->upper_store.value[s->stack_position[depth]] == 0.0))
+        s->stack_position[depth]++;
+      if (s->stack_position[depth] < above->end) {
+        int child = s->upper_store.index[s->stack_position[depth]++];
         s->stack[++depth] = child;
-        s->next[depth] = -1;
+        s->stack_position[depth] = -1;
       } else {
-        s->list[--top] = step;
+        s->reach_list[--top] = step;
         --depth;
       }
     }
@@ -41,10 +41,10 @@ int km_partition_null_entries(const km_partition *p, int k, int *column, double 
   for (int i = own->start; i < own->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
   for (int i = top; i < p->rows; ++i) {
-    int step = s->list[i];
+    int step = s->reach_list[i];
     double b = s->x[step] * p->inverse[step];
     const km_entry_range *above = &s->upper[p->column[step]];
-    s->seen[step] = false;
+    s->visited[step] = false;
     s->x[step] = 0.0;
     if (b == 0.0)
       continue;

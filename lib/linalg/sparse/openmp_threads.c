@@ -19,7 +19,7 @@ static const library *load(void) {
   return km_library_load(&openmp) ? NULL : &functions;
 }
 
-int km_single_thread_begin(void) {
+int km_openmp_single_thread_begin(void) {
   const library *openmp = load();
   int levels = openmp ? openmp->get_levels() : 0;
   if (openmp)
@@ -27,7 +27,7 @@ int km_single_thread_begin(void) {
   return levels;
 }
 
-void km_single_thread_end(int levels) {
+void km_openmp_single_thread_end(int levels) {
   const library *openmp = load();
   if (openmp)
     openmp->set_levels(levels);

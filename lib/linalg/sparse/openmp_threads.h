@@ -4,7 +4,7 @@
 #define KM_LINALG_SPARSE_OPENMP_THREADS_H
 
 /* From here on to the end parallel regions of this thread run on it alone. Returns what the end is to be given. */
-int km_single_thread_begin(void);
-void km_single_thread_end(int levels);
+int km_openmp_single_thread_begin(void);
+void km_openmp_single_thread_end(int levels);
 
 #endif

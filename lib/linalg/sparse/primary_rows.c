@@ -69,7 +69,7 @@ km_normal_equations *km_sparse_normal(const km_partition *p, const double *matri
     columns[p->column[k]] = true;
   bool good = rows && columns &&
               (matrix ? km_normal_equations_factor(normal, matrix, weight, rows, columns)
-                      : km_normal_equations_has(normal, rows, columns));
+                      : km_normal_equations_is_factored(normal, rows, columns));
   km_free(rows);
   km_free(columns);
   return good ? normal : NULL;
@@ -130,7 +130,7 @@ bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const
     return false;
   list_rows(p, kept);
   km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, most - p->rank);
-  double smallest = normal ? km_normal_equations_smallest(normal) : 0.0;
+  double smallest = normal ? km_normal_equations_smallest_singular_value(normal) : 0.0;
   if (!(smallest > least))
     return false;
   double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
@@ -143,7 +143,7 @@ bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const
   p->rows_were_kept = kept;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
-  s->singles = s->zero_count = 0;
+  s->singleton_count = s->singleton_zero_count = 0;
   memset(s->upper, 0, (size_t)p->columns * sizeof *s->upper);
   memset(s->lower, 0, (size_t)p->columns * sizeof *s->lower);
   return true;
@@ -159,12 +159,12 @@ bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const 
       left_out[c] = km_sparse_is_locked(p, c) || (p->forced_never_pivot && forced && forced[c]);
     for (int r = 0; r < p->rows; ++r)
       km_sparse_fill_row(p->sparse, matrix, NULL, left_out, r, r, km_sparse_qr_columns(q));
-    rank = km_sparse_qr_independent(q, threshold, list);
+    rank = km_sparse_qr_independent_columns(q, threshold, list);
   }
   for (int r = 0; r < p->rows && rank >= 0; ++r)
-    p->sparse->spare[r] = true;
+    p->sparse->is_excluded_row[r] = true;
   for (int k = 0; k < rank; ++k)
-    p->sparse->spare[list[k]] = false;
+    p->sparse->is_excluded_row[list[k]] = false;
   km_sparse_qr_free(q);
   km_free(left_out);
   km_free(list);

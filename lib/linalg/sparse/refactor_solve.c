@@ -41,14 +41,14 @@ static int list_reached(const km_partition *p, const km_entry_range *own) {
   if (count > p->rank / 16) {
     int n = 0;
     for (int k = p->rank - 1; k >= 0; --k)
-      if (s->seen[k])
-        s->list[n++] = k;
+      if (s->visited[k])
+        s->reach_list[n++] = k;
   } else {
-    memmove(s->list, s->list + top, (size_t)count * sizeof *s->list);
-    qsort(s->list, (size_t)count, sizeof *s->list, descending);
+    memmove(s->reach_list, s->reach_list + top, (size_t)count * sizeof *s->reach_list);
+    qsort(s->reach_list, (size_t)count, sizeof *s->reach_list, descending);
   }
   for (int i = 0; i < count; ++i)
-    s->seen[s->list[i]] = false;
+    s->visited[s->reach_list[i]] = false;
   return count;
 }
 
@@ -79,7 +79,7 @@ static km_entry_range solve_reached(const km_partition *p, const km_entry_range 
   for (int i = own->start; i < own->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
   for (int i = 0; i < count; ++i) {
-    int step = s->list[i];
+    int step = s->reach_list[i];
     double value = s->x[step] * p->inverse[step];
     const km_entry_range *above = &s->upper[p->column[step]];
     s->x[step] = value;
@@ -87,11 +87,11 @@ static km_entry_range solve_reached(const km_partition *p, const km_entry_range 
       s->x[s->upper_store.index[n]] -= s->upper_store.value[n] * value;
   }
   for (int i = count - 1; i >= 0; --i) {
-    if (s->x[s->list[i]] != 0.0) {
-      s->b_store.index[run.end] = s->list[i];
-      s->b_store.value[run.end++] = s->x[s->list[i]];
+    if (s->x[s->reach_list[i]] != 0.0) {
+      s->b_store.index[run.end] = s->reach_list[i];
+      s->b_store.value[run.end++] = s->x[s->reach_list[i]];
     }
-    s->x[s->list[i]] = 0.0;
+    s->x[s->reach_list[i]] = 0.0;
   }
   return run;
 }
@@ -101,8 +101,8 @@ static km_entry_range solve_reached(const km_partition *p, const km_entry_range 
 static km_entry_range solve_column(const km_partition *p, const km_entry_range *own, int end) {
   enum { FEW = 16 };
   km_sparse *s = p->sparse;
-  km_entry_range run = (s->reaches_far ? solve_whole : solve_reached)(p, own, end);
-  s->reaches_far = run.end - run.start > p->rank / FEW;
+  km_entry_range run = (s->was_last_b_long ? solve_whole : solve_reached)(p, own, end);
+  s->was_last_b_long = run.end - run.start > p->rank / FEW;
   return run;
 }
 
@@ -113,7 +113,7 @@ static bool are_few(const km_partition *p) {
 
 km_entry_range km_sparse_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
-  return s->keeps_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
+  return s->stores_all_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
 double km_sparse_random_weight(int index, int probe) {
@@ -182,7 +182,7 @@ static bool find_columns(km_partition *p, const bool *forced, double most) {
       return false;
     km_entry_range run = (few ? solve_whole : solve_column)(p, &s->upper[p->column[k]], end);
     const double *b = s->b_store.value + end;
-    double size = km_largest_size(b, run.end - end);
+    double size = km_max_magnitude(b, run.end - end);
     p->max_b = size > p->max_b ? size : p->max_b;
     finite = km_all_finite(b, run.end - end) && finite;
     s->b[k - p->rank] = run;
@@ -204,9 +204,9 @@ bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
   p->max_b = 0.0;
   p->sign = sign_of(p);
-  s->b_waits = false;
-  s->keeps_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
-  if (s->keeps_b)
+  s->is_b_unmeasured = false;
+  s->stores_all_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
+  if (s->stores_all_b)
     return find_columns(p, forced, most);
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
   if (p->failed)
@@ -216,7 +216,7 @@ bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
 }
 
 double km_sparse_current_max_b(const km_partition *p) {
-  return p->sparse->b_waits ? measure_b(p, false, NULL, HUGE_VAL) : p->max_b;
+  return p->sparse->is_b_unmeasured ? measure_b(p, false, NULL, HUGE_VAL) : p->max_b;
 }
 
 /* Of many vectors, with room for one. */
@@ -224,8 +224,8 @@ static bool let_b_wait(km_partition *p) {
   km_sparse *s = p->sparse;
   p->max_b = p->max_b_at_search;
   p->sign = sign_of(p);
-  s->b_waits = true;
-  s->keeps_b = false;
+  s->is_b_unmeasured = true;
+  s->stores_all_b = false;
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
   return !p->failed && km_all_finite(p->inverse, p->rank);
 }
@@ -242,8 +242,8 @@ const double *km_sparse_gather_b(const km_partition *p, int k) {
 /* Are the entries 0 whose rows the single columns left to others? */
 static bool are_zero(const km_sparse *s, const double *matrix) {
   bool all = true;
-  for (int i = 0; i < s->zero_count; ++i)
-    all = all && matrix[s->zero[i]] == 0.0;
+  for (int i = 0; i < s->singleton_zero_count; ++i)
+    all = all && matrix[s->singleton_zero[i]] == 0.0;
   return all;
 }
 
@@ -263,7 +263,7 @@ static void refactor_single(km_partition *p, const double *matrix, int k) {
 
 /* B of new values. */
 static bool renew_b(km_partition *p) {
-  if (p->unrestricted_basis || p->sparse->by_rows)
+  if (p->unrestricted_basis || p->sparse->has_rows_only)
     return true;
   bool waits = p->basis_quality_unneeded && km_partition_freedom(p) > KM_MANY_VECTORS;
   return waits ? let_b_wait(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
@@ -271,18 +271,18 @@ static bool renew_b(km_partition *p) {
 
 bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {
   km_sparse *s = p->sparse;
-  s->is_known = false;
-  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->by_normal && !p->rows_only))
+  s->is_cached = false;
+  if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->has_normal_only && !p->rows_only))
     return false;
-  if (s->by_normal) /* the rows' next least solution shows whether they still stand */
+  if (s->has_normal_only) /* the rows' next least solution shows whether they still stand */
     return true;
   if (!are_zero(s, matrix))
     return whole && km_sparse_refactor_full_pattern(p, matrix) && renew_b(p);
-  for (int k = 0; k < s->singles; ++k)
+  for (int k = 0; k < s->singleton_count; ++k)
     refactor_single(p, matrix, k);
   const int count =
-      s->by_rows ? p->rank : p->columns; /* by rows the independent columns have no entries of U to take theirs */
-  for (int k = s->singles; k < count; ++k) {
+      s->has_rows_only ? p->rank : p->columns; /* by rows the independent columns have no entries of U to take theirs */
+  for (int k = s->singleton_count; k < count; ++k) {
     int c = p->column[k];
     scatter_primary(p, matrix, c);
     for (int i = s->upper[c].start; i < s->upper[c].end; ++i) {
@@ -307,7 +307,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
   const km_sparse *s = p->sparse;
   double *y = p->work;
-  if (s->by_normal) { /* comes to this where memory is short */
+  if (s->has_normal_only) { /* comes to this where memory is short */
     memset(x, 0, (size_t)p->columns * sizeof *x);
     return;
   }
@@ -352,12 +352,12 @@ void km_sparse_copy(km_partition *to, const km_partition *from) {
   }
   memcpy(t->upper, f->upper, (size_t)from->columns * sizeof *t->upper);
   memcpy(t->lower, f->lower, (size_t)from->columns * sizeof *t->lower);
-  memcpy(t->zero, f->zero, (size_t)f->zero_count * sizeof *t->zero);
-  t->zero_count = f->zero_count;
-  t->singles = f->singles;
-  t->is_known = false;
-  t->by_rows = f->by_rows;
-  t->by_normal = f->by_normal;
+  memcpy(t->singleton_zero, f->singleton_zero, (size_t)f->singleton_zero_count * sizeof *t->singleton_zero);
+  t->singleton_zero_count = f->singleton_zero_count;
+  t->singleton_count = f->singleton_count;
+  t->is_cached = false;
+  t->has_rows_only = f->has_rows_only;
+  t->has_normal_only = f->has_normal_only;
   memcpy(t->step_of, f->step_of, (size_t)from->rows * sizeof *t->step_of);
   to->failed = from->failed || !km_sparse_reserve_factor(t, upper, lower);
   if (to->failed)

@@ -18,7 +18,7 @@ static bool is_kept(long row, long column, bool upper) {
 /* What is needed to list a column of products. */
 typedef struct listing {
   const int *start, *row; /* of A */
-  const int *row_start;   /* of A by row: see km_sort_by_row */
+  const int *row_start;   /* of A by row: see km_create_row_storage */
   const km_row_entry *by_row;
   const long *place;
   long *at;        /* [rows] by place: the entry of this column, -1: none */
@@ -93,8 +93,8 @@ static void list_column(const listing *l, int r, km_row_products *out) {
   out->start[k + 1] = end;
 }
 
-bool km_row_products_make(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
-                          km_row_products *out) {
+bool km_row_products_create(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
+                            km_row_products *out) {
   km_arena arena = {0};
   *out = (km_row_products){0};
   int *order = KM_ARENA_NEW(&arena, int, (size_t)rows), *row_start = KM_ARENA_NEW(&arena, int, (size_t)rows + 2);
@@ -103,7 +103,7 @@ bool km_row_products_make(int rows, int columns, const int *start, const int *ro
   l.at = KM_ARENA_NEW(&arena, long, (size_t)rows);
   bool made = reserve(out, rows, columns, start, &arena, &l);
   if (made)
-    km_sort_by_row(rows, columns, start, row, row_start, by_row);
+    km_create_row_storage(rows, columns, start, row, row_start, by_row);
   for (int r = 0; r < rows && made; ++r) {
     l.at[r] = -1;
     order[place[r]] = r;
@@ -122,7 +122,7 @@ void km_row_products_free(km_row_products *p) {
   *p = (km_row_products){0};
 }
 
-void km_row_products_find(km_row_products *p, const double *entries, const bool *used_rows) {
+void km_row_products_compute(km_row_products *p, const double *entries, const bool *used_rows) {
   const km_factors *const pair = p->pair;
   for (long i = 0; i < p->start[p->rows]; ++i) {
     double sum = 0.0;

@@ -24,11 +24,11 @@ typedef struct km_row_products {
 
 /* For matrices in which column c can have entries in the rows row[start[c] … start[c+1]-1]. `upper`: the triangle above the diagonal in
  * place of that below. False when out of memory; then, too, it must be freed. */
-bool km_row_products_make(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
-                          km_row_products *out);
+bool km_row_products_create(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
+                            km_row_products *out);
 void km_row_products_free(km_row_products *products);
 /* The products of the entries, O(pairs); a row that isn't used is orthogonal to all others, with the square 1. Its entries must be
  * 0. */
-void km_row_products_find(km_row_products *products, const double *entries, const bool *used_rows);
+void km_row_products_compute(km_row_products *products, const double *entries, const bool *used_rows);
 
 #endif

@@ -2,7 +2,8 @@
 #include "linalg/sparse/row_storage.h"
 
 /* While entries are placed, the next free place of row r is row_start[r + 1]. */
-void km_sort_by_row(int rows, int columns, const int *start, const int *row, int *row_start, km_row_entry *by_row) {
+void km_create_row_storage(int rows, int columns, const int *start, const int *row, int *row_start,
+                           km_row_entry *by_row) {
   for (int i = 0; i < start[columns]; ++i)
     row_start[row[i] + 2]++;
   for (int r = 0; r < rows; ++r)

@@ -9,6 +9,7 @@ typedef struct km_row_entry {
 
 /* Of a matrix whose column c has the rows row[start[c] … start[c+1]-1]: the entries of row r, by column, from
  * by_row[row_start[r]] on. row_start[rows + 2] is 0 before; its last number is room to work in. O(rows + entries). */
-void km_sort_by_row(int rows, int columns, const int *start, const int *row, int *row_start, km_row_entry *by_row);
+void km_create_row_storage(int rows, int columns, const int *start, const int *row, int *row_start,
+                           km_row_entry *by_row);
 
 #endif

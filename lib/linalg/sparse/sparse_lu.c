@@ -16,9 +16,9 @@ static bool leave_shared(km_partition *p) {
   km_sparse *s = p->sparse;
   bool changed = false;
   for (int c = 0; c < p->columns; ++c)
-    s->late[c] = (s->start[c + 1] - s->start[c]) * p->columns > s->start[p->columns];
+    s->is_postponed[c] = (s->start[c + 1] - s->start[c]) * p->columns > s->start[p->columns];
   for (int k = 0; k < p->rank; ++k)
-    changed = changed || s->late[p->column[k]];
+    changed = changed || s->is_postponed[p->column[k]];
   return changed;
 }
 
@@ -31,7 +31,7 @@ static double largest_free_b(const km_partition *p, const bool *forced) {
  */
 static int find_hidden(const km_partition *p, const double *matrix, const bool *forced, double threshold,
                        bool rank_counts) {
-  if (p->failed || p->sparse->overfull)
+  if (p->failed || p->sparse->is_overfull)
     return -1;
   return rank_counts && km_sparse_hidden_row(p, matrix, forced, threshold) < 0
              ? -1
@@ -46,12 +46,12 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
   int hidden = -1, row = -1;
   do {
     if (row >= 0)
-      s->spare[row] = true;
+      s->is_excluded_row[row] = true;
     else if (hidden >= 0)
-      s->late[hidden] = s->waits = true;
+      s->is_postponed[hidden] = s->postpones_small = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = find_hidden(p, matrix, forced, threshold, rank_counts);
-    bool last = hidden >= 0 && s->late[hidden];
+    bool last = hidden >= 0 && s->is_postponed[hidden];
     row = last ? km_sparse_hidden_row(p, matrix, p->forced_never_pivot ? forced : NULL, threshold) : -1;
     if (last && row < 0)
       hidden = -1;
@@ -63,7 +63,7 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
   int hidden = -1;
   do {
     if (hidden >= 0)
-      p->sparse->spare[hidden] = true;
+      p->sparse->is_excluded_row[hidden] = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
     hidden = p->failed ? -1 : km_sparse_hidden_row(p, matrix, forced, threshold);
   } while (hidden >= 0);
@@ -75,14 +75,14 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
 static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   enum { MOST_FILL = 4 };
   km_sparse *s = p->sparse;
-  s->most_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
-  s->waits_to_fill = p->rows > p->columns;
+  s->max_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
+  s->limits_fill_if_postponing = p->rows > p->columns;
   eliminate_all(p, matrix, forced, threshold, true);
-  s->most_entries = 0;
-  if (!s->overfull)
+  s->max_entries = 0;
+  if (!s->is_overfull)
     return;
-  s->waits = false;
-  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
+  s->postpones_small = false;
+  memset(s->is_postponed, 0, (size_t)p->columns * sizeof *s->is_postponed);
   km_sparse_find_dependent_rows(p, matrix, forced, threshold);
   eliminate_rows(p, matrix, forced, threshold);
 }
@@ -118,19 +118,19 @@ static bool are_kept(const bool *kept, const bool *flags, size_t count) {
 bool km_sparse_has_factor(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   const km_sparse *s = p->sparse;
   const size_t columns = (size_t)p->columns;
-  return s->is_known && !p->failed && s->known_tolerance == tolerance && s->known_flags == flags_of(p) &&
-         are_kept(s->known_forced, forced, columns) && are_kept(s->known_locked, p->locked, columns) &&
-         memcmp(s->known, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
+  return s->is_cached && !p->failed && s->cached_tolerance == tolerance && s->cached_flags == flags_of(p) &&
+         are_kept(s->cached_forced, forced, columns) && are_kept(s->cached_locked, p->locked, columns) &&
+         memcmp(s->cached_matrix, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
 }
 
 static void remember(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
-  memcpy(s->known, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
-  keep_flags(s->known_forced, forced, (size_t)p->columns);
-  keep_flags(s->known_locked, p->locked, (size_t)p->columns);
-  s->known_tolerance = tolerance;
-  s->known_flags = flags_of(p);
-  s->is_known = !p->failed;
+  memcpy(s->cached_matrix, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
+  keep_flags(s->cached_forced, forced, (size_t)p->columns);
+  keep_flags(s->cached_locked, p->locked, (size_t)p->columns);
+  s->cached_tolerance = tolerance;
+  s->cached_flags = flags_of(p);
+  s->is_cached = !p->failed;
 }
 
 /* Passes of elimination until |B| is small enough, from `pass` on; it can go on later where it ends before that since any choice
@@ -146,7 +146,7 @@ static void find_better_columns(km_partition *p, const double *matrix, const boo
     if (finite && largest_free_b(p, forced) <= most)
       break;
     bool ends = !others && any_serve(p) && km_partition_may_defer(p);
-    p->sparse->next_pass = ends && finite ? pass + 1 : 0;
+    p->sparse->resume_pass = ends && finite ? pass + 1 : 0;
     if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
   }
@@ -158,29 +158,29 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
 
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
-  p->scale = km_largest_size(matrix, s->start[p->columns]);
+  p->scale = km_max_magnitude(matrix, s->start[p->columns]);
   p->locked_count = 0;
   p->rows_were_kept = false;
-  s->waits = false;
-  s->next_pass = 0;
+  s->postpones_small = false;
+  s->resume_pass = 0;
   p->max_b = 0.0;
   for (int c = 0; p->locked && c < p->columns; ++c)
     p->locked_count += p->locked[c];
-  memset(s->late, 0, (size_t)p->columns * sizeof *s->late);
-  memset(s->spare, 0, (size_t)p->rows * sizeof *s->spare);
-  s->by_rows = p->rows_only && !km_sparse_gram_is_dense(p);
-  s->by_normal = s->by_rows && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
-  if (!s->by_normal)
-    (s->by_rows ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
+  memset(s->is_postponed, 0, (size_t)p->columns * sizeof *s->is_postponed);
+  memset(s->is_excluded_row, 0, (size_t)p->rows * sizeof *s->is_excluded_row);
+  s->has_rows_only = p->rows_only && !km_sparse_gram_is_dense(p);
+  s->has_normal_only = s->has_rows_only && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
+  if (!s->has_normal_only)
+    (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   remember(p, matrix, forced, tolerance);
 }
 
 bool km_sparse_improve_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
-  const int pass = s->next_pass;
+  const int pass = s->resume_pass;
   if (pass == 0 || any_serve(p))
     return false;
-  s->next_pass = 0;
+  s->resume_pass = 0;
   bool changes = km_sparse_choose_independent(p, forced);
   if (changes)
     find_better_columns(p, matrix, forced, tolerance * p->scale, pass);

@@ -26,54 +26,55 @@ typedef struct km_entry_store {
 /* The entries of a column other than 0 in rows without a pivot, while singles are sought: how many, -1: the column is one; and
  * the exclusive or of their places in the matrix, which is the place itself where one is left. */
 typedef struct km_open_entries {
-  int count, entries;
+  int count, index_xor;
 } km_open_entries;
 
 struct km_sparse {
-  km_arena *arena;            /* what grows, grows there */
-  const int *start, *row;     /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
-  const km_row_entry *by_row; /* the same entries: of row r from by_row[row_start[r]] on */
-  const int *row_start;       /* [rows + 1] */
-  const int *order;           /* [columns] that keeps L sparse */
-  int *lead;                  /* [columns] the order of this factorisation */
-  int singles;                /* so many of its first columns are single ones */
-  int *zero, zero_count;      /* entries of their pattern that must be 0 for that */
-  km_open_entries *open;      /* [columns] */
-  int *dropped; /* [columns] those that became independent, in that order; before, those that may become single */
-  bool *late;   /* [columns] is to come last, since it should stay independent */
-  bool waits;   /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
+  km_arena *arena;                           /* what grows, grows there */
+  const int *start, *row;                    /* pattern: rows of column c are row[start[c] … start[c+1]-1] */
+  const km_row_entry *by_row;                /* the same entries: of row r from by_row[row_start[r]] on */
+  const int *row_start;                      /* [rows + 1] */
+  const int *order;                          /* [columns] that keeps L sparse */
+  int *factor_order;                         /* [columns] the order of this factorisation */
+  int singleton_count;                       /* so many of its first columns are single ones */
+  int *singleton_zero, singleton_zero_count; /* entries of their pattern that must be 0 for that */
+  km_open_entries *open_entries;             /* [columns] */
+  int *dropped;       /* [columns] those that became independent, in that order; before, those that may become single */
+  bool *is_postponed; /* [columns] is to come last, since it should stay independent */
+  bool
+      postpones_small; /* columns that leave only a small pivot become late ones: small pivots that share a vanishing singular
                   * value then come last, where they tell */
-  int most_entries;   /* of U and L, beyond which the elimination ends as overfull; 0: any number */
-  bool waits_to_fill; /* that only where columns wait */
-  bool overfull;
+  int max_entries;                /* of U and L, beyond which the elimination ends as overfull; 0: any number */
+  bool limits_fill_if_postponing; /* that only where columns wait */
+  bool is_overfull;
   km_entry_range *upper; /* [columns] of each: its entries of U, by step in an order that replays it */
   km_entry_range *lower; /* [columns] and of L, by row; independent columns have none */
   km_entry_store upper_store, lower_store; /* index: the step, the row */
-  bool *nests;                             /* [rows] by step, while columns are eliminated: see sparse_nests.c */
-  km_entry_range
-      *shared; /* [rows] by step: its entries of L once more, in the order of the step behind it where it nests */
-  km_entry_store shared_store; /* index: the row */
-  int shared_end;
-  int *step_of;             /* [rows] that used the row, -1: none yet */
-  double *x;                /* [rows] accumulators, 0 between columns */
-  int *list, *stack, *next; /* [rows] rows that a column reaches; walking them */
-  bool *seen;               /* [rows] */
-  bool *spare;              /* [rows] is to be no primary one, since others make it dependent */
-  km_entry_range *b;        /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
-  km_entry_store b_store;   /* index: the step */
-  bool reaches_far;         /* the column of B that was asked for last has many entries */
-  double *known;            /* [entries] the matrix that was factored last, while the factor is that of it */
-  bool *known_forced, *known_locked; /* [columns] then */
-  double known_tolerance;
-  unsigned known_flags;
-  bool is_known;
-  int next_pass; /* of a search for good independent columns that ended since any serve: where it goes on; 0: it doesn't */
+  bool *is_nested;                         /* [rows] by step, while columns are eliminated: see sparse_nests.c */
+  km_entry_range *
+      supernode_range; /* [rows] by step: its entries of L once more, in the order of the step behind it where it nests */
+  km_entry_store supernode_store; /* index: the row */
+  int supernode_end;
+  int *step_of;                             /* [rows] that used the row, -1: none yet */
+  double *x;                                /* [rows] accumulators, 0 between columns */
+  int *reach_list, *stack, *stack_position; /* [rows] rows that a column reaches; walking them */
+  bool *visited;                            /* [rows] */
+  bool *is_excluded_row;                    /* [rows] is to be no primary one, since others make it dependent */
+  km_entry_range *b;      /* [columns] of independent column k: its entries of B that aren't 0, by step, ascending */
+  km_entry_store b_store; /* index: the step */
+  bool was_last_b_long;   /* the column of B that was asked for last has many entries */
+  double *cached_matrix;  /* [entries] the matrix that was factored last, while the factor is that of it */
+  bool *cached_forced, *cached_locked; /* [columns] then */
+  double cached_tolerance;
+  unsigned cached_flags;
+  bool is_cached;
+  int resume_pass; /* of a search for good independent columns that ended since any serve: where it goes on; 0: it doesn't */
   km_normal_equations **normal; /* borrowed, of all partitions of the pattern; NULL: none */
   const double *weight;         /* the same: of the columns, for the normal equations */
-  bool by_rows;   /* only the rows were asked for: the independent columns have no entries of U, and no B */
-  bool by_normal; /* they were, and are independent by their normal equations: there is no L and no U */
-  bool b_waits;   /* the size of B wasn't measured with these values */
-  bool keeps_b;   /* else there is room for one column of B only: many are found when they are asked for */
+  bool has_rows_only;   /* only the rows were asked for: the independent columns have no entries of U, and no B */
+  bool has_normal_only; /* they were, and are independent by their normal equations: there is no L and no U */
+  bool is_b_unmeasured; /* the size of B wasn't measured with these values */
+  bool stores_all_b;    /* else there is room for one column of B only: many are found when they are asked for */
 };
 
 /* Null vectors with so many times the entries of the matrix, all together, are long: they reach through the whole mechanism. */

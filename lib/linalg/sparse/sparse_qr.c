@@ -144,7 +144,7 @@ bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count) {
   return done;
 }
 
-bool km_sparse_qr_squares(km_sparse_qr *q, double *v, int count, double *squares) {
+bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, double *squares) {
   cholmod_dense V = dense(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   bool done = Y != NULL;
@@ -221,8 +221,8 @@ bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool as_they_
   if (done) {
     const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, rows_continue, rows_lead, q->columns};
     for (long k = 0; k < q->columns; ++k) {
-      rows_continue[k] = km_triangle_continues(&by_rows, k);
-      rows_lead[k] = km_triangle_leads(&by_rows, k);
+      rows_continue[k] = km_triangle_is_nested(&by_rows, k);
+      rows_lead[k] = km_triangle_covers_later(&by_rows, k);
     }
     sort_rows(q, by_row, place, list);
     add_shares(q, &by_rows, by_row, place, list, y, marked, share);
@@ -240,7 +240,7 @@ bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool as_they_
   return done;
 }
 
-int km_sparse_qr_independent(km_sparse_qr *q, double tolerance, int *list) {
+int km_sparse_qr_independent_columns(km_sparse_qr *q, double tolerance, int *list) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_of(q), *R = NULL;
   SuiteSparse_long *order = NULL;

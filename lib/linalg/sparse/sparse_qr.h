@@ -29,14 +29,14 @@ int km_sparse_qr_rank(const km_sparse_qr *q);
 /* Takes out of each of `count` vectors v[rows · count] what the columns span of it. False when out of memory. */
 bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count);
 /* |v|² of what the columns span of each of `count` vectors v[rows · count]. False when out of memory. */
-bool km_sparse_qr_squares(km_sparse_qr *q, double *v, int count, double *squares);
+bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, double *squares);
 /* The same of every unit vector: share[row], by R alone. False when out of memory, or where the columns depend on each
  * other to the tolerance. Factors by itself, the columns as they stand or in an order of nested dissection. O(entries of R that the
  * rows of the matrix reach). */
 bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool as_they_stand, double *share);
 /* The columns of which more than `tolerance` is left over those before them, in COLAMD's order: list[rank], no order. Returns
  * the rank, -1: out of memory. Factors by itself. */
-int km_sparse_qr_independent(km_sparse_qr *q, double tolerance, int *list);
+int km_sparse_qr_independent_columns(km_sparse_qr *q, double tolerance, int *list);
 /* The x[rows] of least |x| with Aᵀx = b[columns], which must have one. False when out of memory. */
 bool km_sparse_qr_minimum_norm(km_sparse_qr *q, const double *b, double *x);
 

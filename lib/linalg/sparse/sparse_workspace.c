@@ -34,26 +34,26 @@ static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
                    .order = s->order,
                    .normal = s->normal,
                    .weight = s->weight,
-                   .lead = KM_ARENA_NEW(arena, int, c),
-                   .zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
-                   .open = KM_ARENA_NEW(arena, km_open_entries, c),
+                   .factor_order = KM_ARENA_NEW(arena, int, c),
+                   .singleton_zero = KM_ARENA_NEW(arena, int, (size_t)s->start[columns]),
+                   .open_entries = KM_ARENA_NEW(arena, km_open_entries, c),
                    .dropped = KM_ARENA_NEW(arena, int, c),
                    .b = KM_ARENA_NEW(arena, km_entry_range, c),
-                   .late = KM_ARENA_NEW(arena, bool, c),
+                   .is_postponed = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_entry_range, c),
                    .lower = KM_ARENA_NEW(arena, km_entry_range, c),
-                   .nests = KM_ARENA_NEW(arena, bool, r),
-                   .shared = KM_ARENA_NEW(arena, km_entry_range, r),
+                   .is_nested = KM_ARENA_NEW(arena, bool, r),
+                   .supernode_range = KM_ARENA_NEW(arena, km_entry_range, r),
                    .step_of = KM_ARENA_NEW(arena, int, r),
                    .x = KM_ARENA_NEW(arena, double, r),
-                   .list = KM_ARENA_NEW(arena, int, r),
+                   .reach_list = KM_ARENA_NEW(arena, int, r),
                    .stack = KM_ARENA_NEW(arena, int, r),
-                   .next = KM_ARENA_NEW(arena, int, r),
-                   .seen = KM_ARENA_NEW(arena, bool, r),
-                   .known = KM_ARENA_NEW(arena, double, (size_t)s->start[columns]),
-                   .known_forced = KM_ARENA_NEW(arena, bool, c),
-                   .known_locked = KM_ARENA_NEW(arena, bool, c),
-                   .spare = KM_ARENA_NEW(arena, bool, r)};
+                   .stack_position = KM_ARENA_NEW(arena, int, r),
+                   .visited = KM_ARENA_NEW(arena, bool, r),
+                   .cached_matrix = KM_ARENA_NEW(arena, double, (size_t)s->start[columns]),
+                   .cached_forced = KM_ARENA_NEW(arena, bool, c),
+                   .cached_locked = KM_ARENA_NEW(arena, bool, c),
+                   .is_excluded_row = KM_ARENA_NEW(arena, bool, r)};
   return !arena->failed;
 }
 
@@ -76,7 +76,7 @@ bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const i
   km_row_entry *by_row = KM_ARENA_NEW(arena, km_row_entry, (size_t)start[columns]);
   km_sparse pattern = {.start = start, .row = row, .by_row = by_row, .row_start = row_start, .order = order};
   if (!arena->failed)
-    km_sort_by_row(rows, columns, start, row, row_start, by_row);
+    km_create_row_storage(rows, columns, start, row, row_start, by_row);
   if (arena->failed || !order_columns(rows, columns, start, row, order)) {
     arena->failed = true;
     return false;

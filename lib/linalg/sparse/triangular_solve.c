@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-bool km_triangle_continues(const km_triangle *R, long k) {
+bool km_triangle_is_nested(const km_triangle *R, long k) {
   const long *start = R->start, *column = R->column;
   if (k + 1 >= R->columns)
     return false;
@@ -12,10 +12,10 @@ bool km_triangle_continues(const km_triangle *R, long k) {
          memcmp(column + start[k] + 1, column + start[k + 1], (size_t)count * sizeof *column) == 0;
 }
 
-bool km_triangle_leads(const km_triangle *R, long k) {
+bool km_triangle_covers_later(const km_triangle *R, long k) {
   const long *start = R->start, *column = R->column;
   long i = start[k] + 1, end = start[k + 1];
-  if (i >= end || km_triangle_continues(R, k))
+  if (i >= end || km_triangle_is_nested(R, k))
     return true;
   for (long n = start[column[i]]; i < end && n < start[column[start[k] + 1] + 1]; ++n)
     i += column[n] == column[i];

@@ -9,8 +9,8 @@
 typedef struct km_triangle {
   const long *start, *column;
   const double *value;
-  const bool *continues; /* [columns] by km_triangle_continues: such rows go together */
-  const bool *leads;     /* [columns] by km_triangle_leads: of such rows the first column alone is marked */
+  const bool *is_nested;    /* [columns] by km_triangle_is_nested: such rows go together */
+  const bool *covers_later; /* [columns] by km_triangle_covers_later: of such rows the first column alone is marked */
   long columns;
 } km_triangle;
 
@@ -18,10 +18,10 @@ typedef struct km_triangle {
 enum { KM_TRIANGLE_LANES = 8 };
 
 /* Has the row behind row k the same columns, without row k's diagonal? */
-bool km_triangle_continues(const km_triangle *triangle, long k);
+bool km_triangle_is_nested(const km_triangle *triangle, long k);
 
 /* Has the row of row k's first column behind the diagonal the others too? Not where some of its entries came out 0. */
-bool km_triangle_leads(const km_triangle *triangle, long k);
+bool km_triangle_covers_later(const km_triangle *triangle, long k);
 
 /* A set of columns, a bit each. */
 enum { KM_TRIANGLE_WORD = 64 };

@@ -49,14 +49,14 @@ static void take_rows(const km_triangle *R, long k, double *y, double sum[LANES]
 static bool go_together(const km_triangle *R, long k) {
   bool all = k + TOGETHER <= R->columns;
   for (int r = 0; r + 1 < TOGETHER && all; ++r)
-    all = R->continues[k + r];
+    all = R->is_nested[k + r];
   return all;
 }
 
 /* `count` rows from row k on are done: what they have changed are the columns of the last one. */
 static void pass_marks(const km_triangle *R, long k, long count, uint64_t *marked) {
   const long last = k + count - 1, next = R->start[last] + 1;
-  const long end = R->leads[last] && next < R->start[k + count] ? next + 1 : R->start[k + count];
+  const long end = R->covers_later[last] && next < R->start[k + count] ? next + 1 : R->start[k + count];
   for (long r = k; r <= last; ++r)
     marked[r / KM_TRIANGLE_WORD] &= ~((uint64_t)1 << r % KM_TRIANGLE_WORD);
   for (long i = next; i < end; ++i)

@@ -31,7 +31,7 @@ static km_status check_speed(double speed, km_error *error) {
 }
 
 static km_status check_direction(const double v[3], km_error *error) {
-  double length = km_vec3_norm(km_vec3_make(v));
+  double length = km_vec3_norm(km_vec3_from_array(v));
   if (length > 0.0 && isfinite(length))
     return KM_OK;
   return km_fail(error, KM_USAGE, "found a vector of length %s; expected a direction", KM_SHOWN(length));

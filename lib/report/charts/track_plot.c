@@ -263,7 +263,7 @@ static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *
     double p[3];
     pose_at(t, state, traced > 1 ? i * (rows - 1) / (traced - 1) : 0, q, one);
     km_frame_position(m, state, t->arm->frame, p);
-    points[i] = km_vec3_make(p);
+    points[i] = km_vec3_from_array(p);
   }
   km_drawing_trace trace = {t->arm->frame, m->model->frames[t->arm->frame].name, points, traced};
   km_drawing_def drawing = {.mechanism = m,

@@ -8,7 +8,7 @@ void km_gravity_words(const km_model *m, const double gravity[3], km_text *out) 
   if (!m || !out)
     return;
   const km_units *u = &m->units;
-  km_vec3 g = gravity ? km_vec3_make(gravity) : m->gravity;
+  km_vec3 g = gravity ? km_vec3_from_array(gravity) : m->gravity;
   if (km_vec3_norm(g) == 0.0)
     km_text_add(out, "no gravity");
   else

@@ -82,7 +82,7 @@ static km_rotation read_euler(km_reader *reader, const km_value *euler, const km
   }
   for (int k = 0; k < 3; ++k, angle = angle->next) {
     double turn = angle->number * reader->model->units.angle->si;
-    R = km_rotation_turn(&R, order[k] - 'x', cos(turn), sin(turn));
+    R = km_rotation_about_axis(&R, order[k] - 'x', cos(turn), sin(turn));
   }
   return R;
 }
