@@ -1,4 +1,7 @@
-/* The motions that meet at a branch point, and leaving one. */
+/* Branch points: directions of the branches, and departure along one of them (docs/theory.md 4.10).
+ *
+ *   directions: confirmed tangents (5.3) that differ, 1 − |cos| > 2e-5
+ *   departure : q₀ + h t with h max|t_j| = 5e-3, closed; with several freedoms the configuration nearest to q₀ (4.8) */
 #include "local/bifurcation.h"
 
 #include "kinematics/loop_closing.h"
@@ -9,8 +12,8 @@
 
 #include <string.h>
 
-/* Counts the direction behind the `found` ones if it isn't one of them, in one sense or the other. */
-static int count_new(const km_tangents *f, const double *directions, int found) {
+/* Counts the direction after the `found` ones if it differs from them in more than its sense. */
+static int count_if_new(const km_tangents *f, const double *directions, int found) {
   size_t n = (size_t)f->sub->columns;
   for (int i = 0; i < found; ++i)
     if (km_is_same_tangent(km_step_dot(f->m, f->sub, directions + (size_t)found * n, directions + (size_t)i * n)))
@@ -18,7 +21,8 @@ static int count_new(const km_tangents *f, const double *directions, int found) 
   return found + 1;
 }
 
-static int find_in_few(km_tangents *f, double *directions) {
+/* Branch directions by a basis of the tangents. */
+static int find_by_basis(km_tangents *f, double *directions) {
   int found = 0;
   size_t k = (size_t)f->conditions.freedom;
   double length;
@@ -32,32 +36,33 @@ static int find_in_few(km_tangents *f, double *directions) {
   return found;
 }
 
-static int find_in_many(km_tangents *f, double *directions) {
+/* Branch directions by random single tangents, with many freedoms. */
+static int find_by_samples(km_tangents *f, double *directions) {
   km_sampled_tangents many;
   int found = 0;
   double length;
   if (km_sampled_tangents_create(&many, f) && !km_sampled_tangents_all_finite(&many, &length))
     while (found < KM_MAX_BRANCHES && km_sampled_tangents_find_next(&many, &length)) {
       memcpy(directions + (size_t)found * (size_t)f->sub->columns, many.x, (size_t)f->sub->columns * sizeof *many.x);
-      found = count_new(f, directions, found);
+      found = count_if_new(f, directions, found);
     }
   km_sampled_tangents_free(&many);
   return found;
 }
 
-/* Are all rows independent, so that no motions meet at the pose? Its pivots are searched then. */
+/* True if J has full row rank, so that the configuration is no branch point. Pivots are searched. */
 static bool is_regular(const km_mechanism *m, km_state *s, int index) {
   km_second_order conditions;
   return km_second_order_count_tangents(m, s, index, &conditions) && !conditions.has_redundant_rows;
 }
 
-/* Does the mechanism shake at the pose as it does all along its motion? That isn't a branch point. */
-static bool shakes_along(const km_mechanism *m, km_state *s, int index) {
+/* True for a permanently shaky mechanism: its rank deficiency is no branch point. */
+static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
-  km_constant_rank steady = {0};
-  km_constant_rank_begin(&steady, m, s, index, KM_NO_DRIVER, &arena);
+  km_constant_rank motion = {0};
+  km_constant_rank_begin(&motion, m, s, index, KM_NO_DRIVER, &arena);
   km_arena_free(&arena);
-  return steady.is_active;
+  return motion.is_active;
 }
 
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
@@ -67,9 +72,9 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_tangents f;
   int found = 0;
   bool made = km_tangents_create(&f, m, s, index, &arena);
-  f.min_verdict = KM_TANGENT_UNDECIDED; /* rounded data have branches too */
+  f.min_verdict = KM_TANGENT_UNDECIDED; /* undecided tangents count, since rounded data have branches too */
   if (made)
-    found = (km_tangents_are_many(&f) ? find_in_many : find_in_few)(&f, directions);
+    found = (km_tangents_are_many(&f) ? find_by_samples : find_by_basis)(&f, directions);
   if (arena.failed) {
     found = -1;
   } else {
@@ -81,7 +86,8 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   return found;
 }
 
-static int fastest(const double *directions, int count, int columns, int column) {
+/* Direction that moves a column fastest, near-ties by position; -1: none moves it. */
+static int fastest_direction(const double *directions, int count, int columns, int column) {
   int best = -1;
   double largest = 0.0;
   for (int i = 0; i < count; ++i) {
@@ -95,24 +101,25 @@ static int fastest(const double *directions, int count, int columns, int column)
 }
 
 /* A step from a branch point. */
-typedef struct departure {
+typedef struct branch_departure {
   const km_mechanism *m;
   km_state *s;
   int index, column;
   const km_substructure *sub;
   km_arena arena;
-  double *from, *there, *best; /* saved poses: the branch point, the last one on the way, the best one so far */
-  double *step;                /* [columns] */
-} departure;
+  double *from, *last_accepted, *best; /* saved configurations: the branch point, the last accepted one, the best one */
+  double *step;                        /* [columns] */
+} branch_departure;
 
-/* The fastest coordinate goes so far. */
-static const double short_step = 5e-3;
-/* The driver goes so far at least where the shortest way is sought: the square is what loops on it open by. */
-static const double least_way = 1e-5;
-/* Of the rate of the first direction that is tried: others that move the driver less are no shorter way. */
-static const double least_rate = 0.1;
+/* Scaled step of the fastest coordinate. */
+static const double step_length = 5e-3;
+/* Smallest driver step for which the nearest configuration is sought: loops open by its square. */
+static const double min_driver_step = 1e-5;
+/* Directions with a driver rate below this ratio of the first one's lead to no shorter step. */
+static const double min_rate_ratio = 0.1;
 
-static void go(const departure *d, const double *direction, double length) {
+/* Restores the branch point and moves by length · direction. */
+static void move_from_branch_point(const branch_departure *d, const double *direction, double length) {
   for (int k = 0; k < d->sub->columns; ++k)
     d->step[k] = length * direction[k];
   km_state_restore(d->s, d->sub, d->from);
@@ -120,81 +127,83 @@ static void go(const departure *d, const double *direction, double length) {
   km_state_invalidate_pivots(d->s, d->index);
 }
 
-/* Closes the loops with `driver` held: by all rows that the closed pose has, or by those at hand, where they are of a pose near by.
- * Few rows are far from depending on each other here: their null vectors, of which nothing is asked, would be long. */
-static bool close(const departure *d, int driver, bool by_all) {
+/* Closes the loops with `driver` fixed: `is_full` by full closing, else with the present pivots of a nearby
+ * configuration. Only rows are requested from sparse factors: few rows are far from dependent here, and null vectors
+ * would be long. */
+static bool close_with_fixed(const branch_departure *d, int driver, bool is_full) {
   km_partition *p = &d->s->partition[d->index];
   km_closure evidence;
   p->rows_only = p->sparse != NULL;
-  km_closure_outcome outcome = by_all ? km_close_fully(km_close_with_driver, d->m, d->s, d->index, driver, &evidence)
-                                      : km_close_with_driver(d->m, d->s, d->index, driver, &evidence);
+  km_closure_outcome outcome = is_full ? km_close_fully(km_close_with_driver, d->m, d->s, d->index, driver, &evidence)
+                                       : km_close_with_driver(d->m, d->s, d->index, driver, &evidence);
   p->rows_only = false;
   return outcome == KM_CLOSED;
 }
 
-/* On to the pose closest to the branch point: by poses closest to where a part of the way back leads, all of it at last, which is
- * closed by all rows. Where none is found nearby the state stays. */
-static void draw_near(departure *d) {
-  enum { MOST_PARTS = 40 };
-  static const double least_part = 1e-3;
+/* Moves to the closed configuration nearest to the branch point, by homotopy in the distance: nearest configurations to
+ * points at a growing fraction of the way back, the last one closed by all rows. Without a result the state stays. */
+static void approach_nearest(branch_departure *d) {
+  enum { MAX_STEPS = 40 };
+  static const double min_fraction = 1e-3;
   km_nearest_configuration closest;
   if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, &d->arena))
     return;
-  double part = 0.5, *away = closest.displacement;
-  bool near = false;
-  for (int i = 0; i < MOST_PARTS && !near && part > least_part; ++i) {
-    km_state_save(d->s, d->sub, d->there);
+  double fraction = 0.5, *away = closest.displacement;
+  bool is_nearest = false;
+  for (int i = 0; i < MAX_STEPS && !is_nearest && fraction > min_fraction; ++i) {
+    km_state_save(d->s, d->sub, d->last_accepted);
     km_state_difference(d->s, d->sub, d->from, away);
     double length = km_step_length(d->m, d->sub, away);
     for (int k = 0; k < d->sub->columns; ++k)
-      away[k] *= part;
+      away[k] *= fraction;
     bool found =
         km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index], away);
     km_state_difference(d->s, d->sub, d->from, away);
     double shorter = km_step_length(d->m, d->sub, away);
-    const bool last = part == 1.0;
-    found = found && shorter <= length && close(d, d->column, last);
-    near = found && last;
-    part = !found ? 0.5 * part : shorter > 0.9 * length ? fmin(1.0, 2.0 * part) : part;
+    const bool last = fraction == 1.0;
+    found = found && shorter <= length && close_with_fixed(d, d->column, last);
+    is_nearest = found && last;
+    fraction = !found ? 0.5 * fraction : shorter > 0.9 * length ? fmin(1.0, 2.0 * fraction) : fraction;
     if (!found)
-      km_state_restore(d->s, d->sub, d->there);
+      km_state_restore(d->s, d->sub, d->last_accepted);
   }
 }
 
-/* Along a direction. False where one freedom is left there. */
-static bool set_out(departure *d, const double *direction, double way) {
+/* Departs along a direction. False if one freedom remains there, where the step is complete. */
+static bool depart_along(branch_departure *d, const double *direction, double way) {
   double most = 0.0, rate = direction[d->column], side = way * rate < 0.0 ? -1.0 : 1.0;
   for (int k = 0; k < d->sub->columns; ++k)
     most = fmax(most, fabs(direction[k]));
-  double length = short_step / most;
-  go(d, direction, length);
-  close(d, KM_NO_DRIVER, true);
+  double length = step_length / most;
+  move_from_branch_point(d, direction, length);
+  close_with_fixed(d, KM_NO_DRIVER, true);
   if (km_partition_freedom(&d->s->partition[d->index]) <= 1)
     return false;
-  km_state_save(d->s, d->sub, d->there);
+  km_state_save(d->s, d->sub, d->last_accepted);
   length = way != 0.0 ? fmin(length, fabs(way / rate)) : length;
-  go(d, direction, side * length);
-  if (!close(d, d->column, true))
-    km_state_restore(d->s, d->sub, d->there);
-  else if (length * fabs(rate) > least_way)
-    draw_near(d);
+  move_from_branch_point(d, direction, side * length);
+  if (!close_with_fixed(d, d->column, true))
+    km_state_restore(d->s, d->sub, d->last_accepted);
+  else if (length * fabs(rate) > min_driver_step)
+    approach_nearest(d);
   return true;
 }
 
-/* The way from the branch point to the state's pose over the coordinate's. */
-static double relative_length(const departure *d) {
+/* Length of the step from the branch point, relative to the coordinate's part. */
+static double relative_length(const branch_departure *d) {
   km_state_difference(d->s, d->sub, d->from, d->step);
   return km_step_length(d->m, d->sub, d->step) / fabs(d->step[d->column]);
 }
 
-/* Where several freedoms are left, the pose that any of the directions leads to with the shortest way. */
-static void take_shortest(departure *d, const double *directions, int count, int first, double way) {
+/* With several freedoms: moves to the result of the direction with the shortest relative step. */
+static void choose_shortest(branch_departure *d, const double *directions, int count, int first, double way) {
   double shortest = relative_length(d);
   km_state_save(d->s, d->sub, d->best);
   for (int i = 0; i < count; ++i) {
     const double *direction = directions + (size_t)i * (size_t)d->sub->columns;
     double rate = direction[d->column] / directions[(size_t)first * (size_t)d->sub->columns + (size_t)d->column];
-    if (i == first || fabs(rate) < least_rate || !set_out(d, direction, way) || !(relative_length(d) < shortest))
+    if (i == first || fabs(rate) < min_rate_ratio || !depart_along(d, direction, way) ||
+        !(relative_length(d) < shortest))
       continue;
     shortest = relative_length(d);
     km_state_save(d->s, d->sub, d->best);
@@ -205,24 +214,24 @@ static void take_shortest(departure *d, const double *directions, int count, int
 km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double way) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
-  if (index < 0 || km_state_is_fixed(s, coordinate) || is_regular(m, s, index) || shakes_along(m, s, index))
-    return out; /* a held one leads nowhere */
+  if (index < 0 || km_state_is_fixed(s, coordinate) || is_regular(m, s, index) || is_permanently_shaky(m, s, index))
+    return out; /* a fixed coordinate cannot parametrise a branch */
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
-  departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
+  branch_departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
   double *directions = KM_ARENA_NEW(&d.arena, double, KM_MAX_BRANCHES *n);
   d.from = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
-  d.there = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
+  d.last_accepted = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.step = KM_ARENA_NEW(&d.arena, double, n);
   out.branch_count = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
-  int best = fastest(directions, out.branch_count, sub->columns, d.column);
+  int best = fastest_direction(directions, out.branch_count, sub->columns, d.column);
   if (best >= 0) {
     km_state_save(s, sub, d.from);
     way *= m->factor[coordinate] / m->unit[coordinate];
-    out.has_further_freedoms = set_out(&d, directions + (size_t)best * n, way);
+    out.has_further_freedoms = depart_along(&d, directions + (size_t)best * n, way);
     if (out.has_further_freedoms)
-      take_shortest(&d, directions, out.branch_count, best, way);
+      choose_shortest(&d, directions, out.branch_count, best, way);
     km_state_invalidate_pivots(s, index);
   }
   out.branch_count = d.arena.failed ? -1 : out.branch_count;

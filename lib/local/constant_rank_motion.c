@@ -1,4 +1,8 @@
-/* Following the motions of mechanisms that shake all along them. */
+/* Motions of permanently shaky mechanisms along their constant-rank tangents (docs/theory.md 5.6).
+ *
+ *   deflation: F(q) = wᵀ J z = 0 for all left and right null vectors w, z, by Newton's method
+ *   step     : Σ_o y_o Q_i(v, o) = −w_iᵀ J z_v  for all i, v, by least squares; o: tangents outside U
+ *   test     : four steps along U, ahead or back, keep rank and dimension */
 #include "local/constant_rank_motion.h"
 #include "local/constant_rank_basis.h"
 
@@ -8,8 +12,8 @@
 #include <string.h>
 
 bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m, int index, int driver,
-                              const double *along, double *t) {
-  static const double hardly = 1e-6;
+                              const double *direction, double *t) {
+  static const double min_share = 1e-6;
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   int n = sub->columns;
@@ -18,7 +22,7 @@ bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m,
     const double *z = st->Z + (size_t)i * (size_t)n;
     double dot = driver >= 0 ? z[driver] : 0.0;
     for (int c = 0; c < n && driver < 0; ++c)
-      dot += z[c] * weight[c] * along[c];
+      dot += z[c] * weight[c] * direction[c];
     for (int c = 0; c < n; ++c)
       t[c] += dot * z[c];
   }
@@ -27,61 +31,66 @@ bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m,
   double size = km_step_length(m, sub, t), unit = driver >= 0 ? t[driver] : size;
   for (int c = 0; c < n; ++c)
     t[c] /= unit;
-  return size > hardly;
+  return size > min_share;
 }
 
-/* What the null space of a pose consists of. */
-typedef struct split {
+/* Null space of a configuration, divided into constant-rank tangents and the others. */
+typedef struct tangent_split {
   km_second_order c;
-  double *V; /* [freedom × freedom] shares: the steady ones, and the others behind them */
-  int steady;
-} split;
+  double *V; /* [freedom × freedom] orthonormal coefficients: constant-rank tangents first, then the others */
+  int constant_rank_count;
+} tangent_split;
 
-/* `count`: how many tangents are steady on the motion; 0: that is not known. */
-static bool find_split(split *p, const km_mechanism *m, km_state *s, int index, int count, km_arena *arena) {
+/* Divides the null space at the state's configuration. `count`: number of constant-rank tangents on the motion; 0:
+ * unknown. False if there are none or another number. */
+static bool split_tangents(tangent_split *p, const km_mechanism *m, km_state *s, int index, int count,
+                           km_arena *arena) {
   if (!km_second_order_count_tangents(m, s, index, &p->c) || p->c.freedom < 1 ||
       !km_second_order_create_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c))
     return false;
-  p->steady = km_constant_rank_basis(&p->c, count, arena, &p->V);
-  return p->steady > 0 && (count == 0 || p->steady == count);
+  p->constant_rank_count = km_constant_rank_basis(&p->c, count, arena, &p->V);
+  return p->constant_rank_count > 0 && (count == 0 || p->constant_rank_count == count);
 }
 
-static bool keep_tangents(km_constant_rank *st, const split *p) {
-  if (p->steady > st->capacity)
+/* Stores the constant-rank tangents as columns of Z in the motion. */
+static bool store_tangents(km_constant_rank *st, const tangent_split *p) {
+  if (p->constant_rank_count > st->capacity)
     return false;
-  st->count = p->steady;
+  st->count = p->constant_rank_count;
   for (int i = 0; i < st->count; ++i)
     km_second_order_combine(&p->c, p->V + i * p->c.freedom, st->Z + (size_t)i * (size_t)p->c.columns);
   return true;
 }
 
-/* Newton's step: shares y of the others with Σ Q_i(v, others y) = −w_iᵀ J z_v for all i and v, by least squares. */
-static bool solve_shares(const split *p, const double *changes, km_arena *arena, double *y) {
-  int k = p->c.freedom, others = k - p->steady, rows = p->c.conditions * k;
-  double *A = KM_ARENA_NEW(arena, double, (size_t)(rows * others));
-  double *square = KM_ARENA_NEW(arena, double, (size_t)(others * others)),
-         *b = KM_ARENA_NEW(arena, double, (size_t)others);
+/* Newton step of the deflation: coefficients y of the other tangents with Σ_o y_o Q_i(v, o) = −w_iᵀ J z_v for all i, v,
+ * by normal equations. */
+static bool solve_deflation(const tangent_split *p, const double *changes, km_arena *arena, double *y) {
+  int k = p->c.freedom, other_count = k - p->constant_rank_count, rows = p->c.conditions * k;
+  double *A = KM_ARENA_NEW(arena, double, (size_t)(rows * other_count));
+  double *square = KM_ARENA_NEW(arena, double, (size_t)(other_count * other_count)),
+         *b = KM_ARENA_NEW(arena, double, (size_t)other_count);
   km_partition normal;
-  if (arena->failed || !km_partition_reserve(&normal, others, others, arena))
+  if (arena->failed || !km_partition_reserve(&normal, other_count, other_count, arena))
     return false;
-  for (int o = 0; o < others; ++o)
+  for (int o = 0; o < other_count; ++o)
     for (int i = 0; i < rows; ++i)
       for (int r = 0; r < k; ++r)
-        A[o * rows + i] += p->c.Q[i * k + r] * p->V[(p->steady + o) * k + r];
-  for (int o = 0; o < others; ++o)
+        A[o * rows + i] += p->c.Q[i * k + r] * p->V[(p->constant_rank_count + o) * k + r];
+  for (int o = 0; o < other_count; ++o)
     for (int i = 0; i < rows; ++i) {
       b[o] -= A[o * rows + i] * changes[i];
-      for (int q = 0; q < others; ++q)
-        square[q * others + o] += A[o * rows + i] * A[q * rows + i];
+      for (int q = 0; q < other_count; ++q)
+        square[q * other_count + o] += A[o * rows + i] * A[q * rows + i];
     }
-  km_partition_factor(&normal, square, others, others, NULL, 1e-12);
+  km_partition_factor(&normal, square, other_count, other_count, NULL, 1e-12);
   km_partition_solve(&normal, b, y);
-  return normal.rank == others;
+  return normal.rank == other_count;
 }
 
-/* That step as one of the coordinates, with the driver where it is; returns its largest entry, infinite: there is none. */
-static double find_step(km_constant_rank *st, const split *p, const km_mechanism *m, km_state *s, int index, int driver,
-                        km_arena *arena, double *x) {
+/* The deflation step in the scaled coordinates, corrected along U so that the driver is fixed. Returns |x|_∞; infinite:
+ * there is no step. */
+static double compute_deflation_step(km_constant_rank *st, const tangent_split *p, const km_mechanism *m, km_state *s,
+                                     int index, int driver, km_arena *arena, double *x) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   int k = p->c.freedom, n = sub->columns;
@@ -89,40 +98,42 @@ static double find_step(km_constant_rank *st, const split *p, const km_mechanism
   double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
   double *shares = KM_ARENA_NEW(arena, double, (size_t)k);
   if (arena->failed || !km_second_order_rank_defect(m, s, index, &p->c, changes) ||
-      !solve_shares(p, changes, arena, y) || (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
+      !solve_deflation(p, changes, arena, y) ||
+      (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
     return HUGE_VAL;
-  for (int o = 0; o < k - p->steady; ++o)
+  for (int o = 0; o < k - p->constant_rank_count; ++o)
     for (int r = 0; r < k; ++r)
-      shares[r] += y[o] * p->V[(p->steady + o) * k + r];
+      shares[r] += y[o] * p->V[(p->constant_rank_count + o) * k + r];
   km_second_order_combine(&p->c, shares, x);
   for (int c = 0; c < n; ++c)
     x[c] /= weight[c];
-  double back = driver >= 0 ? x[driver] : 0.0;
+  double driver_part = driver >= 0 ? x[driver] : 0.0;
   for (int c = 0; c < n; ++c) {
-    x[c] -= back * t[c];
+    x[c] -= driver_part * t[c];
     largest = fmax(largest, fabs(x[c]));
   }
   return largest;
 }
 
-/* One step towards the motion, if it is shorter than the last one; returns its size, infinite: there is no motion near by. */
-static double settle_once(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
-                          double last) {
-  static const double most = 0.05, found = 1e-13;
+/* Applies one deflation step if it is shorter than the last one. Returns its size: 0 converged, infinite if no motion
+ * is close. */
+static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                                   double last) {
+  static const double max_step = 0.05, converged = 1e-13;
   const km_substructure *sub = &m->substructures[index];
   km_arena arena = {0};
-  split p = {0};
+  tangent_split p = {0};
   double *x = KM_ARENA_NEW(&arena, double, (size_t)sub->columns), size = HUGE_VAL;
-  if (x && find_split(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
-      keep_tangents(st, &p))
-    size = find_step(st, &p, m, s, index, driver, &arena, x);
-  if (size > found && size < most && size < last)
+  if (x && split_tangents(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
+      store_tangents(st, &p))
+    size = compute_deflation_step(st, &p, m, s, index, driver, &arena, x);
+  if (size > converged && size < max_step && size < last)
     km_state_move(m, s, sub, x);
   km_arena_free(&arena);
-  return size <= found ? 0.0 : size < most ? size : HUGE_VAL;
+  return size <= converged ? 0.0 : size < max_step ? size : HUGE_VAL;
 }
 
-/* Closes the primary equations by all digits: the step that is too small for closing is taken too. */
+/* Closes the primary rows to full accuracy: the last Newton step, below the tolerance, is applied too. */
 static bool close_exactly(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   if (km_loops_close(m, s, index, driver, evidence) == KM_OPEN)
     return false;
@@ -130,29 +141,30 @@ static bool close_exactly(const km_mechanism *m, km_state *s, int index, int dri
   return true;
 }
 
-static bool settle(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
-                   km_closure *evidence) {
+/* Alternates deflation steps and closing until convergence. */
+static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                    km_closure *evidence) {
   enum { MOST_STEPS = 8 };
-  static const double settled = 1e-9;
+  static const double tolerance = 1e-9;
   double size = HUGE_VAL;
   for (int i = 0; i < MOST_STEPS && size != 0.0; ++i) {
     double last = size;
-    size = settle_once(st, m, s, index, driver, last);
-    if (size >= last) /* rounding is left, or it leads nowhere */
-      return last < settled;
+    size = apply_deflation_step(st, m, s, index, driver, last);
+    if (size >= last) /* step no longer decreases: converged to rounding, or diverging */
+      return last < tolerance;
     if (size != 0.0 && !close_exactly(m, s, index, driver, evidence))
       return false;
   }
-  return size < settled;
+  return size < tolerance;
 }
 
-static void take_blunt(km_constant_rank *st, const km_partition *p) {
-  static const double part = 0.1;
-  st->rank_tolerance = part * p->last_pivot / p->scale;
+static void update_rank_tolerance(km_constant_rank *st, const km_partition *p) {
+  static const double share = 0.1;
+  st->rank_tolerance = share * p->last_pivot / p->scale;
 }
 
-/* What closed loops of data that aren't rounded keep at most, where they are on the motion. */
-static double most_residual(const km_mechanism *m) {
+/* Largest residual of secondary rows on the motion: the stated closure tolerance, else that of exact data. */
+static double max_residual(const km_mechanism *m) {
   static const double exact = 1e-11;
   return m->closure_tolerance_given ? m->closure_tolerance : exact;
 }
@@ -163,43 +175,44 @@ bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_stat
   km_partition *p = &s->partition[index];
   int worst;
   p->min_relative_pivot = st->rank_tolerance;
-  bool found = close_exactly(m, s, index, driver, evidence);
+  bool converged = close_exactly(m, s, index, driver, evidence);
   double correction = evidence->correction;
-  found = found && settle(st, m, s, index, driver, evidence);
+  converged = converged && deflate(st, m, s, index, driver, evidence);
   km_loops_update(m, s, sub);
   evidence->residual = km_loops_residual(m, s, sub, &worst);
   evidence->correction = correction;
   km_search_pivots(m, s, index, driver, st->rank_tolerance);
   p->min_relative_pivot = 0.0;
-  found = found && p->rank == st->rank && evidence->residual <= most_residual(m);
-  if (found)
-    take_blunt(st, p);
-  return found;
+  converged = converged && p->rank == st->rank && evidence->residual <= max_residual(m);
+  if (converged)
+    update_rank_tolerance(st, p);
+  return converged;
 }
 
 bool km_constant_rank_update(km_constant_rank *st, const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
-  split here = {0};
-  bool found = find_split(&here, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
-               keep_tangents(st, &here);
+  tangent_split at_start = {0};
+  bool converged = split_tangents(&at_start, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
+                   store_tangents(st, &at_start);
   km_arena_free(&arena);
-  return found;
+  return converged;
 }
 
-/* BLOCKED: the loops don't close there. REFUTED: they nearly do, or all the way, but what shakes at the pose doesn't shake there. */
-typedef enum progress { GONE_ON, BLOCKED, REFUTED } progress;
+/* LOOPS_OPEN: the loops do not close after the step. RANK_CHANGED: they close or nearly close, with another rank or
+ * dimension. */
+typedef enum step_outcome { STEP_ACCEPTED, LOOPS_OPEN, RANK_CHANGED } step_outcome;
 
-/* A step on along the steady tangents, with the driver or as `along` goes, which becomes the step's tangent. */
-static progress go_on(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver, double step,
-                      double *along) {
+/* Steps along the constant-rank tangents, by the driver or along `direction`, which becomes the step's tangent. */
+static step_outcome step_along_motion(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                                      double step, double *direction) {
   const km_substructure *sub = &m->substructures[index];
-  static const double open = 1e-5; /* a misfit that no tangency of high order makes in a step */
+  static const double max_misfit = 1e-5; /* a larger misfit is no tangency of high order */
   km_closure evidence;
   double fastest = 0.0, *x = s->projection;
-  if (!km_constant_rank_tangent(st, m, index, driver, along, x))
-    return BLOCKED;
+  if (!km_constant_rank_tangent(st, m, index, driver, direction, x))
+    return LOOPS_OPEN;
   for (int c = 0; c < sub->columns; ++c) {
-    along[c] = x[c];
+    direction[c] = x[c];
     fastest = fmax(fastest, fabs(x[c]));
   }
   for (int c = 0; c < sub->columns; ++c)
@@ -207,49 +220,51 @@ static progress go_on(km_constant_rank *st, const km_mechanism *m, km_state *s, 
   km_state_move(m, s, sub, x);
   km_state_invalidate_pivots(s, index);
   if (!km_constant_rank_close(st, m, s, index, driver, &evidence))
-    return evidence.residual > open ? BLOCKED : REFUTED;
+    return evidence.residual > max_misfit ? LOOPS_OPEN : RANK_CHANGED;
   km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, evidence.residual);
   bool exact = m->closure_tolerance_given || evidence.residual <= km_residual_tolerance;
-  return exact && s->partition[index].rank == st->rank ? GONE_ON : REFUTED;
+  return exact && s->partition[index].rank == st->rank ? STEP_ACCEPTED : RANK_CHANGED;
 }
 
-/* Is what shakes at the pose the same for a while, ahead or back? What ends a motion may be near on one side, or on both: then short steps
- * tell it too, though less surely. */
-static bool lasts(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver, double *saved,
-                  double *along) {
+/* True if rank and dimension stay for four steps ahead or back. The end of a motion can be near on either side; shorter
+ * steps decide then. */
+static bool keeps_rank_along_motion(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                                    double *saved, double *direction) {
   static const double steps[] = {0.025, -0.025, 0.00625, -0.00625};
   enum { TRIES = sizeof steps / sizeof *steps, STEPS = 4 };
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
   const double blunt = st->rank_tolerance;
-  progress end = BLOCKED;
+  step_outcome end = LOOPS_OPEN;
   km_state_save(s, sub, saved);
-  for (int try = 0; try < TRIES && end == BLOCKED; ++try) {
-    end = km_constant_rank_update(st, m, s, index) ? GONE_ON : REFUTED;
+  for (int try = 0; try < TRIES && end == LOOPS_OPEN; ++try) {
+    end = km_constant_rank_update(st, m, s, index) ? STEP_ACCEPTED : RANK_CHANGED;
     for (int c = 0; c < sub->columns; ++c)
-      along[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is as good as any */
-    for (int i = 0; i < STEPS && end == GONE_ON; ++i)
-      end = go_on(st, m, s, index, driver, steps[try], along);
+      direction[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is used */
+    for (int i = 0; i < STEPS && end == STEP_ACCEPTED; ++i)
+      end = step_along_motion(st, m, s, index, driver, steps[try], direction);
     km_loops_restore_cached(m, s, index, saved);
     st->rank_tolerance = blunt;
   }
-  return end == GONE_ON;
+  return end == STEP_ACCEPTED;
 }
 
-static bool begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver, km_arena *arena) {
+static bool begin_motion(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
+                         km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   size_t n = (size_t)sub->columns;
-  split here = {0};
-  if (!find_split(&here, m, s, index, 0, arena) ||
-      km_constant_rank_others_may_be_finite(&here.c, here.V, here.steady, arena))
+  tangent_split at_start = {0};
+  if (!split_tangents(&at_start, m, s, index, 0, arena) ||
+      km_constant_rank_others_may_be_finite(&at_start.c, at_start.V, at_start.constant_rank_count, arena))
     return false;
   st->rank = p->rank;
-  km_update_and_search_pivots(m, s, index, driver, 0.0); /* near a dead point of the driver its last pivot is small */
-  take_blunt(st, p);
+  km_update_and_search_pivots(m, s, index, driver, 0.0); /* pivots with the driver forced: near its dead point the last
+                                                          * pivot is small */
+  update_rank_tolerance(st, p);
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n), *x = KM_ARENA_NEW(arena, double, n);
-  return !arena->failed && keep_tangents(st, &here) && lasts(st, m, s, index, driver, saved, x) &&
-         keep_tangents(st, &here);
+  return !arena->failed && store_tangents(st, &at_start) &&
+         keeps_rank_along_motion(st, m, s, index, driver, saved, x) && store_tangents(st, &at_start);
 }
 
 bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
@@ -265,9 +280,9 @@ bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_stat
     st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);
     st->capacity = st->Z ? freedom : 0;
   }
-  st->is_active = st->capacity >= freedom && begin(st, m, s, index, driver, &scratch);
-  bool whole = st->capacity >= freedom && !scratch.failed;
+  st->is_active = st->capacity >= freedom && begin_motion(st, m, s, index, driver, &scratch);
+  bool is_ok = st->capacity >= freedom && !scratch.failed;
   km_arena_free(&scratch);
   km_update_and_search_pivots(m, s, index, driver, 0.0);
-  return whole;
+  return is_ok;
 }

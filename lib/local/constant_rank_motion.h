@@ -1,51 +1,58 @@
-/* The tangents along which the loops' equations keep their rank. Private to kinematics/ and analysis/. */
+/* Constant-rank tangents and permanently shaky mechanisms (docs/theory.md 5.6). Private to local/ and its callers.
+ *
+ *   U = { a : Q_i a = 0 for all i },   that is wᵀ (∂J/∂q u) z = 0 for all left and right null vectors w, z
+ *
+ * Along U the rank of J is constant to first order. In a permanently shaky mechanism (e.g. a platform on four or
+ * more
+ * parallel rods) the instantaneous mobility exceeds the finite one along a whole branch, and its motions are tangent to
+ * U. */
 #ifndef KM_LOCAL_CONSTANT_RANK_MOTION_H
 #define KM_LOCAL_CONSTANT_RANK_MOTION_H
 
 #include "kinematics/loop_closing.h"
 #include "local/tangent_cone.h"
 
-/* Some mechanisms shake all along their motion: at every pose first order allows more than moves, such as platforms on parallel rods, four
- * or more. Their tangents u are those with wᵀ(∂J/∂q u) z = 0 for all null vectors w of Jᵀ and z of J, that is Q_i a = 0 in all
- * conditions: to first order the rank of J stays along them. Where the conditions have no solution beside these, all real motions go
- * along them: they are a linear space, though the conditions are squares, which single directions meet only to half of the digits.
- *
- * Leaves such tangents alone in the basis, and no conditions. Returns how many others are taken out; their directions, scaled and
- * of unit length, are then in directions[freedom × columns] (may be NULL). 0: there are none, the others may be part of motions too,
- * or (by the arena's flag) memory is out. O(conditions · freedom³). */
+/* Restricts the basis of the tangents to U, if no other tangent satisfies the conditions. U is a linear space, while
+ * single directions satisfy the quadratic conditions only to half of the digits. No conditions remain. Returns the
+ * number of removed tangents; their scaled unit directions are written to directions[freedom × columns] (may be NULL).
+ * 0: there are none, other tangents can belong to motions too, or (by the arena's flag) memory is out. O(conditions ·
+ * freedom³). */
 int km_tangents_restrict_to_constant_rank(km_tangents *tangents, double *directions);
 
-/* Are the conditions of so few rows and columns found in next to no time? They are dense. */
+/* True if dense second-order conditions are affordable: rows² · columns < 1e7. */
 static inline bool km_constant_rank_is_small(const km_substructure *sub) {
   static const double most_work = 1e7;
   return (double)sub->rows * sub->rows * sub->columns < most_work;
 }
 
-/* A motion along which a mechanism shakes: its tangents at the present pose. */
+/* Motion of a permanently shaky mechanism: its constant-rank tangents at the present configuration. */
 typedef struct km_constant_rank {
-  bool is_active;        /* the mechanism shakes all along */
-  int rank;              /* of J all along */
-  double rank_tolerance; /* what is 0 on the motion is less near it: a part of the last pivot */
-  int count;             /* how many tangents are steady, */
-  double *Z;             /* [count × columns] and they: D q̇, orthonormal */
-  int capacity;          /* for tangents */
+  bool is_active;        /* the mechanism is permanently shaky */
+  int rank;              /* rank of J along the motion */
+  double rank_tolerance; /* relative pivot threshold near the motion: 0.1 × last accepted pivot */
+  int count;             /* number of constant-rank tangents */
+  double *Z;             /* [count × columns] constant-rank tangents D q̇, orthonormal */
+  int capacity;          /* number of tangents for which Z has memory */
 } km_constant_rank;
 
-/* Does the mechanism shake all along the motions through the state's pose, and does the driver (a column, KM_NO_DRIVER: any) move in them?
- * Then steady tangents are found at the pose, which the state keeps; its pivots are the driver's. Small and middle-sized mechanisms alone
- * are looked at. False when out of memory. */
-bool km_constant_rank_begin(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state, int substructure,
+/* Tests whether the mechanism is permanently shaky along the motions through the state's configuration, in which the
+ * driver (a column, KM_NO_DRIVER: any) moves. If so, is_active is set and the constant-rank tangents are found. The
+ * state keeps its configuration; its pivots are those of the driver. Tested for at most 48 freedoms and rows² · columns
+ * < 1e7. False when out of memory. */
+bool km_constant_rank_begin(km_constant_rank *motion, const km_mechanism *mechanism, km_state *state, int substructure,
                             int driver, km_arena *arena);
-/* The steady tangents at the state's pose, which is on the motion. False: it isn't, or memory is out. */
-bool km_constant_rank_update(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state,
+/* Updates the constant-rank tangents at the state's configuration. False if it is not on the motion, or out of
+ * memory. */
+bool km_constant_rank_update(km_constant_rank *motion, const km_mechanism *mechanism, km_state *state,
                              int substructure);
-/* Closes the loops at a pose near the motion, and finds the steady tangents there; the driver stands. Closing alone leaves what shakes by the
- * root of the error; Newton's method on wᵀ J z = 0 takes it away. False: no pose of the motion is near by. */
-bool km_constant_rank_close(km_constant_rank *steady, const km_mechanism *mechanism, km_state *state, int substructure,
+/* Closes the loops near the motion and finds the constant-rank tangents there; the driver is fixed. Closing leaves the
+ * shaky directions undetermined to the square root of the error; deflation, Newton's method on wᵀ J z = 0, determines
+ * them. False: no configuration of the motion is close. */
+bool km_constant_rank_close(km_constant_rank *motion, const km_mechanism *mechanism, km_state *state, int substructure,
                             int driver, km_closure *evidence);
-/* D⁻¹ times the part of D `along` that is steady, of unit length |D t|; of a driver (`along` is then not read) its rate is 1. False: there is
- * hardly any. */
-bool km_constant_rank_tangent(const km_constant_rank *steady, const km_mechanism *mechanism, int substructure,
+/* Projects D `along` onto the constant-rank tangents: t with |D t| = 1, or for a driver (`along` is not read) with
+ * t_driver = 1. False: the projection is nearly 0. */
+bool km_constant_rank_tangent(const km_constant_rank *motion, const km_mechanism *mechanism, int substructure,
                               int driver, const double *along, double *t);
 
 #endif

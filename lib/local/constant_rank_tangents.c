@@ -1,4 +1,4 @@
-/* Leaving the steady tangents alone in the basis. */
+/* Restriction of the tangents to those of constant rank (docs/theory.md 5.6). */
 #include "local/constant_rank_basis.h"
 #include "local/constant_rank_motion.h"
 
@@ -9,17 +9,18 @@ int km_tangents_restrict_to_constant_rank(km_tangents *f, double *directions) {
   km_arena arena = {0};
   int k = c->freedom;
   double *V = NULL, *out = NULL;
-  int steady = km_tangents_update_conditions(f) ? km_constant_rank_basis(c, 0, &arena, &V) : 0, others = k - steady;
-  if (steady > 0 && !km_constant_rank_others_may_be_finite(c, V, steady, &arena))
+  int constant_rank_count = km_tangents_update_conditions(f) ? km_constant_rank_basis(c, 0, &arena, &V) : 0,
+      other_count = k - constant_rank_count;
+  if (constant_rank_count > 0 && !km_constant_rank_others_may_be_finite(c, V, constant_rank_count, &arena))
     out = KM_ARENA_NEW(&arena, double, (size_t)(k * k));
-  if (out) { /* the steady ones are what is left when the others are taken out */
-    memcpy(out, V + steady * k, (size_t)(others * k) * sizeof *out);
-    for (int i = 0; i < others && directions; ++i)
+  if (out) { /* the constant-rank tangents remain when the others are removed */
+    memcpy(out, V + constant_rank_count * k, (size_t)(other_count * k) * sizeof *out);
+    for (int i = 0; i < other_count && directions; ++i)
       km_tangents_direction(f, out + i * k, directions + (size_t)i * (size_t)f->sub->columns);
-    f->arena->failed = !km_tangents_remove(f, out, others) || f->arena->failed;
+    f->arena->failed = !km_tangents_remove(f, out, other_count) || f->arena->failed;
     c->conditions = 0;
   }
   f->arena->failed = f->arena->failed || arena.failed;
   km_arena_free(&arena);
-  return out ? others : 0;
+  return out ? other_count : 0;
 }

@@ -1,13 +1,14 @@
-/* A pose a short way along the motion, to tell what lasts from what is special about a pose. Private to analysis/. */
+/* Neighbouring configuration on the motion, to separate persistent from incidental properties (docs/theory.md 5.8).
+ * Private to local/ and its callers. */
 #ifndef KM_LOCAL_GENERIC_NEIGHBOUR_H
 #define KM_LOCAL_GENERIC_NEIGHBOUR_H
 
 #include "kinematics/state.h"
 
-/* Moves one substructure by a few hundredths along all its motions and closes it; its partition's rank and body poses
- * are those of the pose found. False where nothing moves or the loops don't close there. Then or later, km_generic_neighbour_leave
- * brings the saved pose back. saved[KM_SAVED_PER_COLUMN · columns], move[columns]. The state's null space must be up to
- * date. */
+/* Moves one substructure by a few hundredths along a combination of all its motions and closes it. Rank of its
+ * partition and poses of its bodies belong to the configuration found. False if nothing moves or the loops do not
+ * close. km_generic_neighbour_leave restores the saved configuration, also after false. saved[KM_SAVED_PER_COLUMN ·
+ * columns], move[columns]. The state's null space must be up to date. */
 bool km_generic_neighbour_enter(const km_mechanism *mechanism, km_state *state, int substructure, double *saved,
                                 double *move);
 void km_generic_neighbour_leave(const km_mechanism *mechanism, km_state *state, int substructure, const double *saved);

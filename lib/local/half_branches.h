@@ -1,4 +1,4 @@
-/* Half-branches of the motions through a configuration. Private to kinematics/ and analysis/. */
+/* Half-branches of the motions through a configuration (docs/theory.md 5.7). Private to local/ and its callers. */
 #ifndef KM_LOCAL_HALF_BRANCHES_H
 #define KM_LOCAL_HALF_BRANCHES_H
 
@@ -6,14 +6,14 @@
 
 enum { KM_MAX_HALF_BRANCHES = 32 };
 
-/* The halves of the motions through the configuration of `tangents`, each by a closed configuration at a small
+/* Halves of the motions through the configuration of `tangents`, each given by a closed configuration at a small
  * distance. */
 typedef struct km_half_branches {
   int count;
-  bool truncated; /* there are more than these */
+  bool truncated; /* there are more than KM_MAX_HALF_BRANCHES */
   double length;  /* |D (q - q0)| of the configurations */
   double *saved;  /* [KM_MAX_HALF_BRANCHES × 3 · columns] saved */
-  double *shares; /* [KM_MAX_HALF_BRANCHES × freedom] unit directions from q0, as shares of the basis */
+  double *shares; /* [KM_MAX_HALF_BRANCHES × freedom] unit directions from q0, as coefficients of the basis */
 } km_half_branches;
 
 /* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the

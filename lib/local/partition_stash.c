@@ -1,11 +1,11 @@
-/* Two partitions of one substructure that stand in for each other. */
+/* Stashes the current factorisation and restores it. */
 #include "local/partition_stash.h"
 
-static void exchange(km_state *s, int index) {
-  km_partition *p = &s->partition[index], kept = *p;
+static void swap_partitions(km_state *s, int index) {
+  km_partition *p = &s->partition[index], current = *p;
   *p = s->stashed[index].stored;
-  s->stashed[index].stored = kept;
-  s->basis[index].count = 0; /* it was made from the one that goes */
+  s->stashed[index].stored = current;
+  s->basis[index].count = 0; /* Z belongs to the partition that was replaced */
 }
 
 void km_partition_stash(km_state *s, int index) {
@@ -22,11 +22,11 @@ void km_partition_stash(km_state *s, int index) {
   km_partition_copy_pivots(&a->stored, p);
   a->is_swapped = !a->stored.failed;
   if (a->is_swapped)
-    exchange(s, index);
+    swap_partitions(s, index);
 }
 
 void km_partition_unstash(km_state *s, int index) {
   if (s->stashed[index].is_swapped)
-    exchange(s, index);
+    swap_partitions(s, index);
   s->stashed[index].is_swapped = false;
 }

@@ -1,50 +1,55 @@
-/* Finding the tangents along which a group moves while everything else stands, and the rest of the null space. */
+/* Tangents that move one group of bodies while all others are at rest (docs/theory.md 6.6): null space of the rows of Z
+ * outside the group. */
 #include "local/passive_tangents.h"
 
 #include "linalg/partition.h"
 
 #include <string.h>
 
-/* What is taken out, by shares of Z's columns: orthonormal rows of V[freedom × freedom]. */
-typedef struct leaving {
+/* Passive tangents as coefficients of Z: orthonormal rows of V[freedom × freedom]. */
+typedef struct passive_basis {
   km_tangents *f;
   int freedom, count;
   double *V;
-} leaving;
+} passive_basis;
 
-static bool is_in(const km_passive_freedom *group, int body) {
+static bool contains_body(const km_passive_freedom *group, int body) {
   bool found = false;
   for (int i = 0; i < group->body_count; ++i)
     found = found || group->bodies[i] == body;
   return found;
 }
 
-/* Is the column one of a joint at a body of the group? */
-static bool belongs(const km_tangents *f, const km_passive_freedom *group, int column) {
+/* True if the column belongs to a joint at a body of the group. */
+static bool is_column_of_group(const km_tangents *f, const km_passive_freedom *group, int column) {
   const km_model *model = f->m->model;
   const km_model_joint *joint =
       &model->joints[model->coordinates[f->m->column_coordinate[f->sub->column_start + column]].joint];
-  return is_in(group, model->frames[joint->frame[0]].body) || is_in(group, model->frames[joint->frame[1]].body);
+  return contains_body(group, model->frames[joint->frame[0]].body) ||
+         contains_body(group, model->frames[joint->frame[1]].body);
 }
 
-/* The shares of Z that move nothing but the group: the null space of its other rows. Returns how many. */
-static int find_shares(const leaving *l, const km_passive_freedom *group, km_arena *arena, double **shares) {
+/* Coefficients of tangents that move the group only: null space of the rows of Z outside the group. Returns their
+ * number. */
+static int find_group_null_space(const passive_basis *l, const km_passive_freedom *group, km_arena *arena,
+                                 double **shares) {
   static const double tolerance = 1e-7;
   const double *Z = l->f->conditions.Z;
   int n = l->f->sub->columns, k = l->freedom, rows = 0;
-  double *outside = KM_ARENA_NEW(arena, double, (size_t)n *(size_t)k), *one = KM_ARENA_NEW(arena, double, (size_t)k);
-  bool *out = KM_ARENA_NEW(arena, bool, (size_t)n);
+  double *outside = KM_ARENA_NEW(arena, double, (size_t)n *(size_t)k),
+         *unit_weight = KM_ARENA_NEW(arena, double, (size_t)k);
+  bool *is_outside = KM_ARENA_NEW(arena, bool, (size_t)n);
   km_partition p;
   if (arena->failed)
     return 0;
   for (int c = 0; c < n; ++c) {
-    out[c] = !belongs(l->f, group, c);
-    rows += out[c];
+    is_outside[c] = !is_column_of_group(l->f, group, c);
+    rows += is_outside[c];
   }
   for (int i = 0, at = 0; i < k; ++i) {
-    one[i] = 1.0;
+    unit_weight[i] = 1.0;
     for (int c = 0; c < n; ++c)
-      if (out[c])
+      if (is_outside[c])
         outside[at++] = Z[(size_t)i * (size_t)n + (size_t)c];
   }
   if (rows == 0 || !km_partition_reserve(&p, rows, k, arena))
@@ -54,26 +59,27 @@ static int find_shares(const leaving *l, const km_passive_freedom *group, km_are
   *shares = KM_ARENA_NEW(arena, double, (size_t)(count * k));
   if (arena->failed)
     return 0;
-  km_partition_null_space(&p, one, count, *shares);
+  km_partition_null_space(&p, unit_weight, count, *shares);
   return count;
 }
 
-static void take_out(leaving *l, const km_passive_freedom *group, km_arena *arena) {
+/* Adds the group's tangents that are finite to V. */
+static void add_group_tangents(passive_basis *l, const km_passive_freedom *group, km_arena *arena) {
   double *shares = NULL;
-  int k = l->freedom, count = find_shares(l, group, arena, &shares);
+  int k = l->freedom, count = find_group_null_space(l, group, arena, &shares);
   for (int i = 0; i < count && l->count < k; ++i)
     if (km_tangents_append_orthonormal(l->V, l->count, k, shares + (size_t)i * (size_t)k) &&
         km_tangents_is_finite(l->f, l->V + (size_t)l->count * (size_t)k))
       l->count++;
 }
 
-int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *idle, double *directions) {
+int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *passive, double *directions) {
   km_arena arena = {0};
-  leaving l = {.f = f, .freedom = f->conditions.freedom};
+  passive_basis l = {.f = f, .freedom = f->conditions.freedom};
   l.V = KM_ARENA_NEW(&arena, double, (size_t)(l.freedom * l.freedom) + 1);
-  for (int i = 0; i < idle->count && !arena.failed; ++i)
-    if (idle->items[i].substructure == f->index)
-      take_out(&l, &idle->items[i], &arena);
+  for (int i = 0; i < passive->count && !arena.failed; ++i)
+    if (passive->items[i].substructure == f->index)
+      add_group_tangents(&l, &passive->items[i], &arena);
   for (int i = 0; i < l.count && directions; ++i)
     km_tangents_direction(f, l.V + (size_t)i * (size_t)l.freedom, directions + (size_t)i * (size_t)f->sub->columns);
   f->arena->failed = f->arena->failed || arena.failed || !km_tangents_remove(f, l.V, l.count);

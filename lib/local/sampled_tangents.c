@@ -1,4 +1,5 @@
-/* Directions in the null space of many freedoms: random ones, those of second order, and which of them are real. */
+/* Random tangents of a substructure with many freedoms, and tangents that satisfy the second order (docs/theory.md
+ * 5.5). */
 #include "local/sampled_tangents.h"
 
 #include "base/random.h"
@@ -7,21 +8,21 @@
 
 #include <string.h>
 
-/* More freedoms have too many branches to be listed, and the dense conditions of more rows take too long. */
-enum { MOST_ROWS = 240 };
-/* So many starts times columns are sought for: each takes a few dozen sparse factorisations. */
-enum { MOST_WORK = 1200, LEAST_STARTS = 2 };
-enum { TRIALS = 2 }; /* random directions that show that all are real */
+/* More rows make the dense second-order conditions too expensive. */
+enum { MAX_DENSE_ROWS = 240 };
+/* Bound of starts · columns: each start takes a few dozen sparse factorisations. */
+enum { MAX_STARTS_TIMES_COLUMNS = 1200, MIN_STARTS = 2 };
+enum { SAMPLES = 2 }; /* random directions that show that all tangents are finite */
 
 bool km_tangents_are_many(const km_tangents *f) {
   int freedom = f->conditions.freedom;
-  return freedom > 1 && (freedom > KM_MAX_BASIS_FREEDOM || f->sub->rows > MOST_ROWS);
+  return freedom > 1 && (freedom > KM_MAX_BASIS_FREEDOM || f->sub->rows > MAX_DENSE_ROWS);
 }
 
 bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *f) {
-  int starts = MOST_WORK / f->sub->columns;
+  int starts = MAX_STARTS_TIMES_COLUMNS / f->sub->columns;
   *many = (km_sampled_tangents){.f = f,
-                                .max_starts = starts > LEAST_STARTS ? starts : LEAST_STARTS,
+                                .max_starts = starts > MIN_STARTS ? starts : MIN_STARTS,
                                 .x = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns),
                                 .projection = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
   return !f->arena->failed;
@@ -31,31 +32,31 @@ void km_sampled_tangents_free(km_sampled_tangents *many) {
   km_second_order_columns_free(&many->conditions);
 }
 
-static void return_to_pose(const km_tangents *f) {
+static void return_to_origin(const km_tangents *f) {
   km_state_restore(f->s, f->sub, f->origin);
   km_loops_update(f->m, f->s, f->sub);
   km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, f->conditions.tolerance);
 }
 
-double km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *part) {
+double km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *projection) {
   const km_substructure *sub = &m->substructures[index];
   const bool *locked = s->partition[index].locked;
   for (int c = 0; c < sub->columns; ++c) {
     x[c] = locked && locked[c] ? 0.0 : x[c];
-    part[c] = x[c];
+    projection[c] = x[c];
   }
-  km_minimum_norm_step(m, s, index, KM_NO_DRIVER, part);
+  km_minimum_norm_step(m, s, index, KM_NO_DRIVER, projection);
   for (int c = 0; c < sub->columns; ++c)
-    x[c] -= part[c];
+    x[c] -= projection[c];
   double length = km_step_length(m, sub, x);
   for (int c = 0; c < sub->columns; ++c)
     x[c] /= length;
   return length;
 }
 
-static bool project(km_sampled_tangents *many) {
+static bool project_onto_null_space(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
-  return_to_pose(f);
+  return_to_origin(f);
   double length = km_tangent_project(f->m, f->s, f->index, many->x, many->projection);
   return isfinite(length) && length > 0.0;
 }
@@ -64,11 +65,11 @@ bool km_sampled_tangents_draw(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = km_uniform(&many->f->random) / weight[c];
-  return project(many);
+  return project_onto_null_space(many);
 }
 
-/* The conditions of second order at the pose, found when they are first asked for. */
-static bool need_conditions(km_sampled_tangents *many) {
+/* Computes the second-order conditions of the configuration at the first call. */
+static bool update_conditions(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
   km_error error;
   if (many->has_conditions)
@@ -80,28 +81,29 @@ static bool need_conditions(km_sampled_tangents *many) {
   return !status;
 }
 
-/* Shows the second order, before a single step, that the direction isn't real? Where following takes longer than that. */
-static bool is_refuted(km_sampled_tangents *many) {
+/* True if the direction violates the second order. Tested only with many freedoms, where following takes longer than
+ * the conditions. */
+static bool violates_second_order(km_sampled_tangents *many) {
   return many->f->conditions.has_redundant_rows && many->f->conditions.freedom > KM_MANY_VECTORS &&
-         need_conditions(many) && km_second_order_columns_refutes(&many->conditions, many->x);
+         update_conditions(many) && km_second_order_columns_refutes(&many->conditions, many->x);
 }
 
 bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   if (!km_sampled_tangents_draw(many))
     return false;
-  if (!is_refuted(many))
+  if (!violates_second_order(many))
     return true;
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = (1.0 + 0.3 * km_uniform(&many->f->random)) / weight[c];
-  return project(many) && km_second_order_columns_solve(&many->conditions, many->x);
+  return project_onto_null_space(many) && km_second_order_columns_solve(&many->conditions, many->x);
 }
 
 bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
-  int trials = many->f->conditions.has_redundant_rows ? TRIALS : 1; /* where nothing is redundant all are real anyway */
+  int samples = many->f->conditions.has_redundant_rows ? SAMPLES : 1; /* with full row rank every tangent is finite */
   *length = HUGE_VAL;
-  for (int trial = 0; trial < trials; ++trial) {
-    if (!km_sampled_tangents_draw(many) || is_refuted(many))
+  for (int sample = 0; sample < samples; ++sample) {
+    if (!km_sampled_tangents_draw(many) || violates_second_order(many))
       return false;
     km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
     if (found.verdict < many->f->min_verdict)
@@ -114,19 +116,20 @@ bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
   return true;
 }
 
-/* The first start is even: neighbouring loops that are alike move alike then, and none of them runs away from the others. */
-static bool begin(km_sampled_tangents *many) {
+/* The first start is uniform, so that equal loops move alike; further starts are random. */
+static bool start_direction(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   if (many->starts++ > 0)
     return km_sampled_tangents_draw(many);
   for (int c = 0; c < many->f->sub->columns; ++c)
     many->x[c] = 1.0 / weight[c];
-  return project(many);
+  return project_onto_null_space(many);
 }
 
 bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length) {
   while (many->starts < many->max_starts) {
-    if (!begin(many) || !need_conditions(many) || !km_second_order_columns_solve(&many->conditions, many->x))
+    if (!start_direction(many) || !update_conditions(many) ||
+        !km_second_order_columns_solve(&many->conditions, many->x))
       continue;
     km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
     *length = found.length;

@@ -1,5 +1,5 @@
-/* The tangents of a substructure with many freedoms or loops: single ones, chosen at random, without a basis of them. Private
- * to kinematics/ and analysis/. */
+/* Tangents of a substructure with many freedoms or loops: random single directions without a basis (docs/theory.md
+ * 5.5). Private to local/ and its callers. */
 #ifndef KM_LOCAL_SAMPLED_TANGENTS_H
 #define KM_LOCAL_SAMPLED_TANGENTS_H
 
@@ -7,34 +7,36 @@
 #include "local/tangent_cone.h"
 
 typedef struct km_sampled_tangents {
-  km_tangents *f;                     /* the pose, and following directions from it */
-  km_second_order_columns conditions; /* where `built` */
+  km_tangents *f;                     /* configuration, and following of directions */
+  km_second_order_columns conditions; /* if has_conditions */
   bool has_conditions;
-  int starts, max_starts; /* directions that were sought, and how many may be */
-  double *x, *projection; /* [columns] the direction found last, unit and scaled; workspace */
+  int starts, max_starts; /* number of starts, and its bound */
+  double *x, *projection; /* [columns] direction found last, scaled, of unit length; workspace */
 } km_sampled_tangents;
 
-/* Takes out of the scaled step x what the loops don't allow to first order, and gives the rest length 1; returns the length that
- * it had. The partition is that of the state's Jacobian. part[columns]. */
-double km_tangent_project(const km_mechanism *mechanism, km_state *state, int substructure, double *x, double *part);
+/* Projects the scaled step x onto the null space of J and normalises it, |D x| = 1. Returns the length before. The
+ * partition belongs to the state's Jacobian. projection[columns] is workspace. */
+double km_tangent_project(const km_mechanism *mechanism, km_state *state, int substructure, double *x,
+                          double *projection);
 
-/* Is that so much that no basis is tried? A single tangent is always tried as it is. */
+/* True if the freedoms or rows are so many that no basis is used. A single freedom never counts as many. */
 bool km_tangents_are_many(const km_tangents *tangents);
 
-/* For tangents that were made. False when out of memory. Free in any case. */
+/* Creates the sampler for created tangents. False when out of memory. Free it in any case. */
 bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *tangents);
 void km_sampled_tangents_free(km_sampled_tangents *many);
 
-/* A random direction of the null space into x. Where all tangents but few were unreal, it would be: the real ones are a
- * closed algebraic cone, and a random direction lies in none but the whole. The state is at the pose. */
+/* Draws a random direction of the null space, into x. The finite tangents are a closed algebraic cone, and a random
+ * direction lies in a proper subcone with probability 0. The state is at the configuration. */
 bool km_sampled_tangents_draw(km_sampled_tangents *many);
-/* The same, and where the second order shows that it isn't real, one that meets the second order, sought from a start that is
- * nearly even. False where none was found, or memory is out. */
+/* Draws a random direction; if it violates the second order, one that satisfies it is sought from a nearly uniform
+ * start. False if none was found, or out of memory. */
 bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many);
-/* Is every tangent real, by random directions? `length`: how far these were followed, ahead and back. */
+/* True if every tangent is finite, by random directions. `length`: length to which they were followed, ahead and
+ * back. */
 bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length);
-/* The next direction that meets the second order and is real, into x, and how far it was followed, ahead and back; false: none
- * was found in the starts that are left, or memory is out. The state is left at the end of the way back. */
+/* Finds the next direction that satisfies the second order and is finite, into x, and its followed length. False if the
+ * remaining starts find none, or out of memory. The state is left at the end of the curve back. */
 bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length);
 
 #endif

@@ -1,4 +1,8 @@
-/* The second-order conditions of a substructure with many freedoms, in its columns instead of its freedoms. */
+/* Second-order conditions of a substructure with many freedoms, by columns (docs/theory.md 5.5).
+ *
+ *   c_i(x) = w_iᵀ γ(x) = 0,   J x = 0,   |D x| = 1
+ *   step   : min |D δ|² + |s/μ|²  with  J_p δ = 0,   g_i δ + μ s_i = −c_i/size,   δ ⊥ x in D        by sparse QR
+ *   μ      = √(1e-9 + 1e-3 worst),  g_i = ∂c_i/∂x / size */
 #include "local/second_order_columns.h"
 
 #include "kinematics/loop_closing.h"
@@ -8,13 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PASSES = 60 };
-static const double met = 1e-9;      /* a condition over the size of its kind */
-static const double broken = 1e-3;   /* the same, of one that random directions break */
-static const double spanned = 1e-14; /* primary rows are independent, and the others are damped */
+enum { MAX_PASSES = 60 };
+static const double converged = 1e-9;       /* |c_i| over the scale of the conditions */
+static const double violated = 1e-3;        /* the same, of a condition that is violated beyond rounding */
+static const double rank_tolerance = 1e-14; /* of SPQR: primary rows are independent, and the others are damped */
 
-/* The entries of J by row, those of locked columns left out. */
-static bool list_rows(km_second_order_columns *c, const bool *locked, km_arena *arena) {
+/* Lists the entries of J by row, without locked columns. */
+static bool create_row_lists(km_second_order_columns *c, const bool *locked, km_arena *arena) {
   const km_substructure *sub = c->sub;
   const km_pattern *pattern = &sub->pattern;
   c->row_start = KM_ARENA_NEW(arena, int, (size_t)sub->rows + 2);
@@ -22,7 +26,7 @@ static bool list_rows(km_second_order_columns *c, const bool *locked, km_arena *
   c->value_index = KM_ARENA_NEW(arena, int, pattern->size);
   if (arena->failed)
     return false;
-  /* The first pass counts, the second one places: row_start[r + 1] is then the next place of row r. */
+  /* The first pass counts, the second one places the entries: row_start[r + 1] is then the next free index of row r. */
   for (int pass = 0; pass < 2; ++pass) {
     for (int k = 0; k < sub->columns; ++k) {
       int first = pattern->start ? pattern->start[k] : k * sub->rows;
@@ -43,10 +47,10 @@ static bool list_rows(km_second_order_columns *c, const bool *locked, km_arena *
   return true;
 }
 
-/* Left null vectors from the sparse factor of Jᵀ: one for each row that others make superfluous, in few rows each. */
-static bool find_left(km_second_order_columns *c, double tolerance, km_arena *scratch, km_arena *arena) {
+/* Left null vectors from the sparse factor of Jᵀ: one per secondary row, with entries in few rows. */
+static bool find_left_null_vectors(km_second_order_columns *c, double tolerance, km_arena *scratch, km_arena *arena) {
   int rows = c->sub->rows, entries = c->row_start[rows];
-  size_t row_room = 0, value_room = 0;
+  size_t row_capacity = 0, value_capacity = 0;
   km_partition p;
   double *values = KM_ARENA_NEW(scratch, double, (size_t)entries),
          *entry = KM_ARENA_NEW(scratch, double, (size_t)rows + 1);
@@ -67,8 +71,8 @@ static bool find_left(km_second_order_columns *c, double tolerance, km_arena *sc
   for (int k = 0; k < c->conditions; ++k) {
     int first = c->w_start[k], count = km_partition_null_entries(&p, k, row, entry);
     double square = 0.0;
-    if (!km_arena_grow(arena, (void **)&c->w_row, &row_room, (size_t)(first + count), sizeof *c->w_row) ||
-        !km_arena_grow(arena, (void **)&c->w, &value_room, (size_t)(first + count), sizeof *c->w))
+    if (!km_arena_grow(arena, (void **)&c->w_row, &row_capacity, (size_t)(first + count), sizeof *c->w_row) ||
+        !km_arena_grow(arena, (void **)&c->w, &value_capacity, (size_t)(first + count), sizeof *c->w))
       return false;
     for (int i = 0; i < count; ++i)
       square += entry[i] * entry[i];
@@ -81,14 +85,14 @@ static bool find_left(km_second_order_columns *c, double tolerance, km_arena *sc
   return true;
 }
 
-static int ascending(const void *a, const void *b) {
+static int compare_ints(const void *a, const void *b) {
   int x = *(const int *)a, y = *(const int *)b;
   return (x > y) - (x < y);
 }
 
-/* The columns that each condition depends on. */
-static bool list_columns(km_second_order_columns *c, km_arena *scratch, km_arena *arena) {
-  size_t room = 0;
+/* Lists the columns on which each condition depends. */
+static bool create_column_lists(km_second_order_columns *c, km_arena *scratch, km_arena *arena) {
+  size_t capacity = 0;
   int *seen = KM_ARENA_NEW(scratch, int, (size_t)c->sub->columns);
   c->g_start = KM_ARENA_NEW(arena, int, (size_t)c->conditions + 1);
   if (scratch->failed || arena->failed)
@@ -100,18 +104,18 @@ static bool list_columns(km_second_order_columns *c, km_arena *scratch, km_arena
         if (seen[c->column[n]] > k)
           continue;
         seen[c->column[n]] = k + 1;
-        if (!km_arena_grow(arena, (void **)&c->g_column, &room, (size_t)end + 1, sizeof *c->g_column))
+        if (!km_arena_grow(arena, (void **)&c->g_column, &capacity, (size_t)end + 1, sizeof *c->g_column))
           return false;
         c->g_column[end++] = c->column[n];
       }
     c->g_start[k + 1] = end;
     if (end > c->g_start[k])
-      qsort(c->g_column + c->g_start[k], (size_t)(end - c->g_start[k]), sizeof *c->g_column, ascending);
+      qsort(c->g_column + c->g_start[k], (size_t)(end - c->g_start[k]), sizeof *c->g_column, compare_ints);
   }
   return true;
 }
 
-static bool reserve(km_second_order_columns *c, km_arena *arena) {
+static bool reserve_arrays(km_second_order_columns *c, km_arena *arena) {
   size_t rows = (size_t)c->sub->rows, columns = (size_t)c->sub->columns, count = (size_t)c->conditions;
   c->gamma_derivatives = KM_ARENA_NEW(arena, double, c->sub->pattern.size);
   c->gamma = KM_ARENA_NEW(arena, double, rows);
@@ -134,8 +138,9 @@ km_status km_second_order_columns_create(const km_mechanism *m, km_state *s, int
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
   memcpy(out->J, km_state_jacobian(s, sub), sub->pattern.size * sizeof *out->J);
   km_arena scratch = {0};
-  bool made = list_rows(out, s->partition[index].locked, arena) && find_left(out, tolerance, &scratch, arena) &&
-              list_columns(out, &scratch, arena) && reserve(out, arena);
+  bool made = create_row_lists(out, s->partition[index].locked, arena) &&
+              find_left_null_vectors(out, tolerance, &scratch, arena) && create_column_lists(out, &scratch, arena) &&
+              reserve_arrays(out, arena);
   km_arena_free(&scratch);
   if (!made)
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
@@ -149,11 +154,11 @@ void km_second_order_columns_free(km_second_order_columns *c) {
   c->q = NULL;
 }
 
-/* The conditions' values and derivatives at x; returns the largest derivative, over the weights. */
-static double evaluate(km_second_order_columns *c, const double *x) {
+/* Values c_i and gradients over the weights at x. Returns the largest length of a gradient. */
+static double evaluate_conditions(km_second_order_columns *c, const double *x) {
   const km_substructure *sub = c->sub;
   const double *weight = c->m->column_weight + sub->column_start;
-  double steepest = 0.0;
+  double max_gradient = 0.0;
   for (int k = 0; k < sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[sub->column_start + k];
     c->rate[coordinate] = c->m->unit[coordinate] * x[k];
@@ -175,22 +180,22 @@ static double evaluate(km_second_order_columns *c, const double *x) {
       c->sum[column] = 0.0;
       square += c->g[i] * c->g[i];
     }
-    steepest = fmax(steepest, sqrt(square));
+    max_gradient = fmax(max_gradient, sqrt(square));
   }
-  return steepest;
+  return max_gradient;
 }
 
-static double worst_value(const km_second_order_columns *c) {
+static double max_violation(const km_second_order_columns *c) {
   double worst = 0.0;
   for (int k = 0; k < c->conditions; ++k)
     worst = fmax(worst, fabs(c->value[k]) / c->size);
   return worst;
 }
 
-/* J over the weights, then the conditions' derivatives with an unknown of their own each, `damping` times which is what may be
- * left of it: the least step is that of least |D δx|² + |left / damping|². It is at right angles to x: where conditions are many,
- * nothing would meet them all but a shorter x, and that is no other direction. */
-static void fill(const km_second_order_columns *c, double damping, const double *x) {
+/* Fills the matrix of a step: J_p over the weights; gradients of the conditions, each with a slack unknown of
+ * coefficient `damping`; and D x. The minimum-norm solution then minimises |D δ|² + |slack|² and is orthogonal to x,
+ * since otherwise many conditions would merely shorten x. */
+static void fill_step_matrix(const km_second_order_columns *c, double damping, const double *x) {
   const double *weight = c->m->column_weight + c->sub->column_start;
   km_columns out = km_sparse_qr_columns(c->q);
   long next = 0;
@@ -218,14 +223,14 @@ static void fill(const km_second_order_columns *c, double damping, const double 
   out.start[c->rank + c->conditions + 1] = next;
 }
 
-/* One step, and back to length 1. */
-static bool step(km_second_order_columns *c, double damping, double *x) {
+/* One damped Gauss-Newton step, then normalisation to |D x| = 1. */
+static bool take_step(km_second_order_columns *c, double damping, double *x) {
   const double *weight = c->m->column_weight + c->sub->column_start;
-  fill(c, damping, x);
+  fill_step_matrix(c, damping, x);
   memset(c->b, 0, ((size_t)c->rank + (size_t)c->conditions + 1) * sizeof *c->b);
   for (int k = 0; k < c->conditions; ++k)
     c->b[c->rank + k] = -c->value[k] / c->size;
-  if (!km_sparse_qr_factor(c->q, spanned) || !km_sparse_qr_minimum_norm(c->q, c->b, c->z))
+  if (!km_sparse_qr_factor(c->q, rank_tolerance) || !km_sparse_qr_minimum_norm(c->q, c->b, c->z))
     return false;
   for (int k = 0; k < c->sub->columns; ++k)
     x[k] += c->z[k] / weight[k];
@@ -235,27 +240,28 @@ static bool step(km_second_order_columns *c, double damping, double *x) {
   return isfinite(length) && length > 0.0;
 }
 
-/* Evaluates at a first x. False where all conditions may be what the pose's misfit makes of 0. */
-static bool begin(km_second_order_columns *c, const double *x) {
-  double noise = fmax(1e-7, 100.0 * c->residual), steepest = evaluate(c, x);
-  c->size = fmax(c->size, 0.5 * steepest); /* a condition is half its derivative along x */
+/* Evaluates the conditions at the first x and sets their scale. False if all conditions can be due to the misfit of the
+ * configuration. */
+static bool evaluate_start(km_second_order_columns *c, const double *x) {
+  double noise = fmax(1e-7, 100.0 * c->residual), max_gradient = evaluate_conditions(c, x);
+  c->size = fmax(c->size, 0.5 * max_gradient); /* a quadratic form is half its derivative along x */
   return c->conditions > 0 && c->size >= noise;
 }
 
 bool km_second_order_columns_refutes(km_second_order_columns *c, const double *x) {
-  return begin(c, x) && worst_value(c) > broken;
+  return evaluate_start(c, x) && max_violation(c) > violated;
 }
 
 bool km_second_order_columns_solve(km_second_order_columns *c, double *x) {
-  if (!begin(c, x))
+  if (!evaluate_start(c, x))
     return true;
-  for (int pass = 0; pass < MOST_PASSES; ++pass) {
-    double worst = worst_value(c);
-    if (worst < met)
+  for (int pass = 0; pass < MAX_PASSES; ++pass) {
+    double worst = max_violation(c);
+    if (worst < converged)
       return true;
-    if (!step(c, sqrt(1e-9 + 1e-3 * worst), x))
+    if (!take_step(c, sqrt(1e-9 + 1e-3 * worst), x))
       return false;
-    evaluate(c, x);
+    evaluate_conditions(c, x);
   }
-  return worst_value(c) < km_condition_tolerance;
+  return max_violation(c) < km_condition_tolerance;
 }

@@ -1,4 +1,9 @@
-/* The second-order conditions of a motion: wᵀ(J̇ q̇) = 0 for the left null vectors w of J. */
+/* Second-order conditions of a motion: wᵀ(J̇ q̇) = 0 for the left null vectors w of J (docs/theory.md 5.2).
+ *
+ *   Q_i(a, b) = −½ w_iᵀ (γ(a + b) − γ(a) − γ(b))                   γ = −J̇ q̇, quadratic in q̇ = D⁻¹ Z a
+ *   Gauss-Newton on |a| = 1:  (Σ g_i g_iᵀ + (1e-9 + 1e-3 worst) I) δ = −Σ v_i g_i
+ *                             v_i = aᵀ Q_i a / size,  g_i = 2 Q_i a / size,  worst = max |v_i|
+ *   dimension bound: freedom − rank { Q_i a } */
 #include "local/second_order_conditions.h"
 
 #include "kinematics/loop_closing.h"
@@ -6,8 +11,9 @@
 
 #include <string.h>
 
-static bool left_null(const km_substructure *sub, const double *J, double tolerance, km_arena *arena, double **W,
-                      int *count) {
+/* Left null vectors W of J, an orthonormal basis of the null space of Jᵀ. */
+static bool find_left_null_space(const km_substructure *sub, const double *J, double tolerance, km_arena *arena,
+                                 double **W, int *count) {
   size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
   double *T = KM_ARENA_NEW(arena, double, rows *columns), *weight = KM_ARENA_NEW(arena, double, rows);
   km_partition p;
@@ -27,9 +33,9 @@ static bool left_null(const km_substructure *sub, const double *J, double tolera
   return true;
 }
 
-/* γ = −J̇ q̇ at q̇ = a + b; b may be NULL. rate[coordinate] is workspace. */
-static void products_of(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *a,
-                        const double *b, double *rate, double *gamma) {
+/* Velocity products γ at the rates a + b; b may be NULL. rate[coordinate] is workspace. */
+static void compute_products(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *a,
+                             const double *b, double *rate, double *gamma) {
   for (int k = 0; k < sub->columns; ++k) {
     int c = m->column_coordinate[sub->column_start + k];
     rate[c] = m->unit[c] * (a[k] + (b ? b[k] : 0.0));
@@ -37,21 +43,20 @@ static void products_of(const km_mechanism *m, km_state *s, const km_substructur
   km_loops_velocity_products(m, s, sub, rate, gamma);
 }
 
-/* Q_i(a, b) = wᵢᵀ (J̇(a) b + J̇(b) a) / 2 for every pair of the directions x: γ is a square of q̇, so that this is
- * −wᵢᵀ (γ(a + b) − γ(a) − γ(b)) / 2. gamma[(freedom + 1) × rows]. */
-static void fill_conditions(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *W,
-                            const double *x, double *rate, double *gamma, km_second_order *out) {
+/* Q_i(a, b) for every pair of the directions x, by polarisation of γ. gamma[(freedom + 1) × rows]. */
+static void compute_conditions(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *W,
+                               const double *x, double *rate, double *gamma, km_second_order *out) {
   size_t n = (size_t)sub->columns, rows = (size_t)sub->rows, k = (size_t)out->freedom;
-  double *both = gamma + k * rows;
+  double *sum_products = gamma + k * rows;
   for (size_t a = 0; a < k; ++a)
-    products_of(m, s, sub, x + a * n, NULL, rate, gamma + a * rows);
+    compute_products(m, s, sub, x + a * n, NULL, rate, gamma + a * rows);
   for (size_t a = 0; a < k; ++a)
     for (size_t b = 0; b <= a; ++b) {
-      products_of(m, s, sub, x + a * n, x + b * n, rate, both);
+      compute_products(m, s, sub, x + a * n, x + b * n, rate, sum_products);
       for (size_t i = 0; i < (size_t)out->conditions; ++i) {
         double sum = 0.0;
         for (size_t r = 0; r < rows; ++r)
-          sum -= 0.5 * W[i * rows + r] * (both[r] - gamma[a * rows + r] - gamma[b * rows + r]);
+          sum -= 0.5 * W[i * rows + r] * (sum_products[r] - gamma[a * rows + r] - gamma[b * rows + r]);
         out->Q[i * k * k + a * k + b] = out->Q[i * k * k + b * k + a] = sum;
       }
     }
@@ -91,9 +96,9 @@ void km_second_order_combine(const km_second_order *c, const double *a, double *
   }
 }
 
-/* Cholesky of A[k × k] in place, of its lower half; false where it isn't positive definite: then what it comes to means
- * nothing there. */
-static bool factor(double *A, int k) {
+/* Cholesky factorisation of A[k × k] in place, lower triangle. False if A is not positive definite; the result is then
+ * meaningless. */
+static bool cholesky(double *A, int k) {
   bool positive = true;
   for (int i = 0; i < k; ++i)
     for (int j = 0; j <= i; ++j) {
@@ -106,28 +111,28 @@ static bool factor(double *A, int k) {
   return positive;
 }
 
-/* Is |aᵀQ a| more than what nearly meets the condition, for every unit vector a? Of positive Q (sign 1) or negative (−1). */
-static bool is_definite(const double *Q, double sign, double least, int k, double *A) {
+/* True if |aᵀQ a| exceeds `least` for every unit vector a: sign Q − least I is positive definite. sign: 1 or −1. */
+static bool is_condition_definite(const double *Q, double sign, double least, int k, double *A) {
   for (int i = 0; i < k * k; ++i)
     A[i] = sign * Q[i];
   for (int i = 0; i < k; ++i)
     A[i * k + i] -= least;
-  return factor(A, k);
+  return cholesky(A, k);
 }
 
-static bool any_definite(const km_second_order *c, double *work) {
+static bool has_definite_condition(const km_second_order *c, double *work) {
   int k = c->freedom;
   double least = 2.0 * km_condition_tolerance * c->size;
   for (int i = 0; i < c->conditions; ++i) {
     const double *Q = c->Q + (size_t)i * (size_t)(k * k);
-    if (is_definite(Q, 1.0, least, k, work) || is_definite(Q, -1.0, least, k, work))
+    if (is_condition_definite(Q, 1.0, least, k, work) || is_condition_definite(Q, -1.0, least, k, work))
       return true;
   }
   return false;
 }
 
-/* The column of M[rows × columns] with the largest square. */
-static double longest_column(const double *M, int rows, int columns, int *longest) {
+/* Column of M[rows × columns] with the largest sum of squares, which is returned. */
+static double find_longest_column(const double *M, int rows, int columns, int *longest) {
   double most = -1.0;
   for (int c = 0; c < columns; ++c) {
     double square = 0.0;
@@ -141,12 +146,12 @@ static double longest_column(const double *M, int rows, int columns, int *longes
   return most;
 }
 
-/* M = V R with orthonormal columns of V, by Gram and Schmidt from the longest column on, until what is left of all is shorter
- * than `least`; M is used up. Returns how many rows of R[… × columns] that takes. */
-static int compress(double *M, int rows, int columns, double least, double *R) {
+/* Gram-Schmidt with column pivoting, M = V R, until all remaining columns are shorter than `least`. M is overwritten.
+ * Returns the number of rows of R[… × columns]. */
+static int compress_columns(double *M, int rows, int columns, double least, double *R) {
   int count = 0, longest = 0;
   for (; count < rows && count < columns; ++count) {
-    double length = sqrt(longest_column(M, rows, columns, &longest));
+    double length = sqrt(find_longest_column(M, rows, columns, &longest));
     if (!(length > least))
       break;
     double *v = M + longest * rows;
@@ -165,16 +170,16 @@ static int compress(double *M, int rows, int columns, double least, double *R) {
   return count;
 }
 
-static double largest_entry(const km_second_order *c) {
+static double max_entry(const km_second_order *c) {
   double largest = 0.0;
   for (size_t i = 0; i < (size_t)(c->conditions * c->freedom * c->freedom); ++i)
     largest = fmax(largest, fabs(c->Q[i]));
   return largest;
 }
 
-/* More conditions than there are products of two freedoms depend on each other: as few take their place whose values have the
- * same sum of squares along every direction, so that Gauss-Newton goes the same way. */
-static bool leave_independent(km_second_order *c) {
+/* Replaces more than k (k + 1)/2 conditions, which are dependent, by at most that many with the same sum of squares
+ * along every direction, so that Gauss-Newton takes the same steps. */
+static bool keep_independent(km_second_order *c) {
   int k = c->freedom, products = k * (k + 1) / 2;
   km_arena arena = {0};
   if (c->conditions <= products)
@@ -187,12 +192,12 @@ static bool leave_independent(km_second_order *c) {
       for (int b = 0; b <= a; ++b, at += c->conditions)
         M[at] = c->Q[i * k * k + a * k + b];
   if (made)
-    c->conditions = compress(M, c->conditions, products, c->noise, R);
+    c->conditions = compress_columns(M, c->conditions, products, c->noise, R);
   for (int i = 0; i < c->conditions && made; ++i)
     for (int a = 0, at = i * products; a < k; ++a)
       for (int b = 0; b <= a; ++b, ++at)
         c->Q[i * k * k + a * k + b] = c->Q[i * k * k + b * k + a] = R[at];
-  c->size = largest_entry(c);
+  c->size = max_entry(c);
   km_arena_free(&arena);
   return made;
 }
@@ -211,21 +216,21 @@ bool km_second_order_build_all(const km_mechanism *m, km_state *s, int index, km
     return false;
   km_loops_update(m, s, sub);
   km_state_jacobian_dense(s, sub, J);
-  if (!left_null(sub, J, out->tolerance, arena, &out->W, &out->conditions))
+  if (!find_left_null_space(sub, J, out->tolerance, arena, &out->W, &out->conditions))
     return false;
   out->Q = KM_ARENA_NEW(arena, double, (size_t)out->conditions *k *k);
   if (arena->failed)
     return false;
   for (size_t i = 0; i < n * k; ++i)
     x[i] = out->Z[i] / weight[i % n];
-  fill_conditions(m, s, sub, out->W, x, rate, gamma, out);
-  out->size = largest_entry(out);
-  out->has_definite = any_definite(out, work);
+  compute_conditions(m, s, sub, out->W, x, rate, gamma, out);
+  out->size = max_entry(out);
+  out->has_definite = has_definite_condition(out, work);
   return true;
 }
 
 bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
-  return km_second_order_build_all(m, s, index, arena, out) && leave_independent(out);
+  return km_second_order_build_all(m, s, index, arena, out) && keep_independent(out);
 }
 
 bool km_second_order_rank_defect(const km_mechanism *m, const km_state *s, int index, const km_second_order *c,
@@ -285,12 +290,13 @@ bool km_second_order_restrict(const km_second_order *c, const double *shares, in
   }
   if (arena->failed)
     return false;
-  out->size = largest_entry(out);
-  out->has_definite = any_definite(out, work);
+  out->size = max_entry(out);
+  out->has_definite = has_definite_condition(out, work);
   return true;
 }
 
-static double condition(const km_second_order *c, int i, const double *a, double *slope) {
+/* Value aᵀ Q_i a of condition i and its gradient 2 Q_i a. */
+static double evaluate_condition(const km_second_order *c, int i, const double *a, double *slope) {
   int k = c->freedom;
   const double *Q = c->Q + (size_t)i * (size_t)(k * k);
   double value = 0.0;
@@ -304,11 +310,11 @@ static double condition(const km_second_order *c, int i, const double *a, double
   return value;
 }
 
-/* Solves the damped normal equations (A + μ) d = -b in place; k × k, of which the lower half is read. */
-static void damped_step(double *A, const double *b, int k, double damping, double *d) {
+/* Solves the damped normal equations (A + μ I) d = −b by Cholesky, in place; k × k, lower triangle of A. */
+static void solve_damped_step(double *A, const double *b, int k, double damping, double *d) {
   for (int i = 0; i < k; ++i)
     A[i * k + i] += damping;
-  factor(A, k);
+  cholesky(A, k);
   for (int i = 0; i < k; ++i) {
     d[i] = -b[i];
     for (int o = 0; o < i; ++o)
@@ -334,7 +340,7 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
     memset(A, 0, (size_t)(k * k) * sizeof *A);
     memset(b, 0, (size_t)k * sizeof *b);
     for (int i = 0; i < c->conditions; ++i) {
-      double value = condition(c, i, a, slope) / c->size;
+      double value = evaluate_condition(c, i, a, slope) / c->size;
       worst = fmax(worst, fabs(value));
       for (int r = 0; r < k; ++r) {
         b[r] += value * slope[r] / c->size;
@@ -344,7 +350,7 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
     }
     if (worst < 1e-9)
       return true;
-    damped_step(A, b, k, 1e-9 + 1e-3 * worst, d);
+    solve_damped_step(A, b, k, 1e-9 + 1e-3 * worst, d);
     for (int r = 0; r < k; ++r) {
       a[r] += d[r];
       norm += a[r] * a[r];
@@ -354,7 +360,7 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   }
   double worst = 0.0;
   for (int i = 0; i < c->conditions; ++i)
-    worst = fmax(worst, fabs(condition(c, i, a, slope)) / c->size);
+    worst = fmax(worst, fabs(evaluate_condition(c, i, a, slope)) / c->size);
   return worst < km_condition_tolerance;
 }
 
@@ -368,10 +374,11 @@ int km_second_order_dimension(const km_second_order *c, const double *a) {
   if (slopes && km_partition_reserve(&p, k, c->conditions, &arena)) {
     double largest = 0.0;
     for (int i = 0; i < c->conditions; ++i)
-      condition(c, i, a, slopes + i * k);
+      evaluate_condition(c, i, a, slopes + i * k);
     for (int i = 0; i < c->conditions * k; ++i)
       largest = fmax(largest, fabs(slopes[i]));
-    /* a is √km_condition_tolerance from where the conditions are met, and Q at most k times its largest entry. */
+    /* `a` lies within √km_condition_tolerance of a zero of the conditions, and |Q_i a| is at most k times the largest
+     * entry. */
     km_partition_factor(&p, slopes, k, c->conditions, NULL, 2.0 * k * sqrt(km_condition_tolerance) * c->size / largest);
     rank = p.rank;
   }

@@ -1,71 +1,81 @@
-/* The tangents of a substructure that first and second order allow. Private to kinematics/. */
+/* Second-order conditions of motions at a closed configuration (docs/theory.md 5.2). Private to local/ and its
+ * callers.
+ *
+ *   Q_i(a, b)   = w_iᵀ D²e(Z a, Z b) = −½ w_iᵀ (γ(a + b) − γ(a) − γ(b))
+ *   tangent cone: aᵀ Q_i a = 0 for all i,  |a| = 1
+ *
+ * Z: orthonormal basis of the null space of J, in the metric D; w_i: left null vectors of J; a: coefficients of a
+ * tangent. */
 #ifndef KM_LOCAL_SECOND_ORDER_CONDITIONS_H
 #define KM_LOCAL_SECOND_ORDER_CONDITIONS_H
 
 #include "kinematics/state.h"
 
-/* A condition that is a square meets 0 only slowly, but so far, over the size of its kind, is well enough to be tried. */
+/* Tolerance of a condition over the size of Q. A condition that is a square converges slowly to its zero; below this
+ * the direction is tried. */
 static const double km_condition_tolerance = 1e-5;
 
-/* May unit vectors with this cosine be one tangent, in one sense or the other? What nearly meets a square is √km_condition_tolerance from
- * where it is 0, so two of one tangent are twice that from each other: 1 − cos is half the square of it. */
+/* True if unit vectors with this cosine can be one tangent, in either sense. A direction that misses a square by the
+ * tolerance lies √tolerance from its zero, so two of one tangent are at most twice that apart, and 1 − cos is half the
+ * square of that. */
 static inline bool km_is_same_tangent(double cosine) {
   return 1.0 - fabs(cosine) <= 2.0 * km_condition_tolerance;
 }
 
-/* Quadratic conditions on the null space: for a unit vector a (freedom entries), direction D⁻¹Z a, condition i is
- * aᵀ Q_i a = 0, Q_i = Zᵀ w_iᵀ(∂J/∂q) Z, w_i the left null vectors of J. */
+/* Quadratic conditions on the null space: the direction D⁻¹ Z a of a unit vector a[freedom] satisfies condition i if aᵀ
+ * Q_i a = 0. */
 typedef struct km_second_order {
   int columns, freedom, conditions;
-  int passive_count;       /* freedoms that were taken out of Z, and don't count in `freedom` */
-  bool has_redundant_rows; /* some constraint is: then conditions may stand between a tangent and a motion */
-  bool is_built;           /* Q is */
+  int passive_count;       /* passive freedoms that were removed from Z; `freedom` does not include them */
+  bool has_redundant_rows; /* some constraint is redundant, so that tangents need not belong to motions */
+  bool is_built;           /* Q is computed */
   double tolerance;
-  double *Z;         /* [freedom × columns] D·range(N), orthonormal; NULL: not asked for */
+  double *Z;         /* [freedom × columns] orthonormal basis of D range(N); NULL: not created */
   double *Q;         /* [conditions × freedom × freedom] symmetric */
-  double *W;         /* [conditions × rows] the left null vectors, where all conditions are kept */
-  double size;       /* largest entry of Q: what a condition is compared with */
-  double noise;      /* what the pose's misfit may have made of 0: Q below it says nothing */
-  bool has_definite; /* some Q_i is: then no direction meets its condition */
+  double *W;         /* [conditions × rows] left null vectors, if all conditions are kept */
+  double size;       /* largest entry of Q: scale of the conditions */
+  double noise;      /* bound of entries of Q that the misfit of the configuration can cause */
+  bool has_definite; /* some Q_i is definite: no direction satisfies its condition */
 } km_second_order;
 
-/* How many tangents the state's (closed) pose has, which stays; no basis of them and no conditions yet. False when out of
- * memory. */
+/* Factors J at the state's closed configuration: number of tangents, rank tolerance, noise. No basis and no conditions
+ * yet. False when out of memory. */
 bool km_second_order_count_tangents(const km_mechanism *mechanism, km_state *state, int substructure,
                                     km_second_order *out);
-/* The basis, right after that. False when out of memory. */
+/* Creates the basis Z, directly after km_second_order_count_tangents. False when out of memory. */
 bool km_second_order_create_basis(const km_mechanism *mechanism, const km_state *state, int substructure,
                                   km_arena *arena, km_second_order *out);
-/* The conditions at the same pose, all of them, or no more than are independent. Dense: O(rows² · columns), so only where first order leaves
- * a choice. False when out of memory. */
+/* Computes the conditions at the same configuration: `build_all` keeps one per left null vector, `build` at most as
+ * many as are independent. Dense, O(rows² · columns), so only where first order leaves a choice. False when out of
+ * memory. */
 bool km_second_order_build_all(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                                km_second_order *out);
 bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
-/* What pivots that count as 0 leave of J: changes[conditions × freedom] = wᵢᵀ J z of the null vectors w and z, 0 where J has their rank.
- * For conditions that are all kept. False when out of memory. */
+/* Defect of the rank, for deflation (docs/theory.md 5.6): changes[conditions × freedom] = w_iᵀ J z of the null vectors,
+ * which is 0 where J has the rank of w and z. For conditions that are all kept. False when out of memory. */
 bool km_second_order_rank_defect(const km_mechanism *mechanism, const km_state *state, int substructure,
                                  const km_second_order *conditions, double *changes);
 
-/* The conditions on those tangents alone that are spanned by orthonormal shares[count × freedom] of the basis. False when out of memory.
- * O(conditions · freedom² · count). */
+/* Restricts the conditions to the tangents spanned by orthonormal coefficients shares[count × freedom], V Q_i Vᵀ. False
+ * when out of memory. O(conditions · freedom² · count). */
 bool km_second_order_restrict(const km_second_order *conditions, const double *shares, int count, km_arena *arena,
                               km_second_order *out);
 
-/* Do the conditions say more than the pose's misfit may have made of 0? */
+/* True if the conditions exceed what the misfit of the configuration can cause. */
 static inline bool km_second_order_is_significant(const km_second_order *c) {
   return c->conditions > 0 && !(c->size < c->noise);
 }
 
-/* Z a, into z[columns]: the tangent D q̇ of these shares a[freedom] of the basis. */
+/* Tangent z = Z a = D q̇, z[columns], of the coefficients a[freedom]. */
 void km_second_order_combine(const km_second_order *conditions, const double *a, double *z);
 
-/* Starting from the unit vector a, goes to a nearby one that meets all conditions (Gauss-Newton on the sphere);
- * false if there is none. work[freedom² + 3 · freedom]. */
+/* Finds a unit vector near `a` that satisfies all conditions, by damped Gauss-Newton on the sphere; false if there is
+ * none. work[freedom² + 3 · freedom]. */
 bool km_second_order_solve(const km_second_order *conditions, double *a, double *work);
 
-/* The most dimensions that a motion along such an a can have. Its tangents at the pose are a cone of as many, in which a lies and
- * all conditions are met: freedom less the rank of their derivatives at a, of which only what is plain counts. */
+/* Dimension bound of a motion along a tangent a that satisfies the conditions: freedom − rank { Q_i a }. Only entries
+ * that are clearly above the tolerance count for the rank. */
 int km_second_order_dimension(const km_second_order *conditions, const double *a);
 
 #endif

@@ -1,29 +1,30 @@
-/* Bases of a part of the tangents. */
+/* Orthonormal bases of subspaces of the tangents, by Gram-Schmidt. */
 #include "local/tangent_cone.h"
 
 #include <string.h>
 
 bool km_orthonormalise(const double *basis, int count, int size, double *v) {
-  double left = 0.0;
+  double square = 0.0;
   for (int i = 0; i < count; ++i) {
-    double along = 0.0;
+    double dot = 0.0;
     for (int k = 0; k < size; ++k)
-      along += basis[i * size + k] * v[k];
+      dot += basis[i * size + k] * v[k];
     for (int k = 0; k < size; ++k)
-      v[k] -= along * basis[i * size + k];
+      v[k] -= dot * basis[i * size + k];
   }
   for (int k = 0; k < size; ++k)
-    left += v[k] * v[k];
+    square += v[k] * v[k];
   for (int k = 0; k < size; ++k)
-    v[k] /= sqrt(left);
-  return left > 1e-6; /* of unit vectors: one of them is spanned by the others, the rest are well apart */
+    v[k] /= sqrt(square);
+  return square > 1e-6; /* squared length that remains of a unit vector: spanned vectors leave rounding, others far
+                         * more */
 }
 
 bool km_tangents_append_orthonormal(double *V, int count, int k, const double *a) {
   double *v = V + (size_t)count * (size_t)k;
   memcpy(v, a, (size_t)k * sizeof *v);
   return km_orthonormalise(V, count, k, v) &&
-         km_orthonormalise(V, count, k, v); /* once more takes what rounding has left */
+         km_orthonormalise(V, count, k, v); /* the second pass removes the rounding of the first */
 }
 
 bool km_tangents_complete_basis(double *V, int count, int k) {
@@ -42,13 +43,13 @@ bool km_tangents_remove(km_tangents *f, double *V, int count) {
   int k = conditions->freedom, n = f->sub->columns;
   if (count == 0)
     return true;
-  double *rest = KM_ARENA_NEW(f->arena, double, (size_t)(k - count) * (size_t)n + 1);
-  bool whole = rest && km_tangents_complete_basis(V, count, k);
-  for (int i = count; i < k && whole; ++i)
-    km_second_order_combine(conditions, V + i * k, rest + (size_t)(i - count) * (size_t)n);
-  if (!whole)
+  double *remaining = KM_ARENA_NEW(f->arena, double, (size_t)(k - count) * (size_t)n + 1);
+  bool is_ok = remaining && km_tangents_complete_basis(V, count, k);
+  for (int i = count; i < k && is_ok; ++i)
+    km_second_order_combine(conditions, V + i * k, remaining + (size_t)(i - count) * (size_t)n);
+  if (!is_ok)
     return false;
-  conditions->Z = rest;
+  conditions->Z = remaining;
   conditions->freedom = k - count;
   for (int i = 0; i < k - count; ++i)
     f->length[i] = -1.0;

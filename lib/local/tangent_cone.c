@@ -1,4 +1,5 @@
-/* Directions in the null space that satisfy the second-order conditions. */
+/* Tangents of finite motions: random starts, second-order conditions, following in both senses (docs/theory.md
+ * 5.2-5.4). */
 #include "local/tangent_cone.h"
 
 #include "base/random.h"
@@ -7,7 +8,7 @@
 
 #include <string.h>
 
-enum { MOST_TURNS = 5 }; /* from a direction to that of a motion near it */
+enum { MAX_SECANT_STEPS = 5 }; /* secant iterations from a direction to that of a nearby motion */
 
 bool km_tangents_create(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
@@ -51,38 +52,39 @@ void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
     x[c] /= weight[c];
 }
 
-/* What bends the motion turns the chords ahead and back apart, and their difference by less than the square of their length. */
-static void add_chord(km_tangents *f, int sign) {
+/* Averages the chords ahead and back into the secant: the curvature of the motion cancels to second order. */
+static void add_to_secant(km_tangents *f, int sign) {
   double length = km_step_length(f->m, f->sub, f->chord);
   for (int c = 0; c < f->sub->columns; ++c)
     f->secant[c] = (sign > 0 ? 0.0 : f->secant[c]) + 0.5 * sign * f->chord[c] / length;
 }
 
 km_followed_tangent km_tangents_follow_both_senses(km_tangents *f, const double *direction) {
-  km_followed_tangent both = {HUGE_VAL, KM_TANGENT_CONFIRMED};
+  km_followed_tangent worse = {HUGE_VAL, KM_TANGENT_CONFIRMED};
   for (int sign = 1; sign >= -1; sign -= 2) {
-    km_followed_tangent one = km_tangents_follow(f, direction, sign);
-    f->has_undecided = f->has_undecided || one.verdict == KM_TANGENT_LOST || one.verdict == KM_TANGENT_UNDECIDED;
-    if (one.verdict < f->min_verdict)
-      return (km_followed_tangent){0.0, one.verdict};
-    add_chord(f, sign);
+    km_followed_tangent followed = km_tangents_follow(f, direction, sign);
+    f->has_undecided =
+        f->has_undecided || followed.verdict == KM_TANGENT_LOST || followed.verdict == KM_TANGENT_UNDECIDED;
+    if (followed.verdict < f->min_verdict)
+      return (km_followed_tangent){0.0, followed.verdict};
+    add_to_secant(f, sign);
     if (sign > 0)
       km_state_save(f->s, f->sub, f->end_ahead);
-    both =
-        (km_followed_tangent){fmin(both.length, one.length), one.verdict < both.verdict ? one.verdict : both.verdict};
+    worse = (km_followed_tangent){fmin(worse.length, followed.length),
+                                  followed.verdict < worse.verdict ? followed.verdict : worse.verdict};
   }
-  return both;
+  return worse;
 }
 
-/* Do unit direction and way agree, up to what bends the way? */
-static bool agree(const km_tangents *f, const double *direction, const double *way) {
-  static const double most = 1e-3; /* of 1 − cos */
-  double length = km_step_length(f->m, f->sub, way);
-  return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, way, direction)) / length <= most;
+/* True if a unit direction and a chord agree up to the curvature of the curve. */
+static bool is_along(const km_tangents *f, const double *direction, const double *chord) {
+  static const double max_deviation = 1e-3; /* bound of 1 − cos */
+  double length = km_step_length(f->m, f->sub, chord);
+  return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, chord, direction)) / length <= max_deviation;
 }
 
 bool km_tangents_secant_agrees(const km_tangents *f, const double *direction) {
-  return f->conditions.freedom == 1 || agree(f, direction, f->secant);
+  return f->conditions.freedom == 1 || is_along(f, direction, f->secant);
 }
 
 bool km_tangents_is_finite(km_tangents *f, const double *a) {
@@ -101,18 +103,18 @@ void km_tangents_normalise(double *a, int k) {
 
 bool km_tangents_all_finite(km_tangents *f) {
   int k = f->conditions.freedom, random = km_tangents_are_exact(f) ? 1 : k;
-  random = k > 1 ? random : 0; /* of one tangent there are no combinations */
-  for (int trial = 0; trial < k + random; ++trial) {
+  random = k > 1 ? random : 0; /* a single tangent has no combinations */
+  for (int attempt = 0; attempt < k + random; ++attempt) {
     for (int i = 0; i < k; ++i)
-      f->a[i] = trial < k ? trial == i : km_uniform(&f->random);
+      f->a[i] = attempt < k ? attempt == i : km_uniform(&f->random);
     km_tangents_normalise(f->a, k);
     km_tangents_direction(f, f->a, f->direction);
     km_followed_tangent found = km_tangents_follow_both_senses(f, f->direction);
     if (found.verdict < f->min_verdict || !km_tangents_secant_agrees(f, f->direction) ||
-        (trial >= k && km_tangents_have_dropped(f)))
+        (attempt >= k && km_tangents_have_dropped(f)))
       return false;
-    if (trial < k)
-      f->length[trial] = found.length;
+    if (attempt < k)
+      f->length[attempt] = found.length;
   }
   return true;
 }
@@ -127,11 +129,11 @@ bool km_tangents_are_regular(km_tangents *f) {
   km_tangents_direction(f, f->a, f->direction);
   if (km_tangents_follow(f, f->direction, 1.0).verdict != KM_TANGENT_CONFIRMED || km_tangents_have_dropped(f))
     return false;
-  if (f->conditions.freedom == 1 || agree(f, f->direction, f->chord))
+  if (f->conditions.freedom == 1 || is_along(f, f->direction, f->chord))
     return true;
-  add_chord(f, 1);
+  add_to_secant(f, 1);
   km_tangents_follow(f, f->direction, -1.0);
-  add_chord(f, -1);
+  add_to_secant(f, -1);
   return km_tangents_secant_agrees(f, f->direction);
 }
 
@@ -142,10 +144,10 @@ bool km_tangents_update_conditions(km_tangents *f) {
   return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
 }
 
-/* A random tangent that meets the second order. */
-static bool seek(km_tangents *f) {
+/* Finds a random tangent that satisfies the second-order conditions. */
+static bool find_second_order_tangent(km_tangents *f) {
   int k = f->conditions.freedom;
-  if (k == 1 || !km_tangents_update_conditions(f)) /* the only tangent has been tried as it is */
+  if (k == 1 || !km_tangents_update_conditions(f)) /* the only tangent was followed as it is */
     return false;
   for (int i = 0; i < k; ++i)
     f->a[i] = km_uniform(&f->random);
@@ -155,32 +157,32 @@ static bool seek(km_tangents *f) {
 
 bool km_tangents_satisfy_second_order(km_tangents *f) {
   for (int start = 0; start < KM_STARTS_PER_FREEDOM; ++start)
-    if (seek(f))
+    if (find_second_order_tangent(f))
       return true;
   return false;
 }
 
 bool km_tangents_find_random(km_tangents *f) {
-  return seek(f) && km_tangents_is_finite(f, f->a);
+  return find_second_order_tangent(f) && km_tangents_is_finite(f, f->a);
 }
 
-static bool are_same(int k, const double *a, const double *b) {
+static bool is_same(int k, const double *a, const double *b) {
   double cosine = 0.0;
   for (int r = 0; r < k; ++r)
     cosine += a[r] * b[r];
   return km_is_same_tangent(cosine);
 }
 
-static bool is_known(const km_tangents *f, const double *known, int count) {
+static bool is_known_tangent(const km_tangents *f, const double *known, int count) {
   int k = f->conditions.freedom;
   for (int i = 0; i < count; ++i)
-    if (are_same(k, known + (size_t)i * (size_t)k, f->a))
+    if (is_same(k, known + (size_t)i * (size_t)k, f->a))
       return true;
   return false;
 }
 
-/* The shares of what was followed. */
-static void take_secant(const km_tangents *f, double *a) {
+/* Coefficients of the secant in the basis, a = Zᵀ D secant, normalised. */
+static void read_secant(const km_tangents *f, double *a) {
   const double *weight = f->m->column_weight + f->sub->column_start;
   int n = f->sub->columns;
   for (int k = 0; k < f->conditions.freedom; ++k) {
@@ -191,19 +193,19 @@ static void take_secant(const km_tangents *f, double *a) {
   km_tangents_normalise(a, f->conditions.freedom);
 }
 
-/* Tries the direction in `a`. One that only conditions of higher order refute may be led onto a motion nearby: then that
- * motion's own direction takes its place, and is tried. */
-static km_followed_tangent settle(km_tangents *f) {
+/* Follows the direction `a`. If it is refuted only at higher order, closing can have led to a nearby motion: its secant
+ * replaces `a` and is followed, up to five times. */
+static km_followed_tangent follow_with_secants(km_tangents *f) {
   int k = f->conditions.freedom;
   km_followed_tangent found;
-  for (int i = 0; i < MOST_TURNS; ++i) {
+  for (int i = 0; i < MAX_SECANT_STEPS; ++i) {
     km_tangents_direction(f, f->a, f->direction);
     found = km_tangents_follow_both_senses(f, f->direction);
     if (found.verdict < f->min_verdict)
       return found;
     memcpy(f->previous, f->a, (size_t)k * sizeof *f->a);
-    take_secant(f, f->a);
-    if (!km_second_order_solve(&f->conditions, f->a, f->work) || are_same(k, f->a, f->previous))
+    read_secant(f, f->a);
+    if (!km_second_order_solve(&f->conditions, f->a, f->work) || is_same(k, f->a, f->previous))
       break;
   }
   memcpy(f->a, f->previous, (size_t)k * sizeof *f->a);
@@ -211,19 +213,19 @@ static km_followed_tangent settle(km_tangents *f) {
 }
 
 bool km_tangents_find_next(km_tangents *f, const double *known, int count, double *length) {
-  int most = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
-  while (f->starts < most) {
+  int max_deviation = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
+  while (f->starts < max_deviation) {
     f->starts++;
-    if (!seek(f) || is_known(f, known, count))
+    if (!find_second_order_tangent(f) || is_known_tangent(f, known, count))
       continue;
     const bool before = f->has_undecided;
     f->has_undecided = false;
-    km_followed_tangent found = settle(f);
+    km_followed_tangent found = follow_with_secants(f);
     int dimension = f->has_undecided ? km_second_order_dimension(&f->conditions, f->a) : 0;
     f->undecided_dimension = dimension > f->undecided_dimension ? dimension : f->undecided_dimension;
     f->has_undecided = f->has_undecided || before;
     *length = found.length;
-    if (found.verdict >= f->min_verdict && !is_known(f, known, count))
+    if (found.verdict >= f->min_verdict && !is_known_tangent(f, known, count))
       return true;
   }
   return false;

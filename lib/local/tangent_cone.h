@@ -1,5 +1,8 @@
-/* The tangents of a substructure at one pose, and which of them are real: those that a motion follows. Private to
- * kinematics/ and analysis/. */
+/* Tangents of a substructure at one closed configuration, and which of them belong to finite motions (docs/theory.md
+ * 5).
+ * Private to local/ and its callers.
+ *
+ *   x = D⁻¹ Z a: scaled tangent of the coefficients a[freedom]; Z: orthonormal basis of the null space of J */
 #ifndef KM_LOCAL_TANGENT_CONE_H
 #define KM_LOCAL_TANGENT_CONE_H
 
@@ -8,14 +11,14 @@
 #include <stdint.h>
 
 enum { KM_STARTS_PER_FREEDOM = 40 };
-/* More freedoms are tried by single directions, and followed without a basis. */
+/* With more freedoms single directions are followed without a basis (docs/theory.md 5.5). */
 enum { KM_MAX_BASIS_FREEDOM = 12 };
 
-/* Does a motion follow the tangent? */
+/* Verdict on a followed tangent (docs/theory.md 5.3). */
 typedef enum km_tangent_verdict {
-  KM_TANGENT_REFUTED, /* the loops can't be closed along it, or open as a power of the way: a contact of finite order */
-  KM_TANGENT_LOST,    /* they can't be closed even a short way, but don't fit at the pose itself either: rounded data */
-  KM_TANGENT_UNDECIDED, /* they close for a part of the way, and what stops them shows no power */
+  KM_TANGENT_REFUTED,   /* the loops do not close along it, or the misfit grows as a contact of finite order */
+  KM_TANGENT_LOST,      /* rounded data, and the loops do not close even for a short length */
+  KM_TANGENT_UNDECIDED, /* the loops close for a part of the length, and the misfit shows no order */
   KM_TANGENT_CONFIRMED
 } km_tangent_verdict;
 
@@ -25,83 +28,89 @@ typedef struct km_tangents {
   int index;
   const km_substructure *sub;
   km_arena *arena;
-  km_second_order conditions; /* Q is built when a random tangent is first asked for */
-  double residual;            /* of the pose's worst loop */
+  km_second_order conditions; /* Q is computed with the first random tangent */
+  double residual;            /* residual of the worst loop at the configuration */
   double *origin, *last;      /* saved coordinates */
-  double *end_ahead;          /* those at the end of the way ahead of the tangent tried last */
-  double *chord;           /* [columns] of the way that was followed last: the scaled step to a place near its begin */
-  double *secant;          /* [columns] of the tangent that was tried last: unit direction between such places */
+  double *end_ahead;          /* saved coordinates at the end of the last curve in the positive sense */
+  double *chord;              /* [columns] scaled step from the origin to an early point of the last followed curve */
+  double *secant;          /* [columns] unit direction between the early points ahead and back, of the last tangent */
   bool has_undecided;      /* some tangent was neither confirmed nor refuted */
-  int undecided_dimension; /* by km_tangents_find_next: the most that a motion along such a one can have */
-  km_tangent_verdict min_verdict; /* to count as real; KM_TANGENT_CONFIRMED */
+  int undecided_dimension; /* dimension bound of motions along undecided tangents, by km_tangents_find_next */
+  km_tangent_verdict min_verdict; /* verdict from which a tangent counts as finite; default KM_TANGENT_CONFIRMED */
   double *x, *move, *work;
-  double *direction; /* of the tangent that is tried */
-  double *a;         /* [freedom] a tangent by its share of each column of Z */
-  double *previous;  /* [freedom] by km_tangents_find_next, before what was followed took its place */
-  double *length;    /* [freedom] how far each column of Z was followed, ahead and back; -1: not yet */
-  int starts;        /* by km_tangents_find_next */
+  double *direction; /* [columns] tangent that is followed */
+  double *a;         /* [freedom] coefficients of a tangent */
+  double *previous;  /* [freedom] coefficients before the secant replaced them */
+  double *length;    /* [freedom] length to which each column of Z was followed, ahead and back; -1: not yet */
+  int starts;        /* number of starts of km_tangents_find_next */
   uint64_t random;
 } km_tangents;
 
-/* At the state's pose, which `pose` keeps. Directions can be followed and tried. False when out of memory. */
+/* Creates the tangents at the state's configuration, which `origin` stores. Directions can then be followed. False when
+ * out of memory. */
 bool km_tangents_create(km_tangents *tangents, const km_mechanism *mechanism, km_state *state, int substructure,
                         km_arena *arena);
-/* A basis of the null space, right after that, for all that is said by shares of it. False when out of memory. */
+/* Creates the basis Z, directly after km_tangents_create, for all functions of coefficients. False when out of
+ * memory. */
 bool km_tangents_create_basis(km_tangents *tangents);
 void km_tangents_normalise(double *a, int freedom);
 /* Scaled unit direction D⁻¹Z a. */
 void km_tangents_direction(const km_tangents *tangents, const double *a, double *x);
 
-/* A unit vector at right angles to the `count` rows of basis[count × size], from v: false if nothing is left of it. */
+/* Makes v a unit vector orthogonal to the `count` orthonormal rows of basis[count × size]; false if nearly nothing
+ * remains. */
 bool km_orthonormalise(const double *basis, int count, int size, double *v);
-/* Adds what of the shares a[freedom] lies outside the first `count` rows of V[freedom × freedom], which are orthonormal, as one more of
- * them; false where that is next to nothing. */
+/* Appends the part of a[freedom] that is orthogonal to the first `count` orthonormal rows of V[freedom × freedom] as a
+ * further row; false if it is nearly 0. */
 bool km_tangents_append_orthonormal(double *V, int count, int freedom, const double *a);
-/* Fills the rows behind the first `count` with others at right angles to them. False when out of memory. */
+/* Completes the first `count` orthonormal rows of V to an orthonormal basis. False when out of memory. */
 bool km_tangents_complete_basis(double *V, int count, int freedom);
-/* Takes the first `count` rows of V[freedom × freedom] out, orthonormal shares of the basis: what is left stands at right angles to them.
- * Fills the other rows of V with its shares of the basis that was. Before conditions of second order are asked for, or where none is
- * left. False when out of memory. */
+/* Removes the span of the first `count` orthonormal rows of V[freedom × freedom] from the basis Z, whose remaining
+ * vectors are orthogonal to it; the other rows of V receive their coefficients in the former basis. Before second-order
+ * conditions are computed, or where none remain. False when out of memory. */
 bool km_tangents_remove(km_tangents *tangents, double *V, int count);
 
 typedef struct km_followed_tangent {
-  double length; /* arc length to which the loops were closed */
+  double length; /* arc length to which the loops stay closed */
   km_tangent_verdict verdict;
 } km_followed_tangent;
 
-/* Follows a direction (scaled) from the pose, `sign` ahead or back, with the fastest
- * coordinate as the driver: what is left of the loops' errors is then theirs, and not moved away. The state is left at
- * the end. See trial.c. */
+/* Follows a scaled direction from the configuration, ahead (sign 1) or back (−1), with the fastest coordinate fixed in
+ * each closing, so that closing does not reduce the misfit by moving back. The state is left at the end. */
 km_followed_tangent km_tangents_follow(km_tangents *tangents, const double *direction, double sign);
-/* Do the loops fit at the pose to rounding, so that a misfit further on means something however small it is? */
+/* True for exact data: no closure tolerance is stated and the misfit of the configuration is rounding, so that any
+ * later misfit is significant. */
 bool km_tangents_are_exact(const km_tangents *tangents);
-/* Has the state's place, to which a way has led, fewer tangents than the pose? Then the pose's aren't all real: those of a
- * smooth family have its dimension everywhere. A direction near a motion's is led onto that motion by closing the loops, and
- * only this shows it. The state stays there. O(one factorisation). */
+/* True if the state, at the end of a followed curve, has fewer tangents than the configuration. Then the
+ * configuration's tangents are not all finite, since a smooth family has constant dimension. Closing can lead a
+ * direction onto a neighbouring motion, and only this test shows it. The state stays there. O(one factorisation). */
 bool km_tangents_have_dropped(km_tangents *tangents);
-/* The shorter of the ways ahead and back; 0 where the first of the two shows that the direction isn't real. `doubtful`
- * remembers answers that are undecided. */
+/* Follows a direction ahead and back. Returns the shorter length and the lower verdict; length 0 if the first sense
+ * refutes it. `has_undecided` records undecided verdicts. */
 km_followed_tangent km_tangents_follow_both_senses(km_tangents *tangents, const double *direction);
-/* Has the direction that was tried last been followed, and not a motion beside it, onto which closing the loops has led? On such a
- * motion there can be as many tangents as at the pose, of which no more are real. A single tangent has none beside it. */
+/* True if the last followed curve has the given direction by its secant, so that closing has not led to a neighbouring
+ * motion with another tangent. A single tangent has no neighbour. */
 bool km_tangents_secant_agrees(const km_tangents *tangents, const double *direction);
-/* Can it be followed ahead and back? */
+/* True if the tangent `a` is followed ahead and back with the required verdict and its own secant. */
 bool km_tangents_is_finite(km_tangents *tangents, const double *a);
-/* Are the basis vectors real, and a random combination of them, or, of data that aren't exact, as many combinations? */
+/* True if all basis vectors and random combinations of them are finite: one combination for exact data, else as many as
+ * freedoms. */
 bool km_tangents_all_finite(km_tangents *tangents);
-/* Are all tangents real, by a single one? True is certain, of exact data: the primary equations leave a manifold, on which the
- * errors of the others are analytic. They are 0 along a random way on it only where they are 0 everywhere. */
+/* True if all tangents are finite, by one random tangent of exact data (docs/theory.md 5.4): the primary equations
+ * leave a manifold, on which the secondary errors are analytic. They vanish along a random curve only if they vanish
+ * everywhere. */
 bool km_tangents_are_regular(km_tangents *tangents);
-/* The conditions of second order, found when they are first asked for; the state is then at the pose. False when out of memory. */
+/* Computes the second-order conditions at the first call; the state is then at the configuration. False when out of
+ * memory. */
 bool km_tangents_update_conditions(km_tangents *tangents);
-/* True if some tangent meets the conditions of second order, as far as random starts show. */
+/* True if some tangent satisfies the second-order conditions, as far as random starts show. */
 bool km_tangents_satisfy_second_order(km_tangents *tangents);
-/* A random tangent that meets the second order and is real, into `a`; false if the start leads to none. To be asked for
- * after km_tangents_all_finite: the tangent of a single freedom isn't tried again. */
+/* Finds a random tangent that satisfies the second order and is finite, into `a`; false if the start leads to none.
+ * After km_tangents_all_finite: the tangent of a single freedom is not followed again. */
 bool km_tangents_find_random(km_tangents *tangents);
-/* The next one that is none of the `count` known[count × freedom], into `a`, and how far it was followed, ahead and back; false:
- * the starts that are left lead to none. There are as many for each that is known as for each freedom: who meets many branches
- * has missed some. */
+/* Finds the next finite tangent that differs from the `count` known[count × freedom], into `a`, and its followed
+ * length; false if the remaining starts lead to none. The number of starts is 40 times the larger of the freedom and
+ * the number of known tangents, since many known branches indicate further ones. */
 bool km_tangents_find_next(km_tangents *tangents, const double *known, int count, double *length);
 
 #endif
