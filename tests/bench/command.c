@@ -1,4 +1,5 @@
-/* Whole commands, from the shell's point of view: processor's time over that of a program that does nothing, in turn. */
+/* Whole commands, from the shell's point of view: processor's time over that of a program that does nothing, in
+ * turn. */
 #include "bench.h"
 #include "process.h"
 

@@ -1,5 +1,5 @@
-/* Commands on mechanisms of 400 and of 2000 loops of every shape: processor's time over that of a program that does nothing.
- * No shape may take long: what is asked is 0.5 s and 5 s. */
+/* Commands on mechanisms of 400 and of 2000 loops of every shape: processor's time over that of a program that does
+ * nothing. No shape may take long: what is asked is 0.5 s and 5 s. */
 #include "bench.h"
 #include "process.h"
 

@@ -1,4 +1,5 @@
-/* Reading robot descriptions: a URDF file of 60 joints and an MJCF file of 1000 bodies, beside parsing their XML alone. */
+/* Reading robot descriptions: a URDF file of 60 joints and an MJCF file of 1000 bodies, beside parsing their XML
+ * alone. */
 #include "base/memory.h"
 #include "base/text.h"
 #include "bench.h"

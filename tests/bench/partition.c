@@ -12,8 +12,9 @@
 enum { POSES = 16, PARTS = 3, ROWS = 30, COLUMNS = 20, BLOCK = 64 };
 static const char name[] = "partition/excavator";
 static const char *const drivers[PARTS] = {"M", "N", "O"};
-/* Metres over all the poses: neighbours, as in a sweep or a simulation. The search bets on the last pivots (register_elimination.c):
- * on matrices that have nothing to do with each other it takes about twice as long, with the same results. */
+/* Metres over all the poses: neighbours, as in a sweep or a simulation. The search bets on the last pivots
+ * (register_elimination.c): on matrices that have nothing to do with each other it takes about twice as long, with
+ * the same results. */
 static const double stroke = 0.08;
 static const double tolerance = 1e-8;
 

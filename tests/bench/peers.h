@@ -6,8 +6,8 @@
 extern "C" {
 #endif
 
-/* Crank, coupler and rocker as uniform rods of 1 kg and these lengths, hinges about z at (0, 0) and (ground, 0), gravity
- * along −y. */
+/* Crank, coupler and rocker as uniform rods of 1 kg and these lengths, hinges about z at (0, 0) and (ground, 0),
+ * gravity along −y. */
 typedef struct bench_fourbar {
   double crank, coupler, rocker, ground, gravity;
   double q[3], v[3]; /* crank on ground, coupler on crank, rocker on ground */

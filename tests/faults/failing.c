@@ -1,9 +1,10 @@
-/* Stands between a tool and the system's calloc and realloc. In the folder KMECH_FAIL_IN every call that comes from a new
- * place finds no memory once: the process is copied, the copy gets none and goes on in a folder of its own, where it leaves
- * what it says (.out, .said), where it failed (.place) and how it ends (.status), and the first process goes on as if nothing
- * had been. A place is the last few of the tool's own functions on the stack; those that are known stand in
- * KMECH_FAIL_IN/places, which the next run of the same tool reads. Calls of other libraries always find memory. The time that
- * copies take is none to the tool, which may have a limit of time. Loaded by LD_PRELOAD (tests/faults/memory). */
+/* Stands between a tool and the system's calloc and realloc. In the folder KMECH_FAIL_IN every call that comes from
+ * a new place finds no memory once: the process is copied, the copy gets none and goes on in a folder of its own,
+ * where it leaves what it says (.out, .said), where it failed (.place) and how it ends (.status), and the first
+ * process goes on as if nothing had been. A place is the last few of the tool's own functions on the stack; those
+ * that are known stand in KMECH_FAIL_IN/places, which the next run of the same tool reads. Calls of other libraries
+ * always find memory. The time that copies take is none to the tool, which may have a limit of time. Loaded by
+ * LD_PRELOAD (tests/faults/memory). */
 #include <dirent.h>
 #include <execinfo.h>
 #include <fcntl.h>
@@ -101,7 +102,8 @@ static bool is_new_place(void) {
   return note(place ? place : 1);
 }
 
-/* Threads of other libraries (Pango's, which reads the fonts) aren't in the copy: what they are at has to be done before. */
+/* Threads of other libraries (Pango's, which reads the fonts) aren't in the copy: what they are at has to be done
+ * before. */
 static bool others_sleep(void) {
   bool sleep = true;
   DIR *threads = opendir("/proc/self/task");

@@ -70,7 +70,8 @@ static double swing(double q, double v) {
   return a;
 }
 
-/* A pendulum on a journal turns against its friction; an own Runge-Kutta of the equation above, while it goes one way. */
+/* A pendulum on a journal turns against its friction; an own Runge-Kutta of the equation above, while it goes one
+ * way. */
 static void test_journal(void **data) {
   (void)data;
   fixture f = fixture_read(
@@ -106,8 +107,8 @@ static char *with_friction(void) {
   return both;
 }
 
-/* In a closed loop: what friction and the damper take between two rows is μ r N |v| + b v² at the reactions that are told,
- * by Simpson's rule over three rows; and nothing else is lost. */
+/* In a closed loop: what friction and the damper take between two rows is μ r N |v| + b v² at the reactions that are
+ * told, by Simpson's rule over three rows; and nothing else is lost. */
 static void test_loop(void **data) {
   (void)data;
   char *text = with_friction();

@@ -1,19 +1,20 @@
-/* Path synthesis: the study of a published problem ends at a linkage that is nearer to the points than the published one.
- * The linkage is judged by its own closed form. */
+/* Path synthesis: the study of a published problem ends at a linkage that is nearer to the points than the published
+ * one. The linkage is judged by its own closed form. */
 #include "support/designs.h"
 
 #include "kmech/base.h"
 
 #include <math.h>
 
-/* Sum of the squared distances from the path, mm²: Cabrera, Simon and Prado, Mechanism and Machine Theory 37 (2002), case 1. */
+/* Sum of the squared distances from the path, mm²: Cabrera, Simon and Prado, Mechanism and Machine Theory 37 (2002),
+ * case 1. */
 static const double published = 0.0262;
 
 /* The linkage's numbers in the order of the study's parameters. */
 enum { CRANK_X, CRANK_Y, ROCKER_X, ROCKER_Y, CRANK, COUPLER, ROCKER, POINT_X, POINT_Y, NUMBERS };
 
-/* The coupler's point at a crank angle, with the coupler's end on the left of the way from the crank's to the rocker's pivot,
- * as the study's model has it. */
+/* The coupler's point at a crank angle, with the coupler's end on the left of the way from the crank's to the
+ * rocker's pivot, as the study's model has it. */
 static void point_at(const double *n, double angle, double *x, double *y) {
   double bx = n[CRANK_X] + n[CRANK] * cos(angle), by = n[CRANK_Y] + n[CRANK] * sin(angle);
   double dx = n[ROCKER_X] - bx, dy = n[ROCKER_Y] - by, d = hypot(dx, dy);

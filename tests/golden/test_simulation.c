@@ -238,7 +238,8 @@ static const char remote[] =
     "\"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"X\"}, \"output\": {\"type\": \"joint\", \"joint\": \"Y\"}, "
     "\"coefficients\": [[0, 3]]}]}]}";
 
-/* A law that measures x = t and pushes y elsewhere with 3x stores nothing: what it gives, m ẏ²/2 with ẏ = 3t²/(2m), is work. */
+/* A law that measures x = t and pushes y elsewhere with 3x stores nothing: what it gives, m ẏ²/2 with ẏ = 3t²/(2m),
+ * is work. */
 static void test_remote_spring(void **data) {
   (void)data;
   fixture f = fixture_read(remote);
@@ -256,8 +257,8 @@ static const char damped_stop[] =
     "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 1, \"limits\": [-10, 1], \"stop\": "
     "{\"stiffness\": 10000, \"damping\": 20}}]}]}";
 
-/* The push k x + b v ends where v̇ of x = v₀/ω' e^(−ζωt) sin ω't is 0, at tan ω't = −2ζωω'/(ω'² − ζ²ω²). The body flies on
- * freely at the speed v₁ that it has then: the stop has taken m (v₀² − v₁²)/2. */
+/* The push k x + b v ends where v̇ of x = v₀/ω' e^(−ζωt) sin ω't is 0, at tan ω't = −2ζωω'/(ω'² − ζ²ω²). The body
+ * flies on freely at the speed v₁ that it has then: the stop has taken m (v₀² − v₁²)/2. */
 static void test_damped_stop(void **data) {
   (void)data;
   const double w = 100.0, decay = 10.0, turning = sqrt(w * w - decay * decay);
@@ -294,8 +295,8 @@ static char *wheel_text(double speed, double spin) {
   return text;
 }
 
-/* A wheel that rolls goes on as it is; one that spins too fast drives itself on until it rolls. The road's force changes
- * speed and spin together: m v r + I ω stays, r the height of the axle. */
+/* A wheel that rolls goes on as it is; one that spins too fast drives itself on until it rolls. The road's force
+ * changes speed and spin together: m v r + I ω stays, r the height of the axle. */
 static void test_tire(void **data) {
   (void)data;
   const double r = 0.3 - 20.0 * 9.81 / 200000.0;
@@ -317,8 +318,8 @@ static void test_tire(void **data) {
   }
 }
 
-/* A wheel that is carried forwards at 10 m/s and sideways at `aside`, 20 kg on it: the carriage bears what the tyre pushes
- * sideways, and how much it turns about the upright. */
+/* A wheel that is carried forwards at 10 m/s and sideways at `aside`, 20 kg on it: the carriage bears what the tyre
+ * pushes sideways, and how much it turns about the upright. */
 static char *carried_text(double aside) {
   char *text = (char *)malloc(2500);
   assert_non_null(text);
@@ -357,7 +358,8 @@ static void test_tire_sideways(void **data) {
   }
 }
 
-/* A crossing is located to the integrator's accuracy, and one that stops ends the run there, with any rows. Returns when. */
+/* A crossing is located to the integrator's accuracy, and one that stops ends the run there, with any rows. Returns
+ * when. */
 static double check_crossings(double every) {
   fixture f = fixture_read(oscillator);
   km_forces *forces;
@@ -386,8 +388,8 @@ static double check_crossings(double every) {
   return end;
 }
 
-/* A body that falls passes several values within one step; each one that stops ends the run there, and what comes behind it is met when
- * the run goes on. */
+/* A body that falls passes several values within one step; each one that stops ends the run there, and what comes
+ * behind it is met when the run goes on. */
 static void test_stops_in_one_step(void **data) {
   (void)data;
   fixture f = fixture_read(
@@ -461,8 +463,9 @@ static void test_linearised_oscillator(void **data) {
   moving_close(&m);
 }
 
-/* Of a pose that isn't at rest nothing is said of its stability; a body that moves on by itself, and one that falls alike in every
- * place, have eigenvalues of 0, which the differences of large accelerations don't hide. Rates are made to keep the loops. */
+/* Of a pose that isn't at rest nothing is said of its stability; a body that moves on by itself, and one that falls
+ * alike in every place, have eigenvalues of 0, which the differences of large accelerations don't hide. Rates are
+ * made to keep the loops. */
 static void test_what_is_not_at_rest(void **data) {
   (void)data;
   fixture f = fixture_open("bennett");
@@ -514,8 +517,8 @@ static void test_rates_keep_the_loops(void **data) {
   km_linear_free(&l[1]);
 }
 
-/* Every row of a mode's motion closes the loops, and the independent coordinate grows or dies by its factor over four time
- * constants. */
+/* Every row of a mode's motion closes the loops, and the independent coordinate grows or dies by its factor over
+ * four time constants. */
 static void assert_mode_keeps_loops(moving *m, fixture f, const km_linear *l, int k) {
   km_table *motion = NULL;
   assert_int_equal(km_linear_motion(m->dynamics, f.state, l, k, 9, &motion, NULL), KM_OK);

@@ -1,4 +1,5 @@
-/* Friction of surfaces that slide in several directions, and laws that bring something to rest, against closed forms. */
+/* Friction of surfaces that slide in several directions, and laws that bring something to rest, against closed
+ * forms. */
 #include "support/support.h"
 
 #include "kmech/dynamics.h"
@@ -47,8 +48,8 @@ static void test_plane(void **state) {
   }
 }
 
-/* A sleeve that turns fast and slides slowly: both rates die at once, along one helix, at μ g of the speed of its surface; a body
- * whose radius of gyration is that of the surface slows down as one mass. */
+/* A sleeve that turns fast and slides slowly: both rates die at once, along one helix, at μ g of the speed of its
+ * surface; a body whose radius of gyration is that of the surface slows down as one mass. */
 static void test_sleeve(void **state) {
   (void)state;
   km_history h = run(
@@ -119,8 +120,8 @@ static void test_brake(void **state) {
   km_history_free(&h);
 }
 
-/* Friction whose law is steep at rest, without a jump: a block at rest stays there, and one at 1 m/s is braked by 5 N and stops
- * after 0.1 m; its last 1e-4 m/s, where the force goes down with the rate, add 1e-9 m. */
+/* Friction whose law is steep at rest, without a jump: a block at rest stays there, and one at 1 m/s is braked by 5
+ * N and stops after 0.1 m; its last 1e-4 m/s, where the force goes down with the rate, add 1e-9 m. */
 static void test_steep_law(void **state) {
   (void)state;
   static const char model[] =

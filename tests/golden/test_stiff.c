@@ -31,8 +31,8 @@ static const char damped[] =
     "\"force_modules\": [{\"name\": \"s\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"X\"}, "
     "\"coefficients\": [[0, -20000]]}]}]}";
 
-/* ẍ + 1e5 ẋ + 2e4 x = 0 from rest: x = (λ₁ e^(λ₂ t) − λ₂ e^(λ₁ t))/(λ₁ − λ₂), λ₁ ≈ −1e5, λ₂ ≈ −0.2. Adams' method, whose
- * steps can't be longer than about 2e-5, would need a million evaluations. */
+/* ẍ + 1e5 ẋ + 2e4 x = 0 from rest: x = (λ₁ e^(λ₂ t) − λ₂ e^(λ₁ t))/(λ₁ − λ₂), λ₁ ≈ −1e5, λ₂ ≈ −0.2. Adams' method,
+ * whose steps can't be longer than about 2e-5, would need a million evaluations. */
 static void test_damped(void **data) {
   (void)data;
   fixture f = fixture_read(damped);
@@ -49,10 +49,10 @@ static void test_damped(void **data) {
   fixture_close(&f);
 }
 
-/* IFToMM's A05, the stiff flyball governor: a shaft, two rods of 1 m hinged 5 cm beside its axis with 5 kg at their ends,
- * a slider of 3 kg, and between its sides and the rods' middles springs of 8e5 N/m with dampers of 4e4 N s/m; bodies are
- * boxes of 3000 kg/m³ (L. Tagliapietra and others, MBS benchmarks in OpenSim, help/benchmarks/A05_FlyballGovernor; the
- * hinges' places are those of EXUDYN's test model). */
+/* IFToMM's A05, the stiff flyball governor: a shaft, two rods of 1 m hinged 5 cm beside its axis with 5 kg at their
+ * ends, a slider of 3 kg, and between its sides and the rods' middles springs of 8e5 N/m with dampers of 4e4 N s/m;
+ * bodies are boxes of 3000 kg/m³ (L. Tagliapietra and others, MBS benchmarks in OpenSim,
+ * help/benchmarks/A05_FlyballGovernor; the hinges' places are those of EXUDYN's test model). */
 static const double offset = 0.05, spring = 8e5, damper = 4e4, rest = 0.5, slider = 3.0, spin = 2.0 * M_PI;
 static const double rod = 5.3, middle = (0.3 * 0.5 + 5.0) / 5.3; /* mass, and where its centre is */
 

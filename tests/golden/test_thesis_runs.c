@@ -62,8 +62,9 @@ static void test_bricard_at_rounding(void **data) {
   }
 }
 
-/* Section 7.3: as the excavator falls, the bucket's substructure changes its pivots most, the stick's never. The thesis's
- * geometry isn't published; in ours the boom swings over its cylinders' dead points too, which takes new pivots. */
+/* Section 7.3: as the excavator falls, the bucket's substructure changes its pivots most, the stick's never. The
+ * thesis's geometry isn't published; in ours the boom swings over its cylinders' dead points too, which takes new
+ * pivots. */
 static void test_excavator_drop(void **data) {
   (void)data;
   fixture f = fixture_open("excavator_drop");
@@ -121,7 +122,8 @@ static char *windows(int count) {
   return t.data;
 }
 
-/* The folds, where the rank drops, are passed at every tolerance; what rounding leaves there doesn't spoil the energy. */
+/* The folds, where the rank drops, are passed at every tolerance; what rounding leaves there doesn't spoil the
+ * energy. */
 static void test_folds(void **data) {
   (void)data;
   static const struct {
@@ -167,8 +169,8 @@ static void test_governor(void **data) {
   fixture_close(&f);
 }
 
-/* Section 7.4: three substructures; at 15 m/s with the rack at 1 cm a circle as wide as the steering makes it: the wheels'
- * mean angle is about the rack's way over the arms' 0.14 m, and the tyres slip. */
+/* Section 7.4: three substructures; at 15 m/s with the rack at 1 cm a circle as wide as the steering makes it: the
+ * wheels' mean angle is about the rack's way over the arms' 0.14 m, and the tyres slip. */
 static void test_vehicle(void **data) {
   (void)data;
   fixture f = fixture_open("vehicle_circle");

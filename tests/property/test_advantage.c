@@ -337,8 +337,8 @@ static fixture jack(double pitch, double radius, double coefficient) {
   return fixture_read(text);
 }
 
-/* Screws of all lead angles λ, right and left-handed: the torque is F r tan(λ + φ) against the load, and a load gives F r tan(λ − φ),
- * nothing from φ = λ on; the torque that lifts grows without bound at λ + φ = 90°. */
+/* Screws of all lead angles λ, right and left-handed: the torque is F r tan(λ + φ) against the load, and a load
+ * gives F r tan(λ − φ), nothing from φ = λ on; the torque that lifts grows without bound at λ + φ = 90°. */
 static void friction_of_threads(void **state) {
   (void)state;
   randomness r = {5};
@@ -394,8 +394,8 @@ static void rows_are_those_of_their_poses(void **state) {
   }
 }
 
-/* The slider's own dead point is where crank and rod are one line, at 0.6 + 1.5: a pole, however near to it one of the 360 poses
- * lies that the sweep looks at on its way. */
+/* The slider's own dead point is where crank and rod are one line, at 0.6 + 1.5: a pole, however near to it one of
+ * the 360 poses lies that the sweep looks at on its way. */
 static void pole_at_the_drivers_end(void **state) {
   (void)state;
   const double end = 2.1, from = 1.8;

@@ -172,8 +172,8 @@ static km_status invert(const char *json) {
   return status;
 }
 
-/* Fails the first calls one by one, and later ones in growing strides: a job has thousands. A study sizes its batches by the
- * clock: a run that needed fewer calls than were counted had them all. */
+/* Fails the first calls one by one, and later ones in growing strides: a job has thousands. A study sizes its
+ * batches by the clock: a run that needed fewer calls than were counted had them all. */
 static void fail_each_of(job run, const char *text) {
   failing_arm(0);
   assert_int_equal(run(text), KM_OK);

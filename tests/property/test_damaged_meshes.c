@@ -172,8 +172,8 @@ static void read_one(void *context, int index) {
   km_mesh_free(mesh);
 }
 
-/* Seven formats, each whole, cut off at eight places and with a byte changed at eight, in sixteen threads. assimp crashes, aborts or
- * doesn't end on some of them. */
+/* Seven formats, each whole, cut off at eight places and with a byte changed at eight, in sixteen threads. assimp
+ * crashes, aborts or doesn't end on some of them. */
 static void damaged_files_end_no_process(void **state) {
   (void)state;
   static reading all[FILES];

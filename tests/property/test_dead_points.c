@@ -1,5 +1,5 @@
-/* Two dead points of one joint between the same two rows of a sweep: a slide that follows a cubic of another one stands where the
- * slope of that is 0. */
+/* Two dead points of one joint between the same two rows of a sweep: a slide that follows a cubic of another one
+ * stands where the slope of that is 0. */
 #include "support/motion_families.h"
 #include "support/support.h"
 

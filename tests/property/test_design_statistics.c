@@ -52,8 +52,8 @@ static km_status ishigami_beside(void *context, const double *x, double *f, km_e
   return ishigami(context, x, f, error);
 }
 
-/* How often the intervals of `seeds` random samples hold the values of closed form: of the two means, the share above 0, and the
- * total indices of Ishigami's function. */
+/* How often the intervals of `seeds` random samples hold the values of closed form: of the two means, the share
+ * above 0, and the total indices of Ishigami's function. */
 static void count_intervals(int seeds, int *held) {
   const double v1 = 0.5 * pow(1.0 + 0.1 * pow(M_PI, 4.0) / 5.0, 2.0), v2 = 49.0 / 8.0;
   const double v13 = 0.01 * pow(M_PI, 8.0) * 8.0 / 225.0, v = v1 + v2 + v13;
@@ -83,8 +83,8 @@ static void count_intervals(int seeds, int *held) {
   }
 }
 
-/* Designs of Saltelli's scheme share parameters with others of their row: intervals that take them for independent hold the
- * mean in 65 to 80 % of all samples. */
+/* Designs of Saltelli's scheme share parameters with others of their row: intervals that take them for independent
+ * hold the mean in 65 to 80 % of all samples. */
 static void intervals_of_rows(void **state) {
   (void)state;
   enum { SEEDS = 300 };
@@ -121,8 +121,8 @@ static told tell_in_a_unit(int exponent) {
   return t;
 }
 
-/* A figure's unit changes no digit of its statistics, and none of what has no unit: squares of numbers above 1e154 and below 1e-162
- * aren't doubles. */
+/* A figure's unit changes no digit of its statistics, and none of what has no unit: squares of numbers above 1e154
+ * and below 1e-162 aren't doubles. */
 static void no_unit_matters(void **state) {
   (void)state;
   const int exponents[] = {1018, 600, -600, -1000}; /* Ishigami's values are below 2^5 */
@@ -193,7 +193,8 @@ static km_status itself(void *context, const double *x, double *f, km_error *err
   return KM_OK;
 }
 
-/* Of three normal numbers too the interval holds the mean in 95 % of all samples; that of a known deviation would in 81 %. */
+/* Of three normal numbers too the interval holds the mean in 95 % of all samples; that of a known deviation would in
+ * 81 %. */
 static void intervals_of_few(void **state) {
   (void)state;
   enum { SEEDS = 600 };
@@ -474,8 +475,8 @@ static void on_disc(double t, double out[2]) {
   disc(NULL, (const double[]){x, y}, out, NULL);
 }
 
-/* Where both goals count from 0 to 1 from end to end, the points that are looked for differ by 2 / 10 in what the first is above the
- * second. One whose limit is kept to 1e-3 is as near to the front. */
+/* Where both goals count from 0 to 1 from end to end, the points that are looked for differ by 2 / 10 in what the
+ * first is above the second. One whose limit is kept to 1e-3 is as near to the front. */
 static void points_of_front(void **state) {
   (void)state;
   enum { POINTS = 9 };

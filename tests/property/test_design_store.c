@@ -47,8 +47,8 @@ static void a_store_is_asked_first(void **state) {
   unlink(path);
 }
 
-/* A study in memory gives what one in a file gives: figures, outcomes and reasons. Its hash table grows several times over so many
- * designs. */
+/* A study in memory gives what one in a file gives: figures, outcomes and reasons. Its hash table grows several
+ * times over so many designs. */
 static void in_memory_as_in_a_file(void **state) {
   (void)state;
   enum { COUNT = 500 };

@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). What is held and set is
- * in radians or the model's length unit. */
+/* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). What is held
+ * and set is in radians or the model's length unit. */
 static const struct {
   const char *model, *kind, *column, *paths[2];
   double values[2][2];
@@ -251,8 +251,8 @@ static void threads_change_nothing(void **state) {
   km_design_study_free(one);
 }
 
-/* The next batch takes the target's time, or up to two seconds where lanes would stay empty; it has no more than four times as
- * many designs. */
+/* The next batch takes the target's time, or up to two seconds where lanes would stay empty; it has no more than
+ * four times as many designs. */
 static void batches_fill_the_lanes(void **state) {
   (void)state;
   static const struct {

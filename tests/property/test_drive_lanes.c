@@ -1,5 +1,5 @@
-/* Drives side by side have the bits of drives that go alone: where they ride in vectors, where they leave for a limit, a
- * dead point or new pivots, and whatever goes beside them. */
+/* Drives side by side have the bits of drives that go alone: where they ride in vectors, where they leave for a
+ * limit, a dead point or new pivots, and whatever goes beside them. */
 #include "support/linkages.h"
 #include "support/planar.h"
 
@@ -23,13 +23,13 @@ typedef struct design {
   double from, to;
 } design;
 
-/* Loops in space by their seed: seed / 100 is the shape, and those of one shape are a little different. The first shapes are
- * overconstrained, and differ in size; the others have hinges, slides and a screw, each in a place of its own, and mostly a ball
- * joint. */
+/* Loops in space by their seed: seed / 100 is the shape, and those of one shape are a little different. The first
+ * shapes are overconstrained, and differ in size; the others have hinges, slides and a screw, each in a place of its
+ * own, and mostly a ball joint. */
 static const char space_loop[] = "a loop in space";
 enum { SHAPES = MOVING_KINDS + 12, AXES = 7 };
-/* What the ball is: there is none; one that is held beside seven axes; with four axes, so that one freedom is left; with six, so that
- * three are left. */
+/* What the ball is: there is none; one that is held beside seven axes; with four axes, so that one freedom is left;
+ * with six, so that three are left. */
 typedef enum ball { NO_BALL, HELD, OF_ONE_FREEDOM, OF_SEVERAL, BALLS } ball;
 static const int joint_counts[BALLS] = {AXES, AXES + 1, 5, AXES};
 
@@ -371,8 +371,8 @@ static void in_space(void **state) {
   assert_true(compare(beside_pendulum, KM_BATCH_LANES, 1, plain) > KM_BATCH_LANES * ROWS / 2);
 }
 
-/* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has changed for
- * the rows that follow. */
+/* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has
+ * changed for the rows that follow. */
 static void compare_visits(const char *name) {
   design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
   km_driver_motion *drives[KM_BATCH_LANES];
@@ -442,7 +442,8 @@ static void stands_twice(const km_mobility_sweep *sweep) {
   }
 }
 
-/* Sweeps beside each other, over many rows at once where they are quiet, have the tables and toggles of sweeps alone. */
+/* Sweeps beside each other, over many rows at once where they are quiet, have the tables and toggles of sweeps
+ * alone. */
 static void sweeps_as_alone(void **state) {
   (void)state;
   static const char *const models[] = {"slider_crank", "fourbar", "excavator", "klann", "brake",
@@ -497,8 +498,8 @@ static void search_pivots(design *d) {
   km_search_pivots(d->f.mechanism, d->f.state, d->drive->c.substructure, KM_NO_DRIVER, 1e-9);
 }
 
-/* A drive that is looked at stays in its lane, and its state shows what it shows alone. It leaves it where pivots were searched
- * meanwhile. Returns how many looks found the drive in its lane. */
+/* A drive that is looked at stays in its lane, and its state shows what it shows alone. It leaves it where pivots
+ * were searched meanwhile. Returns how many looks found the drive in its lane. */
 static int compare_looks(const char *name) {
   design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
   km_driver_motion *drives[KM_BATCH_LANES];

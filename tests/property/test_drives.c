@@ -49,8 +49,8 @@ static void sine(double t, double motion[3]) {
   motion[2] = -20.0 * w * w * sin(angle);
 }
 
-/* The natural cubic spline through (0, 0), (1, 1), (2, 0): s'' = −3 in the middle, s = 3/2 t − t³/2 up to there and the same from
- * the other end; past its ends it goes on straight. */
+/* The natural cubic spline through (0, 0), (1, 1), (2, 0): s'' = −3 in the middle, s = 3/2 t − t³/2 up to there and
+ * the same from the other end; past its ends it goes on straight. */
 static void spline(double t, double motion[3]) {
   double u = t < 1.0 ? t : 2.0 - t, sense = t < 1.0 ? 1.0 : -1.0;
   motion[0] = t > 2.0 ? -1.5 * (t - 2.0) : 1.5 * u - 0.5 * u * u * u;
@@ -105,8 +105,8 @@ static km_history changed(const char *from, const char *to) {
   return h;
 }
 
-/* A rotor on the crank's hinge is an inertia of the crank about its axis; one on the slide is a mass of the piston, whose weight
- * is across it. Both lie in a loop, so that dependent coordinates turn rotors, too. */
+/* A rotor on the crank's hinge is an inertia of the crank about its axis; one on the slide is a mass of the piston,
+ * whose weight is across it. Both lie in a loop, so that dependent coordinates turn rotors, too. */
 static void rotors_are_inertias(void **state) {
   (void)state;
   static const char *const pairs[][4] = {{"\"name\": \"A\"", "\"armature\": 0.05, \"name\": \"A\"",
@@ -130,8 +130,9 @@ static void rotors_are_inertias(void **state) {
   km_history_free(&plain);
 }
 
-/* 2 N on 1 kg along a slide: q = t², and the load has given 2 q. 3 N that turn with a body of inertia 2, half a metre from its
- * hinge: θ = 3/8 t², and they have given 3/2 θ. Without the hinge's turning they would push elsewhere. */
+/* 2 N on 1 kg along a slide: q = t², and the load has given 2 q. 3 N that turn with a body of inertia 2, half a
+ * metre from its hinge: θ = 3/8 t², and they have given 3/2 θ. Without the hinge's turning they would push
+ * elsewhere. */
 static void loads_give_work(void **state) {
   (void)state;
   static const char text[] =

@@ -86,8 +86,8 @@ static int state_some(moving *m, const double *motion, km_rate_source source, do
   return stated;
 }
 
-/* Rates that are stated for a part of the joints and belong to a motion are kept, the others are the least: no larger than
- * those of the motion that the statements are from. */
+/* Rates that are stated for a part of the joints and belong to a motion are kept, the others are the least: no
+ * larger than those of the motion that the statements are from. */
 static void test_stated_rates(void **data) {
   (void)data;
   int judged = 0;

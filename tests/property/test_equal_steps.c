@@ -1,5 +1,5 @@
-/* Steps of a driver that are as long as each other are predicted by nine poses. The poses are those of other steps, and mostly
- * need no correction. */
+/* Steps of a driver that are as long as each other are predicted by nine poses. The poses are those of other steps,
+ * and mostly need no correction. */
 #include "support/support.h"
 
 #include "continuation/driver_motion.h"
@@ -52,8 +52,8 @@ static double residual_of(const machine *m) {
   return km_loops_residual(m->f.mechanism, m->f.state, km_driver_motion_substructure(m->drive), &worst);
 }
 
-/* Closing ends with errors of 1e-12 rms over the rows and steps below 1e-12, or with a step of Newton below 1e-9, whose rest is
- * its square: the poses of two ways differ by twice that, times what many loops add up to. */
+/* Closing ends with errors of 1e-12 rms over the rows and steps below 1e-12, or with a step of Newton below 1e-9,
+ * whose rest is its square: the poses of two ways differ by twice that, times what many loops add up to. */
 static void poses_are_those_of_uneven_steps(void **state) {
   (void)state;
   static const way ways[] = {{"slider_crank", "A", 4.0 * M_PI, 400, 0.9}, {"slider_crank", "A", -4.0 * M_PI, 800, 0.9},

@@ -1,4 +1,5 @@
-/* Reactions by sparse matrices against those by dense ones: two formulations, one of the loops and one of the bodies. */
+/* Reactions by sparse matrices against those by dense ones: two formulations, one of the loops and one of the
+ * bodies. */
 #include "support/random_mechanism.h"
 #include "support/sheets.h"
 #include "support/support.h"

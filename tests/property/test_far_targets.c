@@ -1,5 +1,5 @@
-/* Ways that no computation should take: targets that are turns by the thousand away, arc lengths that rounding hides, and
- * such as go round for ever. Each ends, and says so. */
+/* Ways that no computation should take: targets that are turns by the thousand away, arc lengths that rounding
+ * hides, and such as go round for ever. Each ends, and says so. */
 #include "support/refusals.h"
 #include "support/support.h"
 
@@ -62,8 +62,8 @@ static void arc_lengths_have_bounds(void **state) {
   fixture_close(&f);
 }
 
-/* The least step that may be asked for still has its length, row by row; a shorter advance stands still, and a longer one
- * isn't taken. */
+/* The least step that may be asked for still has its length, row by row; a shorter advance stands still, and a
+ * longer one isn't taken. */
 static void short_steps_end(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");

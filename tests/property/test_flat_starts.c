@@ -81,8 +81,8 @@ static void loops_bend_as_they_accelerate(void **state) {
   }
 }
 
-/* From the closed pose that is closest to y the way to y is at right angles, by D, to every motion that leaves the driver alone;
- * and no pose that least steps find from y is closer. */
+/* From the closed pose that is closest to y the way to y is at right angles, by D, to every motion that leaves the
+ * driver alone; and no pose that least steps find from y is closer. */
 static void judge_closest(fixture *f, double apart, randomness *r) {
   const km_mechanism *m = f->mechanism;
   const km_substructure *sub = &m->substructures[0];
@@ -136,9 +136,9 @@ static km_mobility_sweep sweep_flat(int n, int steps) {
   return sweep;
 }
 
-/* A five-bar that is stretched between its cranks lets the next crank turn no less than the one before it, just as far in the
- * same sense or 1.35 times as far in the other, and farther only where it bends, which takes longer. The motion begins at the
- * file's pose and doesn't depend on how the range is cut. */
+/* A five-bar that is stretched between its cranks lets the next crank turn no less than the one before it, just as
+ * far in the same sense or 1.35 times as far in the other, and farther only where it bends, which takes longer. The
+ * motion begins at the file's pose and doesn't depend on how the range is cut. */
 static void stretched_five_bars_move_least(void **state) {
   (void)state;
   static const int sizes[] = {2, 10, 60};
@@ -168,8 +168,9 @@ static void stretched_five_bars_move_least(void **state) {
   }
 }
 
-/* So the last crank turns by at least as much as the first one at every moment, from the flat pose on, where for an instant
- * there are more freedoms: at none of the poses the leverage is unbounded, and after the first one no motions meet. */
+/* So the last crank turns by at least as much as the first one at every moment, from the flat pose on, where for an
+ * instant there are more freedoms: at none of the poses the leverage is unbounded, and after the first one no
+ * motions meet. */
 static void flat_five_bars_have_leverage(void **state) {
   (void)state;
   static const int sizes[] = {2, 5, 10, 40};
@@ -190,7 +191,8 @@ static void flat_five_bars_have_leverage(void **state) {
   }
 }
 
-/* The loops that are far from the driver bend by much less than those near it: short steps from the flat pose close them too. */
+/* The loops that are far from the driver bend by much less than those near it: short steps from the flat pose close
+ * them too. */
 static void short_steps_close_all_loops(void **state) {
   (void)state;
   for (int loops = 1; loops <= 3; ++loops) {

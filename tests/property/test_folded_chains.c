@@ -16,8 +16,8 @@ static km_finite_mobility find(fixture *f) {
   return found;
 }
 
-/* Every loop of the folded chain goes on as a parallelogram or crossed, 2^60 branches: some are found, first one along which
- * most cranks turn alike. */
+/* Every loop of the folded chain goes on as a parallelogram or crossed, 2^60 branches: some are found, first one
+ * along which most cranks turn alike. */
 static void a_folded_chain(void **state) {
   (void)state;
   fixture f = folded_chain(LOOPS);
@@ -90,8 +90,8 @@ static void all_branches_of_folded_chains(void **state) {
   }
 }
 
-/* Of more loops the first cranks stand nearly still beside the last ones, and their rows depend on each other so nearly that
- * rounding moves them: that keeps no start from its branch. */
+/* Of more loops the first cranks stand nearly still beside the last ones, and their rows depend on each other so
+ * nearly that rounding moves them: that keeps no start from its branch. */
 static void starts_in_folded_chains(void **state) {
   (void)state;
   static const int loops[] = {25, 30, 35, 40, 45};
@@ -113,7 +113,8 @@ static void starts_in_folded_chains(void **state) {
   }
 }
 
-/* Branches that differ in small rates only are two: each of the nine starts that 40 loops are given leads to one of its own. */
+/* Branches that differ in small rates only are two: each of the nine starts that 40 loops are given leads to one of
+ * its own. */
 static void branches_that_differ_little(void **state) {
   (void)state;
   fixture f = folded_chain(40);

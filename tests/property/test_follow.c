@@ -139,8 +139,8 @@ static void motions_not_found(void **state) {
   fixture_close(&f);
 }
 
-/* The other motion of the parallelogram: the rocker's tip is that of the parallel pose, reflected in the line from the crank's
- * tip to the rocker's pivot. Motion 2 goes it ahead, 3 back; 1 stays parallel, and a fourth isn't there. */
+/* The other motion of the parallelogram: the rocker's tip is that of the parallel pose, reflected in the line from
+ * the crank's tip to the rocker's pivot. Motion 2 goes it ahead, 3 back; 1 stays parallel, and a fourth isn't there. */
 static void parallelogram_turns_where_asked(void **state) {
   (void)state;
   enum { STEPS = 60 };

@@ -18,8 +18,9 @@ static void also(bool (*family)(uint64_t, family_count *), const uint64_t *seeds
     assert_true(family(seeds[i], count));
 }
 
-/* Nothing presses where it rubs (912902); two solutions lie near each other (953210); joints that carry nothing could lock themselves,
- * so that another solution leaves this one (916188, 931551, 1538714); the load is gone before the forces grow without bound. */
+/* Nothing presses where it rubs (912902); two solutions lie near each other (953210); joints that carry nothing
+ * could lock themselves, so that another solution leaves this one (916188, 931551, 1538714); the load is gone before
+ * the forces grow without bound. */
 static void friction(void **state) {
   (void)state;
   static const uint64_t seeds[] = {912902, 953210, 916188, 931551, 1538714, 985268};
@@ -47,11 +48,11 @@ static void planar_forces(void **state) {
   assert_true(count.ends > 2);
 }
 
-/* Of two freedoms: two zeros about a peak between two poses, and events close to where the driver gives out, on the way that led
- * there; a quotient of two that vanish together, and peaks there; ends where n and d vanish, and where they have turned just before;
- * ends to which the way comes by one power of it from afar and by another from near by (1795711359, 8188); an actuator that stands
- * still for an instant, so that the other one's n and d vanish in one place (7777307); paths along which d comes to rounding; a
- * peak right beside a zero (66601908). */
+/* Of two freedoms: two zeros about a peak between two poses, and events close to where the driver gives out, on the
+ * way that led there; a quotient of two that vanish together, and peaks there; ends where n and d vanish, and where
+ * they have turned just before; ends to which the way comes by one power of it from afar and by another from near by
+ * (1795711359, 8188); an actuator that stands still for an instant, so that the other one's n and d vanish in one
+ * place (7777307); paths along which d comes to rounding; a peak right beside a zero (66601908). */
 static void two_freedoms(void **state) {
   (void)state;
   static const uint64_t seeds[] = {1795710006, 1795710074, 1795710185, 1795710264, 1795710295, 1795710332, 1795710388,
@@ -64,9 +65,9 @@ static void two_freedoms(void **state) {
   assert_true(count.peaks > 20);
 }
 
-/* Also a zero so near to a start beside a dead point that the first difference holds both signs, one as near to an end, and an end
- * where n and d vanish, which shows within its own digits only (4102671), and a peak to which the way leads back from where the
- * motion nearly ends (77101928). */
+/* Also a zero so near to a start beside a dead point that the first difference holds both signs, one as near to an
+ * end, and an end where n and d vanish, which shows within its own digits only (4102671), and a peak to which the
+ * way leads back from where the motion nearly ends (77101928). */
 static void spatial_forces(void **state) {
   (void)state;
   static const uint64_t seeds[] = {1795713986, 8235, 4102671, 77101928};
@@ -77,8 +78,8 @@ static void spatial_forces(void **state) {
   assert_true(count.peaks > 30);
 }
 
-/* Also poles just past the end (3003299), peaks between two poses at which the leverage is the same but for rounding (914357,
- * 3014082), and an output that hardly moves at the end (4109301). */
+/* Also poles just past the end (3003299), peaks between two poses at which the leverage is the same but for rounding
+ * (914357, 3014082), and an output that hardly moves at the end (4109301). */
 static void leverage(void **state) {
   (void)state;
   static const uint64_t seeds[] = {1795716164, 1795717453, 914357, 3014082, 3003299, 3005159, 4109301};

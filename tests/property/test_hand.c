@@ -1,4 +1,5 @@
-/* A mechanism moved by hand: pulls keep the loops closed, their branch and the limits, and end where other ways lead. */
+/* A mechanism moved by hand: pulls keep the loops closed, their branch and the limits, and end where other ways
+ * lead. */
 #include "support/support.h"
 
 #include "kinematics/loop_equations.h"
@@ -112,8 +113,9 @@ static void points_keep_the_loops(void **state) {
   }
 }
 
-/* Where a pull says that no motion brings the point any nearer, pulling again doesn't bring it nearer by more than a step that
- * counts as none, but for slow convergence to the nearest point; and a pull that has used up its way doesn't say so. */
+/* Where a pull says that no motion brings the point any nearer, pulling again doesn't bring it nearer by more than a
+ * step that counts as none, but for slow convergence to the nearest point; and a pull that has used up its way
+ * doesn't say so. */
 static void nearest_points_are_nearest(void **state) {
   (void)state;
   int judged = 0;
@@ -226,8 +228,8 @@ static km_manipulation_step pull_on(held *h, int coordinate, double target, int 
   return move;
 }
 
-/* The slider of a slider-crank (crank ½, rod 1) ends at 1.5, where its number is 0; the crank then carries it on, and the
- * slider leads back. */
+/* The slider of a slider-crank (crank ½, rod 1) ends at 1.5, where its number is 0; the crank then carries it on,
+ * and the slider leads back. */
 static void toggles_stop_softly(void **state) {
   (void)state;
   held h = take_hold("slider_crank");

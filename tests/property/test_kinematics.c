@@ -35,7 +35,8 @@ static void numbers_belong_to_the_space(void **state) {
   (void)state;
   at_random_poses(law_forced);
 }
-/* A loop of few rows and many motions, where what a step has along the rows is less work than what it has along the motions. */
+/* A loop of few rows and many motions, where what a step has along the rows is less work than what it has along the
+ * motions. */
 static void more_motions_than_rows(void **state) {
   (void)state;
   fixture f = fixture_read(
@@ -76,8 +77,8 @@ static void open_couplings_are_told_by_size(void **state) {
   fixture_close(&f);
 }
 
-/* A slide between a hinge and a ball, along a frame that is turned by less than the diagonal of a rotation shows: the hinge turns it
- * back. */
+/* A slide between a hinge and a ball, along a frame that is turned by less than the diagonal of a rotation shows:
+ * the hinge turns it back. */
 static void small_turns_of_frames_count(void **state) {
   (void)state;
   fixture f = fixture_read(

@@ -217,8 +217,9 @@ static void many_motions(void **state) {
   km_text_free(&text);
 }
 
-/* A crank turns those behind it in the same way, whatever comes behind these. As they were drawn many entries of the rows are 0
- * that aren't any longer once they move, and the couplers turn about themselves: one freedom of many, few or more. */
+/* A crank turns those behind it in the same way, whatever comes behind these. As they were drawn many entries of the
+ * rows are 0 that aren't any longer once they move, and the couplers turn about themselves: one freedom of many, few
+ * or more. */
 static void cranks_turn_alike(void **state) {
   (void)state;
   enum { FIRST = 5 };

@@ -28,8 +28,8 @@ static void vector_of(const km_left_space *space, const km_left_null *null, int 
   memcpy(out + 6 * loop, null->local + 6 * v, 6 * sizeof *out);
 }
 
-/* The power of w on column c of each loop, by the joints' twists about the loop's point: the whole Jacobian moved to the
- * points that the left space counts about. */
+/* The power of w on column c of each loop, by the joints' twists about the loop's point: the whole Jacobian moved to
+ * the points that the left space counts about. */
 static double power(const km_left_space *space, const double *J, const double *w, int c) {
   double sum = 0.0;
   for (int l = 0; l < space->sub->loop_count; ++l) {

@@ -40,8 +40,8 @@ static void laws_of_many_freedoms(void **state) {
   }
 }
 
-/* Where every row has a pivot at the coarse tolerance of an open pose, none can be missing at the fine one: the pivots stay, and
- * one search is all that closing takes. */
+/* Where every row has a pivot at the coarse tolerance of an open pose, none can be missing at the fine one: the
+ * pivots stay, and one search is all that closing takes. */
 static void pivots_of_all_rows_stay(void **state) {
   (void)state;
   fixture f = five_bars(LOOPS);
@@ -77,8 +77,8 @@ static int motions_listed(fixture *f, int *mobility) {
   return count;
 }
 
-/* A folded chain has a motion in which all loops open alike. Many freedoms are left at its first pose and one behind it: what was
- * enough for steps of many isn't for steps of one. */
+/* A folded chain has a motion in which all loops open alike. Many freedoms are left at its first pose and one behind
+ * it: what was enough for steps of many isn't for steps of one. */
 static void chains_open_evenly(void **state) {
   (void)state;
   int mobility;
@@ -87,8 +87,8 @@ static void chains_open_evenly(void **state) {
   assert_int_equal(mobility, 1);
 }
 
-/* A sheet that lies flat folds along its lines, whichever they are: directions that meet all conditions of second order are found,
- * though there are more conditions than freedoms. */
+/* A sheet that lies flat folds along its lines, whichever they are: directions that meet all conditions of second
+ * order are found, though there are more conditions than freedoms. */
 static void flat_sheets_fold(void **state) {
   (void)state;
   int mobility;
@@ -242,7 +242,8 @@ static void sparse_is_dense(void **state) {
   assert_true(branched >= 33);
 }
 
-/* Of a few rows in many columns: A = U S Vᵀ, U and V with columns at right angles, and the values of Jacobi's method. */
+/* Of a few rows in many columns: A = U S Vᵀ, U and V with columns at right angles, and the values of Jacobi's
+ * method. */
 static void wide_singular_values(void **state) {
   (void)state;
   enum { COLUMNS = 60, MOST_ROWS = 5 };

@@ -1,5 +1,6 @@
-/* What the library's parts say when they find no memory, where no tool repeats it: every call for memory within a function
- * fails once, the function ends with KM_MEMORY and says so, and the words that it is known for are among what it says. */
+/* What the library's parts say when they find no memory, where no tool repeats it: every call for memory within a
+ * function fails once, the function ends with KM_MEMORY and says so, and the words that it is known for are among
+ * what it says. */
 #include "support/arms.h"
 #include "support/designs.h"
 #include "support/failing.h"

@@ -1,5 +1,6 @@
-/* Octahedra of eight stiff plates with hinges along the edges. By Cauchy's theorem and Gluck's those of general position stand;
- * Bricard's (1897), which are symmetric to a line or to a plane, move, though their plates pass through each other. */
+/* Octahedra of eight stiff plates with hinges along the edges. By Cauchy's theorem and Gluck's those of general
+ * position stand; Bricard's (1897), which are symmetric to a line or to a plane, move, though their plates pass
+ * through each other. */
 #include "support/hinges.h"
 #include "support/laws.h"
 #include "support/random_mechanism.h"
@@ -9,8 +10,8 @@
 
 enum { EDGES = 12, MADE = 20, SIDES = 2 };
 
-/* Corners are opposite in pairs; a plate has one of each pair: bit k of its number. `mirrored`: pairs whose corners the symmetry
- * swaps, the others' lie on its plane. */
+/* Corners are opposite in pairs; a plate has one of each pair: bit k of its number. `mirrored`: pairs whose corners
+ * the symmetry swaps, the others' lie on its plane. */
 typedef struct octahedron {
   km_vec3 corner[3][SIDES];
   unsigned mirrored;
@@ -50,8 +51,8 @@ static octahedron symmetric_to_a_plane(randomness *r) {
   return o;
 }
 
-/* The hinge between plates that differ in pair k of corners lies along the edge of the corners that they share. twin: that onto
- * which the symmetry maps it. */
+/* The hinge between plates that differ in pair k of corners lies along the edge of the corners that they share.
+ * twin: that onto which the symmetry maps it. */
 static fixture build(const octahedron *o, int twin[EDGES]) {
   int edge_of[8][3], plate_of[EDGES], pair_of[EDGES];
   hinges h = {0};

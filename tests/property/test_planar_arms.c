@@ -29,8 +29,8 @@ static fixture planar_arm(int links, const char *axes) {
   return f;
 }
 
-/* Of a task an arm's motions can change what their twists span, whatever plane they lie in: the rest is nothing that joints could
- * be wanting for. The Jacobian that programs get has all rows. */
+/* Of a task an arm's motions can change what their twists span, whatever plane they lie in: the rest is nothing that
+ * joints could be wanting for. The Jacobian that programs get has all rows. */
 static void planar_arms_have_rows_of_their_plane(void **state) {
   (void)state;
   static const char *const axes[] = {"[[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "[[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]"};

@@ -1,5 +1,5 @@
-/* A force at a point as actuator: the same force as a load leaves nothing for the joints to hold, reactions included, and
- * its power is that of a joint that would hold instead. */
+/* A force at a point as actuator: the same force as a load leaves nothing for the joints to hold, reactions
+ * included, and its power is that of a joint that would hold instead. */
 #include "support/support.h"
 
 #include "forces/forces.h"
@@ -85,7 +85,8 @@ static void test_loops(void **unused) {
     }
 }
 
-/* A lever of length 2 with a weight of 3 · 9.81 at 1.5: the hand at its end holds 0.75 of it, downwards a negative force. */
+/* A lever of length 2 with a weight of 3 · 9.81 at 1.5: the hand at its end holds 0.75 of it, downwards a negative
+ * force. */
 static void test_lever(void **unused) {
   (void)unused;
   fixture f = fixture_read("{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"lever\", \"mass\": 3, "

@@ -1,4 +1,5 @@
-/* Questions about variants of a mechanism that are asked side by side have the answers of questions asked alone, bit by bit. */
+/* Questions about variants of a mechanism that are asked side by side have the answers of questions asked alone, bit
+ * by bit. */
 #include "support/support.h"
 
 #include "continuation/batch/batch.h"

@@ -48,7 +48,8 @@ static void test_same_pose(void **unused) {
   compare("fourbar", &crank, 1);
 }
 
-/* The three components of a ball are turned together, alone and in a loop, and end at their values to the last digit. */
+/* The three components of a ball are turned together, alone and in a loop, and end at their values to the last
+ * digit. */
 static void test_balls_turn_together(void **unused) {
   (void)unused;
   static const char *const texts[2] = {

@@ -1,5 +1,5 @@
-/* Errors, Jacobians and pivots of one pose are found once, and anew as soon as anything that they depend on has changed: what a
- * state remembers has the bits of a state that remembers nothing. */
+/* Errors, Jacobians and pivots of one pose are found once, and anew as soon as anything that they depend on has
+ * changed: what a state remembers has the bits of a state that remembers nothing. */
 #include "support/support.h"
 
 #include "kinematics/loop_closing.h"

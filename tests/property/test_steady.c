@@ -11,8 +11,9 @@
 
 enum { MOST_RODS = 6 };
 
-/* A platform on equal parallel rods, each with a universal joint on the ground and a ball on the platform, at poses where they lean: it
- * moves across itself, all rods turning alike. With four rods and more it can't turn, but first order allows that. */
+/* A platform on equal parallel rods, each with a universal joint on the ground and a ball on the platform, at poses
+ * where they lean: it moves across itself, all rods turning alike. With four rods and more it can't turn, but first
+ * order allows that. */
 static fixture platform(randomness *r, int rods) {
   km_text text = {0};
   double lean[3] = {uniform(r, 0.2, 0.5), uniform(r, 0.1, 0.4), uniform(r, 0.7, 1.1)}, base[MOST_RODS][2];
@@ -114,8 +115,9 @@ static void platforms_by_arc_length(void **state) {
   }
 }
 
-/* A parallelogram, and where it is asked for a stretched chain of two bars between points of its cranks, on a line parallel to its coupler;
- * and beside it two bars from the coupler to the ground that come within `gap` of being stretched. */
+/* A parallelogram, and where it is asked for a stretched chain of two bars between points of its cranks, on a line
+ * parallel to its coupler; and beside it two bars from the coupler to the ground that come within `gap` of being
+ * stretched. */
 typedef struct cranks {
   double x, y, width, part, middle, gap; /* negative: no bars beside */
   bool chain;
@@ -137,7 +139,8 @@ static void add_pin(km_text *out, const char *name, const char *parent, const ch
                  strcmp(name, "A") == 0 ? "" : ", ", name, parent, child, x, y);
 }
 
-/* The coupler's point goes on a circle about its own centre, which is furthest from the ground's point in line with that. */
+/* The coupler's point goes on a circle about its own centre, which is furthest from the ground's point in line with
+ * that. */
 static void add_bars_beside(const cranks *c, km_text *out) {
   const double centre[2] = {0.5 * c->width, 1.0}, point[2] = {centre[0] + c->x, centre[1] + c->y},
                ground[2] = {4.0, -1.0};
@@ -210,8 +213,8 @@ static void stretched_chains(void **state) {
   }
 }
 
-/* The chain hinders nothing: all other joints go as without it, also where the bars beside come so near to being stretched that a step could
- * lead over. */
+/* The chain hinders nothing: all other joints go as without it, also where the bars beside come so near to being
+ * stretched that a step could lead over. */
 static void chains_hinder_nothing(void **state) {
   (void)state;
   static const double gaps[] = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5};

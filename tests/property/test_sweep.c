@@ -40,8 +40,8 @@ static void rows_do_not_depend_on_steps(void **state) {
   }
 }
 
-/* With other freedoms the path of least motion is followed to 1e-4, also where rows lie so close that each step goes on from
- * those before it. */
+/* With other freedoms the path of least motion is followed to 1e-4, also where rows lie so close that each step goes
+ * on from those before it. */
 static void least_motion_converges(void **state) {
   (void)state;
   for (const char *const *name = all_models; *name; ++name) {
@@ -60,8 +60,8 @@ static void least_motion_converges(void **state) {
   }
 }
 
-/* There and back in 200 rows each way, perhaps with a look at a place beside every row. Out: the coordinates at the end of
- * both ways. */
+/* There and back in 200 rows each way, perhaps with a look at a place beside every row. Out: the coordinates at the
+ * end of both ways. */
 static void go_and_return(const char *name, bool looks, double *far, double *back) {
   fixture f = fixture_open(name);
   km_sweep_plan plan = km_sweep_plan_default(f.model);
@@ -127,8 +127,8 @@ static double apart(const double *a, const double *b, int count) {
   return largest;
 }
 
-/* Steps that go on from those before are of fourth order, in balls too: with twice as many rows the path is 16 times as close
- * to its limit; at least 10 times. */
+/* Steps that go on from those before are of fourth order, in balls too: with twice as many rows the path is 16 times
+ * as close to its limit; at least 10 times. */
 static void least_motion_is_of_fourth_order(void **state) {
   (void)state;
   double limit[36], coarse[36], fine[36];

@@ -1,5 +1,5 @@
-/* Optimised linkages: a four-bar with the best transmission angle, whose optimum is known, and coupler curves through given
- * points. */
+/* Optimised linkages: a four-bar with the best transmission angle, whose optimum is known, and coupler curves
+ * through given points. */
 #include "support/designs.h"
 
 #include <math.h>
@@ -61,9 +61,9 @@ static int best_coupler(const km_design_study *s, double *coupler) {
   return best;
 }
 
-/* The transmission angle is furthest from its ideal where crank and ground are in line: cos μ = (b² + c² − (g ∓ a)²)/(2bc).
- * Both are as bad where b² + c² = g² + a²; then cos μ = ag/(bc) (Brodell and Soni 1970). Of a planar four-bar the
- * index of Sutherland and Roth is sin μ. */
+/* The transmission angle is furthest from its ideal where crank and ground are in line: cos μ = (b² + c² − (g ∓
+ * a)²)/(2bc). Both are as bad where b² + c² = g² + a²; then cos μ = ag/(bc) (Brodell and Soni 1970). Of a planar
+ * four-bar the index of Sutherland and Roth is sin μ. */
 static void best_transmission_angle(void **state) {
   (void)state;
   static const char *const algorithms[] = {"cobyla", "bobyqa", "nelder-mead", "direct"};
@@ -79,8 +79,8 @@ static void best_transmission_angle(void **state) {
   }
 }
 
-/* The same angle where crank and ground point the same way must not be nearer to 90 degrees than with a coupler of 68 mm:
- * then that coupler is the best, whichever algorithm looks for it. Each has room for hundreds of designs. */
+/* The same angle where crank and ground point the same way must not be nearer to 90 degrees than with a coupler of
+ * 68 mm: then that coupler is the best, whichever algorithm looks for it. Each has room for hundreds of designs. */
 static void every_algorithm_keeps_limits(void **state) {
   (void)state;
   double cosine = (68.0 * 68.0 + 50.0 * 50.0 - 60.0 * 60.0) / (2.0 * 68.0 * 50.0), limit = sqrt(1.0 - cosine * cosine),

@@ -1,6 +1,6 @@
-/* What actuators hold and what they can't, joints and pushed points together, whatever parts of the mechanism these move:
- * forces that hold leave no power in any motion; every direction that is told is a motion of the loops in which no
- * actuator moves, as large as 1, and if loads act on it they drive it. */
+/* What actuators hold and what they can't, joints and pushed points together, whatever parts of the mechanism these
+ * move: forces that hold leave no power in any motion; every direction that is told is a motion of the loops in
+ * which no actuator moves, as large as 1, and if loads act on it they drive it. */
 #include "support/random_mechanism.h"
 #include "support/support.h"
 

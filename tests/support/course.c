@@ -66,8 +66,8 @@ bool course_walk(fixture *f, const km_sweep_plan *plan, const km_sweep *motion, 
   return there;
 }
 
-/* An end is located to 1e-9. So far from it the root of the way is known to half a percent; what happens nearer is a matter of the
- * end's own digits. */
+/* An end is located to 1e-9. So far from it the root of the way is known to half a percent; what happens nearer is a
+ * matter of the end's own digits. */
 static double own_digits(const course *c) {
   return 1e-7 * (1.0 + fabs(c->s[c->count - 1]));
 }
@@ -97,15 +97,15 @@ static double by_parabola(const double root[3], const double x[3]) {
   return end;
 }
 
-/* The same by x = c + b r^m, at places of which each is twice as far from the end as the one before; no better than the parabola
- * where it doesn't grow like that. A path of least motion comes to its end by powers of its own. */
+/* The same by x = c + b r^m, at places of which each is twice as far from the end as the one before; no better than
+ * the parabola where it doesn't grow like that. A path of least motion comes to its end by powers of its own. */
 static double by_power(const double x[3], double otherwise) {
   double twice = x[1] / x[0], four = x[2] / x[1];
   return twice > 1.2 && four > 1.2 ? (x[0] * x[2] - x[1] * x[1]) / (x[0] + x[2] - 2.0 * x[1]) : otherwise;
 }
 
-/* What is left of a/b at the end, in distances between the two nearest of three samples, of which the first is `stride` places from
- * the end. */
+/* What is left of a/b at the end, in distances between the two nearest of three samples, of which the first is
+ * `stride` places from the end. */
 static double places_left(const course *c, const double *a, const double *b, int stride) {
   double x[3], root[3];
   for (int k = 0; k < 3; ++k)
@@ -114,8 +114,8 @@ static double places_left(const course *c, const double *a, const double *b, int
   return fmin(fabs(end), fabs(power)) / fabs(x[1] - x[0]);
 }
 
-/* Does a/b come to nothing with the root of the way to the end? Less than a third of the distance of places is none, unless the samples
- * that are within the end's own digits show that something is left. */
+/* Does a/b come to nothing with the root of the way to the end? Less than a third of the distance of places is none,
+ * unless the samples that are within the end's own digits show that something is left. */
 static course_end comes_to_nothing(const course *c, const double *a, const double *b) {
   int last = c->count - 1, stride = 1;
   if (turns_in_own_digits(c, a) || turns_in_own_digits(c, b))
@@ -167,7 +167,8 @@ static bool turns(const double *x, int i) {
   return x[i] * x[i + 1] < 0.0;
 }
 
-/* Peaks between samples i−1 and i+1 that no pole parts. Where n vanishes with d the force goes on as it was, and may peak there. */
+/* Peaks between samples i−1 and i+1 that no pole parts. Where n vanishes with d the force goes on as it was, and may
+ * peak there. */
 static bool peaks(const course *c, int i) {
   bool pole = (turns(c->d, i - 1) && !turns(c->n, i - 1)) || (turns(c->d, i) && !turns(c->n, i));
   return !pole && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
@@ -179,7 +180,8 @@ static bool peaks_beside_zero(const course *c, int i) {
   return !pole && ((before && force(c, i) > force(c, i + 1)) || (behind && force(c, i) > force(c, i - 1)));
 }
 
-/* Within two of the poses that a sweep looks at on a side, does |f| fall by less than 1e-4 of it, or rise above the peak again? */
+/* Within two of the poses that a sweep looks at on a side, does |f| fall by less than 1e-4 of it, or rise above the
+ * peak again? */
 static bool is_weak(const course *c, int i) {
   double peak = force(c, i);
   for (int side = -1; side <= 1; side += 2) {
@@ -261,8 +263,8 @@ static bool is_in_rounding(const course *c, double s) {
   return false;
 }
 
-/* Is it where the course can't tell? Differences begin half a place after the start; peaks begin a whole one later, and end a whole
- * one before the end. */
+/* Is it where the course can't tell? Differences begin half a place after the start; peaks begin a whole one later,
+ * and end a whole one before the end. */
 static bool is_out_of_sight(const course *c, const km_force_event *event) {
   int last = c->count - 1;
   double along = c->s[last] > c->s[0] ? 1.0 : -1.0, s = along * event->s;

@@ -13,8 +13,8 @@ typedef struct course {
   bool differences;  /* n and d are what changes along pieces of the way that have the places s in their middle */
 } course;
 
-/* Where what two of the places show has to be: between them, or of differences anywhere on their two pieces, as the mean value
- * theorem has it. */
+/* Where what two of the places show has to be: between them, or of differences anywhere on their two pieces, as the
+ * mean value theorem has it. */
 void course_span(const course *c, int first, int last, double *low, double *high);
 
 /* For that sweep. */
@@ -34,8 +34,8 @@ typedef enum course_end {
 } course_end;
 course_end course_ends(const course *c);
 
-/* Are the events of the sweep's actuator those of the course, one for one, with that at the end beside them? `slack`: of a place,
- * over the range. Says what isn't. */
+/* Are the events of the sweep's actuator those of the course, one for one, with that at the end beside them?
+ * `slack`: of a place, over the range. Says what isn't. */
 bool course_agrees(const course *c, const km_statics_sweep *sweep, int actuator, double slack, family_count *count);
 
 #endif

@@ -2,9 +2,9 @@
 #ifndef KM_TESTS_EVIDENCE_H
 #define KM_TESTS_EVIDENCE_H
 
-/* A law or a published answer that a test holds, and where its tolerance comes from. While the test runs, the comparisons
- * of assert_near and assert_at_most are the claim's; the one that comes nearest to its tolerance is written to the file
- * that the environment's KMECH_EVIDENCE names, where it names one. */
+/* A law or a published answer that a test holds, and where its tolerance comes from. While the test runs, the
+ * comparisons of assert_near and assert_at_most are the claim's; the one that comes nearest to its tolerance is
+ * written to the file that the environment's KMECH_EVIDENCE names, where it names one. */
 typedef struct evidence_claim {
   const char *claim, *because;
 } evidence_claim;

@@ -1,5 +1,5 @@
-/* Calls for memory that fail one by one, in tests that are linked with --wrap=calloc,--wrap=realloc: the linker then sends the
- * library's calls through failing.c. */
+/* Calls for memory that fail one by one, in tests that are linked with --wrap=calloc,--wrap=realloc: the linker then
+ * sends the library's calls through failing.c. */
 #ifndef KM_TESTS_FAILING_H
 #define KM_TESTS_FAILING_H
 

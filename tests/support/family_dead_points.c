@@ -10,7 +10,8 @@
 
 enum { GRID = 4000, BESIDE = 3 };
 
-/* Signs of every coordinate's entry at the places of the grid over the sweep's own range; false where a drive doesn't get there. */
+/* Signs of every coordinate's entry at the places of the grid over the sweep's own range; false where a drive
+ * doesn't get there. */
 static bool trace(const char *text, const km_sweep_plan *plan, const km_sweep *motion, double *z) {
   fixture f = fixture_read(text);
   const int count = f.mechanism->coordinate_count;
@@ -30,9 +31,9 @@ static bool trace(const char *text, const km_sweep_plan *plan, const km_sweep *m
   return there;
 }
 
-/* How many dead points of coordinate c the trace shows. *sure: none is so near to another one, to an end, or to a place where the
- * entry turns before it is 0, that the grid may not tell; and between two of them the entry, of a vector of length 1, isn't so small
- * all the way that no row of a few may show it. */
+/* How many dead points of coordinate c the trace shows. *sure: none is so near to another one, to an end, or to a
+ * place where the entry turns before it is 0, that the grid may not tell; and between two of them the entry, of a
+ * vector of length 1, isn't so small all the way that no row of a few may show it. */
 static int changes(const double *z, int count, int c, bool *sure) {
   int found = 0, last = -BESIDE;
   double largest = 1.0;

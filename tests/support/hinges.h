@@ -1,5 +1,5 @@
-/* Mechanisms of any number of bodies as text, as a CAD program gives them: every joint is stated by its place and axis in the
- * drawing of the whole, and is at 0 there. */
+/* Mechanisms of any number of bodies as text, as a CAD program gives them: every joint is stated by its place and
+ * axis in the drawing of the whole, and is at 0 there. */
 #ifndef KM_TESTS_HINGES_H
 #define KM_TESTS_HINGES_H
 
@@ -24,8 +24,8 @@ void hinges_add(hinges *h, const char *type, int parent, int child, km_vec3 at, 
 /* Rz about the z axis. */
 void hinges_pin(hinges *h, int parent, int child, double x, double y);
 
-/* Writes the model and frees the hinges. The bodies are b0, b1, …, the joints j0, j1, …, of which the last one is called
- * `last`. `away` is how far from the inertial origin the mechanism is, in each direction. */
+/* Writes the model and frees the hinges. The bodies are b0, b1, …, the joints j0, j1, …, of which the last one is
+ * called `last`. `away` is how far from the inertial origin the mechanism is, in each direction. */
 void hinges_write(hinges *h, km_text *out, double away);
 
 #endif

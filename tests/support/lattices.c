@@ -63,8 +63,8 @@ void write_stretched_five_bars(km_text *out, int n) {
   lay_five_bars(out, n, 0.0, 0.0, 0.5);
 }
 
-/* The cranks' joints with the ground are of the type that is given. A crank turns the next one about as far as it turns itself,
- * else the last one of many would hardly turn at all. */
+/* The cranks' joints with the ground are of the type that is given. A crank turns the next one about as far as it
+ * turns itself, else the last one of many would hardly turn at all. */
 static void lay_ball_couplers(km_text *out, int n, const char *type) {
   hinges h = {0};
   for (int i = 0; i <= n; ++i)

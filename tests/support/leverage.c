@@ -62,21 +62,24 @@ static double leverage(const course *c, int i) {
   return c->n[i] / c->d[i];
 }
 
-/* The leverage at the end, half a place beyond the last difference: beside a pole it grows by more than in the place before. */
+/* The leverage at the end, half a place beyond the last difference: beside a pole it grows by more than in the place
+ * before. */
 static double at_end(const course *c) {
   int last = c->count - 1;
   return (3.0 * c->n[last] - c->n[last - 1]) / (3.0 * c->d[last] - c->d[last - 1]);
 }
 
-/* What the leverage there may be wrong by: poses are closed to `closed`, and the smaller the steps are, the more that counts. */
+/* What the leverage there may be wrong by: poses are closed to `closed`, and the smaller the steps are, the more
+ * that counts. */
 static double grain(const course *c, int i) {
   static const double closed = 1e-12;
   return fabs(leverage(c, i)) * (1e-6 + closed / fabs(c->n[i]) + closed / fabs(c->d[i]));
 }
 
-/* The bound is that of the course, within what the course changes from there to the next places, and its grain; before the first place
- * it may be larger, and after the last one by as much as there is to the end, and as much again for its curve. Where it changes by a
- * tenth of itself over the last place, as beside a pole past the end, the course doesn't tell how large it may be. */
+/* The bound is that of the course, within what the course changes from there to the next places, and its grain;
+ * before the first place it may be larger, and after the last one by as much as there is to the end, and as much
+ * again for its curve. Where it changes by a tenth of itself over the last place, as beside a pole past the end, the
+ * course doesn't tell how large it may be. */
 static bool meets(const course *c, double told, double sense) {
   int best = 0;
   for (int i = 1; i < c->count; ++i)

@@ -1,5 +1,5 @@
-/* Random matrices of a known rank with their partition, and the laws that every partition keeps: LAPACK's singular value
- * decomposition judges rank and null space. */
+/* Random matrices of a known rank with their partition, and the laws that every partition keeps: LAPACK's singular
+ * value decomposition judges rank and null space. */
 #ifndef KM_TESTS_MATRICES_H
 #define KM_TESTS_MATRICES_H
 

@@ -14,7 +14,8 @@ bool family_inertia(uint64_t seed);
  * range is delivered just where a fine trace says that it can be. */
 bool family_limits(uint64_t seed);
 
-/* Sweeps of random planar linkages with 5 to 44 rows: every joint has as many dead points as a fine trace of its rate shows. */
+/* Sweeps of random planar linkages with 5 to 44 rows: every joint has as many dead points as a fine trace of its
+ * rate shows. */
 bool family_dead_points(uint64_t seed);
 
 /* Driven sweeps with several freedoms left: however the way is cut they end at one pose, to 1e-4, which is that of a

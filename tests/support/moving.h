@@ -23,9 +23,9 @@ void give_masses(km_model *model, randomness *r);
 /* Random rates that keep the loops. */
 void give_rates(moving *m, randomness *r);
 
-/* After km_dynamics_accelerate: the power of applied forces less the rates of the bodies' momenta over every null vector
- * of the loops and every free coordinate, the largest over the largest single part of it. The momenta are differentiated
- * along q(t) by central differences of ±`step`: the error is of the order step². */
+/* After km_dynamics_accelerate: the power of applied forces less the rates of the bodies' momenta over every null
+ * vector of the loops and every free coordinate, the largest over the largest single part of it. The momenta are
+ * differentiated along q(t) by central differences of ±`step`: the error is of the order step². */
 double dalembert(moving *m, double step);
 
 #endif

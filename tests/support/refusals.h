@@ -8,11 +8,12 @@ typedef struct told_text {
   const char *text, *words;
 } told_text;
 
-/* Reads each as a model, with assembly: it is refused with these words (or, if it isn't `refused`, read with a warning or note
- * of these words). A text may be any format of models. */
+/* Reads each as a model, with assembly: it is refused with these words (or, if it isn't `refused`, read with a
+ * warning or note of these words). A text may be any format of models. */
 void assert_models_told(const told_text *list, size_t count, bool refused);
 
-/* Did it end with this status and tell the words, as the error or as one of the messages? Returns whether, and prints. */
+/* Did it end with this status and tell the words, as the error or as one of the messages? Returns whether, and
+ * prints. */
 bool is_told(const told_text *text, km_status status, km_status expected, const km_messages *messages,
              const km_error *error);
 

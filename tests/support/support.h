@@ -31,7 +31,8 @@ extern const char *const all_models[];
 bool has_one_freedom(const char *name);
 
 fixture fixture_open(const char *name); /* models/NAME.json */
-/* Variant number `seed` of it, whose frames lie up to 0.2 % elsewhere; 0, and where its loops can't be closed: the model itself. */
+/* Variant number `seed` of it, whose frames lie up to 0.2 % elsewhere; 0, and where its loops can't be closed: the
+ * model itself. */
 fixture fixture_open_variant(const char *name, uint64_t seed);
 fixture fixture_read(const char *json); /* text */
 fixture fixture_of(km_model *model);    /* takes the model */

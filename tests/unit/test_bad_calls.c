@@ -1,5 +1,5 @@
-/* What calls of the library refuse though they are given everything, each with its words: numbers out of range, objects that
- * don't belong together, work that is cancelled. */
+/* What calls of the library refuse though they are given everything, each with its words: numbers out of range,
+ * objects that don't belong together, work that is cancelled. */
 #include "support/refusals.h"
 
 #include "kmech/build.h"

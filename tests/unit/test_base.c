@@ -207,7 +207,8 @@ static void messages_stop_at_twenty_errors(void **state) {
   km_messages_free(messages);
 }
 
-/* Controls, also those of two and three bytes, are shown; line ends, tabs, letters of any script and bytes that are no UTF-8 stay. */
+/* Controls, also those of two and three bytes, are shown; line ends, tabs, letters of any script and bytes that are
+ * no UTF-8 stay. */
 static void controls_are_shown(void **state) {
   (void)state;
   static const char *const texts[][2] = {{"", ""},

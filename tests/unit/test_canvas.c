@@ -130,8 +130,8 @@ static void outline_reach(km_pango *pango, double *left, double *right) {
   km_canvas_path_free(&path);
 }
 
-/* The outlines of a text fill its box from end to end, however long it is, and where lines from the right begin far from
- * the left. */
+/* The outlines of a text fill its box from end to end, however long it is, and where lines from the right begin far
+ * from the left. */
 static void outlines_fill_their_box(void **state) {
   (void)state;
   static const char *const words[] = {"关节", "מפרק", "مفصل", "ジョイント", "plain"};
@@ -217,8 +217,8 @@ static void glyphs_are_defined_once(void **state) {
   km_text_free(&out);
 }
 
-/* What a text fills is as large as what was measured, turned or not, and where it was put: the ends of its first and last
- * letter's advance are those of its box. */
+/* What a text fills is as large as what was measured, turned or not, and where it was put: the ends of its first and
+ * last letter's advance are those of its box. */
 static void text_is_held_where_asked(void **state) {
   (void)state;
   const km_font font = {.size = 10};

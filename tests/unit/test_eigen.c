@@ -1,4 +1,5 @@
-/* Eigenvalues of random matrices of every small size keep A v = λ v, and come in pairs; what isn't finite is refused. */
+/* Eigenvalues of random matrices of every small size keep A v = λ v, and come in pairs; what isn't finite is
+ * refused. */
 #include "linalg/dense/eigenvalues.h"
 #include "support/support.h"
 

@@ -76,8 +76,8 @@ static size_t count_groups(const km_film *film, int mover) {
   return count;
 }
 
-/* In a plane: two points of every body, carried along by its mover from the first frame, are where the projection of its
- * pose has them in every frame, to the rounding of the transforms' arithmetic. */
+/* In a plane: two points of every body, carried along by its mover from the first frame, are where the projection of
+ * its pose has them in every frame, to the rounding of the transforms' arithmetic. */
 static void movers_carry_bodies_as_their_poses_do(void **state) {
   (void)state;
   static const char *const names[] = {"klann", "fourbar", "slider_crank", "brake", "toggle_press"};
@@ -383,7 +383,8 @@ static void add_square(km_apng *apng, double size, double place, km_status expec
   km_text_free(&png);
 }
 
-/* The chunks of an animation: each picture has its control, the sequence has no gap, what isn't of one size is refused. */
+/* The chunks of an animation: each picture has its control, the sequence has no gap, what isn't of one size is
+ * refused. */
 static void animated_pictures_are_whole(void **state) {
   (void)state;
   km_text out = {0};

@@ -19,8 +19,8 @@ static void pieces_of_a_law(void **state) {
   assert_near(km_law_force(&plain, 0.5), -2.0, 1e-15);
 }
 
-/* Only jumps are spread: a law that is whole at its knots stays as it is, however near to each other they lie. A jump of −2 at
- * 0.3 is spread over 0.1 to either side, or over half the way to the next knot. */
+/* Only jumps are spread: a law that is whole at its knots stays as it is, however near to each other they lie. A
+ * jump of −2 at 0.3 is spread over 0.1 to either side, or over half the way to the next knot. */
 static void jumps_of_a_law_are_spread(void **state) {
   (void)state;
   const double near[2] = {-1e-4, 1e-4}, friction[4] = {5.0, 0.0, -5e4, -5.0};

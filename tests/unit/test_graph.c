@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bodies on bodies that came before, the inertial frame often; then joints between any two. All at one place, so that loops close. */
+/* Bodies on bodies that came before, the inertial frame often; then joints between any two. All at one place, so
+ * that loops close. */
 static fixture random_graph(randomness *r, int bodies, int chords) {
   km_text t = {0};
   km_text_add(&t, "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [");
@@ -39,7 +40,8 @@ static int by_level(const void *a, const void *b) {
   return p->level != q->level ? p->level - q->level : (p->x > q->x) - (p->x < q->x);
 }
 
-/* Nodes of a level are a column apart at least, and a body stands between the first and the last one that hang on it. */
+/* Nodes of a level are a column apart at least, and a body stands between the first and the last one that hang on
+ * it. */
 static void check_places(const km_mechanism *m, const km_graph_places *p) {
   const km_topology *t = &m->topology;
   node nodes[1000];

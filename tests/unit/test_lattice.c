@@ -16,8 +16,8 @@ static int find(const km_lattice *l, int freedom, const double *point) {
   return found;
 }
 
-/* A point is there once, and with it its mirror image on each axis and the one with two axes exchanged. The points on an axis are a step
- * apart from end to end; no point of the lattice within the ball is left out. */
+/* A point is there once, and with it its mirror image on each axis and the one with two axes exchanged. The points
+ * on an axis are a step apart from end to end; no point of the lattice within the ball is left out. */
 static void directions_are_alike(void **state) {
   (void)state;
   enum { MOST = 6 };

@@ -276,8 +276,8 @@ static void binary_files_are_whole(void **state) {
   assert_false(is_plain("a.stl", bytes, sizeof bytes, &triangles));
 }
 
-/* An L, 1 thick, of three bars of 1 × 2, 1 and 1 × 2, its faces as polygons. With a statement that only assimp knows, or with
- * its two concave faces, it is assimp's: the same body. */
+/* An L, 1 thick, of three bars of 1 × 2, 1 and 1 × 2, its faces as polygons. With a statement that only assimp
+ * knows, or with its two concave faces, it is assimp's: the same body. */
 static void polygons_bound_the_same_body(void **state) {
   (void)state;
   static const char corners[] = "v 0 0 0\nv 3 0 0\nv 3 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\n"

@@ -1,5 +1,5 @@
-/* Properties of the partition on random matrices of every small size and some larger ones. All of it by the dense engines
- * and by the sparse one. */
+/* Properties of the partition on random matrices of every small size and some larger ones. All of it by the dense
+ * engines and by the sparse one. */
 #include "support/matrices.h"
 
 #include <math.h>

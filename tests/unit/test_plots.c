@@ -56,8 +56,8 @@ static void mobility_plots_draw_their_columns(void **state) {
   }
 }
 
-/* Two sweeps on one plot: each has its colour and its own numbers, a joint the same dashes in both; only the joints that
- * are asked for are drawn, by default the driver. */
+/* Two sweeps on one plot: each has its colour and its own numbers, a joint the same dashes in both; only the joints
+ * that are asked for are drawn, by default the driver. */
 static void overlaid_sweeps_have_a_colour_each(void **state) {
   (void)state;
   static const int shown[] = {1, 3};

@@ -10,9 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Densities of collisions before that of the link before that of water; by hand: a box of 2 × 1 × 1 of 500 with its centre at
- * 1, and a ball of radius 1 of 3 at -5, both turned with the link; the same scaled to 10 kg; a cone a quarter of its
- * height below its middle. */
+/* Densities of collisions before that of the link before that of water; by hand: a box of 2 × 1 × 1 of 500 with its
+ * centre at 1, and a ball of radius 1 of 3 at -5, both turned with the link; the same scaled to 10 kg; a cone a
+ * quarter of its height below its middle. */
 static void links_weigh_what_their_collisions_weigh(void **unused) {
   (void)unused;
   static const char text[] =

@@ -1,4 +1,5 @@
-/* What robot descriptions say of masses, springs and named places: numbers by hand, those of the MJCF compiler by MuJoCo 2.2.2. */
+/* What robot descriptions say of masses, springs and named places: numbers by hand, those of the MJCF compiler by
+ * MuJoCo 2.2.2. */
 #include "support/robots.h"
 
 #include "kmech/base.h"
@@ -23,8 +24,8 @@ static void assert_mass(const char *text, double mass, const double inertia[6]) 
   km_model_free(model);
 }
 
-/* A bound holds for principal moments; moments that no body has become their mean where that is asked; a body whose geoms don't
- * count keeps what it states. */
+/* A bound holds for principal moments; moments that no body has become their mean where that is asked; a body whose
+ * geoms don't count keeps what it states. */
 static void compilers_change_masses(void **unused) {
   (void)unused;
   assert_mass(
@@ -149,7 +150,8 @@ static void springs_are_written(void **unused) {
   km_model_free(model);
 }
 
-/* A name is kept where the place is the body's own origin; a site between two ends has the pose that MuJoCo gives it. */
+/* A name is kept where the place is the body's own origin; a site between two ends has the pose that MuJoCo gives
+ * it. */
 static void named_places_are_read(void **unused) {
   (void)unused;
   int frame;

@@ -1,5 +1,5 @@
-/* Robot descriptions beside the tree of joints: texts that aren't quite XML, keyframes, tendons, looks, balls' limits; and what comes back of
- * them after writing. Numbers by hand. */
+/* Robot descriptions beside the tree of joints: texts that aren't quite XML, keyframes, tendons, looks, balls'
+ * limits; and what comes back of them after writing. Numbers by hand. */
 #include "support/robots.h"
 
 #include "base/memory.h"

@@ -66,8 +66,8 @@ static void open_band(int rows, int least, int columns) {
   reserve_sparse();
 }
 
-/* At values nearby a copy of the pivots serves as the pivots themselves do, to the last bit, whatever it held before: here single
- * entries. */
+/* At values nearby a copy of the pivots serves as the pivots themselves do, to the last bit, whatever it held
+ * before: here single entries. */
 static void check_copy(void) {
   static double single[MOST * MOST];
   memset(single, 0, sizeof single);
@@ -388,7 +388,8 @@ static void rows_that_hardly_differ(void **state) {
   }
 }
 
-/* Rows that are independent over the columns that aren't forced need no pivots; where one is a sum of two others they are sought. */
+/* Rows that are independent over the columns that aren't forced need no pivots; where one is a sum of two others
+ * they are sought. */
 static void rows_that_stand(void **state) {
   (void)state;
   for (int i = 0; i < 60; ++i) {
@@ -416,9 +417,9 @@ static void rows_that_stand(void **state) {
   }
 }
 
-/* Column c has 1 in row c and 2 in the next one: to 2^-rows the columns depend on each other, and no pivot tells. Some columns
- * more: with entries in first rows, which are most of what the dependent rows are made of, they end that for the rows, in last
- * ones not. */
+/* Column c has 1 in row c and 2 in the next one: to 2^-rows the columns depend on each other, and no pivot tells.
+ * Some columns more: with entries in first rows, which are most of what the dependent rows are made of, they end
+ * that for the rows, in last ones not. */
 static void fill_chain(int rows, int more) {
   int entries = 0;
   f.rows = rows;
@@ -467,8 +468,8 @@ static void rows_where_no_pivot_tells(void **state) {
   assert_true(hidden >= 15);
 }
 
-/* What a partition has gone through has no influence on what it finds: by rows, at values nearby by the same pivots, and then by
- * columns it has the pivots and the B, to the last bit, that a new one has. */
+/* What a partition has gone through has no influence on what it finds: by rows, at values nearby by the same pivots,
+ * and then by columns it has the pivots and the B, to the last bit, that a new one has. */
 static void nothing_is_left_behind(void **state) {
   (void)state;
   for (int i = 0; i < 100; ++i) {
@@ -497,7 +498,8 @@ static void nothing_is_left_behind(void **state) {
   }
 }
 
-/* By columns, of few freedoms and of many; independent columns are then others than those that came last, and B small. */
+/* By columns, of few freedoms and of many; independent columns are then others than those that came last, and B
+ * small. */
 static void columns_where_no_pivot_tells(void **state) {
   (void)state;
   int chosen = 0;
@@ -523,8 +525,8 @@ static bool is_shared_or_own(int column, int r) {
   return column < SHARED || (column - SHARED) / 2 == r;
 }
 
-/* Local null vectors of columns that many rows share: the numbers and the least solutions are those by Z, whichever of the two
- * they are found by. */
+/* Local null vectors of columns that many rows share: the numbers and the least solutions are those by Z, whichever
+ * of the two they are found by. */
 static void crowded_rows(void **state) {
   (void)state;
   double rhs[MOST], least[MOST], work[MOST], step[MOST];

@@ -30,8 +30,8 @@ static void factor_band(km_partition *p, bool unwatched) {
   p->basis_quality_unneeded = false;
 }
 
-/* Where nobody asks for the independent columns the rank, the primary rows and the least steps are the same; whoever asks for them
- * afterwards gets those that a new partition has. */
+/* Where nobody asks for the independent columns the rank, the primary rows and the least steps are the same; whoever
+ * asks for them afterwards gets those that a new partition has. */
 static void columns_that_nobody_asks_for(void **state) {
   (void)state;
   double rhs[ROWS], least[COLUMNS], other[COLUMNS];
@@ -67,7 +67,8 @@ static void columns_that_nobody_asks_for(void **state) {
 
 enum { WITH_SUM = ROWS + 1 };
 
-/* Entry of row r in column c of the band, and of a last row that is a sum of the first two but for `distance` in column 0. */
+/* Entry of row r in column c of the band, and of a last row that is a sum of the first two but for `distance` in
+ * column 0. */
 static double band_entry(double J[ROWS][COLUMNS], int r, int c, double distance) {
   return r < ROWS ? J[r][c] : 0.7 * J[0][c] - 1.3 * J[1][c] + (c == 0 ? distance : 0.0);
 }
@@ -98,7 +99,8 @@ static int rank_keeping(km_partition *p) {
   return p->rank;
 }
 
-/* Primary rows that are kept stay while they are independent and the others depend on them; else others are searched. */
+/* Primary rows that are kept stay while they are independent and the others depend on them; else others are
+ * searched. */
 static void rows_that_are_kept(void **state) {
   (void)state;
   for (int i = 0; i < 20; ++i) {
@@ -170,8 +172,8 @@ static void fill_sum(int rows, double distance) {
   start[rows] = entries;
 }
 
-/* A row depends on others where it is no further than the tolerance from what they span, as by complete pivoting. The smallest
- * singular value is that distance over the square root of how many they are. */
+/* A row depends on others where it is no further than the tolerance from what they span, as by complete pivoting.
+ * The smallest singular value is that distance over the square root of how many they are. */
 static void rows_that_lean_on_many(void **state) {
   (void)state;
   for (int i = 0; i < 40; ++i) {

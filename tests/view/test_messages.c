@@ -1,5 +1,5 @@
-/* What kview's server answers: pulls lead where kmob's ways lead, loops stay closed and on their branch, designs come back
- * as they were saved, and whatever else comes is refused. */
+/* What kview's server answers: pulls lead where kmob's ways lead, loops stay closed and on their branch, designs
+ * come back as they were saved, and whatever else comes is refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -126,8 +126,9 @@ static void a_slider_leads_to_the_pose_of_kmob_at(void **unused) {
   }
 }
 
-/* The bucket's tip over 1000 random drags: loops closed, limits kept, and never another branch. Of the excavator's cylinders
- * each length belongs to one pose of a branch, so the pose that drives lead to from the file's is the same. */
+/* The bucket's tip over 1000 random drags: loops closed, limits kept, and never another branch. Of the excavator's
+ * cylinders each length belongs to one pose of a branch, so the pose that drives lead to from the file's is the
+ * same. */
 static void the_bucket_keeps_its_branch(void **unused) {
   (void)unused;
   kv_session s = open_session("excavator");
@@ -308,8 +309,8 @@ static void reads_back(const kv_session *s, const char *json) {
   free(text);
 }
 
-/* A pivot that is moved keeps the pose, but for those of cylinders, which follow; the joint is where it was put; and what is
- * saved is the same mechanism. */
+/* A pivot that is moved keeps the pose, but for those of cylinders, which follow; the joint is where it was put; and
+ * what is saved is the same mechanism. */
 static void a_design_is_saved(void **unused) {
   (void)unused;
   static const char *const names[] = {"fourbar",   "klann",        "jansen", "toggle_press", "bennett", "slider_crank",
@@ -417,8 +418,8 @@ static double reach_of(const kv_session *s) {
   return T[0];
 }
 
-/* What depends on a parameter follows it; undo comes back, also past a frame that was dragged; the file that is written has
- * both. Poses have their names. */
+/* What depends on a parameter follows it; undo comes back, also past a frame that was dragged; the file that is
+ * written has both. Poses have their names. */
 static void parameters_and_poses_have_names(void **unused) {
   (void)unused;
   char path[] = "/tmp/kview_names.XXXXXX";
@@ -455,8 +456,8 @@ static void parameters_and_poses_have_names(void **unused) {
   unlink(path);
 }
 
-/* A design is taken up by another session of the same file, and by none whose model has other parts. What is saved finds its meshes
- * from any folder. */
+/* A design is taken up by another session of the same file, and by none whose model has other parts. What is saved
+ * finds its meshes from any folder. */
 static void designs_are_kept(void **unused) {
   (void)unused;
   static const char meshed[] =

@@ -102,8 +102,8 @@ static kt_exit tell_memory(const char *tool, kt_exit result) {
 
 kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, int argc, char **argv) {
   atexit(close_output);
-  /* OpenBLAS reads it when the first large mechanism loads it. Its own threads wait by spinning, and sums that they share
-   * have other last digits on other machines. */
+  /* OpenBLAS reads it when the first large mechanism loads it. Its own threads wait by spinning, and sums that they
+   * share have other last digits on other machines. */
   setenv("OPENBLAS_NUM_THREADS", "1", 0);
   argp_err_exit_status = KT_USAGE;
   argp_program_version_hook = print_version;

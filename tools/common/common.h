@@ -40,12 +40,13 @@ typedef struct kt_common {
 /* A tool's defaults. */
 #define KT_COMMON(TOOL) ((kt_common){.tool = (TOOL), .jobs = 1, .seed = 1})
 
-/* --quiet and --verbose; and, of --jobs, --seed, --force and how a model is read (--closure-tolerance, and --float too where
- * a robot description may be read), those that the command uses. */
+/* --quiet and --verbose; and, of --jobs, --seed, --force and how a model is read (--closure-tolerance, and --float
+ * too where a robot description may be read), those that the command uses. */
 enum { KT_USES_JOBS = 1, KT_USES_SEED = 2, KT_USES_FORCE = 4, KT_USES_MODEL = 8, KT_USES_FLOAT = 16 | KT_USES_MODEL };
 void kt_common_options(kt_options *out, kt_common *common, unsigned uses);
 
-/* `tool: text` on the standard error, coloured on a terminal (NO_COLOR, CLICOLOR_FORCE). Notes and warnings are silent with --quiet. */
+/* `tool: text` on the standard error, coloured on a terminal (NO_COLOR, CLICOLOR_FORCE). Notes and warnings are
+ * silent with --quiet. */
 void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -92,8 +93,8 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
 bool kt_is_piped(const char *base);
 /* "models/brake.json" → "brake"; "-" → "model". Into the caller's buffer of `size`. */
 void kt_base_name(const char *path, char *out, size_t size);
-/* How a study's files are named: after its file without ending, or its folder where the file is called study.json; without
- * a file (NULL, "-") after the model. */
+/* How a study's files are named: after its file without ending, or its folder where the file is called study.json;
+ * without a file (NULL, "-") after the model. */
 void kt_study_base(const char *study, const char *model, char *out, size_t size);
 /* The folder of a file: "" the current one. */
 void kt_folder_of(const char *path, char *out, size_t size);
@@ -103,8 +104,8 @@ typedef struct kt_piece {
   char *text;
   char separator; /* what ended it, 0 at the end */
 } kt_piece;
-/* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. Where there is no memory for
- * a word of the command line, the tool says so and ends. */
+/* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. Where there is no
+ * memory for a word of the command line, the tool says so and ends. */
 kt_piece kt_split(const char **rest, const char *separators);
 /* The text without its escapes, in the same way. */
 char *kt_plain(const char *text);
@@ -136,8 +137,8 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
 kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame);
 /* Each text gets columns of its own name: is each there once? Else says which isn't. */
 kt_exit kt_each_once(const kt_common *common, const char *option, char *const *texts, int count);
-/* A decimal of at most 1e60 in size, with a sign, a point and an exponent where they are wanted; nothing else around it. Every option's
- * numbers are read by this. */
+/* A decimal of at most 1e60 in size, with a sign, a point and an exponent where they are wanted; nothing else around
+ * it. Every option's numbers are read by this. */
 bool kt_number(const char *text, double *out);
 /* Such a number that is whole and within bounds. */
 bool kt_whole(const char *text, int least, int most, int *out);
@@ -168,8 +169,9 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
                  const km_text *bytes);
 /* Tells before more than 100 MB are written: tables of so many numbers in all, each of some 20 bytes. */
 void kt_note_size(const kt_common *common, double numbers);
-/* The name of a file that holds one of the `kinds` ("json or urdf"), the first one by default: *file (NULL and "-" stay), with that
- * ending in `room` where it has none and isn't a device or a pipe. KT_USAGE with a message for another ending. */
+/* The name of a file that holds one of the `kinds` ("json or urdf"), the first one by default: *file (NULL and "-"
+ * stay), with that ending in `room` where it has none and isn't a device or a pipe. KT_USAGE with a message for
+ * another ending. */
 enum { KT_FILE_ROOM = 4096 };
 kt_exit kt_file_name(const kt_common *common, const char *kinds, const char **file, char room[KT_FILE_ROOM]);
 /* The ending of the beginning of files' names where it is that of a kind of file that is in none of the `lists` (

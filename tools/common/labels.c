@@ -34,7 +34,8 @@ char *kt_plain(const char *text) {
   return kt_split(&text, "").text;
 }
 
-/* Of what strtod takes only decimals: no blanks, no hexadecimal digits, no words. The tools never leave the C locale. */
+/* Of what strtod takes only decimals: no blanks, no hexadecimal digits, no words. The tools never leave the C
+ * locale. */
 static bool is_number(const char *text, double *out) {
   char *end = NULL;
   *out = strtod(text, &end);

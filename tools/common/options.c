@@ -84,7 +84,8 @@ static void keep_tolerance(const kt_option *o, const char *text, struct argp_sta
   *(double *)o->target = value;
 }
 
-/* A name may be that of a folder beside which the files come to lie; one that only a folder can have begins no file's. */
+/* A name may be that of a folder beside which the files come to lie; one that only a folder can have begins no
+ * file's. */
 static void keep_begin(const kt_option *o, const char *text, struct argp_state *state) {
   const char *slash = strrchr(text, '/'), *last = slash ? slash + 1 : text;
   if (strcmp(last, "") == 0 || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)

@@ -33,7 +33,8 @@ typedef struct kt_kind {
 #define KT_FLAG           ((kt_kind){KT_KEEP_FLAG, NULL})  /* no argument; target bool: it is given */
 #define KT_TEXT           ((kt_kind){KT_KEEP_TEXT, NULL})  /* const char *: the text, the last one counts */
 #define KT_TEXT_OF(WORDS) ((kt_kind){KT_KEEP_TEXT, WORDS}) /* the same, some of "one or another" with commas */
-#define KT_INPUT          ((kt_kind){KT_KEEP_INPUT, NULL}) /* const char *: a file that is read, which no result replaces */
+/* const char *: a file that is read, which no result replaces */
+#define KT_INPUT          ((kt_kind){KT_KEEP_INPUT, NULL})
 #define KT_BEGIN                                                                                                       \
   ((kt_kind){KT_KEEP_BEGIN, NULL}) /* const char *: the beginning of files' names, which isn't a folder */
 #define KT_TEXTS       ((kt_kind){KT_KEEP_TEXTS, NULL})     /* kt_texts: all texts in their order */

@@ -52,8 +52,8 @@ kt_exit kt_sweep(kt_sweep_options *options);
 
 /* Takes the values of its variant, and names it after these and its model: name, label, base. */
 void kt_sweep_job_name(kt_sweep_job *job);
-/* Reads the model of a job that has its names and brings it to its pose; job->result says how it went. `metres`: another model's
- * characteristic length, 0: its own. */
+/* Reads the model of a job that has its names and brings it to its pose; job->result says how it went. `metres`:
+ * another model's characteristic length, 0: its own. */
 void kt_sweep_job_open(kt_sweep_job *job, double metres);
 /* Asks a job whose model is open its question; job->result says how it went. */
 void kt_sweep_job_run(kt_sweep_job *job);

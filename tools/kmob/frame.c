@@ -74,7 +74,8 @@ static void print_matrix(const double *M, int columns, km_text *out) {
   }
 }
 
-/* What is left of 1/mass where a frame stands while it turns: its speed is rounding of the angular one times its place. */
+/* What is left of 1/mass where a frame stands while it turns: its speed is rounding of the angular one times its
+ * place. */
 static double left_of(const told *t) {
   static const double rounding = 1e-13;
   const double *p = t->pose.p, turning = t->inverse[21] + t->inverse[28] + t->inverse[35];

@@ -26,7 +26,8 @@ typedef struct work {
   km_plotted_table shown[MOST_TABLES];
 } work;
 
-/* The name of a column in the first `length` bytes, as it stands in the file: perhaps in quotes. The caller frees it. */
+/* The name of a column in the first `length` bytes, as it stands in the file: perhaps in quotes. The caller frees
+ * it. */
 static char *name_of(const char *text, size_t length) {
   char *name = KM_NEW(char, length + 1);
   bool quoted = length > 1 && text[0] == '"' && text[length - 1] == '"';
@@ -38,7 +39,8 @@ static char *name_of(const char *text, size_t length) {
   return name;
 }
 
-/* Takes the longest beginning that is a column of the first table, up to a comma; else what \ leaves up to the first one. */
+/* Takes the longest beginning that is a column of the first table, up to a comma; else what \ leaves up to the first
+ * one. */
 static char *take_name(const work *w, const char **rest, bool *more) {
   for (size_t length = strlen(*rest); length > 0;) {
     char *name = name_of(*rest, length);

@@ -35,8 +35,8 @@ void ksim_print_acting(bool reactions, const km_model *model, km_text *out);
 /* Warns of drives that went beyond their joints' bounds. */
 void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 
-/* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` makes in the
- * arena that it is given, and the plot that `chart` makes; `context` is theirs. */
+/* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` makes in
+ * the arena that it is given, and the plot that `chart` makes; `context` is theirs. */
 typedef struct ksim_delivery {
   const kt_common *common;
   const kt_formats *formats;
@@ -87,7 +87,8 @@ kt_exit ksim_tell_rates(const ksim_work *work);
 /* The pose, the rates and the time of --from's last row, where it is given. */
 kt_exit ksim_go_on(ksim_work *work);
 
-/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. The caller frees it. */
+/* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. The caller frees
+ * it. */
 km_status ksim_chart(const ksim_work *work, const km_table *table, km_chart **out, km_error *error);
 /* The modes of linearised equations in motion. */
 typedef struct ksim_modes {

@@ -29,8 +29,8 @@ typedef struct kstudy_open {
   char store[4096 + 16];
 } kstudy_open;
 
-/* Reads the study, and opens its store. `must_exist`: a store that isn't there is an error. Says what is wrong. Close in
- * any case. */
+/* Reads the study, and opens its store. `must_exist`: a store that isn't there is an error. Says what is wrong.
+ * Close in any case. */
 kt_exit kstudy_bring(const kstudy_request *request, bool must_exist, kstudy_open *out);
 void kstudy_close(kstudy_open *open);
 

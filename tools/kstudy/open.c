@@ -43,7 +43,8 @@ static void beside_study(const char *study, const char *file, char *out, size_t 
   snprintf(out, size, "%s%s%s", alone ? "" : folder, alone ? "" : "/", file);
 }
 
-/* As the file has it: the numbers of parameters count in the model's units, so that what looks like a unit is a part of the name. */
+/* As the file has it: the numbers of parameters count in the model's units, so that what looks like a unit is a part
+ * of the name. */
 static const char *header_of(const km_table *table, size_t column, km_arena *arena) {
   const char *unit = km_table_unit(table, column);
   km_text name = {0};

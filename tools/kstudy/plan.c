@@ -24,8 +24,8 @@ static int planned(const kstudy_open *o) {
   return optimise->evaluations * (optimise->starts + (optimise->goal_count == 2 ? 2 : 0));
 }
 
-/* Bytes of the pages that SQLite takes for a result of so many bytes: of one that is longer than a quarter of a page it keeps the begin in the
- * table, and the rest goes to pages of its own. */
+/* Bytes of the pages that SQLite takes for a result of so many bytes: of one that is longer than a quarter of a page
+ * it keeps the begin in the table, and the rest goes to pages of its own. */
 static double stored(double record) {
   static const double page = 4096.0, longest = 1002.0, begin = 489.0, on_page = 4092.0, unused = 1.2;
   return record <= longest ? unused * record : begin + page * ceil((record - begin) / on_page);
@@ -44,8 +44,8 @@ static double numbers_of(const kstudy_open *o, int question) {
   return o->def.parameter_count + q->figure_count + (double)q->band_count * band_rows(o, question);
 }
 
-/* Bytes of so many designs in the store: of results by their keys, and of those that have been appended and wait, of which more than a part
- * never does. */
+/* Bytes of so many designs in the store: of results by their keys, and of those that have been appended and wait, of
+ * which more than a part never does. */
 static double store_of(const kstudy_open *o, int designs) {
   static const double least_waiting = 1 << 20, waiting = 0.4, header = 10.0;
   double bytes = 0.0, appended = 0.0;
@@ -66,7 +66,8 @@ static double memory_of(const kstudy_open *o, int piloted) {
   return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - results);
 }
 
-/* What statistics take in bytes: figures and ranks of up to KM_MAX_RANKED_DESIGNS designs, and one band at a time of up to 10 000. */
+/* What statistics take in bytes: figures and ranks of up to KM_MAX_RANKED_DESIGNS designs, and one band at a time of
+ * up to 10 000. */
 static double statistics_of(const kstudy_open *o, int designs) {
   static const double banded = 10000.0, of_rank = 16.0;
   double ranked = fmin(designs, KM_MAX_RANKED_DESIGNS), bands = 0.0;

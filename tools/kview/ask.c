@@ -177,8 +177,8 @@ static km_status answer(const kv_call *call, km_error *error) {
   return status;
 }
 
-/* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT [BRANCH]]; INPUT, OUTPUT -1: none; DRIVER -1: by arc length, FROM long a step
- * (0: as the model says), at the first branch point along motion BRANCH. */
+/* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT [BRANCH]]; INPUT, OUTPUT -1: none; DRIVER -1: by arc length, FROM long
+ * a step (0: as the model says), at the first branch point along motion BRANCH. */
 km_status kv_ask(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   const kv_asked asked = {.kind = kv_question_kind(s, kv_index(call, 0)),

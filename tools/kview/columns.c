@@ -36,8 +36,8 @@ static void add_columns(const kv_call *call, const km_arm *arm, const km_control
   km_text_add(out, "]}");
 }
 
-/* columns FRAME DIRECTION: of a step of the frame along x, y, z (0 to 2) or about them (3 to 5), in the inertial frame: first
- * the path-control column, then the pose-control columns (theory 6). */
+/* columns FRAME DIRECTION: of a step of the frame along x, y, z (0 to 2) or about them (3 to 5), in the inertial
+ * frame: first the path-control column, then the pose-control columns (theory 6). */
 km_status kv_columns(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   int direction = kv_index(call, 1);

@@ -76,7 +76,8 @@ static int joints_of(const km_model *m, int body, int *slide) {
   return count;
 }
 
-/* A cylinder or its rod, between which a slide is and which have a pin each: they keep their pins, and follow the one that is moved. */
+/* A cylinder or its rod, between which a slide is and which have a pin each: they keep their pins, and follow the
+ * one that is moved. */
 static bool is_strut_end(const km_model *m, int body) {
   int slide, other;
   if (body <= 0 || joints_of(m, body, &slide) != 2 || slide < 0)
@@ -85,13 +86,14 @@ static bool is_strut_end(const km_model *m, int body) {
   return beyond > 0 && joints_of(m, beyond, &other) == 2;
 }
 
-/* Is it the slide between a cylinder and its rod, which is no part of a pin? Any other slide whose frame is a pin's moves with it. */
+/* Is it the slide between a cylinder and its rod, which is no part of a pin? Any other slide whose frame is a pin's
+ * moves with it. */
 static bool is_strut(const km_model *m, int joint) {
   return slides(m, joint) && is_strut_end(m, body_at(m, joint, 0));
 }
 
-/* The holds of all joints but those of struts, and the slide (-1: none). Returns how many there are, as many as there are coordinates where
- * nothing is to follow. */
+/* The holds of all joints but those of struts, and the slide (-1: none). Returns how many there are, as many as
+ * there are coordinates where nothing is to follow. */
 static int hold_others(const km_model *m, int slide, const double *q, km_hold *holds) {
   int count = 0;
   for (int c = 0; c < km_model_coordinate_count(m); ++c) {
@@ -102,8 +104,8 @@ static int hold_others(const km_model *m, int slide, const double *q, km_hold *h
   return count;
 }
 
-/* The model's numbers have changed: brings those coordinates of q[coordinate] that are struts' or the slide's to where these close the loops
- * while all other joints stand. Where they can't, q stays. */
+/* The model's numbers have changed: brings those coordinates of q[coordinate] that are struts' or the slide's to
+ * where these close the loops while all other joints stand. Where they can't, q stays. */
 static void follow(const kv_session *s, int slide, double *q) {
   int n = km_model_coordinate_count(s->model);
   km_hold *holds = calloc((size_t)n + 1, sizeof *holds);
@@ -121,8 +123,8 @@ static void follow(const kv_session *s, int slide, double *q) {
   free(holds);
 }
 
-/* Changes what `T` says, at the pose next to q (NULL: the present one, which struts and the slide alone leave); where the loops don't close
- * then, everything is as before. */
+/* Changes what `T` says, at the pose next to q (NULL: the present one, which struts and the slide alone leave);
+ * where the loops don't close then, everything is as before. */
 static km_status change(kv_session *s, const double *before, const double *T, const double *q, int slide,
                         km_error *error) {
   km_error ignored;
@@ -231,8 +233,8 @@ static km_status keep_along(const kv_session *s, int slide, double way[3], km_er
   return status;
 }
 
-/* A slide moves with its pin; where that would move the inertial frame's own origin, which a file can't say, the pin goes along the
- * slide alone. */
+/* A slide moves with its pin; where that would move the inertial frame's own origin, which a file can't say, the pin
+ * goes along the slide alone. */
 static km_status find_pin(const kv_session *s, int joint, pin *p, km_error *error) {
   mark_pin(s->model, joint, true, p->moved);
   p->slide = -1;

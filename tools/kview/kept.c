@@ -1,4 +1,5 @@
-/* Designs that outlive the session they were made in: a page that is loaded again, and a file that is read again, go on from them. */
+/* Designs that outlive the session they were made in: a page that is loaded again, and a file that is read again, go
+ * on from them. */
 #include "kview/session.h"
 
 #include "kmech/exchange.h"

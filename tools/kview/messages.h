@@ -19,8 +19,8 @@ typedef struct kv_answer {
   km_error fault; /* what the text tells where it is an error; its status is KM_OK elsewhere */
 } kv_answer;
 
-/* Answers one message of a page: always one answer, which may be {"kind":"error"}. The message needn't end with a NUL, and
- * may hold anything. */
+/* Answers one message of a page: always one answer, which may be {"kind":"error"}. The message needn't end with a
+ * NUL, and may hold anything. */
 void kv_answer_message(kv_session *session, const char *message, size_t size, kv_answer *out);
 
 /* The parts of answers. */
@@ -42,8 +42,8 @@ typedef km_status kv_verb(const kv_call *call, km_error *error);
 
 /* ask.c: sweeps and the limits of a slider. */
 kv_verb kv_ask, kv_again, kv_track;
-/* The questions that a page can ask, those over a driver's range, and with a path study the track: the library's kind of the
- * index-th; -1: there is none. */
+/* The questions that a page can ask, those over a driver's range, and with a path study the track: the library's
+ * kind of the index-th; -1: there is none. */
 int kv_question_kind(const kv_session *session, int index);
 /* why.c: what shows why it moves as it does. */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;

@@ -1,4 +1,5 @@
-/* Poses to choose from: assembly modes, in which the loops close where one joint stands, and those that the model names. */
+/* Poses to choose from: assembly modes, in which the loops close where one joint stands, and those that the model
+ * names. */
 #include "kview/limit.h"
 #include "kview/messages.h"
 

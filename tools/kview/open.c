@@ -19,8 +19,8 @@ typedef struct options {
   char page[4096]; /* a file that leads the browser to the address; "": none */
 } options;
 
-/* The address holds the session's token, and every user sees the arguments of a process: the browser gets the name of a file that only this
- * user can read, and which leads on. */
+/* The address holds the session's token, and every user sees the arguments of a process: the browser gets the name
+ * of a file that only this user can read, and which leads on. */
 static bool write_page(options *o, const char *address) {
   static const char ending[] = ".html";
   const char *folder = getenv("XDG_RUNTIME_DIR");

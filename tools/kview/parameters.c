@@ -76,7 +76,8 @@ static km_status load(const kv_session *s, const double *values, km_model **out,
   return status;
 }
 
-/* Frames that were dragged away from where the parameters put them stay as far from there: a parameter moves them too. */
+/* Frames that were dragged away from where the parameters put them stay as far from there: a parameter moves them
+ * too. */
 static km_status keep_dragged(const kv_session *s, km_model *model, km_error *error) {
   double *present = kv_frame_places(s->model), *next = kv_frame_places(model);
   km_status status = present && next ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");

@@ -193,7 +193,8 @@ static int receive(struct lws *wsi, page *p, const void *bytes, size_t size) {
   return 0;
 }
 
-/* The file has changed: the page gets the model anew, with its own design where that fits; or what is wrong with the file. */
+/* The file has changed: the page gets the model anew, with its own design where that fits; or what is wrong with the
+ * file. */
 static void renew(server *s, struct lws *wsi, page *p) {
   kv_answer news = {0};
   km_error error;

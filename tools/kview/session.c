@@ -297,7 +297,8 @@ km_status kv_session_probe(kv_session *s, km_error *error) {
   return status ? status : km_assemble(s->mechanism, s->probe, &evidence, error);
 }
 
-/* Past a million radians or characteristic lengths the rounding of a coordinate is larger than what loops are closed to. */
+/* Past a million radians or characteristic lengths the rounding of a coordinate is larger than what loops are closed
+ * to. */
 static km_status check_size(const kv_session *s, const double *q, km_error *error) {
   static const double most = 1e6;
   for (int c = 0; c < km_model_coordinate_count(s->model); ++c) {

@@ -113,8 +113,8 @@ km_status kv_session_move_pivot(kv_session *session, int joint, const double poi
 km_status kv_session_move_frame(kv_session *session, int frame, const double T[3], km_error *error);
 /* Places of all frames in their bodies: [3 · frames]. NULL when out of memory; the caller frees it. */
 double *kv_frame_places(const km_model *model);
-/* Takes the places of all frames: T[3 · frames], of a design that was kept; at the pose next to q[coordinate], NULL: the
- * present one. */
+/* Takes the places of all frames: T[3 · frames], of a design that was kept; at the pose next to q[coordinate], NULL:
+ * the present one. */
 km_status kv_session_take_design(kv_session *session, const double *T, const double *q, km_error *error);
 
 /* kept.c: a design that isn't the file's, by its numbers and as the text of a file. */
@@ -133,7 +133,8 @@ void kv_design_free(kv_design *design);
 km_status kv_parameters_read(const km_text *file, kv_parameters *out, km_error *error);
 void kv_parameters_free(kv_parameters *parameters);
 bool kv_parameters_differ(const kv_parameters *parameters);
-/* Reads the file with other values of the parameters, at the pose next to the present one. On failure everything stays. */
+/* Reads the file with other values of the parameters, at the pose next to the present one. On failure everything
+ * stays. */
 km_status kv_session_set_parameters(kv_session *session, const double *values, km_error *error);
 
 #endif

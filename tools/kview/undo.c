@@ -50,8 +50,8 @@ km_status kv_session_mark(kv_session *s, km_error *error) {
   return KM_OK;
 }
 
-/* What is held stays held, at the value that the pose has: at another one the pose couldn't be reached. Swaps the values with
- * `other`, [hold_count] at first those of the pose. */
+/* What is held stays held, at the value that the pose has: at another one the pose couldn't be reached. Swaps the
+ * values with `other`, [hold_count] at first those of the pose. */
 static void swap_held(kv_session *s, double *other) {
   for (int h = 0; h < s->hold_count; ++h) {
     double value = s->holds[h].value;

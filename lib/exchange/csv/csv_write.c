@@ -6,8 +6,8 @@
 
 #include <string.h>
 
-/* Blank names are quoted too, since a line of nothing else is none to those who read it, and names that begin as a mark of the
- * encoding. */
+/* Blank names are quoted too, since a line of nothing else is none to those who read it, and names that begin as a
+ * mark of the encoding. */
 static void write_field(const char *name, const char *unit, km_text *out) {
   bool quoted =
       strpbrk(name, ",\"\r\n") != NULL || name[strspn(name, " \t")] == '\0' || strncmp(name, "\xEF\xBB\xBF", 3) == 0;

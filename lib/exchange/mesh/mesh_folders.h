@@ -5,15 +5,16 @@
 #include "base/memory.h"
 #include "model/model.h"
 
-/* The folder in which the files that a model names are looked for is that of `file`; NULL: the current one. Its name lives in
- * `arena`. False when out of memory. */
+/* The folder in which the files that a model names are looked for is that of `file`; NULL: the current one. Its name
+ * lives in `arena`. False when out of memory. */
 bool km_folders_begin(km_folders *folders, const char *file, km_arena *arena);
-/* The folder of the file that the model will be written to, without links, in `arena`; NULL: it is the model's own one, or
- * there is no such folder. `file` NULL, or "-": the model's own. KM_MEMORY. */
+/* The folder of the file that the model will be written to, without links, in `arena`; NULL: it is the model's own
+ * one, or there is no such folder. `file` NULL, or "-": the model's own. KM_MEMORY. */
 km_status km_find_destination(const km_folders *folders, const char *file, km_arena *arena, const char **destination,
                               km_error *error);
-/* What a mesh is called from the destination: relative to it, or its whole path where nothing but the root is above both. The
- * name itself where there is no destination, the name is a whole path, or the mesh isn't found. In `arena`; NULL: out of memory. */
+/* What a mesh is called from the destination: relative to it, or its whole path where nothing but the root is above
+ * both. The name itself where there is no destination, the name is a whole path, or the mesh isn't found. In
+ * `arena`; NULL: out of memory. */
 const char *km_written_mesh(const km_folders *folders, const char *destination, const char *name, km_arena *arena);
 
 #endif

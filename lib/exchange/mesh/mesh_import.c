@@ -9,7 +9,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Formats that are offered, by their endings. assimp knows some forty more, most of them without a use for parts of machines. */
+/* Formats that are offered, by their endings. assimp knows some forty more, most of them without a use for parts of
+ * machines. */
 static const char *const endings[] = {".obj", ".stl", ".ply", ".off", ".dae", ".gltf", ".glb", ".3ds"};
 static const char formats[] = ".obj, .stl, .ply, .off, .dae, .gltf, .glb, .3ds or MuJoCo's .msh";
 
@@ -21,7 +22,8 @@ static bool is_offered(const char *path) {
   return false;
 }
 
-/* Reads the vertices and the corners that follow a header. KM_OK with `*whole` false: the stream ends before they do. */
+/* Reads the vertices and the corners that follow a header. KM_OK with `*whole` false: the stream ends before they
+ * do. */
 static km_status take_mesh(km_helper *helper, const km_mesh_stream *head, const char *path, km_mesh **out, bool *whole,
                            km_error *error) {
   int32_t corner[3];

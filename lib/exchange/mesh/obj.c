@@ -45,7 +45,8 @@ static km_vec3 across(km_vec3 a, km_vec3 b, km_vec3 c) {
   return km_vec3_cross(km_vec3_sub(b, a), km_vec3_sub(c, a));
 }
 
-/* Every corner turns left about the normal, seen from its neighbours and from the first corner, and lies in one plane. */
+/* Every corner turns left about the normal, seen from its neighbours and from the first corner, and lies in one
+ * plane. */
 static bool is_flat_and_convex(const km_vec3 *p, size_t n) {
   const double flat = 1e-6, least = 1e-9;
   km_vec3 normal = {0, 0, 0};

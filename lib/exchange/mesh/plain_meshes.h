@@ -1,6 +1,6 @@
 /* Plain files of the two commonest formats, OBJ and STL, read without assimp, whose start takes longer than they do.
- * Whatever isn't plain (other statements, polygons that aren't flat and convex, faults) is left to assimp, which then also
- * reports what is wrong. */
+ * Whatever isn't plain (other statements, polygons that aren't flat and convex, faults) is left to assimp, which
+ * then also reports what is wrong. */
 #ifndef KM_EXCHANGE_MESH_PLAIN_MESHES_H
 #define KM_EXCHANGE_MESH_PLAIN_MESHES_H
 
@@ -40,8 +40,8 @@ bool km_stl_take(const km_text *bytes, km_soup *soup); /* a binary one */
 /* Adds the triangles of a file that has these bytes, of the format that the end of its name tells; false as above. */
 bool km_plain_mesh_scan(const char *path, const km_text *bytes, km_soup *soup);
 
-/* Reads a file whose name ends in .obj or .stl. KM_OK with `*out` NULL: its name doesn't, or it isn't plain. The caller frees
- * `*out`. KM_IO, KM_MEMORY. */
+/* Reads a file whose name ends in .obj or .stl. KM_OK with `*out` NULL: its name doesn't, or it isn't plain. The
+ * caller frees `*out`. KM_IO, KM_MEMORY. */
 km_status km_plain_mesh_read(const char *path, km_mesh **out, km_error *error);
 
 #endif

@@ -19,7 +19,8 @@ static km_mesh *box(const double size[3]) {
   return mesh;
 }
 
-/* A surface of revolution about z from (radius, height) pairs that run upwards from a point of the axis to another one. */
+/* A surface of revolution about z from (radius, height) pairs that run upwards from a point of the axis to another
+ * one. */
 static km_mesh *turned(const double (*profile)[2], int rings) {
   km_mesh *mesh = km_mesh_create(rings * AROUND + 2, 2 * AROUND * rings);
   int top = rings * AROUND + 1, count = 0;

@@ -66,8 +66,8 @@ static const km_xml *find_part(const km_xml *e, const char *kind, const char *na
   return NULL;
 }
 
-/* Its bodies: one with all that it carries, the members of a frame, or those of the world. Returns the element of those;
- * NULL: it isn't there. */
+/* Its bodies: one with all that it carries, the members of a frame, or those of the world. Returns the element of
+ * those; NULL: it isn't there. */
 static const km_xml *read_part(km_mjcf *child, const km_xml *attach, const km_mjcf_place *place, int body) {
   const char *name = km_xml_attribute_of(attach, "body"), *frame = km_xml_attribute_of(attach, "frame");
   km_mjcf_place inside = {place->pose, NULL, child->suffix};

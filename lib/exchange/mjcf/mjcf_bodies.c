@@ -153,7 +153,8 @@ static void tie(km_mjcf *m, const km_xml *e, const content *c, int parent, km_bo
   }
 }
 
-/* What the compiler's settings make of a mass: bounds of it and of the principal moments; these alike where no body has them. */
+/* What the compiler's settings make of a mass: bounds of it and of the principal moments; these alike where no body
+ * has them. */
 static km_mass adjusted(const km_mjcf *m, km_mass mass) {
   double moments[3], sum = 0.0, largest = 0.0;
   km_vec3 axes[3];

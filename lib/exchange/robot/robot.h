@@ -80,7 +80,8 @@ km_body_id km_robot_body(km_robot *robot, const km_xml *at, km_assembly_id assem
 void km_robot_shape(km_robot *robot, const km_xml *at, km_body_id body, km_shape_def *def, const km_pose *pose);
 /* A frame of a body, under a free name like the given one. */
 km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
-/* The name of a frame without that of its body before it, as the writers put "body/frame" where the frame's own name is taken. */
+/* The name of a frame without that of its body before it, as the writers put "body/frame" where the frame's own name
+ * is taken. */
 const char *km_robot_name_within(const char *body, const char *name);
 /* A frame for a joint, whose name nobody looks for there: the body's own frame where the pose is the identity. */
 km_frame_id km_robot_place(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
@@ -111,7 +112,8 @@ void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_ass
 /* Ties a body to the inertial frame: rigidly, or freely where that is asked; at the pose. */
 void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km_body_id body, const char *name,
                   const km_pose *pose, bool floating);
-/* Equal limits lock the coordinate at their value, and are counted; limits that are no range are dropped, and counted. */
+/* Equal limits lock the coordinate at their value, and are counted; limits that are no range are dropped, and
+ * counted. */
 void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, double high);
 /* The largest angle of a ball; one that isn't above 0 is dropped, and counted. */
 void km_robot_limit_turn(km_robot *robot, km_robot_joint *joint, double most);
@@ -134,7 +136,8 @@ const char *km_robot_find(km_robot *robot, const char *name);
 const char *km_robot_find_whole(km_robot *robot, const char *name);
 /* The tree of a file that the description includes; NULL: reported at `at`. */
 km_xml *km_robot_read_file(km_robot *robot, const char *path, const km_xml *at);
-/* The path that a file is found at, as a model names it, from its own folder; where it isn't found, what stands behind the scheme. */
+/* The path that a file is found at, as a model names it, from its own folder; where it isn't found, what stands
+ * behind the scheme. */
 const char *km_robot_mesh(km_robot *robot, const char *name);
 
 #endif

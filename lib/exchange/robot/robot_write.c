@@ -97,7 +97,8 @@ static void name_all(km_written *w) {
   km_names_free(&taken);
 }
 
-/* Joints that a loop may be cut at, the dearest first into the tree: balls are cut before hinges, those before others. */
+/* Joints that a loop may be cut at, the dearest first into the tree: balls are cut before hinges, those before
+ * others. */
 static int worth(const km_model *m, int joint) {
   const km_model_joint *def = &m->joints[joint];
   if (def->type == KM_SPHERICAL)

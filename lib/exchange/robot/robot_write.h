@@ -46,7 +46,8 @@ typedef struct km_written {
   double length, mass, force, time; /* SI per unit of the model */
 } km_written;
 
-/* At a pose (q [coordinate] in the model's units), for a `file` (NULL: beside the model). KM_MODEL: loops are open there; KM_MEMORY. To be freed in any case. */
+/* At a pose (q [coordinate] in the model's units), for a `file` (NULL: beside the model). KM_MODEL: loops are open
+ * there; KM_MEMORY. To be freed in any case. */
 km_status km_written_make(const km_model *model, const double *q, const char *file, km_messages *messages, km_text *out,
                           km_written *w, km_error *error);
 void km_written_free(km_written *w);
@@ -82,10 +83,11 @@ void km_written_range(const km_written *w, int coordinate, double range[2]);
 /* The value at which the model holds a coordinate, in its unit; NULL: it is free. */
 const double *km_written_held_at(const km_model *model, int coordinate);
 bool km_written_is_limited(const km_model *model, int coordinate); /* held ones are */
-/* The linear springs in a coordinate as one: true with its stiffness and where it is at rest, in SI. Others count as left out. */
+/* The linear springs in a coordinate as one: true with its stiffness and where it is at rest, in SI. Others count as
+ * left out. */
 bool km_written_spring(const km_written *w, int coordinate, double *stiffness, double *rest);
-/* The same of a ball's three coordinates from the first one on, if they have one stiffness and are at rest in the file's pose; else
- * their springs count as left out. */
+/* The same of a ball's three coordinates from the first one on, if they have one stiffness and are at rest in the
+ * file's pose; else their springs count as left out. */
 bool km_written_ball_spring(km_written *w, int first, double *stiffness);
 /* The model's closure tolerance; 0: it states none. */
 double km_written_tolerance(const km_written *w);

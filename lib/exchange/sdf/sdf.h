@@ -71,14 +71,16 @@ km_mass km_sdf_mass(km_robot *robot, const km_xml *link);
 
 /* What a name means that was written in a model or world: `a::b` is b in the model a. -1: nothing. */
 int km_sdf_find(const km_sdf *sdf, int home, const char *name);
-/* The same; what isn't there is reported: a warning where a model that might hold it is missing. `kind` is what is looked for, in words. */
+/* The same; what isn't there is reported: a warning where a model that might hold it is missing. `kind` is what is
+ * looked for, in words. */
 int km_sdf_need(km_sdf *sdf, int home, const char *name, const km_xml *at, const char *kind);
 /* The link that an entity moves with; 0: the world; -1: none. */
 int km_sdf_link_of(const km_sdf *sdf, int entity);
 /* Says what each entity is relative to, then where it is. */
 void km_sdf_place_all(km_sdf *sdf);
 
-/* The model that an element `include` names, of SDFormat or URDF; NULL: reported, a warning where it isn't there. `version` and `path`: those of its file. */
+/* The model that an element `include` names, of SDFormat or URDF; NULL: reported, a warning where it isn't there.
+ * `version` and `path`: those of its file. */
 const km_xml *km_sdf_include(km_sdf *sdf, const km_xml *include, const char **version, const char **path);
 
 /* The root of a URDF file as a model; NULL: reported. */
@@ -92,8 +94,8 @@ void km_sdf_add_couplings(km_sdf *sdf);
 void km_sdf_read_axis(km_robot *robot, const km_xml *axis, bool is_continuous, int k, km_robot_joint *joint);
 /* The travel of a screw in one turn. */
 double km_sdf_pitch(km_robot *robot, const km_xml *joint);
-/* The value that the coordinate of a joint's axis (0) or axis2 (1) has in the file's pose: 0, or what the axis that it imitates
- * gives. */
+/* The value that the coordinate of a joint's axis (0) or axis2 (1) has in the file's pose: 0, or what the axis that
+ * it imitates gives. */
 double km_sdf_start(const km_sdf *sdf, int joint, int axis);
 /* A joint's axis in the joint's frame. */
 km_vec3 km_sdf_axis(km_sdf *sdf, int joint, const km_xml *axis);

@@ -158,7 +158,8 @@ static km_vec3 axis_of(const km_closures *c, const km_xml *axis, const km_pose *
   return km_rotate_back(&at->R, km_rotate(&other.R, unit));
 }
 
-/* A joint of SDF: its frame is that of its pose in the child, and stands there in the parent too where all joints are at 0. */
+/* A joint of SDF: its frame is that of its pose in the child, and stands there in the parent too where all joints
+ * are at 0. */
 static void read_sdf_joint(const km_closures *c, const km_xml *e) {
   const char *names[2] = {km_sdf_text(e, "parent"), km_sdf_text(e, "child")};
   km_closure_end ends[2];

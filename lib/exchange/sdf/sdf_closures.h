@@ -1,6 +1,6 @@
-/* Loops that are closed beside the tree of joints, by elements that other programs read: Gazebo's joints in a URDF file and its
- * plugin DetachableJoint, Drake's ball constraints, the loop_joint of Isaac Sim, pairs of frames closing_NAME_1 and
- * closing_NAME_2 of onshape-to-robot. */
+/* Loops that are closed beside the tree of joints, by elements that other programs read: Gazebo's joints in a URDF
+ * file and its plugin DetachableJoint, Drake's ball constraints, the loop_joint of Isaac Sim, pairs of frames
+ * closing_NAME_1 and closing_NAME_2 of onshape-to-robot. */
 #ifndef KM_EXCHANGE_SDF_SDF_CLOSURES_H
 #define KM_EXCHANGE_SDF_SDF_CLOSURES_H
 
@@ -23,8 +23,8 @@ typedef struct km_closures {
   void (*tie)(void *context, int parent, int child);                  /* a joint was added between these links */
 } km_closures;
 
-/* Reads an element that isn't the format's own: adds the joint that it describes, and true; or true with a warning, where it
- * ties links in a way that can't be read. False: it ties nothing. */
+/* Reads an element that isn't the format's own: adds the joint that it describes, and true; or true with a warning,
+ * where it ties links in a way that can't be read. False: it ties nothing. */
 bool km_closures_read(const km_closures *c, const km_xml *element);
 /* A ball joint between the frames closing_NAME_1 and closing_NAME_2, of the name of either; nothing for other names. */
 void km_closures_pair(const km_closures *c, const km_xml *at, const char *name);

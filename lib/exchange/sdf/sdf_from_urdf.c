@@ -110,8 +110,8 @@ static bool is_world(const char *name) {
   return strcmp(name, "world") == 0;
 }
 
-/* A link stands where the origin of the joint whose child it is puts it, and that joint's frame is its own. By the parent's
- * name, as a joint may be called as a link. */
+/* A link stands where the origin of the joint whose child it is puts it, and that joint's frame is its own. By the
+ * parent's name, as a joint may be called as a link. */
 static void place(km_robot *robot, km_xml *link, const km_xml *root, const char *name) {
   for (const km_xml *joint = km_xml_child(root, "joint"); joint; joint = km_xml_next(joint)) {
     const char *parent = end_of(joint, "parent");

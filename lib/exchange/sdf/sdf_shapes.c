@@ -92,7 +92,8 @@ static bool weigh_shape(km_robot *robot, const km_xml *geometry, km_mass *out) {
   return out->mass > 0.0;
 }
 
-/* What the collision shapes weigh by their own densities, the link's, or that of water; a mass that is stated scales that. */
+/* What the collision shapes weigh by their own densities, the link's, or that of water; a mass that is stated scales
+ * that. */
 static km_mass weigh_link(km_robot *robot, const km_xml *link, const km_xml *inertial) {
   double density = km_sdf_number(robot, inertial, "density", 1000.0);
   double stated = km_sdf_number(robot, inertial, "mass", -1.0);

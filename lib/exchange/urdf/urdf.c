@@ -197,7 +197,8 @@ void km_urdf_tie(km_urdf *urdf, int parent, int child) {
     urdf->leaders[one > two ? one : two] = one < two ? one : two;
 }
 
-/* Ties the root to the inertial frame. There must be one; what hangs together with it by a closed loop needs no parent. */
+/* Ties the root to the inertial frame. There must be one; what hangs together with it by a closed loop needs no
+ * parent. */
 static void tie_root(km_urdf *urdf, const km_xml *root) {
   int top = -1;
   km_pose origin = km_pose_identity();

@@ -224,7 +224,8 @@ static void add_whole(km_written *w, const km_written_joint *way, const char *ty
     km_written_omit(w, "ball joints, whose type \"spherical\" not every reader of URDF knows", w->joints[way->joint]);
 }
 
-/* The chain of a joint's motions, with links of no mass between them, and behind them where the link itself isn't there. */
+/* The chain of a joint's motions, with links of no mass between them, and behind them where the link itself isn't
+ * there. */
 static void add_joint(km_written *w, int body) {
   const km_model_joint *def = &w->model->joints[w->arc[body]];
   int a = w->model->frames[def->frame[0]].body;

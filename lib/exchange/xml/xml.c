@@ -187,7 +187,8 @@ static km_status parse_once(const char *bytes, size_t size, parsing *p, km_error
   return status;
 }
 
-/* Where a piece of text ends that begins with `start` at `at`: `end` where it never does. NULL: it doesn't begin here. */
+/* Where a piece of text ends that begins with `start` at `at`: `end` where it never does. NULL: it doesn't begin
+ * here. */
 static char *end_of(char *at, char *end, const char *start, const char *stop) {
   size_t first = strlen(start), last = strlen(stop);
   if ((size_t)(end - at) < first || memcmp(at, start, first) != 0)

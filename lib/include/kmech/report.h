@@ -19,34 +19,34 @@ extern "C" {
 
 /* ---- The formats of pictures. */
 
-/* Of one input every format gives the same bytes on every machine: no date, no random id. */
+/* Format of a picture. Equal input gives equal bytes on every machine: no date, no random id. */
 typedef enum km_picture_format {
   KM_PICTURE_SVG, /* text, for browsers and editors */
   KM_PICTURE_PDF, /* a page */
   KM_PICTURE_PNG  /* pixels, two for each point of 1/72 inch */
 } km_picture_format;
 
-/* ---- Answers as records (JSON), as tables in CSV, and as text for people: what the tools print. */
+/* ---- Answers as records (JSON), as tables in CSV, and as text. */
 
 /* Tables. */
 /* One header row (name, then _unit), then the numbers in their shortest exact form. */
 KM_API void km_csv_write(const km_table *table, km_text *out);
-/* Reads a table: a header row, then rows of numbers (inf, -inf, nan and empty fields, which are nan, too). What stands
- * behind the last underscore of a column's name is its unit if it is one of the model format's or made of them (rad/mm);
- * mobility numbers, m.LABEL, have none. `file` is named in messages, with the line. KM_IO: the text is no table of
- * numbers; KM_MEMORY. The caller frees `*out`. */
+/* Reads a CSV table: a header row, then rows of numbers (inf, -inf, nan; an empty field is nan). The part of a
+ * column's name after the last underscore is its unit, if it is a unit of the model format or composed of them
+ * (rad/mm); mobility numbers, m.LABEL, have none. `file` is used in messages, with the line. KM_IO: the text isn't a
+ * table of numbers; KM_MEMORY. The caller frees `*out`. */
 KM_API km_status km_csv_read(const km_text *text, const char *file, km_table **out, km_error *error);
 /* The column that is called so, with or without its unit; -1 if there is none. */
 KM_API int km_csv_find(const km_table *table, const char *name);
 
-/* Records: trees of values that km_json_write writes, NULL when out of memory (arena->failed) or where something is missing;
- * and the same as text for people, appended. Names are those of models, for people. */
+/* Records are trees of values for km_json_write; NULL when out of memory (arena->failed) or if an argument is
+ * missing. The print functions append text. `name`: name of the model. */
 /* The head that every record starts with: kmech, tool, model, model_sha256, units, characteristic_length. */
 KM_API km_value *km_record_head(const km_mechanism *mechanism, const char *tool, const char *name, km_arena *arena);
-/* What `kmob info` and `kmob at` give (cli.md). NULL when out of memory (arena->failed). */
+/* Record of `kmob info` and `kmob at`. NULL when out of memory (arena->failed). */
 KM_API km_value *km_mobility_record(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
                                     const char *name, km_arena *arena);
-/* The same for people; `verbose` adds the evidence of each rank. */
+/* Text of `kmob info` and `kmob at`; `verbose` adds the evidence of each rank. */
 KM_API void km_mobility_print(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
                               const char *name, bool verbose, km_text *out);
 /* Adds finite_mobility, motions, truncated, idle_mobility, idle_freedoms and redundancies to a record. */
@@ -54,33 +54,33 @@ KM_API void km_diagnosis_record(const km_mechanism *mechanism, const km_diagnosi
                                 km_arena *arena);
 /* `all`: also what planar loops have by nature. */
 KM_API void km_diagnosis_print(const km_mechanism *mechanism, const km_diagnosis *diagnosis, bool all, km_text *out);
-/* The findings for people: each with what to do; nothing found is said, too. */
+/* Text of findings, each with its remedy; also if there are none. */
 KM_API void km_findings_print(const km_findings *findings, const char *name, km_text *out);
 /* Adds `findings` to a record. */
 KM_API void km_findings_record(const km_findings *findings, km_value *record, km_arena *arena);
-/* What `kma at` gives (cli.md), of a driving `input` and a driven `output`. */
+/* Record of `kma at` for a driving `input` and a driven `output`. */
 KM_API km_value *km_advantage_record(const km_mechanism *mechanism, const km_state *state, const km_port *input,
                                      const km_port *output, const km_advantage *advantage,
                                      const km_transmission *transmission, const km_losses *losses, const char *name,
                                      km_arena *arena);
-/* The same for people, appended; `input` and `output` as above. */
+/* Text of `kma at`; `input` and `output` as above. */
 KM_API void km_advantage_print(const km_mechanism *mechanism, const km_port *input, const km_port *output,
                                const km_advantage *advantage, const km_transmission *transmission,
                                const km_losses *losses, const char *name, km_text *out);
-/* What `kstatic at` gives (cli.md). NULL when out of memory (arena->failed). */
+/* Record of `kstatic at`. NULL when out of memory (arena->failed). */
 KM_API km_value *km_statics_record(const km_mechanism *mechanism, const km_state *state, const km_statics *statics,
                                    const char *name, km_arena *arena);
-/* The same for people, appended: forces of the actuators, least-norm forces, reactions. */
+/* Text of `kstatic at`: forces of the actuators, minimum-norm forces, reactions. */
 KM_API void km_statics_print(const km_mechanism *mechanism, const km_statics *statics, const char *name, km_text *out);
 /* A gravity (length / time²; NULL: the model's), appended: "gravity (0, 0, -9.81) m/s²", or "no gravity". */
 KM_API void km_gravity_words(const km_model *model, const double gravity[3], km_text *out);
-/* That couplings, such as gears, put no forces on bearings, appended where the model has some; else nothing. A record has it
- * as `reactions_note`. */
+/* That couplings, such as gears, put no forces on bearings, appended where the model has some; else nothing. A
+ * record has it as `reactions_note`. */
 KM_API void km_meshing_words(const km_model *model, km_text *out);
-/* Which joints would move in a `direction` of the balance, the fastest first: "D by -1 rad, N by 0.9 m, …". */
+/* Joints that would move in a `direction` of the balance, the fastest first: "D by -1 rad, N by 0.9 m, …". */
 KM_API void km_direction_words(const km_mechanism *mechanism, const km_statics *statics, int direction, km_text *out);
-/* What a sweep's `--format json` gives (cli.md). `name`: the model's; `stopped_by`: km_sweep_stop_text. NULL when out of
- * memory (arena->failed) or without an answer. */
+/* Record of an answer as by `--format json`. `name`: name of the model; `stopped_by`: km_sweep_stop_text. NULL when
+ * out of memory (arena->failed) or without an answer. */
 KM_API km_value *km_question_record(const km_question *question, const km_mechanism *mechanism, const char *stopped_by,
                                     const char *name, km_arena *arena);
 /* A summary to act on. */
@@ -100,14 +100,14 @@ KM_API void km_matrix_csv(const double *matrix, int rows, int columns, km_text *
 KM_API const km_value *km_history_record(const km_mechanism *mechanism, const km_history_def *def,
                                          const km_history *history, const char *stopped_by, const char *name,
                                          km_arena *arena);
-/* The same of a motion that is prescribed as a whole; `stopped_by` as above. */
+/* Record of inverse dynamics; `stopped_by` as above. */
 KM_API const km_value *km_inverse_record(const km_mechanism *mechanism, const km_history *history,
                                          const char *stopped_by, const char *name, km_arena *arena);
 
 /* Pieces of text about sweeps. */
 /* " mm", or nothing for an arc length. */
 KM_API const char *km_sweep_unit(const km_mechanism *mechanism, const km_sweep_plan *plan);
-/* Why the sweep ended where it did, in words: empty where the whole range was reached. */
+/* Reason of a sweep's end as text; empty if the whole range was reached. */
 KM_API void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep,
                                km_text *out);
 
@@ -115,8 +115,8 @@ KM_API void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_pla
 
 /* One of the answers that share a plot. Everything is borrowed. */
 typedef struct km_answered {
-  const km_question *question; /* with an answer */
-  const char *name;            /* of the model, or the variant */
+  const km_question *question; /* the question, with an answer */
+  const char *name;            /* name of the model or variant */
   const int *shown;            /* [shown_count] the coordinates whose curves are drawn; NULL: by default all, of several
                                 * answers the driver's */
   int shown_count;
@@ -125,23 +125,23 @@ typedef struct km_answered {
 /* Answers of several models or variants in one plot. */
 typedef struct km_comparison {
   const km_answered *answers; /* all to questions of one kind */
-  int count;                  /* of the answers */
+  int count;                  /* number of answers */
   bool ordered;               /* variants, whose order the colours show; else models, whose colours differ most */
 } km_comparison;
 
 /* One of the tables that share a plot. Everything is borrowed. */
 typedef struct km_plotted_table {
-  const km_table *table; /* with the columns */
+  const km_table *table; /* table with the columns */
   const char *name;      /* as the plot calls it */
   size_t x;              /* the column across */
   const size_t *y;       /* [columns] those upwards: the same columns of every table, with the same units */
 } km_plotted_table;
 
-/* What to show of a history's table, or of some of its rows. Everything is borrowed. */
+/* Options of the plot of a history's table, or of some of its rows. Everything is borrowed. */
 typedef struct km_plotted_history {
-  const km_mechanism *mechanism; /* whose coordinates the columns are */
+  const km_mechanism *mechanism; /* mechanism of the columns */
   const km_table *table;         /* its rows, all or some */
-  const km_crossing *crossings;  /* of the definition, */
+  const km_crossing *crossings;  /* of the definition: */
   const km_crossing_met *met;    /* and those that were met: marked in the plot */
   int met_count;
   const char *name; /* of the model */
@@ -154,28 +154,28 @@ typedef struct km_plotted_history {
 typedef struct km_chart km_chart;
 KM_API void km_chart_free(km_chart *chart);
 
-/* Each of these makes a plot; the caller frees `*out`. KM_USAGE: something is missing, an index is out of range; KM_MEMORY.
- * O(rows · columns). */
-/* Of answers. KM_USAGE: also without an answer. */
+/* Each of these makes a plot; the caller frees `*out`. KM_USAGE: something is missing, an index is out of range;
+ * KM_MEMORY. O(rows · columns). */
+/* Plot of answers. KM_USAGE: also without an answer. */
 KM_API km_status km_question_chart(const km_comparison *comparison, km_chart **out, km_error *error);
-/* Of columns of tables. Those of one unit share a panel, others stand in panels above each other. The scales of x and y
- * are equal where both are lengths and the curve is one in a plane: coordinates of points, or an x that goes forth and
- * back. Numbers that aren't finite break a curve. */
+/* Plot of columns of tables. Columns of one unit share a panel; panels are stacked. Scales of x and y are equal if
+ * both are lengths and the curve is planar: coordinates of points, or an x that isn't monotonic. Numbers that aren't
+ * finite interrupt a curve. */
 KM_API km_status km_table_chart(const km_plotted_table *tables, int count, int columns, km_chart **out,
                                 km_error *error);
-/* Of a motion over time: coordinates and rates by unit, driving forces, mobility numbers where the table has them,
- * energies. KM_USAGE: also where the table isn't km_history_run's of this mechanism. */
+/* Plot of a time history: coordinates and rates by unit, driving forces, mobility numbers if present, energies.
+ * KM_USAGE: also if the table isn't from km_history_run of this mechanism. */
 KM_API km_status km_history_chart(const km_plotted_history *history, km_chart **out, km_error *error);
-/* Of a prescribed motion (km_inverse_run): driving forces, shaking force, coordinates. */
+/* Plot of inverse dynamics (km_inverse_run): driving forces, shaking force, coordinates. */
 KM_API km_status km_inverse_chart(const km_plotted_history *history, km_chart **out, km_error *error);
 
-/* Appends the picture's bytes to `out`, which stays as it was with any status but KM_OK. KM_USAGE, KM_MEMORY, KM_INTERNAL
- * (the graphics library's own failure). */
+/* Appends the picture's bytes to `out`, which stays as it was with any status but KM_OK. KM_USAGE, KM_MEMORY,
+ * KM_INTERNAL (the graphics library's own failure). */
 KM_API km_status km_chart_picture(const km_chart *chart, km_picture_format format, km_text *out, km_error *error);
 
-/* The report about an answer to "advantage", asked with `transmission`, or to "forces": poses, curves, tables. `stopped_by`:
- * km_sweep_stop_text. `html`: one file that needs no other, else PDF pages. Appends the bytes. KM_USAGE: there is no
- * report about this question, or no answer; KM_MEMORY, KM_INTERNAL. */
+/* Report about an answer to "advantage" with option `transmission`, or to "forces": configurations, curves, tables.
+ * `stopped_by`: km_sweep_stop_text. `html`: one self-contained file, otherwise PDF pages. Appends the bytes.
+ * KM_USAGE: a question without report, or no answer; KM_MEMORY, KM_INTERNAL. */
 KM_API km_status km_question_report(const km_answered *answer, const char *stopped_by, bool html, km_text *out,
                                     km_error *error);
 
@@ -191,11 +191,12 @@ KM_API km_status km_question_report(const km_answered *answer, const char *stopp
 /* The poses that a drawing shows, and the paths of points. */
 typedef struct km_drawing km_drawing;
 
-/* Of a mechanism, which must outlive it; without a pose yet. The caller frees `*out`. KM_USAGE, KM_MEMORY. */
+/* Creates a drawing without poses of a mechanism, which must outlive it. The caller frees `*out`. KM_USAGE,
+ * KM_MEMORY. */
 KM_API km_status km_drawing_create(const km_mechanism *mechanism, km_drawing **out, km_error *error);
 KM_API void km_drawing_free(km_drawing *drawing);
-/* Adds the pose of a state, after km_poses_compute. The state's mechanism may be another one of the same model, with other
- * holds. KM_USAGE, KM_MEMORY. O(bodies). */
+/* Adds the pose of a state, after km_poses_compute. The state's mechanism may be another one of the same model, with
+ * other holds. KM_USAGE, KM_MEMORY. O(bodies). */
 KM_API km_status km_drawing_add_pose(km_drawing *drawing, const km_mechanism *mechanism, const km_state *state,
                                      km_error *error);
 /* Adds the poses of all rows of a table with the columns q. of every coordinate, such as a sweep's or a history's, and
@@ -206,22 +207,22 @@ KM_API km_status km_drawing_add_path(km_drawing *drawing, int frame, const char 
 /* Leads every path on to where its frame is, after km_poses_compute; else as km_drawing_add_pose. */
 KM_API km_status km_drawing_lead_paths(km_drawing *drawing, const km_mechanism *mechanism, const km_state *state,
                                        km_error *error);
-/* How many poses there are; 0 without a drawing. */
+/* Number of poses; 0 without a drawing. */
 KM_API int km_drawing_poses(const km_drawing *drawing);
-/* Does every body end where it began, in poses that went elsewhere between? False with fewer than three. */
+/* True if every body ends where it began and moved in between. False with fewer than three poses. */
 KM_API bool km_drawing_comes_round(const km_drawing *drawing);
 
-/* From where it is seen. AUTO is the plane in which the mechanism moves, or ISO where it moves in none. */
+/* Viewing direction. AUTO: along the normal of the plane of motion, or ISO if there is none. */
 typedef enum km_view {
   KM_VIEW_AUTO, /* chosen */
   KM_VIEW_XY,   /* along z */
   KM_VIEW_XZ,   /* along y */
   KM_VIEW_YZ,   /* along x */
-  KM_VIEW_ISO   /* from x, y and z alike */
+  KM_VIEW_ISO   /* from (1, 1, 1) */
 } km_view;
 /* "xy", "iso", "auto" …; false if the word is no view. */
 KM_API bool km_view_find(const char *word, km_view *view);
-/* Does the view look along the axes of a mechanism that moves in a plane? False without a pose. */
+/* True if the view is along the axes of a mechanism that moves in a plane. False without a pose. */
 KM_API bool km_drawing_is_planar(const km_drawing *drawing, km_view view);
 
 /* The meshes and shapes of a model's bodies. */
@@ -230,13 +231,13 @@ typedef struct km_meshes km_meshes;
 KM_API km_status km_model_read_meshes(const km_model *model, km_meshes **out, km_error *error);
 KM_API void km_meshes_free(km_meshes *meshes);
 
-/* How a drawing looks. Everything is borrowed; start from {0}. */
+/* Style of a drawing. Everything is borrowed; start from {0}. */
 typedef struct km_drawing_look {
-  km_view view;             /* from where it is seen */
-  const km_meshes *meshes;  /* of the mechanism's model, drawn instead of bars and plates; NULL: none */
+  km_view view;             /* viewing direction */
+  const km_meshes *meshes;  /* meshes of the model, drawn instead of bars and plates; NULL: none */
   bool bodies;              /* names them, too */
   bool loads;               /* the model's loads as arrows */
-  const char *title, *name; /* what is shown; the model's name. May be NULL */
+  const char *title, *name; /* title; the model's name. May be NULL */
   double width, height;     /* points (1/72 inch); 0: chosen from the shape */
 } km_drawing_look;
 
@@ -245,87 +246,88 @@ typedef struct km_drawing_look {
 /* A page with the first pose in full and the others pale, the paths, title, scale bar and axes. */
 KM_API km_status km_drawing_picture(const km_drawing *drawing, const km_drawing_look *look, km_picture_format format,
                                     km_text *out, km_error *error);
-/* An animated PNG of at most 73 of the poses: round and round where they come round, else forth and back, in `seconds` from
- * the first to the last. Names of joints are left out. */
+/* An animated PNG of at most 73 of the poses: round and round where they come round, else forth and back, in
+ * `seconds` from the first to the last. Names of joints are left out. */
 KM_API km_status km_drawing_apng(const km_drawing *drawing, const km_drawing_look *look, double seconds, km_text *out,
                                  km_error *error);
 
-/* The links of a mechanism that moves in a plane as they could be cut, in the first pose: each body as wide as `width` about
- * its points (model's length unit; 0: as drawn, two digits of it), with a hole of half that at every hinge; the inertial
- * frame has holes alone. A page on which a length is `scale` times as long as it is; and the same in AutoCAD's exchange
- * format (release 12) as lines, arcs and circles in the model's length unit, a layer for each body. KM_USAGE: also where
- * the mechanism moves in no plane of this view. */
+/* The links of a mechanism that moves in a plane as they could be cut, in the first pose: each body as wide as
+ * `width` about its points (model's length unit; 0: as drawn, two digits of it), with a hole of half that at every
+ * hinge; the inertial frame has holes alone. A page on which a length is `scale` times as long as it is; and the
+ * same in AutoCAD's exchange format (release 12) as lines, arcs and circles in the model's length unit, a layer for
+ * each body. KM_USAGE: also where the mechanism moves in no plane of this view. */
 KM_API km_status km_drawing_outlines(const km_drawing *drawing, km_view view, double width, double scale,
                                      km_picture_format format, km_text *out, km_error *error);
 KM_API km_status km_drawing_dxf(const km_drawing *drawing, km_view view, double width, km_text *out, km_error *error);
 
 /* A named place on a motion's slider. */
 typedef struct km_motion_stop {
-  double pose;      /* between poses, too */
-  const char *name; /* what stands there */
+  double pose;      /* values between poses, too */
+  const char *name; /* label of the mark */
 } km_motion_stop;
 
 /* A page that plays the poses, with a slider. Everything is borrowed; start from {0}. */
 typedef struct km_motion_page {
   const char *title, *subtitle, *footer; /* its headings and its last line; may be NULL */
-  const char *quantity, *unit;           /* what the slider moves; unit may be "" */
+  const char *quantity, *unit;           /* name and unit of the slider's variable; unit may be "" */
   const double *values;                  /* [poses] of it */
   const km_motion_stop *stops;           /* marked on the slider */
   size_t stop_count;
   bool closed;           /* the last pose is followed by the first; else it goes forth and back */
-  double seconds;        /* from the first pose to the last */
+  double seconds;        /* [pose] values of the slider */
   const km_chart *chart; /* played beside it: every curve has a row for each pose; NULL: none */
-  const char *chart_alt; /* what the chart shows, for those who can't see it */
+  const char *chart_alt; /* alternative text of the chart */
 } km_motion_page;
-/* One HTML file that needs no other. Meshes aren't drawn. Of the look, view, bodies and size count. KM_USAGE: also without
- * values. */
+/* Writes one self-contained HTML file. Meshes aren't drawn. View, bodies and size of the look are used. KM_USAGE:
+ * also without values. */
 KM_API km_status km_drawing_page(const km_drawing *drawing, const km_drawing_look *look, const km_motion_page *page,
                                  km_text *out, km_error *error);
 
-/* The graph behind a mechanism in the DOT language, for graphviz, appended: bodies by level of the spanning tree, its joints
- * solid, chords dashed. A chord ends at its virtual body, the copy of the body that its loop was cut from. Arrows run from
- * the model's parent to its child, colours tell the substructures. `title` begins the caption. Of more than 300 joints with
- * places, as a tidy tree: graphviz' own take times that grow faster than their number. */
+/* Appends the graph of a mechanism in the DOT language of graphviz: bodies by level of the spanning tree, tree
+ * joints solid, chords dashed. A chord ends at its virtual body, the copy of the body at which its loop was cut.
+ * Arrows point from parent to child, colours are substructures. `title` begins the caption. With more than 300
+ * joints positions are included, as a tidy tree, because the layout of graphviz takes more than linear time. */
 KM_API void km_graph_write(const km_mechanism *mechanism, const char *title, km_text *out);
 
 /* ---- What arms do, as records, tables, text and pictures: tracks, self-motions, inverse kinematics. */
 
 /* The tracks of one study, method by method. Everything is borrowed. */
 typedef struct km_tracks {
-  const km_study *study;  /* whose methods they are */
-  const char *name;       /* of the study or model, for people */
-  const char *model;      /* for pictures */
+  const km_study *study;  /* study with the methods */
+  const char *name;       /* name of the study or model */
+  const char *model;      /* meshes for pictures */
   km_track *const *items; /* [count]; NULL where a method failed */
   int count;              /* at most km_study_methods */
 } km_tracks;
 
 /* "lookahead", or "lookahead 2" for the second of its kind, with this separator. "" if there is no such track. */
 KM_API void km_tracks_label(const km_tracks *tracks, int index, char separator, char *out, size_t size);
-/* The track that goes furthest; of those that go as far (to 1e-6) the best by the objective's least value, or by its mean where it is one of
- * means; of those that are equal in this (to 1e-9) the best by the other of the two, then the one of less joint travel, then of the lower
- * largest rate, then the first. -1: none. */
+/* The track that goes furthest; of those that go as far (to 1e-6) the best by the objective's least value, or by its
+ * mean where it is one of means; of those that are equal in this (to 1e-9) the best by the other of the two, then
+ * the one of less joint travel, then of the lower largest rate, then the first. -1: none. */
 KM_API int km_tracks_best(const km_tracks *tracks);
-/* Why and where a track ends, appended; nothing if it is complete. */
+/* Appends reason and location of a track's end; nothing if it is complete. */
 KM_API void km_track_end_text(const km_track *track, km_text *out);
 /* The table of summaries, appended. */
 KM_API void km_tracks_print(const km_tracks *tracks, km_text *out);
-/* What `kredund track --format json` gives (cli.md). `model`: its name. NULL when out of memory (arena->failed) or where
- * something is missing; so are the records below. */
+/* Record of `kredund track --format json`. `model`: name of the model. NULL when out of memory (arena->failed) or if
+ * an argument is missing, as for the records below. */
 KM_API km_value *km_tracks_record(const km_tracks *tracks, const char *model, km_arena *arena);
 
 /* Pictures append their bytes to `out`, which stays as it was with any status but KM_OK. KM_USAGE: there is no track;
  * KM_MEMORY, KM_INTERNAL. */
-/* Joint angles with their limits, path-control entries, objectives, limit margin and tracking error over the path, on one
- * page; of several methods side by side. O(samples). */
+/* Plots joint angles with limits, path-control entries, objectives, limit margin and tracking error over the path on
+ * one page; several methods in adjacent columns. O(samples). */
 KM_API km_status km_tracks_picture(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
 /* The arm along the best track, with the effector's path. */
 KM_API km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
-/* The map of self-motions: self-motion over path length, coloured by the objective, hatched where a joint is outside its
- * limits, with the tracks, if there are any. KM_USAGE: the study has no path, no start, or not one spare freedom. */
+/* The map of self-motions: self-motion over path length, coloured by the objective, hatched where a joint is outside
+ * its limits, with the tracks, if there are any. KM_USAGE: the study has no path, no start, or not one spare
+ * freedom. */
 KM_API km_status km_tracks_map(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
 
-/* A self-motion of the arm as record, text and table. Rows are the poses within the limits, or the whole curve with `all`.
- * `model` and `name`: the model's, for people. The caller frees the table; NULL when out of memory. */
+/* A self-motion as record, text and table. Rows are the configurations within the limits, or the whole curve with
+ * `all`. `model` and `name`: those of the model. The caller frees the table; NULL when out of memory. */
 KM_API km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, bool all, const char *model,
                                       km_arena *arena);
 KM_API void km_selfmotion_print(const km_arm *arm, const km_selfmotion *motion, const char *name, km_text *out);
@@ -338,15 +340,15 @@ KM_API void km_ik_solutions_print(const km_arm *arm, const km_ik_solutions *solu
 
 /* ---- What a study of designs came to: text, tables, a record, pictures, a report. */
 
-/* The study is one that was opened with this definition, and run or recalled. Names are those of the study, for people. What
- * is written is appended to `out`. KM_USAGE: something is missing; KM_IO: the store can't be read; KM_MEMORY. */
+/* The study was opened with this definition, and run or looked up. `name`: name of the study. Output is appended to
+ * `out`. KM_USAGE: an argument is missing; KM_IO: the store can't be read; KM_MEMORY. */
 /* Tables of figures of merit, with the best marked; statistics of a sample; what an optimisation found. */
 KM_API km_status km_designs_print(km_design_study *study, const km_design_study_def *def, const char *name,
                                   km_text *out, km_error *error);
 /* Every design as one row: number, name, parameters, outcome, figures. */
 KM_API km_status km_designs_csv(const km_design_study *study, const km_design_study_def *def, km_text *out,
                                 km_error *error);
-/* The same as JSON, with the statistics. The record is the arena's. */
+/* The study as JSON record with statistics, in the arena. */
 KM_API km_status km_designs_record(km_design_study *study, const km_design_study_def *def, const char *name,
                                    km_arena *arena, km_value **out, km_error *error);
 /* "as built", "pivot=33, crank=0.6", "17": what a design is called. Nothing if there is no such design. */
@@ -354,27 +356,28 @@ KM_API void km_design_label(const km_design_study *study, const km_design_study_
 
 /* Pictures of a study. */
 typedef enum km_designs_plot {
-  KM_DESIGNS_HISTOGRAM,   /* how often a figure has which values, with its quantiles and limits */
+  KM_DESIGNS_HISTOGRAM,   /* histogram of a figure, with quantiles and limits */
   KM_DESIGNS_SCATTER,     /* a figure over each parameter's place in its spread: a panel each, the strongest first */
   KM_DESIGNS_CONVERGENCE, /* a figure's mean and its interval over the number of designs */
   KM_DESIGNS_BANDS,       /* quantiles of a question's column over the driver */
-  KM_DESIGNS_PROGRESS, /* an optimisation's goal over the designs that were asked: of each start, and the best so far */
+  KM_DESIGNS_PROGRESS, /* goal of an optimisation over the evaluated designs: for each start, and the best so far */
   KM_DESIGNS_FRONT,    /* both goals of all designs, and the front */
-  KM_DESIGNS_ANSWERS, /* a question's answers for all designs over each other; for the start and the best of an optimisation */
-  KM_DESIGNS_PATHS /* the same of the path of the first point that the question traces */
+  /* a question's answers for all designs over each other; for the start and the best of an optimisation */
+  KM_DESIGNS_ANSWERS,
+  KM_DESIGNS_PATHS /* the path of the first point that the question traces */
 } km_designs_plot;
 
 enum {
-  KM_MAX_OVERLAID_DESIGNS = 64 /* of so many the answers and paths are drawn, the first ones */
+  KM_MAX_OVERLAID_DESIGNS = 64 /* number of designs whose answers and paths are drawn */
 };
 
-/* `index`: of the figure, or of the question; `band`: which of its bands. KM_NO_RESULT: there is nothing to draw;
- * KM_INTERNAL: the graphics library's own failure. O(designs); answers and paths of a question are asked for again, of
- * KM_MAX_OVERLAID_DESIGNS at most. */
+/* Picture of a study. `index`: figure or question; `band`: band of the question. KM_NO_RESULT: nothing to draw;
+ * KM_INTERNAL: a failure of the graphics library. O(designs); answers and paths of a question are computed again for
+ * KM_MAX_OVERLAID_DESIGNS designs at most. */
 KM_API km_status km_designs_picture(km_design_study *study, const km_design_study_def *def, const char *name,
                                     km_designs_plot plot, int index, int band, km_picture_format format, km_text *out,
                                     km_error *error);
-/* A short report: what was asked, the main table, what became of the designs. `html`: one file that needs no other, else PDF
+/* Report of a study: questions, main table, outcomes of the designs. `html`: one self-contained file, otherwise PDF
  * pages. KM_INTERNAL as above. */
 KM_API km_status km_designs_report(km_design_study *study, const km_design_study_def *def, const char *name, bool html,
                                    km_text *out, km_error *error);

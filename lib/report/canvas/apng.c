@@ -38,7 +38,7 @@ static void put_animation_control(const km_apng *a) {
 }
 
 static void put_frame_control(km_apng *a) {
-  unsigned char data[26] = {0}; /* at (0, 0), replacing what was there */
+  unsigned char data[26] = {0}; /* position (0, 0), blending: replace */
   km_png_put_number(data, a->sequence++);
   memcpy(data + 4, a->size, 8);
   data[20] = (unsigned char)(a->milliseconds >> 8);

@@ -1,6 +1,6 @@
-/* The functions of cairo, FreeType and Pango that pages are drawn with. cairo and FreeType are loaded for the first page
- * of a PDF or PNG, Pango and what it needs for the first text that needs it: linked, they would cost every start of a tool
- * 4 ms. Private to report/plot/. */
+/* The functions of cairo, FreeType and Pango that pages are drawn with. cairo and FreeType are loaded for the first
+ * page of a PDF or PNG, Pango and what it needs for the first text that needs it: linked, they would cost every
+ * start of a tool 4 ms. Private to report/plot/. */
 #ifndef KM_REPORT_CANVAS_CAIRO_LIBRARY_H
 #define KM_REPORT_CANVAS_CAIRO_LIBRARY_H
 
@@ -52,7 +52,7 @@ typedef struct km_pango_functions {
 } km_pango_functions;
 #undef X
 
-/* NULL with KM_IO where the libraries aren't there. Never unloaded. Any thread may ask. */
+/* Loads the libraries once; thread-safe. NULL with KM_IO if they aren't installed. Never unloaded. */
 const km_cairo *km_cairo_load(km_error *error);
 const km_pango_functions *km_pango_load(km_error *error);
 

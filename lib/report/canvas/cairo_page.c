@@ -16,7 +16,7 @@ typedef struct cairo_page {
   km_text *out; /* NULL: nothing more is taken */
   cairo_surface_t *surface;
   cairo_t *cairo;
-  cairo_glyph_t *glyphs; /* of a line */
+  cairo_glyph_t *glyphs; /* bytes of a line */
   cairo_text_cluster_t *clusters;
   size_t glyph_room, cluster_room;
   bool failed;
@@ -45,7 +45,7 @@ static void paint_white(cairo_page *page) {
   page->lib->cairo_paint(page->cairo);
 }
 
-/* Opens the two faces of the default font for the whole process; cairo locks them for whoever draws. */
+/* Opens the two faces of the default font for the process; cairo locks them during drawing. */
 typedef struct open_font {
   const km_cairo *lib;
   const char *files[2];
@@ -162,7 +162,8 @@ static bool reserve(cairo_page *page, size_t count) {
   return !page->failed;
 }
 
-/* Fills in glyphs and, for whoever copies text from a PDF, which bytes each of them shows. Returns the clusters' count. */
+/* Fills in glyphs and clusters (the bytes of each glyph, for copying text from a PDF). Returns the number of
+ * clusters. */
 static int take_letters(cairo_page *page, const km_letters *letters, const km_letters_line *line) {
   int clusters = 0;
   for (size_t i = 0; i < line->count; ++i) {

@@ -22,7 +22,7 @@ struct km_canvas {
   km_letters letters;
   km_pango *pango; /* NULL until a text needs it */
   bool page_refused, failed;
-  km_status status; /* of what can't be drawn at all; with its error */
+  km_status status; /* status of an element that can't be drawn, with its error */
   km_error error;
 };
 
@@ -186,7 +186,7 @@ km_canvas_point km_text_point(const km_text_place *place, double across, double 
   return (km_canvas_point){place->at.x + c * across - s * down, place->at.y + s * across + c * down};
 }
 
-/* Sets a text by HarfBuzz alone, or else by Pango. False: neither can, which km_canvas_finish will tell. */
+/* Sets a text by HarfBuzz, otherwise by Pango. False if neither can; km_canvas_finish then returns the error. */
 static bool set_text(km_canvas *canvas, const km_font *font, const char *text, bool *simple, km_text_box *box) {
   *box = (km_text_box){0};
   *simple = km_letters_set(&canvas->letters, font, text);

@@ -1,6 +1,5 @@
-/* A page to draw on, in points (1/72 inch) from the top left corner, y down; its bytes are SVG, PDF
- * or PNG. No type of the graphics library shows here. Failures stick: draw freely, ask at the end.
- */
+/* Canvas: a page in points (1/72 inch) from the top left corner, y down, written as SVG, PDF or PNG. No type of a
+ * graphics library occurs here. Failures are sticky and reported by km_canvas_finish. */
 #ifndef KM_REPORT_CANVAS_CANVAS_H
 #define KM_REPORT_CANVAS_CANVAS_H
 
@@ -32,8 +31,7 @@ typedef struct km_font {
   int lines;    /* most lines the text may wrap to; 0 is 1 */
 } km_font;
 
-/* Where a text's box is held: 0 left or top, 0.5 middle, 1 right or bottom; then the box is turned.
- */
+/* Anchor of a text's box: 0 left or top, 0.5 middle, 1 right or bottom; the box is rotated about it. */
 typedef struct km_anchor {
   double across, down;
   double angle; /* radians, clockwise on the page */
@@ -43,9 +41,8 @@ typedef struct km_anchor {
  * `out` until the canvas is freed. KM_USAGE (size), KM_MEMORY, KM_IO (cairo is needed, and isn't installed). */
 km_status km_canvas_create(km_picture_format format, double width, double height, km_text *out, km_canvas **canvas,
                            km_error *error);
-/* Completes the bytes and tells whether everything since the creation went well; if it did not,
- * `out` is as it was before. KM_USAGE (a second page outside PDF), KM_MEMORY, KM_IO (cairo or Pango is needed, and isn't
- * installed), KM_INTERNAL. */
+/* Completes the bytes and returns the first failure since the creation; `out` is then unchanged. KM_USAGE (a second
+ * page outside PDF), KM_MEMORY, KM_IO (cairo or Pango is needed and isn't installed), KM_INTERNAL. */
 km_status km_canvas_finish(km_canvas *canvas, km_error *error);
 void km_canvas_free(km_canvas *canvas);
 
@@ -56,7 +53,7 @@ typedef struct km_canvas_recorder {
   void (*line)(void *context, const char *text, const km_font *font, km_colour colour, km_canvas_point at, double width,
                double angle);
   void *context;
-  int decimals; /* of the paths' numbers; this and the slack may change between pieces */
+  int decimals; /* digits of the paths' numbers; digits and slack may change between paths */
   double slack; /* points: corners that lie so near to a line past them are left out */
 } km_canvas_recorder;
 
@@ -73,7 +70,7 @@ void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, 
 /* A filled disc; `pen` (may be NULL) draws its rim. */
 void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius);
 
-/* Everything until the matching release is cut to the rectangle. Clips nest. */
+/* Clips everything until the matching release to the rectangle. Clips can be nested. */
 void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double height);
 void km_canvas_release(km_canvas *canvas);
 /* Moves the origin of whatever is drawn from now on. */
@@ -83,10 +80,10 @@ void km_canvas_shift(km_canvas *canvas, double right, double down);
  * the format: nothing is hinted. */
 void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, const char *text, km_canvas_point at,
                     km_anchor anchor);
-/* The same for words that were put together, which it frees; where memory was short for them the canvas fails. */
+/* Draws a composed text and frees it. The canvas fails if the text ran out of memory. */
 void km_canvas_words(km_canvas *canvas, const km_font *font, km_colour colour, km_text *words, km_canvas_point at,
                      km_anchor anchor);
-/* What was to be drawn is missing for want of memory: km_canvas_finish will say so. */
+/* Sets the failure "out of memory", which km_canvas_finish returns. */
 void km_canvas_fail(km_canvas *canvas);
 /* The box that km_canvas_text would fill: x across, y down. */
 km_canvas_point km_canvas_measure(km_canvas *canvas, const km_font *font, const char *text);

@@ -1,4 +1,4 @@
-/* What a canvas hands to the page behind it: paths and lines of text, in points of the page. Private to report/plot. */
+/* Interface from a canvas to the writer of a page: paths and lines of text, in points. Private to report/canvas. */
 #ifndef KM_REPORT_CANVAS_CANVAS_DEVICE_H
 #define KM_REPORT_CANVAS_CANVAS_DEVICE_H
 
@@ -6,7 +6,7 @@
 #include "report/canvas/letters.h"
 #include "report/canvas/pango_text.h"
 
-/* Where text goes: `at` is turned by `angle` (radians, clockwise) about itself. */
+/* Position of a text: rotated by `angle` (radians, clockwise) about `at`. */
 typedef struct km_text_place {
   km_canvas_point at;
   double angle;
@@ -15,7 +15,7 @@ typedef struct km_text_place {
 /* A point of turned text, `across` and `down` from its place. */
 km_canvas_point km_text_point(const km_text_place *place, double across, double down);
 
-/* The functions of one kind of page. Failures of memory stick to the page or its path, and `finish` tells. */
+/* Functions of a kind of page. Failures are sticky and returned by `finish`. */
 typedef struct km_device {
   void (*shape)(void *page, const km_canvas_path *path, const km_colour *fill, const km_pen *pen);
   /* A line that was set by `letters`; its baseline begins at the place. */

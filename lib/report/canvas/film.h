@@ -1,5 +1,5 @@
-/* A picture that moves: groups of shapes that stand, are carried along, or are drawn anew in every frame. What draws
- * on pages draws films, too: by a canvas that records. Memory is the arena's; when it fails, the arena tells. */
+/* Film: an animated picture of groups of shapes that are fixed, moved rigidly, or redrawn in every frame. Code that
+ * draws on pages draws films through a recording canvas. Memory failures are recorded in the arena. */
 #ifndef KM_REPORT_CANVAS_FILM_H
 #define KM_REPORT_CANVAS_FILM_H
 
@@ -10,7 +10,7 @@ typedef struct km_film_shape {
   int style;        /* index into the film's */
   const char *path; /* data of an SVG path, or the text of a line */
   bool text;
-  double x, y, length, angle; /* of text: begin of its baseline, points, radians */
+  double x, y, length, angle; /* text: start of its baseline, points; angle, radians */
 } km_film_shape;
 
 typedef struct km_film_shapes {
@@ -27,12 +27,12 @@ typedef struct km_film_mover {
 enum { KM_FILM_STANDS = -1, KM_FILM_DRAWN = -2 };
 
 typedef struct km_film_group {
-  int mover;              /* which carries it, or KM_FILM_STANDS or KM_FILM_DRAWN */
+  int mover;              /* mover of the group, or KM_FILM_STANDS or KM_FILM_DRAWN */
   bool names;             /* text that may be switched off */
   km_film_shapes *shapes; /* [frame] of what is drawn anew; else one */
 } km_film_group;
 
-/* How a shape looks: declarations of CSS, on light and on dark paper. */
+/* Style of a shape: CSS declarations for light and for dark background. */
 typedef struct km_film_style {
   const char *light, *dark;
 } km_film_style;
@@ -43,19 +43,19 @@ typedef struct km_film {
   size_t frame_count;
   km_film_mover *movers;
   size_t mover_count, mover_capacity;
-  km_film_group *groups; /* in the order of painting */
+  km_film_group *groups; /* groups in painting order */
   size_t group_count, group_capacity;
   km_film_style *styles;
   size_t style_count, style_capacity;
   km_canvas_recorder recorder;
   km_canvas *canvas;    /* records into `into`; freed by km_film_close */
-  km_film_shapes *into; /* of the group that was begun last */
+  km_film_shapes *into; /* index of the current group */
 } km_film;
 
 /* An empty film of so many frames and its canvas. KM_MEMORY. */
 km_status km_film_open(km_film *film, km_arena *arena, double width, double height, size_t frame_count,
                        km_error *error);
-/* Whether all that was drawn is in the film. KM_MEMORY, KM_IO (a text needs Pango, which isn't installed). */
+/* Returns the first failure of drawing. KM_MEMORY, KM_IO (a text needs Pango, which isn't installed). */
 km_status km_film_end(km_film *film, km_error *error);
 /* Frees the canvas; the film stays with its arena. */
 void km_film_close(km_film *film);
@@ -64,7 +64,7 @@ void km_film_close(km_film *film);
 km_film_mover *km_film_add_mover(km_film *film, bool turns);
 /* Begins the next group: what is drawn on the canvas from now on belongs to it, or to its first frame. */
 km_film_group *km_film_begin(km_film *film, int mover);
-/* What is drawn from now on belongs to this frame of the last group. */
+/* Starts a frame of the current group. */
 void km_film_frame(km_film *film, size_t frame);
 
 #endif

@@ -9,8 +9,7 @@
 
 static km_harfbuzz functions;
 
-/* Where systems keep DejaVu: Debian, Fedora, Arch, and what a machine has of its own. Asking fontconfig for its place takes
- * longer than to draw a picture. */
+/* Folders of DejaVu: Debian, Fedora, Arch, local. fontconfig would take longer than drawing a picture. */
 static const char *const folders[] = {"/usr/share/fonts/truetype/dejavu", "/usr/share/fonts/dejavu-sans-fonts",
                                       "/usr/share/fonts/dejavu", "/usr/share/fonts/TTF", "/usr/local/share/fonts"};
 static const char *const names[] = {"DejaVuSans.ttf", "DejaVuSans-Bold.ttf"};
@@ -89,7 +88,7 @@ static hb_draw_funcs_t *make_draw(void) {
   return draw;
 }
 
-/* What is found, once in a process. */
+/* The library and fonts, found once in a process. */
 static struct {
   km_faces faces;
   bool asked, there;

@@ -46,7 +46,7 @@ typedef struct km_harfbuzz {
 typedef struct km_face {
   hb_font_t *font;
   char file[256];
-  unsigned units; /* of an em */
+  unsigned units; /* units of an em */
 } km_face;
 
 typedef struct km_faces {
@@ -55,7 +55,7 @@ typedef struct km_faces {
   hb_draw_funcs_t *draw; /* adds to the km_canvas_path that it is given */
 } km_faces;
 
-/* NULL where HarfBuzz or one of the files isn't there. Any thread may ask; the same answer every time. */
+/* Loads HarfBuzz and the fonts once; thread-safe. NULL if HarfBuzz or a font file is missing. */
 const km_faces *km_faces_find(void);
 
 #endif

@@ -9,8 +9,8 @@
 
 static const double pango_rounding = 1.0 / 1024; /* points */
 
-/* Characters that stand side by side from left to right, each a glyph of its own wherever it stands. Beyond them are marks
- * that are put on others, controls, other directions, and pictures that other fonts draw. */
+/* Characters written from left to right, each with one glyph in every context. Excluded are combining marks,
+ * controls, other directions and pictographs. */
 static bool is_simple(uint32_t c) {
   static const uint32_t ranges[][2] = {{0x20, 0x7e},     {0xa0, 0xac},     {0xae, 0x24f},    {0x370, 0x3ff},
                                        {0x400, 0x482},   {0x48a, 0x52f},   {0x1e00, 0x1eff}, {0x2010, 0x2027},
@@ -162,8 +162,8 @@ static int own_advance(const km_letters *l, uint32_t glyph) {
   return f->lib->hb_font_get_glyph_h_advance(f->faces[l->bold].font, glyph);
 }
 
-/* What Unicode's rules of line breaking say of the place behind letter i. Signs for which they need more than this are
- * Pango's: U+2010 to U+2027 are dashes, dots and daggers, with quotation marks between them. */
+/* Line break after letter i by the rules of Unicode. Characters that need further rules are left to Pango: U+2010 to
+ * U+2027 are dashes, dots, daggers and quotation marks. */
 typedef enum line_break { NO_BREAK, MAY_BREAK, DOUBTFUL } line_break;
 
 static line_break break_behind(const km_letters *l, size_t word, size_t i) {
@@ -215,8 +215,8 @@ static void put_dots(km_letters *l, size_t begin, size_t end, km_letter dots) {
   l->count -= end - begin - 1;
 }
 
-/* All letters from `first` on as one line, with dots for as many in the middle as it takes. The gap grows as Pango's, to
- * the side where it stays nearer to the middle, and its dots take up what is left of the width. */
+/* All letters from `first` on as one line, with dots for as many in the middle as it takes. The gap grows as
+ * Pango's, to the side where it stays nearer to the middle, and its dots take up what is left of the width. */
 static bool shorten(km_letters *l, size_t first, double most) {
   const km_faces *faces = km_faces_find();
   const km_face *face = &faces->faces[l->bold];

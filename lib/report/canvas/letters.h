@@ -1,6 +1,6 @@
-/* Text in simple scripts, shaped by HarfBuzz with the files of the default font: Latin, Greek, Cyrillic, digits, signs,
- * arrows. It needs neither Pango nor fontconfig, whose start takes longer than a picture. Any other text is Pango's, and
- * what fits is set by both to the same places. Private to report/plot. */
+/* Text in simple scripts, shaped by HarfBuzz with the files of the default font: Latin, Greek, Cyrillic, digits,
+ * signs, arrows. It needs neither Pango nor fontconfig, whose start takes longer than a picture. Any other text is
+ * Pango's, and what fits is set by both to the same places. Private to report/plot. */
 #ifndef KM_REPORT_CANVAS_LETTERS_H
 #define KM_REPORT_CANVAS_LETTERS_H
 
@@ -8,14 +8,14 @@
 
 #include <stdint.h>
 
-/* The font's ascent and height in em. Single lines are placed by these, whatever font a foreign script falls back to, so
- * that names of different scripts share a baseline. */
+/* The font's ascent and height in em. Single lines are placed by these, whatever font a foreign script falls back
+ * to, so that names of different scripts share a baseline. */
 #define KM_FONT_ASCENT 0.928
 #define KM_FONT_HEIGHT 1.164
 
 typedef struct km_letter {
-  uint32_t glyph; /* of the font's file */
-  uint32_t byte;  /* of the text, where its characters begin */
+  uint32_t glyph; /* glyph index in the font file */
+  uint32_t byte;  /* byte of the text at which its character begins */
   int x, advance; /* font units, from the beginning of its line */
 } km_letter;
 
@@ -27,7 +27,7 @@ typedef struct km_letters_line {
 
 /* A text that is set. Start from {0}. */
 typedef struct km_letters {
-  const char *text; /* borrowed from the caller, who asked last */
+  const char *text; /* borrowed from the caller of the last request */
   bool bold;
   double unit;  /* points of a font unit */
   double width; /* points, of the longest line */

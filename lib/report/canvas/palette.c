@@ -32,7 +32,7 @@ static size_t wrap(int index, size_t count) {
 /* Steps of the scale of ordered things begin at this index. */
 enum { FIRST_ORDERED = 1 << 16, ORDERED_STEPS = 1 << 12 };
 
-/* Inferno without its ends: lightness grows all along, also for eyes that tell few hues apart. */
+/* Colour map Inferno without its ends: lightness increases monotonically, so it is readable with colour blindness. */
 static const km_colour scale[] = {
     {0.106, 0.047, 0.255, 1}, {0.342, 0.062, 0.429, 1}, {0.578, 0.148, 0.404, 1},
     {0.780, 0.255, 0.300, 1}, {0.902, 0.400, 0.150, 1}, {0.929, 0.569, 0.035, 1},

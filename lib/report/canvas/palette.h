@@ -1,4 +1,4 @@
-/* Colours that the colour-blind tell apart, with dash patterns that survive a grey print. */
+/* Colours that colour-blind readers distinguish, with dash patterns for grey prints. */
 #ifndef KM_REPORT_CANVAS_PALETTE_H
 #define KM_REPORT_CANVAS_PALETTE_H
 
@@ -13,7 +13,7 @@ km_colour km_palette_colour(int index);
 int km_palette_ordered(int i, int count);
 /* The index of the colour of one of several things that are compared. */
 int km_palette_compared(int i, int count, bool ordered);
-/* The same hue, darker: for names, whose strokes are thinner than lines. */
+/* Darker colour of the same hue for names, whose strokes are thinner than lines. */
 km_colour km_palette_text(int index);
 /* `dash` 0 is solid; patterns past the last begin again. `width` in points. */
 km_pen km_palette_pen(int colour, int dash, double width);

@@ -114,7 +114,7 @@ static void take_path(const cairo_path_t *from, km_canvas_path *path) {
 }
 
 void km_pango_outline(km_pango *p, km_canvas_path *path) {
-  /* Without bounds: of an image, glyphs that lie outside would be left out. */
+  /* Unbounded: an image surface would drop glyphs outside of it. */
   cairo_surface_t *surface = p->lib->cairo_recording_surface_create(CAIRO_CONTENT_ALPHA, NULL);
   cairo_t *cairo = p->lib->cairo_create(surface);
   p->lib->pango_cairo_layout_path(cairo, p->layout);

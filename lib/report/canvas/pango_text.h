@@ -20,7 +20,7 @@ typedef struct km_pango_line {
 km_status km_pango_create(km_pango **pango, km_error *error);
 void km_pango_free(km_pango *pango);
 
-/* Sets a text; it may be asked for until the next one. */
+/* Sets a text, which is valid until the next one. */
 km_text_box km_pango_set(km_pango *pango, const km_font *font, const char *text);
 /* The text itself; bad bytes are U+FFFD. */
 const char *km_pango_string(const km_pango *pango);

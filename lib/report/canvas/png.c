@@ -1,5 +1,5 @@
-/* PNG files of pixels: cairo's own writer tries every filter on every line, which takes three times as long for drawings,
- * whose files it makes no smaller. */
+/* PNG files of pixels: cairo's own writer tries every filter on every line, which takes three times as long for
+ * drawings, whose files it makes no smaller. */
 #include "report/canvas/png.h"
 
 #include "base/dynamic_library.h"
@@ -11,7 +11,7 @@
 /* Faster levels are no faster here, higher ones take twice as long for a tenth of the size. */
 enum { LEVEL = 3 };
 
-/* What is needed of zlib, which cairo has loaded by then. */
+/* Functions of zlib, which cairo has loaded. */
 typedef struct zip {
   __typeof__(&compressBound) bound;
   __typeof__(&compress2) compress;

@@ -1,4 +1,4 @@
-/* Pages that aren't drawn: what would be on them is told to a recorder, piece by piece. */
+/* Pages that pass each element to a recorder instead of drawing it. */
 #include "base/text.h"
 #include "report/canvas/canvas_device.h"
 #include "report/canvas/svg_path.h"
@@ -31,7 +31,7 @@ static void record_line(void *context, const km_letters *letters, size_t line, c
   record_text(context, letters->text + l->begin, l->size, font, colour, place, l->width);
 }
 
-/* What a line of Pango's goes along with. */
+/* A line of Pango with its position. */
 typedef struct shown_layout {
   void *page;
   const km_pango *pango;

@@ -1,13 +1,13 @@
-/* Pages of SVG. Text is drawn by outlines, which look the same everywhere: each glyph that occurs is defined once, in the
- * font's own units. */
+/* Pages of SVG. Text is drawn by outlines, which look the same everywhere: each glyph that occurs is defined once,
+ * in the font's own units. */
 #include "base/text.h"
 #include "report/canvas/canvas_device.h"
 #include "report/canvas/svg_path.h"
 
 #include <math.h>
 
-enum { GLYPHS = 65536 };                  /* of a font's file at most */
-enum { DECIMALS = 3, SIZE_DECIMALS = 6 }; /* of points: places, and the sides of the page */
+enum { GLYPHS = 65536 };                  /* bytes of a font file at most */
+enum { DECIMALS = 3, SIZE_DECIMALS = 6 }; /* rounding of points: coordinates, and sizes of the page */
 
 typedef enum glyph_state { UNKNOWN, OUTLINE, BLANK } glyph_state;
 
@@ -15,9 +15,9 @@ typedef struct svg_page {
   km_text *out;
   double width, height;
   km_text glyphs, body;
-  unsigned char state[2][GLYPHS]; /* of regular and bold glyphs: glyph_state */
+  unsigned char state[2][GLYPHS]; /* [glyph] state of regular and bold glyphs: glyph_state */
   int clips;
-  km_canvas_path path; /* of what isn't the canvas's own */
+  km_canvas_path path; /* number of outlines that aren't the canvas's own */
 } svg_page;
 
 static void add_number(km_text *out, const char *before, double value) {

@@ -9,9 +9,9 @@ enum { KM_SVG_HELD = 8 };
 typedef struct km_svg_path {
   km_text *out;
   double slack;                      /* points that lie so near to the line past them are left out */
-  int decimals;                      /* of every number: 0 to 6 */
-  long long x, y;                    /* where the path has come to, in steps of the grid */
-  long long from_x, from_y;          /* where this part of it began */
+  int decimals;                      /* decimals of each number, 0 to 6 */
+  long long x, y;                    /* current point, in grid steps */
+  long long from_x, from_y;          /* start of this subpath */
   char last;                         /* the command that numbers now belong to */
   km_canvas_point kept;              /* the last point that is written */
   km_canvas_point held[KM_SVG_HELD]; /* points after it; the line to the last passes the others */

@@ -11,8 +11,8 @@ typedef struct km_plotted_advantage {
   const km_advantage_sweep *sweep;
 } km_plotted_advantage;
 
-/* Builds the plot in the arena. `ordered`: variants, whose order the colours show; `strip`: with small drawings beneath.
- * False when out of memory. */
+/* Builds the plot in the arena. `ordered`: variants, whose order the colours show; `strip`: with small drawings
+ * beneath. False when out of memory. */
 bool km_advantage_plot_make(const km_plotted_advantage *sweeps, int count, bool ordered, bool strip, km_arena *arena,
                             km_plot *out);
 /* The column of the mechanical advantage in the sweep's table, or of the ratio of forces with friction. */

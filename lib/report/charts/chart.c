@@ -36,7 +36,7 @@ static km_status check_shown(const km_mechanism *m, const int *shown, int count,
   return status;
 }
 
-/* Is there an answer of the first one's kind? */
+/* True if the answers have the kind of the first one. */
 static km_status check_answer(const km_answered *a, const km_answered *first, km_error *error) {
   km_status status = km_check_given(a->question && a->name, "question or name", error);
   if (status)

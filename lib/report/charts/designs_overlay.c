@@ -51,7 +51,8 @@ static bool gather(overlay *v, const km_designs_shown *p, int question) {
   return good;
 }
 
-/* The columns that figures are taken from, each once; the distance from the limits where none has one. Returns how many. */
+/* The columns that figures are taken from, each once; the distance from the limits where none has one. Returns how
+ * many. */
 static size_t columns_of(const km_design_question *q, const km_table *table, size_t *y) {
   size_t count = 0;
   for (int f = 0; f < q->figure_count; ++f) {
@@ -76,7 +77,7 @@ static km_status made_or_no_memory(bool made, km_error *error) {
   return made ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a plot");
 }
 
-/* What figures are taken from along the path. */
+/* Column of a question along the path, from which figures are computed. */
 static km_status make_tracks(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
                              km_error *error) {
   km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MAX_OVERLAID_DESIGNS);
@@ -148,7 +149,7 @@ static bool traces_points(const km_design_question *q) {
 }
 
 km_status km_designs_paths(const km_designs_shown *p, int question, km_text *out, km_error *error) {
-  if (!traces_points(&p->def->questions[question])) /* before any design is asked */
+  if (!traces_points(&p->def->questions[question])) /* before any design is evaluated */
     return km_fail(error, KM_NO_RESULT, "the question traces no point");
   return draw(p, question, make_paths, out, error);
 }

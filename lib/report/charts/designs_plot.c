@@ -135,7 +135,7 @@ static int by_value(const void *a, const void *b) {
   return p->value != q->value ? (p->value > q->value) - (p->value < q->value) : p->index - q->index;
 }
 
-/* A dot is a run of one point: a gap follows each. Many designs are shown by some that stand for all. */
+/* A dot is a run of one point followed by a gap. Many designs are represented by a sample. */
 static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_arena *arena, km_plot_series *out) {
   int designs = km_design_study_designs(p->study), count = designs < MOST_DOTS ? designs : MOST_DOTS, used = 0;
   double parameters[KM_MAX_DESIGN_PARAMETERS];
@@ -241,8 +241,8 @@ km_status km_designs_convergence(const km_designs_shown *p, int figure, km_text 
   return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }
 
-/* Lines of the quantiles, each over `from` [rows] (NULL: over 0): the middle one strong, pairs of the others around lighter
- * and lighter areas. Only the widest pair and the middle have names where there is no room for all. */
+/* Lines of the quantiles, each over `from` [rows] (NULL: over 0): the median strong, other pairs as lighter areas
+ * around it. If not all names fit, only the widest pair and the median have names. */
 static void make_fan(const double *quantiles, const double *x, int rows, const double *from, bool named,
                      double *columns, km_plot_series *series) {
   static const int lower[] = {0, 1, 2}, upper[] = {6, 5, 4};
@@ -262,7 +262,7 @@ static void make_fan(const double *quantiles, const double *x, int rows, const d
       .name = named ? names[3] : NULL, .x = x, .y = columns + 3 * rows, .count = (size_t)rows, .colour = 1};
 }
 
-/* What the rows stand at: the driver's values, or the way along the motion. Returns the axis' name. */
+/* Abscissa of the rows: the driver's values, or the arc length. Returns the axis label. */
 static const char *list_driver(const km_evaluated_design *asked, int rows, double *x, km_arena *arena) {
   const km_sweep_plan *plan = km_question_plan(asked->question);
   const km_table *table = km_question_table(asked->question);

@@ -42,7 +42,7 @@ static int find(const sheet *s, const char *prefix, const char *label) {
   return column;
 }
 
-/* How far a coordinate goes, in radians or characteristic lengths. */
+/* Range of a coordinate, in radians or characteristic lengths. */
 static double span_of(const sheet *s, int coordinate) {
   const km_mechanism *m = s->h->mechanism;
   int column = find(s, "q.", m->model->coordinates[coordinate].label);

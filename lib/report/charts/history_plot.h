@@ -7,7 +7,7 @@
 
 /* Builds the plot of km_history_chart in the arena. False when out of memory. */
 bool km_history_plot_make(const km_plotted_history *history, km_arena *arena, km_plot *out);
-/* The same of km_inverse_chart. */
+/* Plot of km_inverse_chart. */
 bool km_inverse_plot_make(const km_plotted_history *history, km_arena *arena, km_plot *out);
 
 #endif

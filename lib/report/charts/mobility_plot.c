@@ -71,8 +71,8 @@ static void add_line(lines *l, const km_plotted_sweep *p, int sweep, int coordin
     new->largest = fmax(new->largest, y[r]);
 }
 
-/* Is the coordinate's number to be drawn? By default every one in a loop or coupling, all where there is none; of
- * several sweeps the driver's, where there is one. */
+/* True if the coordinate's mobility number is drawn. Default: all coordinates in loops or couplings, otherwise all;
+ * for several sweeps the driver's. */
 static bool is_shown(const km_plotted_sweep *p, int count, int coordinate) {
   const km_mechanism *m = p->mechanism;
   for (int i = 0; i < p->shown_count; ++i)
@@ -110,7 +110,7 @@ static size_t most_lines(const km_plotted_sweep *sweeps, int count) {
   return total;
 }
 
-/* How many lines of the panel have a larger maximum: the first eight are coloured. */
+/* Number of lines of the panel with a larger maximum: the eight largest are coloured. */
 static int importance(const lines *l, size_t index, int substructure) {
   int larger = 0;
   for (size_t i = 0; i < l->count; ++i)
@@ -120,7 +120,7 @@ static int importance(const lines *l, size_t index, int substructure) {
   return larger;
 }
 
-/* The place of a line among those of its sweep: overlaid sweeps tell joints apart by dashes. */
+/* Index of a line in its sweep: overlaid sweeps distinguish joints by dashes. */
 static int place_of(const lines *l, size_t index) {
   int place = 0;
   for (size_t i = 0; i < index; ++i)

@@ -70,7 +70,7 @@ km_status km_designs_progress(const km_designs_shown *p, km_text *out, km_error 
   return km_designs_finish(p, !arena.failed, &plot, &arena, out, error);
 }
 
-/* The designs near the front: those much worse in both goals would leave it no room. */
+/* Designs near the front; those much worse in both goals would compress it. */
 static void place_dots(const km_designs_shown *p, const double *front_x, const double *front_y, int count, double *x,
                        double *y) {
   int f = figure_of(p, 0), g = figure_of(p, 1);

@@ -38,7 +38,7 @@ static bool plot_statics(const km_comparison *c, km_arena *arena, km_plot *out) 
   return sweeps && km_statics_plot_make(sweeps, c->count, c->ordered, true, arena, out);
 }
 
-/* What an arm has to spare along its path. */
+/* Margins of an arm along its path. */
 static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
   static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
   enum { COLUMNS = sizeof names / sizeof *names };

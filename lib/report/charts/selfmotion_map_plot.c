@@ -19,7 +19,7 @@ typedef struct picture {
   const km_motion_map *map;
   km_canvas *canvas;
   km_frame frame;
-  double low, high; /* of the objective within the map */
+  double low, high; /* range of the objective in the map */
 } picture;
 
 km_colour km_map_shade(int number) {
@@ -141,7 +141,7 @@ static void hatch(const picture *p) {
   }
 }
 
-/* Where the limits begin: the ends of the arcs, joined from station to station where they are near. */
+/* Boundaries of the joint limits: ends of the arcs, connected between stations if they are near. */
 static void outline(const picture *p) {
   const km_pen pen = {.colour = {0.1, 0.1, 0.1, 1}, .width = 0.8};
   for (int i = 0; i + 1 < p->map->count; ++i) {
@@ -164,7 +164,7 @@ static void outline(const picture *p) {
   }
 }
 
-/* Black, red and what stands out on the map. */
+/* Black, red, and colours that contrast with the map. */
 static km_pen track_pen(int number) {
   static const int colours[] = {3, 1, 2, 4, 5, 6, 0};
   km_pen pen = km_palette_pen(colours[number % 7], number, 1.7);
@@ -289,7 +289,7 @@ static void range_of(picture *p) {
       p->high = fmax(p->high, s->value[k]);
     }
   }
-  /* What is below 0 is hatched anyway. */
+  /* Values below 0 are hatched in any case. */
   if (km_objective_single(&p->tracks->study->objective) == KM_LIMIT_DISTANCE)
     p->low = fmax(p->low, -0.25);
   km_axis_widen(&p->low, &p->high);

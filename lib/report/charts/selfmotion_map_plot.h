@@ -10,7 +10,7 @@ enum { KM_MAP_CELLS = 80, KM_MAP_SHADES = 16 };
 
 /* A part of a station's strip in one shade. */
 typedef struct km_map_cell {
-  double from, to; /* of the self-motion */
+  double from, to; /* name of the self-motion */
   int shade;       /* 0: the lowest values … KM_MAP_SHADES − 1: the highest */
   bool outside;    /* the joint limits: pale */
 } km_map_cell;

@@ -78,7 +78,7 @@ static double largest_of(const double *y, size_t count) {
   return largest;
 }
 
-/* How many lines of the panel are larger. */
+/* Number of larger lines of the panel. */
 static int importance(const km_plot_series *series, size_t count, size_t index) {
   double own = largest_of(series[index].y, series[index].count);
   int larger = 0;
@@ -142,8 +142,8 @@ static void fill_panel(const km_sweep_picture *p, int panel, km_arena *arena, km
           p->sweep_count > 1 ? 1 + km_palette_compared(p->marks[i].sweep, p->sweep_count, p->ordered) : 0};
 }
 
-/* How far the poles reach that lie beside a line's pole and nearer to each other than a twentieth of the line: seen from away they act
- * as one, and nothing between them can be read. 0 for a pole alone, or for none (NaN). */
+/* Extent of a cluster of poles: poles nearer to each other than a twentieth of the line act as one pole. 0 for a
+ * single pole, or none (NaN). */
 static double spread_of_poles(const km_sweep_picture *p, const km_swept_line *line, double pole, double whole) {
   double low = pole, high = pole;
   for (bool grows = !isnan(pole); grows;) {
@@ -165,8 +165,8 @@ static double spread_of_poles(const km_sweep_picture *p, const km_swept_line *li
 typedef struct stretch {
   size_t begin, end;
   double left, right; /* poles; NaN: an end */
-  double near[2];     /* how near to them is on the way to them */
-  bool hidden;        /* between poles that act as one */
+  double near[2];     /* distance that counts as near to a pole */
+  bool hidden;        /* width of a cluster of poles */
 } stretch;
 
 static stretch stretch_of(const km_sweep_picture *p, const km_swept_line *line, const km_plot_series *series,
@@ -183,8 +183,8 @@ static stretch stretch_of(const km_sweep_picture *p, const km_swept_line *line, 
   return out;
 }
 
-/* What of a line must be seen: everything but its last way to a pole, a twentieth of the stretch between poles or ends;
- * there only where it turns. Widens low … high; returns whether something is left out. */
+/* Range of a line that must be visible: all rows except the last twentieth of an interval before a pole, of which
+ * only extrema count. Widens low … high; true if rows are left out. */
 static bool widen_seen(const km_sweep_picture *p, const km_swept_line *line, const km_plot_series *series, double *low,
                        double *high) {
   bool cut = false;

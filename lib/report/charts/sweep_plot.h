@@ -11,7 +11,7 @@ typedef struct km_swept {
   const km_mechanism *mechanism;
   const km_sweep_plan *plan;
   const km_sweep *motion;
-  const char *name; /* of the model */
+  const char *name; /* name of the model */
 } km_swept;
 
 /* A column of one of them as a line. */

@@ -13,7 +13,7 @@
 static const double strip_height = 132, names_height = 12, caption_height = 14, margin = 10; /* points */
 enum { MOST_BODIES = 60 };
 
-/* The value matters: a long name gives way to it. */
+/* The value has precedence: a long name is omitted. */
 static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
   enum { LONGEST_NAME = 12 }; /* bytes */
   const char *label = km_model_coordinate_label(sweep->mechanism->model, sweep->plan->coordinate);
@@ -28,7 +28,7 @@ static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
   return km_text_keep(&text, arena);
 }
 
-/* In one group, each behind a dash of its colour: what stands under a picture would seem to name that one. */
+/* One group of names, each after a dash in its colour; a name under a picture would seem to belong to that picture. */
 static void draw_names(const km_sweep_strip *strip, km_canvas *canvas, double y, double width) {
   const double dash = 10, gap = 12;
   const km_font font = {.size = 8, .width = (width - 2 * margin) / strip->layers - dash - gap};
@@ -122,7 +122,7 @@ km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *ar
   return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
 }
 
-/* Does a mechanism go so far that pictures of one scale would show specks? By the places of its bodies. */
+/* True if a mechanism moves so far that pictures at one scale would be too small, by the positions of its bodies. */
 static bool goes_far(const km_pose *poses, size_t bodies, int count) {
   static const double many = 6.0; /* times its size at first */
   double size = 0.0, way = 0.0;
@@ -151,7 +151,7 @@ km_plot_strip km_motion_strip_make(const km_mechanism *m, const km_table *table,
   return arena->failed || far ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
 }
 
-/* Where the stroke that all share ends: it begins where the first one does. NaN where the drivers differ. */
+/* End of the stroke shared by all, which begins where the first one does. NaN if the drivers differ. */
 static double common_end(const km_swept *sweeps, int count) {
   const km_swept *first = &sweeps[0];
   const char *driver = km_model_coordinate_label(first->mechanism->model, first->plan->coordinate);

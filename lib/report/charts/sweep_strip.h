@@ -1,5 +1,5 @@
-/* Small drawings for the strip beneath a plot: poses over a sweep or a time, from first to last; of what is compared, over
- * each other. */
+/* Small drawings for the strip beneath a plot: poses over a sweep or a time, from first to last; of what is
+ * compared, over each other. */
 #ifndef KM_REPORT_CHARTS_SWEEP_STRIP_H
 #define KM_REPORT_CHARTS_SWEEP_STRIP_H
 
@@ -16,7 +16,7 @@ typedef struct km_sweep_strip {
   int layers;                                   /* mechanisms over each other */
   km_drawing_def drawings[KM_MAX_STRIP_LAYERS]; /* picture k shows pose k of each; all share one scale */
   const char *captions[KM_MAX_STRIP_POSES];
-  const char *names[KM_MAX_STRIP_LAYERS]; /* of what is compared, in colours[k]; NULL: of one mechanism */
+  const char *names[KM_MAX_STRIP_LAYERS]; /* names of the compared models, in colours[k]; NULL: one mechanism */
   int colours[KM_MAX_STRIP_LAYERS];
 } km_sweep_strip;
 
@@ -24,13 +24,12 @@ typedef struct km_sweep_strip {
  * is nothing to draw, or too much for its size. `out` is the strip's context and must outlive it. */
 km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *arena, km_sweep_strip *out);
 
-/* The same of a motion over time, whose table has the time in its first column. None of what goes far away. */
+/* Strip of a motion over time, whose table has the time in its first column. Empty if the mechanism moves far away. */
 km_plot_strip km_motion_strip_make(const km_mechanism *mechanism, const km_table *table, int count, km_arena *arena,
                                    km_sweep_strip *out);
 
-/* The models or variants of a comparison over each other, in the colours of their curves: where the stroke that they
- * share begins, in its middle and at its end, or, where they have no driver of one name, so far along their own rows.
- * Of more than fit the first, the last and some between. */
+/* Models or variants overlaid in the colours of their curves: at the beginning, middle and end of the shared stroke,
+ * or of their own rows if their drivers have different names. If not all fit: the first, the last and some between. */
 km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool ordered, km_arena *arena,
                                        km_sweep_strip *out);
 

@@ -55,7 +55,7 @@ static const char *label_of(const sheet *s, const char *unit) {
   return keep(s, &text);
 }
 
-/* What tells a line from the others of its panel. */
+/* Distinguishing part of a line's name in its panel. */
 static const char *line_name(const sheet *s, size_t table, size_t column, size_t panel_columns) {
   km_text text = {0};
   if (panel_columns > 1)
@@ -92,7 +92,7 @@ static bool is_point(const char *name) {
   return strncmp(name, "point.", 6) == 0;
 }
 
-/* Whether x goes on in one direction; what is no number doesn't count. */
+/* True if x is monotonic, NaN skipped. */
 static bool goes_on(const double *x, size_t count) {
   int direction = 0;
   double last = 0.0;

@@ -42,7 +42,7 @@ static const char *pole_words(km_document_maker *k, const km_plotted_advantage *
   return km_document_words(k, &text, "");
 }
 
-/* What the reader wants to know first. */
+/* Facts on the first page. */
 static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
   const km_advantage_sweep *sweep = p->sweep;
   const char *stroke = km_report_stroke(k, &p->swept), *in = sweep->input.name, *out = sweep->output.name;
@@ -74,7 +74,7 @@ static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const
   km_report_close_facts(k, &facts);
 }
 
-/* Is the metric's column a number somewhere? */
+/* True if the metric is defined in some row. */
 static bool defined(const km_table *table, int column) {
   for (size_t r = 0; r < km_table_rows(table) && column >= 0; ++r)
     if (isfinite(km_table_row(table, r)[column]))
@@ -200,7 +200,7 @@ void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *
     km_report_plot(k, &plot, "mechanical advantage over the sweep", 230);
   km_document_text(k, "Mechanical advantage is the input's rate over the output's, signed, angles in radians. Without "
                       "losses an input force f balances an output force −MA · f.");
-  /* Three plots of the transmission fill a page of their own; one leaves room for the table behind it. */
+  /* Three plots of transmission metrics fill a page; one shares the page with the table. */
   bool many = defined(p->swept.motion->table, km_table_find(p->swept.motion->table, "sutherland_roth"));
   if (many)
     add_table(k, p);

@@ -6,8 +6,8 @@
 #include "report/charts/advantage_plot.h"
 #include "report/document/document.h"
 
-/* Of a sweep with the transmission's columns; `transmission` is that of its last row, and says why metrics are
- * undefined. `html`: one self-contained file instead of PDF pages. Appends the bytes. */
+/* Report of a sweep with transmission columns; `transmission` of the last row has the reasons of undefined metrics.
+ * `html`: one self-contained file instead of PDF pages. Appends the bytes. */
 km_status km_advantage_report(const km_plotted_advantage *sweep, const km_transmission *transmission,
                               const char *stopped_by, bool html, km_text *out, km_error *error);
 /* Its blocks, before they are rendered. */

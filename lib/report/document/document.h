@@ -18,17 +18,17 @@ typedef enum km_block_kind {
 /* A part of a document. Everything is borrowed. */
 typedef struct km_block {
   km_block_kind kind;
-  const char *text;         /* heading or paragraph; of a picture: what it shows, for those who can't see it */
+  const char *text;         /* text of a heading or paragraph; alternative text of a picture */
   const char *const *cells; /* [rows × columns], row by row */
   size_t rows, columns;
-  double height; /* of a picture, points; it is as wide as the page's text */
+  double height; /* height of a picture in points; its width is that of the text */
   km_status (*draw)(void *context, km_canvas *canvas, double width, double height, km_error *error);
   void *context;
 } km_block;
 
 typedef struct km_document {
   const char *title, *subtitle;
-  const char *footer; /* at the bottom of every page */
+  const char *footer; /* footer of every page */
   const km_block *blocks;
   size_t count;
 } km_document;

@@ -4,7 +4,8 @@
 
 #include "base/text.h"
 
-/* Appends text in which no character means markup, inside an attribute neither; controls are shown (km_text_visible). */
+/* Appends text in which no character means markup, inside an attribute neither; controls are shown
+ * (km_text_visible). */
 void km_html_escape(const char *text, km_text *out);
 
 #endif

@@ -99,7 +99,7 @@ static void add_film(const km_film_page *page, size_t k, km_text *out) {
   km_text_add(out, "</svg></figure>\n");
 }
 
-/* What the slider marks: a triangle under the track, which goes there. */
+/* Marks of the slider: triangles under its track; a click moves there. */
 static void add_stops(const km_film_page *page, km_text *out) {
   size_t last = page->films[0]->frame_count - 1;
   km_text_add(out, "<div class=\"stops\">");

@@ -9,17 +9,17 @@
 typedef struct km_film_page {
   const char *title, *subtitle, *footer;
   const km_film *const *films; /* played together: the same number of frames */
-  const char *const *alt;      /* [film] what it shows, for those who can't see it */
+  const char *const *alt;      /* [film] alternative text */
   size_t film_count;
-  const char *quantity, *unit; /* what the slider moves; unit may be "" */
+  const char *quantity, *unit; /* name and unit of the slider's variable; unit may be "" */
   const double *values;        /* [frame] of it */
   const km_motion_stop *stops;
   size_t stop_count;
   bool closed;    /* the last frame looks as the first: the film goes round; else forth and back */
-  double seconds; /* from the first frame to the last */
+  double seconds; /* [frame] values of the slider */
 } km_film_page;
 
-/* Appends the page. The same films give the same bytes. KM_MEMORY. */
+/* Appends the page. Equal films give equal bytes. KM_MEMORY. */
 km_status km_film_page_write(const km_film_page *page, km_text *out, km_error *error);
 
 /* The page's style sheet and its script, which plays what the page's data say. */

@@ -9,7 +9,7 @@
 
 static const double plot_width = 300, plot_height = 236, panel_height = 118; /* points: letters fit a phone */
 
-/* Has every curve a row for each pose? */
+/* True if every curve has a row for each pose. */
 static km_status check_chart(const km_plot *plot, size_t poses, km_error *error) {
   for (size_t p = 0; p < plot->panel_count; ++p)
     for (size_t i = 0; i < plot->panels[p].series_count; ++i)

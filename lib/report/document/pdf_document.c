@@ -9,7 +9,7 @@ static const double gap = 10, cell_pad = 3;
 static const km_colour black = {0.1, 0.1, 0.1, 1}, grey = {0.42, 0.42, 0.42, 1}, line_colour = {0.8, 0.8, 0.8, 1},
                        shade = {0.95, 0.95, 0.95, 1};
 
-/* Where the writing stands. Laid out twice: first to count the pages. */
+/* State of the layout, which runs twice: the first pass counts the pages. */
 typedef struct writer {
   const km_document *document;
   km_canvas *canvas;
@@ -169,7 +169,7 @@ static void write_picture(writer *w, const km_block *block) {
   w->y += block->height + gap;
 }
 
-/* What a block will take of a page. */
+/* Height of a block on a page. */
 static double block_height(const writer *w, const km_block *block) {
   const km_font paragraph = text_font(block);
   double width[MOST_COLUMNS];
@@ -188,7 +188,7 @@ static double block_height(const writer *w, const km_block *block) {
   }
 }
 
-/* A heading stays with all that is under it, if that fits on a page, else with what comes first. */
+/* A heading is kept with its complete section if that fits on a page, otherwise with the first block. */
 static void write_heading(writer *w, const km_block *block, const km_block *end) {
   const km_font font = {.size = 12, .bold = true, .width = text_width()};
   double height = height_of(w, &font, block->text) + 5, section = height, first = height;

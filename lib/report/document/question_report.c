@@ -17,7 +17,7 @@ static void load_words(const km_model *model, const km_forces *forces, int index
                  model->units.force->suffix, model->bodies[frame->body].name, load->turning ? ", turning with it" : "");
 }
 
-/* What acts on the model. */
+/* Forces that act on the model. */
 static void acting_words(const km_model *model, const km_forces *forces, km_text *out) {
   const double g[3] = {forces->stated_gravity.x, forces->stated_gravity.y, forces->stated_gravity.z};
   km_gravity_words(model, g, out);

@@ -18,7 +18,7 @@ static const char *label_of(const km_plotted_statics *p, int actuator) {
   return p->sweep->actuators[actuator].name;
 }
 
-/* What the reader wants to know first: how much, where; or that it can't be held. */
+/* Facts on the first page: largest forces and their locations, or that the balance is impossible. */
 static void add_lead(km_document_maker *k, const km_plotted_statics *p) {
   enum { MOST = 3 };
   const char *s_unit = km_sweep_unit(p->swept.mechanism, p->swept.plan), *stroke = km_report_stroke(k, &p->swept);
@@ -78,7 +78,7 @@ static const char *where(km_document_maker *k, const km_plotted_statics *p, int 
   return km_document_words(k, &text, "–");
 }
 
-/* Largest force of every actuator, and where it rests or gives out. */
+/* Largest force of each actuator, and its zeros and poles. */
 static void add_peaks(km_document_maker *k, const km_plotted_statics *p) {
   enum { COLUMNS = 5 };
   size_t rows = (size_t)p->sweep->actuator_count + 1;
@@ -132,7 +132,7 @@ static void add_rows(km_document_maker *k, const km_plotted_statics *p) {
   km_report_rows(k, &p->swept, columns, count, special, places);
 }
 
-/* Does the actuator's force compare with the first one's? Forces and torques don't. */
+/* True if the actuator's force has the dimension of the first one's. */
 static bool compares(km_document_maker *k, const km_plotted_statics *p, int actuator) {
   const km_model *model = p->swept.mechanism->model;
   return fabs(p->sweep->largest[actuator].value) > 0.0 &&

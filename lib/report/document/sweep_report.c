@@ -1,4 +1,4 @@
-/* What the reports about sweeps share: facts, poses, plots and rows as blocks of a document. */
+/* Blocks shared by reports of sweeps: facts, configurations, plots, rows. */
 #include "report/document/sweep_report.h"
 #include "report/drawing/drawing_poses.h"
 

@@ -1,4 +1,4 @@
-/* What the reports about sweeps share: poses, plots, tables, facts about the model. */
+/* Blocks shared by reports of sweeps: configurations, plots, tables, facts about the model. */
 #ifndef KM_REPORT_DOCUMENT_SWEEP_REPORT_H
 #define KM_REPORT_DOCUMENT_SWEEP_REPORT_H
 
@@ -11,7 +11,7 @@ typedef struct km_report_facts {
   size_t rows;
 } km_report_facts;
 void km_report_fact(km_report_facts *facts, const char *name, const char *what);
-/* What was swept, its mobility, what is held, why it ended. */
+/* Facts: driver, range, mobility, held coordinates, reason of the end. */
 void km_report_motion(km_document_maker *maker, const km_swept *swept, const char *stopped_by, km_report_facts *facts);
 /* Source, hash, units and characteristic length of the model, and how the numbers were computed, at the end. */
 void km_report_model(km_document_maker *maker, const km_swept *swept, const char *method);
@@ -32,7 +32,7 @@ typedef struct km_report_column {
 } km_report_column;
 /* The column of the driver's value or the arc length. */
 size_t km_report_s(const km_swept *swept);
-/* About a dozen rows: both ends, the rows nearest to the `special` places, and some between them, evenly spaced. */
+/* About a dozen rows: both ends, the rows nearest to the `special` values, and evenly spaced ones between. */
 void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count,
                     const double *special, size_t special_count);
 /* "1.2345", "∞", "–" where there is none. */

@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-enum { MOST_LABELS = 1000 }; /* nobody reads more, and finding places takes count² */
+enum { MOST_LABELS = 1000 }; /* limit of labels: placement takes count² */
 
 static const km_pose *pose_of(const km_studio *s, size_t index) {
   return s->drawing->poses + index * (size_t)s->drawing->mechanism->model->body_count;

@@ -10,7 +10,7 @@
 
 /* The path of a point, in the inertial frame. */
 typedef struct km_drawing_trace {
-  int frame; /* of the model; where it stands in the full pose carries the name */
+  int frame; /* body of the model; its position in the full configuration has the name */
   const char *name;
   const km_vec3 *points;
   size_t count;
@@ -20,7 +20,7 @@ typedef struct km_rectangle {
   double left, top, width, height; /* points */
 } km_rectangle;
 
-/* What to draw. Everything is borrowed; zeros are good defaults for what comes after pose_count. */
+/* Definition of a drawing. Everything is borrowed; 0 is the default of the members after pose_count. */
 typedef struct km_drawing_def {
   const km_mechanism *mechanism;
   const km_pose *poses; /* [pose_count · bodies] bodies in the inertial frame, pose by pose */
@@ -34,24 +34,24 @@ typedef struct km_drawing_def {
   km_view view;
   bool bodies;              /* names them too */
   bool loads;               /* the model's loads as arrows, in the full pose */
-  bool bare;                /* without any names */
-  const char *title, *name; /* what is shown; the model's name. Of km_drawing_render only */
-  double width, height;     /* points; 0: chosen from the shape. Of km_drawing_render only */
+  bool bare;                /* true: without names */
+  const char *title, *name; /* title; the model's name. km_drawing_render only */
+  double width, height;     /* size in points; 0: by the shape. km_drawing_render only */
 } km_drawing_def;
 
-/* Appends a page with the drawing, its title, scale bar and axes to `out`. The same drawing gives
- * the same bytes. KM_USAGE (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
+/* Appends a page with the drawing, its title, scale bar and axes to `out`. Equal drawings give equal bytes. KM_USAGE
+ * (a page too small or too large), KM_MEMORY, KM_INTERNAL. */
 km_status km_drawing_render(const km_drawing_def *drawing, km_picture_format format, km_text *out, km_error *error);
 
 /* Draws into a rectangle of a page, nothing around it. Drawings that differ only in `full` share
  * scale and view: with `alone`, a row of them shows a motion. KM_MEMORY. */
 km_status km_drawing_place(const km_drawing_def *drawing, km_canvas *canvas, km_rectangle place, km_error *error);
-/* Several mechanisms over each other, each as drawings[k].full has it, in one view and at one scale: their links as lines
- * of the palette's colours[k], the ground of the first. They fit into the place in all their poses. KM_MEMORY. */
+/* Several mechanisms over each other, each as drawings[k].full has it, in one view and at one scale: their links as
+ * lines of the palette's colours[k], the ground of the first. They fit into the place in all their poses. KM_MEMORY. */
 km_status km_drawing_overlay(const km_drawing_def *drawings, const int *colours, int count, km_canvas *canvas,
                              km_rectangle place, km_error *error);
 
-/* Whether the view that is asked for looks along the axes of a mechanism that moves in a plane. */
+/* True if the view is along the axes of a mechanism that moves in a plane. */
 bool km_drawing_def_is_planar(const km_drawing_def *drawing);
 
 #endif

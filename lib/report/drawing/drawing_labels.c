@@ -16,7 +16,7 @@ typedef struct obstacle {
   double length;
 } obstacle;
 
-/* A label that has a place: is there a leader to its spot, and where does it end? */
+/* A placed label: whether it has a leader, and the leader's end. */
 typedef struct placed_label {
   size_t index;
   bool has_leader;
@@ -28,14 +28,14 @@ typedef struct board {
   size_t count;
   obstacle *obstacles;
   size_t obstacle_count;
-  km_grid grid;         /* of the obstacles */
+  km_grid grid;         /* grid of the obstacles */
   placed_label *placed; /* [placed_count] */
   size_t placed_count;
   km_rectangle place;
-  unsigned changes; /* of places, so far */
+  unsigned changes; /* cost of the placement so far */
   unsigned *looked; /* [count] the changes when a label last looked for a place */
   double em;        /* size of the letters */
-  double worst;     /* what a place may cost at most: a name that finds none is left out */
+  double worst;     /* largest cost of a place; a name without a cheaper place is omitted */
 } board;
 
 /* Ground lies beside the spots of its item. */
@@ -121,7 +121,7 @@ static void narrow(double start, double run, double from, double to, double *low
   *high = fmin(*high, fmax(a, b));
 }
 
-/* Whether two places both lie before `low` or both past `high`: most obstacles are dismissed so. */
+/* True if two coordinates are both below `low` or both above `high`: excludes most obstacles. */
 static bool beside(double a, double b, double low, double high) {
   return (a < low && b < low) || (a > high && b > high);
 }
@@ -208,7 +208,7 @@ static double leader_cost(board *b, const km_label *label, km_canvas_point box, 
   return cost;
 }
 
-/* Of a box against the other names and their leaders. Counted until it reaches `bound`. */
+/* Cost of a box against other names and leaders, computed until it reaches `bound`. */
 static double names_cost(const board *b, const km_label *label, km_canvas_point box, double bound) {
   double cost = 0.0;
   for (size_t i = 0; i < b->placed_count && cost < bound; ++i) {

@@ -6,7 +6,7 @@ static const double width_default = 504;
 
 typedef struct page {
   double width, height, margin, head, foot;
-  double size; /* of letters and lines */
+  double size; /* scale of letters and lines */
   km_font title, subtitle, note;
   km_text about; /* the subtitle */
 } page;
@@ -56,8 +56,7 @@ static void draw_scale(const km_studio *s, const page *p) {
                   (km_anchor){0, 0.5, 0});
 }
 
-/* The direction on the page in which an axis has its name: past the tip, but aside where a longer
- * axis runs the same way. */
+/* Direction of an axis's name on the page: beyond the tip, or sideways if a longer axis has the same direction. */
 static km_spot name_direction(const km_spot axes[3], int k, double length) {
   km_spot past = {axes[k].x / length, axes[k].y / length, 0};
   for (int i = 0; i < 3; ++i) {
@@ -69,7 +68,7 @@ static km_spot name_direction(const km_spot axes[3], int k, double length) {
   return past;
 }
 
-/* Which way the inertial axes run. */
+/* Draws the inertial axes. */
 static void draw_axes(const km_studio *s, const page *p) {
   static const km_vec3 units[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   static const char *const names[] = {"x", "y", "z"};
@@ -97,7 +96,7 @@ static void draw_axes(const km_studio *s, const page *p) {
   }
 }
 
-/* As high as the shape asks for, within reason. */
+/* Height by the shape, within bounds. */
 static void choose_size(const km_studio *s, page *p) {
   const km_drawing_def *d = s->drawing;
   double width = s->extent.high[0] - s->extent.low[0], height = s->extent.high[1] - s->extent.low[1];
@@ -130,7 +129,7 @@ static void draw_titles(const km_studio *s, const page *p) {
   km_canvas_text(s->canvas, &p->subtitle, grey, about_of(p), (km_canvas_point){p->margin, p->margin + title}, corner);
 }
 
-/* What is left between titles and scale. */
+/* Rectangle between titles and scale bar. */
 static km_rectangle place_of(km_canvas *canvas, const km_drawing_def *d, page *p) {
   double title = km_canvas_measure(canvas, &p->title, title_of(d)).y;
   double subtitle = km_canvas_measure(canvas, &p->subtitle, about_of(p)).y;

@@ -1,5 +1,5 @@
-/* What the files of the drawing module share: the projection, the shapes of the bodies, and the
- * scene of one pose, whose items are painted in order. */
+/* Projection, shapes of bodies, and the scene of one configuration, whose items are painted in order. Private to
+ * report/drawing. */
 #ifndef KM_REPORT_DRAWING_DRAWING_PARTS_H
 #define KM_REPORT_DRAWING_DRAWING_PARTS_H
 
@@ -10,18 +10,18 @@ typedef struct km_spot {
   double x, y, depth;
 } km_spot;
 
-/* How the inertial frame lies on the page. */
+/* Projection of the inertial frame to the page. */
 typedef struct km_projection {
   km_vec3 right, up, toward;
   bool planar;      /* the view is along the axes of a planar mechanism */
-  const char *name; /* of the view, in words */
+  const char *name; /* name of the view */
   km_vec3 centre;   /* shown at `middle` */
   km_canvas_point middle;
   double scale; /* points per length unit */
 } km_projection;
 
 typedef struct km_extent {
-  double low[2], high[2]; /* along right and up, about the first point: see km_extent_of */
+  double low[2], high[2]; /* extent along right and up, about the first point: see km_extent_of */
   km_vec3 origin;
 } km_extent;
 
@@ -30,7 +30,7 @@ typedef struct km_shape {
   km_vec3 *points; /* no two in one place */
   int count;
   int joints; /* attached to it */
-  int colour; /* of the palette */
+  int colour; /* colour index of the palette */
 } km_shape;
 
 typedef enum km_look {
@@ -46,7 +46,7 @@ typedef enum km_look {
   KM_LOOK_SCREW
 } km_look;
 
-/* How a joint is drawn, in every pose. */
+/* Symbol of a joint, the same in all configurations. */
 typedef struct km_mark {
   km_look look;
   int guide;     /* 0 or 1: the end whose body guides the other, for what slides */
@@ -91,7 +91,7 @@ typedef struct km_face {
   unsigned shown; /* bit k: the edge from corner k on */
   int body;
   unsigned color; /* that the mesh states, as km_triangle; 0: none */
-  km_spot normal; /* of length 1, towards the viewer */
+  km_spot normal; /* unit vector towards the viewer */
   double shade;   /* 0 dark … 1 light */
 } km_face;
 
@@ -107,18 +107,18 @@ typedef struct km_scene {
   km_arena *arena;
   double radius;  /* of a pin */
   double fade;    /* 0 full colour, 1 white */
-  bool steady;    /* the ground leaves room for all poses */
-  bool halo;      /* what lies in front is set off by a white seam */
-  km_face *faces; /* of the meshes, the farthest first; they lie under all items */
+  bool steady;    /* the ground symbol is placed clear of all configurations */
+  bool halo;      /* items in front have a white outline */
+  km_face *faces; /* faces of the meshes, the farthest first; painted below all items */
   km_item *items;
   size_t count, capacity;
 } km_scene;
 
 typedef struct km_label {
   const char *text;
-  km_spot at;    /* what it names */
-  double radius; /* room that this takes */
-  int colour;    /* of the palette; -2 black */
+  km_spot at;    /* named element */
+  double radius; /* size of the label */
+  int colour;    /* colour index of the palette; −2 black */
   km_canvas_point size;
   km_canvas_point box; /* left top corner, once placed */
   bool inside;         /* may lie over its spot */
@@ -130,7 +130,7 @@ typedef struct km_label {
 
 enum { KM_BLACK = -2 };
 
-/* What stays the same from pose to pose. */
+/* Data shared by all configurations of a drawing. */
 typedef struct km_studio {
   const km_drawing_def *drawing;
   km_canvas *canvas;
@@ -141,29 +141,28 @@ typedef struct km_studio {
   km_surface *surfaces;
   km_projection view;
   km_extent extent;
-  double size;   /* of letters and lines: 1 on a page of the default size */
+  double size;   /* scale of letters and lines: 1 on a page of the default size */
   double radius; /* of a pin */
 } km_studio;
 
-/* Fills everything but drawing, canvas and place from them; the canvas isn't touched. False when
- * memory fails: the close tells. */
+/* Computes all members except drawing, canvas and rectangle. False when out of memory, which the close reports. */
 bool km_studio_open(km_studio *studio);
-/* The place without the room around the points for symbols and names. */
+/* The rectangle without the margin for symbols and names. */
 km_rectangle km_studio_inner(const km_studio *studio);
-enum { KM_LOAD_COLOUR = 1 }; /* of the palette */
+enum { KM_LOAD_COLOUR = 1 }; /* colour index of the palette */
 /* Tail and tip of a load's arrow on the page; false where the load is 0 or points at the viewer. */
 bool km_load_arrow(const km_studio *studio, const km_scene *scene, int load, km_spot out[2]);
 void km_studio_draw_loads(const km_studio *studio, const km_scene *scene);
 /* A scene of one pose, to be built. */
 km_scene km_studio_scene(km_studio *studio, size_t pose, double fade);
-/* What is named in a scene, without places: paths first, then joints, then bodies. Room for as many as
- * km_studio_most_labels says. Returns how many. */
+/* Lists the labels of a scene without positions: paths, joints, bodies; at most km_studio_most_labels. Returns their
+ * number. */
 size_t km_studio_labels(const km_studio *studio, const km_scene *scene, km_label *labels);
 size_t km_studio_most_labels(const km_studio *studio);
 km_font km_studio_font(const km_studio *studio);
 void km_studio_draw_traces(km_studio *studio);
 void km_studio_draw_trace_point(const km_studio *studio, const km_drawing_trace *trace, km_spot at);
-/* Where the point of a path is in a scene. */
+/* Position of a path's point in a scene. */
 km_spot km_trace_spot(const km_scene *scene, const km_drawing_trace *trace);
 void km_studio_draw(km_studio *studio);
 km_status km_studio_close(km_studio *studio, km_error *error);
@@ -176,7 +175,7 @@ km_spot km_project(const km_projection *view, km_vec3 point);
 /* A direction on the page: x right, y down, depth. */
 km_spot km_project_direction(const km_projection *view, km_vec3 direction);
 
-/* Shapes: the pose doesn't matter. NULL when memory fails; the arena tells. */
+/* Shapes, independent of the configuration. NULL when out of memory, which the arena records. */
 km_shape *km_shapes_make(const km_model *model, km_arena *arena);
 km_mark *km_marks_make(const km_model *model, const km_shape *shapes, km_arena *arena);
 
@@ -186,25 +185,25 @@ km_surface *km_surfaces_make(const km_drawing_def *drawing, km_arena *arena);
 void km_scene_build(km_scene *scene);
 /* The faces of the scene's meshes, in the order of painting. */
 void km_scene_add_faces(km_scene *scene);
-/* Orders faces so that what lies in front comes last, cutting some. Cost: n log n to n², by their shape. */
+/* Orders faces from back to front, splitting some. Cost: n log n to n². */
 km_face *km_faces_order(km_face *faces, km_arena *arena);
-/* The corners of the convex hull of spots on the page, which are sorted on the way; `hull` has room
- * for 2 * count + 1. Returns how many; 2 where all are in line. */
+/* Convex hull of points on the page, which are sorted; hull[2 * count + 1]. Returns the number of corners; 2 if all
+ * are collinear. */
 int km_convex_hull(km_spot *spots, int count, km_spot *hull);
-/* Orders items so that what lies in front is painted last. */
+/* Orders items from back to front. */
 void km_scene_order(km_scene *scene);
 /* The base lies under everything, ghosts and paths too; then comes the rest. */
 void km_scene_paint_base(const km_scene *scene, km_canvas *canvas);
 void km_scene_paint(const km_scene *scene, km_canvas *canvas);
 void km_item_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
-/* Where a joint's symbol stands. */
+/* Position of a joint's symbol. */
 km_vec3 km_joint_place(const km_scene *scene, int joint);
-/* Whether meshes show both bodies of a joint: then no cylinder and rod are drawn for it. */
+/* True if both bodies of a joint have meshes: then no cylinder and rod are drawn. */
 bool km_joint_is_solid(const km_scene *scene, int joint);
 /* Half the size of a joint's symbol on the page. */
 double km_symbol_reach(const km_scene *scene, int joint);
 km_pose km_joint_frame(const km_scene *scene, int joint, int end);
-/* Of joint `joint`: the body at end 0 (parent) or 1 (child). */
+/* Body at end 0 (parent) or 1 (child) of a joint. */
 int km_joint_body(const km_model *model, int joint, int end);
 
 /* Painting. */
@@ -212,12 +211,12 @@ km_colour km_mix(km_colour colour, km_colour other, double part);
 km_colour km_faded(const km_scene *scene, km_colour colour);
 void km_face_paint(const km_scene *scene, km_canvas *canvas, const km_face *face);
 void km_symbol_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
-/* On which side of a rail the ground lies: the direction across it, of length 1. */
+/* Unit vector across a rail towards the ground. */
 km_spot km_rail_side(const km_item *rail);
 void km_ground_paint(const km_scene *scene, km_canvas *canvas, const km_item *item);
 
-/* Finds places for labels that touch neither each other nor, if they can help it, the scene. Those for which there is
- * no room are left without. */
+/* Places labels without overlaps of each other and, where possible, of the scene. Labels without a place are
+ * omitted. */
 void km_labels_place(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
                      km_label *labels, size_t count, const km_font *font, km_rectangle place);
 /* Draws a label that has a place, with a leader where it stands off. */

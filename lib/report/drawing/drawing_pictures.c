@@ -6,7 +6,8 @@
 #include "report/drawing/drawing_poses.h"
 #include "report/drawing/link_outlines.h"
 
-enum { PICTURES = 72 };                  /* of an animated picture, and one: a few megabytes in all */
+enum { PICTURES = 72 };                  /* limits of pixels of an animated picture, and of one frame: a few
+                                          * megabytes in all */
 static const double picture_width = 360; /* points */
 
 km_status km_drawing_picture(const km_drawing *drawing, const km_drawing_look *look, km_picture_format format,

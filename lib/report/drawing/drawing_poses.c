@@ -40,7 +40,7 @@ static size_t bodies_of(const km_drawing *d) {
   return (size_t)d->mechanism->model->body_count;
 }
 
-/* Room for so many more poses. */
+/* Reserves memory for more poses. */
 static bool make_room(km_drawing *d, size_t more) {
   if (d->count + more <= d->room)
     return true;
@@ -53,7 +53,7 @@ static bool make_room(km_drawing *d, size_t more) {
   return true;
 }
 
-/* Is it a state of this mechanism, and that one of the drawing's model? */
+/* True if the state is of this mechanism, and the mechanism of the drawing's model. */
 static km_status check_pose(const km_drawing *d, const km_mechanism *m, const km_state *state, km_error *error) {
   km_status status = km_check_given(d != NULL, "drawing", error);
   if (!status)
@@ -94,7 +94,7 @@ km_status km_drawing_add_path(km_drawing *d, int frame, const char *name, km_err
   return KM_OK;
 }
 
-/* Room for so many more points of each path. */
+/* Reserves memory for more points of each path. */
 static bool make_path_room(km_drawing *d, size_t more) {
   size_t count = d->path_count ? d->paths[0].count : 0, room = d->path_room;
   if (count + more <= room)

@@ -6,14 +6,14 @@
 
 struct km_drawing {
   const km_mechanism *mechanism;
-  km_pose *poses; /* [room · bodies] */
+  km_pose *poses; /* [capacity · bodies] */
   size_t count, room;
-  km_drawing_trace *paths; /* what they point to is theirs: */
+  km_drawing_trace *paths; /* owned arrays: */
   km_vec3 **points;        /* [path][path_room] */
   size_t path_count, path_room;
 };
 
-/* What to draw, borrowed from both. KM_USAGE: there is no pose, or the look isn't one of this drawing. */
+/* Definition of the drawing, borrowed from both. KM_USAGE: no pose, or a look of another drawing. */
 km_status km_drawing_define(const km_drawing *drawing, const km_drawing_look *look, km_drawing_def *out,
                             km_error *error);
 

@@ -1,7 +1,7 @@
-/* What is drawn of bodies and joints whatever their pose: points, colours, looks. */
+/* Shapes of bodies and joints independent of the configuration: points, colours, styles. */
 #include "report/drawing/drawing_parts.h"
 
-static const double same = 1e-6; /* of the mechanism's size: points that close are one */
+static const double same = 1e-6; /* relative to the mechanism's size: nearer points are merged */
 
 int km_joint_body(const km_model *model, int joint, int end) {
   return model->frames[model->joints[joint].frame[end]].body;
@@ -50,8 +50,8 @@ static void add_centres(const km_model *model, km_shape *shapes, double near) {
       add_point(&shapes[b], model->bodies[b].center_of_mass, near);
 }
 
-/* The bodies that joints connect a body to: neighbour[first[body] … first[body + 1]-1], where first[body + 1] is the next free
- * place of a body while they are listed. */
+/* The bodies that joints connect a body to: neighbour[first[body] … first[body + 1]-1], where first[body + 1] is the
+ * next free place of a body while they are listed. */
 static void list_neighbours(const km_model *model, int *first, int *neighbour) {
   for (int j = 0; j < model->joint_count; ++j)
     for (int end = 0; end < 2; ++end)
@@ -109,7 +109,7 @@ static km_vec3 slide_axis(const km_model *model, int joint, int end) {
   return model->frames[def->frame[end]].pose.R.axis[def->type - KM_TX];
 }
 
-/* Whether all of the body lies on the line of the slide: then it looks like a cylinder or a rod. */
+/* True if all points of the body lie on the line of the prismatic joint: then it is drawn as a cylinder or rod. */
 static bool is_slender(const km_model *model, const km_shape *shapes, int joint, int end, double near) {
   const km_model_frame *frame = &model->frames[model->joints[joint].frame[end]];
   const km_shape *shape = &shapes[frame->body];

@@ -26,7 +26,7 @@ static void put_point(km_text *out, int group, km_canvas_point point) {
   put_number(out, group + 20, 0.0);
 }
 
-/* Letters, digits and _ are all that release 12 allows; the number tells names apart that become alike. */
+/* Release 12 allows letters, digits and _ only; the number distinguishes names that become equal. */
 static void layer_name(const km_model *model, int body, char out[NAME]) {
   const char *name = body ? model->bodies[body].name : "fixed";
   size_t count = (size_t)snprintf(out, NAME, "%d_", body);

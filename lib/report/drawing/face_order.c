@@ -1,6 +1,6 @@
-/* Which face hides which: a binary space partition (H. Fuchs, Z. Kedem, B. Naylor, On visible surface generation by
- * a priori tree structures, 1980), walked while it is built, since the viewer stands still. Faces that a plane of
- * another cuts are cut in two, so that faces that run through each other come out right, too. */
+/* Visibility order of faces by a binary space partition (H. Fuchs, Z. Kedem, B. Naylor, On visible surface
+ * generation by a priori tree structures, 1980), traversed while it is built, because the viewer is fixed. Faces
+ * that the plane of another face cuts are split, so intersecting faces are correct, too. */
 #include "report/drawing/drawing_parts.h"
 
 #include <stdlib.h>
@@ -66,7 +66,7 @@ static km_face *cut(const plane *p, const km_face *face, double side, km_arena *
   return part;
 }
 
-/* Of a few faces the one whose plane cuts the fewest others and leaves the sides most alike. */
+/* Chooses among a few faces the one whose plane splits the fewest others and balances the sides. */
 static km_face *choose(km_face *list, int count) {
   km_face *best = list;
   int least = -1, stride = count / CANDIDATES + 1, i = 0;

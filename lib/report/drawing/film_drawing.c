@@ -6,7 +6,8 @@
 #include <stdint.h>
 
 static const double width_default = 360, height_least = 150, height_most = 420; /* points: letters fit a phone */
-static const double near = 0.05;                                                /* points: nobody sees less */
+static const double near = 0.05;                                                /* points: smaller differences are
+                                                                                 * invisible */
 
 typedef struct work {
   km_studio studio;
@@ -16,7 +17,7 @@ typedef struct work {
   km_scene first;
 } work;
 
-/* Where a body is on the page: a point of it, and the cosine and sine of its turn since the first frame. */
+/* Planar displacement of a body on the page: a point, and cosine and sine of its rotation since the first frame. */
 typedef struct stand {
   km_spot at;
   double cosine, sine;
@@ -67,7 +68,7 @@ static bool has_spot(const km_item *item, km_spot spot) {
   return false;
 }
 
-/* Whether the item is where its carrier takes it; the corners of a plate may begin anywhere. */
+/* True if the item equals the rigidly moved one; the corners of a plate may start at any corner. */
 static bool is_carried(const work *w, size_t frame, int body, const km_item *first, const km_item *now) {
   stand from = stand_of(w, 0, body), to = stand_of(w, frame, body);
   if (first->count != now->count)
@@ -224,7 +225,7 @@ static void draw_film(work *w) {
   draw_followers(w);
 }
 
-/* As high as the shape asks for, within reason. */
+/* Height by the shape, within bounds. */
 static km_status find_height(const km_drawing_def *drawing, double width, double *height, km_error *error) {
   km_studio s = {.drawing = drawing, .place = {0, 0, width, width}};
   *height = width;

@@ -1,17 +1,17 @@
-/* A tidy tree: columns from left to right for what hangs on a body, the body over their middle. */
+/* Tidy tree layout: columns from left to right for the subtrees of a body, the body above their middle. */
 #include "report/drawing/graph_layout.h"
 
 #include <math.h>
 
-static const double step = 150.0;   /* between levels */
-static const double half = 18.0;    /* of a node's height */
+static const double step = 150.0;   /* distance between levels */
+static const double half = 18.0;    /* in node heights */
 static const double arrow = 10.0;   /* its length */
 static const double letter = 7.0;   /* an average one's width, rather more */
 static const double between = 30.0; /* nodes */
 static const double text = 28.0;    /* height of a joint's label and type */
 static const double upright = 48.0; /* so far above its lower end an arc goes straight down, beside its label */
 static const double box = 30.0;     /* half of a node's width, and how far a line leaves it sideways */
-static const double sag = 0.4;      /* of the step: how deep lines within a level are drawn under it */
+static const double sag = 0.4;      /* in steps: depth of lines within a level below it */
 
 int km_graph_width(const char *label) {
   int count = 0;
@@ -40,7 +40,7 @@ static int tail_of(const km_mechanism *m, int loop) {
   return m->model->frames[m->model->joints[m->topology.chord[loop]].frame[0]].body;
 }
 
-/* How many columns each body takes, into width[body]. */
+/* Computes the number of columns of each body, width[body]. */
 static void count_columns(const km_mechanism *m, int *width) {
   const km_topology *t = &m->topology;
   for (int l = 0; l < t->loop_count; ++l)
@@ -57,7 +57,7 @@ static double middle(const km_graph_places *p, int column, int width) {
   return p->pitch * (column + 0.5 * width);
 }
 
-/* From the inertial frame on; next[body] is the next free column of those that it takes. */
+/* Assigns positions from the inertial frame on; next[body] is the next free column of the body. */
 static void place(const km_mechanism *m, const int *width, int *next, km_graph_places *p) {
   const km_topology *t = &m->topology;
   p->body[0] = middle(p, 0, width[0]);

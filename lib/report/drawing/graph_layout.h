@@ -1,15 +1,15 @@
-/* Places of a large graph: a tidy tree, in time linear in its bodies and joints. graphviz' own layout of thousands of joints
- * takes from seconds to minutes. */
+/* Places of a large graph: a tidy tree, in time linear in its bodies and joints. graphviz' own layout of thousands
+ * of joints takes from seconds to minutes. */
 #ifndef KM_REPORT_DRAWING_GRAPH_LAYOUT_H
 #define KM_REPORT_DRAWING_GRAPH_LAYOUT_H
 
 #include "base/text.h"
 #include "topology/mechanism.h"
 
-/* In points, as graphviz counts, y upwards. A node stands over the middle of what hangs on it, and nothing else stands there. */
+/* Positions in points, y upwards, as in graphviz. A node is above the middle of its subtree. */
 typedef struct km_graph_places {
   km_arena arena;
-  double pitch;        /* of the columns that a node without children takes one of */
+  double pitch;        /* width of the column of a leaf */
   double *body, *loop; /* x of every body, and of every loop's virtual body */
   int *level;          /* [loop] of the virtual body; bodies have those of the topology */
 } km_graph_places;
@@ -20,13 +20,13 @@ void km_graph_places_free(km_graph_places *places);
 
 /* Attributes of a node at x. */
 void km_graph_place_node(double x, int level, km_text *out);
-/* Of an arc to a node of that level from one on which it hangs, with its label of `width` letters beside the lower end; `back`: the
- * arrow points to the upper one. */
+/* Position of an arc from a parent to a node of a level, with its label of `width` letters at the lower end; `back`:
+ * the arrow points to the parent. */
 void km_graph_place_arc(double from, double to, int level, int width, bool back, km_text *out);
-/* Of the line from a virtual body to its body. */
+/* Position of the line from a virtual body to its body. */
 void km_graph_place_line(double from, int level, double to, int to_level, km_text *out);
 
-/* How many characters a label has. */
+/* Number of characters of a label. */
 int km_graph_width(const char *label);
 
 #endif

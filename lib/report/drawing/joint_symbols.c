@@ -10,7 +10,7 @@ typedef struct brush {
   km_spot at;
   double r;
   km_pen pen;
-  km_colour fill, side; /* of faces towards the viewer, and of others */
+  km_colour fill, side; /* lightness of faces towards the viewer, and of others */
 } brush;
 
 static brush brush_of(const km_scene *scene, km_canvas *canvas, const km_item *item) {
@@ -224,7 +224,7 @@ static void hatching(const brush *b, km_spot d, double half, double away) {
 }
 
 static void mount(const brush *b, km_spot down) {
-  const km_spot d = {down.y, -down.x, 0}; /* along the ground, so that `across` is away from the joint */
+  const km_spot d = {down.y, -down.x, 0}; /* direction along the ground; `across` points away from the joint */
   const km_canvas_point feet[] = {spot(b, d, 0, 0), spot(b, d, -1.7, 3.0), spot(b, d, 1.7, 3.0)};
   outline(b, b->side, feet, 3);
   hatching(b, d, 2.8, 3.0);

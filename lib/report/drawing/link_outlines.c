@@ -4,7 +4,7 @@
 #include "report/canvas/palette.h"
 #include "report/drawing/drawing_parts.h"
 
-static const double hole = 0.25; /* of a link's width: a hole's radius */
+static const double hole = 0.25; /* radius of a hole in link widths */
 
 typedef struct work {
   km_studio studio;
@@ -29,19 +29,19 @@ static void add(work *w, km_outline_part part) {
   reach(w->out, part.from.x, part.from.y, part.radius);
 }
 
-/* Where a point of a body lies in the plane: x to the right, y upwards, about the inertial origin. */
+/* Position of a body's point in the plane: x to the right, y upwards, from the inertial origin. */
 static km_spot flat(const work *w, int body, km_vec3 point) {
   const km_drawing_def *d = w->studio.drawing;
   km_vec3 p = km_pose_point(&d->poses[d->full * (size_t)d->mechanism->model->body_count + (size_t)body], point);
   return (km_spot){km_vec3_dot(w->studio.view.right, p), km_vec3_dot(w->studio.view.up, p), 0};
 }
 
-/* Around the corners of a convex hull, counterclockwise: a line beside each edge, an arc about each corner. */
+/* Offset curve of a convex hull, counterclockwise: a line parallel to each edge, an arc about each corner. */
 static void add_around(work *w, int body, const km_spot *hull, int count) {
   double r = 0.5 * w->out->width;
   for (int i = 0; i < count; ++i) {
     km_spot a = hull[i], b = hull[(i + 1) % count], c = hull[(i + 2) % count];
-    double turn = atan2(a.x - b.x, b.y - a.y), next = atan2(b.x - c.x, c.y - b.y); /* of the outward normals */
+    double turn = atan2(a.x - b.x, b.y - a.y), next = atan2(b.x - c.x, c.y - b.y); /* angles of the outward normals */
     double x = r * cos(turn), y = r * sin(turn);
     add(w, (km_outline_part){KM_OUTLINE_LINE, body, -1, {a.x + x, a.y + y}, {b.x + x, b.y + y}, 0, 0, 0});
     add(w, (km_outline_part){KM_OUTLINE_ARC, body, -1, {b.x, b.y}, {0, 0}, r, turn, next});
@@ -127,7 +127,7 @@ static km_canvas_point on_page(const sheet *s, double x, double y) {
                            s->margin + s->scale * (s->outlines->high[1] - y)};
 }
 
-enum { SEGMENTS = 96 }; /* of a whole circle's polygon: an outline of 10 mm is 0.003 mm off */
+enum { SEGMENTS = 96 }; /* corners of a full circle's polygon: an outline of 10 mm is 0.003 mm off */
 
 static void draw_part(const sheet *s, const km_outline_part *p) {
   const km_pen pen = {.colour = km_palette_text(p->colour), .width = 0.5};

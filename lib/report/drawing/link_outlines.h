@@ -12,8 +12,8 @@ typedef struct km_outline_part {
   double begin, end; /* ARC: radians, counterclockwise */
 } km_outline_part;
 
-/* Of the pose that is drawn in full: each body is as wide as `width` about its points, with a hole of half that at
- * every hinge; the inertial frame has holes alone. */
+/* Outlines in the fully drawn configuration: each body extends `width` around its points, with a hole of half that
+ * at each revolute joint; the inertial frame has holes only. */
 typedef struct km_outlines {
   const km_model *model;
   km_outline_part *parts; /* body by body */

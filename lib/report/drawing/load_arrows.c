@@ -34,7 +34,7 @@ bool km_load_arrow(const km_studio *s, const km_scene *scene, int index, km_spot
   out[1] = point;
   if (inside(s->place, out[0]))
     return true;
-  out[0] = point; /* there is room only on the other side: it begins at the point */
+  out[0] = point; /* only the other side is free: the arrow begins at the point */
   out[1] = (km_spot){point.x + way.x, point.y + way.y, point.depth};
   return true;
 }

@@ -4,7 +4,7 @@
 
 static const double pin = 3.2; /* points on a page of the default size */
 
-/* What every studio shows, about the first one's origin. */
+/* Extent of all drawings, about the origin of the first. */
 static km_extent common_extent(const km_studio *studios, int count) {
   const km_projection *view = &studios[0].view;
   km_extent all = studios[0].extent;
@@ -25,7 +25,7 @@ static void share_view(km_studio *studios, int count) {
   km_projection_fit(&studios[0].view, &all, km_studio_inner(&studios[0]));
   for (int k = 0; k < count; ++k) {
     studios[k].view = studios[0].view;
-    studios[k].radius = pin * studios[0].size; /* the same in every pose, however near the joints come */
+    studios[k].radius = pin * studios[0].size; /* constant size, whatever the distance of the joints */
   }
 }
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 static const double sharp = 0.9;    /* cosine of the angle between faces from which the edge between them shows */
-static const double edge_on = 1e-6; /* of a face's normal: less can't be seen */
+static const double edge_on = 1e-6; /* rounding of a face's normal: smaller differences are invisible */
 
 typedef struct edge {
   int low, high; /* vertices */
@@ -150,7 +150,7 @@ void km_face_paint(const km_scene *scene, km_canvas *canvas, const km_face *face
   for (int i = 0; i <= face->count; ++i)
     points[i] = (km_canvas_point){face->spots[i % face->count].x, face->spots[i % face->count].y};
   km_canvas_polygon(canvas, fill, points, (size_t)face->count);
-  /* Between neighbours of one colour the page would shine through. */
+  /* Adjacent faces of one colour overlap slightly, otherwise the page would be visible between them. */
   km_canvas_polyline(canvas, &seam, points, (size_t)face->count + 1);
   for (int i = 0; i < face->count; ++i)
     if (face->shown >> i & 1U)

@@ -1,7 +1,7 @@
 /* A grid of cells over a page. */
 #include "report/drawing/page_grid.h"
 
-enum { MOST_CELLS = 256 /* in each direction */ };
+enum { MOST_CELLS = 256 /* number of cells in each direction */ };
 
 /* The cells that a frame meets. */
 typedef struct span {
@@ -10,7 +10,7 @@ typedef struct span {
 
 static int cell_at(double place, double start, double cell, int count) {
   double at = floor((place - start) / cell);
-  return (int)fmin(fmax(at, 0.0), (double)(count - 1)); /* of a place that isn't a number: 0 */
+  return (int)fmin(fmax(at, 0.0), (double)(count - 1)); /* cell of a coordinate; 0 for NaN */
 }
 
 static span cells_of(const km_grid *g, const km_rectangle *frame) {

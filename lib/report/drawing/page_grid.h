@@ -1,5 +1,5 @@
-/* Which of many things on a page lie about a place: a grid of cells, each with those whose frames meet it. Private to
- * drawing/. */
+/* Grid of cells for neighbour search on a page: each cell lists the frames that intersect it. Private to
+ * report/drawing/. */
 #ifndef KM_REPORT_DRAWING_PAGE_GRID_H
 #define KM_REPORT_DRAWING_PAGE_GRID_H
 
@@ -11,16 +11,18 @@ typedef struct km_grid {
   int *first, *item; /* [cells + 1] into the items */
   unsigned *seen;    /* [count] the last question that met an item */
   unsigned question;
-  int left_cell, right_cell, bottom_cell; /* those that the question asks about */
-  int row, column, next, end;             /* where it stands: the cell's items to come are item[next … end-1] */
+  int left_cell, right_cell, bottom_cell; /* frames that intersect the query */
+  int row, column, next, end;             /* state of the iteration: remaining items of the cell are item[next …
+                                           * end-1] */
 } km_grid;
 
-/* Of `count` things that lie within frames; what lies off `place` counts to the cells at its edge. False when out of
- * memory. */
+/* Builds the grid of `count` frames; frames outside the page are assigned to the cells at its edge. False when out
+ * of memory. */
 bool km_grid_make(km_grid *grid, km_rectangle place, double cell, const km_rectangle *frames, size_t count,
                   km_arena *arena);
 
-/* Asks which things may meet a frame. Then each call gives the number of another one; -1: there are no more. */
+/* Starts a query of the frames that may intersect a given frame. Each further call returns another index; −1 at the
+ * end. */
 void km_grid_ask(km_grid *grid, km_rectangle frame);
 int km_grid_next(km_grid *grid);
 

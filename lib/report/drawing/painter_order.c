@@ -1,12 +1,12 @@
-/* Which item hides which: the painter's order. Mean depths deceive where long bars cross, so pairs
- * that overlap on the page are compared where they do. */
+/* Painter's order of items. Mean depths are wrong for long bars that cross, so pairs that overlap on the page are
+ * compared at the overlap. */
 #include "report/drawing/drawing_parts.h"
 
 #include <stdlib.h>
 
-enum { MOST_COMPARED = 1500 }; /* items: beyond, pairs would take long, and nobody could see them */
+enum { MOST_COMPARED = 1500 }; /* items: with more, pairwise comparison is slow and details are invisible */
 
-/* Where two segments come nearest on the page: distance, and depth of the first less the second. */
+/* Nearest points of two segments on the page: distance, and difference of depth. */
 typedef struct meeting {
   double distance, depth;
 } meeting;
@@ -108,7 +108,7 @@ void km_scene_order(km_scene *scene) {
   if (scene->view->planar || n > MOST_COMPARED)
     return;
   km_item *ordered = KM_ARENA_NEW(scene->arena, km_item, n);
-  int *behind = KM_ARENA_NEW(scene->arena, int, n);                   /* how many items must come first */
+  int *behind = KM_ARENA_NEW(scene->arena, int, n);                   /* number of items that must be painted before */
   signed char *front = KM_ARENA_NEW(scene->arena, signed char, n *n); /* [i, k] i in front of k */
   if (scene->arena->failed)
     return;

@@ -2,11 +2,13 @@
  * links. */
 #include "report/drawing/drawing_parts.h"
 
-static const double bar_half = 0.85;                           /* of a pin's radius: half the width of a bar */
-static const double far_apart = 5.0;                           /* of a pin's radius: nearer slides have no cylinder */
-enum { LAYER_BASE, LAYER_LINKS, LAYER_GROUND, LAYER_SYMBOLS }; /* in a plane; in space depth rules */
+static const double bar_half = 0.85;                           /* in pin radii: half the width of a bar */
+static const double far_apart = 5.0;                           /* in pin radii: shorter prismatic joints have no
+                                                                * cylinder */
+enum { LAYER_BASE, LAYER_LINKS, LAYER_GROUND, LAYER_SYMBOLS }; /* order of painting in a plane; in space the depth
+                                                                * decides */
 
-/* An item with room for `count` spots; NULL when memory fails. */
+/* Appends an item with `count` points; NULL when out of memory. */
 static km_item *add_item(km_scene *scene, km_item_kind kind, int layer, int count) {
   km_spot *spots = KM_ARENA_NEW(scene->arena, km_spot, (size_t)count);
   if (!spots || scene->count == scene->capacity)
@@ -73,7 +75,7 @@ static void add_body(km_scene *scene, int body) {
     add_outline(scene, body, spots, shape->count);
 }
 
-/* What holds a spatial mechanism together; in a plane the hatching says it all. */
+/* Ground plate of a spatial mechanism; in a plane the hatching suffices. */
 static void add_base(km_scene *scene) {
   const km_shape *shape = &scene->shapes[0];
   km_spot *spots = KM_ARENA_NEW(scene->arena, km_spot, (size_t)shape->count);
@@ -83,7 +85,7 @@ static void add_base(km_scene *scene) {
     add_outline(scene, 0, spots, shape->count);
 }
 
-/* How much a body that hangs at a spot is in the way of ground in this direction: -0.2 not at all, 0.8 wholly. */
+/* Obstruction of a ground symbol in a direction by a body at the point: −0.2 none, 0.8 complete. */
 static double obstruction(const km_scene *scene, const km_pose *pose, int body, km_spot at, km_spot direction) {
   double worst = 0.0;
   for (int i = 0; i < scene->shapes[body].count; ++i) {
@@ -95,8 +97,8 @@ static double obstruction(const km_scene *scene, const km_pose *pose, int body, 
   return worst;
 }
 
-/* Down, unless a link leaves that way: of four directions the one with the most room, in this pose or, where the
- * ground is steady, in all. */
+/* Direction of the ground symbol: down, unless a link leaves in that direction; the freest of four directions, in
+ * this configuration or, if the symbol is fixed, in all. */
 static km_spot ground_direction(const km_scene *scene, int body, km_spot at) {
   static const km_spot directions[] = {{0, 1, 0}, {-1, 0, 0}, {1, 0, 0}, {0, -1, 0}};
   static const double dislike[] = {0.0, 0.5, 0.5, 0.4};
@@ -125,7 +127,7 @@ static void add_mount(km_scene *scene, int joint, int body, km_spot at) {
     return;
   item->joint = joint;
   item->spots[0] = at;
-  item->spots[0].depth -= scene->radius; /* under the symbol */
+  item->spots[0].depth -= scene->radius; /* offset below the symbol */
   item->axis[0] = ground_direction(scene, body, at);
   item->reach = 3.0 * scene->radius;
 }
@@ -136,7 +138,7 @@ static void add_rail(km_scene *scene, int joint, km_vec3 axis) {
     return;
   const size_t bodies = (size_t)scene->mechanism->model->body_count;
   km_vec3 place = km_joint_place(scene, joint);
-  double reach[2] = {0.0, 0.0}; /* of the box over all poses */
+  double reach[2] = {0.0, 0.0}; /* corners of the bounding box over all configurations */
   for (size_t p = 0; p < scene->pose_count; ++p) {
     km_scene other = *scene;
     other.pose = scene->poses + p * bodies;
@@ -206,7 +208,7 @@ static void add_guide(km_scene *scene, int joint) {
   km_spot axis = km_project_direction(scene->view, frame.R.axis[model->joints[joint].type - KM_TX]);
   km_spot a = km_project(scene->view, frame.p), b = km_project(scene->view, km_joint_place(scene, joint));
   double past = (axis.x * (b.x - a.x) + axis.y * (b.y - a.y) < 0.0 ? -3.5 : 3.5) * scene->radius;
-  if (km_spot_distance(a, b) < 3.5 * scene->radius) /* at the same place the guide goes both ways */
+  if (km_spot_distance(a, b) < 3.5 * scene->radius) /* at equal positions the guide extends in both directions */
     a = (km_spot){b.x - past * axis.x, b.y - past * axis.y, b.depth - past * axis.depth};
   add_bar(scene, body, a, (km_spot){b.x + past * axis.x, b.y + past * axis.y, b.depth + past * axis.depth});
 }
@@ -244,7 +246,7 @@ static void add_symbol(km_scene *scene, int joint) {
     return;
   item->joint = joint;
   item->spots[0] = km_project(scene->view, km_joint_place(scene, joint));
-  /* In front of the links that it joins; a pin in front of the box or weld that it sits on. */
+  /* Depth of a symbol: in front of the links that it joins; a pin in front of its box or weld. */
   bool carries = scene->marks[joint].look == KM_LOOK_SLIDER || scene->marks[joint].look == KM_LOOK_WELD;
   item->spots[0].depth += (carries ? 1.6 : 2.0) * scene->radius;
   item->reach = km_symbol_reach(scene, joint);
@@ -271,7 +273,7 @@ static void find_depths(km_scene *scene) {
     km_item *item = &scene->items[i];
     for (int k = 0; k < item->count; ++k)
       item->depth += item->spots[k].depth / item->count;
-    item->depth = round(item->depth * 1e4) * 1e-4; /* what lies in one plane is equally deep */
+    item->depth = round(item->depth * 1e4) * 1e-4; /* in a plane all items have equal depth */
     if (!scene->view->planar && item->layer != LAYER_BASE)
       item->layer = LAYER_LINKS;
   }

@@ -61,8 +61,8 @@ static void add_couplings(const km_model *model, int joint, km_text *out) {
   }
 }
 
-/* Label, type, and where colours alone would have to tell substructures apart their number. The blanks keep the
- * text off its line. */
+/* Label, type, and the number of the substructure if colours don't suffice. The blanks separate the text from the
+ * line. */
 static void add_joint(const km_mechanism *m, int joint, km_text *out) {
   const km_model_joint *def = &m->model->joints[joint];
   const char *word = km_joint_kind_of(def->type)->word;

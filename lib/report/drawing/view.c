@@ -1,4 +1,4 @@
-/* From the inertial frame to the page: which way to look, and how large. */
+/* View: projection direction and scale from the inertial frame to the page. */
 #include "report/drawing/drawing_parts.h"
 
 #include <string.h>
@@ -26,7 +26,7 @@ static bool across(km_vec3 a, km_vec3 b) {
   return fabs(km_vec3_dot(a, b)) < parallel;
 }
 
-/* A joint's axes as far as they tell a plane of motion. */
+/* Axes of a joint that determine a plane of motion. */
 typedef struct axes {
   km_vec3 turn, slide; /* turn: the normal of a planar joint, too */
   bool turns, slides, spatial;
@@ -68,8 +68,8 @@ static bool moves_in(const axes *a, km_vec3 normal) {
   return !a->spatial && (!a->turns || along(a->turn, normal)) && (!a->slides || across(a->slide, normal));
 }
 
-/* Whether every joint that counts moves in the plane: those in loops, if there are any, and then
- * most of the others (an excavator swings on its tracks, but works in a plane). */
+/* True if all joints in loops move in the plane, and most of the others (an excavator swings on its tracks, but
+ * works in a plane). */
 static bool is_plane(const km_drawing_def *drawing, km_vec3 normal) {
   const km_mechanism *m = drawing->mechanism;
   int good = 0, bad = 0;
@@ -108,7 +108,7 @@ static km_vec3 unit(km_vec3 a) {
   return km_vec3_scale(1.0 / km_vec3_norm(a), a);
 }
 
-/* Against gravity; without any, z. */
+/* Up direction: against gravity, or z without gravity. */
 static km_vec3 upwards(const km_model *model) {
   return km_vec3_norm(model->gravity) > 0.0 ? unit(km_vec3_scale(-1.0, model->gravity)) : (km_vec3){0, 0, 1};
 }

@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const double value_limit = 1e300, value_least = 1e-290;
-static const double tick_slack = 1e-6; /* of a step: a tick on the border is inside */
+static const double tick_slack = 1e-6; /* unit: steps; a tick on the border is inside */
 
 bool km_axis_takes(double value) {
   return fabs(value) <= value_limit;

@@ -16,8 +16,7 @@ typedef struct km_axis {
   int multiplier; /* labels leave out 10^multiplier; 0 when they are short without it */
 } km_axis;
 
-/* Whether a value can be drawn at all: finite, and its range with another such value is finite too.
- */
+/* True if a value is finite and its difference to another such value is finite. */
 bool km_axis_takes(double value);
 /* The nearest value that can be drawn. */
 double km_axis_limited(double value);
@@ -27,13 +26,13 @@ void km_axis_widen(double *low, double *high);
 /* At most about `most` ticks, round numbers; of degrees above 10 those of a circle: 15, 30, 45, 90, 180, 360, ….
  * `round_ends` moves low and high outward to ticks. */
 km_axis km_axis_fit(double low, double high, size_t most, bool degrees, bool round_ends);
-/* Whether an axis with this label, "driver A (deg)", counts degrees; NULL: no. */
+/* True if an axis with this label, such as "driver A (deg)", is in degrees; false for NULL. */
 bool km_axis_in_degrees(const char *label);
 
 double km_axis_tick(const km_axis *axis, size_t index);
 /* "0.25", with as many decimals at every tick, a real minus sign, and "0" for zero. */
 void km_axis_label(const km_axis *axis, size_t index, char out[KM_AXIS_LABEL]);
-/* What labels leave out: "×10⁻⁶"; empty when nothing. */
+/* Common factor omitted from labels: "×10⁻⁶", or empty. */
 void km_axis_multiplier(const km_axis *axis, char out[KM_AXIS_LABEL]);
 
 #endif

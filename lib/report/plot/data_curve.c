@@ -41,7 +41,7 @@ static void close_run(sleeve *s) {
   s->open = false;
 }
 
-/* Whether `point` can take over from `last` as the end of the sleeve; narrows the sleeve if so. */
+/* True if `point` can replace `last` as the end of the segment within the tolerance sleeve; then narrows the sleeve. */
 static bool extend(sleeve *s, km_canvas_point point) {
   double dx = point.x - s->anchor.x, dy = point.y - s->anchor.y;
   double distance = hypot(dx, dy);

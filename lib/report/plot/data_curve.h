@@ -1,5 +1,4 @@
-/* Data as it is drawn: mapped into a frame, cut to it, and thinned to what the eye can tell apart.
- */
+/* Curves of data: mapped into a frame, clipped, and thinned to visible resolution. */
 #ifndef KM_REPORT_PLOT_DATA_CURVE_H
 #define KM_REPORT_PLOT_DATA_CURVE_H
 

@@ -8,20 +8,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const double spacing = 1.1;     /* of rows of names, in font sizes */
+static const double spacing = 1.1;     /* distance of rows of names, in font sizes */
 static const double size_least = 4.5;  /* points: crowded names shrink to this, no further */
 static const double lead = 12;         /* length of a leader from a line's end to its name */
-static const double lead_straight = 4; /* where all names stand at their line's height */
+static const double lead_straight = 4; /* all names at the height of their lines */
 static const double same_place = 6;    /* ends closer than this across share a column of names */
 static const double moved = 1.5;       /* a name farther from its line than this gets a leader */
 
 typedef struct line_name {
   const km_plot_series *series;
   const km_curve *curve;
-  double width; /* of the text */
-  bool beside;  /* in the column at the right of the frame */
+  double width; /* width of the text */
+  bool beside;  /* true: in the column right of the frame */
   bool placed;
-  double top, left; /* of the text's box, once placed */
+  double top, left; /* position of the text's box */
 } line_name;
 
 typedef struct name_list {
@@ -29,7 +29,7 @@ typedef struct name_list {
   km_frame frame;
   const km_curve *curves;
   size_t curve_count;
-  line_name *names; /* by height of their line's end */
+  line_name *names; /* order by the height of the line's end */
   size_t count;
   km_font font;
 } name_list;
@@ -113,7 +113,7 @@ static void draw_more(const name_list *list, size_t missing, double left, double
                  (km_anchor){0, 0.5, 0});
 }
 
-/* Whether every name stands right at its line's end, so that none needs a leader. */
+/* True if every name is at its line's end, so that no leader is needed. */
 static bool all_straight(const name_list *list, line_name *const *names, const double *places, size_t count) {
   double right = list->frame.left + list->frame.width;
   for (size_t i = 0; i < count; i++)
@@ -143,7 +143,7 @@ static void draw_beside(name_list *list, bool below_flags) {
   size_t count = fit_beside(list, all, bottom - top + 2 * half);
   for (size_t i = 0; i < count; i++)
     places[i] = names[i]->curve->end.y;
-  places[count] = bottom; /* for the number of names left out, if any */
+  places[count] = bottom; /* space for the number of omitted names */
   km_plot_spread(places, count < all ? count + 1 : count, spacing * list->font.size, top, bottom, arena);
   bool straight = all_straight(list, names, places, count);
   double left = list->frame.left + list->frame.width + (straight ? lead_straight : lead);
@@ -156,7 +156,7 @@ static void draw_beside(name_list *list, bool below_flags) {
   list->font = font;
 }
 
-/* What a name hides when its box is here: lines, names already placed, and leaving the frame. */
+/* Cost of a box: lines and placed names that it covers, and its part outside the frame. */
 static double hidden(const name_list *list, const line_name *name, double left, double middle) {
   const double worse = 100;
   double half = 0.5 * spacing * list->font.size;
@@ -178,7 +178,7 @@ static double hidden(const name_list *list, const line_name *name, double left, 
 /* The shift of a whole column of names, up or down, that hides least; the least such shift. */
 static double best_shift(const name_list *list, line_name *const *names, const double *places, size_t count,
                          double left) {
-  const double dearness = 0.1; /* of half a row's shift, against one crossing hidden */
+  const double dearness = 0.1; /* cost of a shift by half a row, relative to a covered crossing */
   double half_row = 0.5 * spacing * list->font.size;
   double best = 0, best_cost = DBL_MAX;
   for (int step = 0; step <= 64; step++) {

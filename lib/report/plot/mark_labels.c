@@ -11,7 +11,7 @@ static const km_colour ink = {0.25, 0.25, 0.25, 1};
 static const double nearly_same = 2; /* points: signs closer than this share a name */
 static const double name_gap = 6, pole_gap = 2.5;
 
-/* Of a mark, or of its flag. */
+/* Colour of a mark or of its flag. */
 static km_colour ink_of(int own_colour) {
   return own_colour > 0 ? km_palette_text(own_colour - 1) : ink;
 }
@@ -35,7 +35,7 @@ double km_plot_flags_room(const km_plot_layout *layout, const km_plot_panel *pan
     double part = named(mark) ? axis_part(&layout->x, mark->x) : 0;
     if (part <= 0)
       continue;
-    /* part * (width - room) + name = width, the name reaching just to the right border */
+    /* part * (width - needed) + name = width, so that the name ends at the right border */
     room = fmax(room, width - (width - name_width(layout, mark->name)) / part);
   }
   return room;
@@ -63,7 +63,7 @@ static void insert(km_plot_flags *flags, km_plot_flag flag) {
   flags->flags[i] = flag;
 }
 
-/* A joined name may be longer than the room made for single ones: it ends at the cell's border. */
+/* A joined name may exceed the space reserved for single names: it ends at the cell's border. */
 static void merge(const km_plot_layout *layout, km_plot_flags *flags, size_t i, double frame_width) {
   km_plot_flag *flag = &flags->flags[i];
   flag->name = join(layout->arena, flag->name, flag[1].name);
@@ -80,8 +80,7 @@ static size_t nearest_pair(const km_plot_flags *flags) {
   return best;
 }
 
-/* From the right: a flag flies above all the poles and flags that it reaches over, so no pole runs
- * through a name. */
+/* Placement from the right: a flag is above all poles and flags that it overlaps, so no pole crosses a name. */
 static void choose_rows(km_plot_flags *flags) {
   flags->rows = 0;
   for (size_t i = flags->count; i-- > 0;) {

@@ -35,7 +35,7 @@ static bool touches(const km_curve *curve, km_canvas_point p, double width) {
   return false;
 }
 
-/* How many of the samples, evenly along the upper curve, are on the lower one. */
+/* Number of samples, evenly spaced on the upper curve, that lie on the lower curve. */
 static int samples_on(const km_curve *upper, const km_curve *lower, double width) {
   double gap = length_of(upper) / SAMPLES, next = 0.5 * gap, passed = 0;
   int on = 0;

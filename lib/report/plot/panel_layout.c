@@ -1,4 +1,4 @@
-/* A plot's page divided into panels with room for ticks, names and marks. */
+/* Layout of a plot's page: panels with space for ticks, names and marks. */
 #include "report/plot/plot_layout.h"
 
 #include <float.h>
@@ -53,7 +53,7 @@ static size_t columns_by_count(size_t panels) {
   return panels <= 3 ? (panels ? panels : 1) : panels == 4 ? 2 : panels <= 9 ? 3 : 4;
 }
 
-/* The height at which a plot with equal scales wastes no room beside its frame, within reason. */
+/* Height at which a plot with equal scales fills its width, within bounds. */
 static double height_of_equal(const km_plot *plot, double width) {
   const double beside = 110, above_below = 90, least = 220, most = 640;
   plot_range x, y = {0, 1};
@@ -75,7 +75,7 @@ void km_plot_layout_size(const km_plot *plot, double *width, double *height) {
 /* The grid whose frames come nearest to a plot's best shape, with few cells left empty. */
 static void choose_grid(km_plot_layout *layout, double height) {
   const double best_shape = 1.45, emptiness = 0.4;
-  /* What a cell usually spends on names and ticks. */
+  /* Usual height and width of names and ticks in a cell. */
   double beside = 4.5 * layout->tick.size, above_below = 5.5 * layout->tick.size;
   size_t panels = layout->plot->panel_count ? layout->plot->panel_count : 1;
   double least = DBL_MAX;
@@ -121,7 +121,7 @@ static double widest_tick(const km_plot_layout *layout, const km_axis *axis) {
   return widest;
 }
 
-/* As many ticks as have room for their labels. */
+/* Number of ticks whose labels fit. */
 static void fit_x(km_plot_layout *layout, plot_range x) {
   double clearance = 1.5 * layout->tick.size;
   for (size_t most = 10; most > 0; most--) {
@@ -224,9 +224,9 @@ static plot_range widened(double low, double high, double size) {
   return (plot_range){middle - 0.5 * size, middle + 0.5 * size};
 }
 
-/* Of both axes the one that has room to spare shows more, so that a unit is as long along x as along y. */
+/* Equal scales: widens the range of the axis with free space, so that a unit has the same length along x and y. */
 static void make_equal(km_plot_layout *layout, plot_range x, const plot_range *y) {
-  const double seam = 1.06; /* what keeps the curve off the frame */
+  const double seam = 1.06; /* margin between curve and frame */
   double unit = seam * (x.high - x.low) / layout->frame_width;
   for (size_t p = 0; p < layout->plot->panel_count; p++)
     unit = fmax(unit, seam * (y[p].high - y[p].low) / layout->frame_height);

@@ -26,15 +26,15 @@ typedef struct km_plot_mark {
 
 typedef struct km_plot_panel {
   const char *title;    /* NULL: none */
-  const char *y_label;  /* of a plot whose panels have their own y axes */
-  double y_low, y_high; /* of its own y axis; both 0: fitted to the data */
+  const char *y_label;  /* y axis of a plot whose panels have their own */
+  double y_low, y_high; /* range of its own y axis; both 0: fitted to the data */
   const km_plot_series *series;
   size_t series_count;
   const km_plot_mark *marks;
   size_t mark_count;
 } km_plot_panel;
 
-/* Pictures in a strip beneath the axes: drawn by the caller into the room that is told. */
+/* Pictures in a strip below the axes, drawn by the caller into a given rectangle. */
 typedef struct km_plot_strip {
   double height; /* points; 0: no strip */
   void (*draw)(void *context, km_canvas *canvas, double top, double width);
@@ -43,7 +43,7 @@ typedef struct km_plot_strip {
 
 typedef struct km_plot {
   const char *title, *subtitle;
-  const char *x_label, *y_label; /* with their units: "driver K (mm)" */
+  const char *x_label, *y_label; /* labels with units: "driver K (mm)" */
   double y_low, y_high;          /* both 0, or own_y: fitted to the data with round ticks */
   const km_plot_panel *panels;   /* small multiples with common axes */
   size_t panel_count;
@@ -53,9 +53,8 @@ typedef struct km_plot {
   double width, height; /* in points (1/72 inch), without the strip; 0: chosen from the number of panels */
 } km_plot;
 
-/* Appends the picture's bytes to `out`. The same plot gives the same bytes (no date, no random id).
- * KM_USAGE (a page too small or too large), KM_MEMORY or KM_INTERNAL (the graphics library's own
- * failure, in words); `out` then is as it was. */
+/* Appends the picture's bytes to `out`. Equal plots give equal bytes (no date, no random id). KM_USAGE (a page too
+ * small or too large), KM_MEMORY or KM_INTERNAL (a failure of the graphics library); `out` is then unchanged. */
 km_status km_plot_render(const km_plot *plot, km_picture_format format, km_text *out, km_error *error);
 
 /* Draws the plot, without its strip, at the origin of a page that is there already. */

@@ -1,4 +1,4 @@
-/* Shortening names to what tells them apart. */
+/* Shortens names to their distinguishing parts. */
 #include "report/plot/short_names.h"
 
 #include "base/text.h"

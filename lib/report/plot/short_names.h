@@ -4,11 +4,11 @@
 
 #include "base/memory.h"
 
-/* What tells the names apart: a long name loses the words that all of them begin or end with, "…" stands for them.
- * out[count]; NULL entries when out of memory. */
+/* Shortens names: in a long name the words that all names share at the beginning or end become "…". out[count]; NULL
+ * entries when out of memory. */
 void km_short_names(const char *const *names, int count, km_arena *arena, const char **out);
 
-/* The same of names that lie `stride` bytes apart. NULL when out of memory. */
+/* km_short_names for names that are `stride` bytes apart. NULL when out of memory. */
 const char **km_short_names_of(const char *const *first, size_t stride, int count, km_arena *arena);
 
 #endif

@@ -21,7 +21,7 @@ static void add_losses(const km_losses *losses, const km_advantage *a, km_value 
     km_value_number(arena, item, "locks_from", losses->locks_from);
 }
 
-/* Does an end name something of this mechanism? */
+/* True if a port refers to an element of this mechanism. */
 static bool fits(const km_mechanism *m, const km_port *h) {
   return h->name && (h->kind != KM_PORT_JOINT || (h->coordinate >= 0 && h->coordinate < m->coordinate_count));
 }

@@ -1,4 +1,4 @@
-/* Mechanical advantage as records (JSON) and as text for people. */
+/* Mechanical advantage as records (JSON) and as text. */
 #ifndef KM_REPORT_RECORD_ADVANTAGE_RECORD_H
 #define KM_REPORT_RECORD_ADVANTAGE_RECORD_H
 
@@ -8,7 +8,7 @@
 #include "kmech/transfer.h"
 #include "report/record/record.h"
 
-/* What `kma sweep --format json` gives, and a summary to act on. */
+/* Record of `kma sweep --format json`, and its text summary. */
 km_value *km_advantage_sweep_record(const km_mechanism *mechanism, const km_advantage_sweep *sweep,
                                     const char *stopped_by, const char *name, km_arena *arena);
 void km_advantage_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_advantage_sweep *sweep,

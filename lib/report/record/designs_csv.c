@@ -104,7 +104,7 @@ static void add_number(km_arena *arena, km_value *object, const char *key, doubl
     km_value_add(arena, object, key, KM_NULL);
 }
 
-/* Why figures are null that have a value: "infinite", "minus infinite", by their names. */
+/* Reasons of null figures, by their names: "infinite", "minus infinite". */
 static void add_states(const km_design_study *s, const km_design_result *r, km_arena *arena, km_value *design) {
   km_value *states = NULL;
   for (int f = 0; f < km_design_study_figures(s) && !arena->failed; ++f) {

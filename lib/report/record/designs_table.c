@@ -10,7 +10,7 @@
 
 enum { MOST_ROWS = KM_DESIGNS_ROWS, MOST_COLUMNS = KM_DESIGNS_COLUMNS, CELL = KM_DESIGNS_CELL };
 
-/* As much of a text as has room, without a part of a letter; what isn't printed, such as the end of a line, becomes a blank. */
+/* Cuts a text to a width without splitting a character; control characters become blanks. */
 static void set_text(char cell[CELL], const char *text) {
   size_t size = strlen(text);
   if (size > CELL - 1)
@@ -34,7 +34,7 @@ static void set_head(km_designs_table *g, int column, const char *name, const ch
   set_text(g->cells[1][column], unit);
 }
 
-/* Which design has the best value of a figure; -1: none is better than another. */
+/* Design with the best value of a figure; −1 if all are equal. */
 static int best_of(km_designs_table *g, const km_design_study *s, int figure, int designs) {
   const km_design_figure *f = km_design_study_figure(s, figure);
   int best = -1;

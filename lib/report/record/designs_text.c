@@ -1,4 +1,4 @@
-/* What a study came to, in tables for people. */
+/* Results of a study as text tables. */
 #include "base/arguments.h"
 #include "kmech/report.h"
 
@@ -70,7 +70,7 @@ static void print_valueless(const km_design_study *s, const km_design_study_def 
   print_reasons(s, def, KM_DESIGN_DONE, out);
 }
 
-/* Has every design that is done a value of every figure? */
+/* True if every evaluated design has a value of every figure. */
 static bool all_valued(km_design_study *s, const km_design_yield *y) {
   km_design_statistics st;
   for (int f = 0; f < km_design_study_figures(s); ++f)
@@ -90,7 +90,7 @@ static void print_outcomes(const km_design_study *s, const km_design_study_def *
   }
 }
 
-/* Where nothing was drawn by chance there is no confidence to tell. */
+/* Without a random sample there is no confidence interval. */
 static void print_yield(const km_design_yield *y, bool drawn, km_text *out) {
   km_text_format(out, "  good enough: %d of %d, %.4g %%", y->good, y->count, 100.0 * y->share);
   if (drawn)
@@ -98,7 +98,7 @@ static void print_yield(const km_design_yield *y, bool drawn, km_text *out) {
   km_text_add(out, "\n");
 }
 
-/* Why nothing is told about what a figure depends on; NULL: something is. */
+/* Reason why a figure has no sensitivity; NULL if it has one. */
 static const char *why_none(const km_design_statistics *st) {
   return st->count == 0              ? "no design has a value of it"
          : st->count == 1            ? "only one design has a value of it"
@@ -157,7 +157,7 @@ static km_status print_sensitivity(km_design_study *s, const km_design_study_def
   return KM_OK;
 }
 
-/* What the table is about. */
+/* Title of the table. */
 static void print_heading(const km_design_study *s, const km_design_study_def *def, km_text *out) {
   if (!def->optimise || km_design_study_designs(s) == 0)
     return;

@@ -1,4 +1,4 @@
-/* What acts on a mechanism, and what its reactions leave out, in words. */
+/* Text about gravity, loads and forces, and about friction that reactions omit. */
 #include "kmech/report.h"
 
 #include "report/record/record.h"

@@ -108,7 +108,7 @@ bool km_sweep_drives(const km_mechanism *m, const km_mobility_sweep *sweep, int 
   return sweep->extremes[c].number > 1e-9;
 }
 
-/* Which joints could drive the range: smallest number, where, and the verdict in words. */
+/* Joints that can drive the range: smallest mobility number, its location, and the verdict as text. */
 static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, km_value *record, km_arena *arena) {
   km_value *drivers = km_value_add(arena, record, "drivers", KM_LIST);
   for (int c = 0; c < m->coordinate_count && !arena->failed; ++c) {
@@ -126,7 +126,7 @@ static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, k
   }
 }
 
-/* Those of every pose, named; and where there are more. */
+/* Redundant constraints of all configurations, and the ranges with further ones. */
 static void add_redundancies(const km_mechanism *m, const km_sweep_redundancies *r, km_value *record, km_arena *arena) {
   km_redundancies_record(m, &r->lasting, record, arena);
   km_value *extra = km_value_add(arena, record, "redundant_at_poses", KM_LIST);

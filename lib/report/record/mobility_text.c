@@ -108,7 +108,7 @@ void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobili
     print_coordinates(m, s, out);
 }
 
-/* The next best driver after the one of the given rank, by smallest number; ties in file order. */
+/* The best driver after that of the given rank, by smallest mobility number; ties in file order. */
 static int next_driver(const km_mechanism *m, const km_mobility_sweep *sweep, int last) {
   int best = -1;
   for (int c = 0; c < m->coordinate_count; ++c) {
@@ -159,7 +159,7 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   }
 }
 
-/* Where more constraints are redundant than over the rest of the sweep. */
+/* Ranges with more redundant constraints than the rest of the sweep. */
 static void print_extra(const km_sweep_redundancies *r, const char *unit, km_text *out) {
   enum { MOST_SHOWN = 8 };
   if (r->extra_count == 0)

@@ -23,7 +23,7 @@ void km_question_print(const km_question *q, const km_mechanism *m, const char *
   if (!q || !m || q->m != m || !name || !out)
     return;
   const km_sweep_plan *plan = km_question_plan(q);
-  if (!plan || plan->steps == 0) /* an answer at one pose has no driver to tell of */
+  if (!plan || plan->steps == 0) /* an answer at one configuration has no driver */
     return;
   if (km_question_mobility(q))
     km_mobility_sweep_print(m, plan, km_question_mobility(q), km_question_redundancies(q), name, out);

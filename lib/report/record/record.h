@@ -10,7 +10,7 @@
 void km_record_model(const km_model *model, km_value *record, km_arena *arena);
 /* `columns` and `rows`. */
 void km_table_record(const km_table *table, km_value *record, km_arena *arena);
-/* How the mechanism moved: branch_points, cycle, complete, stopped_by. */
+/* Adds the course of the motion: branch_points, cycle, complete, stopped_by. */
 void km_sweep_record(const km_sweep *sweep, const char *stopped_by, km_value *record, km_arena *arena);
 
 /* `reactions_note`, where the reactions leave something out. */

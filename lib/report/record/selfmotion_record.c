@@ -154,12 +154,12 @@ void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *na
                  a->freedom == 2 ? m->row_count : m->count);
 }
 
-/* With two spare freedoms and more the poses fill surfaces: which of their points are found is chance. */
+/* With two or more redundant freedoms the solutions form surfaces, of which random points are found. */
 static bool is_sampled(const km_arm *a) {
   return a->freedom > 1;
 }
 
-/* A single pose at every full turn that the limits leave room for: their number. */
+/* Number of full turns within the limits of a single solution. */
 static double turns_of(const km_arm *a, const double *shown, int *first, int *last) {
   double count = 1.0;
   for (int k = 0; k < a->n; ++k) {

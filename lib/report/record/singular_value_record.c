@@ -12,8 +12,8 @@ typedef enum kind { KIND_TOGGLE, KIND_GAIN, KIND_MINIMUM } kind;
 typedef struct singularity {
   double s;
   kind kind;
-  size_t index;   /* of the sweep's toggle, branch point or minimum */
-  int coordinate; /* of a toggle */
+  size_t index;   /* index of the sweep's toggle, branch point or minimum */
+  int coordinate; /* joints of a toggle */
 } singularity;
 
 static int by_place(const void *a, const void *b) {

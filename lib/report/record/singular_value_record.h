@@ -1,4 +1,4 @@
-/* Singular poses of a mobility sweep, told for people and programs. */
+/* Singular configurations of a mobility sweep as record and as text. */
 #ifndef KM_REPORT_RECORD_SINGULAR_VALUE_RECORD_H
 #define KM_REPORT_RECORD_SINGULAR_VALUE_RECORD_H
 
@@ -6,11 +6,11 @@
 #include "base/value.h"
 #include "kmech/sweep.h"
 
-/* Adds `singularities` [{s, kind, joints | mobility | singular_value, meaning}] in the order of s, kind one of toggle,
- * gain, minimum; and `smallest_singular_value` {value, s}, null where it wasn't asked for. */
+/* Adds `singularities` [{s, kind, joints | mobility | singular_value, meaning}] in the order of s, kind one of
+ * toggle, gain, minimum; and `smallest_singular_value` {value, s}, null if it wasn't requested. */
 void km_singularities_record(const km_mechanism *mechanism, const km_mobility_sweep *sweep, km_value *record,
                              km_arena *arena);
-/* The smallest singular value and its minima, where they were asked for. */
+/* Appends the smallest singular value and its minima, if requested. */
 void km_singularities_print(const km_mobility_sweep *sweep, const char *unit, km_text *out);
 
 #endif

@@ -130,7 +130,7 @@ static void print_directions(const km_mechanism *m, const km_statics *st, km_tex
   }
 }
 
-/* In tables for people a component below this share of the largest is 0. */
+/* Text tables show a component below this share of the largest as 0. */
 static const double rounding = 1e-12;
 
 /* Forces and torques below these are 0: rounding is all there is. */

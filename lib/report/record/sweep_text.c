@@ -1,4 +1,4 @@
-/* What every sweep says for people, and pieces of text that reports share. */
+/* Text common to all sweeps, and text shared by reports. */
 #include "report/record/sweep_text.h"
 
 #include "base/arguments.h"
@@ -57,7 +57,7 @@ const char *km_sweep_unit(const km_mechanism *m, const km_sweep_plan *plan) {
   return "";
 }
 
-/* What has the limit: of a ball that is the joint's angle, not one of its coordinates. */
+/* Element with the limit: for a ball joint its angle, not one of its coordinates. */
 static const char *limited(const km_model *model, int c) {
   const km_model_joint *joint = &model->joints[model->coordinates[c].joint];
   return joint->most_turn > 0.0 ? joint->label : model->coordinates[c].label;
@@ -109,7 +109,7 @@ static void print_end(const km_mechanism *m, const km_sweep_plan *plan, const km
     stop_reason(m, plan, sweep, &sweep->end, 1, out);
 }
 
-/* Was the motion one of this mechanism, by all that its end names? */
+/* True if all elements named by the motion's end belong to this mechanism. */
 static bool fits(const km_mechanism *m, const km_sweep_plan *plan, const km_motion_end *reach) {
   bool follows = plan->arclength > 0.0;
   bool driven = follows || (plan->coordinate >= 0 && plan->coordinate < m->coordinate_count);

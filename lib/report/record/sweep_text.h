@@ -1,4 +1,4 @@
-/* What every sweep says for people, and pieces of text that reports share. */
+/* Text common to all sweeps, and text shared by reports. */
 #ifndef KM_REPORT_RECORD_SWEEP_TEXT_H
 #define KM_REPORT_RECORD_SWEEP_TEXT_H
 

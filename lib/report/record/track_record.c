@@ -32,8 +32,8 @@ void km_tracks_label(const km_tracks *t, int index, char separator, char *out, s
     snprintf(out, size, "%s", word);
 }
 
-/* +1: one track ends further along the path than the other, -1: the other way round; 0: where a limit ends both, it is found to
- * rounding. */
+/* +1: one track ends further along the path than the other, -1: the other way round; 0: where a limit ends both, it
+ * is found to rounding. */
 static int goes_further(const km_track *one, const km_track *other) {
   double way = one->end.s - other->end.s, same = 1e-6 * fmax(one->end.s, other->end.s);
   return way > same ? 1 : way < -same ? -1 : 0;
@@ -47,7 +47,8 @@ static int compare(double x, double y) {
   return fabs(difference) <= 1e-9 * fmax(fabs(x), fabs(y)) ? 0 : difference > 0.0 ? 1 : -1;
 }
 
-/* Further along the path, then by the objective's own aggregate, then by the other one, by less travel of the joints and by a lower rate. */
+/* Further along the path, then by the objective's own aggregate, then by the other one, by less travel of the joints
+ * and by a lower rate. */
 static bool is_better(const km_track *a, const km_track *b) {
   const km_track_summary *x = &a->summary, *y = &b->summary;
   int least = compare(x->objective_min, y->objective_min), mean = compare(x->objective_mean, y->objective_mean);
@@ -268,7 +269,7 @@ static void print_line(const km_tracks *all, int index, km_text *out) {
                  s->limit_margin, s->violations, s->evaluations);
 }
 
-/* How good the reference is. */
+/* Text about the accuracy of the reference. */
 static void print_remarks(const km_tracks *all, int index, km_text *out) {
   const km_track *track = all->items[index];
   double change = track->summary.converged;
@@ -284,7 +285,7 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
                                             : "stops short at one of two spacings: no reference yet");
 }
 
-/* Which of several tracks is the one to take, and why. */
+/* The best of several tracks, with the reason. */
 static void print_best(const km_tracks *t, km_text *out) {
   int best = km_tracks_best(t);
   const km_track *track = best >= 0 ? t->items[best] : NULL;

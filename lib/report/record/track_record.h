@@ -1,4 +1,4 @@
-/* What the records, texts and pictures about arms share. */
+/* Functions shared by records, texts and pictures of arms. */
 #ifndef KM_REPORT_RECORD_TRACK_RECORD_H
 #define KM_REPORT_RECORD_TRACK_RECORD_H
 
@@ -7,7 +7,7 @@
 #include "arm/tracking/track.h"
 #include "kmech/report.h"
 
-/* Are these the tracks of a study with a path? */
+/* True if these are tracks of a study with a path. */
 bool km_tracks_are_whole(const km_tracks *tracks);
 /* The head of every record about an arm. */
 km_value *km_arm_record(const km_arm *arm, const char *model, km_arena *arena);

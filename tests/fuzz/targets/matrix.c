@@ -1,5 +1,5 @@
-/* Any matrix: rank, order of columns and null space of the partition, by the dense engine and the sparse one, against LAPACK's
- * singular values. */
+/* Any matrix: rank, order of columns and null space of the partition, by the dense engine and the sparse one,
+ * against LAPACK's singular values. */
 #include "target.h"
 
 #include "linalg/partition.h"
@@ -44,8 +44,8 @@ static double entry(bytes *b, const double *J, int rows, int r, int c) {
   }
 }
 
-/* Columns of one scale, as Jacobians have them, whose lengths are over the size. Beside columns of 1 others of 1e-7 may share
- * a product of pivots that is rounding, and LU of one column after the other then keeps them all. */
+/* Columns of one scale, as Jacobians have them, whose lengths are over the size. Beside columns of 1 others of 1e-7
+ * may share a product of pivots that is rounding, and LU of one column after the other then keeps them all. */
 static void scale_columns(double *J, int rows, int columns) {
   for (int c = 0; c < columns; ++c) {
     double largest = 0.0;

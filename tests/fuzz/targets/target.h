@@ -5,8 +5,8 @@
 #include "judge.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
-/* Damages an input as `seed` says, in room for `room` bytes; its new size. Those of texts are by mutations.c, which knows
- * tokens, half of the time; the others libFuzzer's own. */
+/* Damages an input as `seed` says, in room for `room` bytes; its new size. Those of texts are by mutations.c, which
+ * knows tokens, half of the time; the others libFuzzer's own. */
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed);
 
 #endif

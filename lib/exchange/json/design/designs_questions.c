@@ -80,8 +80,8 @@ static void read_figure(km_designs_reader *d, const km_value *v, const km_place 
   read_points(d, km_value_get(v, "through"), place, out);
 }
 
-/* true, a number, a text, a list of either; a list of a text and a number is a joint with a sense, and so is {"joint", "sign"}, as a model
- * has it. */
+/* true, a number, a text, a list of either; a list of a text and a number is a joint with a sense, and so is
+ * {"joint", "sign"}, as a model has it. */
 static void read_option(km_designs_reader *d, const km_value *v, const km_place *place, km_design_option *out) {
   bool sense = v->kind == KM_OBJECT && v->count == 2 && km_value_get(v, "joint") && km_value_get(v, "sign");
   bool list = v->kind == KM_LIST || sense;

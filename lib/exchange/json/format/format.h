@@ -100,8 +100,8 @@ void km_format_check(const km_value *root, km_messages *messages);
 void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
                         km_messages *messages);
 
-/* What a JSON file is that isn't the one that is expected: "a study of designs, which kstudy reads", "a path study, which kredund
- * reads", "a model"; NULL: none of them. */
+/* What a JSON file is that isn't the one that is expected: "a study of designs, which kstudy reads", "a path study,
+ * which kredund reads", "a model"; NULL: none of them. */
 const char *km_other_kind(const km_value *root, const km_object_format *expected);
 
 /* A field's shape and unit in words, as `[x, y, z]` and `length/time^2`; the unit is empty where there is none. */
@@ -111,8 +111,8 @@ void km_field_unit_text(const km_field *field, km_text *out);
 /* Every object's keys as tables in Markdown, each below a line `<!-- keys: NAME -->`. */
 void km_format_markdown(const km_object_format *format, km_text *out);
 
-/* The published JSON schema (draft 2020-12) of the table; `title` tells what it describes, `expressions` whether texts may
- * stand for numbers. */
+/* The published JSON schema (draft 2020-12) of the table; `title` tells what it describes, `expressions` whether
+ * texts may stand for numbers. */
 const km_value *km_format_schema(const km_object_format *format, const char *title, bool expressions, km_arena *arena);
 
 #endif

@@ -1,4 +1,5 @@
-/* What the files of the format table share: abbreviations for rows, and the objects that more than one of them names. */
+/* What the files of the format table share: abbreviations for rows, and the objects that more than one of them
+ * names. */
 #ifndef KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
 #define KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
 

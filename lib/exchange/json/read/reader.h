@@ -75,8 +75,8 @@ void km_reader_named(km_reader *reader, const km_value *object, const km_place *
 
 /* A frame of a body, entered under its name; its index. */
 int km_reader_add_frame(km_reader *reader, const char *name, int body, km_pose pose);
-/* A name like `name` that no element of the scope has: itself, else with a colon and `mark`, else with more colons. Kept
- * in the model, whose arena fails when out of memory. */
+/* A name like `name` that no element of the scope has: itself, else with a colon and `mark`, else with more colons.
+ * Kept in the model, whose arena fails when out of memory. */
 const char *km_reader_free_name(km_reader *reader, const km_names *names, int scope, const char *name,
                                 const char *mark);
 /* A frame that the file doesn't write: of a joint or strut, whose name it bears if that is free. */
@@ -84,8 +84,8 @@ int km_reader_make_frame(km_reader *reader, int body, const char *name, km_pose 
 
 /* Frame of a path seen from an assembly. KM_NOT_FOUND (reported) or KM_LEFT_OUT. */
 int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const km_place *place);
-/* Frame of a path from the root, or [body, frame] where the body's name is unique. KM_NOT_FOUND (reported), or KM_LEFT_OUT with
- * a note that `what` is left out with it. */
+/* Frame of a path from the root, or [body, frame] where the body's name is unique. KM_NOT_FOUND (reported), or
+ * KM_LEFT_OUT with a note that `what` is left out with it. */
 int km_reader_frame_anywhere(km_reader *reader, const km_value *path, const km_place *place, const char *what);
 /* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT and KM_FAULTY aren't. */
 int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);

@@ -30,7 +30,8 @@ static bool limit(__rlimit_resource_t resource, rlim_t most) {
   return setrlimit(resource, &r) == 0;
 }
 
-/* The timer ends the program by SIGALRM, whatever the caller does with that signal. No core is dumped, no file written. */
+/* The timer ends the program by SIGALRM, whatever the caller does with that signal. No core is dumped, no file
+ * written. */
 static bool limit_all(void) {
   sigset_t alarms;
   sigemptyset(&alarms);
