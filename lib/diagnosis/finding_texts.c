@@ -37,7 +37,7 @@ void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_t
   if (screw)
     km_text_format(out, " of pitch %.4g %s/rad", r->pitch, length);
   km_text_add(out, " more often than needed");
-  if (!r->lasting)
+  if (!r->persistent)
     km_text_add(out, ", at this pose only");
 }
 

@@ -261,7 +261,7 @@ static km_status check_masses(const km_mechanism *m, km_state *s, km_findings *f
     bool massless = false, inert = false;
     for (int k = t->loop_start[i]; k < t->loop_start[i + 1]; ++k)
       massless = massless || is_massless(m, t->loop[k]);
-    km_status status = massless ? km_moves_no_mass(m, s, i, &inert, error) : KM_OK;
+    km_status status = massless ? km_has_massless_motion(m, s, i, &inert, error) : KM_OK;
     if (status)
       return status;
     for (int k = t->loop_start[i]; k < t->loop_start[i + 1] && inert; ++k)

@@ -1,11 +1,11 @@
-/* The Jacobian of a substructure with all six rows of every loop. Private to analysis/. */
+/* Jacobian of a substructure with all six rows of every loop. Private to the library. */
 #ifndef KM_MOBILITY_FULL_JACOBIAN_H
 #define KM_MOBILITY_FULL_JACOBIAN_H
 
 #include "kinematics/state.h"
 
-/* Six entries (v; ω) of a twist about `about`, lengths over the substructure's size, of a coordinate in units of
- * `unit`. */
+/* Computes the six entries (v; ω) of a coordinate's twist with the reference point `about`: lengths over the
+ * substructure's size, the coordinate in units of `unit`. */
 static inline void km_twist_entries(const km_substructure *sub, km_twist twist, km_vec3 about, double unit,
                                     double out[6]) {
   double scale = unit / sub->size;
@@ -18,12 +18,12 @@ static inline void km_twist_entries(const km_substructure *sub, km_twist twist, 
   out[5] = twist.w.z;
 }
 
-/* J: six rows a loop in the order of the substructure's loops (along the inertial axes, moments about `about`), then
- * the couplings; rows = 6 · loops + couplings, by the substructure's columns. twist[coordinate] of every coordinate. */
+/* Computes J[rows × columns]: six rows per loop in the order of the substructure's loops (inertial axes, moments
+ * about `about`), then the couplings; rows = 6 · loops + couplings. twist[coordinate] of every coordinate. */
 void km_full_jacobian(const km_mechanism *mechanism, const km_state *state, int substructure, const km_twist *twist,
                       km_vec3 about, double *J);
-/* The couplings' entries alone: that of coupling i and a column at first[i · down + column · across]. */
+/* Writes the couplings' entries: that of coupling i and a column at entries[i · row_stride + column · column_stride]. */
 void km_coupling_entries(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
-                         double *first, size_t down, size_t across);
+                         double *entries, size_t row_stride, size_t column_stride);
 
 #endif

@@ -1,4 +1,4 @@
-/* Notes about geometry: offset pins, ranks that rounding may have decided. */
+/* Notes about geometry: offsets along hinge axes, substructures that are rigid by rounding, doubtful ranks. */
 #include "kmech/mobility.h"
 
 #include "kinematics/assembly.h"
@@ -8,10 +8,10 @@
 #include "mobility/rank_evidence.h"
 
 static const double rounding =
-    1e-6; /* of a substructure's size: offsets of this order come from the digits of a file */
+    1e-6; /* relative to the substructure's size: offsets below this come from the digits of a file */
 
-/* The note about a loop whose ends are offset along its hinge axes. */
-static void add_pin_offset(const km_mechanism *m, int index, km_messages *messages) {
+/* Adds the note about a loop whose ends are offset along its hinge axes. */
+static void note_pin_offset(const km_mechanism *m, int index, km_messages *messages) {
   const km_loop *loop = &m->loops[index];
   const km_model *model = m->model;
   const km_topology *t = &m->topology;
@@ -28,8 +28,8 @@ static void add_pin_offset(const km_mechanism *m, int index, km_messages *messag
       n.x + 0.0, n.y + 0.0, n.z + 0.0, model->bodies[base].name);
 }
 
-/* Misfit of the displacements as the file states them; NaN when out of memory. */
-static double misfit_at_start(const km_mechanism *m, int index) {
+/* Returns the residual at the file's initial displacements; NaN without memory. */
+static double residual_at_start(const km_mechanism *m, int index) {
   km_state *start = NULL;
   double misfit = nan("");
   int worst;
@@ -41,49 +41,50 @@ static double misfit_at_start(const km_mechanism *m, int index) {
   return misfit;
 }
 
-/* True if rounding can have made a pivot of this size in a substructure without redundant constraints:
+/* True if rounding of the data explains a pivot of this size in a substructure without redundant constraints:
  *
- *   misfit >= 1e-5 pivot   the parts don't fit without it: of the closed loops, or, of a file whose rotations are rounded, of its start too
- *   first <= 100 pivot     else the file's start is poor, and its misfit says nothing
+ *   misfit >= 1e-5 pivot   the loops do not close without it; for a file with rounded rotations at its start too
+ *   first <= 100 pivot     a larger residual at the start means a poor start, not rounding
  *
- * A pivot that is geometry, such as a link a millionth as long as the others, leaves parts that fit. */
+ * A small pivot that is geometry, such as a link a millionth as long as the others, leaves loops that close. */
 static bool is_rounding(const km_mechanism *m, int index, double pivot, double misfit) {
-  const double fits = 1e-5 * pivot, first = misfit_at_start(m, index);
+  const double smallest_misfit = 1e-5 * pivot, first = residual_at_start(m, index);
   bool is_poor = first > 100.0 * pivot, is_rounded = m->model->rotation_misfit >= 1e-2 * pivot;
-  return is_rounded ? fmax(first, misfit) >= fits : !is_poor && misfit >= fits;
+  return is_rounded ? fmax(first, misfit) >= smallest_misfit : !is_poor && misfit >= smallest_misfit;
 }
 
-/* The note about a substructure that is rigid as written, by a pivot that is small for geometry. */
-static void add_rigid(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
-  static const double small =
-      1e-3; /* of the largest pivot, where constraints are redundant: the error of three digits */
-  static const double very_small = 1e-4; /* the same where none is */
+/* Adds the note about a substructure that is rigid as written because of a pivot small enough for rounding. */
+static void note_rigid_by_rounding(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
+  static const double redundant_pivot =
+      1e-3; /* relative to the largest pivot, with redundant constraints: the error of three digits */
+  static const double regular_pivot = 1e-4; /* without redundant constraints */
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  km_suggestion named;
+  km_suggestion suggestion;
   if (m->closure_tolerance_given || p->sparse || sub->loop_count == 0)
     return;
   km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
   double pivot = p->rank > 0 ? p->last_pivot / p->scale : 1.0;
   bool is_redundant = p->rank < sub->rows;
-  if (km_partition_freedom(p) > 0 || pivot > (is_redundant ? small : very_small) ||
-      !km_assemble_suggest(m, index, 1, &named) || !(is_redundant || is_rounding(m, index, pivot, named.misfit)))
+  if (km_partition_freedom(p) > 0 || pivot > (is_redundant ? redundant_pivot : regular_pivot) ||
+      !km_assemble_suggest(m, index, 1, &suggestion) ||
+      !(is_redundant || is_rounding(m, index, pivot, suggestion.misfit)))
     return;
   km_messages_add(messages, KM_NOTE,
                   "substructure %d (joint %.80s and others) is rigid as written, but within %.1g of its size of one of "
                   "mobility %d; if its numbers are rounded, state \"closure_tolerance\": %g or give "
                   "--closure-tolerance %g",
                   index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot,
-                  named.mobility, named.tolerance, named.tolerance);
+                  suggestion.mobility, suggestion.tolerance, suggestion.tolerance);
 }
 
 void km_geometry_notes(const km_mechanism *m, km_state *s, km_messages *messages) {
   if (!km_state_belongs_to(m, s) || !messages)
     return;
   for (int l = 0; l < m->topology.loop_count; ++l)
-    add_pin_offset(m, l, messages);
+    note_pin_offset(m, l, messages);
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    add_rigid(m, s, i, messages);
+    note_rigid_by_rounding(m, s, i, messages);
 }
 
 km_status km_rank_doubts(const km_mechanism *m, km_state *s, km_messages *messages, km_error *error) {

@@ -1,6 +1,10 @@
-/* Left null vectors that several loops have only together. Those of a small substructure are orthonormal. Those of a
- * large one come from the sparse factor, one for each constraint that the others make superfluous, so that each lies in
- * few loops. */
+/* Left null vectors w, wᵀ J = 0, that span several loops (theory 7.1).
+ *
+ *   C_i    orthonormal complement of loop i's own left null vectors in its six rows
+ *   R = [C_iᵀ J_i; couplings]: reduced rows; the null space of Rᵀ gives the vectors that span several loops
+ *
+ * Up to 240 rows: dense elimination, orthonormal vectors. Larger: one vector of the sparse factor per superfluous
+ * row, each in few loops. A block is the rows of a loop or the row of a coupling. */
 #include "kinematics/loop_equations.h"
 #include "mobility/full_jacobian.h"
 #include "mobility/left_null_space.h"
@@ -8,13 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Up to so many rows a dense matrix is solved, and the vectors are orthonormal. */
+/* Most rows for the dense elimination. */
 enum { MOST_DENSE_ROWS = 240 };
 /* Entries of a unit vector below this are rounding. */
-static const double least_part = 1e-12;
+static const double smallest_entry = 1e-12;
 
-/* Subtracts from v what the unit vector has of it. */
-static void subtract(double *v, const double *unit, int count) {
+/* Subtracts from v its projection on a unit vector. */
+static void subtract_projection(double *v, const double *unit, int count) {
   double dot = 0.0;
   for (int r = 0; r < count; ++r)
     dot += unit[r] * v[r];
@@ -22,9 +26,9 @@ static void subtract(double *v, const double *unit, int count) {
     v[r] -= dot * unit[r];
 }
 
-/* What is left of the six directions of a loop at right angles to its own null vectors W: orthonormal, C[6 × returned].
- */
-static int complement(const double *W, int count, double *C) {
+/* Computes the orthonormal complement C[6 × returned] of a loop's own null vectors W[6 × count] in its six rows, by
+ * Gram-Schmidt on the axes with the largest remainder first. */
+static int orthogonal_complement(const double *W, int count, double *C) {
   int found = 0;
   for (; count + found < 6; ++found) {
     double *best = C + 6 * found, largest = 0.0;
@@ -33,9 +37,9 @@ static int complement(const double *W, int count, double *C) {
       v[axis] = 1.0;
       for (int pass = 0; pass < 2; ++pass) {
         for (int k = 0; k < count; ++k)
-          subtract(v, W + 6 * k, 6);
+          subtract_projection(v, W + 6 * k, 6);
         for (int k = 0; k < found; ++k)
-          subtract(v, C + 6 * k, 6);
+          subtract_projection(v, C + 6 * k, 6);
       }
       for (int r = 0; r < 6; ++r)
         size += v[r] * v[r];
@@ -47,20 +51,19 @@ static int complement(const double *W, int count, double *C) {
   return found;
 }
 
-/* The loops' rows along their complements, then the couplings' rows. Its left null vectors are those of several loops
- * together. */
-typedef struct reduced {
+/* Reduced matrix R: the loops' rows projected on their complements, then the couplings' rows. */
+typedef struct reduced_matrix {
   const km_left_space *a;
   int rows;
-  double *C;  /* [36 · loop] the complement of each loop */
-  int *first; /* [loops + couplings + 1] the first row of each */
-  /* J transposed, where the rows are filled: a row of entries after the other, or those that aren't 0 by `start`. */
+  double *C;  /* [36 · loop] complements */
+  int *first; /* [block + 1] first row of each block */
+  /* Rᵀ: row after row of R, dense or in compressed form by `start` */
   double *entries;
-  int *start, *column; /* NULL: every row has all columns */
-  int place, next;     /* the loop that is being filled, and the next entry of its first row */
-} reduced;
+  int *start, *column; /* NULL: dense */
+  int block, next;     /* block being filled, and the next entry of its first row */
+} reduced_matrix;
 
-static bool find_complements(reduced *R, const km_left_null *null, km_arena *scratch) {
+static bool find_complements(reduced_matrix *R, const km_left_null *null, km_arena *scratch) {
   const km_substructure *sub = R->a->sub;
   int loops = sub->loop_count;
   R->C = KM_ARENA_NEW(scratch, double, 36 * (size_t)loops);
@@ -68,48 +71,50 @@ static bool find_complements(reduced *R, const km_left_null *null, km_arena *scr
   if (scratch->failed)
     return false;
   for (int i = 0; i < loops; ++i)
-    R->first[i + 1] =
-        R->first[i] + complement(null->local + 6 * null->first[i], null->first[i + 1] - null->first[i], R->C + 36 * i);
+    R->first[i + 1] = R->first[i] + orthogonal_complement(null->local + 6 * null->first[i],
+                                                          null->first[i + 1] - null->first[i], R->C + 36 * i);
   for (int i = loops; i < loops + sub->coupling_count; ++i)
     R->first[i + 1] = R->first[i] + 1;
   R->rows = R->first[loops + sub->coupling_count];
   return true;
 }
 
-static double along(const reduced *R, int k, const double entry[6]) {
-  const double *C = R->C + 36 * R->place + 6 * k;
+/* Returns the k-th component of a column of the present block in its complement. */
+static double project_on_complement(const reduced_matrix *R, int k, const double entry[6]) {
+  const double *C = R->C + 36 * R->block + 6 * k;
   double sum = 0.0;
   for (int r = 0; r < 6; ++r)
     sum += C[r] * entry[r];
   return sum;
 }
 
-static void take_dense(void *out, int column, const double entry[6]) {
-  reduced *R = out;
-  int first = R->first[R->place];
-  for (int k = 0; first + k < R->first[R->place + 1]; ++k)
-    R->entries[(size_t)(first + k) * (size_t)R->a->sub->columns + (size_t)column] = along(R, k, entry);
+static void write_dense_column(void *out, int column, const double entry[6]) {
+  reduced_matrix *R = out;
+  int first = R->first[R->block];
+  for (int k = 0; first + k < R->first[R->block + 1]; ++k)
+    R->entries[(size_t)(first + k) * (size_t)R->a->sub->columns + (size_t)column] = project_on_complement(R, k, entry);
 }
 
-static void take_sparse(void *out, int column, const double entry[6]) {
-  reduced *R = out;
-  int first = R->first[R->place];
-  for (int k = 0; first + k < R->first[R->place + 1]; ++k) {
+static void write_sparse_column(void *out, int column, const double entry[6]) {
+  reduced_matrix *R = out;
+  int first = R->first[R->block];
+  for (int k = 0; first + k < R->first[R->block + 1]; ++k) {
     int at = R->start[first + k] + R->next;
-    R->entries[at] = along(R, k, entry);
+    R->entries[at] = project_on_complement(R, k, entry);
     R->column[at] = column;
   }
   R->next++;
 }
 
-static void count_one(void *out, int column, const double entry[6]) {
+static void count_column(void *out, int column, const double entry[6]) {
   (void)column;
   (void)entry;
   ++*(int *)out;
 }
 
-/* The terms of a coupling that have a column, into its row. Returns how many. */
-static int fill_coupling(const reduced *R, int index, double *entries, int *column) {
+/* Writes a coupling's terms into its row, dense or compressed; NULL arrays: counts them only. Returns how many have a
+ * column. */
+static int write_coupling_row(const reduced_matrix *R, int index, double *entries, int *column) {
   const km_left_space *a = R->a;
   const km_coupling *coupling = &a->m->couplings[a->sub->coupling_start + index];
   int count = 0;
@@ -126,19 +131,19 @@ static int fill_coupling(const reduced *R, int index, double *entries, int *colu
   return count;
 }
 
-static bool fill_dense(reduced *R, km_arena *scratch) {
+static bool write_dense(reduced_matrix *R, km_arena *scratch) {
   const km_substructure *sub = R->a->sub;
   R->entries = KM_ARENA_NEW(scratch, double, (size_t)R->rows *(size_t)sub->columns);
   if (!R->entries)
     return false;
-  for (R->place = 0; R->place < sub->loop_count; R->place++)
-    km_left_visit(R->a, R->place, take_dense, R);
+  for (R->block = 0; R->block < sub->loop_count; R->block++)
+    km_left_for_each_column(R->a, R->block, write_dense_column, R);
   for (int i = 0; i < sub->coupling_count; ++i)
-    fill_coupling(R, i, R->entries + (size_t)R->first[sub->loop_count + i] * (size_t)sub->columns, NULL);
+    write_coupling_row(R, i, R->entries + (size_t)R->first[sub->loop_count + i] * (size_t)sub->columns, NULL);
   return true;
 }
 
-static bool count_entries(reduced *R, km_arena *scratch) {
+static bool count_entries(reduced_matrix *R, km_arena *scratch) {
   const km_substructure *sub = R->a->sub;
   R->start = KM_ARENA_NEW(scratch, int, (size_t)R->rows + 1);
   if (!R->start)
@@ -146,9 +151,9 @@ static bool count_entries(reduced *R, km_arena *scratch) {
   for (int i = 0; i < sub->loop_count + sub->coupling_count; ++i) {
     int columns = 0;
     if (i < sub->loop_count)
-      km_left_visit(R->a, i, count_one, &columns);
+      km_left_for_each_column(R->a, i, count_column, &columns);
     else
-      columns = fill_coupling(R, i - sub->loop_count, NULL, NULL);
+      columns = write_coupling_row(R, i - sub->loop_count, NULL, NULL);
     for (int r = R->first[i]; r < R->first[i + 1]; ++r)
       R->start[r + 1] = R->start[r] + columns;
   }
@@ -157,56 +162,57 @@ static bool count_entries(reduced *R, km_arena *scratch) {
   return !scratch->failed;
 }
 
-static bool fill_sparse(reduced *R, km_arena *scratch) {
+static bool write_sparse(reduced_matrix *R, km_arena *scratch) {
   const km_substructure *sub = R->a->sub;
   if (!count_entries(R, scratch))
     return false;
-  for (R->place = 0; R->place < sub->loop_count; R->place++) {
+  for (R->block = 0; R->block < sub->loop_count; R->block++) {
     R->next = 0;
-    km_left_visit(R->a, R->place, take_sparse, R);
+    km_left_for_each_column(R->a, R->block, write_sparse_column, R);
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
     int at = R->start[R->first[sub->loop_count + i]];
-    fill_coupling(R, i, R->entries + at, R->column + at);
+    write_coupling_row(R, i, R->entries + at, R->column + at);
   }
   return true;
 }
 
-/* The part that a null vector w of the reduced rows, of that size, has in one place. */
-static km_left_part part_of(const reduced *R, const double *w, double size, int vector, int place) {
-  km_left_part part = {.vector = vector, .place = place};
-  int first = R->first[place], count = R->first[place + 1] - first;
-  if (place >= R->a->sub->loop_count) {
+/* Extracts the part of a null vector w, of length `size`, in one block: the wrench of a loop, C w_i, or the force of
+ * a coupling. */
+static km_left_part extract_part(const reduced_matrix *R, const double *w, double size, int vector, int block) {
+  km_left_part part = {.vector = vector, .block = block};
+  int first = R->first[block], count = R->first[block + 1] - first;
+  if (block >= R->a->sub->loop_count) {
     part.w[0] = w[first] / size;
     return part;
   }
   for (int k = 0; k < count; ++k)
     for (int r = 0; r < 6; ++r)
-      part.w[r] += w[first + k] / size * R->C[36 * place + 6 * k + r];
+      part.w[r] += w[first + k] / size * R->C[36 * block + 6 * k + r];
   return part;
 }
 
-/* A null vector w that has entries in the rows of these places, in ascending order, as unit vector in its parts; those that
- * are 0 are left out. False when out of memory. */
-static bool add_vector(const reduced *R, const double *w, const int *places, int place_count, km_arena *arena,
-                       size_t *room, km_left_null *out) {
-  int count = out->part_start[out->whole_count];
+/* Adds a null vector w with entries in the given blocks (ascending), normalised, by its parts; zero parts are
+ * omitted. False without memory. */
+static bool add_vector(const reduced_matrix *R, const double *w, const int *blocks, int block_count, km_arena *arena,
+                       size_t *capacity, km_left_null *out) {
+  int count = out->part_start[out->spanning_count];
   double square = 0.0;
-  for (int i = 0; i < place_count; ++i)
-    for (int r = R->first[places[i]]; r < R->first[places[i] + 1]; ++r)
+  for (int i = 0; i < block_count; ++i)
+    for (int r = R->first[blocks[i]]; r < R->first[blocks[i] + 1]; ++r)
       square += w[r] * w[r];
   double size = sqrt(square);
-  for (int i = 0; i < place_count; ++i) {
+  for (int i = 0; i < block_count; ++i) {
     double largest = 0.0;
-    for (int r = R->first[places[i]]; r < R->first[places[i] + 1]; ++r)
+    for (int r = R->first[blocks[i]]; r < R->first[blocks[i] + 1]; ++r)
       largest = fabs(w[r]) > largest ? fabs(w[r]) : largest;
-    if (largest <= least_part * size)
+    if (largest <= smallest_entry * size)
       continue;
-    if (!km_arena_grow(arena, (void **)&out->part, room, (size_t)count + 1, sizeof *out->part))
+    if (!km_arena_grow(arena, (void **)&out->part, capacity, (size_t)count + 1, sizeof *out->part))
       return false;
-    out->part[count++] = part_of(R, w, size, out->whole_count, places[i]);
+    out->part[count++] = extract_part(R, w, size, out->spanning_count, blocks[i]);
   }
-  out->part_start[++out->whole_count] = count;
+  out->part_start[++out->spanning_count] = count;
   return true;
 }
 
@@ -215,46 +221,46 @@ static bool reserve_vectors(int count, km_arena *arena, km_left_null *out) {
   return out->part_start != NULL;
 }
 
-/* Orthonormal vectors. */
-static bool solve_dense(reduced *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
-  size_t rows = (size_t)R->rows, room = 0;
+/* Computes orthonormal vectors from the dense reduced matrix. */
+static bool solve_dense(reduced_matrix *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
+  size_t rows = (size_t)R->rows, capacity = 0;
   double *W = KM_ARENA_NEW(scratch, double, rows *rows);
-  if (!W || !fill_dense(R, scratch))
+  if (!W || !write_dense(R, scratch))
     return false;
   int found = km_left_solve(R->entries, R->a->sub->columns, R->rows, R->a->tolerance, scratch, W);
-  int place_count = R->a->sub->loop_count + R->a->sub->coupling_count;
-  int *places = KM_ARENA_NEW(scratch, int, (size_t)place_count);
-  bool whole = found >= 0 && places && reserve_vectors(found, arena, out);
-  for (int i = 0; i < place_count && whole; ++i)
-    places[i] = i;
-  for (int n = 0; n < found && whole; ++n)
-    whole = add_vector(R, W + (size_t)n * rows, places, place_count, arena, &room, out);
-  out->orthonormal = true;
-  return whole;
+  int block_count = R->a->sub->loop_count + R->a->sub->coupling_count;
+  int *blocks = KM_ARENA_NEW(scratch, int, (size_t)block_count);
+  bool ok = found >= 0 && blocks && reserve_vectors(found, arena, out);
+  for (int i = 0; i < block_count && ok; ++i)
+    blocks[i] = i;
+  for (int n = 0; n < found && ok; ++n)
+    ok = add_vector(R, W + (size_t)n * rows, blocks, block_count, arena, &capacity, out);
+  out->is_orthonormal = true;
+  return ok;
 }
 
-/* A null vector by its entries, and the places in whose rows they are. */
+/* A sparse null vector by its entries, and the blocks that contain them. */
 typedef struct sparse_vector {
   double *w;     /* [rows] 0 between vectors */
   int *row;      /* [rows + 1] */
   double *entry; /* [rows + 1] */
-  int *place_of; /* [row] */
-  int *places;   /* [place] */
-  bool *is_met;  /* [place] */
+  int *block_of; /* [row] */
+  int *blocks;   /* [block] */
+  bool *is_met;  /* [block] */
 } sparse_vector;
 
-static bool reserve_vector(const reduced *R, km_arena *scratch, sparse_vector *v) {
+static bool reserve_vector(const reduced_matrix *R, km_arena *scratch, sparse_vector *v) {
   const km_substructure *sub = R->a->sub;
-  size_t rows = (size_t)R->rows, places = (size_t)(sub->loop_count + sub->coupling_count);
+  size_t rows = (size_t)R->rows, blocks = (size_t)(sub->loop_count + sub->coupling_count);
   *v = (sparse_vector){.w = KM_ARENA_NEW(scratch, double, rows),
                        .row = KM_ARENA_NEW(scratch, int, rows + 1),
                        .entry = KM_ARENA_NEW(scratch, double, rows + 1),
-                       .place_of = KM_ARENA_NEW(scratch, int, rows),
-                       .places = KM_ARENA_NEW(scratch, int, places),
-                       .is_met = KM_ARENA_NEW(scratch, bool, places)};
+                       .block_of = KM_ARENA_NEW(scratch, int, rows),
+                       .blocks = KM_ARENA_NEW(scratch, int, blocks),
+                       .is_met = KM_ARENA_NEW(scratch, bool, blocks)};
   for (int i = 0; i < sub->loop_count + sub->coupling_count && !scratch->failed; ++i)
     for (int r = R->first[i]; r < R->first[i + 1]; ++r)
-      v->place_of[r] = i;
+      v->block_of[r] = i;
   return !scratch->failed;
 }
 
@@ -263,76 +269,77 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* The places of the rows, each once and ascending. Of many rows they are found by looking at all places. */
-static int list_places(const reduced *R, sparse_vector *v, int rows) {
+/* Lists the blocks of the rows in v, each once and ascending; many rows: by a scan of all blocks. */
+static int list_blocks(const reduced_matrix *R, sparse_vector *v, int rows) {
   int all = R->a->sub->loop_count + R->a->sub->coupling_count, count = 0;
   bool many = rows > all / 16;
   for (int i = 0; i < rows; ++i) {
-    int place = v->place_of[v->row[i]];
-    if (!v->is_met[place] && !many)
-      v->places[count++] = place;
-    v->is_met[place] = true;
+    int block = v->block_of[v->row[i]];
+    if (!v->is_met[block] && !many)
+      v->blocks[count++] = block;
+    v->is_met[block] = true;
   }
   for (int i = 0; i < all && many; ++i)
     if (v->is_met[i])
-      v->places[count++] = i;
+      v->blocks[count++] = i;
   if (!many)
-    qsort(v->places, (size_t)count, sizeof *v->places, ascending);
+    qsort(v->blocks, (size_t)count, sizeof *v->blocks, ascending);
   for (int i = 0; i < count; ++i)
-    v->is_met[v->places[i]] = false;
+    v->is_met[v->blocks[i]] = false;
   return count;
 }
 
-static bool add_sparse_vector(const reduced *R, const km_partition *p, int k, sparse_vector *v, km_arena *arena,
-                              size_t *room, km_left_null *out) {
+static bool add_sparse_vector(const reduced_matrix *R, const km_partition *p, int k, sparse_vector *v, km_arena *arena,
+                              size_t *capacity, km_left_null *out) {
   int count = km_partition_null_entries(p, k, v->row, v->entry);
   for (int i = 0; i < count; ++i)
     v->w[v->row[i]] = v->entry[i];
-  bool added = add_vector(R, v->w, v->places, list_places(R, v, count), arena, room, out);
+  bool added = add_vector(R, v->w, v->blocks, list_blocks(R, v, count), arena, capacity, out);
   for (int i = 0; i < count; ++i)
     v->w[v->row[i]] = 0.0;
   return added;
 }
 
-/* One vector for each superfluous row: the row itself and those of the factor that make it up. */
-static bool solve_sparse(reduced *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
+/* Computes one vector for each superfluous row from the sparse factor of Rᵀ: that row and the rows of the factor that
+ * combine to it. */
+static bool solve_sparse(reduced_matrix *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
   km_partition p;
   sparse_vector v;
-  size_t room = 0;
-  if (!reserve_vector(R, scratch, &v) || !fill_sparse(R, scratch) ||
+  size_t capacity = 0;
+  if (!reserve_vector(R, scratch, &v) || !write_sparse(R, scratch) ||
       !km_partition_reserve_sparse(&p, R->a->sub->columns, R->rows, R->start, R->column, scratch))
     return false;
   p.unrestricted_basis = true;
   km_partition_factor(&p, R->entries, R->a->sub->columns, R->rows, NULL, R->a->tolerance);
   int found = km_partition_freedom(&p);
-  bool whole = !p.failed && reserve_vectors(found, arena, out);
-  for (int n = 0; n < found && whole; ++n)
-    whole = add_sparse_vector(R, &p, n, &v, arena, &room, out);
-  return whole;
+  bool ok = !p.failed && reserve_vectors(found, arena, out);
+  for (int n = 0; n < found && ok; ++n)
+    ok = add_sparse_vector(R, &p, n, &v, arena, &capacity, out);
+  return ok;
 }
 
-/* The parts of each place, in the order of their vectors. */
-static bool list_by_place(const km_left_space *a, km_arena *arena, km_left_null *out) {
-  int places = a->sub->loop_count + a->sub->coupling_count, parts = out->part_start[out->whole_count];
-  out->at_start = KM_ARENA_NEW(arena, int, (size_t)places + 2);
-  out->at = KM_ARENA_NEW(arena, int, (size_t)parts);
+/* Sorts the parts by block, in the order of their vectors (counting sort). */
+static bool sort_by_block(const km_left_space *a, km_arena *arena, km_left_null *out) {
+  int blocks = a->sub->loop_count + a->sub->coupling_count, parts = out->part_start[out->spanning_count];
+  out->block_start = KM_ARENA_NEW(arena, int, (size_t)blocks + 2);
+  out->block_part = KM_ARENA_NEW(arena, int, (size_t)parts);
   if (arena->failed)
     return false;
   for (int i = 0; i < parts; ++i)
-    out->at_start[out->part[i].place + 2]++;
-  for (int i = 0; i < places; ++i)
-    out->at_start[i + 2] += out->at_start[i + 1];
-  /* at_start[place + 1] is where its next part goes, and ends up where the place's parts end. */
+    out->block_start[out->part[i].block + 2]++;
+  for (int i = 0; i < blocks; ++i)
+    out->block_start[i + 2] += out->block_start[i + 1];
+  /* block_start[block + 1] is the position of the next part while they are sorted, and the block's end afterwards. */
   for (int i = 0; i < parts; ++i)
-    out->at[out->at_start[out->part[i].place + 1]++] = i;
+    out->block_part[out->block_start[out->part[i].block + 1]++] = i;
   return true;
 }
 
 bool km_left_null_find_multiloop(const km_left_space *a, km_arena *arena, km_left_null *out) {
   km_arena scratch = {0};
-  reduced R = {.a = a};
+  reduced_matrix R = {.a = a};
   bool found = find_complements(&R, out, &scratch) &&
                (R.rows <= MOST_DENSE_ROWS ? solve_dense : solve_sparse)(&R, &scratch, arena, out);
   km_arena_free(&scratch);
-  return found && list_by_place(a, arena, out);
+  return found && sort_by_block(a, arena, out);
 }

@@ -1,35 +1,35 @@
-/* Left null vectors of single loops, from the six rows of each loop. */
+/* Left null vectors of single loops: null space of the transposed six rows of each loop (theory 7.1). */
 #include "mobility/left_null_space.h"
 
-/* The loop's own columns of J, transposed: a constraint after the other. */
+/* The loop's columns of J, transposed: row-major by constraint. */
 typedef struct transposed {
   double *entries;
-  int height, at; /* columns of the loop; the next one */
+  int columns, next; /* columns of the loop; the next column */
 } transposed;
 
-static void take_next(void *out, int column, const double entry[6]) {
+static void write_column(void *out, int column, const double entry[6]) {
   transposed *T = out;
   (void)column;
   for (int r = 0; r < 6; ++r)
-    T->entries[r * T->height + T->at] = entry[r];
-  T->at++;
+    T->entries[r * T->columns + T->next] = entry[r];
+  T->next++;
 }
 
-static void count_one(void *out, int column, const double entry[6]) {
+static void count_column(void *out, int column, const double entry[6]) {
   (void)column;
   (void)entry;
   ++*(int *)out;
 }
 
-/* What a loop has by itself, 36 entries at most. Returns how many vectors; -1: out of memory. */
-static int solve_loop(const km_left_space *a, int place, double *W) {
+/* Computes the left null vectors W[6 × returned] of one loop; -1: no memory. */
+static int solve_loop(const km_left_space *a, int block, double *W) {
   km_arena scratch = {0};
   int columns = 0;
-  km_left_visit(a, place, count_one, &columns);
+  km_left_for_each_column(a, block, count_column, &columns);
   transposed T = {KM_ARENA_NEW(&scratch, double, 6 * (size_t)columns), columns, 0};
   int count = -1;
   if (!scratch.failed) {
-    km_left_visit(a, place, take_next, &T);
+    km_left_for_each_column(a, block, write_column, &T);
     count = km_left_solve(T.entries, columns, 6, a->tolerance, &scratch, W);
   }
   km_arena_free(&scratch);

@@ -1,4 +1,4 @@
-/* Left null vectors of the six-row Jacobian: those of single loops, then what several loops have together. */
+/* Data and column access of the six-row Jacobian for its left null vectors (theory 7.1). */
 #include "mobility/left_null_space.h"
 
 #include "kinematics/body_poses.h"
@@ -8,16 +8,16 @@
 
 #include <string.h>
 
-/* Lists the loops of every joint. False when out of memory. */
-static bool find_places(km_left_space *a, km_arena *arena) {
+/* Lists the loops of every joint. False without memory. */
+static bool find_joint_loops(km_left_space *a, km_arena *arena) {
   const km_topology *t = &a->m->topology;
   const int *loops = t->loop + t->loop_start[a->index];
   size_t joints = (size_t)a->m->model->joint_count, members = 0;
   for (int i = 0; i < a->sub->loop_count; ++i)
     members += (size_t)(t->member_start[loops[i] + 1] - t->member_start[loops[i]]);
   int *first = KM_ARENA_NEW(arena, int, joints + 2);
-  a->place = KM_ARENA_NEW(arena, km_loop_place, members);
-  a->first_place = first;
+  a->joint_loop = KM_ARENA_NEW(arena, km_joint_in_loop, members);
+  a->joint_loop_start = first;
   if (arena->failed)
     return false;
   for (int i = 0; i < a->sub->loop_count; ++i)
@@ -25,14 +25,14 @@ static bool find_places(km_left_space *a, km_arena *arena) {
       first[t->member[k].joint + 2]++;
   for (size_t j = 0; j < joints; ++j)
     first[j + 2] += first[j + 1];
-  /* First[j + 1] is where the next place of joint j goes, and ends up where the joint's places end. */
+  /* first[j + 1] is the position of joint j's next loop while they are sorted, and its end afterwards. */
   for (int i = 0; i < a->sub->loop_count; ++i)
     for (int k = t->member_start[loops[i]]; k < t->member_start[loops[i] + 1]; ++k)
-      a->place[first[t->member[k].joint + 1]++] = (km_loop_place){i, k};
+      a->joint_loop[first[t->member[k].joint + 1]++] = (km_joint_in_loop){i, k};
   return true;
 }
 
-bool km_left_space_make(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_left_space *out) {
+bool km_left_space_create(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_left_space *out) {
   const km_substructure *sub = &m->substructures[index];
   const km_topology *t = &m->topology;
   int worst;
@@ -43,38 +43,38 @@ bool km_left_space_make(const km_mechanism *m, km_state *s, int index, km_arena 
                          .rows = 6 * sub->loop_count + sub->coupling_count,
                          .tolerance = km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst))};
   out->about = KM_ARENA_NEW(arena, km_vec3, (size_t)sub->loop_count);
-  out->helps = KM_ARENA_NEW(arena, signed char, 4 * (size_t)m->model->joint_count);
+  out->swap_result = KM_ARENA_NEW(arena, signed char, 4 * (size_t)m->model->joint_count);
   for (int i = 0; i < sub->loop_count && out->about; ++i)
     out->about[i] = km_joint_pose(m, s, t->chord[t->loop[t->loop_start[index] + i]]).p;
-  return find_places(out, arena);
+  return find_joint_loops(out, arena);
 }
 
-void km_left_visit(const km_left_space *a, int place, km_left_take take, void *out) {
+void km_left_for_each_column(const km_left_space *a, int block, km_left_column_visitor visit, void *out) {
   const km_topology *t = &a->m->topology;
-  int loop = t->loop[t->loop_start[a->index] + place];
+  int loop = t->loop[t->loop_start[a->index] + block];
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i) {
     const km_member *member = &t->member[i];
     int first = a->m->model->joints[member->joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(a->m->model, member->joint); ++c) {
       if (a->m->column_of[c] < 0)
         continue;
-      double column[6], sense = km_member_sign(member);
-      km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about[place], a->m->unit[c], column);
+      double column[6], sign = km_member_sign(member);
+      km_twist_entries(a->sub, km_coordinate_twist(a->m, a->s, c), a->about[block], a->m->unit[c], column);
       for (int r = 0; r < 6; ++r)
-        column[r] *= sense;
-      take(out, a->m->column_of[c], column);
+        column[r] *= sign;
+      visit(out, a->m->column_of[c], column);
     }
   }
 }
 
-int km_left_solve(const double *T, int height, int rows, double tolerance, km_arena *arena, double *W) {
+int km_left_solve(const double *transposed, int columns, int rows, double tolerance, km_arena *arena, double *W) {
   km_partition p;
-  double *one = KM_ARENA_NEW(arena, double, (size_t)rows);
-  if (!one || !km_partition_reserve(&p, height, rows, arena))
+  double *unit_weight = KM_ARENA_NEW(arena, double, (size_t)rows);
+  if (!unit_weight || !km_partition_reserve(&p, columns, rows, arena))
     return -1;
   for (int r = 0; r < rows; ++r)
-    one[r] = 1.0;
-  km_partition_factor(&p, T, height, rows, NULL, tolerance);
-  km_partition_null_space(&p, one, km_partition_freedom(&p), W);
+    unit_weight[r] = 1.0;
+  km_partition_factor(&p, transposed, columns, rows, NULL, tolerance);
+  km_partition_null_space(&p, unit_weight, km_partition_freedom(&p), W);
   return km_partition_freedom(&p);
 }

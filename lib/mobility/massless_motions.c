@@ -1,15 +1,15 @@
-/* Generalised masses of free motions: G_kl = Σ m v_k · v_l + ω_kᵀ I ω_l over all bodies, singular where a motion moves
- * none. */
+/* Generalised masses of free motions (theory 6.7): G_kl = Σ m v_k · v_l + ω_kᵀ I ω_l over all bodies; singular if a
+ * motion moves no mass. */
 #include "mobility/massless_motions.h"
 
 #include "kinematics/body_poses.h"
 
-static const double vanishing = 1e-9; /* of the largest generalised mass: rates of 3e-5 of the fastest */
+static const double relative_zero = 1e-9; /* relative to the largest generalised mass: speeds of 3e-5 of the fastest */
 
-/* A free motion, and what each body makes of it. */
+/* A free motion: rates and velocities. */
 typedef struct motion {
   double *rates;             /* [coordinate] */
-  km_vec3 *v, *w, *momentum; /* [body] of the centre of mass, turning, and I w; 0 of massless ones */
+  km_vec3 *v, *w, *momentum; /* [body] velocity of the centre of mass, angular velocity, I ω; 0 for massless bodies */
 } motion;
 
 static km_twist body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
@@ -19,7 +19,7 @@ static km_twist body_twist(const km_mechanism *m, const km_state *s, int body, c
   return t;
 }
 
-/* I w along the inertial axes. */
+/* Returns I ω along the inertial axes. */
 static km_vec3 angular_momentum(const km_model_body *body, const km_rotation *R, km_vec3 w) {
   const double *I = body->inertia; /* Ixx Iyy Izz Ixy Iyz Izx */
   km_vec3 x = km_rotate_back(R, w);
@@ -28,9 +28,9 @@ static km_vec3 angular_momentum(const km_model_body *body, const km_rotation *R,
   return km_rotate(R, h);
 }
 
-/* The motion of a null vector z of D · range(N). */
-static void make_motion(const km_mechanism *m, const km_state *s, int index, const double *z, km_arena *arena,
-                        motion *out) {
+/* Computes the velocities of all bodies for a null vector z of D · range(N). */
+static void compute_motion(const km_mechanism *m, const km_state *s, int index, const double *z, km_arena *arena,
+                           motion *out) {
   const km_substructure *sub = &m->substructures[index];
   size_t bodies = (size_t)m->topology.body_count;
   *out = (motion){KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count), KM_ARENA_NEW(arena, km_vec3, bodies),
@@ -52,34 +52,35 @@ static void make_motion(const km_mechanism *m, const km_state *s, int index, con
   }
 }
 
-static double mass_between(const km_mechanism *m, const motion *a, const motion *b) {
+/* Returns G_ab of two motions. */
+static double generalised_mass(const km_mechanism *m, const motion *a, const motion *b) {
   double sum = 0.0;
   for (int i = 1; i < m->topology.body_count; ++i)
     sum += m->model->bodies[i].mass * km_vec3_dot(a->v[i], b->v[i]) + km_vec3_dot(a->w[i], b->momentum[i]);
   return sum;
 }
 
-/* Is the matrix of generalised masses singular? */
-static bool is_singular(const km_mechanism *m, const motion *motions, int freedom, km_arena *arena) {
+/* True if the matrix G is singular. */
+static bool has_singular_masses(const km_mechanism *m, const motion *motions, int freedom, km_arena *arena) {
   km_partition p;
   double *G = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)freedom);
   if (!km_partition_reserve(&p, freedom, freedom, arena) || !G)
     return false;
   for (int k = 0; k < freedom; ++k)
     for (int l = 0; l < freedom; ++l)
-      G[(size_t)k * (size_t)freedom + (size_t)l] = mass_between(m, &motions[k], &motions[l]);
-  km_partition_factor(&p, G, freedom, freedom, NULL, vanishing);
+      G[(size_t)k * (size_t)freedom + (size_t)l] = generalised_mass(m, &motions[k], &motions[l]);
+  km_partition_factor(&p, G, freedom, freedom, NULL, relative_zero);
   return p.rank < freedom;
 }
 
-km_status km_moves_no_mass(const km_mechanism *m, km_state *s, int index, bool *inert, km_error *error) {
+km_status km_has_massless_motion(const km_mechanism *m, km_state *s, int index, bool *is_massless, km_error *error) {
   km_arena arena = {0};
   const double *Z = km_state_basis(s, index);
   int freedom = km_partition_freedom(&s->partition[index]), columns = m->substructures[index].columns;
   motion *motions = KM_ARENA_NEW(&arena, motion, (size_t)freedom);
   for (int k = 0; k < freedom && motions; ++k)
-    make_motion(m, s, index, Z + (size_t)k * (size_t)columns, &arena, &motions[k]);
-  *inert = freedom > 0 && !arena.failed && is_singular(m, motions, freedom, &arena);
+    compute_motion(m, s, index, Z + (size_t)k * (size_t)columns, &arena, &motions[k]);
+  *is_massless = freedom > 0 && !arena.failed && has_singular_masses(m, motions, freedom, &arena);
   bool failed = arena.failed;
   km_arena_free(&arena);
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the masses of motions") : KM_OK;

@@ -1,9 +1,11 @@
-/* Mobility and mobility numbers of every substructure at a pose. */
+/* Mobility counts, instantaneous mobility and mobility numbers (theory 6.1 to 6.3).
+ *
+ *   mobility = Σ (columns - rank) + free coordinates outside loops;   m_j = Σ_k Z_jk² */
 #include "mobility/mobility_numbers.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 
-static void set_numbers(const km_mechanism *m, km_state *s, int index) {
+static void write_mobility_numbers(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
   km_state_mobility_numbers(m, s, index, s->work);
@@ -14,8 +16,9 @@ static void set_numbers(const km_mechanism *m, km_state *s, int index) {
 void km_motions_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  bool many = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS; /* by the rows, whatever B is */
-  if (s->pivot_driver[index] == KM_NEVER || (!many && !(p->max_b <= km_max_good_b))) {
+  /* computed from the row space, independent of B */
+  bool uses_row_space = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS;
+  if (s->pivot_driver[index] == KM_NEVER || (!uses_row_space && !(p->max_b <= km_max_good_b))) {
     int worst;
     km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));
   }
@@ -24,7 +27,7 @@ void km_motions_update(const km_mechanism *m, km_state *s, int index) {
 
 void km_numbers_update(const km_mechanism *m, km_state *s, int index) {
   km_motions_update(m, s, index);
-  set_numbers(m, s, index);
+  write_mobility_numbers(m, s, index);
 }
 
 static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
@@ -39,8 +42,8 @@ static void count_kutzbach(const km_mechanism *m, km_mobility *out) {
   out->kutzbach_extended = freedom - lambda - model->coupling_count;
 }
 
-/* Does it move freely, outside loops and couplings? */
-static bool is_outside(const km_mechanism *m, const km_state *s, int coordinate) {
+/* True if the coordinate is free and outside loops and couplings. */
+static bool is_free_tree_coordinate(const km_mechanism *m, const km_state *s, int coordinate) {
   return m->substructure_of[coordinate] < 0 && !km_state_is_fixed(s, coordinate);
 }
 
@@ -49,7 +52,7 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
   count_kutzbach(m, out);
   out->redundant_constraints = 6 * m->topology.loop_count + m->model->coupling_count;
   for (int c = 0; c < m->coordinate_count; ++c)
-    out->mobility += is_outside(m, s, c);
+    out->mobility += is_free_tree_coordinate(m, s, c);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     const km_substructure *sub = &m->substructures[i];
     int worst;
@@ -62,7 +65,7 @@ void km_ranks_update(const km_mechanism *m, km_state *s, km_mobility *out) {
   }
 }
 
-km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
+km_status km_mobility_check_memory(const km_mechanism *m, km_state *s) {
   km_status status = KM_OK;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (s->partition[i].failed) {
@@ -70,7 +73,7 @@ km_status km_mobility_memory(const km_mechanism *m, km_state *s) {
       status = KM_MEMORY;
     }
   if (status)
-    s->arena.failed = false; /* what grows there grows again; what doesn't was there when the state was made */
+    s->arena.failed = false; /* arrays that grow are allocated again; all others exist since the state's creation */
   return status;
 }
 
@@ -83,10 +86,10 @@ km_status km_mobility_compute(const km_mechanism *m, km_state *s, km_mobility *o
     return KM_USAGE;
   km_ranks_update(m, s, out);
   for (int c = 0; c < m->coordinate_count; ++c)
-    s->mobility_number[c] = is_outside(m, s, c) ? 1.0 : 0.0;
+    s->mobility_number[c] = is_free_tree_coordinate(m, s, c) ? 1.0 : 0.0;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    set_numbers(m, s, i);
-  km_status status = km_mobility_memory(m, s);
+    write_mobility_numbers(m, s, i);
+  km_status status = km_mobility_check_memory(m, s);
   if (status)
     *out = unknown;
   return status;

@@ -1,5 +1,9 @@
-/* Idle freedoms, found by test. Symbols: V twist of a body of the group, q̇ rates of its joints; each joint demands
- * V_child − V_parent = H q̇ with V = 0 outside the group. */
+/* Passive degrees of freedom (theory 6.6), by test of groups of bodies.
+ *
+ *   V_child - V_parent = H q̇ for each joint of the group, V = 0 outside it
+ *   V twists of the group's bodies, q̇ rates of its joints: passive freedoms = dimension of the null space
+ *
+ * A group is joined by rigid, single-coordinate and coupled joints; all its other joints have several coordinates. */
 #include "kmech/mobility.h"
 
 #include "base/arguments.h"
@@ -14,19 +18,19 @@
 
 #include <string.h>
 
-/* The bodies of one substructure in groups that rigid, single-coordinate and coupled joints join. */
-typedef struct groups {
+/* The bodies of one substructure in groups (union-find). */
+typedef struct body_groups {
   const km_mechanism *m;
   km_state *s;
   int index;
   int *parent;              /* [body] union-find */
-  int *size;                /* [body] of the group, at its representative */
-  int *place;               /* [body] in its group, by the order of the model; -1 in none */
-  bool *fixed;              /* [body] at a representative: the group isn't free to be idle */
-  int *joint_start, *joint; /* by representative [body + 1]: the joints at bodies of the group */
-} groups;
+  int *size;                /* [body] size of the group, at its representative */
+  int *index_in_group;      /* [body] index in its group, in the order of the model; -1 in none */
+  bool *is_fixed;           /* [body] at a representative: the group cannot be passive */
+  int *joint_start, *joint; /* [body + 1] by representative: the joints at bodies of the group */
+} body_groups;
 
-static int find(const groups *g, int body) {
+static int find_representative(const body_groups *g, int body) {
   while (g->parent[body] != body) {
     g->parent[body] = g->parent[g->parent[body]];
     body = g->parent[body];
@@ -46,26 +50,26 @@ static bool is_coupled(const km_model *model, int joint) {
   return false;
 }
 
-static void join(const groups *g, int a, int b) {
-  int from = find(g, a), to = find(g, b);
-  g->parent[from] = to;
-  g->fixed[to] = g->fixed[to] || g->fixed[from];
+static void unite(const body_groups *g, int a, int b) {
+  int absorbed = find_representative(g, a), to = find_representative(g, b);
+  g->parent[absorbed] = to;
+  g->is_fixed[to] = g->is_fixed[to] || g->is_fixed[absorbed];
 }
 
-/* Joins the bodies of rigid, single-coordinate and coupled joints. A group with a body that carries the substructure, which isn't one of its
- * own bodies, is fixed. */
-static void tie(const groups *g) {
+/* Unites the bodies of rigid, single-coordinate and coupled joints. A group that contains the base of the
+ * substructure is fixed. */
+static void unite_tied_bodies(const body_groups *g) {
   const km_model *model = g->m->model;
   const km_topology *t = &g->m->topology;
   for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
     int j = t->joint[i];
     if (km_joint_kind_of(model->joints[j].type)->freedom <= 1 || is_coupled(model, j))
-      join(g, body_at(model, j, 0), body_at(model, j, 1));
+      unite(g, body_at(model, j, 0), body_at(model, j, 1));
   }
 }
 
-/* The group's joints and coordinates. */
-static void count_joints(const groups *g, int group, int *joints, int *coordinates) {
+/* Counts the group's joints and coordinates. */
+static void count_joints(const body_groups *g, int group, int *joints, int *coordinates) {
   const km_model *model = g->m->model;
   *joints = g->joint_start[group + 1] - g->joint_start[group];
   *coordinates = 0;
@@ -76,18 +80,19 @@ static void count_joints(const groups *g, int group, int *joints, int *coordinat
   }
 }
 
-/* The equations of a group by their entries: six rows for each joint, six columns for each body and one for each coordinate. */
-typedef struct equations {
+/* The equations of a group in compressed columns: six rows for each joint; six columns for each body, one for each
+ * coordinate. */
+typedef struct group_equations {
   int rows, columns;
-  int *start, *row;                             /* of column c the rows are row[start[c] … start[c + 1]-1], */
-  double *value;                                /* and these its entries */
-  int next[KM_MAX_PASSIVE_BODIES], next_column; /* of each body, how many of its joints are filled */
-} equations;
+  int *start, *row;                             /* rows of column c: row[start[c] … start[c + 1]-1], */
+  double *value;                                /* and its entries */
+  int next[KM_MAX_PASSIVE_BODIES], next_column; /* joints written so far, per body; next coordinate's column */
+} group_equations;
 
-static bool reserve_equations(const groups *g, int group, int bodies, km_arena *scratch, equations *e) {
+static bool reserve_equations(const body_groups *g, int group, int bodies, km_arena *scratch, group_equations *e) {
   int joints, coordinates, ends[KM_MAX_PASSIVE_BODIES] = {0};
   count_joints(g, group, &joints, &coordinates);
-  *e = (equations){.rows = 6 * joints, .columns = 6 * bodies + coordinates, .next_column = 6 * bodies};
+  *e = (group_equations){.rows = 6 * joints, .columns = 6 * bodies + coordinates, .next_column = 6 * bodies};
   e->start = KM_ARENA_NEW(scratch, int, (size_t)e->columns + 1);
   e->row = KM_ARENA_NEW(scratch, int, 12 * (size_t)joints + 6 * (size_t)coordinates);
   e->value = KM_ARENA_NEW(scratch, double, 12 * (size_t)joints + 6 * (size_t)coordinates);
@@ -96,8 +101,8 @@ static bool reserve_equations(const groups *g, int group, int bodies, km_arena *
   for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i)
     for (int end = 0; end < 2; ++end) {
       int body = body_at(g->m->model, g->joint[i], end);
-      if (find(g, body) == group)
-        ends[g->place[body]]++;
+      if (find_representative(g, body) == group)
+        ends[g->index_in_group[body]]++;
     }
   for (int c = 0; c < e->columns; ++c)
     e->start[c + 1] = e->start[c] + (c < 6 * bodies ? ends[c / 6] : 6);
@@ -105,19 +110,19 @@ static bool reserve_equations(const groups *g, int group, int bodies, km_arena *
 }
 
 /* Fills the equations of joint `j`, from `row` on. */
-static void fill_joint(const groups *g, int group, int j, km_vec3 about, int row, equations *e) {
+static void fill_joint(const body_groups *g, int group, int j, km_vec3 about, int row, group_equations *e) {
   const km_model *model = g->m->model;
   int first = model->joints[j].first_coordinate;
   for (int end = 0; end < 2; ++end) {
-    int body = body_at(model, j, end), place = g->place[body];
-    if (find(g, body) != group)
+    int body = body_at(model, j, end), index_in_group = g->index_in_group[body];
+    if (find_representative(g, body) != group)
       continue;
     for (int r = 0; r < 6; ++r) {
-      int at = e->start[6 * place + r] + e->next[place];
+      int at = e->start[6 * index_in_group + r] + e->next[index_in_group];
       e->row[at] = row + r;
       e->value[at] = end ? 1.0 : -1.0;
     }
-    e->next[place]++;
+    e->next[index_in_group]++;
   }
   for (int c = first; c < first + km_model_freedom(model, j); ++c) {
     if (g->m->column_of[c] < 0)
@@ -132,8 +137,8 @@ static void fill_joint(const groups *g, int group, int j, km_vec3 about, int row
   }
 }
 
-/* How many columns the others make dependent; -1 when out of memory. */
-static int solve(const equations *e, km_arena *scratch) {
+/* Returns the dimension of the null space; -1: no memory. */
+static int find_nullity(const group_equations *e, km_arena *scratch) {
   enum { MOST_DENSE_ROWS = 60 };
   const double tolerance = 1e-9 * e->columns;
   km_partition p;
@@ -154,22 +159,22 @@ static int solve(const equations *e, km_arena *scratch) {
   return km_partition_freedom(&p);
 }
 
-/* Freedoms of the group while all other bodies stand; -1 when out of memory. */
-static int freedoms(const groups *g, int group, int bodies) {
+/* Returns the freedoms of the group with all other bodies at rest; -1: no memory. */
+static int find_group_freedoms(const body_groups *g, int group, int bodies) {
   km_arena scratch = {0};
-  equations e;
+  group_equations e;
   int found = -1, row = 0;
   if (reserve_equations(g, group, bodies, &scratch, &e)) {
     for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i, row += 6)
       fill_joint(g, group, g->joint[i], g->s->pose[group].p, row, &e);
-    found = solve(&e, &scratch);
+    found = find_nullity(&e, &scratch);
   }
   km_arena_free(&scratch);
   return found;
 }
 
 /* Lists the joints of every group, in the order of the substructure. */
-static bool list_joints(groups *g, km_arena *arena) {
+static bool list_joints(body_groups *g, km_arena *arena) {
   const km_topology *t = &g->m->topology;
   const km_model *model = g->m->model;
   int first = t->joint_start[g->index], end = t->joint_start[g->index + 1];
@@ -177,9 +182,11 @@ static bool list_joints(groups *g, km_arena *arena) {
   g->joint = KM_ARENA_NEW(arena, int, 2 * (size_t)(end - first));
   if (arena->failed)
     return false;
-  for (int pass = 0; pass < 2; ++pass) { /* first to count, then to place: joint_start[b + 1] is the next place of b */
+  /* first pass: counts; second pass: joint_start[b + 1] is the next position of group b */
+  for (int pass = 0; pass < 2; ++pass) {
     for (int i = first; i < end; ++i) {
-      int a = find(g, body_at(model, t->joint[i], 0)), b = find(g, body_at(model, t->joint[i], 1));
+      int a = find_representative(g, body_at(model, t->joint[i], 0)),
+          b = find_representative(g, body_at(model, t->joint[i], 1));
       for (int n = 0; n < (a == b ? 1 : 2); ++n) {
         int group = n ? b : a;
         if (pass == 0)
@@ -194,40 +201,40 @@ static bool list_joints(groups *g, km_arena *arena) {
   return true;
 }
 
-/* Groups and the places of bodies in them. */
-static bool make_groups(groups *g, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
+/* Builds the groups and the indices of bodies in them. */
+static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   size_t bodies = (size_t)m->model->body_count;
-  *g = (groups){m,
-                s,
-                index,
-                KM_ARENA_NEW(arena, int, bodies),
-                KM_ARENA_NEW(arena, int, bodies),
-                KM_ARENA_NEW(arena, int, bodies),
-                KM_ARENA_NEW(arena, bool, bodies),
-                NULL,
-                NULL};
+  *g = (body_groups){m,
+                     s,
+                     index,
+                     KM_ARENA_NEW(arena, int, bodies),
+                     KM_ARENA_NEW(arena, int, bodies),
+                     KM_ARENA_NEW(arena, int, bodies),
+                     KM_ARENA_NEW(arena, bool, bodies),
+                     NULL,
+                     NULL};
   if (arena->failed)
     return false;
   const km_topology *t = &m->topology;
   for (int b = 0; b < m->model->body_count; ++b) {
     g->parent[b] = b;
-    g->fixed[b] = true;
+    g->is_fixed[b] = true;
   }
   for (int i = t->body_start[index]; i < t->body_start[index + 1]; ++i)
-    g->fixed[t->body[i]] = false; /* the others carry the substructure */
-  tie(g);
-  /* Only bodies of this substructure can be idle in it; each is counted once. */
-  memset(g->place, -1, bodies * sizeof *g->place);
+    g->is_fixed[t->body[i]] = false; /* other bodies are the base of the substructure */
+  unite_tied_bodies(g);
+  /* Only bodies of this substructure can be passive in it; each is counted once. */
+  memset(g->index_in_group, -1, bodies * sizeof *g->index_in_group);
   for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i)
     for (int end = 0; end < 2; ++end) {
       int body = body_at(m->model, t->joint[i], end);
-      if (g->place[body] < 0)
-        g->place[body] = g->size[find(g, body)]++;
+      if (g->index_in_group[body] < 0)
+        g->index_in_group[body] = g->size[find_representative(g, body)]++;
     }
   return list_joints(g, arena);
 }
 
-static bool add(const groups *g, int group, int count, km_passive_freedoms *out, size_t *capacity) {
+static bool add_group(const body_groups *g, int group, int count, km_passive_freedoms *out, size_t *capacity) {
   void *items = out->items;
   if (!km_reserve(&items, capacity, (size_t)out->count + 1, sizeof *out->items))
     return false;
@@ -235,31 +242,32 @@ static bool add(const groups *g, int group, int count, km_passive_freedoms *out,
   km_passive_freedom *item = &out->items[out->count++];
   *item = (km_passive_freedom){.substructure = g->index, .freedoms = count};
   for (int b = 1; b < g->m->model->body_count; ++b)
-    if (g->place[b] >= 0 && find(g, b) == group)
+    if (g->index_in_group[b] >= 0 && find_representative(g, b) == group)
       item->bodies[item->body_count++] = b;
   return true;
 }
 
-static bool find_in(const groups *g, km_passive_freedoms *out, size_t *capacity) {
+static bool find_in_groups(const body_groups *g, km_passive_freedoms *out, size_t *capacity) {
   for (int b = 1; b < g->m->model->body_count; ++b) {
-    if (g->place[b] < 0 || find(g, b) != b || g->fixed[b] || g->size[b] > KM_MAX_PASSIVE_BODIES)
+    if (g->index_in_group[b] < 0 || find_representative(g, b) != b || g->is_fixed[b] ||
+        g->size[b] > KM_MAX_PASSIVE_BODIES)
       continue;
-    int count = freedoms(g, b, g->size[b]);
-    if (count < 0 || (count > 0 && !add(g, b, count, out, capacity)))
+    int count = find_group_freedoms(g, b, g->size[b]);
+    if (count < 0 || (count > 0 && !add_group(g, b, count, out, capacity)))
       return false;
   }
   return true;
 }
 
-/* How many of a group's freedoms a motion follows, where the pose has none that would show it. */
-static int count_real(const groups *g, const km_passive_freedom *group) {
+/* Returns how many of a group's freedoms are finite motions, for a configuration without a neighbouring one. */
+static int count_finite_freedoms(const body_groups *g, const km_passive_freedom *group) {
   km_arena arena = {0};
   km_tangents f;
   km_passive_freedom item = *group;
-  const km_passive_freedoms alone = {1, group->freedoms, &item};
+  const km_passive_freedoms single_group = {1, group->freedoms, &item};
   int count = group->freedoms;
   if (km_tangents_create(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
-    count = km_tangents_create_basis(&f) ? km_passive_tangents_remove(&f, &alone, NULL) : -1;
+    count = km_tangents_create_basis(&f) ? km_passive_tangents_remove(&f, &single_group, NULL) : -1;
     km_loops_restore_cached(g->m, g->s, g->index, f.origin);
   }
   count = arena.failed ? -1 : count;
@@ -267,42 +275,45 @@ static int count_real(const groups *g, const km_passive_freedom *group) {
   return count;
 }
 
-/* Closing the loops may have led back to where the move began. way[columns] is the move. */
-static bool has_moved(const groups *g, const double *saved, double *way) {
+/* True if the configuration differs from the saved one by over half of the attempted move: closing the loops can
+ * return to it. */
+static bool has_moved(const body_groups *g, const double *saved, double *move) {
   const km_substructure *sub = &g->m->substructures[g->index];
-  double tried = km_step_length(g->m, sub, way);
-  km_state_difference(g->s, sub, saved, way);
-  return km_step_length(g->m, sub, way) > 0.5 * tried;
+  double tried = km_step_length(g->m, sub, move);
+  km_state_difference(g->s, sub, saved, move);
+  return km_step_length(g->m, sub, move) > 0.5 * tried;
 }
 
-/* Keeps of the groups found from `first` on what they also have a short way along the motion, or what is real where there is none. */
-static bool keep_lasting(const groups *g, int first, km_arena *arena, km_passive_freedoms *out) {
+/* Reduces the groups found from `first` on to their persistent freedoms: those at a neighbouring configuration or,
+ * without one, those that are finite motions. */
+static bool keep_persistent(const body_groups *g, int first, km_arena *arena, km_passive_freedoms *out) {
   size_t columns = (size_t)g->m->substructures[g->index].columns;
   double *saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns),
          *move = KM_ARENA_NEW(arena, double, columns);
   if (arena->failed)
     return false;
-  bool moved = km_generic_neighbour_enter(g->m, g->s, g->index, saved, move) && has_moved(g, saved, move), whole = true;
+  bool moved = km_generic_neighbour_enter(g->m, g->s, g->index, saved, move) && has_moved(g, saved, move), ok = true;
   if (!moved)
     km_generic_neighbour_leave(g->m, g->s, g->index, saved);
-  int kept = first;
+  int count = first;
   for (int i = first; i < out->count; ++i) {
     km_passive_freedom item = out->items[i];
-    int there = moved ? freedoms(g, find(g, item.bodies[0]), item.body_count) : count_real(g, &item);
-    whole = whole && there >= 0;
-    item.freedoms = there < item.freedoms ? there : item.freedoms;
+    int persistent_freedoms = moved ? find_group_freedoms(g, find_representative(g, item.bodies[0]), item.body_count)
+                                    : count_finite_freedoms(g, &item);
+    ok = ok && persistent_freedoms >= 0;
+    item.freedoms = persistent_freedoms < item.freedoms ? persistent_freedoms : item.freedoms;
     out->mobility += item.freedoms > 0 ? item.freedoms : 0;
     if (item.freedoms > 0)
-      out->items[kept++] = item;
+      out->items[count++] = item;
   }
-  out->count = kept;
+  out->count = count;
   if (moved)
     km_generic_neighbour_leave(g->m, g->s, g->index, saved);
-  return whole;
+  return ok;
 }
 
-/* Can the substructure have any? Groups end at joints with several coordinates. */
-static bool worth_looking(const km_mechanism *m, int index) {
+/* True if the substructure can have passive freedoms: it has a joint with several coordinates. */
+static bool can_have_passive_freedoms(const km_mechanism *m, int index) {
   const km_topology *t = &m->topology;
   for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i)
     if (km_joint_kind_of(m->model->joints[t->joint[i]].type)->freedom > 1)
@@ -310,7 +321,7 @@ static bool worth_looking(const km_mechanism *m, int index) {
   return false;
 }
 
-/* The whole search. */
+/* Data of the search over all substructures. */
 typedef struct search {
   const km_mechanism *m;
   km_state *s;
@@ -318,15 +329,15 @@ typedef struct search {
   size_t capacity;
 } search;
 
-static km_status look(void *self, int index, km_arena *arena, km_error *error) {
+static km_status search_substructure(void *self, int index, km_arena *arena, km_error *error) {
   search *f = self;
-  groups g;
+  body_groups g;
   int first = f->out->count;
   (void)error;
-  if (!worth_looking(f->m, index))
+  if (!can_have_passive_freedoms(f->m, index))
     return KM_OK;
-  bool done = make_groups(&g, f->m, f->s, index, arena) && find_in(&g, f->out, &f->capacity) &&
-              (f->out->count == first || keep_lasting(&g, first, arena, f->out));
+  bool done = make_groups(&g, f->m, f->s, index, arena) && find_in_groups(&g, f->out, &f->capacity) &&
+              (f->out->count == first || keep_persistent(&g, first, arena, f->out));
   return done ? KM_OK : KM_MEMORY;
 }
 
@@ -342,7 +353,7 @@ km_status km_passive_freedoms_find(const km_mechanism *m, km_state *s, km_progre
   km_mobility mobility;
   km_poses_compute(m, s);
   km_ranks_update(m, s, &mobility);
-  return km_each_substructure(m, look, &f, progress, context, "the idle freedoms", error);
+  return km_each_substructure(m, search_substructure, &f, progress, context, "the idle freedoms", error);
 }
 
 static bool in_group(const km_passive_freedom *group, int body) {
@@ -352,23 +363,23 @@ static bool in_group(const km_passive_freedom *group, int body) {
   return false;
 }
 
-void km_passive_coordinates(const km_mechanism *m, const km_passive_freedoms *freedoms, bool *marks) {
-  if (!m || !freedoms || !marks)
+void km_passive_coordinates(const km_mechanism *m, const km_passive_freedoms *find_group_freedoms, bool *marks) {
+  if (!m || !find_group_freedoms || !marks)
     return;
   memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
-  for (int i = 0; i < freedoms->count; ++i)
+  for (int i = 0; i < find_group_freedoms->count; ++i)
     for (int j = 0; j < m->model->joint_count; ++j) {
       int freedom = km_joint_kind_of(m->model->joints[j].type)->freedom;
-      bool one = in_group(&freedoms->items[i], body_at(m->model, j, 0)),
-           other = in_group(&freedoms->items[i], body_at(m->model, j, 1));
+      bool one = in_group(&find_group_freedoms->items[i], body_at(m->model, j, 0)),
+           other = in_group(&find_group_freedoms->items[i], body_at(m->model, j, 1));
       for (int k = 0; k < freedom && freedom > 1 && one != other; ++k)
         marks[m->model->joints[j].first_coordinate + k] = true;
     }
 }
 
-void km_passive_freedoms_free(km_passive_freedoms *freedoms) {
-  if (!freedoms)
+void km_passive_freedoms_free(km_passive_freedoms *find_group_freedoms) {
+  if (!find_group_freedoms)
     return;
-  km_free(freedoms->items);
-  *freedoms = (km_passive_freedoms){0};
+  km_free(find_group_freedoms->items);
+  *find_group_freedoms = (km_passive_freedoms){0};
 }

@@ -1,54 +1,57 @@
-/* Redundant constraints that last: what the left null vectors of a pose have along those of a pose nearby. */
+/* Persistent redundancies (theory 7.3): a left null vector w is persistent if more than half of |w|² is its projection
+ * on the span of the left null vectors at a neighbouring configuration. */
 #include "mobility/persistent_redundancy.h"
 
 #include "linalg/sparse/sparse_qr.h"
 
 #include <string.h>
 
-enum { BLOCK = 64 };                /* vectors that are looked at together */
-static const double spanned = 1e-9; /* of the nearby vectors: unit vectors, all independent */
+enum { VECTORS_PER_BLOCK = 64 };           /* vectors per block */
+static const double rank_tolerance = 1e-9; /* relative, for the independent unit vectors of the neighbour */
 
 typedef struct comparison {
   const km_left_space *a;
-  const km_left_null *null, *nearby;
+  const km_left_null *null, *neighbour;
   const double *local;
-  km_sparse_qr *span; /* of the nearby vectors of several loops, where they aren't orthonormal; NULL: they are */
-  double *v;          /* [BLOCK · rows] */
+  km_sparse_qr *neighbour_span; /* QR factor of the neighbour's spanning vectors; NULL: they are orthonormal */
+  double *v;                    /* [VECTORS_PER_BLOCK · rows] */
 } comparison;
 
-static void place_parts(const comparison *c, const km_left_null *null, int n, double *v) {
+/* Writes the parts of spanning vector n into v[rows]. */
+static void scatter_parts(const comparison *c, const km_left_null *null, int n, double *v) {
   for (int i = null->part_start[n]; i < null->part_start[n + 1]; ++i)
-    memcpy(v + km_left_row(c->a, null->part[i].place), null->part[i].w,
-           (size_t)km_left_rows(c->a, null->part[i].place) * sizeof *v);
+    memcpy(v + km_left_row(c->a, null->part[i].block), null->part[i].w,
+           (size_t)km_left_rows(c->a, null->part[i].block) * sizeof *v);
 }
 
-/* The nearby vectors of several loops as columns of a matrix, factored. */
-static km_status find_span(comparison *c, km_error *error) {
-  const km_left_null *near = c->nearby;
-  if (near->orthonormal || near->whole_count == 0)
+/* Factors the neighbour's spanning vectors as columns of a sparse matrix (QR). */
+static km_status factor_neighbour_span(comparison *c, km_error *error) {
+  const km_left_null *neighbour = c->neighbour;
+  if (neighbour->is_orthonormal || neighbour->spanning_count == 0)
     return KM_OK;
   km_status status =
-      km_sparse_qr_create(c->a->rows, near->whole_count, 6 * near->part_start[near->whole_count], &c->span, error);
+      km_sparse_qr_create(c->a->rows, neighbour->spanning_count, 6 * neighbour->part_start[neighbour->spanning_count],
+                          &c->neighbour_span, error);
   if (status)
     return status;
-  km_columns columns = km_sparse_qr_columns(c->span);
+  km_columns columns = km_sparse_qr_columns(c->neighbour_span);
   long next = 0;
-  for (int k = 0; k < near->whole_count; ++k) {
-    for (int i = near->part_start[k]; i < near->part_start[k + 1]; ++i)
-      for (int r = 0; r < km_left_rows(c->a, near->part[i].place); ++r, ++next) {
-        columns.row[next] = km_left_row(c->a, near->part[i].place) + r;
-        columns.value[next] = near->part[i].w[r];
+  for (int k = 0; k < neighbour->spanning_count; ++k) {
+    for (int i = neighbour->part_start[k]; i < neighbour->part_start[k + 1]; ++i)
+      for (int r = 0; r < km_left_rows(c->a, neighbour->part[i].block); ++r, ++next) {
+        columns.row[next] = km_left_row(c->a, neighbour->part[i].block) + r;
+        columns.value[next] = neighbour->part[i].w[r];
       }
     columns.start[k + 1] = next;
   }
-  return km_sparse_qr_factor(c->span, spanned) ? KM_OK : KM_MEMORY;
+  return km_sparse_qr_factor(c->neighbour_span, rank_tolerance) ? KM_OK : KM_MEMORY;
 }
 
-/* Vector k in all rows: those of single loops come first. */
-static void make_vector(const comparison *c, int k, double *v) {
+/* Expands vector k to all rows; vectors of single loops come first. */
+static void expand_vector(const comparison *c, int k, double *v) {
   memset(v, 0, (size_t)c->a->rows * sizeof *v);
   if (k >= c->null->local_count) {
-    place_parts(c, c->null, k - c->null->local_count, v);
+    scatter_parts(c, c->null, k - c->null->local_count, v);
     return;
   }
   int loop = 0;
@@ -57,78 +60,79 @@ static void make_vector(const comparison *c, int k, double *v) {
   memcpy(v + 6 * loop, c->local + 6 * k, 6 * sizeof *v);
 }
 
-/* The square of what v has along the nearby vectors of single loops. */
-static double along_local(const comparison *c, const double *v) {
+/* Returns the square of the projection of v on the neighbour's vectors of single loops. */
+static double square_along_single_loops(const comparison *c, const double *v) {
   double along = 0.0;
   for (int i = 0; i < c->a->sub->loop_count; ++i)
-    for (int k = c->nearby->first[i]; k < c->nearby->first[i + 1]; ++k) {
+    for (int k = c->neighbour->first[i]; k < c->neighbour->first[i + 1]; ++k) {
       double dot = 0.0;
       for (int r = 0; r < 6; ++r)
-        dot += c->nearby->local[6 * k + r] * v[6 * i + r];
+        dot += c->neighbour->local[6 * k + r] * v[6 * i + r];
       along += dot * dot;
     }
   return along;
 }
 
-/* The same along those of several loops, which are orthonormal. */
-static double along_whole(const comparison *c, const double *v) {
-  const km_left_null *near = c->nearby;
+/* Returns the square of the projection of v on the neighbour's orthonormal spanning vectors. */
+static double square_along_spanning(const comparison *c, const double *v) {
+  const km_left_null *neighbour = c->neighbour;
   double along = 0.0;
-  for (int k = 0; k < near->whole_count; ++k) {
+  for (int k = 0; k < neighbour->spanning_count; ++k) {
     double dot = 0.0;
-    for (int i = near->part_start[k]; i < near->part_start[k + 1]; ++i)
-      for (int r = 0; r < km_left_rows(c->a, near->part[i].place); ++r)
-        dot += near->part[i].w[r] * v[km_left_row(c->a, near->part[i].place) + r];
+    for (int i = neighbour->part_start[k]; i < neighbour->part_start[k + 1]; ++i)
+      for (int r = 0; r < km_left_rows(c->a, neighbour->part[i].block); ++r)
+        dot += neighbour->part[i].w[r] * v[km_left_row(c->a, neighbour->part[i].block) + r];
     along += dot * dot;
   }
   return along;
 }
 
-static double square(const double *v, int count) {
+static double sum_of_squares(const double *v, int count) {
   double sum = 0.0;
   for (int r = 0; r < count; ++r)
     sum += v[r] * v[r];
   return sum;
 }
 
-/* The vectors from `first` on: those with more than half of their square along the nearby ones last, since their frame
- * has turned by a few hundredths only. */
-static bool compare_block(const comparison *c, int first, int count, bool *lasting) {
+/* Classifies the vectors from `first` on: persistent if more than half of their square is in the neighbour's span,
+ * since their frame rotates by a few hundredths only. */
+static bool compare_block(const comparison *c, int first, int count, bool *persistent) {
   size_t rows = (size_t)c->a->rows;
-  double size[BLOCK], along[BLOCK], squares[BLOCK];
+  double size[VECTORS_PER_BLOCK], along[VECTORS_PER_BLOCK], span_squares[VECTORS_PER_BLOCK];
   for (int k = 0; k < count; ++k) {
     double *v = c->v + (size_t)k * rows;
-    make_vector(c, first + k, v);
-    size[k] = square(v, c->a->rows);
-    along[k] = along_local(c, v) + (c->span ? 0.0 : along_whole(c, v));
+    expand_vector(c, first + k, v);
+    size[k] = sum_of_squares(v, c->a->rows);
+    along[k] = square_along_single_loops(c, v) + (c->neighbour_span ? 0.0 : square_along_spanning(c, v));
   }
-  if (c->span && !km_sparse_qr_projected_squares(c->span, c->v, count, squares))
+  if (c->neighbour_span && !km_sparse_qr_projected_squares(c->neighbour_span, c->v, count, span_squares))
     return false;
   for (int k = 0; k < count; ++k)
-    lasting[first + k] = along[k] + (c->span ? squares[k] : 0.0) > 0.5 * size[k];
+    persistent[first + k] = along[k] + (c->neighbour_span ? span_squares[k] : 0.0) > 0.5 * size[k];
   return true;
 }
 
-static bool compare_all(comparison *c, bool *lasting) {
+static bool compare_all(comparison *c, bool *persistent) {
   int total = km_left_null_count(c->null);
-  bool done = true;
-  c->v = KM_NEW(double, (size_t)BLOCK *(size_t)c->a->rows);
-  for (int first = 0; first < total && done; first += BLOCK)
-    done = c->v && compare_block(c, first, total - first < BLOCK ? total - first : BLOCK, lasting);
+  bool ok = true;
+  c->v = KM_NEW(double, (size_t)VECTORS_PER_BLOCK *(size_t)c->a->rows);
+  for (int first = 0; first < total && ok; first += VECTORS_PER_BLOCK)
+    ok = c->v &&
+         compare_block(c, first, total - first < VECTORS_PER_BLOCK ? total - first : VECTORS_PER_BLOCK, persistent);
   km_free(c->v);
-  return done;
+  return ok;
 }
 
 km_status km_persistent_redundancy_find(const km_left_space *a, const km_left_null *null, const double *local,
-                                        const km_left_null *nearby, bool *lasting, km_error *error) {
-  comparison c = {.a = a, .null = null, .nearby = nearby, .local = local};
-  if (km_left_null_count(nearby) == km_left_null_count(null)) { /* all of them last */
-    memset(lasting, true, (size_t)km_left_null_count(null) * sizeof *lasting);
+                                        const km_left_null *neighbour, bool *persistent, km_error *error) {
+  comparison c = {.a = a, .null = null, .neighbour = neighbour, .local = local};
+  if (km_left_null_count(neighbour) == km_left_null_count(null)) { /* equal numbers: all are persistent */
+    memset(persistent, true, (size_t)km_left_null_count(null) * sizeof *persistent);
     return KM_OK;
   }
-  km_status status = find_span(&c, error);
-  if (!status && !compare_all(&c, lasting))
+  km_status status = factor_neighbour_span(&c, error);
+  if (!status && !compare_all(&c, persistent))
     status = KM_MEMORY;
-  km_sparse_qr_free(c.span);
+  km_sparse_qr_free(c.neighbour_span);
   return status;
 }

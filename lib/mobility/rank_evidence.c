@@ -1,4 +1,9 @@
-/* Singular values of the loops that don't depend on how the model is written, as evidence of a rank. */
+/* Evidence of a rank (theory 3.2): singular values that do not depend on how the model is written.
+ *
+ *   J    six-row Jacobian about the point nearest to all axes, lengths over their root mean square distance from it
+ *   G    Gram matrix of the loops as signed sets of joints, G = L Lᵀ;   singular values of L⁻¹ J are independent of
+ *        the choice of loops
+ *   doubtful if a relative singular value lies between `zero_below` and `nonzero_above` */
 #include "mobility/rank_evidence.h"
 
 #include "kinematics/body_poses.h"
@@ -12,38 +17,38 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-static const double surely_zero = 1e-10; /* below: what closing and rounding leave */
-static const double surely_not = 1e-5;   /* above: no pivot of rounded data */
-static const double tolerated =
-    100.0; /* the same where the file states a tolerance, over it: a factor of 10 on either side of that of the rank */
+static const double zero_below = 1e-10;   /* relative singular values below this are rounding and closing errors */
+static const double nonzero_above = 1e-5; /* relative singular values above this do not come from rounded data */
+static const double tolerance_factor =
+    100.0; /* with a stated tolerance, the upper bound over it: a factor of 10 on either side of the rank tolerance */
 
-/* The columns of one substructure as twists, and how their lengths are counted. */
-typedef struct axes {
+/* The columns of one substructure as twists, their reference point and length scale. */
+typedef struct joint_axes {
   const km_mechanism *m;
   const km_substructure *sub;
   km_twist *twist; /* [coordinate] */
   km_vec3 about;
   double size;
-} axes;
+} joint_axes;
 
-/* The point nearest to the axes, least Σ |v + ω × c|², and their root mean square distance. Where all axes meet there,
- * lengths don't count and any size will do. */
-static void find_centre(axes *a) {
+/* Finds the point c nearest to all axes, min Σ |v + ω × c|², and their root mean square distance as the length scale.
+ * If all axes meet there, lengths do not matter and the substructure's size is used. */
+static void find_nearest_point(joint_axes *a) {
   double A[9] = {0}, b[3] = {0}, sum = 0.0;
-  int turning = 0;
+  int rotating = 0;
   for (int k = 0; k < a->sub->columns; ++k) {
     km_twist t = a->twist[a->m->column_coordinate[a->sub->column_start + k]];
     const double w[3] = {t.w.x, t.w.y, t.w.z};
-    km_vec3 right = km_vec3_cross(t.w, t.v);
+    km_vec3 rhs = km_vec3_cross(t.w, t.v);
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         A[3 * i + j] += (i == j) * km_vec3_dot(t.w, t.w) - w[i] * w[j];
-    b[0] += right.x;
-    b[1] += right.y;
-    b[2] += right.z;
-    turning += km_vec3_dot(t.w, t.w) > 0.0;
+    b[0] += rhs.x;
+    b[1] += rhs.y;
+    b[2] += rhs.z;
+    rotating += km_vec3_dot(t.w, t.w) > 0.0;
   }
-  /* Along parallel axes every point is as good: the least one. */
+  /* with parallel axes the solution of least norm */
   gsl_matrix_view M = gsl_matrix_view_array(A, 3, 3);
   double values[3], vectors[9], work[3], x[3] = {0};
   gsl_matrix_view V = gsl_matrix_view_array(vectors, 3, 3);
@@ -51,7 +56,7 @@ static void find_centre(axes *a) {
   gsl_vector_view B = gsl_vector_view_array(b, 3), X = gsl_vector_view_array(x, 3);
   gsl_linalg_SV_decomp(&M.matrix, &V.matrix, &S.vector, &W.vector);
   for (int i = 0; i < 3; ++i)
-    values[i] = values[i] > 1e-9 * values[0] ? values[i] : 0.0; /* gsl takes 0 for none */
+    values[i] = values[i] > 1e-9 * values[0] ? values[i] : 0.0; /* GSL omits values of 0 */
   gsl_linalg_SV_solve(&M.matrix, &V.matrix, &S.vector, &B.vector, &X.vector);
   a->about = (km_vec3){x[0], x[1], x[2]};
   for (int k = 0; k < a->sub->columns; ++k) {
@@ -59,32 +64,32 @@ static void find_centre(axes *a) {
     km_vec3 v = km_vec3_add(t.v, km_vec3_cross(t.w, a->about));
     sum += km_vec3_dot(t.w, t.w) > 0.0 ? km_vec3_dot(v, v) : 0.0;
   }
-  a->size = turning ? sqrt(sum / turning) : 0.0;
+  a->size = rotating ? sqrt(sum / rotating) : 0.0;
   a->size = a->size > 1e-9 * a->sub->size ? a->size : a->sub->size;
 }
 
-/* The Gram matrix of the loops: how many joints two of them share, by sense. */
+/* Computes the Gram matrix of the loops: the signed number of joints that two of them share. */
 static void loop_gram(const km_mechanism *m, int index, int loops, double *G) {
   const km_topology *t = &m->topology;
-  double *sense = G + (size_t)loops * (size_t)loops; /* [joint] of one loop */
+  double *sign = G + (size_t)loops * (size_t)loops; /* [joint] of one loop */
   for (int a = 0; a < loops; ++a) {
     int one = t->loop[t->loop_start[index] + a];
     for (int i = t->member_start[one]; i < t->member_start[one + 1]; ++i)
-      sense[t->member[i].joint] = km_member_sign(&t->member[i]);
+      sign[t->member[i].joint] = km_member_sign(&t->member[i]);
     for (int b = 0; b < loops; ++b) {
       int other = t->loop[t->loop_start[index] + b];
       double sum = 0.0;
       for (int i = t->member_start[other]; i < t->member_start[other + 1]; ++i)
-        sum += sense[t->member[i].joint] * km_member_sign(&t->member[i]);
+        sum += sign[t->member[i].joint] * km_member_sign(&t->member[i]);
       G[a * loops + b] = sum;
     }
     for (int i = t->member_start[one]; i < t->member_start[one + 1]; ++i)
-      sense[t->member[i].joint] = 0.0;
+      sign[t->member[i].joint] = 0.0;
   }
 }
 
-/* J's loop blocks times the inverse of G's Cholesky factor, in place. */
-static void whiten(const km_mechanism *m, int index, int rows, km_arena *arena, double *J) {
+/* Replaces the loop blocks of J by L⁻¹ J, G = L Lᵀ (Cholesky). */
+static void apply_inverse_cholesky(const km_mechanism *m, int index, int rows, km_arena *arena, double *J) {
   const km_substructure *sub = &m->substructures[index];
   int loops = sub->loop_count;
   double *G = KM_ARENA_NEW(arena, double, (size_t)(loops * loops + m->model->joint_count));
@@ -104,18 +109,18 @@ static void whiten(const km_mechanism *m, int index, int rows, km_arena *arena, 
     }
 }
 
-/* Lengths over the axes' own size instead of the substructure's; couplings' rows of length 1. */
-static void rescale(const axes *a, int rows, double *J) {
+/* Scales lengths by the axes' length scale instead of the substructure's size, and couplings' rows to length 1. */
+static void rescale_lengths(const joint_axes *a, int rows, double *J) {
   const km_substructure *sub = a->sub;
   double factor = sub->size / a->size;
   for (int c = 0; c < sub->columns; ++c) {
     km_twist t = a->twist[a->m->column_coordinate[sub->column_start + c]];
-    bool slides = km_vec3_dot(t.w, t.w) == 0.0;
+    bool is_slide = km_vec3_dot(t.w, t.w) == 0.0;
     double *x = J + (size_t)c * (size_t)rows;
-    for (int l = 0; l < sub->loop_count && !slides; ++l)
+    for (int l = 0; l < sub->loop_count && !is_slide; ++l)
       for (int r = 0; r < 3; ++r)
         x[6 * l + r] *= factor;
-    for (int r = 6 * sub->loop_count; r < rows && slides; ++r)
+    for (int r = 6 * sub->loop_count; r < rows && is_slide; ++r)
       x[r] /= factor;
   }
   for (int r = 6 * sub->loop_count; r < rows; ++r) {
@@ -127,9 +132,10 @@ static void rescale(const axes *a, int rows, double *J) {
   }
 }
 
-static void judge(const km_mechanism *m, const double *values, int count, int rank, km_rank_evidence *out) {
-  double low = m->closure_tolerance_given ? fmax(surely_zero, m->closure_tolerance) : surely_zero;
-  double high = m->closure_tolerance_given ? fmax(surely_not, tolerated * low) : surely_not;
+/* Finds the kept and dropped values, and whether a value is in the doubtful range. */
+static void classify_rank(const km_mechanism *m, const double *values, int count, int rank, km_rank_evidence *out) {
+  double low = m->closure_tolerance_given ? fmax(zero_below, m->closure_tolerance) : zero_below;
+  double high = m->closure_tolerance_given ? fmax(nonzero_above, tolerance_factor * low) : nonzero_above;
   double scale = count && values[0] > 0.0 ? 1.0 / values[0] : 1.0;
   out->kept = rank > 0 && rank <= count ? scale * values[rank - 1] : 1.0;
   out->dropped = rank < count ? scale * values[rank] : 0.0;
@@ -137,27 +143,28 @@ static void judge(const km_mechanism *m, const double *values, int count, int ra
     out->doubtful = out->doubtful || (scale * values[i] > low && scale * values[i] < high);
 }
 
-static bool by_singular_values(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_rank_evidence *out) {
-  axes a = {.m = m, .sub = &m->substructures[index]};
+static bool find_by_singular_values(const km_mechanism *m, km_state *s, int index, km_arena *arena,
+                                    km_rank_evidence *out) {
+  joint_axes a = {.m = m, .sub = &m->substructures[index]};
   int rows = 6 * a.sub->loop_count + a.sub->coupling_count;
-  km_svd_workspace room;
+  km_svd_workspace workspace;
   double *values = KM_ARENA_NEW(arena, double, (size_t)a.sub->columns),
          *J = KM_ARENA_NEW(arena, double, (size_t)(rows * a.sub->columns));
   a.twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->coordinate_count);
-  if (!km_svd_reserve(&room, rows, a.sub->columns, arena))
+  if (!km_svd_reserve(&workspace, rows, a.sub->columns, arena))
     return false;
   for (int k = 0; k < a.sub->columns; ++k) {
     int c = m->column_coordinate[a.sub->column_start + k];
     a.twist[c] = km_coordinate_twist(m, s, c);
   }
-  find_centre(&a);
+  find_nearest_point(&a);
   km_full_jacobian(m, s, index, a.twist, a.about, J);
-  rescale(&a, rows, J);
-  whiten(m, index, rows, arena, J);
+  rescale_lengths(&a, rows, J);
+  apply_inverse_cholesky(m, index, rows, arena, J);
   if (arena->failed)
     return false;
-  int count = km_svd_values(J, rows, a.sub->columns, &room, values);
-  judge(m, values, count, s->partition[index].rank, out);
+  int count = km_svd_values(J, rows, a.sub->columns, &workspace, values);
+  classify_rank(m, values, count, s->partition[index].rank, out);
   return true;
 }
 
@@ -168,12 +175,12 @@ km_status km_rank_evidence_find(const km_mechanism *m, km_state *s, int index, k
   *out = (km_rank_evidence){0};
   gsl_set_error_handler_off();
   if (6 * sub->loop_count + sub->coupling_count <= KM_MAX_SINGULAR && sub->columns <= KM_MAX_SINGULAR) {
-    found = by_singular_values(m, s, index, &arena, out);
+    found = find_by_singular_values(m, s, index, &arena, out);
   } else {
     km_substructure_mobility e;
     km_substructure_evidence(m, s, index, &e);
     const double pivots[3] = {1.0, e.last_pivot, e.first_dropped};
-    judge(m, pivots, 3, 2, out);
+    classify_rank(m, pivots, 3, 2, out);
   }
   km_arena_free(&arena);
   return found ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the evidence of a rank");

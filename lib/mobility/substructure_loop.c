@@ -1,14 +1,14 @@
-/* The loop over substructures that the analyses of a pose share. */
+/* Loop over the substructures with progress and cancellation. */
 #include "mobility/substructure_loop.h"
 
-km_status km_each_substructure(const km_mechanism *m, km_substructure_look look, void *self, km_progress progress,
+km_status km_each_substructure(const km_mechanism *m, km_substructure_visitor visit, void *self, km_progress progress,
                                void *context, const char *what, km_error *error) {
   int count = m->topology.substructure_count;
   for (int i = 0; i < count; ++i) {
     if (progress && !progress(context, (double)i / count))
       return km_fail(error, KM_CANCELLED, "the search for %s was cancelled", what);
     km_arena arena = {0};
-    km_status status = look(self, i, &arena, error);
+    km_status status = visit(self, i, &arena, error);
     bool failed = arena.failed || status == KM_MEMORY;
     km_arena_free(&arena);
     if (failed)

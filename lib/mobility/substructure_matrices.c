@@ -1,4 +1,4 @@
-/* J, N and Z of substructures for programs that want the matrices themselves. */
+/* Public access to the matrices J, N and Z of substructures, and the basis of all free motions. */
 #include "kmech/mobility.h"
 
 #include "base/arguments.h"
@@ -6,17 +6,17 @@
 
 #include <string.h>
 
-static const km_substructure *known(const km_mechanism *m, int index) {
+static const km_substructure *find_substructure(const km_mechanism *m, int index) {
   return m && index >= 0 && index < m->topology.substructure_count ? &m->substructures[index] : NULL;
 }
 
 int km_substructure_rows(const km_mechanism *m, int index) {
-  const km_substructure *sub = known(m, index);
+  const km_substructure *sub = find_substructure(m, index);
   return sub ? sub->rows : 0;
 }
 
 int km_substructure_coordinate(const km_mechanism *m, int index, int column) {
-  const km_substructure *sub = known(m, index);
+  const km_substructure *sub = find_substructure(m, index);
   return sub && column >= 0 && column < sub->columns ? m->column_coordinate[sub->column_start + column] : -1;
 }
 
@@ -25,7 +25,8 @@ double km_substructure_unit(const km_mechanism *m, int index, int column) {
   return coordinate >= 0 ? m->unit[coordinate] : nan("");
 }
 
-static km_status check(const km_mechanism *m, const km_state *s, int index, const double *out, km_error *error) {
+static km_status check_request(const km_mechanism *m, const km_state *s, int index, const double *out,
+                               km_error *error) {
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_given(out != NULL, "place for the result", error);
@@ -37,14 +38,14 @@ static km_status check(const km_mechanism *m, const km_state *s, int index, cons
 }
 
 km_status km_substructure_jacobian(const km_mechanism *m, const km_state *s, int index, double *J, km_error *error) {
-  km_status status = check(m, s, index, J, error);
+  km_status status = check_request(m, s, index, J, error);
   if (!status)
     km_state_jacobian_dense(s, &m->substructures[index], J);
   return status;
 }
 
 km_status km_substructure_null(const km_mechanism *m, const km_state *s, int index, double *N, km_error *error) {
-  km_status status = check(m, s, index, N, error);
+  km_status status = check_request(m, s, index, N, error);
   if (status)
     return status;
   const km_partition *p = &s->partition[index];
@@ -54,7 +55,7 @@ km_status km_substructure_null(const km_mechanism *m, const km_state *s, int ind
 }
 
 km_status km_substructure_basis(const km_mechanism *m, const km_state *s, int index, double *Z, km_error *error) {
-  km_status status = check(m, s, index, Z, error);
+  km_status status = check_request(m, s, index, Z, error);
   const double *basis = status ? NULL : km_state_basis(s, index);
   size_t count = basis ? (size_t)km_partition_freedom(&s->partition[index]) : 0;
   if (count > 0)
@@ -62,8 +63,8 @@ km_status km_substructure_basis(const km_mechanism *m, const km_state *s, int in
   return status;
 }
 
-/* Adds the motions of a substructure behind the `count` that are there; returns how many there are then. */
-static int add_motions(const km_mechanism *m, const km_state *s, int index, double *N, int count) {
+/* Appends the motions D⁻¹ Z of a substructure to the `count` present ones; returns the new number. */
+static int append_motions(const km_mechanism *m, const km_state *s, int index, double *N, int count) {
   const km_substructure *sub = &m->substructures[index];
   const double *Z = km_state_basis(s, index);
   for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k, ++count) {
@@ -93,7 +94,7 @@ km_status km_motions_basis(const km_mechanism *m, const km_state *s, double *N, 
     if (m->substructure_of[c] < 0 && !m->held[c])
       N[(size_t)count++ * n + (size_t)c] = 1.0;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    count = add_motions(m, s, i, N, count);
+    count = append_motions(m, s, i, N, count);
   *freedom = count;
   return KM_OK;
 }

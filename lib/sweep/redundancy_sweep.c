@@ -110,7 +110,7 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
   if (!status && named)
     status = stand_at(m, sweep->table, row, &state, error);
   if (!status && named)
-    status = km_redundancies_find(m, state, NULL, NULL, &out->lasting, error);
+    status = km_redundancies_find(m, state, NULL, NULL, &out->persistent, error);
   km_state_free(state);
   return status;
 }
@@ -118,7 +118,7 @@ km_status km_sweep_redundancies_find(const km_mechanism *m, const km_sweep *swee
 void km_sweep_redundancies_free(km_sweep_redundancies *redundancies) {
   if (!redundancies)
     return;
-  km_redundancies_free(&redundancies->lasting);
+  km_redundancies_free(&redundancies->persistent);
   km_free(redundancies->extra);
   *redundancies = (km_sweep_redundancies){0};
 }

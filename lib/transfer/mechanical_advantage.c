@@ -343,7 +343,7 @@ km_status km_transfer_compute(const km_mechanism *m, km_state *s, km_transfer *l
     return KM_USAGE;
   update_rows(m, s, l);
   measure(m, l, choose_motion(m, s, l), out);
-  km_status status = km_mobility_memory(m, s);
+  km_status status = km_mobility_check_memory(m, s);
   if (status)
     *out = unknown;
   return status;

@@ -132,12 +132,12 @@ static void what_a_folded_chain_has_too_much(void **state) {
   (void)state;
   fixture f = folded_chain(LOOPS);
   km_redundancies found;
-  int lasting = 0;
+  int persistent = 0;
   assert_int_equal(km_redundancies_find(f.mechanism, f.state, NULL, NULL, &found, NULL), KM_OK);
   for (int i = 0; i < found.count; ++i)
-    lasting += found.items[i].lasting;
+    persistent += found.items[i].persistent;
   assert_int_equal(found.count, 4 * LOOPS);
-  assert_int_equal(lasting, 3 * LOOPS);
+  assert_int_equal(persistent, 3 * LOOPS);
   km_redundancies_free(&found);
   fixture_close(&f);
 }

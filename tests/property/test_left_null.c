@@ -18,8 +18,8 @@ static void vector_of(const km_left_space *space, const km_left_null *null, int 
   if (v >= null->local_count) {
     int n = v - null->local_count;
     for (int i = null->part_start[n]; i < null->part_start[n + 1]; ++i)
-      memcpy(out + km_left_row(space, null->part[i].place), null->part[i].w,
-             (size_t)km_left_rows(space, null->part[i].place) * sizeof *out);
+      memcpy(out + km_left_row(space, null->part[i].block), null->part[i].w,
+             (size_t)km_left_rows(space, null->part[i].block) * sizeof *out);
     return;
   }
   int loop = 0;
@@ -49,7 +49,7 @@ static double power(const km_left_space *space, const double *J, const double *w
 /* The vectors of several loops of a large substructure aren't at right angles to each other; those of one loop are to
  * all. */
 static bool need_be_square(const km_left_null *null, int a, int b) {
-  return null->orthonormal || a < null->local_count || b < null->local_count || a == b;
+  return null->is_orthonormal || a < null->local_count || b < null->local_count || a == b;
 }
 
 static void check_independent(const km_left_space *space, const km_left_null *null) {
@@ -71,10 +71,10 @@ static void check_lasting(const km_left_space *space, const km_left_null *null) 
   int count = km_left_null_count(null), gone = 0;
   bool *by_sums = KM_ARENA_NEW(&arena, bool, (size_t)count + 1), *by_qr = KM_ARENA_NEW(&arena, bool, (size_t)count + 1);
   km_left_null nearby = *null;
-  if (null->whole_count && null->orthonormal) {
-    nearby.whole_count--;
+  if (null->spanning_count && null->is_orthonormal) {
+    nearby.spanning_count--;
     assert_int_equal(km_persistent_redundancy_find(space, null, null->local, &nearby, by_sums, NULL), KM_OK);
-    nearby.orthonormal = false;
+    nearby.is_orthonormal = false;
     assert_int_equal(km_persistent_redundancy_find(space, null, null->local, &nearby, by_qr, NULL), KM_OK);
     for (int k = 0; k < count; ++k) {
       assert_int_equal(by_sums[k], by_qr[k]);
@@ -91,7 +91,7 @@ static int check(fixture *f, int index) {
   km_left_space space;
   km_left_null null;
   const km_substructure *sub = &f->mechanism->substructures[index];
-  assert_true(km_left_space_make(f->mechanism, f->state, index, &arena, &space));
+  assert_true(km_left_space_create(f->mechanism, f->state, index, &arena, &space));
   assert_true(km_left_null_find(&space, &arena, &null));
   int count = km_left_null_count(&null);
   assert_int_equal(count, space.rows - f->state->partition[index].rank);
@@ -120,7 +120,7 @@ static int check(fixture *f, int index) {
   check_independent(&space, &null);
   check_lasting(&space, &null);
   km_arena_free(&arena);
-  return null.whole_count;
+  return null.spanning_count;
 }
 
 static int check_all_of(fixture *f) {

@@ -42,7 +42,7 @@ static void planar_loops(void **state) {
     for (int i = 0; i < found.count; ++i) {
       const km_redundancy *r = &found.items[i];
       assert_int_equal(r->loops, 1);
-      assert_true(r->lasting);
+      assert_true(r->persistent);
       assert_near(fabs(r->direction[2]), r->rotation ? 0.0 : 1.0, 1e-9);
       assert_true(r->remedy_count > 0);
     }
@@ -59,7 +59,7 @@ static void a_pose_can_have_its_own(void **state) {
   int own = 0;
   assert_int_equal(found.count, 4);
   for (int i = 0; i < found.count; ++i) {
-    if (found.items[i].lasting)
+    if (found.items[i].persistent)
       continue;
     ++own;
     assert_false(found.items[i].rotation);

@@ -64,7 +64,7 @@ static void minima_where_mobility_is_gained(void **state) {
   assert_near(sweep.smallest.number, 0.0, 1e-7);
   assert_near(sweep.smallest.s, M_PI, 1e-6);
   assert_int_equal(km_sweep_redundancies_find(f.mechanism, &sweep.motion, true, &redundancies, &error), KM_OK);
-  assert_int_equal(redundancies.lasting.count, 3);
+  assert_int_equal(redundancies.persistent.count, 3);
   assert_int_equal(redundancies.extra_count, 1);
   assert_near(redundancies.extra[0].s, M_PI, 1e-8);
   assert_int_equal(redundancies.extra[0].more, 1);

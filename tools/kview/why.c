@@ -50,7 +50,7 @@ static void add_redundancy(const kv_session *s, const km_redundancy *r, km_text 
   kv_add_comma(out);
   km_text_format(out, "{\"rotation\":%s,\"loop\":%d,\"loops\":%d,\"outOfPlane\":%s,\"lasting\":%s,\"direction\":",
                  r->rotation ? "true" : "false", r->loop, r->loops, r->out_of_plane ? "true" : "false",
-                 r->lasting ? "true" : "false");
+                 r->persistent ? "true" : "false");
   kv_add_numbers(out, r->direction, 3);
   km_text_add(out, ",\"point\":");
   kv_add_numbers(out, r->point, 3);

@@ -195,7 +195,7 @@ typedef struct km_extra_redundancy {
 
 /* What is constrained twice along a sweep. */
 typedef struct km_sweep_redundancies {
-  km_redundancies lasting;    /* if asked for: named at a pose of the least mobility, redundant at every pose */
+  km_redundancies persistent; /* if asked for: named at a pose of the least mobility, redundant at every pose */
   km_extra_redundancy *extra; /* rows and branch points, by s in the order of the sweep */
   size_t extra_count;
 } km_sweep_redundancies;

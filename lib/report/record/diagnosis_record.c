@@ -38,7 +38,7 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
     km_value_number(arena, item, "substructure", r->substructure + 1);
     km_value_number(arena, item, "loop", r->loop + 1);
     km_value_words(arena, item, "statement", &text);
-    km_value_boolean(arena, item, "lasting", r->lasting);
+    km_value_boolean(arena, item, "lasting", r->persistent);
     km_value_boolean(arena, item, "out_of_plane", r->out_of_plane);
     km_value *remedies = km_value_add(arena, item, "remedies", KM_LIST);
     for (int k = 0; k < r->remedy_count && !arena->failed; ++k) {

@@ -128,7 +128,7 @@ static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, k
 
 /* Redundant constraints of all configurations, and the ranges with further ones. */
 static void add_redundancies(const km_mechanism *m, const km_sweep_redundancies *r, km_value *record, km_arena *arena) {
-  km_redundancies_record(m, &r->lasting, record, arena);
+  km_redundancies_record(m, &r->persistent, record, arena);
   km_value *extra = km_value_add(arena, record, "redundant_at_poses", KM_LIST);
   for (size_t i = 0; i < r->extra_count && !arena->failed; ++i) {
     km_value *item = km_value_add(arena, extra, NULL, KM_OBJECT);
