@@ -1,4 +1,4 @@
-/* Models from text of any format, which the text itself tells. */
+/* Reads models of any format, recognised from the text. */
 #include "base/arguments.h"
 #include "exchange/json/json_model.h"
 #include "exchange/mesh/mesh_folders.h"
@@ -9,8 +9,8 @@
 
 #include <string.h>
 
-/* A text of XML begins with an angle bracket, after blanks and the byte order mark; JSON never does. In UTF-16 each
- * character of those has a byte of 0 beside it. */
+/* XML begins with an angle bracket, after blanks and a byte order mark; JSON never does. UTF-16 has a zero byte next
+ * to each of these characters. */
 static bool is_xml(const char *bytes, size_t size) {
   static const char before[] = " \t\r\n\xEF\xBB\xBF\xFE\xFF";
   size_t i = 0;

@@ -1,4 +1,4 @@
-/* Texts in UTF-16, told by their first bytes. */
+/* Texts in UTF-16, recognised by their first bytes. */
 #ifndef KM_EXCHANGE_UTF16_H
 #define KM_EXCHANGE_UTF16_H
 

@@ -13,7 +13,7 @@ typedef enum ending { FIELD_ENDS, ROW_ENDS, TEXT_ENDS, QUOTE_OPEN } ending;
 
 typedef struct sheet {
   const char *file, *at, *end;
-  size_t line; /* of what is read next */
+  size_t line; /* position of the next character */
   km_text field;
   km_table *table;
   km_error *error;
@@ -24,7 +24,7 @@ static void take(sheet *s) {
   km_text_bytes(&s->field, s->at++, 1);
 }
 
-/* From behind the opening quote to behind the closing one. */
+/* Reads a quoted field, from after the opening quote to after the closing one. */
 static bool read_quoted(sheet *s) {
   while (s->at < s->end) {
     if (*s->at == '"' && (s->at + 1 == s->end || s->at[1] != '"')) {
@@ -164,7 +164,7 @@ static void skip_empty_lines(sheet *s) {
 }
 
 static km_status read_all(sheet *s) {
-  static const char mark[] = "\xEF\xBB\xBF"; /* which some spreadsheets write first */
+  static const char mark[] = "\xEF\xBB\xBF"; /* byte order mark, which some spreadsheets write */
   ending last;
   if (s->end - s->at >= 3 && memcmp(s->at, mark, 3) == 0)
     s->at += 3;

@@ -6,8 +6,7 @@
 
 #include <string.h>
 
-/* Blank names are quoted too, since a line of nothing else is none to those who read it, and names that begin as a
- * mark of the encoding. */
+/* Quotes blank names, too, because readers skip blank lines, and names that begin like a byte order mark. */
 static void write_field(const char *name, const char *unit, km_text *out) {
   bool quoted =
       strpbrk(name, ",\"\r\n") != NULL || name[strspn(name, " \t")] == '\0' || strncmp(name, "\xEF\xBB\xBF", 3) == 0;

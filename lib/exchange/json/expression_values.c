@@ -100,7 +100,7 @@ static void evaluate_parameter(evaluation *e, km_value *parameter, const km_plac
     if (v->kind == KM_STRING && strcmp(v->key, "note") != 0)
       evaluate_number(e, v, &at);
   }
-  /* A faulty one counts as 1, so that its fault isn't told again wherever it is used. */
+  /* A faulty expression has the value 1, so that its fault isn't reported again at each use. */
   double value = sound && number && number->kind == KM_NUMBER ? number->number : 1.0;
   if (!km_formulas_define(e->formulas, parameter->key, value))
     e->status = km_fail(&e->error, KM_MEMORY, "out of memory while reading parameters");

@@ -11,7 +11,7 @@
  * evaluated at all; KM_MEMORY. */
 km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *error);
 
-/* The same for a file of another format, which has no parameters. */
+/* Evaluates a file of another format, which has no parameters. */
 km_status km_format_evaluate(km_value *root, const km_object_format *format, km_messages *messages, km_error *error);
 
 /* A member of `parameters` that holds its number: itself, or its `value`; NULL if it has none. */

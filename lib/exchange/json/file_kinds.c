@@ -1,4 +1,4 @@
-/* Tells the kinds of JSON files apart by what they alone have. */
+/* Recognises the kind of a JSON file by its characteristic keys. */
 #include "exchange/json/format/format.h"
 
 const char *km_other_kind(const km_value *root, const km_object_format *expected) {

@@ -13,7 +13,7 @@
 
 enum { LONGEST_FORMULA = 1000, LONGEST_NAME = 60 };
 
-/* In the order of the names in find_muparser. */
+/* Function pointers in the order of the names in find_muparser. */
 typedef struct muparser_functions {
   muParserHandle_t (*create)(int base);
   void (*release)(muParserHandle_t);
@@ -33,7 +33,7 @@ struct km_formulas {
   const char **names;
   size_t name_room;
   const muparser_functions *muparser; /* NULL: not loaded yet */
-  muParserHandle_t parser;            /* the same */
+  muParserHandle_t parser;            /* another form of the same function */
 };
 
 static const char *const functions[] = {"sqrt", "sin", "cos", "tan", "atan2", "abs", "min", "max", NULL};

@@ -6,15 +6,15 @@
 #include "exchange/json/json_location.h"
 #include "kmech/base.h"
 
-/* What a parser of expressions knows: constants, and the values of the parameters so far. */
+/* Names of a parser of expressions: constants, and values of the parameters so far. */
 typedef struct km_formulas km_formulas;
 
-/* `parameters`: of the file, for telling a later one from an unknown one; NULL: none. NULL when out of memory. The
- * library that evaluates is loaded with the first expression. */
+/* Creates a parser. `parameters`: those of the file, to distinguish a later parameter from an unknown name; NULL:
+ * none. NULL when out of memory. muParser is loaded with the first expression. */
 km_formulas *km_formulas_create(const km_value *parameters);
 void km_formulas_free(km_formulas *formulas);
 
-/* Is the name one that a parameter can have? KM_MODEL with the reason. */
+/* Checks that a name is valid for a parameter. KM_MODEL with the reason. */
 km_status km_formulas_check_name(const char *name, km_error *error);
 /* Gives a parameter its value. False when out of memory. */
 bool km_formulas_define(km_formulas *formulas, const char *name, double value);

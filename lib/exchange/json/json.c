@@ -55,7 +55,7 @@ static const char *likely(const char *bytes, size_t size, size_t end) {
   char token = 0, before = 0;
   while (at > 0 && strchr(" \t\r\n", bytes[at - 1]))
     --at;
-  size_t from = at; /* of the token: back to a blank or a sign of JSON */
+  size_t from = at; /* start of the token, searched back to a blank or a JSON delimiter */
   while (from > 0 && !strchr(" \t\r\n,:[]{}\"", bytes[from - 1]))
     --from;
   from -= from == at && from > 0;

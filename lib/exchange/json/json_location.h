@@ -1,5 +1,5 @@
-/* Where in a model file something stands: `assemblies[0].joints[2].type`. A chain on the stack, turned into
- * text only when there is something to report. */
+/* Location in a model file: `assemblies[0].joints[2].type`. A linked chain on the stack, converted to text only for
+ * a report. */
 #ifndef KM_EXCHANGE_JSON_JSON_LOCATION_H
 #define KM_EXCHANGE_JSON_JSON_LOCATION_H
 

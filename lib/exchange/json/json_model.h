@@ -4,7 +4,7 @@
 
 #include "model/model.h"
 
-/* A model from JSON text, as km_model_read_as tells. */
+/* Reads a model from JSON text; see km_model_read_as. */
 km_status km_json_model(const char *bytes, size_t size, const km_read_def *def, km_messages *messages, km_model **out,
                         km_error *error);
 

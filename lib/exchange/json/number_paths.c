@@ -13,7 +13,7 @@ static bool is_word(char c) {
   return isalnum((unsigned char)c) || c == '_';
 }
 
-/* Does an expression use the name? */
+/* True if an expression uses the name. */
 static bool mentions(const char *text, const char *name) {
   size_t length = strlen(name);
   for (const char *at = strstr(text, name); at; at = strstr(at + 1, name))
@@ -22,7 +22,8 @@ static bool mentions(const char *text, const char *name) {
   return false;
 }
 
-/* Is the name used other than alone, or inside `parameters` at all? Evaluated numbers keep their expressions. */
+/* True if the name occurs in a composed expression, or inside `parameters`. Evaluated numbers keep their
+ * expressions. */
 static bool is_mixed(const km_value *value, const char *name, bool parameters) {
   bool used = value->kind == KM_NUMBER && value->string && mentions(value->string, name);
   if (used && (parameters || strcmp(value->string, name) != 0))

@@ -18,7 +18,7 @@ typedef struct reading {
   km_value *number; /* NULL: `key` of `object` isn't stated */
   km_value *object;
   const km_field *field;
-  int component; /* of a point that isn't stated or has too few numbers; -1: none */
+  int component; /* component of a point that isn't stated or has too few numbers; −1: none */
   char place[KM_PLACE_TEXT];
 } reading;
 
@@ -29,13 +29,13 @@ typedef struct search {
   int found;      /* readings, those past READINGS too */
   size_t deepest; /* tokens that led somewhere */
   km_nearest nearest;
-  const km_value *pair; /* the frames of a joint whose point was asked for, though it isn't drawn */
+  const km_value *pair; /* frames of a joint that isn't drawn, whose point was named */
 } search;
 
 /* A node on the way: a value, what it is, and where. */
 typedef struct node {
   km_value *value;
-  const km_object_format *format; /* of an object; NULL: unknown */
+  const km_object_format *format; /* format of an object; NULL: unknown */
   const km_field *field;          /* that the value is or lies in */
   const km_place *place;
 } node;
@@ -84,7 +84,7 @@ static bool is_point(const km_field *field) {
 
 static const char *const letters[3] = {"x", "y", "z"};
 
-/* Which number of a list: by its index, of a point by its letter too; -1: none. */
+/* Index of a number in a list: a number, or the letter of a point's component; −1: none. */
 static int item_of(const km_field *field, const char *token) {
   for (int k = 0; k < 3 && is_point(field); ++k)
     if (strcmp(token, letters[k]) == 0)
@@ -150,7 +150,7 @@ static void find_unstated_field(search *s, node object, const km_field *field, s
     find_component(s, object, field, item, token + 1);
 }
 
-/* What the format knows and the file doesn't state: single numbers, and the components of points. */
+/* Numbers that the format has and the file doesn't state: single numbers, and components of points. */
 static void find_unstated(search *s, node object, size_t token) {
   for (const km_field *field = object.format->fields; field->key; ++field) {
     if (may_have(&object, field)) {

@@ -5,7 +5,7 @@
 #include "base/value.h"
 #include "kmech/model.h"
 
-/* Puts the values into the tree (km_model_read_varied tells what a path is). KM_USAGE, KM_MEMORY. */
+/* Enters the values into the tree; for paths see km_model_read_varied. KM_USAGE, KM_MEMORY. */
 km_status km_model_vary(km_value *root, const km_assignment *assignments, int count, km_arena *arena, km_error *error);
 /* The value of the number that a path names; NaN where the file doesn't state it. KM_USAGE, KM_MEMORY. */
 km_status km_model_find_number(km_value *root, const char *path, double *value, km_error *error);

@@ -1,4 +1,4 @@
-/* The formats by their names, for those who publish them. */
+/* Formats by name, for publication as schemas. */
 #include "kmech/exchange.h"
 
 #include "exchange/json/format/format.h"

@@ -38,7 +38,7 @@ km_status km_find_destination(const km_folders *folders, const char *file, km_ar
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory for the folder of a model") : KM_OK;
 }
 
-/* How many bytes of two whole paths are the folders that both are in, with the last slash. */
+/* Length of the common folders of two absolute paths, with the last slash. */
 static size_t common_folders(const char *a, const char *b) {
   size_t end = 0;
   for (size_t i = 0; a[i] && a[i] == b[i]; ++i)

@@ -12,9 +12,9 @@ bool km_folders_begin(km_folders *folders, const char *file, km_arena *arena);
  * one, or there is no such folder. `file` NULL, or "-": the model's own. KM_MEMORY. */
 km_status km_find_destination(const km_folders *folders, const char *file, km_arena *arena, const char **destination,
                               km_error *error);
-/* What a mesh is called from the destination: relative to it, or its whole path where nothing but the root is above
- * both. The name itself where there is no destination, the name is a whole path, or the mesh isn't found. In
- * `arena`; NULL: out of memory. */
+/* Path of a mesh as seen from the destination: relative, or absolute if only the root is common. The name is
+ * unchanged without a destination, for an absolute name, or if the mesh isn't found. In `arena`; NULL when out of
+ * memory. */
 const char *km_written_mesh(const km_folders *folders, const char *destination, const char *name, km_arena *arena);
 
 #endif

@@ -77,7 +77,7 @@ static km_status take(km_helper *helper, const char *path, km_mesh **out, bool *
   return take_mesh(helper, &head, path, out, whole, error);
 }
 
-/* What ended a process that wrote no whole stream. */
+/* Reason of the end of a process whose stream is incomplete. */
 static km_status explain(const char *path, int ended, km_error *error) {
   if (ended == SIGALRM || ended == SIGXCPU)
     return km_fail(error, KM_IO, "%s: isn't read within %d s: the mesh is damaged or too large", path, KM_MESH_SECONDS);

@@ -1,4 +1,4 @@
-/* Reads a mesh by the reader that its bytes or its name ask for. */
+/* Reads a mesh by the reader for its contents or extension. */
 #include "exchange/mesh/import/stream.h"
 #include "exchange/mesh/mesh_import.h"
 #include "exchange/mesh/msh.h"

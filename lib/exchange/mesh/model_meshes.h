@@ -6,10 +6,10 @@
 #include "model/geometry/mesh.h"
 #include "model/model.h"
 
-/* Appends the path at which a mesh file is found: in the file's folder or one of include_dir. False if nowhere, or,
- * with path->failed, for want of memory. */
+/* Appends the path of a mesh file, searched in the file's folder and in include_dir. False if it isn't found, or
+ * when out of memory (path->failed). */
 bool km_find_mesh(const km_folders *folders, const char *name, km_text *path);
-/* Reads the mesh of a name; faults are told of `part` (may be "") of the place `where`. KM_IO: it can't be found or
+/* Reads the mesh with a name; errors name `part` (may be "") of the location `where`. KM_IO: it can't be found or
  * read; KM_MEMORY. The caller frees `*out`. */
 km_status km_model_read_mesh(const km_model *model, const char *where, const char *part, const char *name,
                              km_mesh **out, km_error *error);

@@ -12,7 +12,7 @@
 
 enum { VERTICES, NORMALS, TEXTURES, FACES, COUNTS };
 
-/* Does a header belong to a file of this size? */
+/* True if a header is consistent with the size of the file. */
 static bool fits(const int32_t n[COUNTS], int64_t size) {
   for (int k = 0; k < COUNTS; ++k)
     if (n[k] < 0 || n[k] > KM_MESH_MAX_CORNERS)
@@ -55,7 +55,7 @@ static bool copy(const int32_t n[COUNTS], const char *bytes, km_mesh *mesh) {
   return true;
 }
 
-/* What a surface without faces bounds. */
+/* Convex hull of a file without faces. */
 static km_status wrap(const char *path, km_mesh **mesh, km_error *error) {
   km_mesh *points = *mesh;
   km_error reason;

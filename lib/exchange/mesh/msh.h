@@ -4,9 +4,10 @@
 
 #include "model/geometry/mesh.h"
 
-/* Reads a file of MuJoCo's own format, told by a header that fits its size: four int32 (vertices, normals, texture
- * coordinates, faces), then float32 and the faces' int32. Without faces it is the convex hull of its vertices. KM_OK
- * with `*out` NULL: it isn't such a file. The caller frees `*out`. KM_IO: its contents can't be a mesh; KM_MEMORY. */
+/* Reads a file of MuJoCo's format, recognised by a header consistent with its size: four int32 (vertices, normals,
+ * texture coordinates, faces), then float32 and the faces' int32. Without faces the mesh is the convex hull of its
+ * vertices. KM_OK with `*out` NULL: not such a file. The caller frees `*out`. KM_IO: the contents aren't a mesh;
+ * KM_MEMORY. */
 km_status km_msh_read(const char *path, km_mesh **out, km_error *error);
 
 #endif

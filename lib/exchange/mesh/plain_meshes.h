@@ -19,14 +19,14 @@ typedef struct km_soup {
 
 void km_soup_add(km_soup *soup, km_vec3 a, km_vec3 b, km_vec3 c);
 
-/* What a text is read by. */
+/* State of reading a text. */
 typedef struct km_event_search {
   const char *at;
 } km_event_search;
 
-/* Each reads what comes next on the line; false: something else comes, or nothing. */
+/* Each reads the next item of the line; false if it is another item or missing. */
 bool km_event_search_word(km_event_search *scan, const char *expected);
-bool km_event_search_point(km_event_search *scan, km_vec3 *out); /* of finite numbers */
+bool km_event_search_point(km_event_search *scan, km_vec3 *out); /* reads finite numbers */
 /* Goes behind the line's end. False: there is more on the line. */
 bool km_event_search_end_line(km_event_search *scan);
 void km_event_search_skip_line(km_event_search *scan);
@@ -37,7 +37,7 @@ bool km_obj_scan(km_event_search *scan, km_soup *soup);
 bool km_stl_scan(km_event_search *scan, km_soup *soup);
 bool km_stl_take(const km_text *bytes, km_soup *soup); /* a binary one */
 
-/* Adds the triangles of a file that has these bytes, of the format that the end of its name tells; false as above. */
+/* Adds the triangles of a file with these bytes, in the format of its extension; false as above. */
 bool km_plain_mesh_scan(const char *path, const km_text *bytes, km_soup *soup);
 
 /* Reads a file whose name ends in .obj or .stl. KM_OK with `*out` NULL: its name doesn't, or it isn't plain. The

@@ -10,7 +10,7 @@ static bool expect_line(km_event_search *scan, const char *first, const char *se
          km_event_search_end_line(scan);
 }
 
-/* From behind "facet" to behind "endfacet". The normal follows from the corners. */
+/* Reads from after "facet" to after "endfacet". The normal follows from the corners. */
 static bool read_facet(km_event_search *scan, km_soup *soup) {
   km_vec3 corners[3];
   km_event_search_skip_line(scan);

@@ -11,19 +11,19 @@ void km_mjcf_read(km_robot *robot, km_xml *root);
 typedef struct km_mjcf_body {
   const char *name;
   km_body_id id;
-  km_pose world; /* where every joint has its reference value */
+  km_pose world; /* at the reference values of the joints */
 } km_mjcf_body;
 
 typedef struct km_mjcf_joint {
   const char *name;
   km_joint_id id;
   km_joint_type type;
-  double reference; /* of its one coordinate: its value where the bodies stand as the file has them */
+  double reference; /* value of its coordinate in the configuration of the file */
 } km_mjcf_joint;
 
 typedef struct km_mjcf_site {
   int body;
-  km_pose pose; /* in the body */
+  km_pose pose; /* pose in the body */
   km_frame_id frame;
 } km_mjcf_site;
 
@@ -37,10 +37,10 @@ typedef enum km_mjcf_answer { KM_MJCF_NO, KM_MJCF_YES, KM_MJCF_AUTO } km_mjcf_an
 
 typedef struct km_mjcf_compiler {
   double angle;  /* radians per unit of angle */
-  char order[3]; /* of Euler angles */
+  char order[3]; /* axis sequence of Euler angles */
   bool autolimits;
   km_mjcf_answer from_geoms; /* masses are those of the geoms; auto: where a body states none */
-  double groups[2];          /* of the geoms that weigh */
+  double groups[2];          /* group range of geoms with mass */
   double least_mass, least_inertia;
   bool balances;      /* principal moments that no body has are made alike */
   bool exact_meshes;  /* volumes of meshes are signed */
@@ -50,8 +50,8 @@ typedef struct km_mjcf_compiler {
 typedef struct km_mjcf {
   km_robot *robot;
   const km_xml *root;
-  const char *prefix, *suffix; /* of the names of an attached model, else "" */
-  int depth;                   /* of attached models: 0, the main one */
+  const char *prefix, *suffix; /* prefix of the names of an attached model, otherwise "" */
+  int depth;                   /* depth of attachment; 0: the main model */
   km_assembly_id assembly;
   km_mjcf_compiler compiler;
   km_names class_names, missing_classes, body_names, joint_names, site_names, driven_names, mesh_names;
@@ -59,13 +59,13 @@ typedef struct km_mjcf {
   km_mjcf_body *bodies; /* [0] is the world */
   km_mjcf_joint *joints;
   km_mjcf_site *sites;
-  km_mass *mesh_masses; /* of the meshes that were weighed, by the names of those; of density 1 */
-  double *most_forces;  /* of the joints that actuators drive, by the names of those */
+  km_mass *mesh_masses; /* mass properties of meshes by name, for density 1 */
+  double *most_forces;  /* actuated joints by name */
   int class_count, body_count, joint_count, site_count, driven_count, mesh_count, copies;
   size_t class_room, body_room, joint_room, site_room, mesh_room;
 } km_mjcf;
 
-/* Where elements stand: the pose of their frame in the body, the class of their defaults, what is added to names. */
+/* Context of elements: pose of their frame in the body, default class, prefix of names. */
 typedef struct km_mjcf_place {
   km_pose pose;
   const char *class, *suffix;
@@ -84,7 +84,7 @@ void km_mjcf_read_classes(km_mjcf *m);
 const char *km_mjcf_class_inside(km_mjcf *m, const km_xml *element, const char *class);
 /* An element's own attribute, or that of its class; NULL: none. */
 const char *km_mjcf_get(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key);
-/* Numbers of such an attribute; what there is, at least one, up to `most`. How many were set. */
+/* Reads 1 … `most` numbers of an attribute. Returns how many were set. */
 int km_mjcf_numbers(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key, double *out,
                     int most);
 double km_mjcf_number(km_mjcf *m, const km_xml *element, const km_mjcf_place *place, const char *key, double otherwise);
@@ -127,14 +127,14 @@ void km_mjcf_read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
 void km_mjcf_read_members(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, int body, bool frame);
 /* The element `attach` of a body. */
 void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place, int body);
-/* What a name of the file is called in the model. */
+/* Name in the model of an element of the file. */
 const char *km_mjcf_full(const km_mjcf *m, const char *name);
-/* Of an attached model: has everything been attached that an element names? */
+/* True if all elements that an element of an attached model names have been attached. */
 bool km_mjcf_is_here(const km_mjcf *m, const km_xml *element);
-/* A joint between a body (or what lies between) and its parent. */
+/* Adds a joint between a body (or an intermediate body) and its parent. */
 typedef struct km_mjcf_link {
   km_body_id parent, child;
-  km_pose pose; /* of the child in the parent where the joint has its reference value */
+  km_pose pose; /* pose of the child in the parent at the reference value of the joint */
   bool on_world;
   const char *body; /* its name, and the joint's if it has none itself */
 } km_mjcf_link;
@@ -147,9 +147,9 @@ void km_mjcf_read_constraints(km_mjcf *m);
 void km_mjcf_read_actuators(km_mjcf *m);
 /* The constraint between two fixed tendons, or of one of them, as a coupling; c: its polynomial. */
 void km_mjcf_couple_tendons(km_mjcf *m, const km_xml *constraint, const double c[5]);
-/* Have all joints of a fixed tendon been attached? True without a tendon. */
+/* True if all joints of a fixed tendon have been attached, or without a tendon. */
 bool km_mjcf_tendon_is_here(const km_mjcf *m, const char *name);
-/* Counts the tendons that neither a coupling nor a spring tells. */
+/* Counts the tendons that are neither couplings nor springs. */
 void km_mjcf_count_tendons(km_mjcf *m);
 /* The length of a fixed tendon, Σ ratio · q over hinges and slides. */
 enum { KM_MJCF_MOST_TERMS = 256 };
@@ -161,11 +161,11 @@ typedef struct km_mjcf_sum {
 bool km_mjcf_add_length(km_mjcf *m, const km_xml *tendon, double factor, km_mjcf_sum *out);
 /* Springs and dampers of tendons, as forces along what changes their length. */
 void km_mjcf_read_tendon_springs(km_mjcf *m);
-/* Has a tendon a spring or a damper? */
+/* True if a tendon has a spring or a damper. */
 bool km_mjcf_is_spring(km_mjcf *m, const km_xml *tendon);
 /* Keyframes, as named poses. */
 void km_mjcf_read_keyframes(km_mjcf *m);
-/* Those of an attached model: poses of the joints that came with the part, from the index of the first one. */
+/* Keyframes of an attached model: poses of its joints, from the index of the first one. */
 void km_mjcf_read_attached_keyframes(km_mjcf *m, const km_xml *part, int first_joint);
 /* The index of what an attribute names; -1: reported. */
 int km_mjcf_find(km_mjcf *m, const km_xml *e, const char *key, const km_names *names, const char *kind);

@@ -146,7 +146,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
   km_names_free(&child.mesh_names);
 }
 
-/* Do all names of a constraint or an actuator mean something that was attached? Those of a tendon's joints, too. */
+/* True if all names of a constraint or actuator, and the joints of its tendon, have been attached. */
 bool km_mjcf_is_here(const km_mjcf *m, const km_xml *e) {
   static const struct {
     const char *key;

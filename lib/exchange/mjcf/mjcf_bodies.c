@@ -46,7 +46,7 @@ void km_mjcf_walk(km_mjcf *m, const km_xml *element, const km_mjcf_place *place,
   }
 }
 
-/* What is found inside of a body before it can be added. */
+/* Contents of a body that are collected before it is added. */
 typedef struct content {
   km_mass stated, weighed;
   bool is_stated;
@@ -153,8 +153,8 @@ static void tie(km_mjcf *m, const km_xml *e, const content *c, int parent, km_bo
   }
 }
 
-/* What the compiler's settings make of a mass: bounds of it and of the principal moments; these alike where no body
- * has them. */
+/* Applies the compiler's settings to a mass: lower bounds of mass and principal moments, and balancing of invalid
+ * moments. */
 static km_mass adjusted(const km_mjcf *m, km_mass mass) {
   double moments[3], sum = 0.0, largest = 0.0;
   km_vec3 axes[3];

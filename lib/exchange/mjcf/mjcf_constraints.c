@@ -1,4 +1,4 @@
-/* What holds between bodies and joints beside the tree: constraints that close loops, and couplings. */
+/* Equality constraints: loop closures and couplings. */
 #include "exchange/mjcf/mjcf.h"
 
 #include "base/similar_names.h"
@@ -95,8 +95,9 @@ static void place_connect(km_mjcf *m, const km_xml *e, bool sites, loop_ends *en
     ends->pose[1].p = across(m, ends).p;
 }
 
-/* Sites meet. Of bodies the point `anchor` of the second one is at the position of `relpose` in the first one, which it
- * turns against the first one by its quaternion; without a quaternion both are as the bodies stand. */
+/* Pose of a constraint. Sites coincide. For bodies the point `anchor` of the second is at the position of `relpose`
+ * in the first, with the rotation of its quaternion; without a quaternion both follow from the configuration of the
+ * file. */
 static void place_weld(km_mjcf *m, const km_xml *e, bool sites, loop_ends *ends) {
   double r[7] = {0}, anchor[3] = {0};
   const char *text = km_xml_attribute_of(e, "relpose");

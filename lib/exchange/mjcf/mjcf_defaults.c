@@ -78,7 +78,7 @@ void km_mjcf_read_classes(km_mjcf *m) {
     read_class(m, e, -1);
 }
 
-/* What a class says of elements of this name; NULL: nothing. */
+/* Defaults of a class for elements of a name; NULL: none. */
 static const char *class_says(const km_mjcf *m, int index, const char *element, const char *key) {
   const char *found = NULL;
   for (int i = index; i >= 0; i = m->classes[i].next) {
@@ -88,7 +88,7 @@ static const char *class_says(const km_mjcf *m, int index, const char *element, 
   return found;
 }
 
-/* A class that isn't there is told once, at the first element that names it. */
+/* An unknown class is reported once, at the first element that names it. */
 static int find_class(km_mjcf *m, const km_xml *element, const char *class) {
   int index = km_names_get(&m->class_names, 0, class ? class : "main");
   if (index >= 0 || !class || km_names_get(&m->missing_classes, 0, class) >= 0)

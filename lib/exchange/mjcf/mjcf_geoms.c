@@ -20,7 +20,7 @@ bool km_mjcf_find_line(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   return true;
 }
 
-/* Shapes that are told by the ends of their axis: sets the length among the sizes, and the pose. */
+/* Shapes defined by the ends of their axis: sets the length in the sizes, and the pose. */
 static bool has_line(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, shape *s, km_pose *pose) {
   km_mjcf_line line;
   if (!km_mjcf_find_line(m, geom, place, &line))
@@ -128,7 +128,7 @@ static void read_color(km_mjcf *m, const km_xml *geom, const km_mjcf_place *plac
 }
 
 void km_mjcf_show(km_mjcf *m, const km_xml *geom, const km_mjcf_place *place, km_body_id body) {
-  const double hidden = 3; /* what MuJoCo's own viewer doesn't show: by custom the shapes of contacts */
+  const double hidden = 3; /* group that MuJoCo's viewer hides: by convention contact shapes */
   const char *type = km_mjcf_get(m, geom, place, "type"), *mesh = km_mjcf_get(m, geom, place, "mesh");
   shape s = {type ? type : "sphere", {0}};
   km_shape_def def = km_shape_default();

@@ -7,7 +7,7 @@ static int numbers_of(km_joint_type type) {
   return type == KM_FLOAT ? 7 : type == KM_SPHERICAL ? 4 : 1;
 }
 
-/* What MJCF tells by a place and a quaternion, as the joint's coordinates. */
+/* Converts position and quaternion of MJCF to the joint's coordinates. */
 static int take(km_joint_type type, const double *q, double out[KM_MAX_FREEDOM]) {
   int count = 0;
   if (type != KM_SPHERICAL && type != KM_FLOAT) {
@@ -18,7 +18,7 @@ static int take(km_joint_type type, const double *q, double out[KM_MAX_FREEDOM])
     memcpy(out, q, 3 * sizeof *q);
     q += count = 3;
   }
-  bool none = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0; /* which MuJoCo takes for no turn */
+  bool none = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0; /* MuJoCo treats it as the identity */
   km_quaternion turned = {none ? 1.0 : q[0], q[1], q[2], q[3]};
   km_vec3 turn = km_quaternion_log(km_quaternion_normalised(turned));
   memcpy(out + count, &turn, sizeof turn);
@@ -31,7 +31,7 @@ static const char *name_of(km_mjcf *m, const km_xml *key, int index) {
   return km_mjcf_full(m, name && name[0] ? name : km_robot_text(m->robot, "key%d", index));
 }
 
-/* Which numbers of a keyframe are those of the joints that are there: `skipped` come before them, of `all`. */
+/* Range of a keyframe's numbers for the joints read: after `skipped` numbers, of `all`. */
 typedef struct span {
   int skipped, all;
 } span;
@@ -124,7 +124,7 @@ static const km_xml *first_body(const km_xml *part) {
   return NULL;
 }
 
-/* How many numbers a keyframe has before the part; false: that can't be told. */
+/* Number of a keyframe's numbers before the part; false if unknown. */
 static bool count_before(km_mjcf *m, const km_xml *part, int *numbers) {
   const km_mjcf_place place = {km_pose_identity(), NULL, ""};
   counting c = {.part = part};

@@ -1,4 +1,4 @@
-/* What meshes weigh as MuJoCo counts. */
+/* Mass properties of meshes by MuJoCo's rules. */
 #include "exchange/mjcf/mjcf.h"
 
 #include "model/geometry/hull.h"
@@ -14,7 +14,7 @@ static km_vec3 middle_of(const km_vec3 v[3]) {
   return km_vec3_scale(1.0 / 3.0, km_vec3_add(v[0], km_vec3_add(v[1], v[2])));
 }
 
-/* How a triangle counts: by the pyramid between it and a point, or by its own area. */
+/* Contribution of a triangle: the pyramid between it and a point, or its area. */
 typedef enum counting { BY_VOLUME, BY_UNSIGNED_VOLUME, BY_AREA } counting;
 
 static double size_of(const km_vec3 v[3], km_vec3 from, counting how) {
@@ -53,9 +53,9 @@ static double product(const km_vec3 v[3], int i, int j, counting how) {
   return sum / (how == BY_AREA ? 12.0 : 20.0);
 }
 
-/* Mass properties of density 1 as MuJoCo's compiler finds them (mjCMesh::Process): by pyramids seen from the middle of
- * the surface and, for the moments, from the centre of mass. The unsigned volumes of the default count twice what lies
- * behind a dent, but those of an open or badly oriented surface stay positive. */
+/* Mass properties for density 1 as in MuJoCo's compiler (mjCMesh::Process): sums of pyramids from the surface's
+ * centroid and, for the moments, from the centre of mass. The default's unsigned volumes count regions behind a dent
+ * twice, but are positive for open or badly oriented surfaces. */
 static km_mass weigh(const km_mesh *mesh, counting how) {
   static const int pair[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}};
   km_vec3 middle = mean(mesh, (km_vec3){0, 0, 0}, BY_AREA), v[3];

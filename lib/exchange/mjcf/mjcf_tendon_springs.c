@@ -28,7 +28,7 @@ bool km_mjcf_is_spring(km_mjcf *m, const km_xml *tendon) {
   return number(m, tendon, "stiffness") != 0.0 || number(m, tendon, "damping") != 0.0;
 }
 
-/* What a tendon's length depends on. */
+/* Terms of a tendon's length. */
 typedef struct length {
   double constant, factor, at_rest; /* c, f; L where the bodies stand as the file has them */
   km_coordinate_ref coordinate;     /* x, or the distance of */
@@ -68,7 +68,7 @@ static void add_spring(km_mjcf *m, const km_xml *tendon, const length *l) {
   def.to = l->ends[1];
   if (k != 0.0 && f != 0.0) {
     double a = rest[0] - l->constant, b = rest[1] - l->constant;
-    int near = f > 0.0 ? 0 : 1; /* of a negative factor small x are large lengths */
+    int near = f > 0.0 ? 0 : 1; /* a negative factor maps small x to large lengths */
     const double ends[2] = {near ? b : a, near ? a : b};
     const double knots[2] = {ends[0] / f, ends[1] / f};
     const double band[5] = {f * k * ends[0], -f * f * k, 0.0, f * k * ends[1], -f * f * k};
@@ -199,7 +199,7 @@ static void read_spatial(km_mjcf *m, const km_xml *tendon) {
         name_of(m, tendon));
 }
 
-/* Of an attached model: is all that it runs along there? */
+/* True if all elements on the path of an attached model's tendon are present. */
 static bool is_here(const km_mjcf *m, const km_xml *tendon) {
   for (const km_xml *e = tendon->first; e && m->depth > 0; e = e->next)
     if (!km_mjcf_is_here(m, e))

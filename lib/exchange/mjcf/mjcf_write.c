@@ -61,7 +61,7 @@ static unsigned held_of_ball(const km_written *w, int first) {
   return held;
 }
 
-/* What the joint's drive, friction and limits are. */
+/* Writes drive, friction and limits of a joint. */
 static void set_dynamics(km_written *w, const km_written_motion *motion) {
   const km_model_coordinate *c = &w->model->coordinates[motion->coordinate];
   double stiffness, rest;
@@ -200,7 +200,7 @@ static const char *twin_of(km_written *w, int joint) {
 
 static void add_body(km_written *w, km_mjcf_order *order, int body);
 
-/* What hangs on a body: the tree's bodies, and the massless ends of loops. */
+/* Writes the children of a body: bodies of the tree, and massless ends of loops. */
 static void add_children(km_written *w, km_mjcf_order *order, int body) {
   for (int i = 0; i < w->ordered; ++i) {
     const km_model_joint *def = &w->model->joints[w->arc[w->order[i]]];

@@ -10,7 +10,7 @@ typedef enum km_mjcf_kind { KM_MJCF_SINGLE, KM_MJCF_SLIDE_OF_SCREW, KM_MJCF_BALL
 /* Joints in the order in which they were written, which is that of keyframes. */
 typedef struct km_mjcf_order {
   km_mjcf_kind *kinds;
-  int *joints; /* of the model */
+  int *joints; /* name of the model */
   km_written_motion *motions;
   size_t kind_room, joint_room, motion_room;
   int count;

@@ -26,12 +26,12 @@ static void add_equality(km_written *w, const char *name, const char *one, const
   km_xml_end(&w->xml, "joint");
 }
 
-/* Of more than two joints: the length of a fixed tendon, counted from that of the pose which is written. */
+/* A coupling of more than two joints: the length of a fixed tendon, relative to the written configuration. */
 static bool needs_tendon(const km_model_coupling *coupling) {
   return coupling->count > 2 && coupling->ratios;
 }
 
-/* What Σ ratio · q is, radians and metres: as the file states it, or as in the pose that is written. */
+/* Constant of Σ ratio · q in radians and metres: as stated in the file, or in the written configuration. */
 static double constant_of(const km_written *w, const km_model_coupling *coupling) {
   double constant = coupling->constant;
   for (int k = 0; k < coupling->count && !coupling->constant_given; ++k)

@@ -1,4 +1,4 @@
-/* What bodies look like, as geoms that weigh nothing and touch nothing. */
+/* Shapes of bodies as geoms without mass and contact. */
 #include "exchange/mjcf/mjcf_write.h"
 
 #include "model/validation.h"

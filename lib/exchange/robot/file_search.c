@@ -9,7 +9,7 @@
 
 enum { MOST_PARENTS = 12 };
 
-/* What follows `package://`, `model://` or `file://`. */
+/* Path after `package://`, `model://` or `file://`. */
 static const char *without_scheme(const char *name) {
   const char *colon = strstr(name, "://");
   return colon ? colon + 3 : name;
@@ -45,7 +45,7 @@ const char *km_robot_find_whole(km_robot *robot, const char *name) {
 
 const char *km_robot_find(km_robot *robot, const char *name) {
   const char *path = without_scheme(name), *found = km_robot_find_whole(robot, name);
-  const char *behind = path != name && path[0] != '/' ? strchr(path, '/') : NULL; /* without the package's name */
+  const char *behind = path != name && path[0] != '/' ? strchr(path, '/') : NULL; /* path without the package's name */
   return found || !behind ? found : find_above(robot, folder_of(robot), behind + 1);
 }
 

@@ -1,4 +1,4 @@
-/* Counts what is left out, and tells it kind by kind. */
+/* Counts omitted elements, and reports them by kind. */
 #include "exchange/robot/omissions.h"
 
 #include <stdbool.h>

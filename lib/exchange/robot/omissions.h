@@ -4,7 +4,7 @@
 
 #include "kmech/base.h"
 
-/* Where MJCF (a numeric of `custom`) and SDF (an element of a model) keep a model's closure tolerance. */
+/* Names of the closure tolerance in MJCF (a numeric of `custom`) and SDF (an element of a model). */
 #define KM_MJCF_TOLERANCE "kmech_closure_tolerance"
 #define KM_SDF_TOLERANCE  "kmech:closure_tolerance"
 
@@ -20,7 +20,7 @@ typedef struct km_omissions {
   int count;
 } km_omissions;
 
-/* Counts one more; `name` may be NULL. Kinds past the last place are forgotten. */
+/* Counts an omission; `name` may be NULL. Kinds after the last slot are dropped. */
 void km_omissions_add(km_omissions *omissions, const char *kind, const char *name);
 /* A note for each kind: how many, and the first one. */
 void km_omissions_tell(const km_omissions *omissions, km_messages *messages);

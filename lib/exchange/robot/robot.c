@@ -7,7 +7,7 @@
 
 static void report(km_robot *robot, km_severity severity, const km_xml *at, const char *format, va_list arguments) {
   char text[KM_ERROR_TEXT], place[400] = "";
-  if (robot->arena.failed) /* what is missing then may be missing for that reason */
+  if (robot->arena.failed) /* later missing elements may be a consequence */
     return;
   vsnprintf(text, sizeof text, format, arguments);
   if (at)

@@ -1,4 +1,4 @@
-/* What the readers of robot descriptions share: a model that is being built from elements of XML, in SI units. */
+/* Functions shared by readers of robot descriptions: building a model in SI units from XML elements. */
 #ifndef KM_EXCHANGE_ROBOT_ROBOT_H
 #define KM_EXCHANGE_ROBOT_ROBOT_H
 
@@ -8,24 +8,24 @@
 #include "model/geometry/solids.h"
 #include "model/validation.h"
 
-/* What is asked of a reader, and where it puts what it finds. */
+/* Options and results of a reader. */
 typedef struct km_robot_request {
-  const char *file;         /* where the text is from; NULL: nowhere */
-  bool floating;            /* what the file leaves untied is free, not fixed */
+  const char *file;         /* origin of the text; NULL: none */
+  bool floating;            /* bodies without a parent are free, not fixed */
   double closure_tolerance; /* instead of the file's; 0: the file's */
   km_messages *messages;
 } km_robot_request;
 
 typedef struct km_robot {
   const km_robot_request *request;
-  km_arena arena; /* of what lives as long as the reading */
+  km_arena arena; /* memory that is freed after reading */
   km_builder *builder;
   km_settings_def settings;
   km_names joints, bodies,
       frames; /* taken names: scope assembly, assembly, body; 0 where they wait for their element */
   km_omissions omissions;
   bool closes;                            /* there are loops */
-  double angle_rounding, length_rounding; /* how far axes and points of loops may be off, as the file rounds them */
+  double angle_rounding, length_rounding; /* rounding errors of axes and points of loops, from the digits of the file */
   double reach;                           /* the largest distance of a frame from its body's origin */
   double total_mass;                      /* > 0: what the whole is to weigh */
   bool failed;                            /* an error was reported */
@@ -49,23 +49,23 @@ bool km_robot_refuses_macros(km_robot *robot, const km_xml *root);
 /* Text that lives as long as the reading; "" when out of memory. */
 const char *km_robot_text(km_robot *robot, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* How many words stand between blanks or commas. */
+/* Number of words separated by blanks or commas. */
 int km_robot_count(const char *text);
 /* Finite numbers between blanks. False if there are none in `text` (NULL too), or (reported) not exactly `count`; `out`
  * may hold some of them then. */
 bool km_robot_parse(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int count);
-/* The same of from `least` to `most` numbers: how many; -1: reported, or none. */
+/* Reads `least` … `most` numbers. Returns their number; −1: error reported, or absent. */
 int km_robot_parse_some(km_robot *robot, const km_xml *at, const char *what, const char *text, double *out, int least,
                         int most);
-/* The same of an attribute; the numbers stay as they are where it is absent. */
+/* Reads the numbers of an attribute; unchanged if it is absent. */
 bool km_robot_numbers(km_robot *robot, const km_xml *element, const char *attribute, double *out, int count);
 double km_robot_number(km_robot *robot, const km_xml *element, const char *attribute, double otherwise);
 /* A number that may be infinite. */
 double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const char *text, double otherwise);
-/* Remembers how coarsely the numbers of a pose are rounded. `period`: a multiple of it is meant where it is within
- * the rounding; 0: none. */
+/* Records the rounding of a pose's numbers. `period`: a multiple of it within the rounding is taken as exact; 0:
+ * none. */
 void km_robot_judge_digits(const char *text, double period, double *worst);
-/* The same of the attributes `rpy` and `xyz` of an element. */
+/* Records the rounding of the attributes `rpy` and `xyz` of an element. */
 void km_robot_judge_origin(km_robot *robot, const km_xml *element);
 
 /* R = Rz(yaw) Ry(pitch) Rx(roll). */
@@ -83,7 +83,7 @@ km_frame_id km_robot_frame(km_robot *robot, const km_xml *at, km_body_id body, c
 /* The name of a frame without that of its body before it, as the writers put "body/frame" where the frame's own name
  * is taken. */
 const char *km_robot_name_within(const char *body, const char *name);
-/* A frame for a joint, whose name nobody looks for there: the body's own frame where the pose is the identity. */
+/* Adds an anonymous frame for a joint; the body's own frame if the pose is the identity. */
 km_frame_id km_robot_place(km_robot *robot, const km_xml *at, km_body_id body, const char *name, const km_pose *pose);
 
 /* A joint: of the type KM_RZ or KM_TZ it is about or along `axis`. */
@@ -95,7 +95,7 @@ typedef struct km_robot_joint {
   km_body_id parent, child;
   km_pose in_parent, in_child; /* the joint's frame */
   km_vec3 axis;                /* unit, in the joint's frame; ignored by joints without an axis */
-  double pitch, most_turn;     /* of a screw; of a ball, 0: any */
+  double pitch, most_turn;     /* pitch of a screw; limit of a ball joint, 0: none */
   double position[KM_MAX_FREEDOM], damping[KM_MAX_FREEDOM], low[KM_MAX_FREEDOM], high[KM_MAX_FREEDOM];
   double max_rate[KM_MAX_FREEDOM], max_force[KM_MAX_FREEDOM], armature[KM_MAX_FREEDOM], friction[KM_MAX_FREEDOM];
   bool locked[KM_MAX_FREEDOM]; /* held at `position`, as analysis.hold does */
@@ -106,10 +106,10 @@ km_joint_id km_robot_add_joint(km_robot *robot, const km_robot_joint *joint);
 /* A spring in a coordinate of the joint of this name: -stiffness (q - rest). None where the stiffness is 0. */
 void km_robot_spring(km_robot *robot, const km_xml *at, const char *name, km_coordinate_ref coordinate,
                      double stiffness, double rest);
-/* q1 = c0 + c1 q2 + …, of `count` coefficients, at least two. Without a second coordinate q1 = c0. */
+/* Adds a coupling q1 = c0 + c1 q2 + … with `count` ≥ 2 coefficients; q1 = c0 without a second coordinate. */
 void km_robot_couple(km_robot *robot, const km_xml *at, const char *name, km_assembly_id assembly,
                      km_coordinate_ref one, km_coordinate_ref two, const double *c, int count);
-/* Ties a body to the inertial frame: rigidly, or freely where that is asked; at the pose. */
+/* Connects a body to the inertial frame at a pose: rigidly, or freely if requested. */
 void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km_body_id body, const char *name,
                   const km_pose *pose, bool floating);
 /* Equal limits lock the coordinate at their value, and are counted; limits that are no range are dropped, and
@@ -117,12 +117,11 @@ void km_robot_tie(km_robot *robot, const km_xml *at, km_assembly_id assembly, km
 void km_robot_limit(km_robot *robot, km_robot_joint *joint, int k, double low, double high);
 /* The largest angle of a ball; one that isn't above 0 is dropped, and counted. */
 void km_robot_limit_turn(km_robot *robot, km_robot_joint *joint, double most);
-/* What the drive of coordinate k can give, a force and a rate; infinite where nothing is told. What isn't above 0 is
- * dropped, and counted. */
+/* Limits of the drive of coordinate k: force and rate; ∞ if not stated. Values ≤ 0 are omitted and counted. */
 void km_robot_drive(km_robot *robot, km_robot_joint *joint, int k, double force, double rate);
 /* The rotor's inertia and the constant friction of coordinate k; negative ones are dropped, and counted. */
 void km_robot_rotor(km_robot *robot, km_robot_joint *joint, int k, double armature, double friction);
-/* A call of the builder failed: short of memory, or a fault that is told at the element. */
+/* Handles a failed call of the builder: out of memory, or an error reported at the element. */
 void km_robot_builder_failed(km_robot *robot, const km_xml *at, km_status status, const km_error *error);
 /* Enters a name in a table. */
 void km_robot_take_name(km_robot *robot, km_names *names, int scope, const char *name, int value);
@@ -132,12 +131,11 @@ const char *km_robot_free_name(km_robot *robot, const km_names *names, int scope
 /* The path at which a file is found that a description names: beside it, in a folder above it, or behind the package's
  * name there. NULL if nowhere. */
 const char *km_robot_find(km_robot *robot, const char *name);
-/* The same by the whole path alone, the package's name included. */
+/* Searches by the complete path, with the package's name. */
 const char *km_robot_find_whole(km_robot *robot, const char *name);
 /* The tree of a file that the description includes; NULL: reported at `at`. */
 km_xml *km_robot_read_file(km_robot *robot, const char *path, const km_xml *at);
-/* The path that a file is found at, as a model names it, from its own folder; where it isn't found, what stands
- * behind the scheme. */
+/* Path of a file relative to the model's folder; if it isn't found, the part after the scheme. */
 const char *km_robot_mesh(km_robot *robot, const char *name);
 
 #endif

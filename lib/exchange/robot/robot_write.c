@@ -242,7 +242,7 @@ static int parent_of(const km_written *w, int body) {
   return a == body ? w->model->frames[def->frame[1]].body : a;
 }
 
-/* Is the joint in a loop? Its ends hang together without it. */
+/* True if the joint is in a loop: its ends are connected without it. */
 static bool in_loop(const km_written *w, int joint, int *leader) {
   const km_model *m = w->model;
   for (int b = 0; b < m->body_count; ++b)

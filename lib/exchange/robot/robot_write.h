@@ -1,4 +1,5 @@
-/* What the writers of robot descriptions share: a model in SI units at a pose, and a tree of its joints. */
+/* Functions shared by writers of robot descriptions: a model in SI units in a configuration, and a tree of its
+ * joints. */
 #ifndef KM_EXCHANGE_ROBOT_ROBOT_WRITE_H
 #define KM_EXCHANGE_ROBOT_ROBOT_WRITE_H
 
@@ -15,7 +16,7 @@ typedef struct km_written_motion {
   km_vec3 axis;       /* unit, in `before`; against the joint's sense it is turned over */
   double pitch;       /* metres per radian */
   double sign;        /* -1: the joint is passed against its sense */
-  km_pose before;     /* from the frame after the last motion to that of this one */
+  km_pose before;     /* pose from the frame after the last motion to that of this motion */
   const char *beyond; /* name of the massless body after it; NULL: the last one */
 } km_written_motion;
 
@@ -46,8 +47,8 @@ typedef struct km_written {
   double length, mass, force, time; /* SI per unit of the model */
 } km_written;
 
-/* At a pose (q [coordinate] in the model's units), for a `file` (NULL: beside the model). KM_MODEL: loops are open
- * there; KM_MEMORY. To be freed in any case. */
+/* Prepares a model in the configuration q [coordinate] (model's units), for a `file` (NULL: in the model's folder).
+ * KM_MODEL: the loops aren't closed; KM_MEMORY. Free in any case. */
 km_status km_written_make(const km_model *model, const double *q, const char *file, km_messages *messages, km_text *out,
                           km_written *w, km_error *error);
 void km_written_free(km_written *w);
@@ -60,7 +61,7 @@ void km_written_omit(km_written *w, const char *kind, const char *name);
 void km_written_tell(const km_written *w);
 /* SI per unit of a coordinate inside a coupling: the length unit in metres, or 1 (radians). */
 double km_written_unit(const km_written *w, int coordinate);
-/* Is the coupling what km_written_mimic tells of its first coordinate? */
+/* True if km_written_mimic writes the coupling at its first coordinate. */
 bool km_written_is_mimic(const km_written *w, int coupling);
 /* q_c = ratio · q_leader + constant, radians and metres, of the coupling that lets coordinate c follow another one; the
  * constant is that of the pose where the coupling states none. False if no line does it. */
@@ -70,7 +71,8 @@ const char *km_written_text(km_written *w, const char *format, ...) __attribute_
 km_pose km_written_motion_at(const km_written_motion *motion, const double *q);
 /* The pose of the way's last body in its first one. */
 km_pose km_written_through(const km_written_joint *way, const double *q);
-/* Is the way along its axis alone, or about an axis through the body's origin, so that `after` may be turned away? */
+/* True if the displacement is along the axis, or about an axis through the body's origin, so that `after` can be
+ * rotated. */
 bool km_written_fold(km_written_joint *joint);
 
 /* Numbers in SI of a coordinate: a force or torque per force unit, and so on. */
@@ -86,14 +88,14 @@ bool km_written_is_limited(const km_model *model, int coordinate); /* held ones 
 /* The linear springs in a coordinate as one: true with its stiffness and where it is at rest, in SI. Others count as
  * left out. */
 bool km_written_spring(const km_written *w, int coordinate, double *stiffness, double *rest);
-/* The same of a ball's three coordinates from the first one on, if they have one stiffness and are at rest in the
- * file's pose; else their springs count as left out. */
+/* Stiffness of a ball joint's three coordinates, if they have one stiffness and no force in the file's
+ * configuration; otherwise their springs count as omitted. */
 bool km_written_ball_spring(km_written *w, int first, double *stiffness);
 /* The model's closure tolerance; 0: it states none. */
 double km_written_tolerance(const km_written *w);
-/* What no format holds of forces and of motions. */
+/* Counts forces and motions that no format holds. */
 void km_written_omit_forces(km_written *w);
-/* What a joint's element can hold of a coordinate. */
+/* Data of a coordinate that a joint's element can hold. */
 enum {
   KM_HELD_LIMITS = 1,
   KM_HELD_FORCE = 2, /* the largest one */
@@ -102,17 +104,17 @@ enum {
   KM_HELD_FRICTION = 16,
   KM_HELD_ARMATURE = 32,
   KM_HELD_TURN = 64, /* the largest angle of a ball */
-  /* By an axis of URDF or SDF. */
+  /* Axis of URDF or SDF. */
   KM_HELD_BY_AXIS = KM_HELD_LIMITS | KM_HELD_FORCE | KM_HELD_RATE | KM_HELD_DAMPING | KM_HELD_FRICTION
 };
 /* Counts as left out what coordinates from `first` on, or all of a joint's, state beyond what is held. */
 void km_written_hold(km_written *w, int first, int count, unsigned held);
 void km_written_hold_none(km_written *w, int joint);
-/* Where one of `frames` is in its body, in metres. */
+/* Position of one of `frames` in its body, in metres. */
 km_pose km_written_frame(const km_written *w, int frame);
 /* Mass, centre and inertia in SI. */
 double km_written_mass(const km_written *w, int body, double center[3], double inertia[6]);
-/* What a body looks like, lengths in metres: the mesh that it is defined by first. NULL: nothing, or out of memory. */
+/* Shapes of a body, in metres: the mesh of its definition first. NULL: none, or out of memory. */
 const km_model_shape *km_written_shapes(km_written *w, int body, int *count);
 void km_written_quaternion(const km_rotation *R, double wxyz[4]);
 

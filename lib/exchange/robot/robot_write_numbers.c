@@ -1,4 +1,4 @@
-/* What a coordinate states, in SI; and what of it a format can't hold. */
+/* Data of a coordinate in SI units, and the part that a format can't hold. */
 #include "exchange/robot/robot_write.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* What bodies look like, in SI units, for the writers of robot descriptions. */
+/* Shapes of bodies in SI units, for writers of robot descriptions. */
 #include "exchange/robot/robot_write.h"
 
 #include "exchange/mesh/mesh_folders.h"

@@ -137,7 +137,7 @@ static void read_include(km_sdf *sdf, const km_xml *e, int home) {
   sdf->file = file.outer;
 }
 
-/* What stands in a model or a world. */
+/* Elements of a model or a world. */
 static void read_members(km_sdf *sdf, const km_xml *around, int home, const char *version) {
   static const char *const silent[] = {
       "pose",  "static", "self_collide", "allow_auto_disable", "enable_wind",    "gravity", "physics",
@@ -175,7 +175,7 @@ static void read_world(km_sdf *sdf, const km_xml *world, const char *version) {
     km_robot_omit(sdf->robot, "further worlds left out", name_of(more));
 }
 
-/* Frames that people name, as points of their links. */
+/* Named frames, as points of their links. */
 static void add_frames(km_sdf *sdf) {
   for (int i = 1; i < sdf->entity_count; ++i) {
     const km_sdf_entity *frame = &sdf->entities[i];

@@ -17,17 +17,17 @@ typedef struct km_sdf_entity {
   int scope;               /* the model or world among whose names its own is, -1: none */
   int home;      /* the model or world that it was written in; not the scope where that one was merged into it */
   int base;      /* its frame is relative to this one, -1: to none */
-  int attached;  /* what a frame moves with, and a joint's child; -1: not known */
-  km_pose raw;   /* in the base */
+  int attached;  /* link of a frame, child of a joint; −1: unknown */
+  km_pose raw;   /* pose in the base */
   km_pose world; /* as the file has it */
   bool known;    /* `world` is */
   bool is_child; /* a link that some joint has as its child */
   km_body_id body;
-  km_assembly_id assembly;  /* of a model */
-  bool is_static, old_axes; /* of a model; axes are in its frame, as before version 1.5 */
+  km_assembly_id assembly;  /* a model's: */
+  bool is_static, old_axes; /* model: axes are in its frame, as before version 1.5 */
   bool is_merged;           /* a model that is no more than the frame from which its former members are seen */
-  const char *placement;    /* of a model: the frame inside that its pose is that of; NULL: its own */
-  int first_link;           /* of a model, the canonical one; -1: none */
+  const char *placement;    /* model: inner frame whose pose is the model's; NULL: its own */
+  int first_link;           /* model: canonical link; −1: none */
 } km_sdf_entity;
 
 /* An element that may tie links, and the model or world that it stands in. */
@@ -66,13 +66,13 @@ km_pose km_sdf_pose(km_robot *robot, const km_xml *element);
 
 /* Adds what a link looks like, by an element `visual`. */
 void km_sdf_show(km_robot *robot, const km_xml *visual, const char *link, km_body_id body);
-/* What it weighs. */
+/* Mass properties of a link. */
 km_mass km_sdf_mass(km_robot *robot, const km_xml *link);
 
-/* What a name means that was written in a model or world: `a::b` is b in the model a. -1: nothing. */
+/* Entity of a name in a model or world: `a::b` is b in the model a. −1: none. */
 int km_sdf_find(const km_sdf *sdf, int home, const char *name);
-/* The same; what isn't there is reported: a warning where a model that might hold it is missing. `kind` is what is
- * looked for, in words. */
+/* Entity of a name; a missing one is reported, as a warning if a model that may contain it is missing. `kind`: kind
+ * of the entity as text. */
 int km_sdf_need(km_sdf *sdf, int home, const char *name, const km_xml *at, const char *kind);
 /* The link that an entity moves with; 0: the world; -1: none. */
 int km_sdf_link_of(const km_sdf *sdf, int entity);
@@ -90,7 +90,7 @@ const km_xml *km_sdf_from_urdf(km_robot *robot, const km_xml *root);
 void km_sdf_add_joints(km_sdf *sdf);
 /* Couplings by gears and by imitation. */
 void km_sdf_add_couplings(km_sdf *sdf);
-/* What the element of an axis says of coordinate k: limits, damping, friction and drive. */
+/* Reads limits, damping, friction and drive of coordinate k from the element of an axis. */
 void km_sdf_read_axis(km_robot *robot, const km_xml *axis, bool is_continuous, int k, km_robot_joint *joint);
 /* The travel of a screw in one turn. */
 double km_sdf_pitch(km_robot *robot, const km_xml *joint);

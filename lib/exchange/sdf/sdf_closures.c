@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* What an element names or says: Drake's URDF has attributes where its SDF has texts. */
+/* Value of an element: an attribute in Drake's URDF, a text in its SDF. */
 static const char *said(const km_xml *e, const char *child, const char *attribute) {
   const km_xml *found = km_xml_child(e, child);
   const char *value = km_xml_attribute_of(found, attribute);
@@ -191,7 +191,7 @@ static void read_sdf_joint(const km_closures *c, const km_xml *e) {
   add(c, e, ends, &joint);
 }
 
-/* Gazebo's plugin joins the child's link to the parent's as they stand, until it is told to let go. */
+/* Gazebo's plugin connects the child's link to the parent's in the current configuration, until it is detached. */
 static void read_detachable(const km_closures *c, const km_xml *e) {
   const char *model = km_sdf_text(e, "child_model"), *link = km_sdf_text(e, "child_link");
   km_closure_end ends[2];
@@ -228,7 +228,7 @@ static void count_links(const km_closures *c, const km_xml *e, int *links, int *
       count_links(c, m, links, count);
 }
 
-/* Does the name of an element, or of a plugin, speak of tying two things? */
+/* True if the name of an element or plugin suggests a connection. */
 static bool speaks_of_ties(const km_xml *e) {
   static const char *const words[] = {"constraint", "joint", "loop", "weld", "connect", "attach", "clos", "equality"};
   const char *texts[3] = {e->name, NULL, NULL};

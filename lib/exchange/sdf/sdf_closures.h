@@ -8,13 +8,13 @@
 
 /* A link, or a frame of one, by its name. */
 typedef struct km_closure_end {
-  int link; /* by which `tie` knows it */
+  int link; /* name for `tie` */
   km_body_id body;
-  km_pose world;   /* of the link, where the file's joints are at 0 */
-  km_pose in_link; /* of the frame that has the name */
+  km_pose world;   /* pose of the link at joint values 0 */
+  km_pose in_link; /* pose of the frame with the name */
 } km_closure_end;
 
-/* What a format knows of its links. */
+/* Access to the links of a format. */
 typedef struct km_closures {
   km_robot *robot;
   km_assembly_id assembly;

@@ -14,7 +14,7 @@ static const km_xml *mimic_of(const km_sdf *sdf, axis_of follower) {
   return km_xml_child(km_xml_child(sdf->entities[follower.joint].at, axis_names[follower.axis]), "mimic");
 }
 
-/* What an axis imitates: the axis that `mimic` names, of the joint that it names; joint -1: none. */
+/* Axis and joint named by `mimic`; joint −1: none. */
 static axis_of leader_of(const km_sdf *sdf, axis_of follower) {
   const km_xml *mimic = mimic_of(sdf, follower);
   const char *name = km_xml_attribute_of(mimic, "joint"), *axis = km_xml_attribute_of(mimic, "axis");

@@ -84,7 +84,7 @@ static void attach(km_sdf *sdf, int index) {
     e->attached = to && to[0] ? km_sdf_need(sdf, e->home, to, e->at, "frame") : e->home;
 }
 
-/* What `pose` is relative to: what it says, else the child of a joint, what a frame is attached to, the model. */
+/* Base of `pose`: as stated, otherwise the child of a joint, the attachment of a frame, or the model. */
 static void find_base(km_sdf *sdf, int index) {
   km_sdf_entity *e = &sdf->entities[index];
   const km_xml *pose = e->pose;
@@ -116,7 +116,7 @@ static void use_placement(km_sdf *sdf, int index) {
   model->raw = km_pose_product(&model->raw, &back);
 }
 
-/* Follows the bases up to one that is known and comes back; `chain` has room for all entities. */
+/* Follows the bases to a known one, then computes the poses backwards; chain[entity_count]. */
 static void place(km_sdf *sdf, int index, int *chain) {
   int count = 0;
   for (int i = index; i >= 0 && !sdf->entities[i].known; i = sdf->entities[i].base) {

@@ -50,7 +50,7 @@ static void add_pose(km_robot *robot, km_xml *to, const km_xml *of, const char *
     set(robot, pose, "relative_to", base);
 }
 
-/* What isn't stated is 0 in URDF, and not 1. */
+/* Inertia entries that aren't stated are 0 in URDF, not 1. */
 static void add_inertial(km_robot *robot, km_xml *link, const km_xml *from) {
   static const char *const keys[6] = {"ixx", "iyy", "izz", "ixy", "iyz", "ixz"};
   const km_xml *inertial = km_xml_child(from, "inertial");

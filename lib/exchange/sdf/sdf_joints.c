@@ -207,8 +207,8 @@ static void add_joint(km_sdf *sdf, int index) {
   }
 }
 
-/* What no joint ties: all links of static models, of the rest one link of what hangs together: the first that is child
- * of no joint, where there is one. */
+/* Connects free parts to the inertial frame: all links of static models, otherwise one link of each connected part,
+ * preferably one that is child of no joint. */
 static void tie_rest(km_sdf *sdf, bool children_too) {
   for (int i = 1; i < sdf->entity_count; ++i) {
     const km_sdf_entity *e = &sdf->entities[i];
@@ -222,7 +222,7 @@ static void tie_rest(km_sdf *sdf, bool children_too) {
   }
 }
 
-/* Where names are looked for that stand in a model or world. */
+/* Scope of names in a model or world. */
 typedef struct scope {
   km_sdf *sdf;
   int home;

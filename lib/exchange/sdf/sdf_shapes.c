@@ -1,4 +1,4 @@
-/* What links look like, and what they weigh: as it is stated, or from their collision shapes. */
+/* Shapes of links, and their mass properties: as stated, or from collision shapes. */
 #include "exchange/sdf/sdf.h"
 
 #include "model/geometry/mass_properties.h"
@@ -11,7 +11,7 @@ static km_pose loose_pose(km_robot *robot, const km_xml *element) {
   return pose;
 }
 
-/* The shape that an element `geometry` tells; false: it is none that a body can have. */
+/* Shape of an element `geometry`; false if it is unsupported. */
 static bool read_shape(km_robot *robot, const km_xml *geometry, km_shape_def *def) {
   const km_xml *box = km_xml_child(geometry, "box"), *ball = km_xml_child(geometry, "sphere");
   const km_xml *round = km_xml_child(geometry, "cylinder"), *capsule = km_xml_child(geometry, "capsule");
@@ -92,8 +92,8 @@ static bool weigh_shape(km_robot *robot, const km_xml *geometry, km_mass *out) {
   return out->mass > 0.0;
 }
 
-/* What the collision shapes weigh by their own densities, the link's, or that of water; a mass that is stated scales
- * that. */
+/* Mass properties of the collision shapes with their own densities, the link's, or that of water, scaled to a stated
+ * mass. */
 static km_mass weigh_link(km_robot *robot, const km_xml *link, const km_xml *inertial) {
   double density = km_sdf_number(robot, inertial, "density", 1000.0);
   double stated = km_sdf_number(robot, inertial, "mass", -1.0);

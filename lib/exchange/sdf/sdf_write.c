@@ -154,7 +154,7 @@ static void begin_joint(km_written *w, const char *name, const char *type, const
   km_xml_text(&w->xml, "child", to);
 }
 
-/* What has no axis in the format has no place for anything else. */
+/* A joint without axis in the format has no element for further data. */
 static void omit_axes(km_written *w, int first, int count) {
   double stiffness, rest;
   for (int c = first; c < first + count; ++c)

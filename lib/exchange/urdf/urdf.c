@@ -197,7 +197,7 @@ void km_urdf_tie(km_urdf *urdf, int parent, int child) {
     urdf->leaders[one > two ? one : two] = one < two ? one : two;
 }
 
-/* Ties the root to the inertial frame. There must be one; what hangs together with it by a closed loop needs no
+/* Connects the root to the inertial frame. There must be one root; bodies connected to it by a closed loop need no
  * parent. */
 static void tie_root(km_urdf *urdf, const km_xml *root) {
   int top = -1;

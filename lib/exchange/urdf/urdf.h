@@ -4,7 +4,7 @@
 
 #include "exchange/robot/robot.h"
 
-/* Reads the element `robot`: a km_robot_read. Without a statement of the file gravity is 9.81 m/s² against z. */
+/* Reads the element `robot`: a km_robot_read. Default gravity is 9.81 m/s² along −z. */
 void km_urdf_read(km_robot *robot, km_xml *root);
 
 /* A joint's element, and what the reader knows of it. */
@@ -12,7 +12,7 @@ typedef struct km_urdf_joint {
   const km_xml *at;
   const char *name;
   km_joint_type type;
-  double position; /* of the one coordinate that it has, where the file's pose is */
+  double position; /* value of its coordinate in the file's configuration */
   int mimics;      /* the joint that it follows, -1: none */
   double ratio, offset;
   km_joint_id id;
@@ -28,7 +28,7 @@ typedef struct km_urdf {
   int *leaders;            /* [link] a link that it hangs together with, of a smaller index; itself: none */
   km_urdf_joint *list;
   int link_count, joint_count;
-  bool world_undeclared; /* a joint hangs on a link "world" that isn't there */
+  bool world_undeclared; /* a joint has a parent "world" that isn't defined */
 } km_urdf;
 
 /* The joints' types and the values that they have in the file's pose, then their bodies tied. */

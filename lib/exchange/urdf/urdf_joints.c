@@ -152,7 +152,7 @@ static void read_mimic(km_urdf *urdf, km_urdf_joint *joint) {
   km_joint_type leader = urdf->list[index].type;
   if (!is_single(joint->type))
     km_robot_omit(robot, "followers that can't move left out", joint->name);
-  else if (!is_single(leader) && leader != KM_RIGID) /* which of its coordinates is followed? */
+  else if (!is_single(leader) && leader != KM_RIGID) /* index of the followed coordinate */
     km_robot_omit(robot, "what follows joints with several coordinates moves by itself", joint->name);
   else
     joint->mimics = index;

@@ -1,4 +1,4 @@
-/* A model as URDF: a tree of links. Loops can't be told. */
+/* Writes a model as URDF, a tree of links. Loops can't be represented. */
 #include "exchange/robot/robot_write.h"
 
 #include "model/validation.h"
@@ -144,7 +144,7 @@ static void set_mimic(km_written *w, const char *leader, double multiplier, doub
   km_xml_end(&w->xml, "mimic");
 }
 
-/* Is the coordinate one of a joint of its own in the file? */
+/* True if the coordinate has a joint of its own in the file. */
 static bool has_joint(const km_written *w, int c) {
   int joint = w->model->coordinates[c].joint;
   km_joint_type type = w->model->joints[joint].type;

@@ -16,7 +16,7 @@ typedef struct parsing {
   km_xml *root, *open; /* the innermost element that isn't closed */
   km_text *texts;      /* [KM_XML_DEPTH + 1] of the open elements */
   int depth, first_line;
-  const char *fault; /* why the parser was stopped, and where; NULL: it wasn't */
+  const char *fault; /* reason and location of an abort of the parser; NULL: none */
   unsigned long line, column;
   bool bad_text; /* the parser found what XML doesn't allow */
 } parsing;
@@ -187,8 +187,7 @@ static km_status parse_once(const char *bytes, size_t size, parsing *p, km_error
   return status;
 }
 
-/* Where a piece of text ends that begins with `start` at `at`: `end` where it never does. NULL: it doesn't begin
- * here. */
+/* End of the text section that begins with `start` at `at`; `end` if it isn't closed. NULL if it doesn't begin here. */
 static char *end_of(char *at, char *end, const char *start, const char *stop) {
   size_t first = strlen(start), last = strlen(stop);
   if ((size_t)(end - at) < first || memcmp(at, start, first) != 0)

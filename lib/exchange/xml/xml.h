@@ -12,8 +12,8 @@ typedef struct km_xml_attribute {
 /* An element. Blanks around its text are cut off, and the texts between its children are joined. */
 typedef struct km_xml {
   const char *name, *text; /* text: "" if it has none */
-  int line, column;        /* where it begins, from 1 */
-  const char *file;        /* of another file than the main one; NULL: the main one */
+  int line, column;        /* line and column of its start, from 1 */
+  const char *file;        /* name of a file other than the main one; NULL: the main one */
   int attribute_count;
   const km_xml_attribute *attributes;
   struct km_xml *parent, *first, *last, *next; /* members, and the next sibling */

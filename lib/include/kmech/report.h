@@ -141,10 +141,10 @@ typedef struct km_plotted_table {
 typedef struct km_plotted_history {
   const km_mechanism *mechanism; /* mechanism of the columns */
   const km_table *table;         /* its rows, all or some */
-  const km_crossing *crossings;  /* of the definition: */
+  const km_crossing *crossings;  /* members of the definition: */
   const km_crossing_met *met;    /* and those that were met: marked in the plot */
   int met_count;
-  const char *name; /* of the model */
+  const char *name; /* name of the model */
   const int
       *joints; /* [joint_count] coordinates whose curves are drawn; NULL: up to eight that move most for their kind */
   int joint_count;
@@ -215,10 +215,10 @@ KM_API bool km_drawing_comes_round(const km_drawing *drawing);
 /* Viewing direction. AUTO: along the normal of the plane of motion, or ISO if there is none. */
 typedef enum km_view {
   KM_VIEW_AUTO, /* chosen */
-  KM_VIEW_XY,   /* along z */
-  KM_VIEW_XZ,   /* along y */
-  KM_VIEW_YZ,   /* along x */
-  KM_VIEW_ISO   /* from (1, 1, 1) */
+  KM_VIEW_XY,   /* view along z */
+  KM_VIEW_XZ,   /* view along y */
+  KM_VIEW_YZ,   /* view along x */
+  KM_VIEW_ISO   /* view from (1, 1, 1) */
 } km_view;
 /* "xy", "iso", "auto" …; false if the word is no view. */
 KM_API bool km_view_find(const char *word, km_view *view);

@@ -32,7 +32,7 @@ typedef struct km_report_column {
 } km_report_column;
 /* The column of the driver's value or the arc length. */
 size_t km_report_s(const km_swept *swept);
-/* About a dozen rows: both ends, the rows nearest to the `special` values, and evenly spaced ones between. */
+/* Selects a dozen rows: both ends, the rows nearest to the `special` values, and evenly spaced ones between. */
 void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count,
                     const double *special, size_t special_count);
 /* "1.2345", "∞", "–" where there is none. */

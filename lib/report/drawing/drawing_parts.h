@@ -105,7 +105,7 @@ typedef struct km_scene {
   const km_surface *surfaces;
   const km_projection *view;
   km_arena *arena;
-  double radius;  /* of a pin */
+  double radius;  /* radius of a pin */
   double fade;    /* 0 full colour, 1 white */
   bool steady;    /* the ground symbol is placed clear of all configurations */
   bool halo;      /* items in front have a white outline */
@@ -142,7 +142,7 @@ typedef struct km_studio {
   km_projection view;
   km_extent extent;
   double size;   /* scale of letters and lines: 1 on a page of the default size */
-  double radius; /* of a pin */
+  double radius; /* radius of a pin */
 } km_studio;
 
 /* Computes all members except drawing, canvas and rectangle. False when out of memory, which the close reports. */

@@ -4,14 +4,14 @@
 #include <math.h>
 
 static const double step = 150.0;   /* distance between levels */
-static const double half = 18.0;    /* in node heights */
+static const double half = 18.0;    /* unit: node heights */
 static const double arrow = 10.0;   /* its length */
 static const double letter = 7.0;   /* an average one's width, rather more */
 static const double between = 30.0; /* nodes */
 static const double text = 28.0;    /* height of a joint's label and type */
 static const double upright = 48.0; /* so far above its lower end an arc goes straight down, beside its label */
 static const double box = 30.0;     /* half of a node's width, and how far a line leaves it sideways */
-static const double sag = 0.4;      /* in steps: depth of lines within a level below it */
+static const double sag = 0.4;      /* unit: steps; depth of lines within a level below it */
 
 int km_graph_width(const char *label) {
   int count = 0;

@@ -2,8 +2,8 @@
  * links. */
 #include "report/drawing/drawing_parts.h"
 
-static const double bar_half = 0.85;                           /* in pin radii: half the width of a bar */
-static const double far_apart = 5.0;                           /* in pin radii: shorter prismatic joints have no
+static const double bar_half = 0.85;                           /* unit: pin radii; half the width of a bar */
+static const double far_apart = 5.0;                           /* unit: pin radii; shorter prismatic joints have no
                                                                 * cylinder */
 enum { LAYER_BASE, LAYER_LINKS, LAYER_GROUND, LAYER_SYMBOLS }; /* order of painting in a plane; in space the depth
                                                                 * decides */
@@ -208,7 +208,7 @@ static void add_guide(km_scene *scene, int joint) {
   km_spot axis = km_project_direction(scene->view, frame.R.axis[model->joints[joint].type - KM_TX]);
   km_spot a = km_project(scene->view, frame.p), b = km_project(scene->view, km_joint_place(scene, joint));
   double past = (axis.x * (b.x - a.x) + axis.y * (b.y - a.y) < 0.0 ? -3.5 : 3.5) * scene->radius;
-  if (km_spot_distance(a, b) < 3.5 * scene->radius) /* at equal positions the guide extends in both directions */
+  if (km_spot_distance(a, b) < 3.5 * scene->radius) /* the guide extends in both directions at equal positions */
     a = (km_spot){b.x - past * axis.x, b.y - past * axis.y, b.depth - past * axis.depth};
   add_bar(scene, body, a, (km_spot){b.x + past * axis.x, b.y + past * axis.y, b.depth + past * axis.depth});
 }
@@ -273,7 +273,7 @@ static void find_depths(km_scene *scene) {
     km_item *item = &scene->items[i];
     for (int k = 0; k < item->count; ++k)
       item->depth += item->spots[k].depth / item->count;
-    item->depth = round(item->depth * 1e4) * 1e-4; /* in a plane all items have equal depth */
+    item->depth = round(item->depth * 1e4) * 1e-4; /* all items of a plane have equal depth */
     if (!scene->view->planar && item->layer != LAYER_BASE)
       item->layer = LAYER_LINKS;
   }

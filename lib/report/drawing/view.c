@@ -108,7 +108,7 @@ static km_vec3 unit(km_vec3 a) {
   return km_vec3_scale(1.0 / km_vec3_norm(a), a);
 }
 
-/* Up direction: against gravity, or z without gravity. */
+/* Upward direction: opposite to gravity, or z. */
 static km_vec3 upwards(const km_model *model) {
   return km_vec3_norm(model->gravity) > 0.0 ? unit(km_vec3_scale(-1.0, model->gravity)) : (km_vec3){0, 0, 1};
 }

@@ -90,7 +90,7 @@ static void print_outcomes(const km_design_study *s, const km_design_study_def *
   }
 }
 
-/* Without a random sample there is no confidence interval. */
+/* Confidence intervals need a random sample. */
 static void print_yield(const km_design_yield *y, bool drawn, km_text *out) {
   km_text_format(out, "  good enough: %d of %d, %.4g %%", y->good, y->count, 100.0 * y->share);
   if (drawn)

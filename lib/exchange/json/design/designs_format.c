@@ -1,4 +1,4 @@
-/* Which keys a study of designs may have. */
+/* Format table of studies of designs. */
 #include "exchange/json/format/format_rows.h"
 
 static const km_field axis_fields[] = {{"values", "The values, instead of a range.", SHAPE(NUMBERS)},

@@ -1,4 +1,4 @@
-/* What the parts of the reader of studies of designs share. */
+/* Reader of studies of designs. Private to exchange/json/design. */
 #ifndef KM_EXCHANGE_JSON_DESIGN_DESIGNS_READER_H
 #define KM_EXCHANGE_JSON_DESIGN_DESIGNS_READER_H
 

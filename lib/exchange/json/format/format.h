@@ -40,7 +40,7 @@ typedef enum km_shape {
   KM_SHAPE_ANY      /* kept as it is, not looked into */
 } km_shape;
 
-/* How a number's unit is found. All are multiplied by the field's own `dimension`. */
+/* Rule for the unit of a number, multiplied by the field's `dimension`. */
 typedef enum km_measure {
   KM_MEASURE_FIXED,          /* `dimension` alone */
   KM_MEASURE_COORDINATE,     /* the joint's coordinate, an angle in the angle unit */
@@ -64,24 +64,25 @@ typedef struct km_object_format km_object_format;
 
 typedef struct km_field {
   const char *key;
-  const char *help; /* what it means, in whole sentences */
+  const char *help; /* meaning, in complete sentences */
   km_shape shape;
   bool required;
   km_dimension dimension;
   km_measure measure;
   const km_object_format
-      *object; /* of KM_SHAPE_OBJECT(S), KM_SHAPE_METHODS, KM_SHAPE_END, KM_SHAPE_PARAMETERS, maps of objects */
-  const char *unstated; /* what counts where the file doesn't state it; NULL: nothing */
+      *object; /* object format, for KM_SHAPE_OBJECT(S), KM_SHAPE_METHODS, KM_SHAPE_END, KM_SHAPE_PARAMETERS, maps of
+                * objects */
+  const char *unstated; /* default; NULL: none */
 } km_field;
 
 struct km_object_format {
-  const char *name;       /* of the definition in the JSON schema */
+  const char *name;       /* name of the definition in the JSON schema */
   const km_field *fields; /* ended by an entry without key */
 };
 
 extern const km_object_format km_format_model;
-extern const km_object_format km_format_designs; /* of studies of designs */
-extern const km_object_format km_format_study;   /* of path studies */
+extern const km_object_format km_format_designs; /* format of studies of designs */
+extern const km_object_format km_format_study;   /* format of path studies */
 /* Objects whose contents decide the units of numbers inside. */
 extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
 /* Objects that have frames. */
@@ -90,18 +91,18 @@ extern const km_object_format km_format_assembly, km_format_parameters;
 
 const km_field *km_format_field(const km_object_format *format, const char *key); /* NULL if unknown */
 
-/* Does a field of this shape hold numbers and nothing else? */
+/* True if a field of this shape holds numbers only. */
 bool km_shape_is_numeric(km_shape shape);
 
 /* Checks kinds, required keys and number ranges of the whole tree; unknown keys are warnings with the
  * nearest known key. Every finding starts with the place, as `assemblies[0].joints[2].type`. */
 void km_format_check(const km_value *root, km_messages *messages);
-/* The same of an object with another table, at a place (NULL: the root). */
+/* Checks an object against another table, at a location (NULL: the root). */
 void km_format_check_as(const km_value *root, const km_object_format *format, const km_place *place,
                         km_messages *messages);
 
-/* What a JSON file is that isn't the one that is expected: "a study of designs, which kstudy reads", "a path study,
- * which kredund reads", "a model"; NULL: none of them. */
+/* Kind of a JSON file that isn't the expected one: "a study of designs, which kstudy reads", "a path study, which
+ * kredund reads", "a model"; NULL: none of them. */
 const char *km_other_kind(const km_value *root, const km_object_format *expected);
 
 /* A field's shape and unit in words, as `[x, y, z]` and `length/time^2`; the unit is empty where there is none. */
@@ -111,8 +112,7 @@ void km_field_unit_text(const km_field *field, km_text *out);
 /* Every object's keys as tables in Markdown, each below a line `<!-- keys: NAME -->`. */
 void km_format_markdown(const km_object_format *format, km_text *out);
 
-/* The published JSON schema (draft 2020-12) of the table; `title` tells what it describes, `expressions` whether
- * texts may stand for numbers. */
+/* JSON schema (draft 2020-12) of a table. `title`: described object; `expressions`: texts may replace numbers. */
 const km_value *km_format_schema(const km_object_format *format, const char *title, bool expressions, km_arena *arena);
 
 #endif

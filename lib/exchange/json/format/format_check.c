@@ -264,7 +264,7 @@ static void warn_unknown(km_messages *m, const km_place *place, const km_object_
                   km_place_text(place, where), nearest.names[0]);
 }
 
-/* What a joint connects is told by frames, or in a drawing by bodies and a point. */
+/* Checks that a joint is defined by frames, or in a drawing by bodies and a point. */
 static void check_joint_ends(km_messages *m, const km_place *place, const km_value *joint) {
   char where[KM_PLACE_TEXT];
   if (!km_value_get(joint, "body_frame_pairs") && !km_value_get(joint, "bodies"))

@@ -1,5 +1,4 @@
-/* What the files of the format table share: abbreviations for rows, and the objects that more than one of them
- * names. */
+/* Abbreviations for rows of the format table, and shared objects. Private to exchange/json/format. */
 #ifndef KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
 #define KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
 

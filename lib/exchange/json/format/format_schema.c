@@ -100,7 +100,7 @@ static void words(const schema *s, km_value *object, const km_object_format *for
 
 static void define(const schema *s, const km_object_format *format);
 
-/* What the guide's tables say of a key. */
+/* Description of a key for the tables of the guide. */
 static void explain(const schema *s, km_value *object, const km_field *field) {
   km_text text = {0}, unit = {0};
   km_field_unit_text(field, &unit);

@@ -84,7 +84,7 @@ static int find_frame(const km_reader *reader, const char *const *names, size_t 
   return better(named, frame_of(reader, body, "origin"));
 }
 
-/* What people and other programs call the inertial frame. */
+/* Usual names of the inertial frame in other programs. */
 static bool means_fixed(const char *path) {
   static const char *const names[] = {"ground",   "world",  "earth", "base", "frame",
                                       "inertial", "origin", "fix",   "Fixed"};
@@ -113,7 +113,7 @@ int km_reader_frame(km_reader *reader, const km_value *value, int assembly, cons
   return frame;
 }
 
-/* Does any assembly have the body, and is it or its frame left out? */
+/* True if an assembly has the body, and it or its frame is inactive. */
 static bool is_left_out(const km_reader *reader, const char *const *names, size_t count) {
   for (int a = 0; a < reader->model->assembly_count && count <= 2; ++a) {
     int body = km_names_get(&reader->bodies, a, names[0]);
@@ -197,7 +197,7 @@ int km_reader_coordinate(km_reader *reader, const km_value *value, int assembly,
   return KM_NOT_FOUND;
 }
 
-/* Is text … end the joint's path from the root, its names joined with slashes? Compared from the end. */
+/* True if text … end is the joint's path from the root, its names joined by slashes; compared from the end. */
 static bool is_path_of(const km_model *model, const km_model_joint *joint, const char *text, const char *end) {
   const char *name = joint->name;
   for (int assembly = joint->assembly;; assembly = model->assemblies[assembly].parent) {
@@ -213,7 +213,7 @@ static bool is_path_of(const km_model *model, const km_model_joint *joint, const
   }
 }
 
-/* Looking up labels after reading is rare (options, not data), so a scan over the model serves. */
+/* Labels are rarely looked up after reading (options only), so a linear search suffices. */
 km_status km_model_find_joint(const km_model *model, const char *label, int *joint, km_error *error) {
   km_status fits = km_check_given(model && label && joint, "model, label or place for the result", error);
   if (fits)
@@ -268,7 +268,7 @@ km_status km_model_find_coordinate(const km_model *model, const char *label, int
                  label);
 }
 
-/* Does the body's path from the root end in these names? One name must be the body's own. */
+/* True if the body's path from the root ends in these names. */
 static bool body_matches(const km_model *model, int body, const char *const *names, size_t count) {
   if (strcmp(model->bodies[body].name, names[count - 1]) != 0)
     return false;
@@ -292,7 +292,7 @@ static int frames_named(const km_model *model, const char *const *names, size_t 
   return found;
 }
 
-/* How many frames a path names; the last one. */
+/* Number of frames that a path matches, and the last of them. */
 static int frames_of_path(const km_model *model, const char *const *names, size_t count, int *frame) {
   int found = count ? frames_named(model, names, count - 1, names[count - 1], frame) : 0;
   return found || !count ? found : frames_named(model, names, count, "origin", frame);

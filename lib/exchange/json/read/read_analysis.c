@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A coordinate named in `analysis`; of what is left out nothing is asked: -1. */
+/* Coordinate named in `analysis`; −1 for an inactive element. */
 static int analysis_coordinate(km_reader *reader, const km_value *path, const km_place *place) {
   char text[KM_PLACE_TEXT];
   int coordinate = km_reader_coordinate(reader, path, KM_NO_ASSEMBLY, place);

@@ -24,7 +24,7 @@ static bool coupled(km_reader *reader, const km_value *value, int assembly, cons
   return km_messages_errors(reader->messages) == errors;
 }
 
-/* How many of them are not 0. */
+/* Number of nonzero entries. */
 static int read_numbers(const km_value *list, double *out) {
   int some = 0;
   for (const km_value *v = list->first; v; v = v->next) {

@@ -112,7 +112,7 @@ static void check_pieces(km_reader *reader, const km_value *module, const km_pla
                     wanted);
 }
 
-/* What a type of force module can't do without: any one of the keys. */
+/* Required keys of a type of force module: at least one of them. */
 static void check_law(km_reader *reader, const km_value *module, const char *type, const km_place *place) {
   static const struct {
     const char *type, *keys[3], *words;
@@ -130,7 +130,7 @@ static void check_law(km_reader *reader, const km_value *module, const char *typ
   }
 }
 
-/* Of several laws of one module only one counts: a motor's table before pieces, these before a polynomial. */
+/* One of several laws of a module is used: a motor's table before pieces, pieces before a polynomial. */
 static void warn_unused_laws(km_reader *reader, const km_value *module, bool is_motor, const km_place *place) {
   km_place table = {place, "table", 0}, pieces = {place, "coefficients", 0}, polynomial = {place, "polynomial", 0};
   bool table_given = km_value_get(module, "table"), has_table = table_given && is_motor,

@@ -75,7 +75,7 @@ static void check_least(km_reader *reader, const km_place *place, const char *ke
                       above ? "greater than" : "of at least");
 }
 
-/* What the joint's drive can give, and what resists every motion alike. */
+/* Limits of the joint's drive, and constant friction. */
 static void read_drive(km_reader *reader, const km_value *joint, int freedom, const km_place *place,
                        km_model_coordinate *out) {
   double rate[KM_MAX_FREEDOM], force[KM_MAX_FREEDOM], armature[KM_MAX_FREEDOM], friction[KM_MAX_FREEDOM];

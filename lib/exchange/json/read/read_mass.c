@@ -16,7 +16,7 @@ static void read_density(km_reader *reader, const km_value *value, const km_plac
     km_reader_error(reader, &density, "there is no mesh to go with it; expected a definition");
 }
 
-/* What is weighed later, when the model's folder and include_dir are known to be good, isn't stated. */
+/* Mass properties from a density are computed later, when the model's folder and include_dir have been checked. */
 static void warn_stated(km_reader *reader, const km_value *value, const km_place *place) {
   static const char *const instead[] = {"mass", "center_of_mass", "moment_of_inertia", NULL};
   for (const char *const *key = instead; *key; ++key) {

@@ -239,7 +239,7 @@ static km_status first_error(const km_messages *messages, km_error *error) {
   return KM_OK;
 }
 
-/* What a file states for viewers and no drawing uses. */
+/* Keys for viewers that drawings don't use. */
 static void count_unused(const km_value *assembly, size_t *lights, size_t *materials) {
   const km_value *own = km_value_get(assembly, "lights"), *bodies = km_value_get(assembly, "bodies");
   const km_value *nested = km_value_get(assembly, "assemblies");
@@ -277,7 +277,7 @@ static void set_tolerance(km_value *root, double tolerance, km_arena *arena) {
   km_value *parameters = (km_value *)km_value_get(root, "model_parameters");
   if (!parameters && root->kind == KM_OBJECT)
     parameters = km_value_add(arena, root, "model_parameters", KM_OBJECT);
-  if (!parameters || parameters->kind != KM_OBJECT) /* the check of the format tells */
+  if (!parameters || parameters->kind != KM_OBJECT) /* reported by the check of the format */
     return;
   km_value *stated = (km_value *)km_value_get(parameters, "closure_tolerance");
   if (!stated) {

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* What is written with all digits of a double is off by less; a change above it is told. */
+/* Rounding error of a matrix written with all digits of a double; a larger change is reported. */
 static const double unrounded = 1e-12;
 
 void km_reader_needs(km_reader *reader, const char *version) {
@@ -36,7 +36,7 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
   const km_value *rows = km_value_get(frame, key);
   if (!rows)
     return km_rotation_identity();
-  double m[9]; /* by rows */
+  double m[9]; /* matrix by rows */
   int n = 0;
   for (const km_value *row = rows->first; row; row = row->next)
     for (const km_value *entry = row->first; entry; entry = entry->next)

@@ -1,9 +1,9 @@
-/* What bodies look like. */
+/* Shapes of bodies. */
 #include "exchange/json/read/reader.h"
 
 #include <string.h>
 
-/* The kind that is told; -1: reported. */
+/* Stated kind of shape; −1: error reported. */
 static int find_kind(km_reader *reader, const km_value *value, const km_place *place) {
   int found = -1, count = 0;
   for (int k = 0; k < KM_SHAPE_KINDS; ++k)

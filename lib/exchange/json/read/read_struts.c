@@ -15,7 +15,7 @@ typedef struct strut {
   bool planar;
   int body[2];      /* those that it joins */
   int half[2];      /* those that it is made of */
-  km_pose stand[2]; /* of `body` in the inertial frame where the assembly starts */
+  km_pose stand[2]; /* pose of `body` in the inertial frame at the initial displacements */
   km_vec3 point[2]; /* its ends there */
   km_rotation axes; /* x along it; in a plane z is the normal, in space turned for the universal joint only at `to` */
   double length, offset; /* `to` from `from` along x, and in a plane along the normal */
@@ -167,7 +167,7 @@ static void read_gas_spring(km_reader *reader, const strut *s) {
     make_force(reader, s, "gas_spring", force + rate * length, -rate);
 }
 
-/* Where the ends are and how the strut lies between them; false if it has no length. */
+/* Positions of the ends, and direction of the strut; false if its length is 0. */
 static bool lie(km_reader *reader, strut *s, const km_pose *poses, const int frame[2]) {
   const km_model *model = reader->model;
   for (int end = 0; end < 2; ++end) {

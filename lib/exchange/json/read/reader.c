@@ -7,7 +7,7 @@
 static void report(km_reader *reader, km_severity severity, const km_place *place, const char *format,
                    va_list arguments) {
   char where[KM_PLACE_TEXT], text[KM_ERROR_TEXT];
-  if (reader->arena->failed) /* what is missing then may be missing for that reason */
+  if (reader->arena->failed) /* later missing elements may be a consequence */
     return;
   vsnprintf(text, sizeof text, format, arguments);
   km_messages_add(reader->messages, severity, "%s: %s", km_place_text(place, where), text);

@@ -1,4 +1,4 @@
-/* What the parts of the model reader share. */
+/* Reader of models. Private to exchange/json. */
 #ifndef KM_EXCHANGE_JSON_READ_READER_H
 #define KM_EXCHANGE_JSON_READ_READER_H
 
@@ -15,15 +15,15 @@ struct km_origin {
   const km_value **bodies, **joints, **couplings, **modules; /* the objects that became them; NULL: part of a strut */
 };
 
-/* The reader's own bookkeeping. Left-out elements are in the name tables with KM_LEFT_OUT, so that a path
- * to one can be told from a misspelt one. */
+/* State of the reader. Inactive elements are in the name tables with KM_LEFT_OUT, so that a path to one is
+ * distinguished from a misspelt path. */
 typedef struct km_reader {
   km_model *model;
   struct km_origin *origin;
   km_messages *messages;
-  const km_arena *arena;                       /* of what is read */
+  const km_arena *arena;                       /* memory of the model */
   double rotation_misfit;                      /* the largest entry of RᵀR − I so far */
-  int rounded_count;                           /* of rotations that are replaced by the nearest one, */
+  int rounded_count;                           /* rotations that are replaced by the nearest one: */
   double rounded_most;                         /* the largest change of an entry, */
   char rounded_first[KM_PLACE_TEXT];           /* and the first one's place */
   km_names assemblies, bodies, frames, joints; /* scope: the parent */
@@ -55,7 +55,7 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
 /* The orientation that an object states by its R, quaternion, euler or rotation_vector; the identity if it is absent or
  * (reported) none. */
 km_rotation km_reader_orientation(km_reader *reader, const km_value *object, const km_place *place);
-/* Is the member one of these four? */
+/* True if the key is one of these four. */
 bool km_is_orientation(const char *key);
 /* One note on the rotations that were replaced by the nearest one. */
 void km_reader_tell_rotations(km_reader *reader);
@@ -89,10 +89,10 @@ int km_reader_frame(km_reader *reader, const km_value *path, int assembly, const
 int km_reader_frame_anywhere(km_reader *reader, const km_value *path, const km_place *place, const char *what);
 /* Joint of a path seen from an assembly; KM_NOT_FOUND is reported, KM_LEFT_OUT and KM_FAULTY aren't. */
 int km_reader_joint(km_reader *reader, const km_value *path, int assembly, const km_place *place);
-/* Coordinate of a joint path, where the joint has one, or of `label[k]`. The same results. */
+/* Coordinate of a joint path, if the joint has one coordinate, or of `label[k]`; results as above. */
 int km_reader_coordinate(km_reader *reader, const km_value *path, int assembly, const km_place *place);
-/* What a member {label: number or list} names, which is one coordinate or all of a joint: how many (0: reported, or a
- * note that it is left out), the first, and the first of the values. */
+/* Coordinates of a member {label: number or list}, one or all of a joint: number (0: error reported, or inactive
+ * with a note), the first, and the first of the values. */
 int km_reader_values(km_reader *reader, const km_value *value, const km_place *place, int *first,
                      const km_value **item);
 /* A path as a person reads it: `a/b/c`. */
@@ -104,10 +104,10 @@ void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *
  * unless a body is left out. */
 bool km_read_drawn_ends(km_reader *reader, const km_value *joint, int assembly, const km_place *place,
                         km_model_joint *out, int body[2]);
-/* Which axis of its frame `axis` tells of a joint: what it turns about or slides along first; the normal of a planar
- * one. */
+/* Axis of the joint's frame that `axis` states: that of its first rotation or translation; the normal of a planar
+ * joint. */
 int km_drawn_axis(km_joint_type type);
-/* Is the joint told by points of a drawing? */
+/* True if the joint is defined by a point of a drawing. */
 bool km_joint_is_drawn(const km_value *joint);
 /* Puts the child frame where the joint's first values have it in the drawing, and the bodies into one pose. */
 void km_place_drawn_child(km_model *model, int joint);
@@ -120,8 +120,7 @@ void km_read_shape(km_reader *reader, const km_value *shape, int body, const km_
 void km_read_mass(km_reader *reader, const km_value *body, const km_place *place, km_model_body *out);
 /* The second pass over the assemblies: joints, then what names joints. */
 void km_read_joints(km_reader *reader, const km_value *root);
-/* The coordinates of joint `index`, with what the file tells of them: first values, rates, damping, limits. `value`:
- * NULL: nothing. */
+/* Reads the coordinates of joint `index`: initial displacements, rates, damping, limits. `value` NULL: defaults. */
 void km_read_coordinates(km_reader *reader, const km_value *value, const km_place *place, int index);
 /* After all joints: a strut's parts lie as they start. */
 void km_read_struts(km_reader *reader, const km_value *root);
@@ -130,7 +129,7 @@ void km_read_force_modules(km_reader *reader, const km_value *root);
 void km_read_analysis(km_reader *reader, const km_value *root);
 void km_read_poses(km_reader *reader, const km_value *root);
 
-/* Walks the active assemblies, nested ones after their parent, in file order. */
+/* Visits the active assemblies in file order, nested ones after their parent. */
 typedef void (*km_assembly_visit)(km_reader *reader, const km_value *assembly, int index, const km_place *place);
 void km_reader_visit(km_reader *reader, const km_value *root, km_assembly_visit visit);
 

@@ -1,4 +1,4 @@
-/* Which keys a path study may have. */
+/* Format table of path studies. */
 #include "exchange/json/study/study_reader.h"
 
 #include "exchange/json/format/format_rows.h"

@@ -32,7 +32,7 @@ static void read_vector(const km_value *from, const char *key, double out[3]) {
   out[2] = v.z;
 }
 
-/* Is there a rotation? */
+/* True if a rotation is stated. */
 static bool read_rotation(km_study_reader *s, const km_value *from, const char *key, const km_place *place,
                           double out[9]) {
   if (!km_value_get(from, key))
@@ -122,7 +122,7 @@ static const struct {
              {"circle", KM_PATH_ARC, read_arc},    {"helix", KM_PATH_ARC, read_arc},
              {"weave", KM_PATH_WEAVE, read_weave}, {"spline", KM_PATH_SPLINE, read_spline}};
 
-/* What all kinds may have; and what each must. */
+/* Optional keys of all kinds, and required keys of each kind. */
 static void read_members(segment_reader *r, int kind) {
   km_path_segment *out = r->out;
   *out = km_path_segment_default(kinds[kind].shape);
@@ -151,7 +151,7 @@ static void read_segment(segment_reader *r) {
                   "\"%.40s\" is not a kind of segment; expected line, arc, circle, helix, weave or spline", type);
 }
 
-/* What is wrong with the numbers of a plan that is whole. */
+/* Checks the numbers of a complete plan. */
 static void check_plan(km_study_reader *s, const km_study_path *path) {
   km_path_fault fault;
   km_error error;

@@ -12,9 +12,9 @@ typedef struct sheet {
   km_study_reader *s;
   const km_place *place;
   const char *file;
-  int column[MEANINGS]; /* of each meaning, −1: absent */
+  int column[MEANINGS]; /* column of each meaning; −1: absent */
   int columns;
-  int count; /* of poses so far */
+  int count; /* number of poses so far */
   km_frame_pose *poses;
   double *times, *turns;
   int *lines;
@@ -52,7 +52,7 @@ static bool is_number(const char *text, double *out) {
   return end != text && *end == '\0';
 }
 
-/* What a header's word means; x, y, z the second time are the quaternion's. */
+/* Meaning of a header's word; a second x, y, z is the quaternion's. */
 static int meaning_of(const sheet *s, const char *word) {
   static const char *const words[] = {"x", "y", "z", "w", NULL, NULL, NULL, "rx", "ry", "rz", "t"};
   char name[32];
@@ -82,7 +82,7 @@ static bool read_header(sheet *s, char **fields, int count) {
   return true;
 }
 
-/* Without a header the number of columns tells. */
+/* Meaning by the number of columns, without a header. */
 static void guess_columns(sheet *s, int count) {
   for (int k = 0; k < 3; ++k)
     s->column[X + k] = k;

@@ -5,10 +5,10 @@
 #include "exchange/json/json.h"
 #include "kmech/arm.h"
 
-/* One call: what was there before it, so that it can be told what came with it. */
+/* A call of the reader: numbers of messages before it, to identify those that it adds. */
 typedef struct call {
   km_study_reader s;
-  km_messages *own; /* to be freed; NULL: the caller's are used */
+  km_messages *own; /* list to be freed; NULL: the caller's list is used */
   size_t had, errors;
 } call;
 
@@ -47,7 +47,7 @@ static km_status first_error(const call *c, km_status status, km_error *error) {
   return km_fail(error, status, "the study is faulty");
 }
 
-/* What the call came to: `status` of the text, or of what was found in it. */
+/* Result of the call: `status` of the text, or of its contents. */
 static km_status end(call *c, km_status status, bool option, km_error *error) {
   if (!status && c->s.arena->failed) /* NOLINT(*NullDereference): begin() has seen to it */
     status = memory(error);

@@ -1,4 +1,4 @@
-/* What the parts of the reader of path studies share: JSON text, and CSV files of poses, into a definition. */
+/* Reader of path studies: JSON text, and CSV files of poses. Private to exchange/json/study. */
 #ifndef KM_EXCHANGE_JSON_STUDY_STUDY_READER_H
 #define KM_EXCHANGE_JSON_STUDY_STUDY_READER_H
 
@@ -7,14 +7,14 @@
 #include "kmech/arm.h"
 
 typedef struct km_study_reader {
-  km_reader reader;   /* for its messages */
+  km_reader reader;   /* reader for messages */
   km_arena *arena;    /* the definition's */
-  const char *folder; /* where files that the text names are looked for */
+  const char *folder; /* folder of the files that the text names */
 } km_study_reader;
 
 extern const km_object_format km_format_path, km_format_method;
 
-/* The parts of the reader. What is wrong goes to the reader's messages. */
+/* Parts of the reader. Errors are added to the reader's messages. */
 void km_study_path_of(km_study_reader *s, const km_value *value, km_study_path *out);
 /* Poses of a CSV file: x, y, z and a quaternion w, x, y, z or a rotation vector, and perhaps times, as one spline. */
 void km_study_poses_of(km_study_reader *s, const char *file, km_study_path *out);

@@ -1,4 +1,4 @@
-/* Writing a checked model back: every number in its unit, in the pose that is asked for. */
+/* Converts a valid model: every number in a given unit, in a given configuration. */
 #include "exchange/json/write/convert.h"
 
 #include "base/arguments.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What decides the units of numbers inside the object at hand. */
+/* Context that determines the units of numbers in the current object. */
 typedef struct context {
   km_joint_type type;                /* inside a joint */
   int joint;                         /* its index, -1: left out */
@@ -181,7 +181,7 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
   }
 }
 
-/* Does a port measure or push along a length (and not about an angle)? */
+/* True if a port measures a length, not an angle. */
 static bool port_is_length(const converter *c, int port) {
   if (port < 0)
     return true;
@@ -248,7 +248,7 @@ static void convert_field(const converter *c, const context *at, const km_field 
       convert_map(c, v, poses);
     break;
   }
-  case KM_SHAPE_PARAMETERS: /* numbers in the file's units, of no dimension that is told: nothing uses them any more */
+  case KM_SHAPE_PARAMETERS: /* numbers in the file's units without a known dimension, which aren't used */
     if (c->verbatim)
       copy(c, parent, value->key, value);
     break;
@@ -280,7 +280,7 @@ static void write_displacement(const converter *c, int joint, km_value *parent) 
     km_value_numbers(c->arena, parent, "initial_displacement", values, (size_t)freedom);
 }
 
-/* Is the member written in another way? */
+/* True if the key is replaced in the output. */
 static bool is_replaced(const converter *c, const context *at, const km_object_format *format, const char *key) {
   bool joint = format == &km_format_joint && at->joint >= 0;
   if (joint && strcmp(key, "initial_displacement") == 0)
@@ -291,7 +291,7 @@ static bool is_replaced(const converter *c, const context *at, const km_object_f
          (joint && (strcmp(key, "bodies") == 0 || strcmp(key, "at") == 0 || strcmp(key, "axis") == 0));
 }
 
-/* What the members that are replaced become. */
+/* Writes the keys that are replaced. */
 static void write_replacements(const converter *c, const context *at, const km_object_format *format,
                                const km_value *object, km_value *twin) {
   bool joint = format == &km_format_joint;

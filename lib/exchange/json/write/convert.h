@@ -1,4 +1,4 @@
-/* What the writers of the model format ask of what they are given. */
+/* Argument checks of the writers of the model format. */
 #ifndef KM_EXCHANGE_JSON_WRITE_CONVERT_H
 #define KM_EXCHANGE_JSON_WRITE_CONVERT_H
 

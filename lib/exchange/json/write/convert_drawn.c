@@ -1,4 +1,4 @@
-/* Joints that a file tells by points of a drawing, as frames and pairs of frames. */
+/* Converts drawn joints to frames and pairs of frames. */
 #include "exchange/json/write/convert_drawn.h"
 
 #include "exchange/json/read/reader.h"

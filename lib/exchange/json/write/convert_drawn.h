@@ -5,9 +5,9 @@
 #include "base/value.h"
 #include "model/model.h"
 
-/* Is a joint of a drawn assembly away from its drawn value? q[coordinate] in the model's units. */
+/* True if a joint of a drawn assembly differs from its drawn value; q[coordinate] in the model's units. */
 bool km_drawing_moved(const km_model *model, const double *q);
-/* Does the joint belong to a drawn assembly? */
+/* True if the joint belongs to a drawn assembly. */
 bool km_joint_in_drawing(const km_model *model, int joint);
 /* Adds the frames that drawn joints made on a body to `frames` of its object; lengths times `factor`. */
 void km_write_drawn_frames(const km_model *model, int body, double factor, km_arena *arena, km_value *object);

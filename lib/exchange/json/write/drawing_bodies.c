@@ -3,8 +3,9 @@
 
 #include <string.h>
 
-static const double unit_grain = 1e-15;    /* of the entries of axes and rotations */
-static const double inertia_grain = 1e-15; /* of the largest entry: what turning by a multiple of 90° leaves */
+static const double unit_grain = 1e-15;    /* rounding of the entries of axes and rotations */
+static const double inertia_grain = 1e-15; /* relative to the largest entry: residue of a rotation by a multiple of
+                                            * 90° */
 
 bool km_sketch_has_body(const km_sketch *s, int body) {
   return body == 0 || (s->model->bodies[body].assembly != KM_NO_ASSEMBLY && s->drawn[s->model->bodies[body].assembly]);
@@ -180,7 +181,7 @@ static bool is_shape_now(const km_sketch *s, int body, const char *key) {
   return strcmp(key, "shapes") == 0 || (moved && (strcmp(key, "definition") == 0 || strcmp(key, "density") == 0));
 }
 
-/* What a file doesn't state is the origin of the body's own frame. */
+/* Default position: the origin of the body's frame. */
 static void write_center(const km_sketch *s, int body, km_value *parent) {
   write_point(s, parent, "center_of_mass", km_pose_point(&s->stand[body], s->model->bodies[body].center_of_mass),
               s->grain);

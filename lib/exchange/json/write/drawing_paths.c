@@ -50,7 +50,7 @@ static int frame_of(const km_model *model, int assembly, const char *const *name
   return frame_named(model, body, "origin");
 }
 
-/* In `analysis` [body, frame] serves too, where one body has the name. */
+/* [body, frame] is valid in `analysis`, too, if the body's name is unique. */
 static int frame_anywhere(const km_model *model, int assembly, const char *const *names, size_t count) {
   int frame = frame_of(model, assembly, names, count);
   for (int a = 0; a < model->assembly_count && frame < 0 && assembly == KM_NO_ASSEMBLY && count <= 2; ++a)

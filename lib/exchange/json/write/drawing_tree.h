@@ -6,23 +6,23 @@
 #include "exchange/json/read/reader.h"
 
 typedef struct km_sketch {
-  const km_model *model; /* with frames, in the pose that is drawn */
+  const km_model *model; /* model with frames, in the drawn configuration */
   km_pose *stand;        /* [body] in the inertial frame, in that pose */
   bool *drawn;           /* [assembly] */
-  bool *pointed;         /* [joint] told by a point */
+  bool *pointed;         /* [joint] defined by a point */
   bool *needed;          /* [frame] named by something else than a joint that is pointed */
   const char **own;      /* [body] the new frame that stands where the body's own one stood; NULL: none is needed */
-  double grain;          /* what coordinates of points are rounded to */
+  double grain;          /* rounding unit of points' coordinates */
   km_arena *arena;
 } km_sketch;
 
-/* Is the body in a drawing? The inertial frame is. */
+/* True if the body is in a drawing, or is the inertial frame. */
 bool km_sketch_has_body(const km_sketch *sketch, int body);
-/* Is the body's own frame the inertial one, so that nothing of it moves? */
+/* True if the body's frame coincides with the inertial frame, so that its elements don't change. */
 bool km_sketch_stays(const km_sketch *sketch, int body);
 /* The parent frame of a joint in the inertial frame. */
 km_pose km_sketch_joint_pose(const km_sketch *sketch, int joint);
-/* Can a point and an axis tell the joint? */
+/* True if a point and an axis define the joint. */
 bool km_sketch_can_point(const km_sketch *sketch, int joint);
 
 /* The frame that a path names, seen from an assembly; -1: none that is in the model. */
@@ -35,7 +35,7 @@ void km_sketch_write_path(const km_sketch *sketch, int assembly, const km_value 
                           const char *key);
 /* Adds the names of the assemblies from the root down to one. */
 void km_sketch_write_assemblies(const km_sketch *sketch, int assembly, km_value *path);
-/* Does the field hold a path to a frame, or two? */
+/* True if the field holds one or two paths to frames. */
 bool km_names_frame(const km_field *field);
 bool km_names_frames(const km_field *field);
 

@@ -301,7 +301,7 @@ const km_value *km_built_tree(const km_model *model, km_arena *arena) {
   return root;
 }
 
-/* The same coordinates in the order in which the twin has them. */
+/* The coordinates in the order of the model read back. */
 static double *reorder(const km_model *model, const km_model *twin, const double *q, km_arena *arena) {
   km_names labels = {0};
   double *out = KM_ARENA_NEW(arena, double, (size_t)twin->coordinate_count);

@@ -33,7 +33,7 @@ static const char *left_out_body(const km_value *assembly) {
   return NULL;
 }
 
-/* Why an assembly keeps its frames, as a note. */
+/* Adds a note with the reason why an assembly keeps its frames. */
 static bool can_draw(const km_sketch *s, int assembly, const km_value *object, km_messages *notes) {
   const char *name = s->model->assemblies[assembly].name, *gone = left_out_body(object);
   if (gone) {
@@ -68,7 +68,7 @@ static int choose_assemblies(km_sketch *s, const km_value *object, int around, k
   return count;
 }
 
-/* Joints of drawn bodies by a point, where that tells all; a note on the others. */
+/* Writes joints of drawn bodies by a point, if that defines them; otherwise adds a note. */
 static void choose_joints(km_sketch *s, km_messages *notes) {
   const km_model *m = s->model;
   km_text others = {0};
@@ -211,7 +211,8 @@ static km_status draw(const km_model *twin, km_messages *notes, km_arena *own, k
   return arena->failed ? KM_MEMORY : KM_OK;
 }
 
-/* The model with frames, in the pose and the units that are asked for, read anew: a pose is then its first values. */
+/* The model with frames in the given configuration and units, read again: the configuration is that of its initial
+ * displacements. */
 static km_status read_twin(const km_model *model, const km_units *units, const double *q, km_arena *own,
                            km_model **twin, km_error *error) {
   km_text text = {0}, file = {0};
@@ -231,7 +232,7 @@ static km_status read_twin(const km_model *model, const km_units *units, const d
   return status;
 }
 
-/* Is every assembly of the file drawn in this pose already? */
+/* True if every assembly of the file is already drawn in this configuration. */
 static bool is_drawn(const km_model *model, const double *q) {
   bool drawn = model->origin && model->assembly_count > 0 && !(q && km_drawing_moved(model, q));
   for (int a = 0; a < model->assembly_count; ++a)

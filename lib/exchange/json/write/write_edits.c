@@ -132,7 +132,7 @@ static km_status cannot(const char *what, const char *name, km_error *error) {
   return km_fail(error, KM_USAGE, "%s of \"%.80s\" was changed, which a file can't say", what, name);
 }
 
-/* Takes the ways of telling an orientation away, beside R. */
+/* Removes keys of an orientation other than R. */
 static void drop_orientations(km_value *object) {
   km_value *before = NULL;
   for (km_value *v = object->first; v; v = v->next) {
@@ -157,7 +157,7 @@ static km_status put_frame(const writer *w, int frame, km_error *error) {
   int joint = w->drawn ? drawn_joint(m, frame) : -1;
   if (strcmp(f->name, "origin") == 0)
     return cannot("the body's own frame", body, error);
-  if (joint >= 0) { /* both of its frames are told by one point */
+  if (joint >= 0) { /* both of its frames are defined by one point */
     km_value *object = joint_object(w, joint);
     if (object && m->joints[joint].frame[0] == frame)
       put_vector(w, object, "at", f->pose.p, factor(w, length));

@@ -7,11 +7,11 @@
 
 /* The model with the numbers of its file, as a view of the changed one (km_model_keep_unedited). */
 km_model km_edits_undone(const km_model *model);
-/* Are frames of drawn joints moved so that points of the drawing can't tell them? */
+/* True if frames of drawn joints have moved such that points of the drawing can't define them. */
 bool km_edits_break_drawing(const km_model *model);
-/* Puts what differs into the tree, which is written in `units`; `drawn`: joints of drawings are told by points in
- * it. KM_USAGE: a body's own frame was moved, or a part of a strut, or the mass of a body that is weighed by a
- * density, which no file says; KM_MEMORY. O(elements · names). */
+/* Enters changed numbers into the tree, which is in `units`; `drawn`: joints of drawings are defined by points in
+ * it. KM_USAGE: a change that no file can state: of a body's own frame, of a part of a strut, or of the mass of a
+ * body with a density; KM_MEMORY. O(elements · names). */
 km_status km_edits_write(const km_model *model, const km_units *units, bool drawn, km_arena *arena, km_value *root,
                          km_error *error);
 
