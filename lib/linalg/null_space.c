@@ -1,18 +1,20 @@
-/* Orthonormal null spaces from a partition, and mobility numbers. */
+/* Orthonormal null and row spaces from a partition, and mobility numbers (docs/theory.md 3.4).
+ *
+ *   Z = orth(D [−B; I]),   R = orth([I B] D⁻¹)   by modified Gram-Schmidt, twice;    m_j = Σ_k Z_jk² */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/partition.h"
 
 #include <math.h>
 #include <string.h>
 
-static double dot_of(const double *a, const double *b, int count) {
+static double inner_product(const double *a, const double *b, int count) {
   double sum = 0.0;
   for (int i = 0; i < count; ++i)
     sum += a[i] * b[i];
   return sum;
 }
 
-/* The same in lanes: another order of sums. */
+/* Inner product in SIMD lanes: another order of summation. */
 static double dot_in_lanes(const double *a, const double *b, int count) {
   km_pair sums[4] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
   int i = 0;
@@ -30,8 +32,8 @@ static void scale(double *z, int count, double factor) {
     z[i] *= factor;
 }
 
-/* Modified Gram-Schmidt, twice: with a forced driver near its toggle N is badly conditioned, and one pass
- * would leave its columns that much out of square. The first vector has length 1 already, those before `first` are done. */
+/* Modified Gram-Schmidt, twice: with a forced driver near its dead point N is ill-conditioned, and one pass loses as
+ * much orthogonality. The first vector has length 1; vectors before `first` are orthonormal. */
 static void orthonormalise(double *Z, int columns, int first, int count) {
   size_t n = (size_t)columns;
   for (int k = first > 1 ? first : 1; k < count; ++k) {
@@ -39,25 +41,25 @@ static void orthonormalise(double *Z, int columns, int first, int count) {
     for (int pass = 0; pass < 2; ++pass) {
       for (int o = 0; o < k; ++o) {
         const double *y = Z + (size_t)o * n;
-        double dot = count > KM_MANY_VECTORS ? dot_in_lanes(y, z, columns) : dot_of(y, z, columns);
-        if (dot == 0.0)
+        double overlap = count > KM_MANY_VECTORS ? dot_in_lanes(y, z, columns) : inner_product(y, z, columns);
+        if (overlap == 0.0)
           continue;
         for (size_t i = 0; i < n; ++i)
-          z[i] -= dot * y[i];
+          z[i] -= overlap * y[i];
       }
     }
-    scale(z, columns, 1.0 / sqrt(dot_of(z, z, columns)));
+    scale(z, columns, 1.0 / sqrt(inner_product(z, z, columns)));
   }
 }
 
-/* diag(weight) times null vector k; returns its square. */
-static double null_vector(const km_partition *p, const double *weight, int k, double *z) {
+/* Writes D times null vector k; returns its squared length. */
+static double write_null_vector(const km_partition *p, const double *weight, int k, double *z) {
   const int rank = p->rank, *const column = p->column;
   const double *b = km_partition_b(p, k);
   for (int c = rank; c < p->columns; ++c)
     z[column[c]] = 0.0;
-  double own = weight[column[rank + k]], sum = own * own;
-  z[column[rank + k]] = own;
+  double weight_of_independent = weight[column[rank + k]], sum = weight_of_independent * weight_of_independent;
+  z[column[rank + k]] = weight_of_independent;
   for (int i = 0; i < rank; ++i) {
     double value = -b[i] * weight[column[i]];
     z[column[i]] = value;
@@ -68,7 +70,7 @@ static double null_vector(const km_partition *p, const double *weight, int k, do
 
 void km_partition_extend_null_space(const km_partition *p, const double *weight, int first, int count, double *Z) {
   for (int k = first; k < count; ++k) {
-    double square = null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
+    double square = write_null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
     if (k == 0)
       scale(Z, p->columns, 1.0 / sqrt(square));
   }
@@ -79,8 +81,8 @@ void km_partition_null_space(const km_partition *p, const double *weight, int co
   km_partition_extend_null_space(p, weight, 0, count, Z);
 }
 
-/* The rows of [I B], that is of J's row space, over the weights; returns the square of the first one. */
-static double row_vectors(const km_partition *p, const double *weight, int count, double *R) {
+/* Writes the rows of [I B] D⁻¹, a basis of the row space; returns the squared length of the first one. */
+static double write_row_vectors(const km_partition *p, const double *weight, int count, double *R) {
   const int rank = p->rank, *const column = p->column;
   size_t n = (size_t)p->columns;
   double square = 0.0;
@@ -101,7 +103,7 @@ static double row_vectors(const km_partition *p, const double *weight, int count
 }
 
 void km_partition_row_space(const km_partition *p, const double *weight, int count, double *R) {
-  double square = row_vectors(p, weight, count, R);
+  double square = write_row_vectors(p, weight, count, R);
   if (p->rank > 0)
     scale(R, p->columns, 1.0 / sqrt(square));
   orthonormalise(R, p->columns, 0, p->rank);

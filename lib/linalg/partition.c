@@ -1,4 +1,9 @@
-/* Complete pivoting of matrices of any size, and what is read from the result. */
+/* Gauss-Jordan elimination with complete pivoting (GECP) for any size, and what follows from the factors
+ * (docs/theory.md
+ * 3.1-3.3). Small matrices use linalg/dense/register_elimination.h, large sparse ones linalg/sparse/sparse_lu.h.
+ *
+ *   step with pivot (r, c): l = J_:c / J_rc, l_r = 0;   J_:k <- J_:k − l J_rk  for all later columns k
+ *   B_ik = (reduced entry) / pivot_i;   sign of det = product of the signs of the pivots */
 #include "linalg/partition.h"
 #include "linalg/dense/register_elimination.h"
 #include "linalg/dense/simd_pair.h"
@@ -36,22 +41,22 @@ static double *reduced_column(const km_partition *p, int column) {
   return p->reduced + (size_t)column * (size_t)p->stride;
 }
 
-/* Moves the forced columns behind the others, and the locked ones to the end; returns how many columns are free to be
- * chosen. */
+/* Orders the columns: free ones, forced ones, locked ones. Returns the number of free columns, the candidates for
+ * pivots. */
 static int order_columns(km_partition *p, const bool *forced) {
-  int free = 0, behind = p->columns;
+  int free = 0, end = p->columns;
   for (int c = 0; p->locked && c < p->columns; ++c)
     if (p->locked[c])
-      p->column[--behind] = c;
-  p->locked_count = p->columns - behind;
+      p->column[--end] = c;
+  p->locked_count = p->columns - end;
   for (int c = 0; !forced && !p->locked && c < p->columns; ++c)
     p->column[free++] = c;
   for (int c = 0; (forced || p->locked) && c < p->columns; ++c) {
     if (p->locked && p->locked[c])
       continue;
     bool last = forced && forced[c];
-    p->column[last ? behind - 1 : free] = c;
-    behind -= last;
+    p->column[last ? end - 1 : free] = c;
+    end -= last;
     free += !last;
   }
   return free;
@@ -62,31 +67,32 @@ typedef struct pivot {
   double size;
 } pivot;
 
-/* Largest magnitude of a column in the rows that are open: hold no pivot yet (bit mask in work). */
-static double column_size(const km_partition *p, const double *x) {
+/* Largest magnitude of a column in rows without a pivot (bit masks in `work`). */
+static double max_open_magnitude(const km_partition *p, const double *x) {
   km_pair best = {0.0, 0.0};
   for (int r = 0; r < p->stride; r += 2)
     best = km_pair_larger(km_pair_and(*(const km_pair *)(x + r), *(const km_pair *)(p->work + r)), best);
   return best[0] > best[1] ? best[0] : best[1];
 }
 
-/* The first of the largest open entries of the columns in slots from … to-1. */
-static pivot search(const km_partition *p, int from, int to) {
-  const double as_large = p->ties_by_position ? KM_NEAR_TIE : 1.0;
+/* Finds the pivot: the first of the largest entries in open rows of the columns in slots from … to-1. */
+static pivot search_pivot(const km_partition *p, int from, int to) {
+  const double tie_factor = p->ties_by_position ? KM_NEAR_TIE : 1.0;
   pivot best = {0, from, 0.0};
   for (int k = from; k < to; ++k) {
-    double size = column_size(p, reduced_column(p, p->column[k]));
-    if (size > as_large * best.size)
+    double size = max_open_magnitude(p, reduced_column(p, p->column[k]));
+    if (size > tie_factor * best.size)
       best = (pivot){0, k, size};
   }
   const double *x = reduced_column(p, p->column[best.slot]);
-  while (best.size > 0.0 && (p->work[best.row] == 0.0 || !(as_large * fabs(x[best.row]) >= best.size)))
+  while (best.size > 0.0 && (p->work[best.row] == 0.0 || !(tie_factor * fabs(x[best.row]) >= best.size)))
     ++best.row;
   best.size = best.size > 0.0 ? fabs(x[best.row]) : 0.0;
   return best;
 }
 
-/* Subtracts the pivot row from all others. */
+/* Gauss-Jordan step: subtracts multiples of the pivot row from all other rows; the multiples replace the pivot
+ * column. */
 static void eliminate(km_partition *p, int step, int row) {
   double *l = reduced_column(p, p->column[step]), inverse = 1.0 / l[row];
   p->row[step] = row;
@@ -96,12 +102,13 @@ static void eliminate(km_partition *p, int step, int row) {
   l[row] = 0.0;
   for (int k = step + 1; k < p->columns; ++k) {
     double *x = reduced_column(p, p->column[k]), u = x[row];
-    for (int r = 0; r < p->stride && u != 0.0; r += 2) /* loops that share few joints leave many zeros */
+    for (int r = 0; r < p->stride && u != 0.0; r += 2) /* Jacobians of loops that share few joints have many zeros */
       *(km_pair *)(x + r) -= *(const km_pair *)(l + r) * (km_pair){u, u};
   }
 }
 
-static void load(km_partition *p, const double *matrix) {
+/* Copies the matrix to `reduced`, with an even leading dimension. */
+static void copy_matrix(km_partition *p, const double *matrix) {
   size_t rows = (size_t)p->rows;
   for (int c = 0; c < p->columns && rows > 0; ++c) {
     double *to = reduced_column(p, c);
@@ -110,9 +117,9 @@ static void load(km_partition *p, const double *matrix) {
   }
 }
 
-/* km_register_factor for any size. */
-static void factor(km_partition *p, const double *matrix, int candidates, double tolerance) {
-  load(p, matrix);
+/* Elimination with complete pivoting. The first `candidates` columns are tried before the forced ones. */
+static void factor_dense(km_partition *p, const double *matrix, int candidates, double tolerance) {
+  copy_matrix(p, matrix);
   p->scale = km_max_magnitude(matrix, p->rows * p->columns);
   const int64_t magnitude = KM_MAGNITUDE;
   memset(p->work, 0, (size_t)p->stride * sizeof *p->work);
@@ -121,9 +128,9 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   double threshold = tolerance * p->scale;
   int step = 0;
   for (; step < p->rows && step < p->columns; ++step) {
-    pivot best = search(p, step, candidates);
+    pivot best = search_pivot(p, step, candidates);
     if (!(best.size > threshold) && candidates < p->columns && !p->forced_never_pivot) {
-      best = search(p, candidates, p->columns);
+      best = search_pivot(p, candidates, p->columns);
       candidates = p->columns;
       p->forced_dependent = best.size > threshold;
     }
@@ -143,14 +150,15 @@ static void factor(km_partition *p, const double *matrix, int candidates, double
   p->rank = step;
 }
 
-static bool refactor(km_partition *p, const double *matrix) {
-  load(p, matrix);
+/* Elimination with the known pivots. */
+static bool refactor_dense(km_partition *p, const double *matrix) {
+  copy_matrix(p, matrix);
   for (int step = 0; step < p->rank; ++step)
     eliminate(p, step, p->row[step]);
   return km_all_finite(matrix, p->rows * p->columns);
 }
 
-/* The rows without pivot behind the others. */
+/* Appends the rows without a pivot (secondary rows) to `row`. */
 static void order_rows(km_partition *p) {
   if (p->rank == p->rows)
     return;
@@ -163,8 +171,8 @@ static void order_rows(km_partition *p) {
       p->row[i++] = r;
 }
 
-/* B, largest_b and sign from what elimination left. Returns whether B is finite. */
-static bool finish(km_partition *p) {
+/* Computes B, max_b and sign from the reduced matrix. Returns true if B is finite. */
+static bool compute_b(km_partition *p) {
   const int rank = p->rank, columns = p->columns, *const row = p->row;
   const double *const inverse = p->inverse;
   double largest = 0.0, sum = 0.0, *b = p->B;
@@ -194,6 +202,7 @@ static double largest_inverse(const km_partition *p) {
   return largest;
 }
 
+/* Elimination with a search for pivots, by the implementation for the matrix's size. */
 static void search_pivots(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   p->first_pivot = p->last_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = (double)INFINITY;
@@ -206,16 +215,16 @@ static void search_pivots(km_partition *p, const double *matrix, const bool *for
   if (is_small(p))
     km_register_factor(p, matrix, candidates, tolerance);
   else
-    factor(p, matrix, candidates, tolerance);
-  finish(p);
+    factor_dense(p, matrix, candidates, tolerance);
+  compute_b(p);
 }
 
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
-  bool same_size = p->rows == rows && p->columns == columns, changes = true;
+  bool same_size = p->rows == rows && p->columns == columns, has_changed = true;
   p->is_deferred = false;
   if (p->sparse && same_size && km_sparse_has_factor(p, matrix, forced, tolerance)) {
-    changes = km_sparse_improve_independent(p, matrix, forced, tolerance);
+    has_changed = km_sparse_improve_independent(p, matrix, forced, tolerance);
   } else {
     p->rows = rows;
     p->columns = columns;
@@ -223,7 +232,7 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
     search_pivots(p, matrix, forced, tolerance);
   }
   p->max_b_at_search = p->max_b;
-  if (!changes)
+  if (!has_changed)
     return;
   order_rows(p);
   p->search_count++;
@@ -235,35 +244,36 @@ void km_partition_defer(km_partition *p) {
   p->version++;
 }
 
-/* Were the pivots searched near a singular pose that is far away by now? Of many rows in an order that was good there the entries can grow
- * until no digits are left, which neither |B| nor the smallest pivot tells. */
-static bool are_outgrown(const km_partition *p, double inverse) {
-  static const double most_growth = 1e3; /* of the smallest pivot */
+/* True if the smallest pivot has grown a thousandfold since the search. Pivots chosen near a singular configuration can
+ * let entries grow elsewhere until no digits are left, which neither |B| nor the smallest pivot shows. */
+static bool have_pivots_outgrown(const km_partition *p, double inverse) {
+  static const double most_growth = 1e3; /* growth of the smallest pivot */
   return p->sparse && p->rank > 0 && most_growth * inverse * p->smallest_pivot < 1.0;
 }
 
-static bool refactor_and_watch(km_partition *p, const double *matrix, bool whole) {
+/* Refactors with the known pivots and applies the growth monitor. */
+static bool refactor_and_monitor(km_partition *p, const double *matrix, bool is_full_pattern) {
   p->is_deferred = false;
   p->stride = stride_of(p->rows);
   p->version++;
   bool finite;
   if (p->sparse) {
-    finite = km_sparse_refactor(p, matrix, whole);
+    finite = km_sparse_refactor(p, matrix, is_full_pattern);
   } else {
-    finite = is_small(p) ? km_register_refactor(p, matrix) : refactor(p, matrix);
-    finite = finish(p) && finite;
+    finite = is_small(p) ? km_register_refactor(p, matrix) : refactor_dense(p, matrix);
+    finite = compute_b(p) && finite;
   }
   double inverse = largest_inverse(p), smallest = p->rank == 0 ? 0.0 : p->smallest_pivot;
   return finite && km_are_pivots_acceptable(p->max_b, p->max_b_at_search, inverse, smallest) &&
-         !are_outgrown(p, inverse);
+         !have_pivots_outgrown(p, inverse);
 }
 
 bool km_partition_refactor(km_partition *p, const double *matrix) {
-  return refactor_and_watch(p, matrix, false);
+  return refactor_and_monitor(p, matrix, false);
 }
 
 bool km_partition_refactor_full_pattern(km_partition *p, const double *matrix) {
-  return refactor_and_watch(p, matrix, true);
+  return refactor_and_monitor(p, matrix, true);
 }
 
 double km_partition_multiplications(const km_partition *p) {
@@ -273,7 +283,7 @@ double km_partition_multiplications(const km_partition *p) {
   return rank * rows * (columns - 0.5 * (rank + 1.0)) + rank * (rows + 1.0) + rank * (columns - rank);
 }
 
-/* The steps of elimination on the right side alone. */
+/* Applies the elimination steps to the right side. */
 void km_partition_solve(const km_partition *p, const double *rhs, double *x) {
   if (p->sparse) {
     km_sparse_solve(p, rhs, x);

@@ -7,10 +7,10 @@
 #include <lapacke.h>
 #include <math.h>
 
-/* The form that takes its workspace from the caller. */
+/* The variant with workspace of the caller. */
 typedef __typeof__(LAPACKE_dgeev_work) solver;
 
-static km_status load(solver **out, km_error *error) {
+static km_status load_dgeev(solver **out, km_error *error) {
   static const char *const files[] = {KM_LAPACKE, NULL}, *const names[] = {"LAPACKE_dgeev_work", NULL};
   static solver *function;
   static km_library library = {files, names, &function, false};
@@ -23,13 +23,13 @@ static km_status load(solver **out, km_error *error) {
 
 km_status km_eigen(int n, double *A, double *real, double *imaginary, double *left, double *right, km_error *error) {
   for (size_t i = 0; i < (size_t)n * (size_t)n; ++i)
-    if (!isfinite(A[i])) /* dgeev may go on for ever */
+    if (!isfinite(A[i])) /* dgeev may not terminate */
       return km_fail(error, KM_DIVERGED, "eigenvalues can't be computed: a number of the matrix isn't finite");
   solver *solve;
-  km_status status = load(&solve, error);
+  km_status status = load_dgeev(&solve, error);
   if (status)
     return status;
-  const size_t size = 4 * (size_t)n; /* the least with vectors */
+  const size_t size = 4 * (size_t)n; /* LAPACK's minimum with eigenvectors */
   double *work = KM_NEW(double, size);
   if (!work)
     return km_fail(error, KM_MEMORY, "out of memory for eigenvalues");

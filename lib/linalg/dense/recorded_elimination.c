@@ -1,4 +1,4 @@
-/* Lists of the operations of an elimination whose pivots are known. */
+/* Records the operations of an elimination with known pivots. */
 #include "linalg/dense/recorded_elimination.h"
 
 #include <string.h>
@@ -17,14 +17,15 @@ bool km_recorded_elimination_reserve(km_recorded_elimination *r, int rows, int c
   return !arena->failed;
 }
 
-/* How far the lists have come. */
-typedef struct ends {
+/* Ends of the lists. */
+typedef struct list_ends {
   int *scale;
   km_recorded_elimination_update *update, *turn;
-} ends;
+} list_ends;
 
-/* The rows that lose a multiple of the pivot's: those with an entry in its column, `first` its first place. */
-static void list_targets(const km_recorded_elimination *r, int first, int row, ends *to) {
+/* Lists the rows with an entry in the pivot column: divisions by the pivot, and updates of a right side. `first`: first
+ * position of the column. */
+static void list_multipliers(const km_recorded_elimination *r, int first, int row, list_ends *to) {
   for (int i = 0; i < r->row_count; ++i) {
     if (i == row || !r->reduced[first + i])
       continue;
@@ -33,8 +34,8 @@ static void list_targets(const km_recorded_elimination *r, int first, int row, e
   }
 }
 
-/* A column that has an entry in the pivot's row: what the targets get may fill it. */
-static void list_updates(km_recorded_elimination *r, int first, int row, int other, ends *to) {
+/* Lists the updates of a column with an entry in the pivot row, and their fill-in. */
+static void list_updates(km_recorded_elimination *r, int first, int row, int other, list_ends *to) {
   for (int i = 0; i < r->row_count; ++i) {
     if (i == row || !r->reduced[first + i])
       continue;
@@ -48,7 +49,7 @@ static void list_updates(km_recorded_elimination *r, int first, int row, int oth
 
 void km_recorded_elimination_record(km_recorded_elimination *r, const km_partition *p, const bool *used) {
   int rows = r->row_count;
-  ends to = {r->scales, r->updates, r->rhs_updates};
+  list_ends to = {r->scales, r->updates, r->rhs_updates};
   memcpy(r->reduced, used, (size_t)rows * (size_t)r->column_count * sizeof *used);
   r->rank = p->rank;
   r->fill_count = 0;
@@ -56,8 +57,8 @@ void km_recorded_elimination_record(km_recorded_elimination *r, const km_partiti
   memcpy(r->column, p->column, (size_t)r->column_count * sizeof *r->column);
   for (int s = 0; s < p->rank; ++s) {
     int first = p->column[s] * rows, row = p->row[s];
-    ends from = to;
-    list_targets(r, first, row, &to);
+    list_ends from = to;
+    list_multipliers(r, first, row, &to);
     for (int k = s + 1; k < r->column_count; ++k)
       if (r->reduced[p->column[k] * rows + row])
         list_updates(r, first, row, p->column[k] * rows, &to);

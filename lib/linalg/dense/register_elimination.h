@@ -1,4 +1,5 @@
-/* Gauss-Jordan elimination of small matrices (up to 12 rows and 64 columns), search and update in one pass. */
+/* Gauss-Jordan elimination of small matrices (up to 12 rows and 64 columns), with the search for pivots in the
+ * update. */
 #ifndef KM_LINALG_DENSE_REGISTER_ELIMINATION_H
 #define KM_LINALG_DENSE_REGISTER_ELIMINATION_H
 
@@ -6,11 +7,11 @@
 
 enum { KM_SMALL_ROWS = 12, KM_SMALL_COLUMNS = 64 };
 
-/* The pivots of a matrix, with columns in the order p->column, the first `candidates` of them to be preferred.
- * Fills row, column, reduced, inverse, scale, rank and the evidence about pivots. */
+/* Factors a matrix with columns in the order p->column, of which the first `candidates` are preferred. Sets row,
+ * column, reduced, inverse, scale, rank and the evidence about pivots. */
 void km_register_factor(km_partition *p, const double *matrix, int candidates, double tolerance);
 
-/* The same pivots again: fills reduced and inverse; false if a value is not finite. */
+/* Refactors with the known pivots: sets reduced and inverse. False if a value is not finite. */
 bool km_register_refactor(const km_partition *p, const double *matrix);
 
 #endif

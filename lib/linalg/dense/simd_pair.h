@@ -1,8 +1,12 @@
-/* Two doubles at a time, and the search for the largest entry of a matrix as a maximum of keys.
+/* Pairs of doubles in SIMD registers, and the search for the largest entry of a matrix as a maximum of keys.
  *
- * A key is |x| with its lowest bits replaced by the entry's place, so that the maximum brings its place along and
- * needs no branch. Two entries that agree to 2^-42 are a tie, which the earlier place wins. Lanes never mix before
- * the last maximum, which doesn't depend on the order: the result is the same for any vector width. */
+ *   key = bits of |x|, the lowest ten replaced by the complement of the entry's position (slot, row)
+ *
+ * The maximum carries its position along and needs no branch. Two entries that agree to 2⁻⁴² are a tie, which the
+ * lower
+ * position wins. Lanes are combined in the last maximum only, which does not depend on the order: the result is equal
+ * for
+ * any vector width. */
 #ifndef KM_LINALG_DENSE_SIMD_PAIR_H
 #define KM_LINALG_DENSE_SIMD_PAIR_H
 
@@ -20,9 +24,9 @@ typedef int64_t km_bits __attribute__((vector_size(16), may_alias));
 enum { KM_SLOT_BITS = 6, KM_ROW_BITS = 4, KM_PLACE_BITS = KM_SLOT_BITS + KM_ROW_BITS };
 #define KM_MAGNITUDE INT64_MAX
 #define KM_KEY       (INT64_MAX >> KM_PLACE_BITS << KM_PLACE_BITS)
-#define KM_NEAR_KEY  (INT64_MAX >> 49 << 49) /* the exponent and three bits of the mantissa: see KM_NEAR_TIE */
+#define KM_NEAR_KEY  (INT64_MAX >> 49 << 49) /* exponent and three bits of the mantissa: see KM_NEAR_TIE */
 
-/* The larger in each lane, b where a is not a number; and logic on the bits. */
+/* Maximum in each lane, b if a is NaN; and logic on the bits. */
 #ifdef __SSE2__
 static inline km_pair km_pair_larger(km_pair a, km_pair b) {
   return (km_pair)_mm_max_pd((__m128d)a, (__m128d)b);
@@ -45,13 +49,13 @@ static inline km_pair km_pair_or(km_pair a, km_pair b) {
 }
 #endif
 
-static inline km_pair km_pair_load(const double *from) { /* from anywhere */
+static inline km_pair km_pair_load(const double *from) { /* unaligned */
   km_pair a;
   memcpy(&a, from, sizeof a);
   return a;
 }
 
-/* What a key says: the place, and whether it is one at all. An entry of 0 and a masked one have no place. */
+/* Decoding of a key: its validity and position. Keys of entries that are 0 or masked are invalid. */
 static inline int64_t km_key_bits(km_pair best) {
   double key = best[0] > best[1] ? best[0] : best[1];
   int64_t bits;
@@ -71,7 +75,7 @@ static inline int km_place_row(int place) {
   return place & ((1 << KM_ROW_BITS) - 1);
 }
 
-/* What to mix into the keys: of any row in slot s (and of the next slot: less KM_NEXT_SLOT), and of rows r, r + 1. */
+/* Position bits of a key: for slot s (the next slot: minus KM_NEXT_SLOT), and for rows r, r + 1. */
 static inline km_bits km_slot_bits(int slot) {
   int64_t s = (int64_t)(((1 << KM_SLOT_BITS) - 1 - slot) << KM_ROW_BITS);
   return (km_bits){s, s};
@@ -82,7 +86,7 @@ static inline km_pair km_row_bits(int row) {
   return (km_pair)(km_bits){last - row, last - row - 1};
 }
 
-/* No infinity, nothing that is no number: x − x is 0 then. */
+/* True if all values are finite: then x − x is 0. */
 static inline bool km_all_finite(const double *x, int count) {
   km_pair poison[2] = {{0.0, 0.0}, {0.0, 0.0}};
   int i = 0;
@@ -95,6 +99,7 @@ static inline bool km_all_finite(const double *x, int count) {
   return poison[0][0] + poison[0][1] == 0.0;
 }
 
+/* Sum of squares, in four partial sums. */
 static inline double km_sum_of_squares(const double *x, int count) {
   km_pair sums[2] = {{0.0, 0.0}, {0.0, 0.0}};
   int i = 0;
@@ -107,7 +112,7 @@ static inline double km_sum_of_squares(const double *x, int count) {
   return sums[0][0] + sums[0][1];
 }
 
-/* The largest |x| of those that are numbers; 0: there is none. */
+/* Largest |x| of all values that are not NaN; 0 for none. */
 static inline double km_max_magnitude(const double *x, int count) {
   const int64_t magnitude = KM_MAGNITUDE;
   const km_pair mask = (km_pair)(km_bits){magnitude, magnitude};

@@ -1,14 +1,19 @@
-/* Finds a dependent column that no pivot shows: where entries differ much, LU of one column after the other may share a
- * vanishing singular value among several small pivots. Inverse iteration finds the smallest singular value of the block
- * of pivots and its right vector; with the vector's largest column behind the others, what is left of it is at most that value
- * over that entry (T. Chan, Rank revealing QR factorizations, 1987, for LU). */
+/* Hidden dependence: a dependent column that no pivot shows (docs/theory.md 3.6).
+ *
+ *   y = (L U)⁻¹ (L U)⁻ᵀ start:   σ_min ≈ |(L U)⁻ᵀ start| / |y|,   y its right singular vector
+ *
+ * LU by columns can share a vanishing singular value among several small pivots. The column with the largest entry of y
+ * is
+ * postponed: its remainder is then at most σ_min over that entry (T. Chan 1987, for LU). The same holds for rows with
+ * the
+ * left vector. */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"
 
 #include <math.h>
 
-/* (LU)⁻ᵀ y, both by step. */
-static void solve_transposed(const km_partition *p, double *y) {
+/* y <- (L U)⁻ᵀ y, by step. */
+static void solve_block_transposed(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = 0; k < p->rank; ++k) {
     const km_entry_range *above = &s->upper[p->column[k]];
@@ -23,8 +28,8 @@ static void solve_transposed(const km_partition *p, double *y) {
   }
 }
 
-/* (LU)⁻¹ y, both by step. */
-static void solve(const km_partition *p, double *y) {
+/* y <- (L U)⁻¹ y, by step. */
+static void solve_block(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = s->singleton_count; k < p->rank; ++k) {
     const km_entry_range *below = &s->lower[p->column[k]];
@@ -34,36 +39,40 @@ static void solve(const km_partition *p, double *y) {
   km_sparse_solve_upper(p, y);
 }
 
-/* The right vector of the block's smallest singular value, by step, into the workspace; false: the value is above the
- * threshold, or no column has enough of the vector. *most: the step with the largest entry of a column that isn't given. */
-static bool is_singular(const km_partition *p, const bool *forced, double threshold, int *most) {
-  static const double start[] = {1.0, 1.25, 1.375, 1.0, 1.5, 1.125, 1.75}; /* no symmetry of mechanisms */
+/* Inverse iteration: right vector of the pivot block's smallest singular value, by step, into `work`. False if the
+ * value is above the threshold, or no column has a sufficient entry. *largest_step: step of the largest entry among
+ * columns that are not preset. */
+static bool find_singular_vector(const km_partition *p, const bool *forced, double threshold, int *largest_step) {
+  static const double start[] = {1.0, 1.25,  1.375, 1.0,
+                                 1.5, 1.125, 1.75}; /* a pattern without the symmetries of
+                                                                            * mechanisms */
   enum { STARTS = sizeof start / sizeof *start };
   double *y = p->work;
-  *most = -1;
+  *largest_step = -1;
   for (int k = 0, i = 0; k < p->rank; ++k, i = i + 1 < STARTS ? i + 1 : 0)
     y[k] = start[i];
-  solve_transposed(p, y);
+  solve_block_transposed(p, y);
   double first = sqrt(km_sum_of_squares(y, p->rank));
-  solve(p, y); /* once is enough: so small a value stands out by the square of its digits */
+  solve_block(p, y); /* one iteration suffices: it amplifies so small a value by its inverse square */
   double length = sqrt(km_sum_of_squares(y, p->rank));
-  if (!(length * threshold >= first && first > 0.0 && isfinite(length))) /* first / length: the singular value */
+  if (!(length * threshold >= first && first > 0.0 && isfinite(length))) /* first / length is the singular value */
     return false;
   for (int k = 0; k < p->rank; ++k)
-    if (!km_sparse_is_preset(p, forced, p->column[k]) && (*most < 0 || fabs(y[k]) > fabs(y[*most])))
-      *most = k;
-  return *most >= 0 && fabs(y[*most]) * threshold >= first;
+    if (!km_sparse_is_preset(p, forced, p->column[k]) && (*largest_step < 0 || fabs(y[k]) > fabs(y[*largest_step])))
+      *largest_step = k;
+  return *largest_step >= 0 && fabs(y[*largest_step]) * threshold >= first;
 }
 
 int km_sparse_hidden_column(const km_partition *p, const bool *forced, double threshold) {
-  int most;
-  return is_singular(p, forced, threshold, &most) ? p->column[most] : -1;
+  int largest_step;
+  return find_singular_vector(p, forced, threshold, &largest_step) ? p->column[largest_step] : -1;
 }
 
-/* Does each row keep more than the threshold from what the others span? By the left vector y, of whose products with the columns
- * those in the block of pivots have the sum of squares `square`: a row is |Jᵀy| over its entry of y away from the others, about. */
-static bool rows_stand_apart(const km_partition *p, const double *matrix, const bool *forced, double threshold,
-                             const double *y, double square) {
+/* True if each row is more than the threshold away from the span of the others. y: left vector; `square`: sum of
+ * squares of its products with the columns of the pivot block. The distance of a row is about |Jᵀ y| over its entry of
+ * y. */
+static bool are_rows_independent(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+                                 const double *y, double square) {
   const km_sparse *s = p->sparse;
   for (int k = p->rank; k < p->columns; ++k) {
     int c = p->column[k];
@@ -77,16 +86,16 @@ static bool rows_stand_apart(const km_partition *p, const double *matrix, const 
 }
 
 int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
-  int most;
+  int largest_step;
   double *y = p->work;
-  if (!is_singular(p, forced, threshold, &most))
+  if (!find_singular_vector(p, forced, threshold, &largest_step))
     return -1;
   double square = km_sum_of_squares(y, p->rank);
-  solve_transposed(p, y);
-  if (rows_stand_apart(p, matrix, forced, threshold, y, square))
+  solve_block_transposed(p, y);
+  if (are_rows_independent(p, matrix, forced, threshold, y, square))
     return -1;
-  most = 0;
+  largest_step = 0;
   for (int k = 1; k < p->rank; ++k)
-    most = fabs(y[k]) > fabs(y[most]) ? k : most;
-  return p->row[most];
+    largest_step = fabs(y[k]) > fabs(y[largest_step]) ? k : largest_step;
+  return p->row[largest_step];
 }

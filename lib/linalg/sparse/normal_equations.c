@@ -1,4 +1,5 @@
-/* Normal equations by CHOLMOD. */
+/* Normal equations A Aᵀ z = b, x = Aᵀ z by sparse Cholesky (CHOLMOD), with iterative refinement (docs/theory.md
+ * 3.5). */
 #include "linalg/sparse/normal_equations.h"
 
 #include "base/dynamic_library.h"
@@ -29,25 +30,25 @@ typedef struct library {
 #undef X
 } library;
 
-/* A, and its rows' products in the order in which they are eliminated; of a row that isn't used the product with itself alone counts,
- * so that the pattern is the same whatever is used. */
+/* A and A Aᵀ in elimination order. An unused row has only its diagonal entry 1, so that the pattern does not depend on
+ * the used rows. */
 struct km_normal_equations {
   const library *cholmod;
   cholmod_common common;
   cholmod_factor *L;
-  cholmod_dense *X, *Y, *E; /* of solutions */
+  cholmod_dense *X, *Y, *E; /* workspace of solutions */
   long rows, columns, *start, *row;
-  long *place;      /* [rows] of each in the order of elimination */
-  long *dissection; /* [rows] see km_normal_equations_dissection; NULL: not asked for yet */
+  long *position;   /* [rows] position of each row in the elimination order */
+  long *dissection; /* [rows] see km_normal_equations_dissection; NULL: not computed */
   km_row_products products;
-  bool *used;           /* [rows] in what is factored */
-  bool *used_columns;   /* [columns] */
-  double *value, *next; /* factored, and to be factored */
-  double *b, *z, *step; /* [rows], [rows], [columns] */
+  bool *used;                 /* [rows] rows of the present factor */
+  bool *used_columns;         /* [columns] */
+  double *value, *next_value; /* entries of A of the factor, and of the next one */
+  double *b, *z, *step;       /* [rows], [rows], [columns] */
   bool is_factored;
 };
 
-static const library *load(void) {
+static const library *load_cholmod(void) {
 #define X(name) #name,
   static const char *const files[] = {KM_CHOLMOD, NULL}, *const names[] = {CHOLMOD_FUNCTIONS(X) NULL};
 #undef X
@@ -57,10 +58,10 @@ static const library *load(void) {
 }
 
 bool km_normal_equations_is_installed(void) {
-  return load() != NULL;
+  return load_cholmod() != NULL;
 }
 
-static cholmod_sparse matrix_of(const km_normal_equations *n) {
+static cholmod_sparse matrix_view(const km_normal_equations *n) {
   return (cholmod_sparse){.nrow = (size_t)n->rows,
                           .ncol = (size_t)n->columns,
                           .nzmax = (size_t)n->start[n->columns],
@@ -73,8 +74,9 @@ static cholmod_sparse matrix_of(const km_normal_equations *n) {
                           .packed = 1};
 }
 
-/* Blocks are factored from the triangle below the diagonal, single columns from that above it: neither is transposed then. */
-static cholmod_sparse products_of(const km_normal_equations *n, bool upper) {
+/* A Aᵀ as CHOLMOD's matrix. Supernodal factors read the lower triangle, simplicial ones the upper triangle, so that
+ * neither is transposed. */
+static cholmod_sparse products_view(const km_normal_equations *n, bool upper) {
   const km_row_products *p = &n->products;
   return (cholmod_sparse){.nrow = (size_t)n->rows,
                           .ncol = (size_t)n->rows,
@@ -90,22 +92,22 @@ static cholmod_sparse products_of(const km_normal_equations *n, bool upper) {
                           .packed = 1};
 }
 
-static bool reserve(km_normal_equations *n, int rows, int columns, const int *start, const int *row) {
+static bool reserve_arrays(km_normal_equations *n, int rows, int columns, const int *start, const int *row) {
   size_t entries = (size_t)start[columns];
   n->rows = rows;
   n->columns = columns;
   n->start = KM_NEW(long, (size_t)columns + 1);
   n->row = KM_NEW(long, entries + 1);
-  n->place = KM_NEW(long, (size_t)rows + 1);
+  n->position = KM_NEW(long, (size_t)rows + 1);
   n->used = KM_NEW(bool, (size_t)rows + 1);
   n->used_columns = KM_NEW(bool, (size_t)columns + 1);
   n->value = KM_NEW(double, entries + 1);
-  n->next = KM_NEW(double, entries + 1);
+  n->next_value = KM_NEW(double, entries + 1);
   n->b = KM_NEW(double, (size_t)rows + 1);
   n->z = KM_NEW(double, (size_t)rows + 1);
   n->step = KM_NEW(double, (size_t)columns + 1);
-  if (!n->start || !n->row || !n->place || !n->used || !n->used_columns || !n->value || !n->next || !n->b || !n->z ||
-      !n->step)
+  if (!n->start || !n->row || !n->position || !n->used || !n->used_columns || !n->value || !n->next_value || !n->b ||
+      !n->z || !n->step)
     return false;
   for (int c = 0; c <= columns; ++c)
     n->start[c] = start[c];
@@ -114,39 +116,39 @@ static bool reserve(km_normal_equations *n, int rows, int columns, const int *st
   return true;
 }
 
-/* The order of elimination from A itself, which COLAMD needs, and then the factor of the products in that order. */
-static bool analyse(km_normal_equations *n, const int *start, const int *row) {
+/* Analyses the pattern: elimination order by COLAMD on A, then the symbolic factor of A Aᵀ in that order. */
+static bool analyse_pattern(km_normal_equations *n, const int *start, const int *row) {
   cholmod_common *c = &n->common;
   n->cholmod->cholmod_l_start(c);
   c->print = 0;
   c->nmethods = 1;
   c->method[0].ordering = CHOLMOD_COLAMD;
   c->supernodal = CHOLMOD_AUTO;
-  cholmod_sparse A = matrix_of(n);
+  cholmod_sparse A = matrix_view(n);
   cholmod_factor *first = n->cholmod->cholmod_l_analyze(&A, c);
   if (!first)
     return false;
   bool upper = !first->is_super;
   for (long k = 0; k < n->rows; ++k)
-    n->place[((const long *)first->Perm)[k]] = k;
+    n->position[((const long *)first->Perm)[k]] = k;
   n->cholmod->cholmod_l_free_factor(&first, c);
-  if (!km_row_products_create((int)n->rows, (int)n->columns, start, row, n->place, upper, &n->products))
+  if (!km_row_products_create((int)n->rows, (int)n->columns, start, row, n->position, upper, &n->products))
     return false;
   c->method[0].ordering = CHOLMOD_NATURAL;
   c->postorder = 0;
   c->supernodal = upper ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
-  cholmod_sparse P = products_of(n, upper);
+  cholmod_sparse P = products_view(n, upper);
   n->L = n->cholmod->cholmod_l_analyze(&P, c);
   return n->L != NULL;
 }
 
 km_normal_equations *km_normal_equations_create(int rows, int columns, const int *start, const int *row) {
-  const library *cholmod = load();
+  const library *cholmod = load_cholmod();
   km_normal_equations *n = cholmod ? KM_NEW(km_normal_equations, 1) : NULL;
   if (!n)
     return NULL;
   n->cholmod = cholmod;
-  if (reserve(n, rows, columns, start, row) && analyse(n, start, row))
+  if (reserve_arrays(n, rows, columns, start, row) && analyse_pattern(n, start, row))
     return n;
   km_normal_equations_free(n);
   return NULL;
@@ -161,8 +163,8 @@ void km_normal_equations_free(km_normal_equations *n) {
   n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
   n->cholmod->cholmod_l_finish(&n->common);
   km_row_products_free(&n->products);
-  void *const all[] = {n->start, n->row,  n->place, n->dissection, n->used, n->used_columns,
-                       n->value, n->next, n->b,     n->z,          n->step, n};
+  void *const all[] = {n->start, n->row,        n->position, n->dissection, n->used, n->used_columns,
+                       n->value, n->next_value, n->b,        n->z,          n->step, n};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
 }
@@ -171,7 +173,7 @@ const long *km_normal_equations_dissection(km_normal_equations *n) {
   if (n->dissection)
     return n->dissection;
   n->dissection = KM_NEW(long, (size_t)n->rows + 1);
-  cholmod_sparse A = matrix_of(n);
+  cholmod_sparse A = matrix_view(n);
   if (n->dissection && !n->cholmod->cholmod_l_metis(&A, NULL, 0, true, n->dissection, &n->common)) {
     km_free(n->dissection);
     n->dissection = NULL;
@@ -189,39 +191,39 @@ bool km_normal_equations_factor(km_normal_equations *n, const double *matrix, co
   size_t entries = (size_t)n->start[n->columns];
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
-      n->next[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
+      n->next_value[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
   if (km_normal_equations_is_factored(n, used_rows, used_columns) &&
-      memcmp(n->next, n->value, entries * sizeof *n->next) == 0)
+      memcmp(n->next_value, n->value, entries * sizeof *n->next_value) == 0)
     return true;
-  memcpy(n->value, n->next, entries * sizeof *n->next);
+  memcpy(n->value, n->next_value, entries * sizeof *n->next_value);
   memcpy(n->used, used_rows, (size_t)n->rows * sizeof *n->used);
   memcpy(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns);
   km_row_products_compute(&n->products, n->value, n->used);
-  cholmod_sparse P = products_of(n, !n->L->is_super);
+  cholmod_sparse P = products_view(n, !n->L->is_super);
   int levels = km_openmp_single_thread_begin();
   n->is_factored = n->cholmod->cholmod_l_factorize(&P, n->L, &n->common) && n->L->minor == n->L->n;
   km_openmp_single_thread_end(levels);
   return n->is_factored;
 }
 
-/* b − A x in the rows that are used, 0 in the others. */
-static void subtract_rows(const km_normal_equations *n, const double *x, double *b) {
+/* b <- b − A x; unused rows keep 0. */
+static void subtract_product(const km_normal_equations *n, const double *x, double *b) {
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       b[n->row[i]] -= n->value[i] * x[c];
 }
 
-/* (A Aᵀ)⁻¹ b; NULL: no memory. */
-static const double *solve_normal(km_normal_equations *n) {
+/* z = (A Aᵀ)⁻¹ b; NULL without memory. */
+static const double *solve_normal_equations(km_normal_equations *n) {
   size_t rows = (size_t)n->rows;
   cholmod_dense B = {
       .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->z, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
   for (size_t r = 0; r < rows; ++r)
-    n->z[n->place[r]] = n->b[r];
+    n->z[n->position[r]] = n->b[r];
   if (!n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->E, &n->common))
     return NULL;
   for (size_t r = 0; r < rows; ++r)
-    n->z[r] = ((const double *)n->X->x)[n->place[r]];
+    n->z[r] = ((const double *)n->X->x)[n->position[r]];
   return n->z;
 }
 
@@ -233,20 +235,20 @@ double km_normal_equations_smallest_singular_value(km_normal_equations *n) {
     n->b[r] = n->used[r] ? km_uniform(&seed) : 0.0;
   for (int i = 0; i < PASSES; ++i) {
     double before = sqrt(km_sum_of_squares(n->b, (int)n->rows));
-    const double *z = solve_normal(n);
+    const double *z = solve_normal_equations(n);
     double after = z ? sqrt(km_sum_of_squares(z, (int)n->rows)) : HUGE_VAL;
     square = before / after;
     for (long r = 0; r < n->rows && z; ++r)
       n->b[r] = z[r] / after;
   }
-  /* Its square is known to rounding of the squares of entries, which adds up over the rows. */
-  double least = 100.0 * DBL_EPSILON * (double)n->rows * largest * largest;
-  return square > least ? sqrt(square) / largest : 0.0;
+  /* The square is accurate to the rounding of squares of entries, which adds up over the rows. */
+  double min_square = 100.0 * DBL_EPSILON * (double)n->rows * largest * largest;
+  return square > min_square ? sqrt(square) / largest : 0.0;
 }
 
-/* step = Aᵀ(A Aᵀ)⁻¹ b; returns its length, NaN: no memory. */
-static double solve(km_normal_equations *n) {
-  const double *z = solve_normal(n);
+/* step = Aᵀ (A Aᵀ)⁻¹ b. Returns |step|; NaN without memory. */
+static double solve_minimum_norm(km_normal_equations *n) {
+  const double *z = solve_normal_equations(n);
   if (!z)
     return nan("");
   for (long c = 0; c < n->columns; ++c) {
@@ -258,21 +260,21 @@ static double solve(km_normal_equations *n) {
   return sqrt(km_sum_of_squares(n->step, (int)n->columns));
 }
 
-/* From n->b on, with what the rows that aren't used have in it 0. Every step is smaller than the one before it by about the same
- * share, which tells what is left. */
-static bool correct(km_normal_equations *n, double *x) {
-  enum { MOST_CORRECTIONS = 4 };
-  static const double most_share = 0.1, rounding = 1e-15;
-  double last = solve(n), length = last;
+/* Minimum-norm solution of A x = n->b (0 in unused rows) with iterative refinement. Corrections shrink by a nearly
+ * constant ratio, which bounds the remaining error. */
+static bool refine(km_normal_equations *n, double *x) {
+  enum { MAX_REFINEMENTS = 4 };
+  static const double max_ratio = 0.1, rounding = 1e-15;
+  double last = solve_minimum_norm(n), length = last;
   memcpy(x, n->step, (size_t)n->columns * sizeof *x);
-  for (int i = 0; i < MOST_CORRECTIONS && length > 0.0; ++i) {
-    subtract_rows(n, n->step, n->b);
-    double step = solve(n);
+  for (int i = 0; i < MAX_REFINEMENTS && length > 0.0; ++i) {
+    subtract_product(n, n->step, n->b);
+    double step = solve_minimum_norm(n);
     for (long c = 0; c < n->columns; ++c)
       x[c] += n->step[c];
     if (step * step <= rounding * last * length)
       return true;
-    if (!(step <= most_share * last))
+    if (!(step <= max_ratio * last))
       return false;
     last = step;
   }
@@ -282,13 +284,13 @@ static bool correct(km_normal_equations *n, double *x) {
 bool km_normal_equations_minimum_norm(km_normal_equations *n, const double *b, double *x) {
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = n->used[r] ? b[r] : 0.0;
-  return correct(n, x);
+  return refine(n, x);
 }
 
 bool km_normal_equations_project(km_normal_equations *n, const double *y, double *x) {
   memset(n->b, 0, (size_t)n->rows * sizeof *n->b);
-  subtract_rows(n, y, n->b);
+  subtract_product(n, y, n->b);
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = -n->b[r];
-  return correct(n, x);
+  return refine(n, x);
 }

@@ -1,11 +1,11 @@
-/* Null vectors of the sparse factor by their entries: a solution by those columns of U alone that the right side reaches (J.
- * Gilbert, T. Peierls, 1988). */
+/* Null vectors of the sparse factor by their entries: triangular solution by those columns of U that the right side
+ * reaches (J. Gilbert and T. Peierls 1988; docs/theory.md 3.6). */
 #include "linalg/sparse/sparse_lu.h"
 
-int km_sparse_reach_upper(const km_partition *p, const km_entry_range *own) {
+int km_sparse_reach_upper(const km_partition *p, const km_entry_range *column_of_u) {
   const km_sparse *s = p->sparse;
   int top = p->rows;
-  for (int i = own->start; i < own->end; ++i) {
+  for (int i = column_of_u->start; i < column_of_u->end; ++i) {
     int depth = s->upper_store.value[i] != 0.0 ? 0 : -1;
     s->stack[0] = s->upper_store.index[i];
     s->stack_position[0] = -1;
@@ -33,12 +33,12 @@ int km_sparse_reach_upper(const km_partition *p, const km_entry_range *own) {
 
 int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
   const km_sparse *s = p->sparse;
-  const km_entry_range *own = &s->upper[p->column[p->rank + k]];
+  const km_entry_range *column_of_u = &s->upper[p->column[p->rank + k]];
   int count = 0;
   column[count] = p->column[p->rank + k];
   value[count++] = 1.0;
-  int top = km_sparse_reach_upper(p, own);
-  for (int i = own->start; i < own->end; ++i)
+  int top = km_sparse_reach_upper(p, column_of_u);
+  for (int i = column_of_u->start; i < column_of_u->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
   for (int i = top; i < p->rows; ++i) {
     int step = s->reach_list[i];

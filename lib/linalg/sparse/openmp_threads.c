@@ -1,4 +1,4 @@
-/* OpenMP's own setting, by the runtime that CHOLMOD has loaded. */
+/* Nesting level of OpenMP, set in the runtime that CHOLMOD has loaded. */
 #include "linalg/sparse/openmp_threads.h"
 
 #include "base/dynamic_library.h"
@@ -10,8 +10,8 @@ typedef struct library {
   void (*set_levels)(int);
 } library;
 
-/* NULL: there is no OpenMP, and no other thread. */
-static const library *load(void) {
+/* Loads the functions; NULL: no OpenMP, so no other threads. */
+static const library *load_openmp(void) {
   static const char *const files[] = {"libgomp.so.1", NULL}, *const names[] = {"omp_get_max_active_levels",
                                                                                "omp_set_max_active_levels", NULL};
   static library functions;
@@ -20,15 +20,15 @@ static const library *load(void) {
 }
 
 int km_openmp_single_thread_begin(void) {
-  const library *openmp = load();
+  const library *openmp = load_openmp();
   int levels = openmp ? openmp->get_levels() : 0;
   if (openmp)
-    openmp->set_levels(0); /* of parallel regions within each other */
+    openmp->set_levels(0); /* no parallel regions */
   return levels;
 }
 
 void km_openmp_single_thread_end(int levels) {
-  const library *openmp = load();
+  const library *openmp = load_openmp();
   if (openmp)
     openmp->set_levels(levels);
 }

@@ -1,5 +1,6 @@
-/* Primary rows by sparse orthogonal methods: normal equations A A^T of the rows show by their smallest eigenvalue that all
- * rows are independent; a sparse Q R of the rows finds those that depend on others. */
+/* Primary rows by sparse orthogonal methods (docs/theory.md 3.6): the smallest eigenvalue of A Aᵀ proves full row rank;
+ * a
+ * sparse QR of the rows finds dependent ones. */
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/sparse_lu.h"
 #include "linalg/sparse/sparse_qr.h"
@@ -7,12 +8,12 @@
 #include <math.h>
 #include <string.h>
 
-void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *left_out, int row,
+void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *weight, const bool *is_omitted, int row,
                         int k, km_columns out) {
   long next = out.start[k];
   for (int i = s->row_start[row]; i < s->row_start[row + 1]; ++i) {
     const km_row_entry *at = &s->by_row[i];
-    if (matrix[at->entry] == 0.0 || left_out[at->column])
+    if (matrix[at->entry] == 0.0 || is_omitted[at->column])
       continue;
     out.row[next] = at->column;
     out.value[next++] = weight ? matrix[at->entry] / weight[at->column] : matrix[at->entry];
@@ -41,8 +42,8 @@ double km_sparse_full_gram_cost(const km_partition *p) {
 }
 
 bool km_sparse_gram_is_dense(const km_partition *p) {
-  static const double most_crowd = 100.0; /* entries that share a column with one */
-  return km_sparse_full_gram_cost(p) > most_crowd * p->sparse->start[p->columns];
+  static const double max_ratio = 100.0; /* entries of the Gram matrix over entries of the matrix */
+  return km_sparse_full_gram_cost(p) > max_ratio * p->sparse->start[p->columns];
 }
 
 bool km_partition_may_defer(const km_partition *p) {
@@ -75,21 +76,22 @@ km_normal_equations *km_sparse_normal(const km_partition *p, const double *matri
   return good ? normal : NULL;
 }
 
-/* Columns that may be pivots first, then the forced and the locked ones; returns how many may be. */
-static int arrange_columns(const km_partition *p, const bool *forced) {
-  int next = 0, most = 0;
+/* Orders the columns: possible pivots, forced ones, locked ones. Returns the number of possible pivots. */
+static int order_columns(const km_partition *p, const bool *forced) {
+  int next = 0, candidate_count = 0;
   for (int group = 0; group < 3; ++group) {
     for (int c = 0; c < p->columns; ++c)
       if ((km_sparse_is_locked(p, c) ? 2 : km_sparse_is_preset(p, forced, c)) == group)
         p->column[next++] = c;
-    most = group == 0 ? next : most;
+    candidate_count = group == 0 ? next : candidate_count;
   }
-  return most;
+  return candidate_count;
 }
 
-/* How far from the primary rows, which the normal equations have, those that aren't primary are, over the largest entry: about the
- * length of what is left of a sum of them all, each with a factor as if by chance. */
-static double distance_of_others(const km_partition *p, km_normal_equations *normal, const double *matrix, int used) {
+/* Distance of the secondary rows from the span of the primary ones, over the largest entry: length of the remainder of
+ * a randomly weighted sum of the secondary rows. */
+static double secondary_row_distance(const km_partition *p, km_normal_equations *normal, const double *matrix,
+                                     int used) {
   const km_sparse *s = p->sparse;
   size_t n = (size_t)p->columns;
   double *sum = KM_NEW(double, n + 1), *part = KM_NEW(double, n + 1), largest = 0.0, square = 0.0;
@@ -109,38 +111,38 @@ static double distance_of_others(const km_partition *p, km_normal_equations *nor
   return found ? sqrt(square) / largest : HUGE_VAL;
 }
 
-/* The rows that are tried as primary ones. */
-static void list_rows(km_partition *p, bool kept) {
+/* Sets the rows that are tested as primary ones: the present ones (`keeps_rows`) or all. */
+static void set_primary_rows(km_partition *p, bool keeps_rows) {
   const km_sparse *s = p->sparse;
   for (int r = 0; r < p->rows; ++r) {
     s->step_of[r] = -1;
-    p->row[r] = kept ? p->row[r] : r;
+    p->row[r] = keeps_rows ? p->row[r] : r;
   }
-  p->rank = kept ? p->rank : p->rows;
+  p->rank = keeps_rows ? p->rank : p->rows;
   for (int k = 0; k < p->rank; ++k)
     s->step_of[p->row[k]] = k;
 }
 
 bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
-  const bool kept = p->kept_row_tolerance > 0.0;
-  const double least = kept ? p->kept_row_tolerance : tolerance;
-  int most = s->normal ? arrange_columns(p, forced) : 0;
-  if (most < (kept ? p->rank : p->rows))
+  const bool keeps_rows = p->kept_row_tolerance > 0.0;
+  const double min_singular_value = keeps_rows ? p->kept_row_tolerance : tolerance;
+  int candidate_count = s->normal ? order_columns(p, forced) : 0;
+  if (candidate_count < (keeps_rows ? p->rank : p->rows))
     return false;
-  list_rows(p, kept);
-  km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, most - p->rank);
+  set_primary_rows(p, keeps_rows);
+  km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, candidate_count - p->rank);
   double smallest = normal ? km_normal_equations_smallest_singular_value(normal) : 0.0;
-  if (!(smallest > least))
+  if (!(smallest > min_singular_value))
     return false;
-  double left = p->rank < p->rows ? distance_of_others(p, normal, matrix, most) : 0.0;
-  if (!(left <= tolerance))
+  double distance = p->rank < p->rows ? secondary_row_distance(p, normal, matrix, candidate_count) : 0.0;
+  if (!(distance <= tolerance))
     return false;
   p->first_pivot = p->scale;
   p->last_pivot = p->smallest_pivot = smallest * p->scale;
-  p->first_dropped = left * p->scale;
+  p->first_dropped = distance * p->scale;
   p->forced_dependent = false;
-  p->rows_were_kept = kept;
+  p->rows_were_kept = keeps_rows;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
   s->singleton_count = s->singleton_zero_count = 0;
@@ -152,21 +154,22 @@ bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const
 bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse_qr *q = NULL;
   km_error error;
-  int rank = -1, *list = KM_NEW(int, (size_t)p->rows + 1);
-  bool *left_out = KM_NEW(bool, (size_t)p->columns + 1);
-  if (list && left_out && !km_sparse_qr_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
+  int rank = -1, *independent = KM_NEW(int, (size_t)p->rows + 1);
+  bool *is_omitted = KM_NEW(bool, (size_t)p->columns + 1);
+  if (independent && is_omitted &&
+      !km_sparse_qr_create(p->columns, p->rows, p->sparse->start[p->columns], &q, &error)) {
     for (int c = 0; c < p->columns; ++c)
-      left_out[c] = km_sparse_is_locked(p, c) || (p->forced_never_pivot && forced && forced[c]);
+      is_omitted[c] = km_sparse_is_locked(p, c) || (p->forced_never_pivot && forced && forced[c]);
     for (int r = 0; r < p->rows; ++r)
-      km_sparse_fill_row(p->sparse, matrix, NULL, left_out, r, r, km_sparse_qr_columns(q));
-    rank = km_sparse_qr_independent_columns(q, threshold, list);
+      km_sparse_fill_row(p->sparse, matrix, NULL, is_omitted, r, r, km_sparse_qr_columns(q));
+    rank = km_sparse_qr_independent_columns(q, threshold, independent);
   }
   for (int r = 0; r < p->rows && rank >= 0; ++r)
     p->sparse->is_excluded_row[r] = true;
   for (int k = 0; k < rank; ++k)
-    p->sparse->is_excluded_row[list[k]] = false;
+    p->sparse->is_excluded_row[independent[k]] = false;
   km_sparse_qr_free(q);
-  km_free(left_out);
-  km_free(list);
+  km_free(is_omitted);
+  km_free(independent);
   return rank >= 0 && rank < p->rows;
 }

@@ -1,4 +1,6 @@
-/* What the sparse factor is used for: the same pivots on new values, B, solutions. */
+/* Refactorisation, B and solutions of the sparse factor (docs/theory.md 3.3, 3.6).
+ *
+ *   refactor: the stored pattern of L and U on new values;   B = U⁻¹ U_i, column by column;   x_d = U⁻¹ L⁻¹ rhs_p */
 #include "base/extrema.h"
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"
@@ -8,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The entries in primary rows only. */
+/* Copies the entries of column c in primary rows to the accumulator. */
 static void scatter_primary(const km_partition *p, const double *matrix, int c) {
   const km_sparse *s = p->sparse;
   for (int i = s->start[c]; i < s->start[c + 1]; ++i)
@@ -34,10 +36,11 @@ static int descending(const void *a, const void *b) {
   return (y > x) - (y < x);
 }
 
-/* The steps that the column reaches, descending, into list[0 … count-1]; where they are many by looking at all steps. */
-static int list_reached(const km_partition *p, const km_entry_range *own) {
+/* Steps that the column reaches, descending, into reach_list[0 … count-1]. If they are many, all steps are scanned
+ * instead of sorted. */
+static int list_reached_steps(const km_partition *p, const km_entry_range *column_of_u) {
   km_sparse *s = p->sparse;
-  int top = km_sparse_reach_upper(p, own), count = p->rows - top;
+  int top = km_sparse_reach_upper(p, column_of_u), count = p->rows - top;
   if (count > p->rank / 16) {
     int n = 0;
     for (int k = p->rank - 1; k >= 0; --k)
@@ -52,13 +55,13 @@ static int list_reached(const km_partition *p, const km_entry_range *own) {
   return count;
 }
 
-/* U⁻¹ times the column of U, into the store from `end` on: the entries other than 0. */
-static km_entry_range solve_whole(const km_partition *p, const km_entry_range *own, int end) {
+/* Column of B: U⁻¹ times a column of U, through all steps; non-zero entries into the store from `end` on. */
+static km_entry_range solve_all_steps(const km_partition *p, const km_entry_range *column_of_u, int end) {
   const km_sparse *s = p->sparse;
   double *const x = s->x, *const value = s->b_store.value;
   int *const index = s->b_store.index;
   km_entry_range run = {end, end};
-  for (int i = own->start; i < own->end; ++i)
+  for (int i = column_of_u->start; i < column_of_u->end; ++i)
     x[s->upper_store.index[i]] = s->upper_store.value[i];
   km_sparse_solve_upper(p, x);
   for (int k = 0; k < p->rank; ++k) {
@@ -71,12 +74,12 @@ static km_entry_range solve_whole(const km_partition *p, const km_entry_range *o
   return run;
 }
 
-/* The same by the steps that the column reaches. */
-static km_entry_range solve_reached(const km_partition *p, const km_entry_range *own, int end) {
+/* Column of B by the steps that the column reaches only. */
+static km_entry_range solve_reached_steps(const km_partition *p, const km_entry_range *column_of_u, int end) {
   km_sparse *s = p->sparse;
   km_entry_range run = {end, end};
-  int count = list_reached(p, own);
-  for (int i = own->start; i < own->end; ++i)
+  int count = list_reached_steps(p, column_of_u);
+  for (int i = column_of_u->start; i < column_of_u->end; ++i)
     s->x[s->upper_store.index[i]] = s->upper_store.value[i];
   for (int i = 0; i < count; ++i) {
     int step = s->reach_list[i];
@@ -96,18 +99,19 @@ static km_entry_range solve_reached(const km_partition *p, const km_entry_range 
   return run;
 }
 
-/* Whichever takes less, as the last one tells: to ask which steps are reached takes as long as to go through them. The entries are the
- * same. */
-static km_entry_range solve_column(const km_partition *p, const km_entry_range *own, int end) {
-  enum { FEW = 16 };
+/* Column of B by the cheaper method, judged by the length of the last column: finding the reached steps costs as much
+ * as visiting them. The entries are equal. */
+static km_entry_range solve_column(const km_partition *p, const km_entry_range *column_of_u, int end) {
+  enum { SPARSE_RATIO = 16 };
   km_sparse *s = p->sparse;
-  km_entry_range run = (s->was_last_b_long ? solve_whole : solve_reached)(p, own, end);
-  s->was_last_b_long = run.end - run.start > p->rank / FEW;
+  km_entry_range run = (s->was_last_b_long ? solve_all_steps : solve_reached_steps)(p, column_of_u, end);
+  s->was_last_b_long = run.end - run.start > p->rank / SPARSE_RATIO;
   return run;
 }
 
-/* So few vectors take no more steps in all than the matrix has entries: which ones are reached needn't be asked. */
-static bool are_few(const km_partition *p) {
+/* True if all columns of B take no more steps than the matrix has entries, so that the reached steps need not be
+ * found. */
+static bool has_few_columns(const km_partition *p) {
   return (double)(p->columns - p->rank) * p->rank <= p->sparse->start[p->columns];
 }
 
@@ -124,8 +128,8 @@ double km_sparse_random_weight(int index, int probe) {
   return mixed >> 31 ? size : -size;
 }
 
-/* About the length of the longest row of B, by its products with such weights. O(entries of U). */
-static double longest_row(const km_partition *p, const bool *forced) {
+/* Estimate of the length of the longest row of B, by products with pseudo-random weights. O(entries of U). */
+static double estimate_longest_row(const km_partition *p, const bool *forced) {
   enum { PROBES = 3 };
   const km_sparse *s = p->sparse;
   double largest = 0.0, *const x = s->x;
@@ -144,43 +148,44 @@ static double longest_row(const km_partition *p, const bool *forced) {
   return largest;
 }
 
-/* Of all independent columns, or of the free ones alone. Ends at a free column with an entry beyond `most`. NaN stays. */
-static double measure_b(const km_partition *p, bool free_only, const bool *forced, double most) {
+/* max|B_ij| over all independent columns, or over those that are not preset. Ends at such a column with an entry beyond
+ * `most`. NaN is returned. */
+static double measure_max_b(const km_partition *p, bool free_only, const bool *forced, double most) {
   const km_sparse *s = p->sparse;
   double largest = 0.0;
   int entries = 0;
   for (int k = p->rank; k < p->columns; ++k) {
-    bool given = km_sparse_is_preset(p, forced, p->column[k]);
-    if (given && free_only)
+    bool is_preset = km_sparse_is_preset(p, forced, p->column[k]);
+    if (is_preset && free_only)
       continue;
     if (entries > KM_SPARSE_MAX_NULL_FILL * s->start[p->columns])
-      return fmax(largest, longest_row(p, free_only ? forced : NULL));
+      return fmax(largest, estimate_longest_row(p, free_only ? forced : NULL));
     km_entry_range run = km_sparse_b(p, k - p->rank);
     double size = 0.0;
     for (int i = run.start; i < run.end; ++i)
       size = km_larger_or_nan(fabs(s->b_store.value[i]), size);
     largest = km_larger_or_nan(size, largest);
     entries += run.end - run.start;
-    if (size > most && !given)
+    if (size > most && !is_preset)
       break;
   }
   return largest;
 }
 
 double km_sparse_estimate_max_b(const km_partition *p, const bool *forced) {
-  return measure_b(p, true, forced, HUGE_VAL);
+  return measure_max_b(p, true, forced, HUGE_VAL);
 }
 
-/* The columns of B, which are kept. False where a value is not finite. */
-static bool find_columns(km_partition *p, const bool *forced, double most) {
+/* Computes and stores all columns of B. False if a value is not finite. */
+static bool compute_all_columns(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
-  bool finite = true, few = are_few(p);
+  bool finite = true, is_short = has_few_columns(p);
   int end = 0;
   for (int k = p->rank; k < p->columns; ++k) {
     p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
     if (p->failed)
       return false;
-    km_entry_range run = (few ? solve_whole : solve_column)(p, &s->upper[p->column[k]], end);
+    km_entry_range run = (is_short ? solve_all_steps : solve_column)(p, &s->upper[p->column[k]], end);
     const double *b = s->b_store.value + end;
     double size = km_max_magnitude(b, run.end - end);
     p->max_b = size > p->max_b ? size : p->max_b;
@@ -193,7 +198,8 @@ static bool find_columns(km_partition *p, const bool *forced, double most) {
   return finite;
 }
 
-static int sign_of(const km_partition *p) {
+/* Sign of the product of the pivots. */
+static int pivot_sign(const km_partition *p) {
   bool negative = false;
   for (int i = 0; i < p->rank; ++i)
     negative = negative != (p->inverse[i] < 0.0);
@@ -203,27 +209,27 @@ static int sign_of(const km_partition *p) {
 bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
   p->max_b = 0.0;
-  p->sign = sign_of(p);
+  p->sign = pivot_sign(p);
   s->is_b_unmeasured = false;
   s->stores_all_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
   if (s->stores_all_b)
-    return find_columns(p, forced, most);
+    return compute_all_columns(p, forced, most);
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
   if (p->failed)
     return false;
-  p->max_b = measure_b(p, false, forced, most);
+  p->max_b = measure_max_b(p, false, forced, most);
   return isfinite(p->max_b);
 }
 
 double km_sparse_current_max_b(const km_partition *p) {
-  return p->sparse->is_b_unmeasured ? measure_b(p, false, NULL, HUGE_VAL) : p->max_b;
+  return p->sparse->is_b_unmeasured ? measure_max_b(p, false, NULL, HUGE_VAL) : p->max_b;
 }
 
-/* Of many vectors, with room for one. */
-static bool let_b_wait(km_partition *p) {
+/* Defers B of many null vectors: max|B| of the search is kept. */
+static bool defer_b(km_partition *p) {
   km_sparse *s = p->sparse;
   p->max_b = p->max_b_at_search;
-  p->sign = sign_of(p);
+  p->sign = pivot_sign(p);
   s->is_b_unmeasured = true;
   s->stores_all_b = false;
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
@@ -239,16 +245,16 @@ const double *km_sparse_gather_b(const km_partition *p, int k) {
   return p->work;
 }
 
-/* Are the entries 0 whose rows the single columns left to others? */
-static bool are_zero(const km_sparse *s, const double *matrix) {
+/* True if the entries that the singletons assume to be 0 are 0. */
+static bool are_structural_zeros(const km_sparse *s, const double *matrix) {
   bool all = true;
   for (int i = 0; i < s->singleton_zero_count; ++i)
     all = all && matrix[s->singleton_zero[i]] == 0.0;
   return all;
 }
 
-/* A single column k: what it has in the rows of the steps before goes to U as it is, and nothing to L. */
-static void refactor_single(km_partition *p, const double *matrix, int k) {
+/* Refactors singleton column k: entries in rows of earlier steps are entries of U; L has none. */
+static void refactor_singleton(km_partition *p, const double *matrix, int k) {
   const km_sparse *s = p->sparse;
   const int c = p->column[k];
   double *u = s->upper_store.value + s->upper[c].start;
@@ -261,27 +267,27 @@ static void refactor_single(km_partition *p, const double *matrix, int k) {
   }
 }
 
-/* B of new values. */
-static bool renew_b(km_partition *p) {
+/* Updates B after a refactorisation, or defers it. */
+static bool update_b(km_partition *p) {
   if (p->unrestricted_basis || p->sparse->has_rows_only)
     return true;
-  bool waits = p->basis_quality_unneeded && km_partition_freedom(p) > KM_MANY_VECTORS;
-  return waits ? let_b_wait(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
+  bool is_deferred = p->basis_quality_unneeded && km_partition_freedom(p) > KM_MANY_VECTORS;
+  return is_deferred ? defer_b(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
-bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {
+bool km_sparse_refactor(km_partition *p, const double *matrix, bool is_full_pattern) {
   km_sparse *s = p->sparse;
   s->is_cached = false;
   if (p->failed || !km_all_finite(matrix, s->start[p->columns]) || (s->has_normal_only && !p->rows_only))
     return false;
-  if (s->has_normal_only) /* the rows' next least solution shows whether they still stand */
+  if (s->has_normal_only) /* the next minimum-norm solution tests the rows */
     return true;
-  if (!are_zero(s, matrix))
-    return whole && km_sparse_refactor_full_pattern(p, matrix) && renew_b(p);
+  if (!are_structural_zeros(s, matrix))
+    return is_full_pattern && km_sparse_refactor_full_pattern(p, matrix) && update_b(p);
   for (int k = 0; k < s->singleton_count; ++k)
-    refactor_single(p, matrix, k);
+    refactor_singleton(p, matrix, k);
   const int count =
-      s->has_rows_only ? p->rank : p->columns; /* by rows the independent columns have no entries of U to take theirs */
+      s->has_rows_only ? p->rank : p->columns; /* with rows only, independent columns have no entries of U */
   for (int k = s->singleton_count; k < count; ++k) {
     int c = p->column[k];
     scatter_primary(p, matrix, c);
@@ -301,13 +307,13 @@ bool km_sparse_refactor(km_partition *p, const double *matrix, bool whole) {
       s->x[s->lower_store.index[i]] = 0.0;
     }
   }
-  return renew_b(p);
+  return update_b(p);
 }
 
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
   const km_sparse *s = p->sparse;
   double *y = p->work;
-  if (s->has_normal_only) { /* comes to this where memory is short */
+  if (s->has_normal_only) { /* reached only when memory is short */
     memset(x, 0, (size_t)p->columns * sizeof *x);
     return;
   }
@@ -325,8 +331,8 @@ void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
     x[p->column[c]] = 0.0;
 }
 
-/* A column's entries of U take what their steps have in L; L is divided by the pivot; B by the upper columns of every
- * independent one, and the right side once through all of them. */
+/* Cost: entries of U times their columns of L; divisions by the pivots; B by all columns of U for each independent
+ * column; one solution. */
 double km_sparse_multiplications(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0, entries = 0.0;

@@ -1,4 +1,4 @@
-/* Products of a matrix's rows. */
+/* Symbolic and numeric product A Aᵀ of a sparse matrix in a given order of rows. */
 #include "linalg/sparse/row_products.h"
 
 #include "linalg/sparse/row_storage.h"
@@ -6,28 +6,29 @@
 #include <limits.h>
 #include <stdlib.h>
 
-static int ascending(const void *a, const void *b) {
+static int compare_longs(const void *a, const void *b) {
   long x = *(const long *)a, y = *(const long *)b;
   return (x > y) - (x < y);
 }
 
-static bool is_kept(long row, long column, bool upper) {
+static bool is_in_triangle(long row, long column, bool upper) {
   return upper ? row <= column : row >= column;
 }
 
-/* What is needed to list a column of products. */
-typedef struct listing {
-  const int *start, *row; /* of A */
-  const int *row_start;   /* of A by row: see km_create_row_storage */
+/* Data for the symbolic product. */
+typedef struct product_list {
+  const int *start, *row; /* pattern of A */
+  const int *row_start;   /* entries of A by row: see km_create_row_storage */
   const km_row_entry *by_row;
-  const long *place;
-  long *at;        /* [rows] by place: the entry of this column, -1: none */
-  km_factors *met; /* the column's pairs as they are met */
-  long *entry;     /* of each of these: the other row's place, then the entry that sums its product */
+  const long *position;
+  long *entry_of_row; /* [rows] by position: entry in the present column; -1: none */
+  km_factors *pairs;  /* pairs of the present column */
+  long *entry;        /* of each pair: position of the other row, later the entry that sums the product */
   bool upper;
-} listing;
+} product_list;
 
-static bool reserve(km_row_products *out, int rows, int columns, const int *start, km_arena *arena, listing *l) {
+static bool reserve_arrays(km_row_products *out, int rows, int columns, const int *start, km_arena *arena,
+                           product_list *l) {
   double pairs = 0.0;
   for (int c = 0; c < columns; ++c)
     pairs += 0.5 * (start[c + 1] - start[c]) * (start[c + 1] - start[c] + 1.0);
@@ -40,76 +41,77 @@ static bool reserve(km_row_products *out, int rows, int columns, const int *star
   out->diagonal = KM_NEW(long, (size_t)rows + 1);
   out->pair_start = KM_NEW(long, most + 2);
   out->pair = KM_NEW(km_factors, most + 1);
-  l->met = KM_ARENA_NEW(arena, km_factors, most + 1);
+  l->pairs = KM_ARENA_NEW(arena, km_factors, most + 1);
   l->entry = KM_ARENA_NEW(arena, long, most + 1);
   return out->start && out->row && out->diagonal && out->pair_start && out->pair && !arena->failed;
 }
 
-/* The pairs of entries that row r makes with the rows whose products are kept. Returns how many. */
-static long meet(const listing *l, int r) {
-  const long k = l->place[r];
+/* Lists the pairs of entries of row r with the rows of its triangle. Returns their number. */
+static long list_pairs(const product_list *l, int r) {
+  const long k = l->position[r];
   long count = 0;
   for (int n = l->row_start[r]; n < l->row_start[r + 1]; ++n)
     for (int i = l->start[l->by_row[n].column]; i < l->start[l->by_row[n].column + 1]; ++i) {
-      long other = l->place[l->row[i]];
-      if (!is_kept(other, k, l->upper))
+      long other_row = l->position[l->row[i]];
+      if (!is_in_triangle(other_row, k, l->upper))
         continue;
-      l->met[count] = (km_factors){l->by_row[n].entry, i};
-      l->entry[count++] = other;
+      l->pairs[count] = (km_factors){l->by_row[n].entry, i};
+      l->entry[count++] = other_row;
     }
   return count;
 }
 
-/* The rows that have a product with row r, and which entries make it, in the order in which they are met. */
-static void list_column(const listing *l, int r, km_row_products *out) {
-  const long k = l->place[r], first = out->start[k], count = meet(l, r);
+/* Creates the column of row r: rows with a product, and the pairs of entries that each product sums. */
+static void create_column(const product_list *l, int r, km_row_products *out) {
+  const long k = l->position[r], first = out->start[k], count = list_pairs(l, r);
   long end = first;
   out->row[end++] = k;
-  l->at[k] = 0;
+  l->entry_of_row[k] = 0;
   for (long i = 0; i < count; ++i) {
-    if (l->at[l->entry[i]] >= 0)
+    if (l->entry_of_row[l->entry[i]] >= 0)
       continue;
-    l->at[l->entry[i]] = 0;
+    l->entry_of_row[l->entry[i]] = 0;
     out->row[end++] = l->entry[i];
   }
-  qsort(out->row + first, (size_t)(end - first), sizeof *out->row, ascending);
+  qsort(out->row + first, (size_t)(end - first), sizeof *out->row, compare_longs);
   for (long i = first; i < end; ++i)
-    l->at[out->row[i]] = i;
-  out->diagonal[r] = l->at[k];
-  /* Of each entry where its next pair goes: in the end that is where those of the one behind it begin. */
+    l->entry_of_row[out->row[i]] = i;
+  out->diagonal[r] = l->entry_of_row[k];
+  /* next[i]: index of the next pair of entry i; in the end the first pair of entry i + 1. */
   long *const next = out->pair_start + 1;
   for (long i = 0; i < count; ++i) {
-    l->entry[i] = l->at[l->entry[i]];
+    l->entry[i] = l->entry_of_row[l->entry[i]];
     if (l->entry[i] + 1 < end)
       next[l->entry[i] + 1]++;
   }
   for (long i = first + 1; i < end; ++i)
     next[i] += next[i - 1];
   for (long i = 0; i < count; ++i)
-    out->pair[next[l->entry[i]]++] = l->met[i];
+    out->pair[next[l->entry[i]]++] = l->pairs[i];
   next[end] = next[end - 1];
   for (long i = first; i < end; ++i)
-    l->at[out->row[i]] = -1;
+    l->entry_of_row[out->row[i]] = -1;
   out->start[k + 1] = end;
 }
 
-bool km_row_products_create(int rows, int columns, const int *start, const int *row, const long *place, bool upper,
+bool km_row_products_create(int rows, int columns, const int *start, const int *row, const long *position, bool upper,
                             km_row_products *out) {
   km_arena arena = {0};
   *out = (km_row_products){0};
   int *order = KM_ARENA_NEW(&arena, int, (size_t)rows), *row_start = KM_ARENA_NEW(&arena, int, (size_t)rows + 2);
   km_row_entry *by_row = KM_ARENA_NEW(&arena, km_row_entry, (size_t)start[columns]);
-  listing l = {.start = start, .row = row, .row_start = row_start, .by_row = by_row, .place = place, .upper = upper};
-  l.at = KM_ARENA_NEW(&arena, long, (size_t)rows);
-  bool made = reserve(out, rows, columns, start, &arena, &l);
+  product_list l = {
+      .start = start, .row = row, .row_start = row_start, .by_row = by_row, .position = position, .upper = upper};
+  l.entry_of_row = KM_ARENA_NEW(&arena, long, (size_t)rows);
+  bool made = reserve_arrays(out, rows, columns, start, &arena, &l);
   if (made)
     km_create_row_storage(rows, columns, start, row, row_start, by_row);
   for (int r = 0; r < rows && made; ++r) {
-    l.at[r] = -1;
-    order[place[r]] = r;
+    l.entry_of_row[r] = -1;
+    order[position[r]] = r;
   }
   for (int k = 0; k < rows && made; ++k)
-    list_column(&l, order[k], out);
+    create_column(&l, order[k], out);
   km_arena_free(&arena);
   out->value = made ? KM_NEW(double, (size_t)out->start[rows] + 1) : NULL;
   return out->value != NULL;

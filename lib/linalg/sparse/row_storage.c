@@ -1,7 +1,7 @@
-/* Entries by row: counted first, and then placed. */
+/* Row access by counting sort. */
 #include "linalg/sparse/row_storage.h"
 
-/* While entries are placed, the next free place of row r is row_start[r + 1]. */
+/* While entries are placed, row_start[r + 1] is the next free index of row r. */
 void km_create_row_storage(int rows, int columns, const int *start, const int *row, int *row_start,
                            km_row_entry *by_row) {
   for (int i = 0; i < start[columns]; ++i)

@@ -1,4 +1,8 @@
-/* The sparse engine: LU by columns with COLAMD's order, rank by what is left, and the choice of independent columns. */
+/* Search for pivots of the sparse factor (docs/theory.md 3.6): elimination, hidden dependence, choice of independent
+ * columns.
+ *
+ *   1. eliminate with a threshold on remainders;   2. postpone a hidden dependent column (or exclude a row), repeat 1
+ *   3. if max|B| > 2 (30 with many freedoms): postpone shared columns, or choose independent columns, repeat from 1 */
 #include "linalg/sparse/sparse_lu.h"
 #include "linalg/dense/simd_pair.h"
 
@@ -6,13 +10,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Smaller |B| than that is as good as complete pivoting gives. Of many vectors little is made, and they may reach far: the
- * choice among them isn't worth more. */
-static const double good_b = 2.0, good_b_of_many = 30.0;
-enum { MOST_PASSES = 4 };
-/* Columns with more entries than others are shared by several loops: with those independent, null vectors reach no further
- * than a loop and its neighbours. Returns whether they aren't those that are independent now. */
-static bool leave_shared(km_partition *p) {
+/* max|B| that complete pivoting reaches, and that is accepted with many null vectors: these are used less and may be
+ * long. */
+static const double max_good_b = 2.0, max_good_b_with_many = 30.0;
+enum { MAX_PASSES = 4 };
+/* Postpones columns with more entries than the average. They are shared by several loops: if they are independent, null
+ * vectors reach no further than a loop and its neighbours. Returns true if the independent columns change. */
+static bool postpone_shared_columns(km_partition *p) {
   km_sparse *s = p->sparse;
   bool changed = false;
   for (int c = 0; c < p->columns; ++c)
@@ -22,26 +26,26 @@ static bool leave_shared(km_partition *p) {
   return changed;
 }
 
-/* Of the independent columns that aren't forced. */
-static double largest_free_b(const km_partition *p, const bool *forced) {
+/* max|B_ij| over the independent columns that are neither forced nor locked. */
+static double max_free_b(const km_partition *p, const bool *forced) {
   return forced || p->locked ? km_sparse_estimate_max_b(p, forced) : p->max_b;
 }
 
-/* A column that is dependent though no pivot tells; -1: none, or the rank alone counts, and the primary rows are independent.
- */
-static int find_hidden(const km_partition *p, const double *matrix, const bool *forced, double threshold,
-                       bool rank_counts) {
+/* Hidden dependent column; -1: none, or only the rank is needed and the primary rows are independent. */
+static int find_hidden_column(const km_partition *p, const double *matrix, const bool *forced, double threshold,
+                              bool is_rank_sufficient) {
   if (p->failed || p->sparse->is_overfull)
     return -1;
-  return rank_counts && km_sparse_hidden_row(p, matrix, forced, threshold) < 0
+  return is_rank_sufficient && km_sparse_hidden_row(p, matrix, forced, threshold) < 0
              ? -1
              : km_sparse_hidden_column(p, forced, threshold);
 }
 
-/* Until no column is dependent that no pivot tells, or that shows at least that the rank is right. What a column that comes
- * last already keeps grew by small pivots: a row among the primary ones depends on the others, unless a forced column tells them apart. */
-static void eliminate_all(km_partition *p, const double *matrix, const bool *forced, double threshold,
-                          bool rank_counts) {
+/* Eliminates until no hidden dependence remains, or none that affects the rank if that is sufficient. If a column that
+ * is already postponed remains as a pivot, it grew by small pivots: then a primary row depends on the others and is
+ * excluded, unless a forced column makes it independent. */
+static void eliminate_until_consistent(km_partition *p, const double *matrix, const bool *forced, double threshold,
+                                       bool is_rank_sufficient) {
   km_sparse *s = p->sparse;
   int hidden = -1, row = -1;
   do {
@@ -50,7 +54,7 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
     else if (hidden >= 0)
       s->is_postponed[hidden] = s->postpones_small = true;
     km_sparse_eliminate(p, matrix, forced, threshold);
-    hidden = find_hidden(p, matrix, forced, threshold, rank_counts);
+    hidden = find_hidden_column(p, matrix, forced, threshold, is_rank_sufficient);
     bool last = hidden >= 0 && s->is_postponed[hidden];
     row = last ? km_sparse_hidden_row(p, matrix, p->forced_never_pivot ? forced : NULL, threshold) : -1;
     if (last && row < 0)
@@ -58,8 +62,8 @@ static void eliminate_all(km_partition *p, const double *matrix, const bool *for
   } while (hidden >= 0);
 }
 
-/* The same of rows, whatever the columns are, one after the other. */
-static void eliminate_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+/* Eliminates until no primary row depends on the others; dependent rows are excluded one by one. */
+static void eliminate_by_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   int hidden = -1;
   do {
     if (hidden >= 0)
@@ -69,83 +73,84 @@ static void eliminate_rows(km_partition *p, const double *matrix, const bool *fo
   } while (hidden >= 0);
 }
 
-/* By columns first, since their pivots tell more. Where rows depend on each other that may fill much, and little without those that
- * are superfluous: Q R finds these. It has no fewer entries than about the rows' products; where rows outnumber columns it has far
- * more, and is left to those that have shown a column to be dependent. */
+/* Finds the primary rows only. Elimination by columns comes first; dependent rows can cause much fill-in there. Above
+ * that bound sparse QR finds and excludes them. QR has at least the entries of the Gram matrix, far more if rows
+ * outnumber columns, so it waits for a postponed column in that case. */
 static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
-  enum { MOST_FILL = 4 };
+  enum { MAX_FILL = 4 };
   km_sparse *s = p->sparse;
-  s->max_entries = (int)fmin(fmax((double)MOST_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
+  s->max_entries = (int)fmin(fmax((double)MAX_FILL * s->start[p->columns], km_sparse_full_gram_cost(p)), INT_MAX);
   s->limits_fill_if_postponing = p->rows > p->columns;
-  eliminate_all(p, matrix, forced, threshold, true);
+  eliminate_until_consistent(p, matrix, forced, threshold, true);
   s->max_entries = 0;
   if (!s->is_overfull)
     return;
   s->postpones_small = false;
   memset(s->is_postponed, 0, (size_t)p->columns * sizeof *s->is_postponed);
   km_sparse_find_dependent_rows(p, matrix, forced, threshold);
-  eliminate_rows(p, matrix, forced, threshold);
+  eliminate_by_rows(p, matrix, forced, threshold);
 }
 
-/* Are there so many motions that their least steps go by the rows, so that null vectors needn't be good ones? */
-static bool goes_by_rows(const km_partition *p) {
+/* True if minimum-norm steps use the row equations, so that null vectors need not be short. */
+static bool uses_row_equations(const km_partition *p) {
   return p->rank > KM_MANY_VECTORS && km_partition_freedom(p) > KM_MANY_VECTORS;
 }
 
-/* Does any choice of independent columns serve who asks? */
-static bool any_serve(const km_partition *p) {
-  return p->basis_quality_unneeded && goes_by_rows(p);
+/* True if any independent columns suffice for the request. */
+static bool is_any_basis_sufficient(const km_partition *p) {
+  return p->basis_quality_unneeded && uses_row_equations(p);
 }
 
-/* Of the factor that is known: what was asked for changes it. */
-static unsigned flags_of(const km_partition *p) {
+/* Options that the cached factor depends on, as flags. */
+static unsigned option_flags(const km_partition *p) {
   return (p->forced_never_pivot ? 1u : 0u) | (p->unrestricted_basis ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
          (p->kept_row_tolerance > 0.0 ? 8u : 0u);
 }
 
-/* Flags of columns; NULL: none is set. */
-static void keep_flags(bool *kept, const bool *flags, size_t count) {
+/* Copies flags of columns; NULL: none is set. */
+static void copy_flags(bool *stored, const bool *flags, size_t count) {
   if (flags)
-    memcpy(kept, flags, count * sizeof *kept);
+    memcpy(stored, flags, count * sizeof *stored);
   else
-    memset(kept, 0, count * sizeof *kept);
+    memset(stored, 0, count * sizeof *stored);
 }
 
-static bool are_kept(const bool *kept, const bool *flags, size_t count) {
-  return flags ? memcmp(kept, flags, count * sizeof *kept) == 0 : memchr(kept, true, count * sizeof *kept) == NULL;
+static bool are_flags_equal(const bool *stored, const bool *flags, size_t count) {
+  return flags ? memcmp(stored, flags, count * sizeof *stored) == 0
+               : memchr(stored, true, count * sizeof *stored) == NULL;
 }
 
 bool km_sparse_has_factor(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   const km_sparse *s = p->sparse;
   const size_t columns = (size_t)p->columns;
-  return s->is_cached && !p->failed && s->cached_tolerance == tolerance && s->cached_flags == flags_of(p) &&
-         are_kept(s->cached_forced, forced, columns) && are_kept(s->cached_locked, p->locked, columns) &&
+  return s->is_cached && !p->failed && s->cached_tolerance == tolerance && s->cached_flags == option_flags(p) &&
+         are_flags_equal(s->cached_forced, forced, columns) && are_flags_equal(s->cached_locked, p->locked, columns) &&
          memcmp(s->cached_matrix, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
 }
 
-static void remember(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
+static void cache_matrix(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   memcpy(s->cached_matrix, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
-  keep_flags(s->cached_forced, forced, (size_t)p->columns);
-  keep_flags(s->cached_locked, p->locked, (size_t)p->columns);
+  copy_flags(s->cached_forced, forced, (size_t)p->columns);
+  copy_flags(s->cached_locked, p->locked, (size_t)p->columns);
   s->cached_tolerance = tolerance;
-  s->cached_flags = flags_of(p);
+  s->cached_flags = option_flags(p);
   s->is_cached = !p->failed;
 }
 
-/* Passes of elimination until |B| is small enough, from `pass` on; it can go on later where it ends before that since any choice
- * serves. */
+/* Eliminates with better independent columns until max|B| is small, from pass `pass` on. If any columns suffice, the
+ * search ends early and can be resumed. */
 static void find_better_columns(km_partition *p, const double *matrix, const bool *forced, double threshold, int pass) {
-  for (; pass < MOST_PASSES; ++pass) {
-    eliminate_all(p, matrix, forced, threshold, pass + 1 < MOST_PASSES && !p->unrestricted_basis);
+  for (; pass < MAX_PASSES; ++pass) {
+    eliminate_until_consistent(p, matrix, forced, threshold, pass + 1 < MAX_PASSES && !p->unrestricted_basis);
     if (p->unrestricted_basis)
       break;
-    bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && leave_shared(p);
-    double most = many && pass > 0 ? good_b_of_many : good_b;
+    bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && postpone_shared_columns(p);
+    double most = many && pass > 0 ? max_good_b_with_many : max_good_b;
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
-    if (finite && largest_free_b(p, forced) <= most)
+    if (finite && max_free_b(p, forced) <= most)
       break;
-    bool ends = !others && any_serve(p) && km_partition_may_defer(p);
+    bool ends = !others && is_any_basis_sufficient(p) && km_partition_may_defer(p);
     p->sparse->resume_pass = ends && finite ? pass + 1 : 0;
     if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
@@ -172,18 +177,18 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   s->has_normal_only = s->has_rows_only && km_sparse_rows_are_independent(p, matrix, forced, tolerance);
   if (!s->has_normal_only)
     (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
-  remember(p, matrix, forced, tolerance);
+  cache_matrix(p, matrix, forced, tolerance);
 }
 
 bool km_sparse_improve_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const int pass = s->resume_pass;
-  if (pass == 0 || any_serve(p))
+  if (pass == 0 || is_any_basis_sufficient(p))
     return false;
   s->resume_pass = 0;
   bool changes = km_sparse_choose_independent(p, forced);
   if (changes)
     find_better_columns(p, matrix, forced, tolerance * p->scale, pass);
-  remember(p, matrix, forced, tolerance);
+  cache_matrix(p, matrix, forced, tolerance);
   return changes;
 }

@@ -1,4 +1,4 @@
-/* Q R of large matrices by SPQR. */
+/* Sparse QR by SPQR: projections Q Qᵀ v, minimum-norm solutions Q R⁻ᵀ b, row norms |R⁻ᵀ b|². */
 #include "linalg/sparse/sparse_qr.h"
 
 #include "base/dynamic_library.h"
@@ -37,7 +37,7 @@ struct km_sparse_qr {
   int rank;
 };
 
-static const library *load(km_error *error) {
+static const library *load_spqr(km_error *error) {
 #define X(name) #name,
   static const char *const files[] = {KM_SPQR, NULL}, *const names[] = {SPQR_FUNCTIONS(X) NULL};
 #undef X
@@ -53,7 +53,7 @@ static const library *load(km_error *error) {
 
 km_status km_sparse_qr_create(int rows, int columns, int entries, km_sparse_qr **out, km_error *error) {
   *out = NULL;
-  const library *spqr = load(error);
+  const library *spqr = load_spqr(error);
   if (!spqr)
     return KM_IO;
   km_sparse_qr *q = KM_NEW(km_sparse_qr, 1);
@@ -61,7 +61,7 @@ km_status km_sparse_qr_create(int rows, int columns, int entries, km_sparse_qr *
     return km_fail(error, KM_MEMORY, "out of memory for a factorisation");
   q->spqr = spqr;
   q->spqr->cholmod_l_start(&q->common);
-  q->common.SPQR_nthreads = 1; /* the same sums in the same order on every machine */
+  q->common.SPQR_nthreads = 1; /* equal sums in equal order on every machine */
   q->common.SPQR_grain = 1;
   q->common.print = 0;
   q->rows = rows;
@@ -93,7 +93,7 @@ km_columns km_sparse_qr_columns(km_sparse_qr *q) {
   return (km_columns){q->start, q->row, q->value};
 }
 
-static cholmod_sparse matrix_of(const km_sparse_qr *q) {
+static cholmod_sparse matrix_view(const km_sparse_qr *q) {
   return (cholmod_sparse){.nrow = (size_t)q->rows,
                           .ncol = (size_t)q->columns,
                           .nzmax = (size_t)q->start[q->columns],
@@ -108,7 +108,7 @@ static cholmod_sparse matrix_of(const km_sparse_qr *q) {
 }
 
 bool km_sparse_qr_factor(km_sparse_qr *q, double tolerance) {
-  cholmod_sparse A = matrix_of(q);
+  cholmod_sparse A = matrix_view(q);
   q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
   q->QR = q->spqr->SuiteSparseQR_C_factorize(SPQR_ORDERING_COLAMD, tolerance, &A, &q->common);
   q->rank = (int)q->common.SPQR_istat[4];
@@ -119,7 +119,7 @@ int km_sparse_qr_rank(const km_sparse_qr *q) {
   return q->rank;
 }
 
-static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
+static cholmod_dense dense_view(double *x, SuiteSparse_long rows, int columns) {
   size_t size = (size_t)rows * (size_t)columns;
   return (cholmod_dense){.nrow = (size_t)rows,
                          .ncol = (size_t)columns,
@@ -131,21 +131,21 @@ static cholmod_dense dense(double *x, SuiteSparse_long rows, int columns) {
 }
 
 bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count) {
-  cholmod_dense V = dense(v, q->rows, count);
+  cholmod_dense V = dense_view(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   for (int k = 0; k < count && Y; ++k)
     memset((double *)Y->x + (size_t)k * Y->d, 0, (size_t)q->rank * sizeof(double));
-  cholmod_dense *rest = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
-  bool done = rest != NULL;
+  cholmod_dense *projection = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
+  bool done = projection != NULL;
   if (done)
-    memcpy(v, rest->x, V.nzmax * sizeof(double));
+    memcpy(v, projection->x, V.nzmax * sizeof(double));
   q->spqr->cholmod_l_free_dense(&Y, &q->common);
-  q->spqr->cholmod_l_free_dense(&rest, &q->common);
+  q->spqr->cholmod_l_free_dense(&projection, &q->common);
   return done;
 }
 
 bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, double *squares) {
-  cholmod_dense V = dense(v, q->rows, count);
+  cholmod_dense V = dense_view(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
   bool done = Y != NULL;
   for (int k = 0; k < count && done; ++k) {
@@ -158,33 +158,34 @@ bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, doubl
   return done;
 }
 
-/* A row of the matrix, and the first column of R that it has an entry in. */
-typedef struct beginning {
+/* A row of the matrix, and the first column of R in which it has an entry. */
+typedef struct row_begin {
   long first, row;
-} beginning;
+} row_begin;
 
-static int compare_beginnings(const void *a, const void *b) {
-  const beginning *x = a, *y = b;
+static int compare_row_begins(const void *a, const void *b) {
+  const row_begin *x = a, *y = b;
   long order = x->first != y->first ? x->first - y->first : x->row - y->row;
   return (order > 0) - (order < 0);
 }
 
-/* `place` says which column of R a column of the matrix is. */
-static void sort_rows(const km_sparse_qr *q, const cholmod_sparse *by_row, const long *place, beginning *list) {
+/* Sorts the rows by their first column of R. column_of_r: column of R of each column of the matrix. */
+static void sort_row_begins(const km_sparse_qr *q, const cholmod_sparse *by_row, const long *column_of_r,
+                            row_begin *list) {
   const long *start = by_row->p, *entry = by_row->i;
   for (long r = 0; r < q->rows; ++r) {
-    list[r] = (beginning){q->columns, r};
+    list[r] = (row_begin){q->columns, r};
     for (long i = start[r]; i < start[r + 1]; ++i)
-      list[r].first = place[entry[i]] < list[r].first ? place[entry[i]] : list[r].first;
+      list[r].first = column_of_r[entry[i]] < list[r].first ? column_of_r[entry[i]] : list[r].first;
   }
-  qsort(list, (size_t)q->rows, sizeof *list, compare_beginnings);
+  qsort(list, (size_t)q->rows, sizeof *list, compare_row_begins);
 }
 
-/* Adds |R⁻ᵀ b|² of every row b of the matrix to its share: y by rows of R, that is by columns of Rᵀ, from the first entry of
- * b on. Nested dissection keeps short what a row reaches: of a chain of n loops log n columns, where an order of least fill may
- * make it n. Rows that begin near each other reach much the same, and go side by side. */
-static void add_shares(const km_sparse_qr *q, const km_triangle *R, const cholmod_sparse *by_row, const long *place,
-                       const beginning *list, double *y, uint64_t *marked, double *share) {
+/* square[row] = |R⁻ᵀ b|² of every row b, by forward substitution with the rows of R from the first entry of b on. With
+ * nested dissection a row reaches few columns: log n in a chain of n loops, where minimum fill-in can reach n. Rows
+ * with close first columns reach nearly equal columns and are solved together in SIMD lanes. */
+static void add_squares(const km_sparse_qr *q, const km_triangle *R, const cholmod_sparse *by_row,
+                        const long *column_of_r, const row_begin *list, double *y, uint64_t *pending, double *square) {
   const long *row_start = by_row->p, *entry = by_row->i;
   const double *b = by_row->x;
   for (long n = 0; n < q->rows; n += KM_TRIANGLE_LANES) {
@@ -192,47 +193,47 @@ static void add_shares(const km_sparse_qr *q, const km_triangle *R, const cholmo
     int count = q->rows - n < KM_TRIANGLE_LANES ? (int)(q->rows - n) : KM_TRIANGLE_LANES;
     for (int l = 0; l < count; ++l)
       for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i) {
-        y[KM_TRIANGLE_LANES * place[entry[i]] + l] = b[i];
-        km_triangle_mark(marked, place[entry[i]]);
+        y[KM_TRIANGLE_LANES * column_of_r[entry[i]] + l] = b[i];
+        km_triangle_mark(pending, column_of_r[entry[i]]);
       }
-    km_triangle_squares(R, list[n].first, y, marked, sum);
+    km_triangle_squares(R, list[n].first, y, pending, sum);
     for (int l = 0; l < count; ++l)
-      share[list[n + l].row] = sum[l];
+      square[list[n + l].row] = sum[l];
   }
 }
 
-bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool as_they_stand, double *share) {
+bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_order, double *square) {
   const library *f = q->spqr;
-  cholmod_sparse A = matrix_of(q), *R = NULL;
+  cholmod_sparse A = matrix_view(q), *R = NULL;
   SuiteSparse_long *order = NULL;
-  const int ordering = as_they_stand ? SPQR_ORDERING_FIXED : SPQR_ORDERING_METIS;
+  const int ordering = keeps_order ? SPQR_ORDERING_FIXED : SPQR_ORDERING_METIS;
   long rank = f->SuiteSparseQR_C(ordering, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL, NULL,
                                  NULL, &q->common);
   cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
-  long *place = KM_NEW(long, (size_t)q->columns + 1);
-  beginning *list = KM_NEW(beginning, (size_t)q->rows + 1);
+  long *column_of_r = KM_NEW(long, (size_t)q->columns + 1);
+  row_begin *list = KM_NEW(row_begin, (size_t)q->rows + 1);
   double *y = KM_NEW(double, KM_TRIANGLE_LANES *((size_t)q->columns + 1));
-  uint64_t *marked = KM_NEW(uint64_t, (size_t)q->columns / KM_TRIANGLE_WORD + 1);
-  bool *rows_continue = KM_NEW(bool, (size_t)q->columns + 1), *rows_lead = KM_NEW(bool, (size_t)q->columns + 1);
-  bool done = by_row && place && list && y && marked && rows_continue && rows_lead;
+  uint64_t *pending = KM_NEW(uint64_t, (size_t)q->columns / KM_TRIANGLE_WORD + 1);
+  bool *is_nested = KM_NEW(bool, (size_t)q->columns + 1), *covers_later = KM_NEW(bool, (size_t)q->columns + 1);
+  bool done = by_row && column_of_r && list && y && pending && is_nested && covers_later;
   for (long k = 0; k < q->columns && done; ++k)
-    place[order ? order[k] : k] = k;
+    column_of_r[order ? order[k] : k] = k;
   if (done) {
-    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, rows_continue, rows_lead, q->columns};
+    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, is_nested, covers_later, q->columns};
     for (long k = 0; k < q->columns; ++k) {
-      rows_continue[k] = km_triangle_is_nested(&by_rows, k);
-      rows_lead[k] = km_triangle_covers_later(&by_rows, k);
+      is_nested[k] = km_triangle_is_nested(&by_rows, k);
+      covers_later[k] = km_triangle_covers_later(&by_rows, k);
     }
-    sort_rows(q, by_row, place, list);
-    add_shares(q, &by_rows, by_row, place, list, y, marked, share);
+    sort_row_begins(q, by_row, column_of_r, list);
+    add_squares(q, &by_rows, by_row, column_of_r, list, y, pending, square);
   }
-  km_free(rows_lead);
-  km_free(rows_continue);
-  km_free(marked);
+  km_free(covers_later);
+  km_free(is_nested);
+  km_free(pending);
   km_free(y);
   km_free(list);
-  km_free(place);
+  km_free(column_of_r);
   f->cholmod_l_free_sparse(&by_row, &q->common);
   f->cholmod_l_free_sparse(&rows_of_r, &q->common);
   f->cholmod_l_free_sparse(&R, &q->common);
@@ -242,7 +243,7 @@ bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool as_they_
 
 int km_sparse_qr_independent_columns(km_sparse_qr *q, double tolerance, int *list) {
   const library *f = q->spqr;
-  cholmod_sparse A = matrix_of(q), *R = NULL;
+  cholmod_sparse A = matrix_view(q), *R = NULL;
   SuiteSparse_long *order = NULL;
   long rank = f->SuiteSparseQR_C(SPQR_ORDERING_COLAMD, tolerance, 0, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL,
                                  NULL, NULL, &q->common);
@@ -258,7 +259,7 @@ bool km_sparse_qr_minimum_norm(km_sparse_qr *q, const double *b, double *x) {
   if (!copy)
     return false;
   memcpy(copy, b, (size_t)q->columns * sizeof *b);
-  cholmod_dense B = dense(copy, q->columns, 1);
+  cholmod_dense B = dense_view(copy, q->columns, 1);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_solve(SPQR_RTX_EQUALS_ETB, q->QR, &B, &q->common);
   cholmod_dense *X = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
   bool done = X != NULL;

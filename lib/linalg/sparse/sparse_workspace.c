@@ -1,22 +1,22 @@
-/* Space for the sparse engine, and the order in which it takes the columns. */
+/* Memory of the sparse factor, and the column order by COLAMD. */
 #include "linalg/sparse/sparse_lu.h"
 
 #include <string.h>
 #include <suitesparse/colamd.h>
 
-/* The column order of least fill, as COLAMD finds it (T. Davis, J. Gilbert, S. Larimore, E. Ng, 2004). */
+/* Column order for little fill-in by COLAMD (T. Davis and others 2004). */
 static bool order_columns(int rows, int columns, const int *start, const int *row, int *order) {
   for (int c = 0; c < columns; ++c)
     order[c] = c;
   if (start[columns] == 0)
     return true;
-  size_t room = colamd_recommended(start[columns], rows, columns);
-  int *work = KM_NEW(int, room), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
-  bool done = room > 0 && work && pointers;
+  size_t capacity = colamd_recommended(start[columns], rows, columns);
+  int *work = KM_NEW(int, capacity), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
+  bool done = capacity > 0 && work && pointers;
   if (done) {
     memcpy(work, row, (size_t)start[columns] * sizeof *work);
     memcpy(pointers, start, ((size_t)columns + 1) * sizeof *pointers);
-    done = colamd(rows, columns, (int)room, work, pointers, NULL, stats);
+    done = colamd(rows, columns, (int)capacity, work, pointers, NULL, stats);
     memcpy(order, pointers, (size_t)columns * sizeof *order);
   }
   km_free(work);
@@ -24,7 +24,7 @@ static bool order_columns(int rows, int columns, const int *start, const int *ro
   return done;
 }
 
-static bool reserve(km_sparse *s, int rows, int columns, km_arena *arena) {
+static bool reserve_arrays(km_sparse *s, int rows, int columns, km_arena *arena) {
   size_t r = (size_t)rows, c = (size_t)columns;
   *s = (km_sparse){.arena = arena,
                    .start = s->start,
@@ -67,7 +67,7 @@ bool km_sparse_reserve(km_partition *p, const km_sparse *pattern, int rows, int 
   if (arena->failed)
     return false;
   *p->sparse = *pattern;
-  return reserve(p->sparse, rows, columns, arena);
+  return reserve_arrays(p->sparse, rows, columns, arena);
 }
 
 bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const int *start, const int *row,
@@ -84,10 +84,10 @@ bool km_partition_reserve_sparse(km_partition *p, int rows, int columns, const i
   return km_sparse_reserve(p, &pattern, rows, columns, arena);
 }
 
-void km_partition_set_normal_equations(km_partition *p, km_normal_equations **place, const double *weight) {
+void km_partition_set_normal_equations(km_partition *p, km_normal_equations **normal, const double *weight) {
   if (!p->sparse)
     return;
-  p->sparse->normal = place;
+  p->sparse->normal = normal;
   p->sparse->weight = weight;
 }
 

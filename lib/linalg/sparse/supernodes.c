@@ -1,12 +1,15 @@
-/* Steps whose rows are those of the step behind them and its pivot's: where much fills in, nearly all of them. Their entries of L are
- * kept a second time, in an order that they share, so that several steps are subtracted in one pass. */
+/* Supernodes: consecutive steps whose rows of L are nested, rows(k) = {pivot row of k + 1} ∪ rows(k + 1)
+ * (docs/theory.md
+ * 3.6). With much fill-in nearly all steps nest. Their entries of L are stored a second time, in a shared row order,
+ * so
+ * that eight steps are subtracted in one pass. */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"
 
 #include <string.h>
 
-enum { TOGETHER = KM_SUPERNODE_WIDTH };
-enum { LEAST_ENTRIES = 2 * TOGETHER }; /* of a step, for less isn't worth it */
+enum { WIDTH = KM_SUPERNODE_WIDTH };
+enum { MIN_ENTRIES = 2 * WIDTH }; /* entries of a step below which supernodes do not pay */
 
 void km_sparse_reset_supernodes(km_partition *p) {
   memset(p->sparse->is_nested, 0, (size_t)p->rows * sizeof *p->sparse->is_nested);
@@ -14,23 +17,23 @@ void km_sparse_reset_supernodes(km_partition *p) {
   p->sparse->supernode_end = 0;
 }
 
-/* Where the row is in the run, if all other rows of the run are those of `own`; -1: they aren't. */
-static int place_in(const km_sparse *s, const km_entry_range *run, const km_entry_range *own, int row) {
-  int place = -1;
-  bool all = run->end - run->start == own->end - own->start + 1;
-  for (int i = own->start; i < own->end && all; ++i)
+/* Position of `row` in the range, if all other rows of the range are those of column_of_l; else −1. */
+static int find_extra_row(const km_sparse *s, const km_entry_range *run, const km_entry_range *column_of_l, int row) {
+  int position = -1;
+  bool all = run->end - run->start == column_of_l->end - column_of_l->start + 1;
+  for (int i = column_of_l->start; i < column_of_l->end && all; ++i)
     s->visited[s->lower_store.index[i]] = true;
   for (int i = run->start; i < run->end && all; ++i) {
     int r = s->supernode_store.index[i];
-    place = r == row ? i - run->start : place;
+    position = r == row ? i - run->start : position;
     all = r == row || s->visited[r];
   }
-  for (int i = own->start; i < own->end; ++i)
+  for (int i = column_of_l->start; i < column_of_l->end; ++i)
     s->visited[s->lower_store.index[i]] = false;
-  return all ? place : -1;
+  return all ? position : -1;
 }
 
-static void exchange(km_entry_store *store, int a, int b) {
+static void swap_entries(km_entry_store *store, int a, int b) {
   int index = store->index[a];
   double value = store->value[a];
   store->index[a] = store->index[b];
@@ -39,19 +42,20 @@ static void exchange(km_entry_store *store, int a, int b) {
   store->value[b] = value;
 }
 
-/* The row at that place of step k's run comes first there, and at the same place of all steps that end in the same rows. */
-static void bring_forward(km_sparse *s, int k, int place) {
+/* Moves the row at that position to the front of step k's range, and accordingly in all steps of its supernode. */
+static void move_row_to_front(km_sparse *s, int k, int position) {
   for (int n = k, ahead = 0; n == k || (n >= 0 && s->is_nested[n]); --n, ++ahead)
-    exchange(&s->supernode_store, s->supernode_range[n].start + ahead, s->supernode_range[n].start + ahead + place);
+    swap_entries(&s->supernode_store, s->supernode_range[n].start + ahead,
+                 s->supernode_range[n].start + ahead + position);
 }
 
-/* The step's entries in the order of these rows. */
-static void take_entries(km_sparse *s, int step, const km_entry_range *own, const int *rows) {
-  const int count = own->end - own->start, start = s->supernode_end;
+/* Copies the step's entries of L in the given row order. */
+static void copy_entries(km_sparse *s, int step, const km_entry_range *column_of_l, const int *rows) {
+  const int count = column_of_l->end - column_of_l->start, start = s->supernode_end;
   s->supernode_range[step] = (km_entry_range){start, start + count};
   s->supernode_end += count;
   memmove(s->supernode_store.index + start, rows, (size_t)count * sizeof *rows);
-  for (int i = own->start; i < own->end; ++i)
+  for (int i = column_of_l->start; i < column_of_l->end; ++i)
     s->x[s->lower_store.index[i]] = s->lower_store.value[i];
   for (int i = start; i < start + count; ++i) {
     s->supernode_store.value[i] = s->x[s->supernode_store.index[i]];
@@ -61,52 +65,53 @@ static void take_entries(km_sparse *s, int step, const km_entry_range *own, cons
 
 void km_sparse_extend_supernode(km_partition *p, int step) {
   km_sparse *s = p->sparse;
-  const km_entry_range *own = &s->lower[p->column[step]];
-  if (own->end - own->start < LEAST_ENTRIES ||
-      !km_sparse_grow(s, &s->supernode_store, s->supernode_end + own->end - own->start)) /* it does without */
+  const km_entry_range *column_of_l = &s->lower[p->column[step]];
+  if (column_of_l->end - column_of_l->start < MIN_ENTRIES ||
+      /* without memory there is no supernode */
+      !km_sparse_grow(s, &s->supernode_store, s->supernode_end + column_of_l->end - column_of_l->start))
     return;
-  int place = step > 0 ? place_in(s, &s->supernode_range[step - 1], own, p->row[step]) : -1;
-  const int *rows = s->lower_store.index + own->start;
-  if (place >= 0) {
-    bring_forward(s, step - 1, place);
+  int position = step > 0 ? find_extra_row(s, &s->supernode_range[step - 1], column_of_l, p->row[step]) : -1;
+  const int *rows = s->lower_store.index + column_of_l->start;
+  if (position >= 0) {
+    move_row_to_front(s, step - 1, position);
     s->is_nested[step - 1] = true;
     rows = s->supernode_store.index + s->supernode_range[step - 1].start + 1;
   }
-  take_entries(s, step, own, rows);
+  copy_entries(s, step, column_of_l, rows);
 }
 
 bool km_sparse_supernode_follows(const km_partition *p, const int *list, int count) {
   const km_sparse *s = p->sparse;
   int step = s->step_of[list[0]];
-  bool all = step >= 0 && count >= TOGETHER && s->is_nested[step];
-  for (int n = 1; n < TOGETHER && all; ++n)
-    all = list[n] == p->row[step + n] && (n + 1 == TOGETHER || s->is_nested[step + n]);
+  bool all = step >= 0 && count >= WIDTH && s->is_nested[step];
+  for (int n = 1; n < WIDTH && all; ++n)
+    all = list[n] == p->row[step + n] && (n + 1 == WIDTH || s->is_nested[step + n]);
   return all;
 }
 
-/* The same sums in the same order as one step after the other. */
-void km_sparse_supernode_subtract(const km_partition *p, int step, double u[TOGETHER]) {
+/* The sums and their order are those of single steps, so the bits are equal. */
+void km_sparse_supernode_subtract(const km_partition *p, int step, double u[WIDTH]) {
   const km_sparse *s = p->sparse;
-  const double *value[TOGETHER];
+  const double *value[WIDTH];
   double *const x = s->x;
-  for (int n = 0; n < TOGETHER; ++n) {
-    const double *own = s->supernode_store.value + s->supernode_range[step + n].start;
+  for (int n = 0; n < WIDTH; ++n) {
+    const double *column_of_l = s->supernode_store.value + s->supernode_range[step + n].start;
     u[n] = x[p->row[step + n]];
     x[p->row[step + n]] = 0.0;
-    for (int m = n + 1; m < TOGETHER; ++m)
-      x[p->row[step + m]] -= own[m - n - 1] * u[n];
-    value[n] = own + (TOGETHER - 1 - n);
+    for (int m = n + 1; m < WIDTH; ++m)
+      x[p->row[step + m]] -= column_of_l[m - n - 1] * u[n];
+    value[n] = column_of_l + (WIDTH - 1 - n);
   }
-  const km_entry_range *last = &s->supernode_range[step + TOGETHER - 1];
+  const km_entry_range *last = &s->supernode_range[step + WIDTH - 1];
   const int *row = s->supernode_store.index + last->start, count = last->end - last->start;
   int i = 0;
   for (; i + 1 < count; i += 2) {
     km_pair sum = {x[row[i]], x[row[i + 1]]};
-    for (int n = 0; n < TOGETHER; ++n)
+    for (int n = 0; n < WIDTH; ++n)
       sum -= (km_pair){value[n][i], value[n][i + 1]} * (km_pair){u[n], u[n]};
     x[row[i]] = sum[0];
     x[row[i + 1]] = sum[1];
   }
-  for (int n = 0; n < TOGETHER && i < count; ++n)
+  for (int n = 0; n < WIDTH && i < count; ++n)
     x[row[i]] -= value[n][i] * u[n];
 }

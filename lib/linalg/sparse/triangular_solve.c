@@ -1,4 +1,4 @@
-/* How the rows of a triangle follow each other, and solutions by them in the widest registers that there are. */
+/* Structure of the rows of R, and forward substitution in the widest registers available. */
 #include "linalg/sparse/triangular_solve.h"
 
 #include <string.h>

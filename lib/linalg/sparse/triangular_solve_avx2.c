@@ -1,4 +1,5 @@
-/* The same in registers of four doubles. No fused multiply-add: the bits stay the same. */
+/* Forward substitution in registers of four doubles. No fused multiply-add, so the bits are those of two-double
+ * registers. */
 #ifdef KM_LANES_AVX2
 #define NAME  km_triangle_squares_avx2
 #define WIDTH 4
