@@ -1,4 +1,4 @@
-/* A four-bar of crank 1, rocker 3 and ground 3.5, its coupler as long as asked for, built by calls. */
+/* Builds a four-bar by calls: crank 1, rocker 3, ground 3.5, and a coupler of given length. */
 #ifndef FOURBAR_H
 #define FOURBAR_H
 

@@ -1,4 +1,4 @@
-/* A coupler is 3 long, give or take 0.01 (one sigma): how does the four-bar's leverage spread? */
+/* Spread of a four-bar's mechanical advantage for a coupler of length 3 with a standard deviation of 0.01. */
 #include "fourbar.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* Drives a joint upwards until it stops, and tells where and why. */
+/* Drives a joint upwards until it stops, and prints where and why. */
 #include <kmech/kmech.h>
 #include <stdio.h>
 

@@ -1,4 +1,4 @@
-/* What Python asks during long work: at most fifty times a second, so that it costs nothing. */
+/* Progress callback of Python: at most fifty times a second, so that its cost is negligible. */
 #include <kmech/kmech.h>
 
 #include <time.h>
@@ -6,7 +6,7 @@
 static bool kmech_python_progress(void *context, double done);
 
 typedef struct kmech_watch {
-  void *handle; /* of the Python object that is asked */
+  void *handle; /* handle of the Python callback */
   double last;  /* seconds */
 } kmech_watch;
 

@@ -1,4 +1,4 @@
-/* Questions asked on the command line. */
+/* Questions on the command line. */
 #include "common/asked.h"
 
 #include <stdio.h>

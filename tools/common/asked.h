@@ -13,7 +13,7 @@ typedef struct kt_asked {
   int count;
   const km_option *options[KT_MOST_ASKED];
   char help[KT_MOST_ASKED][KT_ASKED_HELP];
-  const char *names[KT_MOST_ASKED]; /* what messages call it: "--joint" */
+  const char *names[KT_MOST_ASKED]; /* name in messages: "--joint" */
   char name_texts[KT_MOST_ASKED][32];
   bool flags[KT_MOST_ASKED];
   kt_texts texts[KT_MOST_ASKED];
@@ -24,13 +24,13 @@ typedef struct kt_asked {
 void kt_asked_options(kt_options *out, kt_asked *asked, const char *kind, bool motion);
 /* Only some of them: `names`, NULL behind the last. */
 void kt_asked_some(kt_options *out, kt_asked *asked, const char *kind, const char *const *names);
-/* Is the option on the command line? */
+/* True if the option is on the command line. */
 bool kt_asked_given(const kt_asked *asked, const char *option);
-/* What is given for an option; NULL: the question hasn't one of this name. */
+/* Value of an option; NULL if the question has no option of this name. */
 kt_texts *kt_asked_texts(kt_asked *asked, const char *option);
-/* The command itself asks for this, where the question has such an option. */
+/* Sets an option for the command, if the question has it. */
 void kt_asked_set(kt_asked *asked, const char *option);
-/* What is given for this option came by another one, which messages are to name: "--point". */
+/* The value of this option was given by another one, which messages name: "--point". */
 void kt_asked_call(kt_asked *asked, const char *option, const char *name);
 /* Another help than the library's, for an option whose text can say more on a command line. */
 void kt_asked_explain(kt_options *out, const char *option, const char *argument, const char *help);
@@ -48,7 +48,7 @@ kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_
 /* An end of a leverage: a joint, or BODY/FRAME:DX,DY,DZ. */
 kt_exit kt_end(const kt_common *common, const km_model *model, const char *option, const char *text, km_arena *arena,
                km_port *out);
-/* Where the direction of a point begins; NULL: it has none. */
+/* Start of the direction of a point; NULL if it has none. */
 const char *kt_direction(const char *text);
 /* All loads that act: the model's own, as changed and added to by --load. */
 kt_exit kt_loads(const kt_common *common, const km_model *model, const kt_texts *texts, km_arena *arena,

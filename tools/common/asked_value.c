@@ -40,7 +40,7 @@ static kt_exit read_sense(const kt_common *common, const km_model *model, const 
   return result;
 }
 
-/* Of two numbers the third is 0, as in the file. */
+/* The third of two numbers is 0, as in the file. */
 static kt_exit read_vector(const kt_common *common, const char *name, const char *text, double *out) {
   bool given = kt_numbers(text, 3, out);
   if (!given && kt_numbers(text, 2, out)) {

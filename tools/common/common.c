@@ -1,4 +1,4 @@
-/* What the tools share: common options, subcommands, reading models. */
+/* Common options, subcommands and reading of models for all tools. */
 #include "common/common.h"
 
 #include "common/pages.h"
@@ -84,7 +84,7 @@ static void print_help(const char *tool, const char *about, const kt_command *co
          tool);
 }
 
-/* What the C library still holds must reach the standard output, or the user must know. */
+/* Flushes the standard output, and reports a failure. */
 static void close_output(void) {
   if (fflush(stdout) == 0 && !ferror(stdout))
     return;
@@ -218,7 +218,7 @@ kt_exit kt_print_bytes(const kt_common *common, const km_text *text) {
   km_status status = km_file_write("-", text, &error);
   if (status) {
     kt_say(common, KM_ERROR, "%s", error.text);
-    __fpurge(stdout); /* told once is enough */
+    __fpurge(stdout); /* reported once */
     clearerr(stdout);
   }
   return kt_exit_of(status);

@@ -1,4 +1,4 @@
-/* What the tools share: the common options, exit codes, messages, labels on the command line, output files. */
+/* Functions shared by the tools: common options, exit codes, messages, labels on the command line, output files. */
 #ifndef KT_COMMON_H
 #define KT_COMMON_H
 
@@ -16,25 +16,25 @@ typedef enum kt_exit {
   KT_BAD_MODEL = 3,
   KT_GAVE_OUT = 4,
   KT_INTERNAL = 5,
-  KT_NO_MEMORY = 6 /* within a tool alone: memory is short, and nobody has said so. kt_run does, and ends with 5 */
+  KT_NO_MEMORY = 6 /* inside a tool only: out of memory, not yet reported. kt_run reports it and exits with 5 */
 } kt_exit;
 
 kt_exit kt_exit_of(km_status status);
-/* Of two parts of a command, the code that says more. */
+/* The more severe exit code of two parts of a command. */
 kt_exit kt_worse(kt_exit a, kt_exit b);
 
-/* What every command is told. */
+/* Context of every command. */
 typedef struct kt_common {
-  const char *tool; /* how messages begin */
+  const char *tool; /* prefix of messages */
   bool quiet, verbose, force;
-  bool floating;            /* of --float: what a robot description leaves untied is free */
-  double closure_tolerance; /* of --closure-tolerance; 0: the file's */
+  bool floating;            /* --float: bodies without a parent in a robot description are free */
+  double closure_tolerance; /* --closure-tolerance; 0: the file's */
   int jobs;
   unsigned long seed;
-  int mode;           /* of --mode: the assembly mode that poses are brought to; 0: the file's own */
-  const char *pose;   /* of --pose: the model's named pose to start from; NULL: its own */
+  int mode;           /* --mode: assembly mode; 0: the file's own */
+  const char *pose;   /* --pose: named pose of the model to start from; NULL: its own */
   km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
-  km_text *log;       /* where messages are gathered, so that parallel work reports in order; NULL: straight out */
+  km_text *log;       /* buffer of messages, so that parallel work reports in order; NULL: direct output */
 } kt_common;
 
 /* A tool's defaults. */
@@ -53,7 +53,7 @@ void kt_say(const kt_common *common, km_severity severity, const char *format, .
 /* `tool: text` on the standard error, with --verbose only. */
 void kt_detail(const kt_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* What a reader found, with the file in front: its messages, and `text` where it failed without an error among them. */
+/* Prints the messages of a reader with the file name, and `text` if it failed without an error message. */
 kt_exit kt_tell_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
                          const char *text);
 
@@ -63,7 +63,7 @@ kt_exit kt_usage(const kt_common *common, const char *option, const char *found,
 /* Writes the gathered messages to the standard error. */
 void kt_flush(kt_common *common);
 
-/* Seconds since some moment, by a clock that nobody sets. */
+/* Seconds of the monotonic clock. */
 double kt_clock(void);
 
 /* A progress bar on the standard error: on a terminal only, and only after one second. */
@@ -86,15 +86,15 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
 
 /* Reads a model and says what is wrong with it. NULL and *exit otherwise. The caller frees it. */
 km_model *kt_load(const kt_common *common, const char *path, kt_exit *exit);
-/* The same with other values for some of its numbers. */
+/* Reads a model with other values of some numbers. */
 km_model *kt_load_varied(const kt_common *common, const char *path, const km_assignment *assignments, int count,
                          kt_exit *exit);
-/* Does -o ask for the standard output? NULL: it wasn't given. */
+/* True if -o is the standard output; NULL: not given. */
 bool kt_is_piped(const char *base);
-/* "models/brake.json" → "brake"; "-" → "model". Into the caller's buffer of `size`. */
+/* Base name of a file: "models/brake.json" → "brake", "-" → "model". Written to the caller's buffer of `size`. */
 void kt_base_name(const char *path, char *out, size_t size);
-/* How a study's files are named: after its file without ending, or its folder where the file is called study.json;
- * without a file (NULL, "-") after the model. */
+/* Base name of a study's output files: its file without extension, or its folder if the file is study.json; without
+ * a file (NULL, "-") that of the model. */
 void kt_study_base(const char *study, const char *model, char *out, size_t size);
 /* The folder of a file: "" the current one. */
 void kt_folder_of(const char *path, char *out, size_t size);
@@ -102,7 +102,7 @@ void kt_folder_of(const char *path, char *out, size_t size);
 /* A piece of a command-line text up to an unescaped separator; backslashes before , = / [ are undone. */
 typedef struct kt_piece {
   char *text;
-  char separator; /* what ended it, 0 at the end */
+  char separator; /* separator after the word; 0 at the end */
 } kt_piece;
 /* Splits off the first piece of *rest and moves *rest behind it. The caller frees piece.text. Where there is no
  * memory for a word of the command line, the tool says so and ends. */
@@ -135,7 +135,7 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
                       int *coordinate);
 /* A frame by BODY/FRAME on the command line. */
 kt_exit kt_frame(const kt_common *common, const km_model *model, const char *option, const char *text, int *frame);
-/* Each text gets columns of its own name: is each there once? Else says which isn't. */
+/* Checks that texts, which become column names, are unique; otherwise reports the duplicate. */
 kt_exit kt_each_once(const kt_common *common, const char *option, char *const *texts, int count);
 /* A decimal of at most 1e60 in size, with a sign, a point and an exponent where they are wanted; nothing else around
  * it. Every option's numbers are read by this. */
@@ -145,7 +145,7 @@ bool kt_whole(const char *text, int least, int most, int *out);
 /* Just so many numbers with commas between them. */
 bool kt_numbers(const char *text, int count, double *out);
 
-/* Which files --format asks for. */
+/* File formats requested by --format. */
 typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_HTML, KT_APNG, KT_DXF, KT_FORMATS } kt_format;
 typedef struct kt_formats {
   bool wanted[KT_FORMATS];
@@ -154,20 +154,20 @@ typedef struct kt_formats {
 #define KT_FORMATS_KIND KT_TEXT_OF("csv or json or svg or pdf or png")
 /* "csv,svg"; false and a message if a word is unknown. */
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
-/* The same of a command that writes some of `among`, "svg,pdf,png". */
+/* File formats of a command that writes some of `among`, "svg,pdf,png". */
 bool kt_formats_parse_among(const kt_common *common, const char *text, const char *among, kt_formats *out);
 int kt_formats_count(const kt_formats *formats);
 const char *kt_format_word(kt_format format);
 km_picture_format kt_picture_format(kt_format format);
 
-/* Remembers a file that the command reads; options and operands that are files are remembered as they are read. */
+/* Records a file that the command reads; file options and operands are recorded when they are read. */
 void kt_input(const char *path);
-/* Writes a result, unless the file is one that the command reads; tells where unless quiet. */
+/* Writes a result, unless the file is one that the command reads; prints the path unless quiet. */
 kt_exit kt_write_file(const kt_common *common, const char *path, const km_text *bytes);
-/* Writes BASE.RESULT.FORMAT, or the standard output for base "-"; tells where unless quiet. */
+/* Writes BASE.RESULT.FORMAT, or the standard output for base "-"; prints the path unless quiet. */
 kt_exit kt_write(const kt_common *common, const char *base, const char *result, const char *format,
                  const km_text *bytes);
-/* Tells before more than 100 MB are written: tables of so many numbers in all, each of some 20 bytes. */
+/* Warns before more than 100 MB are written: `numbers` numbers of about 20 bytes each. */
 void kt_note_size(const kt_common *common, double numbers);
 /* The name of a file that holds one of the `kinds` ("json or urdf"), the first one by default: *file (NULL and "-"
  * stay), with that ending in `room` where it has none and isn't a device or a pipe. KT_USAGE with a message for
@@ -178,10 +178,10 @@ kt_exit kt_file_name(const kt_common *common, const char *kinds, const char **fi
  * NULL behind the last); NULL: none. */
 const char *kt_foreign_ending(const char *base, const char *const *lists);
 
-/* Whether a file may be written under this name: it is new, or --force is given; says so if not. Pipes and devices may
+/* True if a file may be written: it is new, or --force is given; otherwise reports an error. Pipes and devices may
  * always be written. */
 bool kt_may_write(const kt_common *common, const char *path);
-/* Writes text for people, or JSON, to the standard output; controls in names are shown (km_text_visible). */
+/* Writes text or JSON to the standard output; control characters in names are escaped (km_text_visible). */
 kt_exit kt_print(const kt_common *common, const km_text *text);
 /* Writes a file's bytes as they are. */
 kt_exit kt_print_bytes(const kt_common *common, const km_text *text);

@@ -1,4 +1,4 @@
-/* What actuators must give beyond what their drives can. */
+/* Warnings about actuator forces beyond the limits of the drives. */
 #include "common/drives.h"
 
 void kt_tell_drive(const kt_common *common, const char *name, const kt_pose *pose, const km_port *actuator,

@@ -1,4 +1,4 @@
-/* What actuators must give beyond what their drives can. */
+/* Warnings about actuator forces beyond the limits of the drives. */
 #ifndef KT_DRIVES_H
 #define KT_DRIVES_H
 

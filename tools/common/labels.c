@@ -34,8 +34,7 @@ char *kt_plain(const char *text) {
   return kt_split(&text, "").text;
 }
 
-/* Of what strtod takes only decimals: no blanks, no hexadecimal digits, no words. The tools never leave the C
- * locale. */
+/* Numbers on the command line are decimals: no blanks, hexadecimal digits or words. The tools keep the C locale. */
 static bool is_number(const char *text, double *out) {
   char *end = NULL;
   *out = strtod(text, &end);

@@ -11,7 +11,7 @@ typedef struct loads {
   int count;
 } loads;
 
-/* What follows the = of --load: numbers, then perhaps :frame or :fixed. */
+/* Reads the value of --load: numbers, then optionally :frame or :fixed. */
 typedef struct values {
   double items[6];
   int count;

@@ -21,7 +21,7 @@ typedef struct style {
   const char *word, *tool_colour, *word_colour; /* SGR numbers; NULL: as the terminal has it */
 } style;
 
-/* Of the severities; then of details. */
+/* Colours of the severities, and of details. */
 static const style styles[] = {
     {"note: ", NULL, "1;36"}, {"warning: ", NULL, "1;33"}, {"", "1;31", NULL}, {"", NULL, NULL}};
 enum { DETAIL = sizeof styles / sizeof *styles - 1 };

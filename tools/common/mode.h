@@ -1,4 +1,4 @@
-/* Bringing a pose to an assembly mode. Private to tools/common: the tools ask for it by kt_bring. */
+/* Selection of an assembly mode. Private to tools/common: tools use kt_bring. */
 #ifndef KT_MODE_H
 #define KT_MODE_H
 

@@ -161,7 +161,7 @@ void kt_options_hide(kt_options *options, const char *name) {
       options->items[i].group = KT_HIDDEN;
 }
 
-/* What argp knows beside the tables. */
+/* Data of argp beyond the tables. */
 static const char *const known[] = {"help", "usage", "version"};
 enum { KNOWN = sizeof known / sizeof *known };
 
@@ -232,8 +232,7 @@ static bool check_long(const kt_options *options, const char *command, const cha
   return found && found->argument && !given;
 }
 
-/* argp and getopt would tell of mistakes in words and colours of their own, and of an unknown option without the
- * nearest ones. */
+/* argp and getopt report errors in their own form, and an unknown option without suggestions. */
 static void check_names(const kt_options *options, int argc, char **argv) {
   for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i) {
     const char *text = argv[i], *next = i + 1 < argc ? argv[i + 1] : NULL;

@@ -14,7 +14,7 @@ typedef struct kt_texts {
   int count;
 } kt_texts;
 
-/* What becomes of an option's argument. */
+/* Kind of an option's argument. */
 typedef struct kt_kind {
   enum {
     KT_KEEP_FLAG,
@@ -27,12 +27,12 @@ typedef struct kt_kind {
     KT_KEEP_BEGIN,
     KT_KEEP_TOLERANCE
   } keep;
-  const char *words; /* of a WORD; of texts what completions offer, or NULL */
+  const char *words; /* choices of a WORD; completions of a text, or NULL */
 } kt_kind;
 
 #define KT_FLAG           ((kt_kind){KT_KEEP_FLAG, NULL})  /* no argument; target bool: it is given */
 #define KT_TEXT           ((kt_kind){KT_KEEP_TEXT, NULL})  /* const char *: the text, the last one counts */
-#define KT_TEXT_OF(WORDS) ((kt_kind){KT_KEEP_TEXT, WORDS}) /* the same, some of "one or another" with commas */
+#define KT_TEXT_OF(WORDS) ((kt_kind){KT_KEEP_TEXT, WORDS}) /* several of the choices, separated by commas */
 /* const char *: a file that is read, which no result replaces */
 #define KT_INPUT          ((kt_kind){KT_KEEP_INPUT, NULL})
 #define KT_BEGIN                                                                                                       \
@@ -43,20 +43,20 @@ typedef struct kt_kind {
 #define KT_SEED        ((kt_kind){KT_KEEP_SEED, NULL})      /* unsigned long: a whole number of at least 0 */
 #define KT_TOLERANCE   ((kt_kind){KT_KEEP_TOLERANCE, NULL}) /* double: above 0 and below 0.1 */
 
-/* In which part of --help an option stands; hidden ones are taken for old scripts and do nothing. */
+/* Section of --help; hidden options are accepted for old scripts and do nothing. */
 typedef enum kt_group { KT_HIDDEN, KT_ABOUT_MODEL, KT_ABOUT_METHOD, KT_ABOUT_FILES, KT_ABOUT_ALL = 90 } kt_group;
 
 typedef struct kt_option {
-  const char *name;     /* behind -- */
+  const char *name;     /* name after -- */
   int key;              /* the letter behind -, or 0 */
   const char *argument; /* as --help shows it; NULL: none */
   const char *help;
   kt_kind kind;
-  void *target; /* of the kind's type */
+  void *target; /* target of the kind's type */
   kt_group group;
 } kt_option;
 
-/* What stands on the command line beside options. */
+/* Operands of a command line. */
 typedef struct kt_operand {
   const char *noun, *argument; /* "model", "MODEL" or "MODEL...": as messages and --help name it; NULL: none */
   bool required;
@@ -72,7 +72,7 @@ typedef struct kt_options {
 } kt_options;
 
 void kt_options_add(kt_options *options, const kt_option *table, size_t count);
-/* The same for an array. */
+/* List of options from an array. */
 #define KT_OPTIONS_ADD(OPTIONS, TABLE) kt_options_add(OPTIONS, TABLE, sizeof(TABLE) / sizeof *(TABLE))
 
 /* Leaves an option out of --help. */

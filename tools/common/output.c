@@ -26,7 +26,7 @@ static int find_format(const char *word) {
   return -1;
 }
 
-/* Whether a word stands in a list with commas. */
+/* True if a word is in a comma-separated list. */
 static bool stands_in(const char *list, const char *word) {
   size_t length = strlen(word);
   for (const char *at = list; *at; at += strcspn(at, ","), at += *at == ',')
@@ -83,7 +83,7 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
   return written;
 }
 
-/* Behind the last dot of a file's name; "" if that isn't a word. */
+/* Extension of a file name; "" if it isn't a word. */
 static const char *ending_of(const char *path) {
   const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
   bool word = dot && dot != name && isalpha((unsigned char)dot[1]);

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What argp adds to every table. */
+/* Options that argp adds to every table. */
 static const kt_option added[] = {
     {"help", '?', NULL, "Give a list of the options", {0}, NULL, KT_ABOUT_ALL},
     {"usage", 0, NULL, "Give a short usage message", {0}, NULL, KT_ABOUT_ALL},
@@ -141,7 +141,7 @@ static bool names_file(const kt_option *o) {
   return strcmp(o->argument, "FILE") == 0 || strcmp(o->argument, "BASE") == 0;
 }
 
-/* What is offered behind an option: files, its words, or nothing. */
+/* Completions of an option's argument: files, its choices, or none. */
 static void put_offer(const kt_option *o) {
   fputs("      ", stdout);
   put_names(o);

@@ -6,7 +6,7 @@
 
 /* Prints the page of a command ("kmob sweep") that the word behind `--help=` names. False: there is none. */
 bool kt_page_print(const kt_options *options, const char *command, const char *about, const char *word);
-/* The same of a whole tool; `commands` lists its commands, one a line. */
+/* Manual page or completion of a tool; `commands` lists its commands, one per line. */
 bool kt_page_print_tool(const char *tool, const char *about, const kt_command *commands, const char *word);
 
 #endif

@@ -1,4 +1,4 @@
-/* Brings a model to the pose that a command asks for. */
+/* Brings a model to the configuration requested by a command. */
 #include "common/pose.h"
 
 #include "common/mode.h"
@@ -60,7 +60,7 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   return kt_exit_of(status);
 }
 
-/* The named pose that is asked for. */
+/* The requested named pose. */
 static kt_exit take_pose(const kt_common *common, const char *path, km_model *model) {
   int pose;
   km_error error;

@@ -12,10 +12,10 @@ typedef struct kt_pose {
   km_state *state;
 } kt_pose;
 
-/* Loads a model and brings it to the pose that its analysis.hold, --hold, --set and --mode ask for. Says what went
- * wrong. The caller closes the pose in any case. */
+/* Reads a model and brings it to the configuration of its analysis.hold, --hold, --set and --mode. Reports errors.
+ * The caller closes the pose in any case. */
 kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
-/* The same for a model that is loaded, out->model; mechanism and state must be NULL. */
+/* Brings a model that was read, out->model, to the configuration; mechanism and state must be NULL. */
 kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
 void kt_close(kt_pose *pose);
 
@@ -44,20 +44,20 @@ km_status kt_modes_find(const kt_common *common, const kt_texts *sets, const kt_
 #define KT_SET_FIRST  "Start from another pose: move a joint to a value first"
 #define KT_HOLD_RIGID "Keep a joint rigid at a value (x,y,… for several coordinates)"
 
-/* What the commands about one pose are asked. */
+/* Options of the commands about one configuration. */
 typedef struct kt_request {
   kt_common common;
   kt_texts holds, sets;
   const char *model;
-  const char *base; /* of -o, or NULL */
-  int json;         /* else a table for people */
+  const char *base; /* -o, or NULL */
+  int json;         /* otherwise a text table */
 } kt_request;
 
 /* --hold --format --base and the model, --set too where it is `settable`. RESULT is the word in the files' names. */
 #define KT_REQUEST_BASE(RESULT) "Write BASE." RESULT ".txt or .json instead of the standard output"
 void kt_request_options(kt_options *out, kt_request *request, bool settable, const char *base_help);
 
-/* The pose that the request asks for. */
+/* The requested configuration. */
 kt_exit kt_request_open(const kt_request *request, kt_pose *out);
 /* Writes BASE.RESULT.txt or .json, or to the standard output without -o. */
 kt_exit kt_answer(const kt_request *request, const char *result, const km_text *text);

@@ -25,7 +25,7 @@ static bool ends_with(const char *text, const char *end) {
   return a > b && strcmp(text + a - b, end) == 0;
 }
 
-/* Which of the two formats, from --format or the file's name; false if --format is neither, or not the file's. */
+/* Format from --format or the file's extension; false if --format is invalid or contradicts the extension. */
 static bool choose_format(const kt_sweep_options *o, bool *html) {
   bool named_html = o->base && ends_with(o->base, ".html"), named_pdf = o->base && ends_with(o->base, ".pdf");
   const char *word = o->format ? o->format : named_html ? "html" : "pdf";

@@ -1,4 +1,4 @@
-/* What the report commands of the tools share: one model, one document. */
+/* Report commands: one model, one document. */
 #ifndef KT_REPORT_H
 #define KT_REPORT_H
 
@@ -9,7 +9,7 @@ void kt_report_options(kt_options *out, kt_sweep_options *options, const char *k
 #define KT_REPORT_BASE(WORD)                                                                                           \
   "Write this file if it ends with .pdf or .html, else BASE." WORD ".FORMAT (default: the model's name)"
 
-/* Asks the model the question, with all that its report shows, and writes the report: BASE.<kind>-report.FORMAT. */
+/* Computes a question with the options of its report, and writes BASE.<kind>-report.FORMAT. */
 kt_exit kt_report(kt_sweep_options *options);
 
 #endif

@@ -54,7 +54,7 @@ static int cut_row(const char *row, size_t length, cell *cells, int most) {
   return count;
 }
 
-/* Without the backquotes of names. */
+/* Writes a text without the backquotes of names. */
 static void put_cell(cell c, km_text *out) {
   while (c.length) {
     const char *quote = memchr(c.text, '`', c.length);

@@ -1,4 +1,4 @@
-/* Asks several models one question at once and writes their tables and one plot. */
+/* Computes one question for several models in parallel, and writes their tables and one plot. */
 #include "common/sweep.h"
 
 #include "common/drives.h"
@@ -20,7 +20,7 @@ static void tell_drives(kt_sweep_job *j, const km_statics_sweep *statics) {
   }
 }
 
-/* What the user should know of how the mechanism moved. */
+/* Notes about the course of the motion. */
 static void tell(kt_sweep_job *j, bool partial) {
   const kt_common *common = &j->common;
   const km_sweep *motion = km_question_motion(j->question);
@@ -123,7 +123,7 @@ void kt_sweep_job_run(kt_sweep_job *j) {
     ask(j);
 }
 
-/* The first job is open already: its characteristic length serves all. */
+/* The first job is already open: all use its characteristic length. */
 static void start_job(void *context, int index) {
   kt_sweep_job *jobs = context;
   const kt_pose *first = &jobs[0].pose;
@@ -138,7 +138,7 @@ bool kt_sweep_job_delivers(const kt_sweep_job *j) {
   return (j->result == KT_DONE || j->result == KT_PARTIAL) && !j->empty;
 }
 
-/* What the result is called in the names of files. */
+/* Name of the result in file names. */
 static const char *word_of(const kt_sweep_options *o) {
   return km_question_kind_name(o->asked.kind);
 }
@@ -208,7 +208,7 @@ static void base_of(const kt_sweep_options *o, char *out, size_t size) {
     snprintf(out, size, "%s%s", model, job_count(o) > 1 ? "-compared" : "");
 }
 
-/* How many numbers the tables hold. */
+/* Number of numbers in the tables. */
 static double count_numbers(const kt_sweep_options *o, const kt_sweep_job *jobs) {
   double numbers = 0.0;
   for (int i = 0; i < job_count(o); ++i) {
@@ -269,7 +269,7 @@ static bool one_standard_input(const kt_sweep_options *o) {
   return count < 2;
 }
 
-/* What one variant after the other says in the same words is said once: a wrong option is wrong for all. */
+/* Equal messages of variants are printed once: a wrong option is wrong for all. */
 static void say_once(kt_sweep_job *jobs, int count) {
   for (int i = count - 1; i > 0; --i) {
     const km_text *last = &jobs[i - 1].log;

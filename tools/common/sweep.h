@@ -1,4 +1,4 @@
-/* What the sweep commands of the tools share: options, models swept at once, files. */
+/* Sweep commands: options, parallel sweeps of several models, files. */
 #ifndef KT_SWEEP_H
 #define KT_SWEEP_H
 
@@ -8,16 +8,16 @@
 
 enum { KT_MOST_MODELS = 64, KT_JOB_NAME = 1024 };
 
-/* What sweep and report commands are asked. */
+/* Options of sweep and report commands. */
 typedef struct kt_sweep_options {
   kt_common common;
   kt_asked asked; /* the question */
   kt_texts holds, sets, models, vary;
-  kt_variants variants; /* what `vary` says. By kt_sweep */
-  const char *joints;   /* of --joints: whose curves are drawn; or NULL */
-  const char *base;     /* of -o, or NULL */
-  const char *format;   /* of --format, or NULL */
-  kt_formats formats;   /* what it says. By kt_sweep */
+  kt_variants variants; /* variants of `vary`, set by kt_sweep */
+  const char *joints;   /* --joints: coordinates whose curves are drawn, or NULL */
+  const char *base;     /* -o, or NULL */
+  const char *format;   /* --format, or NULL */
+  kt_formats formats;   /* formats of --format, set by kt_sweep */
 } kt_sweep_options;
 
 /* The options of a kind of question, --hold and --set. */
@@ -29,15 +29,15 @@ void kt_sweep_options_several(kt_options *out, kt_sweep_options *options, const 
 /* One model of the sweep, or one variant of one, with all that its files are made of. */
 typedef struct kt_sweep_job {
   const kt_sweep_options *options;
-  kt_common common; /* with a log of its own */
+  kt_common common; /* context with its own log */
   km_text log;
   const char *path;
-  int variant; /* of options->variants */
+  int variant; /* index in options->variants */
   km_assignment values[KT_MOST_VARIED];
   char variant_name[KT_VARIANT_NAME]; /* "rise=40"; "" */
-  char name[KT_JOB_NAME];             /* in messages and summaries: the path, and the variant behind it */
-  char label[KT_JOB_NAME];            /* at curves: the model's name, or the variant's */
-  char base[KT_JOB_NAME];             /* in files' names: the same without blanks and slashes */
+  char name[KT_JOB_NAME];             /* name in messages and summaries: the path and the variant */
+  char label[KT_JOB_NAME];            /* name at curves: of the model or the variant */
+  char base[KT_JOB_NAME];             /* name in file names: without blanks and slashes */
   kt_pose pose;
   km_question *question;
   int *shown; /* [shown_count] coordinates of --joints; NULL: not given */
@@ -47,7 +47,7 @@ typedef struct kt_sweep_job {
   bool empty; /* no pose of the range is in reach: there is nothing to write */
 } kt_sweep_job;
 
-/* Asks every model, and every variant of it, the question, --jobs at once, and writes what was asked for. */
+/* Computes the question for all models and variants on --jobs threads, and writes the requested files. */
 kt_exit kt_sweep(kt_sweep_options *options);
 
 /* Takes the values of its variant, and names it after these and its model: name, label, base. */
@@ -55,9 +55,9 @@ void kt_sweep_job_name(kt_sweep_job *job);
 /* Reads the model of a job that has its names and brings it to its pose; job->result says how it went. `metres`:
  * another model's characteristic length, 0: its own. */
 void kt_sweep_job_open(kt_sweep_job *job, double metres);
-/* Asks a job whose model is open its question; job->result says how it went. */
+/* Computes the question of a job whose model is open; job->result is its exit code. */
 void kt_sweep_job_run(kt_sweep_job *job);
-/* Is there something to write? */
+/* True if there is something to write. */
 bool kt_sweep_job_delivers(const kt_sweep_job *job);
 void kt_sweep_job_close(kt_sweep_job *job);
 

@@ -19,14 +19,14 @@ typedef struct kt_varied {
   char *path;
   double *values;
   int count;
-  int digits; /* by which its values are told apart in names: 6, or more */
+  int digits; /* digits of its values in names: 6, or as many as distinguish them */
 } kt_varied;
 
-/* What --vary asks for. Variant k of `count` has one value of each number, the last one changing fastest. */
+/* Variants of --vary. Variant k of `count` has one value of each number; the last number changes fastest. */
 typedef struct kt_variants {
   kt_varied numbers[KT_MOST_VARIED];
   int number_count;
-  int count; /* of variants; 1 where nothing is varied */
+  int count; /* number of variants; 1 without --vary */
 } kt_variants;
 
 /* Reads the options. KT_USAGE with a message: more than `most` variants, a faulty option. Free in any case. */

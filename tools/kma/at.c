@@ -26,7 +26,7 @@ static km_status transmission_at(const kt_pose *pose, const ends *e, km_transmis
   return status;
 }
 
-/* `why` of losses that aren't asked for is the model's lack of friction. */
+/* `why` of losses that aren't requested: the model has no friction. */
 static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, km_error *error) {
   km_losses_workspace *work;
   *out = (km_losses){.ratio = nan(""), .efficiency = nan(""), .why = "no joint has friction"};
@@ -39,7 +39,7 @@ static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, k
   return status;
 }
 
-/* What is said of the pose belongs to none of the motions that meet there. */
+/* The numbers of a branch point belong to none of its branches. */
 static km_status tell_branches(const options *o, const kt_pose *pose, km_transfer *lever, km_error *error) {
   enum { MOST = 8 };
   km_advantage each[MOST];

@@ -1,4 +1,4 @@
-/* What kma's commands share. */
+/* Commands of kma. */
 #ifndef KMA_H
 #define KMA_H
 

@@ -7,11 +7,11 @@
 #include "kmech/version.h"
 
 enum { PLANE_STEPS = 240, SPACE_STEPS = 120 };
-static const double seconds = 4; /* from one end of the motion to the other: 60 pictures a second in a plane */
+static const double seconds = 4; /* frames from one end of the motion to the other: 60 per second in a plane */
 
 typedef struct animation {
   kmob_shots *shots;
-  km_question *question; /* about the mobility, with its answer */
+  km_question *question; /* mobility question with its answer */
   km_sweep_plan plan;
   const km_mobility_sweep *sweep;
   km_arena arena;

@@ -23,7 +23,7 @@ static kt_exit write_findings(const kmob_request *o, const kt_pose *pose, const 
   return result;
 }
 
-/* Does the user ask for another pose than the file's own? */
+/* True if the options request another configuration than the file's. */
 static bool is_moved(const kmob_request *o) {
   return o->pose.sets.count > 0 || o->pose.common.mode > 0 || o->pose.common.pose;
 }

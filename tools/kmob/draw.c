@@ -46,7 +46,7 @@ static kt_exit read_outlines(kmob_draw_options *o) {
   return o->scale ? read_scale(o) : KT_DONE;
 }
 
-/* What needs no model. */
+/* Checks of options that need no model. */
 static kt_exit read_options(kmob_draw_options *o, int *poses) {
   *poses = 0;
   if (o->models.count > 1) {

@@ -1,4 +1,4 @@
-/* What the files of kmob draw share. */
+/* Data of kmob draw. */
 #ifndef KMOB_DRAW_H
 #define KMOB_DRAW_H
 
@@ -13,8 +13,8 @@ typedef struct kmob_draw_options {
   kt_asked asked; /* the motion, where it isn't analysis.sweep */
   kt_formats formats;
   const char *scale, *link_width;
-  double drawn_scale;   /* of --scale; 0: none */
-  double width;         /* of --link-width; 0: as drawn */
+  double drawn_scale;   /* --scale; 0: none */
+  double width;         /* --link-width; 0: as drawn */
   km_drawing_look look; /* view, size, names of bodies */
   bool meshes, animate;
 } kmob_draw_options;
@@ -25,23 +25,23 @@ typedef struct kmob_shots {
   int asked; /* poses along the sweep; 0: none */
   kt_pose pose;
   km_drawing *drawing;
-  km_meshes *meshes; /* NULL: not asked for */
+  km_meshes *meshes; /* NULL: not requested */
   km_text title;
   char name[256];
 } kmob_shots;
 
-/* Loads the model and moves it through everything that is asked. KT_PARTIAL: some of it is out of
- * reach. Says what went wrong. Free in any case. */
+/* Reads the model and computes all requested configurations and paths. KT_PARTIAL: some can't be reached. Reports
+ * errors. Free in any case. */
 kt_exit kmob_shots_take(kmob_shots *shots);
-/* The question about the motion that the options ask for, which the caller frees, and its plan. Says what is wrong. */
+/* Creates the question for the requested motion, which the caller frees, and its plan. Reports errors. */
 kt_exit kmob_shots_ask(const kmob_shots *shots, km_question **question, km_sweep_plan *plan);
-/* Begins the paths that the options ask for. Says what went wrong. */
+/* Begins the requested paths. Reports errors. */
 kt_exit kmob_shots_paths(kmob_shots *shots);
 /* Moves the model through its motion and writes what plays it: a page, an animated picture. Says what went wrong. */
 kt_exit kmob_animate(kmob_shots *shots);
-/* Writes the outlines of the links that the formats ask for. Says what went wrong. */
+/* Writes the outlines of the links in the requested formats. Reports errors. */
 kt_exit kmob_write_outlines(const kmob_draw_options *options, const km_drawing *drawing, const char *base);
-/* How they are drawn; borrowed. */
+/* Style of the drawing; borrowed. */
 km_drawing_look kmob_shots_look(const kmob_shots *shots);
 void kmob_shots_free(kmob_shots *shots);
 

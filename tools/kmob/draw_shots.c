@@ -1,4 +1,4 @@
-/* The poses and paths of a picture: the model moved through what was asked. */
+/* Configurations and paths of a picture. */
 #include "kmob/draw.h"
 
 #include <math.h>

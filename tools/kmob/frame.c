@@ -15,7 +15,7 @@ typedef struct options {
   const char *frame;
 } options;
 
-/* What is told of a frame. */
+/* Results about a frame. */
 typedef struct told {
   km_frame_pose pose;
   double *J;      /* [6 × coordinates] by the spanning tree */
@@ -74,15 +74,15 @@ static void print_matrix(const double *M, int columns, km_text *out) {
   }
 }
 
-/* What is left of 1/mass where a frame stands while it turns: its speed is rounding of the angular one times its
- * place. */
+/* Rounding of 1/mass at a point on the axis of rotation: its velocity is rounding of the angular velocity times its
+ * position. */
 static double left_of(const told *t) {
   static const double rounding = 1e-13;
   const double *p = t->pose.p, turning = t->inverse[21] + t->inverse[28] + t->inverse[35];
   return rounding * rounding * turning * (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
 }
 
-/* What a push along an axis of the inertial frame feels, a force or a torque. */
+/* Effective inertia for a force or torque along an axis of the inertial frame. */
 static void print_masses(const km_model *model, const told *t, km_text *out) {
   km_units units = km_model_units(model);
   const char *mass = units.mass->suffix, *length = units.length->suffix;

@@ -1,4 +1,4 @@
-/* What kmob's commands share. */
+/* Commands of kmob. */
 #ifndef KMOB_H
 #define KMOB_H
 
@@ -17,20 +17,20 @@ kt_exit kmob_convert(int argc, char **argv);
 kt_exit kmob_new(int argc, char **argv);
 kt_exit kmob_schema(int argc, char **argv);
 
-/* What the commands about one pose (info, at, check) are asked. */
+/* Options of the commands about one configuration (info, at, check). */
 typedef struct kmob_request {
   kt_request pose;
   bool modes;  /* list the other assembly modes too */
-  bool strict; /* remarks count */
+  bool strict; /* hints count as findings */
 } kmob_request;
 
-/* Which of them: info has no --set, check has --strict. */
+/* Differences: info has no --set, check has --strict. */
 typedef enum kmob_asking { KMOB_INFO, KMOB_AT, KMOB_CHECKS } kmob_asking;
 
 /* Reads the options of such a command; usage errors end the process. */
 kmob_request kmob_read_request(int argc, char **argv, const char *about, kmob_asking asking);
 
-/* Of commands that write one file. */
+/* Output option of commands that write one file. */
 #define KMOB_FILE(TARGET)                                                                                              \
   { "base", 'o', "FILE", "Write FILE instead of the standard output", KT_TEXT, TARGET, KT_ABOUT_FILES }
 

@@ -11,7 +11,7 @@ typedef struct options {
   int kind;
 } options;
 
-/* Millimetres and degrees where nothing else is asked. */
+/* Millimetres and degrees by default. */
 static kt_exit choose_units(const options *o, km_units *units) {
   *units = km_units_default();
   units->length = km_unit_find(KM_LENGTH, "mm");
@@ -19,7 +19,7 @@ static kt_exit choose_units(const options *o, km_units *units) {
   return kmob_choose_units(&o->common, o->units, units);
 }
 
-/* Where to write: -o as it is, or the name with the ending of a model. */
+/* Output path: -o unchanged, or the name with the extension of a model. */
 static void choose_path(const options *o, km_text *path) {
   const char *name = o->file ? o->file : o->name;
   size_t length = strlen(name);

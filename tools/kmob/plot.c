@@ -15,10 +15,10 @@ typedef struct options {
   kt_formats formats;
 } options;
 
-/* What is plotted, of every table. */
+/* Columns to plot of every table. */
 typedef struct work {
   const options *options;
-  char *y[MOST_COLUMNS]; /* the names asked for, owned */
+  char *y[MOST_COLUMNS]; /* requested names, owned */
   size_t columns;
   km_table *tables[MOST_TABLES]; /* owned */
   char names[MOST_TABLES][256];

@@ -163,10 +163,10 @@ static const char arm[] =
     "  'actuators': ['A1', 'A2', 'A3', 'A4', 'A5', 'A6'],\n"
     "  'loads': [{'name': 'payload', 'frame': 'hand/tool', 'force': [0, 0, <-50 N>]}]}\n}\n";
 
-/* In the order of KMOB_KINDS. */
+/* Starter models in the order of KMOB_KINDS. */
 static const char *const starters[] = {fourbar, slider_crank, cylinder, six_bar, parallel, arm};
 
-/* How many of its unit a round size has. */
+/* Size as a round number in the given unit. */
 static double rounded(const km_unit *unit, double size, const char *odd, double odd_size) {
   return strcmp(unit->suffix, odd) == 0 ? size / odd_size : size / unit->si;
 }
@@ -193,7 +193,7 @@ static void write_units(const km_units *units, km_text *out) {
   km_text_add(out, "}");
 }
 
-/* What stands between < and >. */
+/* Replaces the text between < and >. */
 static void write_placeholder(const char *text, size_t size, const km_units *units, km_text *out) {
   char word[32], *unit;
   snprintf(word, sizeof word, "%.*s", (int)size, text);

@@ -1,4 +1,4 @@
-/* What the commands that write model files share: the file, and the units asked for. */
+/* Commands that write model files: file and units. */
 #include "kmob/kmob.h"
 
 #include "kmech/base.h"

@@ -1,4 +1,4 @@
-/* kredund compare: methods side by side. */
+/* kredund compare: comparison of methods. */
 #include "kredund/tracks.h"
 
 kt_exit kredund_compare(int argc, char **argv) {

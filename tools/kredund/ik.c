@@ -84,7 +84,7 @@ kt_exit kredund_ik(int argc, char **argv) {
   kredund_arm_options(&all, &r);
   KT_OPTIONS_ADD(&all, table);
   kt_common_options(&all, &r.common, KT_USES_SEED | KT_USES_MODEL);
-  kt_options_hide(&all, "objective"); /* what only a track has */
+  kt_options_hide(&all, "objective"); /* columns that only tracks have */
   kt_options_hide(&all, "rates");
   kt_options_read(&all,
                   "Every branch of poses that reach a pose of the effector: one self-motion each, with its closed "

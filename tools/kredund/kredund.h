@@ -1,4 +1,4 @@
-/* What kredund's commands share. */
+/* Commands of kredund. */
 #ifndef KREDUND_H
 #define KREDUND_H
 
@@ -11,17 +11,17 @@ kt_exit kredund_selfmotion(int argc, char **argv);
 kt_exit kredund_ik(int argc, char **argv);
 kt_exit kredund_matrix(int argc, char **argv);
 
-/* What the commands about an arm are asked: a study, or a model with options that say the same. */
+/* Options of the commands about an arm: a study, or a model with equivalent options. */
 typedef struct kredund_request {
   kt_common common;
   kt_texts holds, sets;
   const char *study; /* the argument */
   const char *model, *path, *effector, *q, *task, *methods, *objective, *rates;
-  const char *branches, *levels, *angle, *stride, *value; /* of look-ahead */
+  const char *branches, *levels, *angle, *stride, *value; /* settings of look-ahead */
   const char *pose;                                       /* ik: x,y,z,rx,ry,rz */
   const char *formats, *base;
-  int json;           /* ik: else a table for people */
-  bool everything;    /* without methods: all of them */
+  int json;           /* ik: otherwise a text table */
+  bool everything;    /* true: without methods, all of them are run */
   bool ignore_limits; /* selfmotion: rows outside the limits too */
 } kredund_request;
 
@@ -34,25 +34,25 @@ typedef struct kredund_open {
   kt_pose pose;
   km_study_def def;
   km_study *study;
-  km_arena arena;       /* of what options put into the definition */
-  const char *name;     /* of the study or the model, for messages */
-  const char *folder;   /* of the study's file */
+  km_arena arena;       /* memory of the options' values in the definition */
+  const char *name;     /* file of the study or model, for messages */
+  const char *folder;   /* folder of the study's file */
   char model[4096];     /* its model's file, */
   char model_name[256]; /* and that without folder and ending, for pictures */
-  char base[256];       /* of output files, unless they are given another */
+  char base[256];       /* base name of output files, by default */
 } kredund_open;
 
 /* Reads the study (or makes one from the options), its model, and binds them. `needs_path`: false for commands that can
  * do with the arm's own pose. Says what is wrong. The caller closes it in any case. */
 kt_exit kredund_bring(const kredund_request *request, bool needs_path, kredund_open *out);
 void kredund_close(kredund_open *open);
-/* Where the study's arm starts: q[coordinates of the arm], which the caller frees (km_free). NULL, said, with the exit
- * otherwise. */
+/* Start of the study's arm: q[coordinates of the arm], which the caller frees (km_free). NULL, with the error
+ * reported, otherwise. */
 double *kredund_start(const kredund_request *request, const kredund_open *open, kt_exit *exit);
 
 /* Marks the parts of the definition that options say, so that those of the study's file don't count. */
 void kredund_claim_parts(const kredund_request *request, km_study_def *def);
-/* Puts what the options say into the definition. What is wrong is told, or goes to `messages` with its place. */
+/* Enters the options into the definition. Errors are reported, or added to `messages` with their location. */
 kt_exit kredund_set_parts(const kredund_request *request, kredund_open *open, km_messages *messages);
 kt_exit kredund_set_methods(const kredund_request *request, kredund_open *open, km_messages *messages);
 /* An error at a place; the exit that it means. */

@@ -116,7 +116,7 @@ static void note_start(const kredund_request *r, const kredund_open *out) {
            out->name, moved);
 }
 
-/* Is --path a whole study? Then it says everything that the options don't. */
+/* True if --path is a complete study, which then states everything that the options don't. */
 static bool is_study(const char *path) {
   km_text bytes = {0};
   km_arena arena = {0};

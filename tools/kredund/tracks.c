@@ -153,7 +153,7 @@ static bool anything(const kredund_tracks *t) {
   return false;
 }
 
-/* How many numbers the tables hold; the best track's is written twice. */
+/* Number of numbers in the tables; the best track's table is written twice. */
 static double count_numbers(const kredund_tracks *t) {
   double numbers = 0.0;
   int best = km_tracks_best(&t->all);

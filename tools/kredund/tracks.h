@@ -11,8 +11,8 @@ typedef struct kredund_tracks {
   kt_formats formats;
   km_track **items;
   int count, complete;
-  bool map;      /* with the map of self-motions instead of a drawing of the arm */
-  km_tracks all; /* for the reports */
+  bool map;      /* true: map of self-motions instead of a drawing of the arm */
+  km_tracks all; /* name for the reports */
 } kredund_tracks;
 
 /* Runs every method of the study; KT_PARTIAL: none comes to the path's end. The caller frees it in any case. */
@@ -27,8 +27,8 @@ kt_exit kredund_tracks_deliver(kredund_tracks *tracks, const char *base);
 /* Opens the study of the request, runs its methods and delivers what they give; `map` as in kredund_tracks. */
 kt_exit kredund_tracks_command(const kredund_request *request, kt_formats formats, bool map);
 
-/* The options of the commands that run methods, for --help and for reading them, with what a command adds to them in
- * `all`. False: a usage error, told. */
+/* Options of the commands that run methods, for --help and for reading; `all` includes those that a command adds.
+ * False: a usage error, reported. */
 bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **argv, kredund_request *request,
                          kt_formats *formats);
 #endif

@@ -1,4 +1,4 @@
-/* What options say, put into the study's definition. */
+/* Enters values of options into the study's definition. */
 #include "kredund/kredund.h"
 
 #include "kmech/base.h"
@@ -86,7 +86,7 @@ static km_status read_path_text(const char *file, km_study_place place, km_messa
   return status;
 }
 
-/* --path: poses, a study or its path object. What is wrong with the file itself is told with its name alone. */
+/* --path: poses, a study or its path object. Errors of the file are reported with its name. */
 static kt_exit set_path(const kredund_request *r, kredund_open *open, km_messages *messages) {
   const km_study_place place = open->def.path.place;
   size_t length = strlen(r->path), errors = km_messages_errors(messages);

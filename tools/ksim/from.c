@@ -32,7 +32,7 @@ static bool has_unit(const ksim_work *w, const km_table *table, int column, cons
   return false;
 }
 
-/* The last row's value of PREFIX and the coordinate's label; `per`: what stands behind the coordinate's unit. */
+/* Value of the column PREFIX + label in the last row; `per`: suffix of the coordinate's unit. */
 static kt_exit read_value(const ksim_work *w, const km_table *table, const char *prefix, const char *per,
                           int coordinate, double *out) {
   const ksim_options *o = w->options;

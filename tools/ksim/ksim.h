@@ -30,7 +30,7 @@ bool ksim_read_rate(const km_model *model, int coordinate, const char *text, dou
 void ksim_tell_hinges(const kt_common *common, const char *path, const km_model *model);
 /* Warns of joints that pass limits where no stop acts; KT_PARTIAL where there are some. */
 kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
-/* The gravity that counts, and what the reactions leave out, for people. */
+/* Prints gravity, and what the reactions omit. */
 void ksim_print_acting(bool reactions, const km_model *model, km_text *out);
 /* Warns of drives that went beyond their joints' bounds. */
 void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
@@ -53,7 +53,7 @@ kt_exit ksim_deliver(const ksim_delivery *delivery);
 kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,
                           const char *expected, kt_formats *out);
 
-/* What `ksim run` is asked. */
+/* Options of `ksim run`. */
 typedef struct ksim_options {
   kt_common common;
   kt_texts holds, sets, rates, events, stops, frames;
@@ -68,7 +68,7 @@ typedef struct ksim_options {
 typedef struct ksim_work {
   ksim_options *options;
   kt_pose pose;
-  char name[256]; /* of the model */
+  char name[256]; /* name of the model */
   km_history_def def;
   km_crossing *crossings; /* the definition's */
   size_t crossing_capacity;

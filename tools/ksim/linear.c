@@ -24,7 +24,7 @@ typedef struct work {
   km_forces *forces;
   km_dynamics *dynamics;
   km_linear linear;
-  const char *base; /* of the files: that of -o, else */
+  const char *base; /* base name of the files: -o, otherwise that of the model */
   char name[256];   /* the model's */
 } work;
 

@@ -7,7 +7,7 @@
 
 enum { MOST_TOLD = 8 };
 
-/* Rates that people state to three digits agree; those that differ by more contradict each other. */
+/* Rates that agree to three digits are consistent; larger differences are contradictions. */
 static const double rounded = 1e-3;
 
 kt_exit ksim_set_rates(ksim_work *w) {

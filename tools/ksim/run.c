@@ -62,7 +62,7 @@ static kt_exit read_numbers(ksim_work *w) {
 /* JOINT=VALUE as crossings of its coordinates, behind those at hand. */
 static kt_exit add_crossing(ksim_work *w, const char *option, char *text, bool stops) {
   km_simulation_def *def = &w->def.simulation;
-  kt_settings one = {0}; /* of several values of a joint settings keep the last one */
+  kt_settings one = {0}; /* the last of several values of a joint is used */
   void *crossings = w->crossings;
   kt_exit result = kt_settings_add(&w->options->common, w->pose.model, option, &text, 1, &one);
   size_t count = (size_t)def->crossing_count;
@@ -75,7 +75,7 @@ static kt_exit add_crossing(ksim_work *w, const char *option, char *text, bool s
   return result;
 }
 
-/* Those of --event and --stop. */
+/* Events of --event and --stop. */
 static kt_exit read_crossings(ksim_work *w) {
   const ksim_options *o = w->options;
   kt_exit result = KT_DONE;
@@ -118,7 +118,7 @@ static kt_exit prepare(ksim_work *w) {
   return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
 }
 
-/* What the user should know beside the files. */
+/* Notes in addition to the files. */
 static kt_exit tell(ksim_work *w, km_status status) {
   const ksim_options *o = w->options;
   const km_history *h = &w->history;
@@ -215,7 +215,7 @@ static kt_exit simulate(ksim_work *w) {
     return kt_exit_of(status);
   }
   kt_exit told = tell(w, status);
-  kt_exit result = status == KM_PARTIAL ? KT_DONE : kt_exit_of(status); /* the end that was asked for */
+  kt_exit result = status == KM_PARTIAL ? KT_DONE : kt_exit_of(status); /* the requested end */
   return kt_worse(kt_worse(result, told), deliver(w));
 }
 

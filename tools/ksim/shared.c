@@ -1,4 +1,4 @@
-/* What ksim's commands read alike. */
+/* Options shared by the commands of ksim. */
 #include "ksim/ksim.h"
 
 #include "kmech/base.h"

@@ -28,7 +28,7 @@ static kt_exit describe(const options *o, const kt_pose *pose, const km_statics 
   return result;
 }
 
-/* What the actuators can't hold, on the standard error. */
+/* Warnings about loads that the actuators can't balance. */
 static void tell_falls(const options *o, const kt_pose *pose, const km_statics *statics) {
   for (int d = 0; d < statics->direction_count && d < KM_MAX_DIRECTIONS; ++d) {
     km_text words = {0};

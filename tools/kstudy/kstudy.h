@@ -5,12 +5,12 @@
 #include "common/pose.h"
 #include "kmech/study.h"
 
-/* What every command is told. */
+/* Context of every command. */
 typedef struct kstudy_request {
   kt_common common;
   const char *study;
-  const char *store; /* of --store, or NULL */
-  const char *base;  /* of -o, or NULL */
+  const char *store; /* --store, or NULL */
+  const char *base;  /* -o, or NULL */
   const char *format;
 } kstudy_request;
 
@@ -20,12 +20,12 @@ void kstudy_options(kt_options *out, kstudy_request *request, unsigned uses);
 typedef struct kstudy_open {
   km_arena arena;
   km_design_study_def def;
-  km_design_sample sample; /* with the rows of its CSV file */
+  km_design_sample sample; /* table of its CSV file */
   km_design_study *study;
-  const char *name;  /* in messages */
+  const char *name;  /* name in messages */
   char model[4096];  /* the model's file, seen from here */
-  char folder[4096]; /* that of the study */
-  char base[4096];   /* of files' names */
+  char folder[4096]; /* folder of the study */
+  char base[4096];   /* base of file names */
   char store[4096 + 16];
 } kstudy_open;
 
@@ -34,10 +34,10 @@ typedef struct kstudy_open {
 kt_exit kstudy_bring(const kstudy_request *request, bool must_exist, kstudy_open *out);
 void kstudy_close(kstudy_open *open);
 
-/* Room for a name as a part of a file's name, and for all of what follows BASE. */
+/* Lengths of a name as part of a file name, and of the part after BASE. */
 enum { KSTUDY_WORD = 200, KSTUDY_NAME = 400 };
 
-/* Would two pictures have the same file? That is an error. */
+/* Reports an error if two pictures would have the same file. */
 kt_exit kstudy_check_names(const kstudy_request *request, kstudy_open *open);
 /* Pictures of what the study came to, in the formats of the list. */
 kt_exit kstudy_plot(const kstudy_request *request, kstudy_open *open, const kt_formats *formats);

@@ -51,7 +51,7 @@ void kstudy_word(const char *figure, char *out, size_t size) {
   out[used] = '\0';
 }
 
-/* Of a figure with a better side: the design at the other one. */
+/* The worst design by a figure that has a preferred sense. */
 static kt_exit write_worst(const kstudy_request *r, kstudy_open *o) {
   kt_exit result = KT_DONE;
   for (int f = 0; f < km_design_study_figures(o->study) && result == KT_DONE; ++f) {

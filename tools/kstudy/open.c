@@ -103,7 +103,7 @@ static kt_exit read_rows(const kstudy_request *r, kstudy_open *out) {
   return result;
 }
 
-/* What can be done about a study that can't be opened. */
+/* Advice for a study that can't be opened. */
 static const char *advice(const km_error *error, bool must_exist) {
   if (!strstr(error->text, "of another study"))
     return "";

@@ -57,7 +57,7 @@ static double store_of(const kstudy_open *o, int designs) {
   return bytes + fmin(appended, fmax(least_waiting, waiting * appended));
 }
 
-/* What the pilot took at most, in bytes, without its results, which are in memory; a run's go to a file. */
+/* Peak memory of the pilot in bytes, without its results, which a run writes to a file. */
 static double memory_of(const kstudy_open *o, int piloted) {
   struct rusage usage;
   double results = 0.0;
@@ -66,7 +66,7 @@ static double memory_of(const kstudy_open *o, int piloted) {
   return getrusage(RUSAGE_SELF, &usage) ? 0.0 : fmax(0.0, 1024.0 * (double)usage.ru_maxrss - results);
 }
 
-/* What statistics take in bytes: figures and ranks of up to KM_MAX_RANKED_DESIGNS designs, and one band at a time of
+/* Memory of statistics in bytes: figures and ranks of up to KM_MAX_RANKED_DESIGNS designs, and one band at a time of
  * up to 10 000. */
 static double statistics_of(const kstudy_open *o, int designs) {
   static const double banded = 10000.0, of_rank = 16.0;

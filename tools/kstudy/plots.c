@@ -54,7 +54,7 @@ static void add_figures(const km_design_study_def *def, const char *word, km_des
       add(out, plot, index, def->questions[q].figures[f].name, word);
 }
 
-/* What may be drawn of the study, which depends on its definition alone; what has nothing to show is left out later. */
+/* Possible pictures of the study, by its definition; empty ones are omitted later. */
 static bool list_pictures(kstudy_open *o, own_pictures *out) {
   const km_design_study_def *def = &o->def;
   size_t most = 1;
@@ -74,7 +74,7 @@ static bool list_pictures(kstudy_open *o, own_pictures *out) {
     bool front = def->optimise->goal_count == 2;
     add(out, front ? KM_DESIGNS_FRONT : KM_DESIGNS_PROGRESS, 0, "", front ? "front" : "progress");
   }
-  for (int q = 0; q < def->question_count; ++q) { /* of all variants over each other, or of the start and the best */
+  for (int q = 0; q < def->question_count; ++q) { /* overlay of all variants, or of the start and the best design */
     add(out, KM_DESIGNS_ANSWERS, q, def->questions[q].name, "");
     add(out, KM_DESIGNS_PATHS, q, def->questions[q].name, "paths");
   }

@@ -1,4 +1,4 @@
-/* kstudy run and resume: asks what the store doesn't have, and delivers. */
+/* kstudy run and resume: evaluates the designs that the store doesn't have, and writes the results. */
 #include "kstudy/kstudy.h"
 #include "kstudy/ranks.h"
 
@@ -12,7 +12,7 @@ static void interrupt(int signal_number) {
   interrupted = signal_number;
 }
 
-/* How far the run is: on a terminal a bar, ten times a second; else one line a minute. */
+/* Progress of the run: a bar on a terminal, ten times a second; otherwise one line a minute. */
 typedef struct watch {
   const kt_common *common;
   bool terminal, drawn;
@@ -78,7 +78,7 @@ static kt_exit deliver(const kstudy_request *r, kstudy_open *o, const kt_formats
   return kt_worse(result, kstudy_write_models(r, o));
 }
 
-/* Has a design an answer, and a value of every figure that can have one? */
+/* True if a design has an answer, and a value of every figure that can have one. */
 static bool has_full_answer(const kstudy_open *o, int design) {
   km_design_result r;
   return !km_design_study_result(o->study, design, &r, NULL) && r.outcome == KM_DESIGN_DONE && !r.reason[0];
@@ -103,7 +103,7 @@ static kt_exit judge(kstudy_open *o) {
   return y.outcomes[KM_DESIGN_DONE] + y.outcomes[KM_DESIGN_SHORT] > 0 ? KT_DONE : KT_PARTIAL;
 }
 
-/* What the reader remarks on the model as its file has it; where that is none, the designs tell. */
+/* Messages of the reader about the model as stated in its file; if it is invalid, those of the designs. */
 static void tell_remarks(const kstudy_request *r, const kstudy_open *o) {
   km_messages *messages = km_messages_create();
   km_model *model = NULL;
@@ -114,7 +114,7 @@ static void tell_remarks(const kstudy_request *r, const kstudy_open *o) {
   km_messages_free(messages);
 }
 
-/* The first rank has the store and the files; it tells the others when there is nothing left to do. */
+/* The first rank has the store and the files; it notifies the others at the end. */
 static kt_exit lead(const kstudy_request *r, bool resume, const kt_formats *formats, const kstudy_ranks *ranks) {
   kstudy_open o;
   kt_exit result = kstudy_bring(r, resume, &o);
@@ -128,14 +128,14 @@ static kt_exit lead(const kstudy_request *r, bool resume, const kt_formats *form
   return result;
 }
 
-/* What is wrong with the study is told by the first rank. */
+/* Errors of the study are reported by the first rank. */
 static kt_exit serve(const kstudy_request *r, const kstudy_ranks *ranks) {
   kstudy_request quiet = *r;
   kstudy_open o;
   km_error error;
   quiet.store = ":memory:";
   quiet.common.quiet = true;
-  signal(SIGINT, SIG_IGN); /* mpirun tells all; the first rank stops, and dismisses the others */
+  signal(SIGINT, SIG_IGN); /* mpirun signals all ranks; the first one stops and ends the others */
   kt_exit result = kstudy_bring(&quiet, false, &o);
   km_status status =
       result == KT_DONE ? km_design_study_run_worker(o.study, r->common.jobs, &ranks->crew, &error) : KM_OK;

@@ -37,7 +37,7 @@ static kt_exit recall(const kstudy_request *r, const kstudy_open *o) {
   return kt_exit_of(status);
 }
 
-/* What is shown or exported without an answer of every design is a part. */
+/* Output without an answer of every design is partial. */
 static kt_exit judge_answers(const kstudy_request *r, const kstudy_open *o) {
   km_design_yield y;
   if (km_design_study_is_complete(o->study))

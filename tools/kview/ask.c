@@ -114,7 +114,7 @@ static void add_notes(const km_messages *notes, km_text *out) {
   km_text_add(out, "]}");
 }
 
-/* How many motions meet at the first branch point of a sweep by arc length; 0: there is none. */
+/* Number of branches at the first branch point of a sweep by arc length; 0: none. */
 static int count_branches(const km_question *question) {
   const km_sweep *motion = km_question_motion(question);
   return !motion                  ? 0
@@ -123,7 +123,7 @@ static int count_branches(const km_question *question) {
                                   : 0;
 }
 
-/* Why the sweep is shorter than was asked for; "": it isn't. */
+/* Reason why the sweep is shorter than requested; "" if it isn't. */
 static void add_stop(const kv_session *s, const km_question *question, km_text *out) {
   const km_sweep *motion = km_question_motion(question);
   km_text text = {0};
@@ -134,7 +134,7 @@ static void add_stop(const kv_session *s, const km_question *question, km_text *
   km_text_free(&text);
 }
 
-/* The header's length, in a binary message of numbers, is a multiple of 8 with what stands before it. */
+/* The length of the header of a binary message, with the bytes before it, is a multiple of 8. */
 static km_status add_table(const kv_call *call, const kv_asked *a, const km_question *question, km_error *error) {
   const km_table *table = km_question_table(question);
   size_t rows = km_table_rows(table), columns = km_table_columns(table);
@@ -177,8 +177,8 @@ static km_status answer(const kv_call *call, km_error *error) {
   return status;
 }
 
-/* ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT [BRANCH]]; INPUT, OUTPUT -1: none; DRIVER -1: by arc length, FROM long
- * a step (0: as the model says), at the first branch point along motion BRANCH. */
+/* Message `ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT [BRANCH]]`; INPUT, OUTPUT −1: none; DRIVER −1: by arc length
+ * with step FROM (0: as the model states), at the first branch point along motion BRANCH. */
 km_status kv_ask(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   const kv_asked asked = {.kind = kv_question_kind(s, kv_index(call, 0)),

@@ -129,7 +129,7 @@ static void add_end(const km_model *m, bool output, km_text *out) {
   km_text_format(out, "%d", joint ? end.coordinate : -1);
 }
 
-/* What the file proposes to ask. */
+/* Default analyses of the file. */
 static void add_defaults(const km_model *m, km_text *out) {
   km_sweep_plan plan = km_sweep_plan_default(m);
   km_text_format(out, ",\"sweep\":{\"driver\":%d,\"from\":", plan.coordinate);

@@ -63,7 +63,7 @@ static int body_at(const km_model *m, int joint, int end) {
   return km_model_frame_body(m, km_model_joint_frame(m, joint, end));
 }
 
-/* How many joints a body has; the slide among them, -1: none. */
+/* Number of joints of a body, and its prismatic joint; −1: none. */
 static int joints_of(const km_model *m, int body, int *slide) {
   int count = 0;
   *slide = -1;
@@ -86,8 +86,8 @@ static bool is_strut_end(const km_model *m, int body) {
   return beyond > 0 && joints_of(m, beyond, &other) == 2;
 }
 
-/* Is it the slide between a cylinder and its rod, which is no part of a pin? Any other slide whose frame is a pin's
- * moves with it. */
+/* True for the prismatic joint between a cylinder and its rod, which isn't part of a pin. Another prismatic joint
+ * whose frame is a pin's moves with it. */
 static bool is_strut(const km_model *m, int joint) {
   return slides(m, joint) && is_strut_end(m, body_at(m, joint, 0));
 }
@@ -104,8 +104,8 @@ static int hold_others(const km_model *m, int slide, const double *q, km_hold *h
   return count;
 }
 
-/* The model's numbers have changed: brings those coordinates of q[coordinate] that are struts' or the slide's to
- * where these close the loops while all other joints stand. Where they can't, q stays. */
+/* After a change of the model's numbers: solves for the coordinates of struts, or of the prismatic joint, in
+ * q[coordinate] that close the loops while all other joints are fixed. Otherwise q is unchanged. */
 static void follow(const kv_session *s, int slide, double *q) {
   int n = km_model_coordinate_count(s->model);
   km_hold *holds = calloc((size_t)n + 1, sizeof *holds);
@@ -189,11 +189,11 @@ static km_status turn_into_body(const kv_session *s, int body, const double way[
   return status;
 }
 
-/* What moves with a pin. */
+/* Elements that move with a pin. */
 typedef struct pin {
   bool *moved;     /* [frame] */
-  double shift[3]; /* in the inertial frame */
-  int slide;       /* along which alone the pin's body goes, with all its frames; -1: none */
+  double shift[3]; /* position in the inertial frame */
+  int slide;       /* prismatic joint along which the pin's body moves with all its frames; −1: none */
 } pin;
 
 /* The frames of a joint, and of others that share one with it; of slides where it goes `through` them. */
@@ -220,7 +220,7 @@ static int slide_at(const km_model *m, const bool *moved) {
   return -1;
 }
 
-/* Of the way its part along the slide is left. */
+/* The displacement is projected on the prismatic joint. */
 static km_status keep_along(const kv_session *s, int slide, double way[3], km_error *error) {
   km_frame_pose X;
   int axis = km_model_joint_type(s->model, slide) - KM_TX;

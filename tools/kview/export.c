@@ -70,7 +70,7 @@ static void ask_text(const kv_session *s, int kind, char *out, size_t size) {
     snprintf(out + count, size - (size_t)count, " %d %d", ends[0], ends[1]);
 }
 
-/* Does anything push or weigh? */
+/* True if there are forces or masses. */
 static bool has_forces(const km_model *model) {
   bool some = km_model_load_count(model) > 0 || km_model_actuator_count(model) > 0;
   double center[3];

@@ -1,4 +1,4 @@
-/* Who may come in. */
+/* Access control. */
 #include "kview/guard.h"
 
 #include <stdio.h>
@@ -14,7 +14,7 @@ bool kv_guard_make(kv_guard *g) {
   return true;
 }
 
-/* As long for every wrong text, so that time tells nothing of the right one. */
+/* Comparison in constant time, so that its duration reveals nothing. */
 static bool same(const char *a, const char *b, size_t size) {
   unsigned char different = 0;
   for (size_t i = 0; i < size; ++i)

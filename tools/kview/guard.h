@@ -1,4 +1,4 @@
-/* Who may come in: only pages of this server, by its address and token. */
+/* Access control: only pages of this server, by its address and token. */
 #ifndef KVIEW_GUARD_H
 #define KVIEW_GUARD_H
 
@@ -14,11 +14,11 @@ typedef struct kv_guard {
 
 /* A new token; false: the system gives no random bits. */
 bool kv_guard_make(kv_guard *guard);
-/* Is this the path of the page, "/TOKEN/", or with "ws" behind it that of its messages? */
+/* True if this is the path of the page, "/TOKEN/", or of its messages, "/TOKEN/ws". */
 bool kv_guard_path(const kv_guard *guard, const char *path, const char *behind);
-/* Is the Host this address (a foreign name that leads here isn't)? */
+/* True if the Host is this address, and not another name that resolves to it. */
 bool kv_guard_host(const kv_guard *guard, const char *host);
-/* Is the Origin of a WebSocket a page of this address? */
+/* True if the Origin of a WebSocket is a page of this address. */
 bool kv_guard_origin(const kv_guard *guard, const char *origin);
 
 #endif

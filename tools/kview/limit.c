@@ -1,4 +1,4 @@
-/* How long one page may keep the others waiting. */
+/* Time limit of a page's request. */
 #include "kview/limit.h"
 
 const double kv_most_seconds = 4.0;

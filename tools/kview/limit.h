@@ -1,4 +1,4 @@
-/* How long one page may keep the others waiting: work that takes longer ends without an answer. */
+/* Time limit of a page's request, because pages share a thread: longer work is cancelled without an answer. */
 #ifndef KVIEW_LIMIT_H
 #define KVIEW_LIMIT_H
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a pull: radians and characteristic lengths that the mechanism goes in one message. */
+/* Largest displacement of a pull in one message, in radians and characteristic lengths. */
 static const double most_way = 0.35;
 
 int kv_index(const kv_call *call, int argument) {

@@ -1,4 +1,4 @@
-/* What a page and the server tell each other: docs/kview-protocol.md. */
+/* Messages between a page and the server: docs/kview-protocol.md. */
 #ifndef KVIEW_MESSAGES_H
 #define KVIEW_MESSAGES_H
 
@@ -16,7 +16,7 @@ typedef enum kv_answer_kind { KV_POSE = 1, KV_PATCH = 2, KV_TABLE = 3 } kv_answe
 typedef struct kv_answer {
   km_text bytes;
   bool binary;    /* else JSON text */
-  km_error fault; /* what the text tells where it is an error; its status is KM_OK elsewhere */
+  km_error fault; /* error of the text; status KM_OK if there is none */
 } kv_answer;
 
 /* Answers one message of a page: always one answer, which may be {"kind":"error"}. The message needn't end with a
@@ -28,7 +28,7 @@ void kv_describe(const kv_session *session, unsigned request, km_text *out);
 void kv_add_pose(const kv_session *session, unsigned request, km_text *out);
 void kv_add_error(unsigned request, const km_error *error, km_text *out);
 
-/* What the verbs of one file are called with. */
+/* Arguments of a verb. */
 typedef struct kv_call {
   kv_session *session;
   unsigned request;
@@ -40,12 +40,12 @@ typedef struct kv_call {
 /* Each fills the answer, or returns a status with the error that becomes the answer. */
 typedef km_status kv_verb(const kv_call *call, km_error *error);
 
-/* ask.c: sweeps and the limits of a slider. */
+/* `ask.c`: sweeps and the limits of a slider. */
 kv_verb kv_ask, kv_again, kv_track;
-/* The questions that a page can ask, those over a driver's range, and with a path study the track: the library's
- * kind of the index-th; -1: there is none. */
+/* Kind of the index-th question of a page: those over a driver's range, and with a path study the track; −1 if there
+ * is none. */
 int kv_question_kind(const kv_session *session, int index);
-/* why.c: what shows why it moves as it does. */
+/* why.c: explanations of the motion. */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* modes.c: poses that are found or named. */
 kv_verb kv_modes, kv_mode, kv_named;

@@ -53,7 +53,7 @@ km_status kv_mode(const kv_call *c, km_error *error) {
   return status ? status : give_pose(c);
 }
 
-/* What a pose says, into q; how many coordinates that are. */
+/* Copies the coordinates that a named pose states to q; returns their number. */
 static int take_values(const kv_session *s, int pose, double *q, km_hold *sets) {
   int count = 0;
   for (int k = 0; k < km_model_coordinate_count(s->model); ++k) {

@@ -43,7 +43,7 @@ static bool write_page(options *o, const char *address) {
   return fclose(file) == 0;
 }
 
-/* By a grandchild, which nobody has to wait for. */
+/* Starts a grandchild process, which needs no wait. */
 static void open_browser(const char *page) {
   pid_t child = fork();
   if (child == 0) {
@@ -66,7 +66,7 @@ static void ready(void *context, const char *address) {
     open_browser(o->page);
 }
 
-/* Into a file of its own: nothing is replaced. */
+/* Writes a new file: nothing is replaced. */
 static void write_unsaved(void *context, const km_text *file) {
   enum { MOST = 1000 };
   const options *o = context;
@@ -102,7 +102,7 @@ void kview_say(const kt_common *common, const char *path, km_status status, cons
     kt_say(common, KM_ERROR, "%s: %s", path, error->text);
 }
 
-/* What is wrong with the model shows here, not only in a page. */
+/* Errors of the model are reported here, not only in a page. */
 static kt_exit try_model(const options *o) {
   kv_session session = {.opening = {.path = o->model,
                                     .floating = o->common.floating,
@@ -116,7 +116,7 @@ static kt_exit try_model(const options *o) {
   return kt_exit_of(status);
 }
 
-/* So does what is wrong with the study, which is read when its question is asked. */
+/* Errors of the study, too, although it is read with its first question. */
 static kt_exit try_study(const options *o) {
   char folder[4096];
   km_text text = {0};

@@ -1,4 +1,4 @@
-/* What bodies look like, part by part. */
+/* Shapes of bodies, part by part. */
 #include "kview/messages.h"
 
 /* patch BODY PART */

@@ -21,7 +21,7 @@ static volatile sig_atomic_t interrupted;
 
 typedef struct page {
   kv_session *session;
-  km_text in;     /* of a message in several pieces */
+  km_text in;     /* bytes of a message in several pieces */
   km_text answer; /* LWS_PRE bytes, then the answer; empty: none waits */
   bool binary, stale, counted;
 } page;
@@ -114,7 +114,7 @@ static void answer(struct lws *wsi, page *p, kv_answer *a) {
   lws_callback_on_writable(wsi);
 }
 
-/* Takes the design; the oldest one makes room. */
+/* Stores the design; the oldest one is dropped if necessary. */
 static void keep(server *s, kv_design *design) {
   if (!design)
     return;
@@ -251,7 +251,7 @@ static int on_page(struct lws *wsi, enum lws_callback_reasons reason, void *user
   case LWS_CALLBACK_CLOSED:
     close_page(s, p);
     return 0;
-  case LWS_CALLBACK_USER: /* a tick: has the file changed? */
+  case LWS_CALLBACK_USER: /* timer: checks whether the file has changed */
     if (p && p->session && kv_session_is_stale(p->session)) {
       p->stale = true;
       lws_callback_on_writable(wsi);

@@ -10,14 +10,14 @@ typedef struct kv_server_def {
   kv_opening opening;
   int port;  /* 0: a free one */
   bool stay; /* goes on when the last page is closed */
-  /* Told the address once pages can come. */
+  /* Called with the address when the server is ready. */
   void (*ready)(void *context, const char *address);
   /* Given the text of every design that no page has saved, at the end. */
   void (*unsaved)(void *context, const km_text *file);
   void *context;
 } kv_server_def;
 
-/* Serves until the last page is closed or the process is interrupted. KM_IO: the port can't be had. */
+/* Runs the server until the last page is closed or the process is interrupted. KM_IO: the port is unavailable. */
 km_status kv_serve(const kv_server_def *def, km_error *error);
 
 #endif

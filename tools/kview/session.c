@@ -1,4 +1,4 @@
-/* What one page works on: reading, compiling, placing. */
+/* Session of a page: reading, compiling, moving to a configuration. */
 #include "kview/session.h"
 
 #include "kmech/base.h"
@@ -9,7 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* What is made of a model. */
+/* Objects made from a model. */
 typedef struct compiled {
   km_mechanism *mechanism;
   km_state *state, *probe;
@@ -92,7 +92,7 @@ bool kv_session_is_stale(const kv_session *s) {
   return now.tv_sec != 0 && (now.tv_sec != s->changed.tv_sec || now.tv_nsec != s->changed.tv_nsec);
 }
 
-/* The model of the file's bytes, in the pose that was asked for. */
+/* The model of the file's bytes, in the requested configuration. */
 static km_status make_model(kv_session *s, const km_text *file, km_messages *messages, km_model **out,
                             km_error *error) {
   km_read_def def = {

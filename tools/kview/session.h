@@ -1,4 +1,4 @@
-/* What one page works on: the model as its file has it and as the page has changed it, at a pose. One thread's. */
+/* Session of a page: the model of the file and as changed by the page, in a configuration. Belongs to one thread. */
 #ifndef KVIEW_SESSION_H
 #define KVIEW_SESSION_H
 
@@ -15,33 +15,33 @@
 
 enum { KV_UNDO_BYTES = 8 << 20, KV_MOST_UNDO = 200 };
 
-/* How the model is opened, for every page alike. */
+/* Options of opening the model, the same for every page. */
 typedef struct kv_opening {
-  const char *path; /* of the model's file */
+  const char *path; /* path of the model's file */
   bool floating;
   double closure_tolerance; /* 0: the file's */
   const char *pose;         /* named in the model; NULL: its own */
-  const char *study;        /* a path study for the question "track"; NULL: that isn't asked */
+  const char *study;        /* path study of the question "track"; NULL: none */
 } kv_opening;
 
-/* A pose, the places of the frames and the parameters, to come back to. */
+/* A step of the undo list: configuration, frames and parameters. */
 typedef struct kv_moment {
   double *numbers; /* [coordinates + 3 · frames + parameters] */
 } kv_moment;
 
-/* A question as the page asks it, to be asked again when the design changes. */
+/* A question of the page, computed again when the design changes. */
 typedef struct kv_asked {
   int kind; /* -1: none */
   int driver, steps, input, output;
-  int branch; /* by arc length: which motion goes on at the first branch point; 1, or 0: the smooth one */
+  int branch; /* by arc length: branch at the first branch point; 1, or 0: the smooth one */
   double from, to;
 } kv_asked;
 
 /* A parameter of the file that is a plain number. */
 typedef struct kv_parameter {
   const char *name, *note;
-  double value, file; /* that of the present design, and as the file has it */
-  double low, high;   /* what the file proposes */
+  double value, file; /* name of the present design, and of the file's */
+  double low, high;   /* defaults of the file */
 } kv_parameter;
 
 typedef struct kv_parameters {
@@ -58,12 +58,12 @@ typedef struct kv_session {
   km_state *state, *probe; /* the page's pose; and one for sweeps and searches */
   km_manipulation *hand;
   km_mobility mobility;
-  km_manipulation_step move; /* of the last pull */
-  km_hold *holds;            /* [hold_count], room for every coordinate */
+  km_manipulation_step move; /* result of the last pull */
+  km_hold *holds;            /* [hold_count] of [coordinate_count] held coordinates */
   int hold_count;
   int *origin;         /* [body] its frame `origin` */
   double *file_places; /* [3 · frames] as the file has them */
-  double *own_places;  /* the same of the present parameters */
+  double *own_places;  /* text with the present parameters */
   kv_parameters parameters;
   double file_length; /* the characteristic length of the file's design */
   bool edited;        /* a number of the design isn't the file's */
@@ -71,22 +71,21 @@ typedef struct kv_session {
   kv_moment undo[KV_MOST_UNDO];
   int undo_count, undo_at; /* poses kept; the place of the present one */
   kv_asked asked;
-  km_question *question; /* of `asked`; NULL: to be made */
+  km_question *question; /* answer of `asked`; NULL: not yet computed */
   double *modes;         /* assembly modes found last: [mode_count × coordinates] */
   int mode_count;
-  km_messages *messages; /* what the reader had to say */
+  km_messages *messages; /* messages of the reader */
 } kv_session;
 
-/* Reads the model and assembles it. On failure `error` tells what is wrong with the file, and the session has no model,
- * or keeps the one it had. */
+/* Reads and assembles the model. On failure `error` describes it, and the session has no model, or the previous one. */
 km_status kv_session_load(kv_session *session, km_error *error);
 void kv_session_close(kv_session *session);
-/* Has the file been written since it was read? */
+/* True if the file has been written since it was read. */
 bool kv_session_is_stale(const kv_session *session);
 
-/* Compiles the model anew with the holds, at the present pose. On failure everything stays as it was. */
+/* Compiles the model with other holds in the present configuration. Unchanged on failure. */
 km_status kv_session_hold(kv_session *session, int coordinate, bool held, km_error *error);
-/* Compiles the model anew with the holds that are there, at the pose next to q. On failure everything stays. */
+/* Compiles the model with the present holds in the configuration nearest to q. Unchanged on failure. */
 km_status kv_session_compile(kv_session *session, const double *q, km_error *error);
 /* Takes over another model of the same parts at the pose next to q; on failure everything stays, and the model is the
  * caller's. */
@@ -102,7 +101,7 @@ void kv_session_follow(kv_session *session);
 /* Brings `probe` to the page's pose. */
 km_status kv_session_probe(kv_session *session, km_error *error);
 
-/* Keeps the present pose and design as a step to come back to; and goes a step back (-1) or ahead (+1). */
+/* Adds the present configuration and design to the undo list; and moves a step back (−1) or forward (+1). */
 km_status kv_session_mark(kv_session *session, km_error *error);
 km_status kv_session_step(kv_session *session, int direction, km_error *error);
 
@@ -120,7 +119,7 @@ km_status kv_session_take_design(kv_session *session, const double *T, const dou
 /* kept.c: a design that isn't the file's, by its numbers and as the text of a file. */
 typedef struct kv_design {
   km_text parts, file;
-  double *values, *places; /* of the parameters; three of each frame */
+  double *values, *places; /* values of the parameters; three coordinates of each frame */
   bool unsaved;
 } kv_design;
 /* The session's design; NULL: it is the file's, or memory is out. */
@@ -133,8 +132,7 @@ void kv_design_free(kv_design *design);
 km_status kv_parameters_read(const km_text *file, kv_parameters *out, km_error *error);
 void kv_parameters_free(kv_parameters *parameters);
 bool kv_parameters_differ(const kv_parameters *parameters);
-/* Reads the file with other values of the parameters, at the pose next to the present one. On failure everything
- * stays. */
+/* Reads the file with other parameter values, in the configuration nearest to the present one. Unchanged on failure. */
 km_status kv_session_set_parameters(kv_session *session, const double *values, km_error *error);
 
 #endif

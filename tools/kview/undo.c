@@ -1,4 +1,4 @@
-/* Steps to come back to: poses and designs. */
+/* Undo list of configurations and designs. */
 #include "kview/session.h"
 
 #include <stdlib.h>
@@ -50,8 +50,8 @@ km_status kv_session_mark(kv_session *s, km_error *error) {
   return KM_OK;
 }
 
-/* What is held stays held, at the value that the pose has: at another one the pose couldn't be reached. Swaps the
- * values with `other`, [hold_count] at first those of the pose. */
+/* Held coordinates stay held, at the values of the configuration, which otherwise couldn't be reached. Swaps the
+ * values with `other`[hold_count], at first those of the configuration. */
 static void swap_held(kv_session *s, double *other) {
   for (int h = 0; h < s->hold_count; ++h) {
     double value = s->holds[h].value;
@@ -76,7 +76,7 @@ static km_status take_moment(kv_session *s, const double *places, const double *
 }
 
 km_status kv_session_step(kv_session *s, int direction, km_error *error) {
-  km_status status = kv_session_mark(s, error); /* what isn't kept yet can be come back to */
+  km_status status = kv_session_mark(s, error); /* the present state is stored before a step back */
   int to = s->undo_at + direction;
   if (status || to < 0 || to >= s->undo_count)
     return status;

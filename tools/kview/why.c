@@ -1,4 +1,4 @@
-/* Why a mechanism moves as it does: its free motions, redundant constraints, forces, leverage. */
+/* Explanations of a motion: null space, redundant constraints, forces, mechanical advantage. */
 #include "kview/limit.h"
 #include "kview/messages.h"
 

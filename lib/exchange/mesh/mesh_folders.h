@@ -13,8 +13,8 @@ bool km_folders_begin(km_folders *folders, const char *file, km_arena *arena);
 km_status km_find_destination(const km_folders *folders, const char *file, km_arena *arena, const char **destination,
                               km_error *error);
 /* Path of a mesh as seen from the destination: relative, or absolute if only the root is common. The name is
- * unchanged without a destination, for an absolute name, or if the mesh isn't found. In `arena`; NULL when out of
- * memory. */
+ * unchanged without a destination, for an absolute name, or if the mesh isn't found. Allocated in `arena`; NULL when
+ * out of memory. */
 const char *km_written_mesh(const km_folders *folders, const char *destination, const char *name, km_arena *arena);
 
 #endif

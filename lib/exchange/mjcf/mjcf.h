@@ -11,7 +11,7 @@ void km_mjcf_read(km_robot *robot, km_xml *root);
 typedef struct km_mjcf_body {
   const char *name;
   km_body_id id;
-  km_pose world; /* at the reference values of the joints */
+  km_pose world; /* pose at the reference values of the joints */
 } km_mjcf_body;
 
 typedef struct km_mjcf_joint {
