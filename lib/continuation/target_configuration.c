@@ -71,7 +71,7 @@ static km_status drive_to_value(value_search *j, const km_hold *goal, km_error *
   km_motion_end reach = km_driver_motion_move_to(drive, goal->value);
   km_driver_motion_free(drive);
   if (reach.stop == KM_STOP_MAX_STEPS)
-    return km_fail(error, KM_DIVERGED, "moving %s to %.9g gave out at %.9g: too many steps",
+    return km_fail(error, KM_DIVERGED, "moving %s to %.9g stopped at %.9g: too many steps",
                    km_model_coordinate_label(j->model, goal->coordinate), goal->value, reach.position);
   return reach.stop && !is_within_tolerance(j, goal) ? fail_unreachable(j, goal, reach.position, error) : KM_OK;
 }

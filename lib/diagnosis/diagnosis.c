@@ -9,7 +9,7 @@ km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_progress prog
   *out = (km_diagnosis){0};
   km_status status = km_finite_mobility_find(m, s, progress, context, &out->finite, error);
   if (!status)
-    status = km_passive_freedoms_find(m, s, progress, context, &out->idle, error);
+    status = km_passive_freedoms_find(m, s, progress, context, &out->passive, error);
   return status ? status : km_redundancies_find(m, s, progress, context, &out->redundancies, error);
 }
 
@@ -18,5 +18,5 @@ void km_diagnosis_free(km_diagnosis *d) {
     return;
   km_finite_mobility_free(&d->finite);
   km_redundancies_free(&d->redundancies);
-  km_passive_freedoms_free(&d->idle);
+  km_passive_freedoms_free(&d->passive);
 }

@@ -386,7 +386,7 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
     status = check_masses(m, s, out, error);
   check_laws(m->model, out);
   check_frames(m->model, out);
-  check_idle(m, &diagnosis->idle, out);
+  check_idle(m, &diagnosis->passive, out);
   check_planar(m, &diagnosis->redundancies, out);
   check_redundancies(m, &diagnosis->redundancies, out);
   bool failed = out->store->failed || out->store->arena.failed;

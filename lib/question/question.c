@@ -87,7 +87,7 @@ void km_question_free(km_question *q) {
   forget(q);
   unprepare(q);
   km_messages_free(q->notes);
-  km_sweep_workspace_free(&q->room);
+  km_sweep_workspace_free(&q->workspace);
   km_arena_free(&q->arena);
   km_free(q);
 }
@@ -252,10 +252,10 @@ static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
   km_sweep_job job = {.m = q->m,
                       .s = s,
                       .plan = &q->plan,
-                      .room = &q->room,
+                      .workspace = &q->workspace,
                       .error = error,
                       .table_only = q->table_only,
-                      .reads = q->reads};
+                      .read_columns = q->read_columns};
   begin_answer(q, error);
   q->kind->open(q, &job);
   return job;
@@ -286,8 +286,8 @@ static km_status answer(km_question *q, km_state *s, km_error *error) {
 void km_question_keep_table(km_question *q, km_sweep *motion) {
   if (!motion->table)
     return;
-  km_table_free(q->room.table);
-  q->room.table = motion->table;
+  km_table_free(q->workspace.table);
+  q->workspace.table = motion->table;
   motion->table = NULL;
 }
 

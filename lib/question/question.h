@@ -41,10 +41,10 @@ struct km_question {
   km_progress progress;
   void *context;
   bool prepared, answered;
-  bool no_reactions;       /* nobody reads their columns, which a question about forces leaves at NaN */
-  bool table_only;         /* see km_sweep_job; nor is anything concluded from it */
-  const char **reads;      /* the same */
-  km_sweep_workspace room; /* of the last answer, for the next one */
+  bool no_reactions;            /* nobody reads their columns, which a question about forces leaves at NaN */
+  bool table_only;              /* see km_sweep_job; nor is anything concluded from it */
+  const char **read_columns;    /* the same */
+  km_sweep_workspace workspace; /* of the last answer, for the next one */
   void *own;
 };
 

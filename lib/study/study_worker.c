@@ -209,8 +209,8 @@ static km_status make_question(const km_design_worker *w, int index, const km_me
   if (!status) {
     (*out)->no_reactions = !reads_reactions(def);
     (*out)->table_only = !reads_events(def);
-    (*out)->reads = columns_read(def, &(*out)->arena);
-    status = (*out)->reads ? KM_OK : no_memory(error);
+    (*out)->read_columns = columns_read(def, &(*out)->arena);
+    status = (*out)->read_columns ? KM_OK : no_memory(error);
   }
   if (status) {
     km_question_free(*out);

@@ -1,4 +1,6 @@
-/* Mechanical advantage over a sweep: its toggles are roots of the input's and the output's rate. */
+/* Mechanical advantage along a sweep (theory 8.1, 10.1): n = input's rate, d = output's rate, advantage = n/d.
+ *
+ *   zero of n: advantage 0;   zero of d: infinite;   both within 1e-8: undefined;   extrema of n/d between rows */
 #include "base/arguments.h"
 #include "base/table.h"
 #include "base/text.h"
@@ -10,28 +12,31 @@
 
 #include <string.h>
 
-static const double rounding = 1e-12; /* of a rate: rates below this fraction count as zero */
-static const double together = 1e-8;  /* a zero of both rates: neither 0 nor infinite */
+static const double rounding = 1e-12; /* relative: smaller rates count as zero */
+/* relative distance of the zeros of both rates that make the advantage undefined */
+static const double same_position = 1e-8;
 
-typedef struct watch {
+typedef struct sweep_events {
   km_advantage_sweep *out;
   km_observer observer;
-  km_transfer *lever;
-  km_transmission_workspace *transmission; /* NULL: not asked for */
+  km_transfer *transfer;
+  km_transmission_workspace *transmission; /* NULL: not requested */
   km_losses_workspace *losses;             /* NULL: no joint has friction */
-  bool followed;                           /* r->rates is the motion at the pose that is looked at */
-  bool between;                            /* that pose lies between rows */
-  bool failed;                             /* the losses of the last row found no memory */
-  double *reference;        /* [coordinate] the motion at the last sample: a basis has no sense of its own */
-  double sense;             /* of the lever's motion at the pose that was looked at last, beside the sweep's: ±1 */
-  km_advantage_state state; /* at the row that was written last */
-  km_event_search scan;
+  bool has_rates;                          /* r->rates is the motion at the state's configuration */
+  bool is_between_rows;                    /* the configuration lies between rows */
+  bool failed;                             /* no memory for the losses of the last row */
+  /* [coordinate] motion at the last sample, to orient the next one: the sign of a basis vector is arbitrary */
+  double *reference;
+  /* orientation, ±1, of the transfer's motion relative to the sweep's at the last configuration */
+  double orientation;
+  km_advantage_state state; /* at the last row */
+  km_event_search search;
   km_events events;
-  km_advantage_state last_state; /* of the row before */
-} watch;
+  km_advantage_state last_state; /* at the row before */
+} sweep_events;
 
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
-  const watch *w = self;
+  const sweep_events *w = self;
   km_text name = {0};
   const char *unit = km_advantage_unit(r->m->model, &w->out->input, &w->out->output);
   km_text_format(&name, "%s/%s", w->out->input.name, w->out->output.name);
@@ -47,37 +52,38 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   return added;
 }
 
-/* In a lane there is one freedom, whose unit direction is known. */
-static void look_in_lane(const watch *w, const km_sweeper *r, km_advantage *out) {
+/* Computes the advantage in a batch from the unit direction of the single freedom. */
+static void compute_batched_advantage(const sweep_events *w, const km_sweeper *r, km_advantage *out) {
   const km_mechanism *m = r->m;
   memset(r->scratch, 0, (size_t)m->coordinate_count * sizeof *r->scratch);
   r->mover.direction(r->mover.self, r->scratch);
   for (int c = 0; c < m->coordinate_count; ++c)
     r->scratch[c] /= m->scale[c];
-  km_transfer_along(m, r->s, w->lever, r->scratch, out);
+  km_transfer_along(m, r->s, w->transfer, r->scratch, out);
 }
 
-/* At a branch point there are more freedoms for an instant: the motion that is followed counts, r->rates. */
-static void look(const watch *w, const km_sweeper *r, km_advantage *out) {
-  if (r->rides) {
-    look_in_lane(w, r, out);
+/* Computes the advantage. At a branch point, where the freedom exceeds that of the motion, it is that of the followed
+ * motion r->rates. */
+static void compute_advantage(const sweep_events *w, const km_sweeper *r, km_advantage *out) {
+  if (r->is_batched) {
+    compute_batched_advantage(w, r, out);
     return;
   }
   const km_substructure *sub = r->substructure >= 0 ? &r->m->substructures[r->substructure] : NULL;
-  bool meeting = sub && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom &&
-                 w->lever->moves[r->m->column_coordinate[sub->column_start]];
-  if (meeting && w->followed)
-    km_transfer_along(r->m, r->s, w->lever, r->rates, out);
+  bool at_branch_point = sub && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom &&
+                         w->transfer->moves[r->m->column_coordinate[sub->column_start]];
+  if (at_branch_point && w->has_rates)
+    km_transfer_along(r->m, r->s, w->transfer, r->rates, out);
   else
-    km_transfer_compute(r->m, r->s, w->lever, out);
+    km_transfer_compute(r->m, r->s, w->transfer, out);
 }
 
 static double *write_value(void *self, km_sweeper *r, double *cell) {
-  watch *w = self;
+  sweep_events *w = self;
   km_advantage a;
-  w->followed = w->between || r->rides || km_sweeper_motion(r);
-  look(w, r, &a);
-  if (!w->between)
+  w->has_rates = w->is_between_rows || r->is_batched || km_sweeper_update_rates(r);
+  compute_advantage(w, r, &a);
+  if (!w->is_between_rows)
     w->state = a.state;
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->method = a.method;
@@ -91,48 +97,48 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
     km_transmission t;
     km_transmission_compute(r->m, r->s, w->transmission, &t);
     km_transmission_values(&t, cell);
-    if (!w->between)
+    if (!w->is_between_rows)
       w->out->last = t;
     cell += KM_METRIC_COLUMNS;
   }
   return cell;
 }
 
-/* -1 if the lever's motion runs against that of the sweep, or with several freedoms against that of the last sample. */
-static double sense_of(const watch *w, const km_sweeper *r) {
-  if (r->rides) /* the direction in which the driver moves forwards */
+/* Returns -1 if the transfer's motion is opposite to that of the sweep or, with several freedoms, of the last sample. */
+static double find_orientation(const sweep_events *w, const km_sweeper *r) {
+  if (r->is_batched) /* oriented along the driver */
     return 1.0;
   double along = 0.0;
-  const double *way = w->followed && r->out->freedom == 1 ? r->rates : w->reference;
+  const double *motion = w->has_rates && r->out->freedom == 1 ? r->rates : w->reference;
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    along += w->lever->rates[c] * way[c] / (r->m->unit[c] * r->m->unit[c]);
+    along += w->transfer->rates[c] * motion[c] / (r->m->unit[c] * r->m->unit[c]);
   return along < 0.0 ? -1.0 : 1.0;
 }
 
-/* Both rates, in one sense along the sweep. */
-static void values(void *self, km_sweeper *r, double *n, double *d) {
-  watch *w = self;
+/* Computes both rates, oriented along the sweep. */
+static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
+  sweep_events *w = self;
   km_advantage a;
-  look(w, r, &a);
-  w->sense = sense_of(w, r);
-  const km_transfer_end *ends[2] = {&w->lever->input, &w->lever->output};
+  compute_advantage(w, r, &a);
+  w->orientation = find_orientation(w, r);
+  const km_transfer_end *is_last[2] = {&w->transfer->input, &w->transfer->output};
   double *const out[2] = {n, d};
   for (int i = 0; i < 2; ++i)
-    *out[i] = fabs(ends[i]->rate) > rounding * ends[i]->size ? w->sense * ends[i]->rate : 0.0;
+    *out[i] = fabs(is_last[i]->rate) > rounding * is_last[i]->size ? w->orientation * is_last[i]->rate : 0.0;
 }
 
-static void sampled(void *self, km_sweeper *r) {
-  const watch *w = self;
+static void set_reference(void *self, km_sweeper *r) {
+  const sweep_events *w = self;
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    w->reference[c] = w->sense * w->lever->rates[c];
+    w->reference[c] = w->orientation * w->transfer->rates[c];
 }
 
-/* The leverage beside a pole, for pictures. */
-static bool between(void *self, km_sweeper *r, double s) {
-  watch *w = self;
-  w->between = true;
-  bool written = km_sweeper_between(r, s);
-  w->between = false;
+/* Writes a row near a pole, for pictures. */
+static bool write_between(void *self, km_sweeper *r, double s) {
+  sweep_events *w = self;
+  w->is_between_rows = true;
+  bool written = km_sweeper_write_between(r, s);
+  w->is_between_rows = false;
   return written;
 }
 
@@ -140,14 +146,14 @@ static bool is_toggle(const km_event *e) {
   return e->kind == KM_EVENT_ZERO || e->kind == KM_EVENT_POLE || e->kind == KM_EVENT_UNDEFINED;
 }
 
-static km_status add_toggle(watch *w, km_advantage_state state, double s, km_error *error) {
+static km_status add_toggle(sweep_events *w, km_advantage_state state, double s, km_error *error) {
   km_event_kind kind = state == KM_ADVANTAGE_ZERO ? KM_EVENT_ZERO : KM_EVENT_POLE;
   return km_events_add(&w->events, (km_event){kind, 0, s, 0.0}, error);
 }
 
-/* A row at the dead centre of its own driver: the rate that vanishes there comes no nearer to 0 than the driver's
- * digits allow, and the search between rows has nothing to find. */
-static km_status note_dead_centre(watch *w, double s, km_error *error) {
+/* Adds a toggle at a row on a dead point of the driver: the vanishing rate is limited by the driver's digits there,
+ * so the search between rows does not find it. */
+static km_status add_dead_point_at_row(sweep_events *w, double s, km_error *error) {
   bool toggle = w->state == KM_ADVANTAGE_ZERO || w->state == KM_ADVANTAGE_INFINITE, known = w->state == w->last_state;
   for (size_t i = 0; i < w->events.count; ++i)
     known = known || (is_toggle(&w->events.items[i]) && fabs(w->events.items[i].s - s) <= 1e-6 * (1.0 + fabs(s)));
@@ -155,29 +161,30 @@ static km_status note_dead_centre(watch *w, double s, km_error *error) {
   return toggle && !known ? add_toggle(w, w->state, s, error) : KM_OK;
 }
 
-static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  w->followed = r->rides || km_sweeper_motion(r);
-  return km_event_search_sample(&w->scan, r, s, error);
+static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
+  w->has_rates = r->is_batched || km_sweeper_update_rates(r);
+  return km_event_search_sample(&w->search, r, s, error);
 }
 
-static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  km_status status = w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : pass(self, r, s, error);
-  return status || !w->scan.events ? status : note_dead_centre(w, s, error);
+static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
+  km_status status =
+      w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : handle_sample(self, r, s, error);
+  return status || !w->search.events ? status : add_dead_point_at_row(w, s, error);
 }
 
-static void forget(void *self) {
-  ((watch *)self)->scan.have = 0;
+static void handle_branch_switch(void *self) {
+  ((sweep_events *)self)->search.have = 0;
 }
 
-static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  return km_event_at_end(&w->scan, r, s, error);
+static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
+  return km_event_at_end(&w->search, r, s, error);
 }
 
-/* Zeros and poles as toggles: two in one place leave the advantage undefined there. */
-static km_status take_toggles(watch *w, km_error *error) {
+/* Collects zeros and poles as toggles; two at one position make the advantage undefined. */
+static km_status collect_toggles(sweep_events *w, km_error *error) {
   km_advantage_sweep *out = w->out;
   out->toggles = KM_NEW(km_advantage_toggle, w->events.count);
   if (!out->toggles)
@@ -190,7 +197,7 @@ static km_status take_toggles(watch *w, km_error *error) {
                                                           : KM_ADVANTAGE_UNDEFINED;
     if (!is_toggle(e))
       continue;
-    if (!before || fabs(before->s - e->s) > together * (1.0 + fabs(e->s)))
+    if (!before || fabs(before->s - e->s) > same_position * (1.0 + fabs(e->s)))
       out->toggles[out->toggle_count++] = (km_advantage_toggle){state, e->s};
     else if (before->state != state)
       before->state = KM_ADVANTAGE_UNDEFINED;
@@ -198,7 +205,7 @@ static km_status take_toggles(watch *w, km_error *error) {
   return KM_OK;
 }
 
-static void widen(km_advantage_sweep *out, double value, double s) {
+static void update_extremes(km_advantage_sweep *out, double value, double s) {
   if (!isfinite(value))
     return;
   if (!(out->lowest.value <= value))
@@ -209,16 +216,16 @@ static void widen(km_advantage_sweep *out, double value, double s) {
     out->least = (km_peak){value, s};
 }
 
-/* Beside a pose of infinite advantage it has no bound: which way, the nearest rows tell. */
-static void open_bounds(km_advantage_sweep *out, double s) {
+/* Opens the bounds beside a pole: the sign of the nearest row on each side tells which bound is infinite. */
+static void open_bounds_at_pole(km_advantage_sweep *out, double s) {
   const km_table *const tables[2] = {out->motion.table, out->motion.between};
   for (int side = -1; side <= 1; side += 2) {
     const double *nearest = NULL;
     for (int i = 0; i < 2; ++i)
       for (size_t r = 0; r < km_table_rows(tables[i]); ++r) {
         const double *row = km_table_row(tables[i], r);
-        bool there = (row[1] - s) * side > 0.0 && isfinite(row[out->column]);
-        if (there && (!nearest || fabs(row[1] - s) < fabs(nearest[1] - s)))
+        bool is_usable = (row[1] - s) * side > 0.0 && isfinite(row[out->column]);
+        if (is_usable && (!nearest || fabs(row[1] - s) < fabs(nearest[1] - s)))
           nearest = row;
       }
     if (nearest && nearest[out->column] > 0.0)
@@ -228,18 +235,18 @@ static void open_bounds(km_advantage_sweep *out, double s) {
   }
 }
 
-static void take_extremes(watch *w) {
+static void collect_extremes(sweep_events *w) {
   const km_table *table = w->out->motion.table;
   for (size_t r = 0; r < km_table_rows(table); ++r)
-    widen(w->out, km_table_row(table, r)[w->out->column], km_table_row(table, r)[1]);
+    update_extremes(w->out, km_table_row(table, r)[w->out->column], km_table_row(table, r)[1]);
   for (size_t i = 0; i < w->events.count; ++i)
     if (!is_toggle(&w->events.items[i]))
-      widen(w->out, w->events.items[i].value, w->events.items[i].s);
+      update_extremes(w->out, w->events.items[i].value, w->events.items[i].s);
   for (size_t i = 0; i < w->out->toggle_count; ++i)
     if (w->out->toggles[i].state == KM_ADVANTAGE_INFINITE)
-      open_bounds(w->out, w->out->toggles[i].s);
+      open_bounds_at_pole(w->out, w->out->toggles[i].s);
     else if (w->out->toggles[i].state == KM_ADVANTAGE_ZERO)
-      widen(w->out, 0.0, w->out->toggles[i].s);
+      update_extremes(w->out, 0.0, w->out->toggles[i].s);
 }
 
 static km_status check_job(const km_sweep_job *job, const km_port *input, const km_port *output) {
@@ -251,21 +258,21 @@ static km_status check_job(const km_sweep_job *job, const km_port *input, const 
   return status;
 }
 
-/* Does the lever belong to what moves by the plan's driver, and to nothing else? Then the direction of motion tells all. */
-static bool moves_with_driver(const km_mechanism *m, const km_sweep_plan *plan, const km_transfer *lever) {
+/* True if the transfer lies completely in the driven substructure: the direction of motion then suffices. */
+static bool is_in_driven_substructure(const km_mechanism *m, const km_sweep_plan *plan, const km_transfer *transfer) {
   if (!km_plan_is_driven(plan))
     return false;
   int moving = m->substructure_of[plan->coordinate];
   for (int c = 0; c < m->coordinate_count && moving >= 0; ++c)
-    if (lever->moves[c] && m->substructure_of[c] != moving)
+    if (transfer->moves[c] && m->substructure_of[c] != moving)
       return false;
   return moving >= 0;
 }
 
-static km_status open_instruments(watch *w, const km_sweep_job *job, bool transmission) {
+static km_status create_evaluators(sweep_events *w, const km_sweep_job *job, bool transmission) {
   const km_mechanism *m = job->m;
   const km_port *input = &w->out->input, *output = &w->out->output;
-  km_status status = km_transfer_create(m, input, output, &w->lever, job->error);
+  km_status status = km_transfer_create(m, input, output, &w->transfer, job->error);
   if (!status && transmission)
     status = km_transmission_create(m, input, output, &w->transmission, job->error);
   w->out->friction = km_model_has_friction(m->model);
@@ -274,65 +281,66 @@ static km_status open_instruments(watch *w, const km_sweep_job *job, bool transm
   return status;
 }
 
-static km_status tell(void *self, const km_sweep_job *job) {
-  watch *w = self;
+static km_status finish(void *self, const km_sweep_job *job) {
+  sweep_events *w = self;
   if (job->table_only)
     return job->status;
   km_events_sort(&w->events, job->plan);
-  km_status taken = take_toggles(w, job->error);
-  take_extremes(w);
+  km_status taken = collect_toggles(w, job->error);
+  collect_extremes(w);
   return taken ? taken : job->status;
 }
 
-static void close_watch(void *self) {
-  watch *w = self;
+static void close_observer(void *self) {
+  sweep_events *w = self;
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);
-  km_transfer_free(w->lever);
-  km_event_search_free(&w->scan);
+  km_transfer_free(w->transfer);
+  km_event_search_free(&w->search);
   km_free(w->reference);
   km_free(w->events.items);
   km_free(w);
 }
 
-static km_observer observer_of(watch *w) {
+static km_observer observer_of(sweep_events *w) {
   return (km_observer){.self = w,
                        .columns = add_columns,
                        .cells = write_value,
-                       .seen = see,
-                       .passed = pass,
-                       .corner = forget,
-                       .ended = end_at,
-                       .tell = tell,
-                       .close = close_watch,
+                       .row_written = handle_row,
+                       .sampled_between = handle_sample,
+                       .corner = handle_branch_switch,
+                       .end_reached = handle_end,
+                       .finish = finish,
+                       .close = close_observer,
                        .reads_basis = true,
-                       .asks_direction = true};
+                       .uses_direction = true};
 }
 
-static km_event_search scan_of(watch *w, bool table_only) {
+static km_event_search event_search_of(sweep_events *w, bool table_only) {
   return (km_event_search){.self = w,
-                           .values = values,
-                           .sampled = sampled,
-                           .between = between,
+                           .values = compute_values,
+                           .sampled = set_reference,
+                           .between = write_between,
                            .ratios = true,
                            .extremes = true,
                            .events = table_only ? NULL : &w->events};
 }
 
-static km_status open_watch(km_sweep_job *job, bool transmission, km_advantage_sweep *out) {
-  watch *w = KM_NEW(watch, 1);
+static km_status open_observer(km_sweep_job *job, bool transmission, km_advantage_sweep *out) {
+  sweep_events *w = KM_NEW(sweep_events, 1);
   if (!w)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   w->out = out;
   w->observer = observer_of(w);
-  w->scan = scan_of(w, job->table_only);
+  w->search = event_search_of(w, job->table_only);
   job->observer = &w->observer;
-  km_status status = open_instruments(w, job, transmission);
+  km_status status = create_evaluators(w, job, transmission);
   if (status)
     return status;
-  w->observer.reads_jacobian = w->transmission || w->losses || !moves_with_driver(job->m, job->plan, w->lever);
+  w->observer.reads_jacobian =
+      w->transmission || w->losses || !is_in_driven_substructure(job->m, job->plan, w->transfer);
   w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
-  if (!w->reference || !km_event_search_reserve(&w->scan, 1))
+  if (!w->reference || !km_event_search_reserve(&w->search, 1))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }
@@ -347,7 +355,7 @@ void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_p
     return;
   out->input = *input;
   out->output = *output;
-  job->status = open_watch(job, transmission, out);
+  job->status = open_observer(job, transmission, out);
 }
 
 km_status km_advantage_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, const km_port *input,

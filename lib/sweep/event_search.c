@@ -1,4 +1,8 @@
-/* Looks between the samples of a sweep for zeros, poles and extremes of functions n/d. */
+/* Events of f = n/d between the samples of a sweep (theory 10.1).
+ *
+ *   zero : root of n;   pole: root of d;   undefined: both      sign change, Brent's method, n or d drops to 1e-7
+ *   extremum of f      : middle one of three samples            Brent's minimisation, to 4 sqrt(eps)
+ *   near a pole        : 16 samples at halved distances, for extrema next to it and for pictures */
 #include "sweep/event_search.h"
 
 #include "mobility/mobility_numbers.h"
@@ -8,41 +12,41 @@
 #include <gsl/gsl_roots.h>
 #include <string.h>
 
-/* A pole is approached by halving the distance: to 2⁻¹⁶ of it. */
-enum { MOST_ITERATIONS = 100, APPROACHES = 16 };
+/* Iterations of Brent's methods; samples towards a pole, the last one at 2⁻¹⁶ of the distance. */
+enum { MAX_ITERATIONS = 100, POLE_SAMPLES = 16 };
 
-/* A function that changes less, relatively, is constant. */
-static const double least_swing = 1e-9;
-/* How near to each other the bounds of an extreme come, relatively: Brent's steps are at least √ε long, because a function
- * changes by no more than rounding over less. */
-static const double nearest = 4.0 * GSL_SQRT_DBL_EPSILON;
-/* What of a smooth function is left at its own root, or at one that it shares; of its values beside it. */
-static const double left_over = 1e-7;
+/* Relative change below which a function counts as constant. */
+static const double constant_change = 1e-9;
+/* Relative distance of the bounds of an extremum: Brent's steps are at least √ε, since a function changes by rounding
+ * only over less. */
+static const double extremum_tolerance = 4.0 * GSL_SQRT_DBL_EPSILON;
+/* Part of its neighbouring values to which a smooth function drops at its root. */
+static const double root_remainder = 1e-7;
 
-bool km_event_search_reserve(km_event_search *scan, int count) {
+bool km_event_search_reserve(km_event_search *search, int count) {
   size_t n = (size_t)count;
-  scan->count = count;
-  scan->shown = nan("");
-  scan->probe_n = KM_NEW(double, 6 * n);
-  scan->runs = KM_NEW(km_entry_range, n);
-  scan->first.n = KM_NEW(double, 4 * KM_ENDING * n);
-  if (!scan->probe_n || !scan->runs || !scan->first.n)
+  search->count = count;
+  search->sampled_pole = nan("");
+  search->probe_n = KM_NEW(double, 6 * n);
+  search->runs = KM_NEW(km_sample_run, n);
+  search->first.n = KM_NEW(double, 4 * KM_MAX_END_SAMPLES * n);
+  if (!search->probe_n || !search->runs || !search->first.n)
     return false;
-  scan->first.d = scan->first.n + KM_ENDING * n;
-  scan->last.n = scan->first.d + KM_ENDING * n;
-  scan->last.d = scan->last.n + KM_ENDING * n;
-  scan->probe_d = scan->probe_n + n;
+  search->first.d = search->first.n + KM_MAX_END_SAMPLES * n;
+  search->last.n = search->first.d + KM_MAX_END_SAMPLES * n;
+  search->last.d = search->last.n + KM_MAX_END_SAMPLES * n;
+  search->probe_d = search->probe_n + n;
   for (int i = 0; i < 2; ++i) {
-    scan->n[i] = scan->probe_n + (size_t)(2 + i) * n;
-    scan->d[i] = scan->probe_n + (size_t)(4 + i) * n;
+    search->n[i] = search->probe_n + (size_t)(2 + i) * n;
+    search->d[i] = search->probe_n + (size_t)(4 + i) * n;
   }
   return true;
 }
 
-void km_event_search_free(km_event_search *scan) {
-  km_free(scan->probe_n);
-  km_free(scan->runs);
-  km_free(scan->first.n);
+void km_event_search_free(km_event_search *search) {
+  km_free(search->probe_n);
+  km_free(search->runs);
+  km_free(search->first.n);
 }
 
 km_status km_events_add(km_events *events, km_event event, km_error *error) {
@@ -65,54 +69,56 @@ void km_events_sort(km_events *events, const km_sweep_plan *plan) {
     }
 }
 
-static void evaluate(const km_event_search *scan, km_sweeper *r, double *n, double *d) {
-  if (r->substructure >= 0 && !r->rides)
+static void evaluate(const km_event_search *search, km_sweeper *r, double *n, double *d) {
+  if (r->substructure >= 0 && !r->is_batched)
     km_motions_update(r->m, r->s, r->substructure);
-  for (int i = 0; i < scan->count; ++i)
+  for (int i = 0; i < search->count; ++i)
     d[i] = 1.0;
-  scan->values(scan->self, r, n, d);
+  search->values(search->self, r, n, d);
 }
 
-bool km_event_search_visit(const km_event_search *scan, km_sweeper *r, double s) {
-  r->rides = false; /* from here on the drive goes alone */
+bool km_event_search_probe(const km_event_search *search, km_sweeper *r, double s) {
+  r->is_batched = false; /* from here on the motion is single */
   if (!r->mover.probe(r->mover.self, s, r->rates))
     return false;
-  evaluate(scan, r, scan->probe_n, scan->probe_d);
+  evaluate(search, r, search->probe_n, search->probe_d);
   return true;
 }
 
-typedef enum part { NUMERATOR, DENOMINATOR, QUOTIENT } part;
+typedef enum event_part { NUMERATOR, DENOMINATOR, QUOTIENT } event_part;
 
-/* One function between two samples, as GSL sees it. */
-typedef struct search {
-  km_event_search *scan;
+/* A function between two samples, for GSL. */
+typedef struct function_on_interval {
+  km_event_search *search;
   km_sweeper *r;
   int function;
-  part part;
+  event_part part;
   double sign;
-  bool lost; /* a pose couldn't be reached, or has no value */
-} search;
+  bool is_lost; /* a configuration was not reached, or has no value */
+} function_on_interval;
 
-static double at(double s, void *context) {
-  search *q = context;
-  bool there = km_event_search_visit(q->scan, q->r, s);
-  double n = q->scan->probe_n[q->function], d = q->scan->probe_d[q->function];
+static double evaluate_at(double s, void *context) {
+  function_on_interval *q = context;
+  bool is_reached = km_event_search_probe(q->search, q->r, s);
+  double n = q->search->probe_n[q->function], d = q->search->probe_d[q->function];
   double f = q->part == NUMERATOR ? n : q->part == DENOMINATOR ? d : n / d;
-  q->lost = q->lost || !there || isnan(f);
-  return q->lost ? (double)NAN : q->sign * f; /* NaN ends the search */
+  q->is_lost = q->is_lost || !is_reached || isnan(f);
+  return q->is_lost ? (double)NAN : q->sign * f; /* NaN ends the search */
 }
 
-/* Between two places the part of function i changes its sign: where. False if it can't be told. The state is left at the root. */
-static bool find_root(km_event_search *scan, km_sweeper *r, int i, part which, double from, double to, double *root) {
-  search q = {scan, r, i, which, 1.0, false};
-  gsl_function f = {at, &q};
+/* Finds the root of a part of function i between two positions with different signs; false if it is not found. The
+ * state stays at the root. */
+static bool find_root(km_event_search *search, km_sweeper *r, int i, event_part part, double from, double to,
+                      double *root) {
+  function_on_interval q = {search, r, i, part, 1.0, false};
+  gsl_function f = {evaluate_at, &q};
   double low = fmin(from, to), high = fmax(from, to);
   *root = low;
   gsl_root_fsolver *solver = gsl_root_fsolver_alloc(gsl_root_fsolver_brent);
   if (!solver)
     return false;
   bool found = gsl_root_fsolver_set(solver, &f, low, high) == GSL_SUCCESS;
-  for (int k = 0; found && k < MOST_ITERATIONS && !q.lost; ++k) {
+  for (int k = 0; found && k < MAX_ITERATIONS && !q.is_lost; ++k) {
     found = gsl_root_fsolver_iterate(solver) == GSL_SUCCESS;
     *root = gsl_root_fsolver_root(solver);
     double left = gsl_root_fsolver_x_lower(solver), right = gsl_root_fsolver_x_upper(solver);
@@ -120,202 +126,208 @@ static bool find_root(km_event_search *scan, km_sweeper *r, int i, part which, d
       break;
   }
   gsl_root_fsolver_free(solver);
-  return found && !isnan(at(*root, &q));
+  return found && !isnan(evaluate_at(*root, &q));
 }
 
-/* Is so little of x left, where it was a and b beside? */
+/* True if |x| is at most root_remainder of the neighbouring values a and b. */
 static bool vanishes(double x, double a, double b) {
-  return fabs(x) <= left_over * fmax(fabs(a), fabs(b));
+  return fabs(x) <= root_remainder * fmax(fabs(a), fabs(b));
 }
 
-/* Function i has an extreme at s beyond 0, where the three samples about it are on one side: its zeros between them. */
-static km_status find_zeros_about(km_event_search *scan, km_sweeper *r, int i, double s, km_error *error) {
-  const km_entry_range *run = &scan->runs[i];
+/* Finds the zeros beside an extremum at s whose sign is opposite to the three samples around it. */
+static km_status find_zeros_beside_extremum(km_event_search *search, km_sweeper *r, int i, double s, km_error *error) {
+  const km_sample_run *run = &search->runs[i];
   km_status status = KM_OK;
   for (int side = 0; side < 3 && !status; side += 2) {
     double from = fabs(run->s[side] - s) > fabs(run->s[side] - run->s[1]) ? run->s[1] : run->s[side], root;
-    if (find_root(scan, r, i, NUMERATOR, from, s, &root))
-      status = km_events_add(scan->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
+    if (find_root(search, r, i, NUMERATOR, from, s, &root))
+      status = km_events_add(search->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
   }
   return status;
 }
 
-/* The middle one of the last three samples of a run is the largest (sign -1: of -f, smallest) or smallest. */
-static km_status find_extreme(km_event_search *scan, km_sweeper *r, int i, double sign, km_error *error) {
-  const km_entry_range *run = &scan->runs[i];
-  search q = {scan, r, i, QUOTIENT, sign, false};
-  gsl_function f = {at, &q};
+/* Finds an extremum bracketed by the last three samples of a run (sign 1: minimum, -1: maximum), or a pole where d
+ * touches 0. */
+static km_status find_extremum(km_event_search *search, km_sweeper *r, int i, double sign, km_error *error) {
+  const km_sample_run *run = &search->runs[i];
+  function_on_interval q = {search, r, i, QUOTIENT, sign, false};
+  gsl_function f = {evaluate_at, &q};
   double low = fmin(run->s[0], run->s[2]), high = fmax(run->s[0], run->s[2]);
-  bool turned = run->s[0] > run->s[2];
-  double f_low = sign * run->f[turned ? 2 : 0], f_high = sign * run->f[turned ? 0 : 2];
+  bool is_reversed = run->s[0] > run->s[2];
+  double f_low = sign * run->f[is_reversed ? 2 : 0], f_high = sign * run->f[is_reversed ? 0 : 2];
   gsl_min_fminimizer *solver = gsl_min_fminimizer_alloc(gsl_min_fminimizer_brent);
   if (!solver)
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   bool found = gsl_min_fminimizer_set_with_values(solver, &f, run->s[1], sign * run->f[1], low, f_low, high, f_high) ==
                GSL_SUCCESS;
-  for (int k = 0; found && k < MOST_ITERATIONS && !q.lost; ++k) {
+  for (int k = 0; found && k < MAX_ITERATIONS && !q.is_lost; ++k) {
     found = gsl_min_fminimizer_iterate(solver) == GSL_SUCCESS;
     double left = gsl_min_fminimizer_x_lower(solver), right = gsl_min_fminimizer_x_upper(solver);
-    if (right - left <= nearest * fmax(fabs(left), fabs(right)) + 1e-9 * (high - low))
+    if (right - left <= extremum_tolerance * fmax(fabs(left), fabs(right)) + 1e-9 * (high - low))
       break;
   }
   double s = gsl_min_fminimizer_x_minimum(solver), value = sign * gsl_min_fminimizer_f_minimum(solver);
   gsl_min_fminimizer_free(solver);
-  if (q.lost && !scan->best_counts)
+  if (q.is_lost && !search->accepts_best_sample)
     return KM_OK;
-  /* A denominator that touches 0 without a change of sign. */
-  bool flat = !q.lost && km_event_search_visit(scan, r, s) && vanishes(scan->probe_d[i], scan->d[0][i], scan->d[1][i]);
-  bool pole = flat && !vanishes(scan->probe_n[i], scan->n[0][i], scan->n[1][i]);
-  if (flat && !pole)
-    return KM_OK; /* of two that vanish together the quotient is rounding */
+  /* a denominator that touches 0 without a sign change */
+  bool denominator_vanishes = !q.is_lost && km_event_search_probe(search, r, s) &&
+                              vanishes(search->probe_d[i], search->d[0][i], search->d[1][i]);
+  bool pole = denominator_vanishes && !vanishes(search->probe_n[i], search->n[0][i], search->n[1][i]);
+  if (denominator_vanishes && !pole)
+    return KM_OK; /* n and d vanish together: their quotient is rounding */
   km_event_kind kind = pole ? KM_EVENT_POLE : sign > 0.0 ? KM_EVENT_MINIMUM : KM_EVENT_MAXIMUM;
-  km_status status = km_events_add(scan->events, (km_event){kind, i, s, pole ? HUGE_VAL : value}, error);
-  bool beyond = !pole && scan->ratios && value * run->f[1] < 0.0;
-  return status || !beyond ? status : find_zeros_about(scan, r, i, s, error);
+  km_status status = km_events_add(search->events, (km_event){kind, i, s, pole ? HUGE_VAL : value}, error);
+  bool crosses_zero = !pole && search->ratios && value * run->f[1] < 0.0;
+  return status || !crosses_zero ? status : find_zeros_beside_extremum(search, r, i, s, error);
 }
 
-/* One more sample of a run. Of those that are alike, as two beside an extreme may be, the first one counts. */
-static km_status take(km_event_search *scan, km_sweeper *r, int i, double s, double f, bool *moved, km_error *error) {
-  km_entry_range *run = &scan->runs[i];
-  if (run->have > 0 && fabs(f - run->f[0]) <= least_swing * (fabs(f) + fabs(run->f[0])))
+/* Adds a sample to a run and finds the extremum that it completes. Of equal samples, as on both sides of an extremum,
+ * the first counts. */
+static km_status add_run_sample(km_event_search *search, km_sweeper *r, int i, double s, double f, bool *is_moved,
+                                km_error *error) {
+  km_sample_run *run = &search->runs[i];
+  if (run->have > 0 && fabs(f - run->f[0]) <= constant_change * (fabs(f) + fabs(run->f[0])))
     return KM_OK;
   memmove(run->s + 1, run->s, 2 * sizeof *run->s);
   memmove(run->f + 1, run->f, 2 * sizeof *run->f);
   run->s[0] = s;
   run->f[0] = f;
   run->have = run->have < 3 ? run->have + 1 : 3;
-  if (run->have < 3 || !scan->extremes)
+  if (run->have < 3 || !search->extremes)
     return KM_OK;
   bool peak = run->f[1] > run->f[2] && run->f[1] > run->f[0], valley = run->f[1] < run->f[2] && run->f[1] < run->f[0];
-  *moved = *moved || peak || valley;
-  return peak || valley ? find_extreme(scan, r, i, peak ? -1.0 : 1.0, error) : KM_OK;
+  *is_moved = *is_moved || peak || valley;
+  return peak || valley ? find_extremum(search, r, i, peak ? -1.0 : 1.0, error) : KM_OK;
 }
 
-/* Place k of those between s and a pole, from the farthest to the nearest, or with `away` back again. */
-static double place(double s, double pole, bool away, int k) {
-  return pole + (s - pole) * ldexp(1.0, away ? k - APPROACHES : -1 - k);
+/* Returns sample position k between s and a pole, from the farthest to the nearest, or (away) in reverse. */
+static double pole_sample(double s, double pole, bool away, int k) {
+  return pole + (s - pole) * ldexp(1.0, away ? k - POLE_SAMPLES : -1 - k);
 }
 
-/* The way from s to a pole, or away from it: function i takes its samples there, -1: none does, and `between` sees them. */
-static km_status approach(km_event_search *scan, km_sweeper *r, int i, double s, double pole, bool away, bool seen,
-                          km_error *error) {
+/* Samples from s to a pole, or away from it: into the run of function i (-1: none), and by `between`. */
+static km_status sample_towards_pole(km_event_search *search, km_sweeper *r, int i, double s, double pole, bool away,
+                                     bool is_sampled, km_error *error) {
   km_status status = KM_OK;
-  bool moved = false, takes = scan->extremes && i >= 0, shows = scan->between && !seen;
-  for (int k = 0; k < APPROACHES && (takes || shows) && !status; ++k) {
-    double x = place(s, pole, away, k);
-    if (!km_event_search_visit(scan, r, x))
+  bool is_moved = false, extends_run = search->extremes && i >= 0, calls_between = search->between && !is_sampled;
+  for (int k = 0; k < POLE_SAMPLES && (extends_run || calls_between) && !status; ++k) {
+    double x = pole_sample(s, pole, away, k);
+    if (!km_event_search_probe(search, r, x))
       continue;
-    if (shows && !scan->between(scan->self, r, x))
+    if (calls_between && !search->between(search->self, r, x))
       return km_fail(error, KM_MEMORY, "out of memory for a sweep");
-    if (takes && isfinite(scan->probe_n[i] / scan->probe_d[i]))
-      status = take(scan, r, i, x, scan->probe_n[i] / scan->probe_d[i], &moved, error);
+    if (extends_run && isfinite(search->probe_n[i] / search->probe_d[i]))
+      status = add_run_sample(search, r, i, x, search->probe_n[i] / search->probe_d[i], &is_moved, error);
   }
   return status;
 }
 
-km_status km_event_search_add_row(km_event_search *scan, km_sweeper *r, double s, double pole, bool away,
-                                  km_error *error) {
-  return approach(scan, r, -1, s, pole, away, false, error);
+km_status km_event_search_approach_pole(km_event_search *search, km_sweeper *r, double s, double pole, bool away,
+                                        km_error *error) {
+  return sample_towards_pole(search, r, -1, s, pole, away, false, error);
 }
 
-/* Both sides of a pole between the last two samples, as far as they lie between them: a run ends there, another begins. */
-static km_status pass_pole(km_event_search *scan, km_sweeper *r, int i, double pole, km_error *error) {
+/* Samples both sides of a pole between the last two samples; the run ends at the pole and a new one begins. */
+static km_status sample_around_pole(km_event_search *search, km_sweeper *r, int i, double pole, km_error *error) {
   km_status status = KM_OK;
-  bool seen = pole == scan->shown;
+  bool is_sampled = pole == search->sampled_pole;
   for (int away = 0; away < 2 && !status; ++away) {
-    double s = scan->s[away ? 0 : 1];
+    double s = search->s[away ? 0 : 1];
     if (s == pole)
       continue;
     if (away)
-      scan->runs[i].have = 0;
-    status = approach(scan, r, i, s, pole, away, seen, error);
+      search->runs[i].have = 0;
+    status = sample_towards_pole(search, r, i, s, pole, away, is_sampled, error);
     if (!away)
-      scan->runs[i].have = 0;
+      search->runs[i].have = 0;
   }
-  scan->shown = pole;
+  search->sampled_pole = pole;
   return status;
 }
 
-/* The sample itself is a zero or a pole of function i. */
-static km_status look_here(km_event_search *scan, int i, km_error *error) {
-  double n = scan->n[0][i], d = scan->d[0][i];
-  bool nil = n == 0.0 && !(scan->have > 1 && scan->n[1][i] == 0.0);
-  bool pole = d == 0.0 && !(scan->have > 1 && scan->d[1][i] == 0.0);
-  if (!nil && !pole)
+/* Adds the event of a sample that is itself a zero or a pole of function i. */
+static km_status add_event_at_sample(km_event_search *search, int i, km_error *error) {
+  double n = search->n[0][i], d = search->d[0][i];
+  bool is_zero = n == 0.0 && !(search->have > 1 && search->n[1][i] == 0.0);
+  bool pole = d == 0.0 && !(search->have > 1 && search->d[1][i] == 0.0);
+  if (!is_zero && !pole)
     return KM_OK;
   km_event_kind kind = n == 0.0 && d == 0.0 ? KM_EVENT_UNDEFINED : pole ? KM_EVENT_POLE : KM_EVENT_ZERO;
-  return km_events_add(scan->events, (km_event){kind, i, scan->s[0], pole ? HUGE_VAL : 0.0}, error);
+  return km_events_add(search->events, (km_event){kind, i, search->s[0], pole ? HUGE_VAL : 0.0}, error);
 }
 
-/* Zeros and poles of function i between the last two samples; the pole's place, NaN if there is none. */
-static km_status look_between(km_event_search *scan, km_sweeper *r, int i, double *pole, km_error *error) {
-  const double *n[2] = {&scan->n[0][i], &scan->n[1][i]}, *d[2] = {&scan->d[0][i], &scan->d[1][i]};
+/* Finds zeros and poles of function i between the last two samples; *pole: its position, NaN if there is none. */
+static km_status find_events_between(km_event_search *search, km_sweeper *r, int i, double *pole, km_error *error) {
+  const double *n[2] = {&search->n[0][i], &search->n[1][i]}, *d[2] = {&search->d[0][i], &search->d[1][i]};
   km_status status = KM_OK;
   bool undefined = false;
   double root;
-  if (*d[0] * *d[1] < 0.0 && find_root(scan, r, i, DENOMINATOR, scan->s[0], scan->s[1], &root) &&
-      vanishes(scan->probe_d[i], *d[0], *d[1])) {
-    undefined = vanishes(scan->probe_n[i], *n[0], *n[1]);
-    *pole = undefined ? *pole : root; /* of two that vanish together the quotient goes on, and is rounding close by */
+  if (*d[0] * *d[1] < 0.0 && find_root(search, r, i, DENOMINATOR, search->s[0], search->s[1], &root) &&
+      vanishes(search->probe_d[i], *d[0], *d[1])) {
+    undefined = vanishes(search->probe_n[i], *n[0], *n[1]);
+    *pole = undefined ? *pole : root; /* n and d vanish together: the quotient is continuous, and rounding nearby */
     status = km_events_add(
-        scan->events, (km_event){undefined ? KM_EVENT_UNDEFINED : KM_EVENT_POLE, i, root, undefined ? 0.0 : HUGE_VAL},
+        search->events, (km_event){undefined ? KM_EVENT_UNDEFINED : KM_EVENT_POLE, i, root, undefined ? 0.0 : HUGE_VAL},
         error);
   }
-  if (*n[0] * *n[1] < 0.0 && !status && !undefined && find_root(scan, r, i, NUMERATOR, scan->s[0], scan->s[1], &root) &&
-      vanishes(scan->probe_n[i], *n[0], *n[1]))
-    status = km_events_add(scan->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
+  if (*n[0] * *n[1] < 0.0 && !status && !undefined &&
+      find_root(search, r, i, NUMERATOR, search->s[0], search->s[1], &root) &&
+      vanishes(search->probe_n[i], *n[0], *n[1]))
+    status = km_events_add(search->events, (km_event){KM_EVENT_ZERO, i, root, 0.0}, error);
   return status;
 }
 
-static km_status look(km_event_search *scan, km_sweeper *r, int i, bool *moved, km_error *error) {
-  bool before = scan->have > 1 && isfinite(scan->n[1][i]) && isfinite(scan->d[1][i]);
-  double n = scan->n[0][i], d = scan->d[0][i], pole = nan("");
+/* Finds the events of function i at the newest sample and since the one before. */
+static km_status find_events(km_event_search *search, km_sweeper *r, int i, bool *is_moved, km_error *error) {
+  bool has_previous = search->have > 1 && isfinite(search->n[1][i]) && isfinite(search->d[1][i]);
+  double n = search->n[0][i], d = search->d[0][i], pole = nan("");
   if (!isfinite(n) || !isfinite(d)) {
-    scan->runs[i].have = 0;
+    search->runs[i].have = 0;
     return KM_OK;
   }
-  if (!before)
-    scan->runs[i].have = 0;
-  km_status status = scan->ratios ? look_here(scan, i, error) : KM_OK;
-  if (before && !status && scan->ratios) {
-    status = look_between(scan, r, i, &pole, error);
-    *moved = *moved || n * scan->n[1][i] < 0.0 || d * scan->d[1][i] < 0.0;
-    if (d == 0.0 && scan->d[1][i] != 0.0)
-      pole = scan->s[0];
-    if (d != 0.0 && scan->d[1][i] == 0.0)
-      pole = scan->s[1];
+  if (!has_previous)
+    search->runs[i].have = 0;
+  km_status status = search->ratios ? add_event_at_sample(search, i, error) : KM_OK;
+  if (has_previous && !status && search->ratios) {
+    status = find_events_between(search, r, i, &pole, error);
+    *is_moved = *is_moved || n * search->n[1][i] < 0.0 || d * search->d[1][i] < 0.0;
+    if (d == 0.0 && search->d[1][i] != 0.0)
+      pole = search->s[0];
+    if (d != 0.0 && search->d[1][i] == 0.0)
+      pole = search->s[1];
   }
   if (!isnan(pole) && !status) {
-    *moved = true;
-    status = pass_pole(scan, r, i, pole, error);
+    *is_moved = true;
+    status = sample_around_pole(search, r, i, pole, error);
   }
-  return status || d == 0.0 ? status : take(scan, r, i, scan->s[0], n / d, moved, error);
+  return status || d == 0.0 ? status : add_run_sample(search, r, i, search->s[0], n / d, is_moved, error);
 }
 
-km_status km_event_search_sample(km_event_search *scan, km_sweeper *r, double s, km_error *error) {
-  if (!scan->events)
+km_status km_event_search_sample(km_event_search *search, km_sweeper *r, double s, km_error *error) {
+  if (!search->events)
     return KM_OK;
-  if (scan->have > 1 && (s - scan->s[0]) * (scan->s[0] - scan->s[1]) <= 0.0)
-    return KM_OK; /* the way to it has been seen */
-  double *n = scan->n[1], *d = scan->d[1];
-  scan->s[1] = scan->s[0];
-  scan->n[1] = scan->n[0];
-  scan->d[1] = scan->d[0];
-  scan->s[0] = s;
-  scan->n[0] = n;
-  scan->d[0] = d;
-  scan->have = scan->have < 2 ? scan->have + 1 : 2;
+  if (search->have > 1 && (s - search->s[0]) * (search->s[0] - search->s[1]) <= 0.0)
+    return KM_OK; /* this interval was searched before */
+  double *n = search->n[1], *d = search->d[1];
+  search->s[1] = search->s[0];
+  search->n[1] = search->n[0];
+  search->d[1] = search->d[0];
+  search->s[0] = s;
+  search->n[0] = n;
+  search->d[0] = d;
+  search->have = search->have < 2 ? search->have + 1 : 2;
   gsl_set_error_handler_off();
-  evaluate(scan, r, n, d);
-  if (scan->sampled)
-    scan->sampled(scan->self, r);
-  km_event_keep_ending(scan);
-  bool moved = false;
+  evaluate(search, r, n, d);
+  if (search->sampled)
+    search->sampled(search->self, r);
+  km_event_record_end_sample(search);
+  bool is_moved = false;
   km_status status = KM_OK;
-  for (int i = 0; i < scan->count && !status; ++i)
-    status = look(scan, r, i, &moved, error);
-  if (moved) {
-    r->mover.settle(r->mover.self);
+  for (int i = 0; i < search->count && !status; ++i)
+    status = find_events(search, r, i, &is_moved, error);
+  if (is_moved) {
+    r->mover.restore(r->mover.self);
     if (r->substructure >= 0)
       km_motions_update(r->m, r->s, r->substructure);
   }

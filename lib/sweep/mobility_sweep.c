@@ -1,4 +1,7 @@
-/* Mobility numbers over a sweep, and where a joint loses its grip: roots of its entry in the direction of motion. */
+/* Mobility numbers along a sweep and the dead points of coordinates (theory 10.3, 10.4).
+ *
+ *   z = D q̇/|D q̇| at rows and steps; a coordinate has a dead point where its entry z_j is 0:
+ *   sign change between rows, several sign changes between steps, or a minimum of |z_j| near 0 */
 #include "base/arguments.h"
 #include "base/table.h"
 #include "sweep/dead_points.h"
@@ -7,54 +10,54 @@
 
 #include <string.h>
 
-/* Toggles of joints that stand together lie as near to each other. */
-static const double same_place = 1e-9;
+/* Relative distance at which dead points count as one position. */
+static const double same_position = 1e-9;
 
-/* What a mobility sweep remembers from row to row. */
-typedef struct watch {
+/* State of the search between rows. */
+typedef struct sweep_events {
   km_mobility_sweep *out;
   km_observer observer;
   km_directions directions;
-  size_t rows; /* of the table, when a row was seen last */
-  km_root_search at;
-  bool searching; /* for a toggle of the coordinate watched[next] */
+  size_t rows; /* rows of the table at the last call */
+  km_root_search root_search;
+  bool searching; /* root_search runs for the coordinate candidates[next] */
   int next;
-  bool *listed; /* [coordinate] its toggles since the last row are */
-  bool *moved;  /* [coordinate] somewhere in the sweep: what stands all the way has no toggles */
-  int *watched; /* coordinates that may lose their grip */
-  int watched_count;
-  int *shown; /* coordinate of each column of numbers, -1: of a joint that can't move */
-  int shown_count;
-  size_t *cell;             /* [coordinate] of its number in a row; 0: it has none */
-  bool *unread;             /* [coordinate] see km_observer */
-  const char *const *reads; /* see km_sweep_job */
-  km_singular_value_watch singular;
-} watch;
+  bool *listed;    /* [coordinate] its dead points since the last row are in the list */
+  bool *moved;     /* [coordinate] it moved at some row: coordinates at rest have no dead points */
+  int *candidates; /* coordinates that can have dead points */
+  int candidate_count;
+  int *cell_coordinate; /* coordinate of each column of mobility numbers, -1: joint without freedom */
+  int column_count;
+  size_t *cell;                    /* [coordinate] cell of its mobility number in a row; 0: none */
+  bool *unread;                    /* [coordinate] see km_observer */
+  const char *const *read_columns; /* see km_sweep_job */
+  km_singular_value_minima singular;
+} sweep_events;
 
-/* The column of a number (m) or of a coordinate (q). */
-static bool is_read(const watch *w, char kind, const char *label) {
-  bool found = !w->reads;
-  for (const char *const *name = w->reads; !found && *name; ++name)
+/* True if the column of a mobility number (m) or a coordinate (q) is read. */
+static bool is_read(const sweep_events *w, char kind, const char *label) {
+  bool found = !w->read_columns;
+  for (const char *const *name = w->read_columns; !found && *name; ++name)
     found = (*name)[0] == kind && (*name)[1] == '.' && strcmp(*name + 2, label) == 0;
   return found;
 }
 
-/* The column of coordinate c, -1: of a joint that can't move. */
-static bool add_column(watch *w, const char *label, int c, km_table *table) {
+/* Adds the column of coordinate c, -1: of a joint without freedom. */
+static bool add_column(sweep_events *w, const char *label, int c, km_table *table) {
   if (!is_read(w, 'm', label))
     return true;
   if (c >= 0)
     w->cell[c] = km_table_columns(table);
-  w->shown[w->shown_count++] = c;
+  w->cell_coordinate[w->column_count++] = c;
   return km_table_join_column(table, "m.", label, "", NULL);
 }
 
-/* A column for each coordinate, and one for each joint that has none. */
+/* Adds a column for each coordinate, and one for each joint without freedom. */
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
-  watch *w = self;
+  sweep_events *w = self;
   const km_model *model = r->m->model;
   bool added = true;
-  w->shown_count = 0;
+  w->column_count = 0;
   for (int c = 0; c < model->coordinate_count; ++c)
     w->unread[c] = !is_read(w, 'q', model->coordinates[c].label);
   for (int j = 0; j < model->joint_count; ++j) {
@@ -69,41 +72,41 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
 }
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
-  watch *w = self;
-  const int *shown = w->shown;
+  sweep_events *w = self;
+  const int *cell_coordinate = w->cell_coordinate;
   const double *numbers = r->s->mobility_number;
-  for (int i = 0, count = w->shown_count; i < count; ++i)
-    *cell++ = shown[i] < 0 ? 0.0 : numbers[shown[i]];
+  for (int i = 0, count = w->column_count; i < count; ++i)
+    *cell++ = cell_coordinate[i] < 0 ? 0.0 : numbers[cell_coordinate[i]];
   if (r->plan->singularities)
     *cell++ = km_singular_value_kept(&w->singular, r);
   return cell;
 }
 
-/* In which s goes along the sweep. */
-static double sense_of(const km_sweep_plan *plan) {
+/* Returns the sign of s along the sweep. */
+static double sweep_sign(const km_sweep_plan *plan) {
   return km_plan_is_driven(plan) && plan->to < plan->from ? -1.0 : 1.0;
 }
 
-/* Behind those that the sweep has passed before it, or at the same place but for rounding. */
+/* Inserts a dead point in the order of the sweep. */
 static bool add_toggle(km_mobility_sweep *out, const km_sweep_plan *plan, int coordinate, double s) {
-  const double sense = sense_of(plan);
+  const double sign = sweep_sign(plan);
   void *toggles = out->toggles;
   if (!km_reserve(&toggles, &out->toggle_capacity, out->toggle_count + 1, sizeof *out->toggles))
     return false;
   out->toggles = toggles;
-  size_t place = out->toggle_count++;
-  for (; place > 0 && sense * (out->toggles[place - 1].s - s) > same_place * (1.0 + fabs(s)); --place)
-    out->toggles[place] = out->toggles[place - 1];
-  out->toggles[place] = (km_toggle){coordinate, s};
+  size_t index = out->toggle_count++;
+  for (; index > 0 && sign * (out->toggles[index - 1].s - s) > same_position * (1.0 + fabs(s)); --index)
+    out->toggles[index] = out->toggles[index - 1];
+  out->toggles[index] = (km_toggle){coordinate, s};
   return true;
 }
 
-static bool is_idle(const km_sweep *sweep, int coordinate) {
-  return sweep->idle_coordinates && sweep->idle_coordinates[coordinate];
+static bool is_passive(const km_sweep *sweep, int coordinate) {
+  return sweep->passive_coordinates && sweep->passive_coordinates[coordinate];
 }
 
-/* The only null vector, as the mobility numbers have it; its sense is that of the rates. */
-static void take_null_vector(const km_sweeper *r, double *z) {
+/* Writes the single null vector with the orientation of the rates. */
+static void write_null_vector(const km_sweeper *r, double *z) {
   const km_mechanism *m = r->m;
   const km_substructure *sub = &m->substructures[r->substructure];
   const int *coordinate = m->column_coordinate + sub->column_start;
@@ -115,27 +118,27 @@ static void take_null_vector(const km_sweeper *r, double *z) {
     z[coordinate[k]] = along < 0.0 ? -Z[k] : Z[k];
 }
 
-/* The unit direction of the one free motion, in the order of the coordinates, beside which idle freedoms move least;
- * false where there is more than one, or the driver stands at its own toggle. */
-static bool direction(const km_sweeper *r, double *z) {
+/* Computes the unit direction of the single freedom besides passive ones; false with more freedoms or at the driver's
+ * dead point. */
+static bool compute_direction(const km_sweeper *r, double *z) {
   int freedom = r->substructure < 0 ? 0 : km_partition_freedom(&r->s->partition[r->substructure]);
-  if (freedom - r->out->idle != 1)
+  if (freedom - r->out->passive != 1)
     return false;
-  if (r->rides && freedom == 1) {
+  if (r->is_batched && freedom == 1) {
     r->mover.direction(r->mover.self, z);
     return true;
   }
   if (!r->mover.rates(r->mover.self, r->rates))
     return false;
   if (freedom == 1)
-    take_null_vector(r, z);
+    write_null_vector(r, z);
   else
     km_unit_direction(r->m, r->rates, z);
   return true;
 }
 
-/* The smallest mobility numbers of the table's rows. */
-static void find_extremes(const watch *w, int count) {
+/* Finds the smallest mobility numbers of the table's rows. */
+static void find_extremes(const sweep_events *w, int count) {
   const km_table *table = w->out->motion.table;
   for (int c = 0; c < count; ++c) {
     size_t row = km_table_extreme_row(table, w->cell[c], 1.0);
@@ -144,50 +147,50 @@ static void find_extremes(const watch *w, int count) {
   }
 }
 
-static void choose_watched(watch *w, const km_sweeper *r) {
+static void choose_candidates(sweep_events *w, const km_sweeper *r) {
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    if (r->m->substructure_of[c] == r->substructure && !r->m->held[c] && !is_idle(r->out, c))
-      w->watched[w->watched_count++] = c;
+    if (r->m->substructure_of[c] == r->substructure && !r->m->held[c] && !is_passive(r->out, c))
+      w->candidates[w->candidate_count++] = c;
 }
 
-/* The coordinate's entry at the row, and at the one before. */
-static double entry_here(const watch *w, int c) {
+/* Entry of a coordinate at the row and at the previous one. */
+static double entry_at_row(const sweep_events *w, int c) {
   return km_directions_entry(&w->directions, w->directions.row, c);
 }
 
-static double entry_before(const watch *w, int c) {
+static double entry_at_last(const sweep_events *w, int c) {
   return km_directions_entry(&w->directions, w->directions.last, c);
 }
 
-static bool has_last(const watch *w) {
+static bool has_last_row(const sweep_events *w) {
   return w->directions.last >= 0;
 }
 
-/* The next of the watched coordinates, from w->next on, whose entry may be 0 at this row or have been since the last. */
-static int next_candidate(const watch *w) {
+/* Returns the next candidate, from w->next on, whose entry is 0 at this row or may have been since the last. */
+static int next_candidate(const sweep_events *w) {
   int i = w->next;
-  while (has_last(w) && i < w->watched_count &&
-         entry_here(w, w->watched[i]) * entry_before(w, w->watched[i]) > km_batch_sign_threshold)
+  while (has_last_row(w) && i < w->candidate_count &&
+         entry_at_row(w, w->candidates[i]) * entry_at_last(w, w->candidates[i]) > km_batch_sign_threshold)
     ++i;
   return i;
 }
 
-/* Lists the toggles at this row, and those since the last one that both rows show, as far as no more has to be seen for them. */
-static bool list_toggles(watch *w, const km_sweeper *r) {
+/* Adds the dead points at this row and those that a sign change since the last row shows, until a probe is needed. */
+static bool add_sign_changes(sweep_events *w, const km_sweeper *r) {
   const km_directions *d = &w->directions;
-  for (; (w->next = next_candidate(w)) < w->watched_count; ++w->next) {
-    int c = w->watched[w->next];
-    double z = entry_here(w, c), last = has_last(w) ? entry_before(w, c) : z;
-    bool here = fabs(z) < km_dead, before = has_last(w) && fabs(last) < km_dead;
-    bool between = !here && !before && z * last < 0.0 && !w->listed[c];
-    if (here && !before && !add_toggle(w->out, r->plan, c, d->s[d->row]))
+  for (; (w->next = next_candidate(w)) < w->candidate_count; ++w->next) {
+    int c = w->candidates[w->next];
+    double z = entry_at_row(w, c), last = has_last_row(w) ? entry_at_last(w, c) : z;
+    bool zero_here = fabs(z) < km_zero_entry, zero_before = has_last_row(w) && fabs(last) < km_zero_entry;
+    bool changes_sign = !zero_here && !zero_before && z * last < 0.0 && !w->listed[c];
+    if (zero_here && !zero_before && !add_toggle(w->out, r->plan, c, d->s[d->row]))
       return false;
-    if (between && !w->searching)
-      km_root_search_begin(&w->at, d->s[d->last], d->s[d->row], last, z);
-    w->searching = between && w->at.open;
+    if (changes_sign && !w->searching)
+      km_root_search_begin(&w->root_search, d->s[d->last], d->s[d->row], last, z);
+    w->searching = changes_sign && w->root_search.open;
     if (w->searching)
       return true;
-    if (between && !add_toggle(w->out, r->plan, c, w->at.root))
+    if (changes_sign && !add_toggle(w->out, r->plan, c, w->root_search.root))
       return false;
   }
   return true;
@@ -197,164 +200,165 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for the dead points");
 }
 
-static km_status go_on(watch *w, const km_sweeper *r, km_error *error) {
-  return list_toggles(w, r) ? KM_OK : no_memory(error);
+static km_status continue_search(sweep_events *w, const km_sweeper *r, km_error *error) {
+  return add_sign_changes(w, r) ? KM_OK : no_memory(error);
 }
 
-/* Does the entry change its sign between the places i and i + 1? */
-static bool changes(const km_directions *d, int i, int c) {
+/* True if the entry changes its sign between samples i and i + 1. */
+static bool changes_sign_after(const km_directions *d, int i, int c) {
   double z = km_directions_entry(d, i, c), next = km_directions_entry(d, i + 1, c);
-  return z * next < 0.0 && fabs(z) >= km_dead && fabs(next) >= km_dead;
+  return z * next < 0.0 && fabs(z) >= km_zero_entry && fabs(next) >= km_zero_entry;
 }
 
-/* Lists the coordinate's toggles since the last row where the steps show more of them than both rows. */
-static bool list_changes(watch *w, km_sweeper *r, int c, bool *moved) {
+/* Adds the coordinate's dead points since the last row if the steps show several sign changes. */
+static bool add_changes_between_steps(sweep_events *w, km_sweeper *r, int c, bool *moved) {
   const km_directions *d = &w->directions;
   int count = 0;
   bool added = true;
   for (int i = d->last; i < d->row; ++i)
-    count += changes(d, i, c);
+    count += changes_sign_after(d, i, c);
   w->listed[c] = count > 1;
   *moved = *moved || count > 1;
   for (int i = d->last; i < d->row && count > 1 && added; ++i)
-    added = !changes(d, i, c) || add_toggle(w->out, r->plan, c, km_dead_point_between(r, d, i, c));
+    added = !changes_sign_after(d, i, c) || add_toggle(w->out, r->plan, c, km_dead_point_between(r, d, i, c));
   return added;
 }
 
-/* Is a toggle of the coordinate known there already? */
-static bool is_known(const km_mobility_sweep *out, int c, const km_minimum_search *dip) {
+/* True if a dead point of the coordinate in this interval is in the list. */
+static bool is_known(const km_mobility_sweep *out, int c, const km_minimum_search *samples) {
   bool known = false;
   for (size_t i = out->toggle_count; i > 0 && !known; --i) {
     const km_toggle *toggle = &out->toggles[i - 1];
-    known = toggle->coordinate == c && (toggle->s - dip->s[0]) * (toggle->s - dip->s[2]) <= 0.0;
+    known = toggle->coordinate == c && (toggle->s - samples->s[0]) * (toggle->s - samples->s[2]) <= 0.0;
   }
   return known;
 }
 
-/* Lists the coordinate's toggles since the last row, and since the place before it, that no change of sign shows. */
-static bool list_dips(watch *w, km_sweeper *r, int c, bool *moved) {
+/* Adds the coordinate's dead points, since the sample before the last row, that no sign change shows: minima of |z_j|
+ * near 0. */
+static bool add_minima(sweep_events *w, km_sweeper *r, int c, bool *moved) {
   const km_directions *d = &w->directions;
   bool added = true;
   for (int i = d->last > 0 ? d->last - 1 : 0; i + 2 <= d->row && added; ++i) {
-    km_minimum_search dip = {.s = {d->s[i], d->s[i + 1], d->s[i + 2]}};
+    km_minimum_search samples = {.s = {d->s[i], d->s[i + 1], d->s[i + 2]}};
     double lowest, roots[2];
     for (int k = 0; k < 3; ++k)
-      dip.f[k] = km_directions_entry(d, i + k, c);
-    if (!km_minimum_search_is_zero(&dip, &lowest) || is_known(w->out, c, &dip))
+      samples.f[k] = km_directions_entry(d, i + k, c);
+    if (!km_minimum_search_may_reach_zero(&samples, &lowest) || is_known(w->out, c, &samples))
       continue;
     *moved = true;
-    for (int k = km_minimum_search_find(r, c, &dip, lowest, roots); k > 0 && added; --k)
+    for (int k = km_minimum_search_find(r, c, &samples, lowest, roots); k > 0 && added; --k)
       added = add_toggle(w->out, r->plan, c, roots[k - 1]);
   }
   return added;
 }
 
-/* Lists the toggles since the last row that both rows don't show. Beside rows that are passed there are none. */
-static bool list_hidden(watch *w, km_sweeper *r) {
-  const bool looks = has_last(w) && !r->passed;
+/* Adds the dead points since the last row that the two rows do not show; none between passed rows. */
+static bool add_hidden_dead_points(sweep_events *w, km_sweeper *r) {
+  const bool may_probe = has_last_row(w) && !r->is_passed_row;
   bool added = true, moved = false;
-  for (int i = 0; i < w->watched_count && looks && added; ++i)
-    added = list_changes(w, r, w->watched[i], &moved) && list_dips(w, r, w->watched[i], &moved);
+  for (int i = 0; i < w->candidate_count && may_probe && added; ++i)
+    added = add_changes_between_steps(w, r, w->candidates[i], &moved) && add_minima(w, r, w->candidates[i], &moved);
   if (moved)
-    r->mover.settle(r->mover.self);
+    r->mover.restore(r->mover.self);
   return added;
 }
 
-/* The direction of motion at the row, if it has one. False when out of memory. */
-static bool take_direction(watch *w, const km_sweeper *r, double s, bool *has_one) {
+/* Stores the direction of motion at the row, if it has one. False without memory. */
+static bool store_direction(sweep_events *w, const km_sweeper *r, double s, bool *has_one) {
   const size_t rows = km_table_rows(r->out->table);
-  if (rows > w->rows + 1) /* those between were quiet ones */
+  if (rows > w->rows + 1) /* the rows between contain no zero */
     km_directions_skip(&w->directions);
   w->rows = rows;
   double *z = km_directions_row(&w->directions, s);
-  *has_one = z && direction(r, z);
+  *has_one = z && compute_direction(r, z);
   if (!*has_one)
-    km_directions_forget(&w->directions);
+    km_directions_clear(&w->directions);
   return z && !w->directions.failed;
 }
 
-static void note_motion(watch *w) {
+static void mark_moved(sweep_events *w) {
   const km_directions *d = &w->directions;
-  for (int i = 0; i < w->watched_count; ++i) {
-    const int c = w->watched[i];
-    for (int place = has_last(w) ? d->last : d->row; place <= d->row && !w->moved[c]; ++place)
-      w->moved[c] = fabs(km_directions_entry(d, place, c)) >= km_dead;
+  for (int i = 0; i < w->candidate_count; ++i) {
+    const int c = w->candidates[i];
+    for (int index = has_last_row(w) ? d->last : d->row; index <= d->row && !w->moved[c]; ++index)
+      w->moved[c] = fabs(km_directions_entry(d, index, c)) >= km_zero_entry;
   }
 }
 
-/* Looks for toggles since the last row. */
-static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
+/* Finds the dead points since the last row. */
+static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
   bool moves;
-  km_status status = km_singular_value_observe(&w->singular, r, s, w->out, error);
+  km_status status = km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
   if (status)
     return status;
-  if (!take_direction(w, r, s, &moves))
+  if (!store_direction(w, r, s, &moves))
     return no_memory(error);
   if (!moves)
     return KM_OK;
-  if (w->watched_count == 0)
-    choose_watched(w, r);
-  note_motion(w);
+  if (w->candidate_count == 0)
+    choose_candidates(w, r);
+  mark_moved(w);
   w->next = 0;
-  return list_hidden(w, r) ? go_on(w, r, error) : no_memory(error);
+  return add_hidden_dead_points(w, r) ? continue_search(w, r, error) : no_memory(error);
 }
 
-static void step(void *self, const km_sweeper *r, double s, const double *rates) {
-  watch *w = self;
+static void handle_step(void *self, const km_sweeper *r, double s, const double *rates) {
+  sweep_events *w = self;
   km_directions_step(&w->directions, r->m, s, rates);
 }
 
-static bool wants(void *self, double *s) {
-  const watch *w = self;
-  *s = w->at.root;
+static bool next_probe(void *self, double *s) {
+  const sweep_events *w = self;
+  *s = w->root_search.root;
   return w->searching;
 }
 
-static km_status shown(void *self, km_sweeper *r, const double *rates, km_error *error) {
-  watch *w = self;
-  w->at.open = false;
+static km_status cell_coordinate(void *self, km_sweeper *r, const double *rates, km_error *error) {
+  sweep_events *w = self;
+  w->root_search.open = false;
   if (rates) {
     km_unit_direction(r->m, rates, r->scratch);
-    km_root_search_narrow(&w->at, r->scratch[w->watched[w->next]]);
+    km_root_search_update(&w->root_search, r->scratch[w->candidates[w->next]]);
   }
-  return go_on(w, r, error);
+  return continue_search(w, r, error);
 }
 
-static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  return km_singular_value_observe(&w->singular, r, s, w->out, error);
+static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
+  return km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
 }
 
-static void forget(void *self) {
-  watch *w = self;
-  km_directions_forget(&w->directions);
-  w->singular.scan.have = 0;
+static void handle_branch_switch(void *self) {
+  sweep_events *w = self;
+  km_directions_clear(&w->directions);
+  w->singular.search.have = 0;
 }
 
-/* Does the coordinate stop where the driver does? There the driver's number, the square of its rate in the one motion, is 0 but for
- * how well the place is known. */
-static bool stops_with(const km_sweeper *r, int c) {
-  static const double ratio = 100.0; /* of rates that both keep beside the place */
+/* True if the coordinate is at rest at the driver's dead point. The driver's mobility number, the square of its rate,
+ * is 0 there up to the accuracy of the position. */
+static bool rests_with_driver(const km_sweeper *r, int c) {
+  static const double ratio = 100.0; /* ratio of rates of coordinates that move there */
   const double *numbers = r->s->mobility_number;
   return numbers[c] <= ratio * ratio * fmax(numbers[r->plan->coordinate], 1e-30);
 }
 
-/* The sweep ends at a dead point of its driver, and of what stops with it. */
-static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
+/* Adds the dead points at an end of the sweep: of the driver and of the coordinates at rest there. */
+static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
   const int driver = r->plan->coordinate;
   const bool one = r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) == 1;
   bool added = add_toggle(w->out, r->plan, driver, s);
   w->moved[driver] = true;
-  for (int i = 0; i < w->watched_count && one && added; ++i)
-    if (w->watched[i] != driver && stops_with(r, w->watched[i]))
-      added = add_toggle(w->out, r->plan, w->watched[i], s);
+  for (int i = 0; i < w->candidate_count && one && added; ++i)
+    if (w->candidates[i] != driver && rests_with_driver(r, w->candidates[i]))
+      added = add_toggle(w->out, r->plan, w->candidates[i], s);
   return added ? KM_OK : no_memory(error);
 }
 
-/* Joints that stand all the way lose no grip that they had. */
-static void drop_standing(const watch *w) {
+/* Removes the dead points of coordinates that never move. */
+static void remove_resting(const sweep_events *w) {
   km_mobility_sweep *out = w->out;
   size_t kept = 0;
   for (size_t i = 0; i < out->toggle_count; ++i)
@@ -363,73 +367,73 @@ static void drop_standing(const watch *w) {
   out->toggle_count = kept;
 }
 
-static km_status tell(void *self, const km_sweep_job *job) {
-  drop_standing(self);
+static km_status finish(void *self, const km_sweep_job *job) {
+  remove_resting(self);
   if (!job->table_only)
     find_extremes(self, job->m->coordinate_count);
   return job->status;
 }
 
-static void close_watch(void *self) {
-  watch *w = self;
-  km_singular_value_watch_free(&w->singular);
+static void close_observer(void *self) {
+  sweep_events *w = self;
+  km_singular_value_minima_free(&w->singular);
   km_directions_free(&w->directions);
   km_free(w->listed);
   km_free(w->moved);
-  km_free(w->watched);
+  km_free(w->candidates);
   km_free(w->cell);
   km_free(w->unread);
-  km_free(w->shown);
+  km_free(w->cell_coordinate);
   km_free(w);
 }
 
-static km_observer observer_of(watch *w, bool singularities, bool table_only) {
-  const bool looks = singularities || !table_only;
+static km_observer observer_of(sweep_events *w, bool singularities, bool table_only) {
+  const bool may_probe = singularities || !table_only;
   return (km_observer){.self = w,
                        .columns = add_columns,
                        .cells = write_numbers,
-                       .seen = looks ? see : NULL,
-                       .stepped = looks ? step : NULL,
-                       .wants = looks ? wants : NULL,
-                       .shown = looks ? shown : NULL,
-                       .passed = singularities ? pass : NULL,
-                       .corner = forget,
-                       .ended = looks ? end_at : NULL,
-                       .tell = tell,
-                       .close = close_watch,
+                       .row_written = may_probe ? handle_row : NULL,
+                       .step_taken = may_probe ? handle_step : NULL,
+                       .next_probe = may_probe ? next_probe : NULL,
+                       .probed = may_probe ? cell_coordinate : NULL,
+                       .sampled_between = singularities ? handle_sample : NULL,
+                       .corner = handle_branch_switch,
+                       .end_reached = may_probe ? handle_end : NULL,
+                       .finish = finish,
+                       .close = close_observer,
                        .reads_jacobian = singularities,
                        .number_cells = singularities ? NULL : w->cell,
-                       .unread = w->reads ? w->unread : NULL};
+                       .unread = w->read_columns ? w->unread : NULL};
 }
 
-/* Space for a mechanism's numbers. */
-static bool reserve(watch *w, const km_mechanism *m, const km_sweep_plan *plan) {
+/* Allocates the arrays of the search. */
+static bool reserve(sweep_events *w, const km_mechanism *m, const km_sweep_plan *plan) {
   size_t count = (size_t)m->coordinate_count;
   w->out->extremes = KM_NEW(km_extreme, count);
-  w->directions = (km_directions){.coordinates = count, .sense = sense_of(plan), .last = -1, .row = -1};
+  w->directions = (km_directions){.coordinates = count, .sense = sweep_sign(plan), .last = -1, .row = -1};
   w->listed = KM_NEW(bool, count);
   w->moved = KM_NEW(bool, count);
-  w->watched = KM_NEW(int, count);
+  w->candidates = KM_NEW(int, count);
   w->cell = KM_NEW(size_t, count);
   w->unread = KM_NEW(bool, count);
-  w->shown = KM_NEW(int, count + (size_t)m->model->joint_count);
-  if (!w->listed || !w->moved || !w->watched || !w->cell || !w->unread || !w->shown || !w->out->extremes)
+  w->cell_coordinate = KM_NEW(int, count + (size_t)m->model->joint_count);
+  if (!w->listed || !w->moved || !w->candidates || !w->cell || !w->unread || !w->cell_coordinate || !w->out->extremes)
     return false;
   for (size_t c = 0; c < count; ++c)
     w->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
   return true;
 }
 
-static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
+static km_status open_observer(km_sweep_job *job, km_mobility_sweep *out) {
   km_status fits = km_check_sweep(job->m, job->s, job->plan, job->error);
   if (fits)
     return fits;
-  watch *w = KM_NEW(watch, 1);
+  sweep_events *w = KM_NEW(sweep_events, 1);
   bool singularities = job->plan->singularities, ready = w != NULL;
   if (ready) {
     w->out = out;
-    w->reads = job->table_only ? job->reads : NULL;
-    ready = reserve(w, job->m, job->plan) && (!singularities || km_singular_value_watch_make(&w->singular, job->m));
+    w->read_columns = job->table_only ? job->read_columns : NULL;
+    ready = reserve(w, job->m, job->plan) && (!singularities || km_singular_value_minima_create(&w->singular, job->m));
     w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;
   }
@@ -439,7 +443,7 @@ static km_status open_watch(km_sweep_job *job, km_mobility_sweep *out) {
 void km_mobility_sweep_open(km_sweep_job *job, km_mobility_sweep *out) {
   *out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
   job->out = &out->motion;
-  job->status = open_watch(job, out);
+  job->status = open_observer(job, out);
 }
 
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,

@@ -1,5 +1,5 @@
-/* Unit directions of motion at the rows of a sweep and at the steps that led there, in the order in which the motion passes them.
- * Private to analysis/. */
+/* Unit directions of motion at the rows of a sweep and at the steps between, in the order of the motion. Private to
+ * sweep/. */
 #ifndef KM_SWEEP_MOTION_DIRECTIONS_H
 #define KM_SWEEP_MOTION_DIRECTIONS_H
 
@@ -7,27 +7,27 @@
 
 typedef struct km_directions {
   size_t coordinates;
-  double sense;  /* of s along the sweep, ±1 */
+  double sense;  /* sign of s along the sweep, ±1 */
   double *s, *z; /* [count], [count × coordinates] lengths over the characteristic length */
-  int count, room;
-  int last, row; /* the row before the present one, and that, -1: none; behind it are steps that lead on */
-  bool failed;   /* out of memory: some steps are missing */
+  int count, capacity;
+  int last, row; /* indices of the previous row and of the present one, -1: none; behind it are later steps */
+  bool failed;   /* no memory: some steps are missing */
 } km_directions;
 
-/* The unit direction at these rates: z[coordinate]. */
+/* Computes the unit direction D q̇/|D q̇| of these rates: z[coordinate]. */
 void km_unit_direction(const km_mechanism *mechanism, const double *rates, double *z);
 
 void km_directions_free(km_directions *directions);
-/* The motion has made a step to s, where it has these rates. Nothing happens unless it leads on from the last row. */
+/* Adds a step to s with these rates, unless it does not continue from the last row. */
 void km_directions_step(km_directions *directions, const km_mechanism *mechanism, double s, const double *rates);
-/* Adds a row at s behind the steps that led there, and returns the place for its direction. NULL when out of memory. */
+/* Adds a row at s after the steps that led to it and returns its direction's array. NULL without memory. */
 double *km_directions_row(km_directions *directions, double s);
-/* Nothing is known of the row any more, since it has no direction. */
-void km_directions_forget(km_directions *directions);
-/* The next row isn't the one behind the last one. */
+/* Removes all directions: the row has none. */
+void km_directions_clear(km_directions *directions);
+/* Removes the previous rows: the next row does not follow the last one. */
 void km_directions_skip(km_directions *directions);
 
-/* The entry of a coordinate at the i-th place. */
+/* Returns the entry of a coordinate in the i-th direction. */
 static inline double km_directions_entry(const km_directions *d, int i, int coordinate) {
   return d->z[(size_t)i * d->coordinates + (size_t)coordinate];
 }

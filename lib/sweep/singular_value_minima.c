@@ -1,38 +1,38 @@
-/* Where a sweep comes nearest to gaining a mobility: minima of the smallest singular value. */
+/* Approach to a gain of mobility: minima of the smallest kept singular value of J D⁻¹ along a sweep (theory 10.4). */
 #include "sweep/singular_value_minima.h"
 
-static const km_substructure *moving(const km_sweeper *r) {
+static const km_substructure *moving_substructure(const km_sweeper *r) {
   return &r->m->substructures[r->substructure];
 }
 
-/* Value `index` (from 1) at the state's pose. */
-static double value_at(km_singular_value_watch *w, const km_sweeper *r, int index) {
+/* Returns singular value `index` (from 1) at the state's configuration. */
+static double value_at(km_singular_value_minima *w, const km_sweeper *r, int index) {
   int count;
-  const double *values = km_singular_values(w->singular, r->m, r->s, moving(r), &count);
+  const double *values = km_singular_values(w->singular, r->m, r->s, moving_substructure(r), &count);
   return index > 0 && index <= count ? values[index - 1] : nan("");
 }
 
-static void generic_value(void *self, km_sweeper *r, double *value, double *one) {
-  km_singular_value_watch *w = self;
+static void compute_value(void *self, km_sweeper *r, double *value, double *one) {
+  km_singular_value_minima *w = self;
   (void)one;
-  *value = value_at(w, r, w->generic);
+  *value = value_at(w, r, w->regular_rank);
 }
 
-bool km_singular_value_watch_make(km_singular_value_watch *w, const km_mechanism *m) {
-  *w = (km_singular_value_watch){.singular = km_singular_value_workspace_create(m)};
-  w->scan = (km_event_search){
-      .self = w, .values = generic_value, .extremes = true, .best_counts = true, .events = &w->events};
-  return km_event_search_reserve(&w->scan, 1) && w->singular;
+bool km_singular_value_minima_create(km_singular_value_minima *w, const km_mechanism *m) {
+  *w = (km_singular_value_minima){.singular = km_singular_value_workspace_create(m)};
+  w->search = (km_event_search){
+      .self = w, .values = compute_value, .extremes = true, .accepts_best_sample = true, .events = &w->events};
+  return km_event_search_reserve(&w->search, 1) && w->singular;
 }
 
-void km_singular_value_watch_free(km_singular_value_watch *w) {
+void km_singular_value_minima_free(km_singular_value_minima *w) {
   km_singular_value_workspace_free(w->singular);
-  km_event_search_free(&w->scan);
+  km_event_search_free(&w->search);
   km_free(w->events.items);
 }
 
-double km_singular_value_kept(km_singular_value_watch *w, const km_sweeper *r) {
-  if (r->substructure < 0 || !km_singular_values_fit(moving(r)))
+double km_singular_value_kept(km_singular_value_minima *w, const km_sweeper *r) {
+  if (r->substructure < 0 || !km_singular_values_fit(moving_substructure(r)))
     return nan("");
   return value_at(w, r, r->s->partition[r->substructure].rank);
 }
@@ -46,31 +46,31 @@ static bool add_minimum(km_mobility_sweep *out, km_extreme minimum) {
   return true;
 }
 
-static void take_smaller(km_extreme *smallest, km_extreme found) {
+static void keep_smaller(km_extreme *smallest, km_extreme found) {
   if (found.number < smallest->number || isnan(smallest->number))
     *smallest = found;
 }
 
-km_status km_singular_value_observe(km_singular_value_watch *w, km_sweeper *r, double s, km_mobility_sweep *out,
-                                    km_error *error) {
+km_status km_singular_value_minima_sample(km_singular_value_minima *w, km_sweeper *r, double s, km_mobility_sweep *out,
+                                          km_error *error) {
   if (!w->singular || r->substructure < 0)
     return KM_OK;
-  if (!km_singular_values_fit(moving(r)))
+  if (!km_singular_values_fit(moving_substructure(r)))
     return km_fail(error, KM_USAGE, "singular values of substructure %d, which has %d coordinates; expected at most %d",
-                   r->substructure + 1, moving(r)->columns, KM_MAX_SINGULAR);
+                   r->substructure + 1, moving_substructure(r)->columns, KM_MAX_SINGULAR);
   int rank = r->s->partition[r->substructure].rank;
-  if (rank > w->generic) { /* values of different places in the order can't be compared */
-    w->generic = rank;
-    w->scan.have = 0;
+  if (rank > w->regular_rank) { /* singular values with different indices are not comparable: the search starts anew */
+    w->regular_rank = rank;
+    w->search.have = 0;
   }
   size_t known = w->events.count;
-  km_status status = km_event_search_sample(&w->scan, r, s, error);
-  take_smaller(&out->smallest, (km_extreme){w->scan.n[0][0], s});
+  km_status status = km_event_search_sample(&w->search, r, s, error);
+  keep_smaller(&out->smallest, (km_extreme){w->search.n[0][0], s});
   for (size_t i = known; i < w->events.count && !status; ++i) {
     km_extreme minimum = {w->events.items[i].value, w->events.items[i].s};
     if (w->events.items[i].kind != KM_EVENT_MINIMUM)
       continue;
-    take_smaller(&out->smallest, minimum);
+    keep_smaller(&out->smallest, minimum);
     if (!add_minimum(out, minimum))
       status = km_fail(error, KM_MEMORY, "out of memory for the singular values");
   }

@@ -1,4 +1,4 @@
-/* Minima of the smallest singular value along a sweep. Private to sweep/. */
+/* Minima of the smallest kept singular value along a sweep (theory 10.4). Private to sweep/. */
 #ifndef KM_SWEEP_SINGULAR_VALUE_MINIMA_H
 #define KM_SWEEP_SINGULAR_VALUE_MINIMA_H
 
@@ -6,23 +6,24 @@
 #include "mobility/jacobian_singular_values.h"
 #include "sweep/event_search.h"
 
-/* The smallest singular value over a sweep. */
-typedef struct km_singular_value_watch {
-  km_singular_value_workspace *singular; /* NULL: not asked for */
-  int generic;                           /* how many values the poses keep that have the least freedom so far */
-  km_event_search scan;
+/* Search for the minima over a sweep. */
+typedef struct km_singular_value_minima {
+  km_singular_value_workspace *singular; /* NULL: not requested */
+  int regular_rank;                      /* regular rank: largest rank found so far */
+  km_event_search search;
   km_events events;
-} km_singular_value_watch;
+} km_singular_value_minima;
 
-/* False when out of memory. */
-bool km_singular_value_watch_make(km_singular_value_watch *watch, const km_mechanism *mechanism);
-void km_singular_value_watch_free(km_singular_value_watch *watch);
+/* False without memory. */
+bool km_singular_value_minima_create(km_singular_value_minima *sweep_events, const km_mechanism *mechanism);
+void km_singular_value_minima_free(km_singular_value_minima *sweep_events);
 
-/* The smallest singular value that is kept at the state's pose: the rank'th. NaN where nothing moves. */
-double km_singular_value_kept(km_singular_value_watch *watch, const km_sweeper *sweeper);
-/* At a row or a pose between rows: notes the least value so far, and where it has a minimum. Leaves the state there.
- * KM_MEMORY; KM_USAGE for a substructure that doesn't fit. */
-km_status km_singular_value_observe(km_singular_value_watch *watch, km_sweeper *sweeper, double s,
-                                    km_mobility_sweep *out, km_error *error);
+/* Returns the smallest kept singular value at the state's configuration, number rank; NaN without a moving
+ * substructure. */
+double km_singular_value_kept(km_singular_value_minima *sweep_events, const km_sweeper *sweeper);
+/* Samples at a row or between rows: updates the smallest value and locates minima since the last sample. The state
+ * keeps its configuration. KM_MEMORY; KM_USAGE for a substructure that is too large. */
+km_status km_singular_value_minima_sample(km_singular_value_minima *sweep_events, km_sweeper *sweeper, double s,
+                                          km_mobility_sweep *out, km_error *error);
 
 #endif

@@ -1,4 +1,6 @@
-/* Static balance over a sweep: where actuators rest, peak, or can't hold. */
+/* Static balance along a sweep (theory 9.6): actuator force = n/d.
+ *
+ *   zero of n: the load balances itself;   zero of d: dead point, unbounded force;   extrema between rows: peaks */
 #include "base/arguments.h"
 #include "base/table.h"
 #include "base/text.h"
@@ -8,22 +10,22 @@
 
 #include <string.h>
 
-static const double rounding = 1e-11; /* of all applied forces: an actuator's force below this is 0 */
+static const double rounding = 1e-11; /* relative to all applied forces: smaller actuator forces count as 0 */
 
-typedef struct watch {
+typedef struct sweep_events {
   km_statics_sweep *out;
   km_observer observer;
   km_forces *forces;
   km_statics *statics;
-  km_event_search scan;
+  km_event_search search;
   km_events events;
-  bool moves; /* r->rates is the motion */
-  bool grown; /* the actuators reach more freedoms than before */
-  bool known; /* the balance is that of the state's pose, by this edition of the partition that moves: */
-  unsigned edition;
-} watch;
+  bool has_rates;       /* r->rates is the motion */
+  bool gained_freedoms; /* the actuators hold more freedoms than before */
+  bool is_valid; /* the balance belongs to the state's configuration, with this version of the moving partition */
+  unsigned version;
+} sweep_events;
 
-static bool add_forces(const watch *w, const km_model *model, km_table *table) {
+static bool add_forces(const sweep_events *w, const km_model *model, km_table *table) {
   bool added = true;
   km_text unit = {0};
   for (int i = 0; i < w->statics->actuator_count && added; ++i) {
@@ -43,7 +45,7 @@ static bool add_forces(const watch *w, const km_model *model, km_table *table) {
 
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   static const char *const parts[6] = {".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
-  const watch *w = self;
+  const sweep_events *w = self;
   const km_model *model = r->m->model;
   km_text torque = {0};
   km_torque_unit(model, &torque);
@@ -56,16 +58,16 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   return added && km_table_join_column(table, "held", "", "", NULL);
 }
 
-static unsigned edition_of(const km_sweeper *r) {
+static unsigned moving_version(const km_sweeper *r) {
   return r->substructure >= 0 ? r->s->partition[r->substructure].version : 0;
 }
 
 static double *write_cells(void *self, km_sweeper *r, double *cell) {
-  watch *w = self;
+  sweep_events *w = self;
   const km_statics *st = w->statics;
   km_statics_find(r->m, r->s, w->forces, w->statics);
-  w->known = true;
-  w->edition = edition_of(r);
+  w->is_valid = true;
+  w->version = moving_version(r);
   if (km_table_rows(w->out->motion.table) == 1)
     w->out->degree = st->degree;
   for (int i = 0; i < st->actuator_count; ++i)
@@ -81,115 +83,116 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-/* Force of an actuator, 0 where rounding is all there is. */
-static double clear_force(const watch *w, const km_mechanism *m, int actuator) {
-  const km_port *handle = &w->statics->actuators[actuator];
-  double unit = handle->kind == KM_PORT_JOINT ? m->unit[handle->coordinate] : m->length;
+/* Returns an actuator's force, 0 if it is rounding. */
+static double force_above_rounding(const sweep_events *w, const km_mechanism *m, int actuator) {
+  const km_port *port = &w->statics->actuators[actuator];
+  double unit = port->kind == KM_PORT_JOINT ? m->unit[port->coordinate] : m->length;
   double size = rounding * (w->forces->force_size * unit + w->forces->couple_size) / unit;
   double force = w->statics->actuator_forces[actuator];
   return fabs(force) <= size ? 0.0 : force;
 }
 
-/* True where the configuration has freedoms for an instant that the motion hasn't: no actuator need hold them. */
+/* True if the configuration has more freedoms than the motion (branch point): no actuator holds them. */
 static bool has_more_freedoms(const km_sweeper *r) {
   return r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
 }
 
-static void values(void *self, km_sweeper *r, double *n, double *d) {
-  watch *w = self;
+static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
+  sweep_events *w = self;
   if (has_more_freedoms(r)) {
-    for (int i = 0; i < w->scan.count; ++i)
+    for (int i = 0; i < w->search.count; ++i)
       n[i] = nan("");
     return;
   }
-  if (!w->known || w->edition != edition_of(r)) {
+  if (!w->is_valid || w->version != moving_version(r)) {
     km_forces_compute(r->m, r->s, w->forces);
     km_statics_hold(r->m, r->s, w->forces, w->statics);
   }
-  w->known = false;
-  w->grown = !km_statics_ratios(r->m, w->statics, w->moves ? r->rates : NULL, n, d) || w->grown;
+  w->is_valid = false;
+  w->gained_freedoms = !km_statics_ratios(r->m, w->statics, w->has_rates ? r->rates : NULL, n, d) || w->gained_freedoms;
 }
 
-static void sampled(void *self, km_sweeper *r) {
-  const watch *w = self;
+static void set_reference(void *self, km_sweeper *r) {
+  const sweep_events *w = self;
   km_statics_refer(r->m, w->statics);
 }
 
-/* The first pose was one where the actuators had a freedom less within their reach than elsewhere. */
-static km_status start_at_pole(watch *w, km_error *error) {
-  double s = w->scan.first.s[0];
+/* Adds a pole at the first configuration, where the actuators held one freedom less than elsewhere. */
+static km_status add_start_pole(sweep_events *w, km_error *error) {
+  double s = w->search.first.s[0];
   km_status status = KM_OK;
-  for (int i = 0; i < w->scan.count && !status; ++i)
-    if (isnan(w->scan.n[1][i]) && !isnan(w->scan.n[0][i]))
+  for (int i = 0; i < w->search.count && !status; ++i)
+    if (isnan(w->search.n[1][i]) && !isnan(w->search.n[0][i]))
       status = km_events_add(&w->events, (km_event){KM_EVENT_POLE, i, s, HUGE_VAL}, error);
   return status;
 }
 
-static km_status look(watch *w, km_sweeper *r, double s, km_error *error) {
+static km_status sample_forces(sweep_events *w, km_sweeper *r, double s, km_error *error) {
   if (w->statics->work->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the balance");
   if (has_more_freedoms(r))
     return KM_OK;
-  bool second = w->scan.have > 0;
-  w->grown = false;
-  w->moves = r->rides ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_motion(r);
-  km_status status = km_event_search_sample(&w->scan, r, s, error);
-  if (w->grown && second && !status)
-    status = start_at_pole(w, error);
-  if (w->grown)
-    w->scan.have = 1;
+  bool has_sample = w->search.have > 0;
+  w->gained_freedoms = false;
+  w->has_rates = r->is_batched ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_update_rates(r);
+  km_status status = km_event_search_sample(&w->search, r, s, error);
+  if (w->gained_freedoms && has_sample && !status)
+    status = add_start_pole(w, error);
+  if (w->gained_freedoms)
+    w->search.have = 1;
   return status;
 }
 
-static km_status pass(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
-  w->known = false;
-  return look(w, r, s, error);
+static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
+  w->is_valid = false;
+  return sample_forces(w, r, s, error);
 }
 
-static km_status see(void *self, km_sweeper *r, double s, km_error *error) {
-  watch *w = self;
+static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
   if (!w->statics->held && w->out->unheld++ == 0)
     w->out->first_unheld = s;
   memcpy(w->out->gravity, &w->forces->stated_gravity, sizeof w->out->gravity);
   w->out->loaded = w->out->loaded || w->forces->force_size > 0.0 || w->forces->couple_size > 0.0;
   for (int i = 0; i < w->statics->actuator_count; ++i) {
-    double f = clear_force(w, r->m, i);
+    double f = force_above_rounding(w, r->m, i);
     const km_force_event *largest = &w->out->largest[i];
     if (!isnan(f) && (isnan(largest->s) || fabs(f) > fabs(largest->value)))
       w->out->largest[i] = (km_force_event){KM_FORCE_PEAK, i, s, f};
   }
-  return look(w, r, s, error);
+  return sample_forces(w, r, s, error);
 }
 
-/* The forces beside a pole, for pictures. */
-static bool between(void *self, km_sweeper *r, double s) {
-  watch *w = self;
-  bool written = km_sweeper_between(r, s);
-  w->known = false;
+/* Writes a row near a pole, for pictures. */
+static bool write_between(void *self, km_sweeper *r, double s) {
+  sweep_events *w = self;
+  bool written = km_sweeper_write_between(r, s);
+  w->is_valid = false;
   return written;
 }
 
-static km_status end_at(void *self, km_sweeper *r, double s, km_error *error) {
-  return km_event_at_end(&((watch *)self)->scan, r, s, error);
+static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
+  return km_event_at_end(&((sweep_events *)self)->search, r, s, error);
 }
 
-static void forget(void *self) {
-  ((watch *)self)->scan.have = 0;
+static void handle_branch_switch(void *self) {
+  ((sweep_events *)self)->search.have = 0;
 }
 
-static bool keep(const km_statics_sweep *out, const km_event *e, km_force_event *event) {
+/* Converts an event of the ratio n/d to one of the actuator's force; false if it is not reported. */
+static bool convert_event(const km_statics_sweep *out, const km_event *e, km_force_event *event) {
   *event = (km_force_event){KM_FORCE_BALANCED, e->function, e->s, e->value};
   if (e->kind == KM_EVENT_ZERO)
-    return out->largest[e->function].value != 0.0; /* not of one that never holds anything */
+    return out->largest[e->function].value != 0.0; /* an actuator without force has no such events */
   if (e->kind == KM_EVENT_UNDEFINED)
-    return false; /* neither the actuator nor what it holds moves: its force goes on as it was */
+    return false; /* neither actuator nor load moves: the force is continuous */
   event->kind = e->kind == KM_EVENT_POLE ? KM_FORCE_UNBOUNDED : KM_FORCE_PEAK;
-  bool outwards = e->kind == KM_EVENT_MAXIMUM ? e->value > 0.0 : e->value < 0.0;
-  return e->kind == KM_EVENT_POLE || outwards;
+  bool is_peak = e->kind == KM_EVENT_MAXIMUM ? e->value > 0.0 : e->value < 0.0;
+  return e->kind == KM_EVENT_POLE || is_peak;
 }
 
-static km_status take_events(watch *w, const km_sweep_plan *plan, km_error *error) {
+static km_status collect_events(sweep_events *w, const km_sweep_plan *plan, km_error *error) {
   km_statics_sweep *out = w->out;
   km_events_sort(&w->events, plan);
   out->events = KM_NEW(km_force_event, w->events.count);
@@ -197,11 +200,11 @@ static km_status take_events(watch *w, const km_sweep_plan *plan, km_error *erro
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   for (size_t i = 0; i < w->events.count; ++i) {
     km_force_event event;
-    if (!keep(out, &w->events.items[i], &event))
+    if (!convert_event(out, &w->events.items[i], &event))
       continue;
     out->events[out->event_count++] = event;
     km_force_event *largest = &out->largest[event.actuator];
-    /* A row is told before a peak that is it but for rounding. */
+    /* a row is preferred to a peak that equals it to rounding */
     if (event.kind != KM_FORCE_BALANCED && fabs(event.value) > (1.0 + rounding) * fabs(largest->value))
       *largest = event;
   }
@@ -218,47 +221,47 @@ static km_status check_job(const km_sweep_job *job, const km_forces *forces, con
   return status;
 }
 
-static km_status tell(void *self, const km_sweep_job *job) {
-  watch *w = self;
-  km_statics_mark(job->m, w->statics); /* those of the last row */
-  km_status taken = take_events(w, job->plan, job->error);
+static km_status finish(void *self, const km_sweep_job *job) {
+  sweep_events *w = self;
+  km_statics_mark(job->m, w->statics); /* of the last row */
+  km_status taken = collect_events(w, job->plan, job->error);
   return taken ? taken : w->out->unheld ? KM_PARTIAL : job->status;
 }
 
-static void close_watch(void *self) {
-  watch *w = self;
+static void close_observer(void *self) {
+  sweep_events *w = self;
   w->statics->work->compares = false;
-  km_event_search_free(&w->scan);
+  km_event_search_free(&w->search);
   km_free(w->events.items);
   km_free(w);
 }
 
-static km_observer observer_of(watch *w) {
+static km_observer observer_of(sweep_events *w) {
   return (km_observer){.self = w,
                        .columns = add_columns,
                        .cells = write_cells,
-                       .seen = see,
-                       .passed = pass,
-                       .corner = forget,
-                       .ended = end_at,
-                       .tell = tell,
-                       .close = close_watch,
+                       .row_written = handle_row,
+                       .sampled_between = handle_sample,
+                       .corner = handle_branch_switch,
+                       .end_reached = handle_end,
+                       .finish = finish,
+                       .close = close_observer,
                        .reads_jacobian = !w->statics->work->no_reactions,
                        .reads_basis = true};
 }
 
-static km_event_search scan_of(watch *w, bool table_only) {
+static km_event_search event_search_of(sweep_events *w, bool table_only) {
   return (km_event_search){.self = w,
-                           .values = values,
-                           .sampled = sampled,
-                           .between = between,
+                           .values = compute_values,
+                           .sampled = set_reference,
+                           .between = write_between,
                            .ratios = true,
                            .extremes = true,
                            .events = table_only ? NULL : &w->events};
 }
 
-/* The actuators, and what each of them has to give: nothing yet. */
-static bool take_actuators(const watch *w) {
+/* Copies the actuators and clears their largest forces. */
+static bool copy_actuators(const sweep_events *w) {
   km_statics_sweep *out = w->out;
   const km_statics *st = w->statics;
   out->actuators = KM_NEW(km_port, (size_t)st->actuator_count);
@@ -272,19 +275,19 @@ static bool take_actuators(const watch *w) {
   return true;
 }
 
-static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out) {
+static km_status open_observer(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out) {
   km_status status = check_job(job, forces, statics);
   if (status)
     return status;
-  watch *w = KM_NEW(watch, 1);
+  sweep_events *w = KM_NEW(sweep_events, 1);
   if (w) {
-    *w = (watch){.out = out, .forces = forces, .statics = statics};
+    *w = (sweep_events){.out = out, .forces = forces, .statics = statics};
     w->observer = observer_of(w);
-    w->scan = scan_of(w, job->table_only);
+    w->search = event_search_of(w, job->table_only);
     job->observer = &w->observer;
     statics->work->compares = true;
   }
-  if (!w || !take_actuators(w) || !km_event_search_reserve(&w->scan, statics->actuator_count))
+  if (!w || !copy_actuators(w) || !km_event_search_reserve(&w->search, statics->actuator_count))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }
@@ -292,7 +295,7 @@ static km_status open_watch(km_sweep_job *job, km_forces *forces, km_statics *st
 void km_statics_sweep_open(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out) {
   *out = (km_statics_sweep){.motion = {.substructure = -1}, .first_unheld = nan("")};
   job->out = &out->motion;
-  job->status = open_watch(job, forces, statics, out);
+  job->status = open_observer(job, forces, statics, out);
 }
 
 km_status km_statics_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_forces *forces,

@@ -1,13 +1,13 @@
-/* The loops and joints that stop a driver at its dead point.
+/* Cause of a dead point of the driver (theory 10.5): loops and joints.
  *
  *   J = [j_d  J'] : the six rows of every loop (full_jacobian.h), j_d the driver's column, J' the others
  *   dead point    : J' loses a row rank that j_d needs: a left null vector w of J' with w · j_d ≠ 0
- *   w ~ (J' J'ᵀ + ε² I)⁻¹ j_d, ε above the smallest singular value that is left at a located end: other directions have 1/σ² of it,
- *        and what is redundant for all motions is orthogonal to j_d
+ *   w ~ (J' J'ᵀ + ε² I)⁻¹ j_d, ε above the smallest singular value that remains at a located end: other directions have
+ *       1/σ² of it, and persistent redundancies are orthogonal to j_d
  *   net wrench of a joint : Σ ± w_l over the loops l through it, reciprocal to its motions
  *
- * w is the self-stress that the driver's force would cause without bound: links that carry it by a force along the line through
- * their hinges are in line. */
+ * w is the self-stress that the driver's force would cause without bound: links that transmit it by a force along the
+ * line through their hinges are in line. */
 #include "sweep/stop_cause.h"
 
 #include "base/text.h"
@@ -18,28 +18,28 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_ROWS = 240, MOST_NAMED = 8 };
-static const double damping = 1e-3;  /* ε over the largest entry: an end is located to 1e-9, whose root is 3e-5 */
-static const double part = 1e-3;     /* of the largest net wrench: less is what the damping leaves */
-static const double straight = 1e-2; /* of the substructure's size, and of a force's direction */
+enum { MAX_ROWS = 240, MAX_NAMES = 8 };
+static const double damping = 1e-3;       /* ε over the largest entry: an end is located to 1e-9, whose root is 3e-5 */
+static const double smallest_part = 1e-3; /* relative to the largest net wrench: smaller ones come from the damping */
+static const double alignment = 1e-2;     /* relative to the substructure's size; sine of a force's direction */
 
-typedef struct net {
-  km_vec3 force, moment, place; /* moment about the place, over the size */
-} net;
+typedef struct joint_wrench {
+  km_vec3 force, moment, position; /* moment about `place`, over the size */
+} joint_wrench;
 
-typedef struct cause {
+typedef struct dead_point {
   const km_mechanism *m;
   const km_state *s;
   const km_substructure *sub;
   int index, driver, rows;
   km_vec3 about;
   km_arena arena;
-  double *w;  /* [rows] */
-  net *joint; /* [joint count of the model] */
-} cause;
+  double *w;           /* [rows] */
+  joint_wrench *joint; /* [joint count of the model] */
+} dead_point;
 
-/* w, of length 1; false where the equations can't be solved. */
-static bool find_vector(cause *c) {
+/* Computes w, of length 1; false if the equations are singular. */
+static bool find_self_stress(dead_point *c) {
   const km_mechanism *m = c->m;
   size_t rows = (size_t)c->rows, columns = (size_t)c->sub->columns;
   km_twist *twist = KM_ARENA_NEW(&c->arena, km_twist, (size_t)m->coordinate_count);
@@ -78,101 +78,102 @@ static bool find_vector(cause *c) {
   return square > 0.0 && isfinite(square);
 }
 
-/* The net wrench in every joint of the loops, the moment about the joint. */
-static bool find_nets(cause *c) {
+/* Computes the net wrench in every joint of the loops, moments about the joint. */
+static bool find_joint_wrenches(dead_point *c) {
   const km_topology *t = &c->m->topology;
-  c->joint = KM_ARENA_NEW(&c->arena, net, (size_t)c->m->model->joint_count);
+  c->joint = KM_ARENA_NEW(&c->arena, joint_wrench, (size_t)c->m->model->joint_count);
   for (int i = 0; c->joint && i < c->sub->loop_count; ++i) {
     int loop = t->loop[t->loop_start[c->index] + i];
     km_vec3 force = km_vec3_from_array(c->w + 6 * i), moment = km_vec3_from_array(c->w + 6 * i + 3);
     for (int k = t->member_start[loop]; k < t->member_start[loop + 1]; ++k) {
-      net *n = &c->joint[t->member[k].joint];
-      double sense = km_member_sign(&t->member[k]);
-      n->place = km_joint_pose(c->m, c->s, t->member[k].joint).p;
-      km_vec3 arm = km_vec3_scale(1.0 / c->sub->size, km_vec3_axpy(-1.0, n->place, c->about));
-      n->force = km_vec3_axpy(sense, force, n->force);
-      n->moment = km_vec3_axpy(sense, km_vec3_add(moment, km_vec3_cross(arm, force)), n->moment);
+      joint_wrench *n = &c->joint[t->member[k].joint];
+      double sign = km_member_sign(&t->member[k]);
+      n->position = km_joint_pose(c->m, c->s, t->member[k].joint).p;
+      km_vec3 arm = km_vec3_scale(1.0 / c->sub->size, km_vec3_axpy(-1.0, n->position, c->about));
+      n->force = km_vec3_axpy(sign, force, n->force);
+      n->moment = km_vec3_axpy(sign, km_vec3_add(moment, km_vec3_cross(arm, force)), n->moment);
     }
   }
   return c->joint != NULL;
 }
 
-static double size_of(const net *n) {
+static double size_of(const joint_wrench *n) {
   return km_vec3_norm(n->force) + km_vec3_norm(n->moment);
 }
 
-/* Joints that carry a part of it, without the driver's, in the substructure's order. Returns their number. */
-static int list_joints(const cause *c, int *out) {
+/* Lists the joints with a significant net wrench, except the driver's, in the substructure's order; returns their
+ * number. */
+static int list_joints(const dead_point *c, int *out) {
   const km_topology *t = &c->m->topology;
   double largest = 0.0;
-  int count = 0, own = c->m->model->coordinates[c->driver].joint;
+  int count = 0, driver_joint = c->m->model->coordinates[c->driver].joint;
   for (int k = t->joint_start[c->index]; k < t->joint_start[c->index + 1]; ++k)
     largest = fmax(largest, size_of(&c->joint[t->joint[k]]));
   for (int k = t->joint_start[c->index]; k < t->joint_start[c->index + 1]; ++k) {
     int j = t->joint[k];
     bool moves = km_model_freedom(c->m->model, j) > 0 && !c->m->held[c->m->model->joints[j].first_coordinate];
-    if (j != own && moves && size_of(&c->joint[j]) > part * largest)
+    if (j != driver_joint && moves && size_of(&c->joint[j]) > smallest_part * largest)
       out[count++] = j;
   }
   return count;
 }
 
-static bool turns(const km_model *model, int joint) {
+static bool is_rotational(const km_model *model, int joint) {
   km_joint_type type = model->joints[joint].type;
   return type == KM_RX || type == KM_RY || type == KM_RZ || type == KM_SPHERICAL || type == KM_UNIVERSAL;
 }
 
-/* True if all these joints lie on the line of one force. In a plane hinges count where they pierce it. */
-static bool are_in_line(const cause *c, const int *joint, int count) {
+/* True if all these joints lie on the line of one force. Hinges count where the plane is pierced by their axis. */
+static bool are_in_line(const dead_point *c, const int *joint, int count) {
   const km_model *model = c->m->model;
-  const net *first = &c->joint[joint[0]];
+  const joint_wrench *first = &c->joint[joint[0]];
   double size = km_vec3_norm(first->force);
   km_vec3 along = km_vec3_scale(1.0 / size, first->force);
   if (count < 3 || !(size > 0.0))
     return false;
   for (int i = 0; i < count; ++i) {
-    const net *n = &c->joint[joint[i]];
+    const joint_wrench *n = &c->joint[joint[i]];
     int q = model->joints[joint[i]].first_coordinate;
-    bool is_hinge = turns(model, joint[i]) && km_model_freedom(model, joint[i]) == 1;
-    km_vec3 away = km_vec3_axpy(-1.0, first->place, n->place), axis = km_coordinate_twist(c->m, c->s, q).w;
-    if (!turns(model, joint[i]))
+    bool is_hinge = is_rotational(model, joint[i]) && km_model_freedom(model, joint[i]) == 1;
+    km_vec3 distance = km_vec3_axpy(-1.0, first->position, n->position), axis = km_coordinate_twist(c->m, c->s, q).w;
+    if (!is_rotational(model, joint[i]))
       return false;
     if (is_hinge)
-      away = km_vec3_axpy(-km_vec3_dot(away, axis), axis, away);
-    km_vec3 beside = km_vec3_axpy(-km_vec3_dot(away, along), along, away);
-    if (km_vec3_norm(km_vec3_cross(n->force, along)) > straight * size ||
-        km_vec3_norm(beside) > straight * c->sub->size)
+      distance = km_vec3_axpy(-km_vec3_dot(distance, axis), axis, distance);
+    km_vec3 offset = km_vec3_axpy(-km_vec3_dot(distance, along), along, distance);
+    if (km_vec3_norm(km_vec3_cross(n->force, along)) > alignment * size ||
+        km_vec3_norm(offset) > alignment * c->sub->size)
       return false;
   }
   return true;
 }
 
-/* Bodies that two of the joints are on. Returns their number. */
-static int list_links(const cause *c, const int *joint, int count, int *out) {
+/* Lists the bodies that carry two of the joints; returns their number. */
+static int list_links(const dead_point *c, const int *joint, int count, int *out) {
   const km_model *model = c->m->model;
   int found = 0;
   for (int b = 1; b < model->body_count; ++b) {
-    int ends = 0;
+    int is_last = 0;
     for (int i = 0; i < count; ++i)
       for (int e = 0; e < 2; ++e)
-        ends += model->frames[model->joints[joint[i]].frame[e]].body == b;
-    if (ends >= 2)
+        is_last += model->frames[model->joints[joint[i]].frame[e]].body == b;
+    if (is_last >= 2)
       out[found++] = b;
   }
   return found;
 }
 
-static void add_name(km_text *out, int place, int count, const char *name) {
-  if (place < MOST_NAMED)
-    km_text_format(out, "%s%.80s", place == 0 ? "" : place == count - 1 ? " and " : ", ", name);
-  else if (place == MOST_NAMED)
-    km_text_format(out, " and %d more", count - MOST_NAMED);
+static void add_name(km_text *out, int position, int count, const char *name) {
+  if (position < MAX_NAMES)
+    km_text_format(out, "%s%.80s", position == 0 ? "" : position == count - 1 ? " and " : ", ", name);
+  else if (position == MAX_NAMES)
+    km_text_format(out, " and %d more", count - MAX_NAMES);
 }
 
-static void describe(const cause *c, const int *joint, int count, int *link, km_text *out) {
+static void write_description(const dead_point *c, const int *joint, int count, int *link, km_text *out) {
   const km_model *model = c->m->model;
   bool in_line = are_in_line(c, joint, count);
-  int links = in_line ? list_links(c, joint, count, link) : 0, loops = 0, place = 0;
+  int links = in_line ? list_links(c, joint, count, link) : 0, loops = 0, position = 0;
   double largest = 0.0;
   for (int r = 0; r < 6 * c->sub->loop_count; ++r)
     largest = fmax(largest, fabs(c->w[r]));
@@ -181,16 +182,16 @@ static void describe(const cause *c, const int *joint, int count, int *link, km_
     add_name(&joints, i, count, model->joints[joint[i]].label);
   for (int pass = 0; pass < 2; ++pass)
     for (int i = 0; i < c->sub->loop_count; ++i) {
-      double most = 0.0;
+      double largest_entry = 0.0;
       char number[16];
       for (int r = 0; r < 6; ++r)
-        most = fmax(most, fabs(c->w[6 * i + r]));
-      if (!(most > part * largest))
+        largest_entry = fmax(largest_entry, fabs(c->w[6 * i + r]));
+      if (!(largest_entry > smallest_part * largest))
         continue;
       loops += pass == 0;
       snprintf(number, sizeof number, "%d", c->m->topology.loop[c->m->topology.loop_start[c->index] + i] + 1);
       if (pass == 1)
-        add_name(&where, place++, loops, number);
+        add_name(&where, position++, loops, number);
     }
   km_text_add(out, links > 1 ? "links " : "");
   for (int i = 0; i < links && links > 1; ++i)
@@ -209,19 +210,19 @@ static void describe(const cause *c, const int *joint, int count, int *link, km_
 
 char *km_stop_cause(const km_mechanism *m, km_state *s, int substructure, int driver) {
   const km_substructure *sub = &m->substructures[substructure];
-  cause c = {.m = m, .s = s, .sub = sub, .index = substructure, .driver = driver};
+  dead_point c = {.m = m, .s = s, .sub = sub, .index = substructure, .driver = driver};
   km_text out = {0};
   c.rows = 6 * sub->loop_count + sub->coupling_count;
-  if (c.rows > MOST_ROWS || sub->loop_count == 0)
+  if (c.rows > MAX_ROWS || sub->loop_count == 0)
     return NULL;
   km_poses_compute(m, s);
   c.about = km_joint_pose(m, s, m->model->coordinates[driver].joint).p;
   int *joint = KM_ARENA_NEW(&c.arena, int, (size_t)m->model->joint_count);
   int *link = KM_ARENA_NEW(&c.arena, int, (size_t)m->model->body_count);
-  if (!c.arena.failed && find_vector(&c) && find_nets(&c)) {
+  if (!c.arena.failed && find_self_stress(&c) && find_joint_wrenches(&c)) {
     int count = list_joints(&c, joint);
     if (count > 0)
-      describe(&c, joint, count, link, &out);
+      write_description(&c, joint, count, link, &out);
   }
   km_arena_free(&c.arena);
   if (out.failed)

@@ -1,4 +1,4 @@
-/* Sweeps: their plans, and the run that driven ones and those by arc length share. */
+/* Plans of sweeps, and their run: common part of driven sweeps and sweeps by arc length. */
 #include "sweep/sweep.h"
 #include "base/arguments.h"
 #include "base/table.h"
@@ -23,10 +23,10 @@ static km_status check_range(const km_mechanism *m, const km_sweep_plan *plan, k
   if (plan->steps == 0)
     return KM_OK;
   if (plan->arclength > 0.0)
-    return plan->arclength > KM_LEAST_ARCLENGTH && plan->arclength <= KM_MAX_ARCLENGTH
+    return plan->arclength > KM_MIN_ARCLENGTH && plan->arclength <= KM_MAX_ARCLENGTH
                ? KM_OK
                : km_fail(error, KM_USAGE, "steps of an arc length of %g; expected one greater than %g and at most %g",
-                         plan->arclength, KM_LEAST_ARCLENGTH, KM_MAX_ARCLENGTH);
+                         plan->arclength, KM_MIN_ARCLENGTH, KM_MAX_ARCLENGTH);
   if (!isfinite(plan->from) || !isfinite(plan->to))
     return km_fail(error, KM_USAGE, "a range from %g to %g; expected finite values", plan->from, plan->to);
   return km_check_index(plan->coordinate, m->coordinate_count, "coordinate", error);
@@ -52,24 +52,24 @@ km_status km_check_sweep(const km_mechanism *m, const km_state *s, const km_swee
   return status;
 }
 
-static bool no_motion(void *self, double *rates) {
+static bool no_rates(void *self, double *rates) {
   (void)self;
   (void)rates;
   return false;
 }
 
-static bool no_pose(void *self, double s, double *rates) {
+static bool no_probe(void *self, double s, double *rates) {
   (void)s;
-  return no_motion(self, rates);
+  return no_rates(self, rates);
 }
 
-static void stay(void *self) {
+static void no_restore(void *self) {
   (void)self;
 }
 
-/* One row at the state's pose, where nothing moves. */
-static km_status stand(km_sweeper *r, km_error *error) {
-  r->mover = (km_mover){NULL, no_motion, no_pose, stay, NULL, NULL};
+/* Writes the single row of a sweep without motion. */
+static km_status write_single_row(km_sweeper *r, km_error *error) {
+  r->mover = (km_mover){NULL, no_rates, no_probe, no_restore, NULL, NULL};
   km_status status = km_sweeper_prepare(r, error);
   return status ? status : km_sweeper_row(r, 0, 0.0, error);
 }
@@ -79,8 +79,8 @@ static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
   r->substructure = -1;
   *r->out = (km_sweep){.substructure = -1};
   size_t count = (size_t)r->m->coordinate_count;
-  r->out->table = km_table_begin_again(job->room->table);
-  job->room->table = NULL;
+  r->out->table = km_table_begin_again(job->workspace->table);
+  job->workspace->table = NULL;
   r->out->between = km_table_create();
   r->rates = KM_NEW(double, 2 * count);
   if (!r->out->table || !r->out->between || !r->rates)
@@ -89,69 +89,69 @@ static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
   return km_sweeper_columns(r, job->error);
 }
 
-static void tell_step(void *self, double s, const double *rates) {
+static void report_step(void *self, double s, const double *rates) {
   const km_sweeper *r = self;
-  r->observer->stepped(r->observer->self, r, s, rates);
+  r->observer->step_taken(r->observer->self, r, s, rates);
 }
 
-km_step_observer km_sweeper_step_watch(km_sweeper *r) {
-  return (km_step_observer){r->observer->stepped ? tell_step : NULL, r, r->scratch};
+km_step_observer km_sweeper_step_observer(km_sweeper *r) {
+  return (km_step_observer){r->observer->step_taken ? report_step : NULL, r, r->scratch};
 }
 
-bool km_sweeper_meets(km_sweeper *r) {
+bool km_sweeper_is_at_branch_point(km_sweeper *r) {
   if (r->substructure < 0)
     return false;
   km_motions_update(r->m, r->s, r->substructure);
   return km_partition_freedom(&r->s->partition[r->substructure]) > r->out->freedom;
 }
 
-double km_sweeper_near_end(double s, double end, int k) {
+double km_sweeper_end_sample(double s, double end, int k) {
   return end + (s - end) * ldexp(1.0, -2 * k);
 }
 
-void km_sweep_workspace_free(km_sweep_workspace *room) {
-  km_table_free(room->table);
-  km_arena_free(&room->drive);
-  km_arena_free(&room->lanes);
-  room->table = NULL;
+void km_sweep_workspace_free(km_sweep_workspace *workspace) {
+  km_table_free(workspace->table);
+  km_arena_free(&workspace->motion);
+  km_arena_free(&workspace->lanes);
+  workspace->table = NULL;
 }
 
-/* All that doesn't go beside other sweeps. */
+/* Prepares a sweep, and runs it completely unless it is driven. */
 static km_status begin_sweep(km_sweeper *r, const km_sweep_job *job) {
   km_status status = open_sweeper(r, job);
   if (status || km_plan_is_driven(job->plan))
     return status;
-  return job->plan->steps == 0 ? stand(r, job->error) : km_sweep_by_length(r, job->error);
+  return job->plan->steps == 0 ? write_single_row(r, job->error) : km_sweep_by_length(r, job->error);
 }
 
 static void end_sweep(km_sweeper *r, km_sweep_job *job) {
-  if (job->s->arena.failed && job->status != KM_MEMORY) /* what a pose has more of than those before */
+  if (job->s->arena.failed && job->status != KM_MEMORY) /* an array of the state could not grow */
     job->status = km_fail(job->error, KM_MEMORY, "out of memory for a pose of a sweep");
   km_free(r->rates);
   km_free(r->branch_point);
   if (job->status == KM_OK || job->status == KM_PARTIAL)
-    job->status = job->observer->tell(job->observer->self, job);
+    job->status = job->observer->finish(job->observer->self, job);
 }
 
 void km_sweeps_run(km_sweep_job *jobs, int count) {
   km_sweeper sweepers[KM_BATCH_LANES];
-  km_sweep_workspace rooms[KM_BATCH_LANES];
-  unsigned begun = 0;
+  km_sweep_workspace workspaces[KM_BATCH_LANES];
+  unsigned started = 0;
   for (int i = 0; i < count; ++i) {
-    rooms[i] = (km_sweep_workspace){0};
+    workspaces[i] = (km_sweep_workspace){0};
     if (jobs[i].status)
       continue;
-    jobs[i].room = jobs[i].room ? jobs[i].room : &rooms[i];
+    jobs[i].workspace = jobs[i].workspace ? jobs[i].workspace : &workspaces[i];
     jobs[i].status = begin_sweep(&sweepers[i], &jobs[i]);
-    begun |= 1u << i;
+    started |= 1u << i;
   }
   km_sweeps_by_driver(sweepers, jobs, count);
   for (int i = 0; i < count; ++i) {
-    if (begun >> i & 1)
+    if (started >> i & 1)
       end_sweep(&sweepers[i], &jobs[i]);
     if (jobs[i].observer)
       jobs[i].observer->close(jobs[i].observer->self);
-    km_sweep_workspace_free(&rooms[i]);
+    km_sweep_workspace_free(&workspaces[i]);
   }
 }
 
@@ -161,7 +161,7 @@ void km_sweep_free(km_sweep *sweep) {
   km_table_free(sweep->table);
   km_table_free(sweep->between);
   km_free(sweep->branches);
-  km_free(sweep->idle_coordinates);
+  km_free(sweep->passive_coordinates);
   km_free(sweep->causes[0]);
   km_free(sweep->causes[1]);
   *sweep = (km_sweep){0};

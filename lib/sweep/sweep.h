@@ -1,4 +1,5 @@
-/* The parts of a sweep: what moves the mechanism from row to row, and what looks at it there. Private to analysis/. */
+/* Sweeps (theory 10): a mover advances the mechanism from row to row, an observer writes columns and finds events.
+ * Private to the library. */
 #ifndef KM_SWEEP_SWEEP_H
 #define KM_SWEEP_SWEEP_H
 
@@ -6,64 +7,67 @@
 #include "continuation/batch/batch.h"
 #include "kmech/sweep.h"
 
-/* How the mechanism moves from row to row: by a driver or by arc length. */
+/* Mover: advances the mechanism by a driver or by arc length; s is the driver's value or the arc length. */
 typedef struct km_mover {
   void *self;
-  /* Rates of all coordinates per unit of s at the row; false where there is no direction. */
+  /* Computes the rates of all coordinates per unit of s at the row; false if there is no direction of motion. */
   bool (*rates)(void *self, double *rates);
-  /* The same at another s near the row, where the state then stands; `settle` comes back to the row. */
+  /* Moves the state to another s near the row and computes the rates there; `restore` returns to the row exactly. */
   bool (*probe)(void *self, double s, double *rates);
-  void (*settle)(void *self);
-  /* The row, or a pose on the way to it, is one from which `probe` sets out to places behind it, so that it finds those of the
-   * way that led on. False when out of memory; NULL: every way back is that way. */
+  void (*restore)(void *self);
+  /* Stores the present configuration as a start for later probes, so that with several freedoms they follow the path
+   * that led on. False without memory; NULL: the return path is unique. */
   bool (*pass)(void *self);
-  /* Where the sweeper rides and one freedom is left: the unit direction of motion by coordinates. */
+  /* In a batch and with one freedom: the unit direction of motion, by coordinates. */
   void (*direction)(void *self, double *z);
 } km_mover;
 
 typedef struct km_sweeper km_sweeper;
 typedef struct km_sweep_job km_sweep_job;
 
-/* What is looked at: mobility numbers, leverage, forces. Any function but `columns`, `cells`, `tell` and `close` may be NULL. */
+/* Observer of a sweep: mobility numbers, mechanical advantage, forces. Functions but `columns`, `cells`, `finish` and
+ * `close` may be NULL. */
 typedef struct km_observer {
   void *self;
-  bool (*columns)(void *self, const km_sweeper *sweeper, km_table *table); /* false: out of memory */
-  /* Writes the cells of its columns at the row's pose, and returns the one behind them. The moving substructure has
-   * its partition and null space. */
+  bool (*columns)(void *self, const km_sweeper *sweeper, km_table *table); /* adds its columns; false: no memory */
+  /* Writes the cells of its columns at the row's configuration and returns the next cell. Partition and null space of
+   * the moving substructure are valid. */
   double *(*cells)(void *self, km_sweeper *sweeper, double *cell);
-  /* After each row, or just after some: see number_cells. What lies between it and the last one. Leaves the state at the row. */
-  km_status (*seen)(void *self, km_sweeper *sweeper, double s, km_error *error);
-  /* The motion has made a step between rows, on its own, to s, where it has these rates; the state needn't stand there when this
-   * is told, and some steps are told that were only tried. */
-  void (*stepped)(void *self, const km_sweeper *sweeper, double s, const double *rates);
-  /* Behind `seen`: a place near the row at which the observer wants to know the rates, false: at none; and those rates, NULL
-   * where the motion doesn't get there. `shown` comes after each place that is wanted. */
-  bool (*wants)(void *self, double *s);
-  km_status (*shown)(void *self, km_sweeper *sweeper, const double *rates, km_error *error);
-  /* At poses between rows, close enough to show what happens there; an observer without it isn't shown any. */
-  km_status (*passed)(void *self, km_sweeper *sweeper, double s, km_error *error);
-  /* The motion turns a corner: directions before and after it have nothing to do with each other. */
+  /* After each row, or after some (see number_cells): finds the events since the last one. Leaves the state at the
+   * row. */
+  km_status (*row_written)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* The motion took a step to s between rows, with these rates. The state can be elsewhere; some reported steps are
+   * only attempted. */
+  void (*step_taken)(void *self, const km_sweeper *sweeper, double s, const double *rates);
+  /* After row_written: returns the next s near the row at which the observer needs the rates; false: none. `probed`
+   * then passes the rates, NULL if the motion does not reach s. */
+  bool (*next_probe)(void *self, double *s);
+  km_status (*probed)(void *self, km_sweeper *sweeper, const double *rates, km_error *error);
+  /* Samples a configuration between rows, at distances that resolve the functions; NULL: no samples are taken. */
+  km_status (*sampled_between)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* The motion switches to another branch: directions before and after it are unrelated. */
   void (*corner)(void *self);
-  /* The driver itself gives out at s. */
-  km_status (*ended)(void *self, km_sweeper *sweeper, double s, km_error *error);
-  /* Behind the last row, where the job's status is KM_OK or KM_PARTIAL: what is found from all rows. The status from now on. */
-  km_status (*tell)(void *self, const km_sweep_job *job);
+  /* The motion ends at s, a turning point of the driver. */
+  km_status (*end_reached)(void *self, km_sweeper *sweeper, double s, km_error *error);
+  /* After the last row, if the job's status is KM_OK or KM_PARTIAL: concludes from all rows. Returns the job's new
+   * status. */
+  km_status (*finish)(void *self, const km_sweep_job *job);
   void (*close)(void *self); /* frees the observer */
-  /* Looks at more than coordinates, mobility numbers, rates and residual: the state's Jacobian and partition. */
+  /* Reads the state's Jacobian and partition besides coordinates, mobility numbers, rates and residual. */
   bool reads_jacobian;
-  bool reads_basis;    /* and at the null space alone, */
-  bool asks_direction; /* but asks km_mover.direction where one freedom is left */
-  /* Of an observer that looks for places where an entry of the direction of motion is 0, and for nothing else: the cell of each
-   * coordinate's mobility number in a row, 0: none. Of rows (km_sweeper.passed) between which no entry comes near 0 only the last two have to be
-   * `seen`, and in the others only coordinates, mobility numbers and the residual are new; where `seen` is NULL that holds of
+  bool reads_basis;    /* reads the null space only, */
+  bool uses_direction; /* but uses km_mover.direction with one freedom */
+  /* For observers of zeros of the direction of motion only: the cell of each coordinate's mobility number in a row,
+   * 0: none. Of rows passed in a batch without a zero between them only the last two are reported by row_written, and
+   * in the others only coordinates, mobility numbers and the residual are new. With row_written NULL this holds for
    * all rows. Else NULL. */
   const size_t *number_cells;
-  /* With number_cells: of each coordinate, whether nobody reads its column; NULL: all are read. In rows that are passed its cell
-   * holds anything then, and branch points between rows, which are looked for from a row, aren't looked for. */
+  /* With number_cells, per coordinate: its column is not read; NULL: all are. Cells of passed rows are then
+   * undefined, and branch points between rows are not searched. */
   const bool *unread;
 } km_observer;
 
-/* Everything that one sweep needs at hand. */
+/* Data of one sweep. */
 struct km_sweeper {
   const km_mechanism *m;
   km_state *s;
@@ -71,119 +75,122 @@ struct km_sweeper {
   const km_observer *observer;
   km_sweep *out;
   km_mover mover;
-  int substructure;     /* the one that moves, -1: none */
-  double *rates;        /* [coordinate] */
-  double *scratch;      /* [coordinate] */
-  double *branch_point; /* saved: the first row's pose, where several freedoms lead away from it; NULL: it is regular */
-  bool rides;           /* the row was reached beside others, and the state has its mobility numbers already: */
-  bool passed;          /* and the drive stands behind it already, so that no place near it can be visited */
-  double residual;      /* of the loops that move, then */
-  double other_residual; /* of the substructures that stand still */
+  int substructure; /* the moving substructure, -1: none */
+  double *rates;    /* [coordinate] */
+  double *scratch;  /* [coordinate] */
+  /* configuration of the first row if it is a branch point with several freedoms; NULL: regular */
+  double *branch_point;
+  bool is_batched;       /* the row was reached in a batch, and the state has its mobility numbers: */
+  bool is_passed_row;    /* the motion has passed the row already, so that it cannot be probed */
+  double residual;       /* residual of the moving loops, in a batch */
+  double other_residual; /* residual of the other substructures */
   int other_mobility;
 };
 
-/* Poses that an observer sees at least over the whole range, and the longest arc between them. */
-enum { KM_LEAST_SAMPLES = 360 };
+/* Least number of samples over the whole range, and the longest arc between them. */
+enum { KM_MIN_SAMPLES = 360 };
 #define KM_LONGEST_ARC 0.02
-/* Of a step by arc length: more than what the poses' own digits show, and what takes a moment. */
-#define KM_LEAST_ARCLENGTH 1e-8
-#define KM_MAX_ARCLENGTH   1000.0
+/* Step by arc length: lower bound from the digits of a configuration, upper bound for the run time. */
+#define KM_MIN_ARCLENGTH 1e-8
+#define KM_MAX_ARCLENGTH 1000.0
 
-/* Does a driver move it, rather than the arc length or nothing? */
+/* True if a driver moves the mechanism; else arc length, or nothing. */
 static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
   return plan->steps > 0 && !(plan->arclength > 0.0);
 }
 
-/* Memory of an earlier sweep for the next one, which takes it and gives back what doesn't belong to its result. */
+/* Memory of an earlier sweep, which the next one takes and returns, except for its result. */
 typedef struct km_sweep_workspace {
-  km_table *table; /* NULL: a new one is made */
-  km_arena drive, lanes;
+  km_table *table; /* NULL: a new one is created */
+  km_arena motion, lanes;
 } km_sweep_workspace;
-void km_sweep_workspace_free(km_sweep_workspace *room);
+void km_sweep_workspace_free(km_sweep_workspace *workspace);
 
-/* One of several sweeps. What it looks at sets `observer` and `out`, and a status where it can't: see sweep_observer.h. */
+/* One of several sweeps. The analysis sets `observer`, `out` and, on failure, `status`: see sweep_observer.h. */
 struct km_sweep_job {
   const km_mechanism *m;
-  km_state *s; /* of its own */
+  km_state *s; /* owned by the job alone */
   const km_sweep_plan *plan;
-  km_sweep_workspace *room; /* NULL: none */
-  km_error *error;          /* may be NULL */
+  km_sweep_workspace *workspace; /* NULL: none */
+  km_error *error;               /* may be NULL */
   const km_observer *observer;
   km_sweep *out;
-  /* Nobody reads more than rows and how the motion ended: what lies between rows isn't looked for, and the state's
-   * partition is left behind. */
+  /* Only the rows and the end of the motion are read: events between rows are not searched, and the state's partition
+   * is not kept. */
   bool table_only;
   const char *const
-      *reads; /* with table_only: names of columns, NULL behind them; others may be left out. NULL: all are read */
-  km_status status; /* how it ended */
+      /* with table_only: names of the columns that are read, NULL-terminated; others can be omitted. NULL: all */
+      *read_columns;
+  km_status status; /* result */
 };
 
-/* Moves the assembled states of up to KM_BATCH_LANES jobs over their plans' ranges; see km_mobility_sweep_run. Those by a driver
- * go side by side, with the same bits. Jobs that have a status already aren't begun. Closes the observers. Free what they have
- * found in any case. */
+/* Runs up to KM_BATCH_LANES sweeps from assembled states; see km_mobility_sweep_run. Driven ones advance in a batch,
+ * with the bits of single ones. Jobs with a status are skipped. Closes the observers. Free the results in any case. */
 void km_sweeps_run(km_sweep_job *jobs, int count);
 
-/* For public functions: KM_USAGE unless the state is the mechanism's and the plan one for it. */
+/* Checks the arguments of a public sweep function: KM_USAGE. */
 km_status km_check_sweep(const km_mechanism *mechanism, const km_state *state, const km_sweep_plan *plan,
                          km_error *error);
 
 km_status km_sweeper_columns(const km_sweeper *sweeper, km_error *error);
-/* The numbers of what stands still, once, and which freedoms are idle. KM_MEMORY. */
+/* Computes the numbers of the substructures at rest, and the passive freedoms. KM_MEMORY. */
 km_status km_sweeper_prepare(km_sweeper *sweeper, km_error *error);
-/* Who is to be told of the motion's steps: its observer, if it asks for them. `sweeper` has to stay. */
-km_step_observer km_sweeper_step_watch(km_sweeper *sweeper);
-/* A row at the state's pose, shown to the observer; and the places near it that the observer wants. */
+/* Returns the observer of the motion's steps, if the sweep's observer has step_taken. `sweeper` must stay valid. */
+km_step_observer km_sweeper_step_observer(km_sweeper *sweeper);
+/* Writes a row at the state's configuration and reports it to the observer; and runs the probes that the observer
+ * requests. */
 km_status km_sweeper_row(km_sweeper *sweeper, int step, double s, km_error *error);
 km_status km_sweeper_near_row(km_sweeper *sweeper, km_error *error);
 
-/* The first `count` of the quiet rows that the drive has passed, behind the last one of the table. See
- * km_observer.number_cells. `step` and s[row × KM_BATCH_LANES] of the first of them. */
+/* Appends the first `count` of the rows that a batch has passed; see km_observer.number_cells. `step` and s[row ×
+ * KM_BATCH_LANES] are those of the first. */
 km_status km_sweeper_passed_rows(km_sweeper *sweeper, const km_driver_motion *drive, int count, int step,
                                  const double *s, km_error *error);
-/* A row at a pose between rows, where r->rates is the motion: into the sweep's `between`. False when out of memory. */
-bool km_sweeper_between(km_sweeper *sweeper, double s);
-/* Functions may turn close to an end of the motion, where a driver gives out as the root of the way: places k = 1, 2, …
- * between s and it, each nearer to the end, at which the observer looks too. */
-enum { KM_END_PLACES = 12 };
-double km_sweeper_near_end(double s, double end, int k);
-/* The way from a row to the next one, and whether the first row is its beginning or the last row its end. */
-typedef struct km_sweep_way {
+/* Writes a row between rows, with the motion r->rates, into the sweep's `between`. False without memory. */
+bool km_sweeper_write_between(km_sweeper *sweeper, double s);
+/* Near a turning point functions vary as √s'. Samples k = 1, 2, … between s and the end, at geometrically decreasing
+ * distances (factor 4). */
+enum { KM_END_SAMPLES = 12 };
+double km_sweeper_end_sample(double s, double end, int k);
+/* Interval between two rows; is_first: it begins at the start of the motion, is_last: it ends at the last row. */
+typedef struct km_row_interval {
   double from, to;
-  bool begins, ends;
-} km_sweep_way;
-/* It has so many parts, so that the observer sees KM_LEAST_SAMPLES poses of the range; and where part k ends, 0: begins. */
-int km_sweeper_parts(const km_sweeper *sweeper);
-double km_sweeper_part(double from, double to, int k, int parts);
-/* Shows the observer the poses between the parts of a way, and more of them near where the motion begins or ends. The drive
- * stands where part `first` begins, from 1; it goes on to the last of the poses or, where nothing ends the motion, to the row. */
-km_status km_sweeper_pass(km_sweeper *sweeper, km_driver_motion *drive, const km_sweep_way *way, int first,
-                          km_error *error);
-/* Does the state stand where several motions meet? No pose next to it is well known. */
-bool km_sweeper_meets(km_sweeper *sweeper);
+  bool is_first, is_last;
+} km_row_interval;
+/* Number of parts of an interval for KM_MIN_SAMPLES over the range; and the end of part k, 0: the interval's start. */
+int km_sweeper_interval_parts(const km_sweeper *sweeper);
+double km_sweeper_part_end(double from, double to, int k, int parts);
+/* Samples the observer's functions between the parts of an interval, and more densely near the start and the end of
+ * the motion. The motion is at the start of part `first` (from 1); it continues to the last sample or, if nothing
+ * ends it, to the row. */
+km_status km_sweeper_sample_to_row(km_sweeper *sweeper, km_driver_motion *drive, const km_row_interval *way, int first,
+                                   km_error *error);
+/* True if the state is at a branch point, where the freedom exceeds that of the motion. */
+bool km_sweeper_is_at_branch_point(km_sweeper *sweeper);
 
-/* The motion at the state's pose into `rates`, with the null space of the pose up to date: finding a motion may leave
- * that of the coordinates beside the driver behind. False where there is no direction. */
-bool km_sweeper_motion(km_sweeper *sweeper);
+/* Computes the rates r->rates and the null space of the configuration; computing rates can leave the null space with
+ * a fixed driver behind. False if there is no direction of motion. */
+bool km_sweeper_update_rates(km_sweeper *sweeper);
 
-/* Lists a branch point. KM_MEMORY. */
+/* Adds a branch point to the sweep. KM_MEMORY. */
 km_status km_sweeper_add_branch(km_sweeper *sweeper, km_branch_point point, km_error *error);
-/* How many motions meet at the state's pose, and their directions [KM_MAX_BRANCHES × columns]; 0 where fewer than two are
- * found, so that nothing is known of them. KM_MEMORY. */
-km_status km_sweeper_look_at_branch(const km_sweeper *sweeper, km_state *state, double *directions, int *count,
-                                    km_error *error);
-/* The drive has passed a singular pose on the way to the last row: finds where, and what meets there. */
+/* Finds the branches at the state's configuration: their number and directions [KM_MAX_BRANCHES × columns]; 0 if
+ * fewer than two are found. KM_MEMORY. */
+km_status km_sweeper_find_branch_directions(const km_sweeper *sweeper, km_state *state, double *directions, int *count,
+                                            km_error *error);
+/* Locates the branch point that the motion passed before the last row, and its branches. */
 km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
-/* At a branch point no direction is the mechanism's own: a short step leads onto the motion that moves the plan's coordinate
- * most, from where the branch point can be passed smoothly, or (branch_point) which begins there. KM_MEMORY. */
+/* Leaves a branch point at the start by a short step onto the branch that moves the plan's coordinate fastest; with
+ * several freedoms `branch_point` becomes the first row. KM_MEMORY. */
 km_status km_sweeper_leave_branch(km_sweeper *sweeper, km_error *error);
 
-/* The rows of driven sweeps side by side, and of one by arc length. Of jobs[i] the sweeper is sweepers[i]; those with a
- * status are over already. */
+/* Run driven sweeps in a batch, and one sweep by arc length. sweepers[i] belongs to jobs[i]; jobs with a status are
+ * skipped. */
 void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count);
 km_status km_sweep_by_length(km_sweeper *sweeper, km_error *error);
 
-/* Asks the progress callback; false: cancelled. */
-static inline bool km_sweeper_goes_on(const km_sweeper *r, int step) {
+/* Calls the progress callback; false: cancelled. */
+static inline bool km_sweeper_continues(const km_sweeper *r, int step) {
   return !r->plan->progress || r->plan->progress(r->plan->context, (double)step / r->plan->steps);
 }
 

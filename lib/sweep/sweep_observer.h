@@ -1,12 +1,13 @@
-/* What sweeps look at. Private to the library. */
+/* Observers of the analyses. Private to the library. */
 #ifndef KM_SWEEP_SWEEP_OBSERVER_H
 #define KM_SWEEP_SWEEP_OBSERVER_H
 
 #include "kmech/sweep.h"
 #include "sweep/sweep.h"
 
-/* Each gives a job, which has its mechanism, state and plan, the observer that fills `out` in km_sweeps_run; the other arguments
- * are those of km_mobility_sweep_run, km_advantage_sweep_run and km_statics_sweep_run, and have to stay until then. */
+/* Each function sets the observer that fills `out` in km_sweeps_run. The job has its mechanism, state and plan; the
+ * other arguments are those of km_mobility_sweep_run, km_advantage_sweep_run and km_statics_sweep_run, and must stay
+ * valid. */
 void km_mobility_sweep_open(km_sweep_job *job, km_mobility_sweep *out);
 void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_port *output, bool transmission,
                              km_advantage_sweep *out);

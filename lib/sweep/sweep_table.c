@@ -1,4 +1,4 @@
-/* The table of a sweep: its columns and rows. */
+/* The table of a sweep: columns, rows, and rows passed in a batch. */
 #include "base/extrema.h"
 #include "base/table.h"
 #include "base/text.h"
@@ -17,7 +17,7 @@ static void add_named(km_table *table, const char *prefix, const char *name, con
   *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
 }
 
-/* Arc length mixes radians and lengths over the characteristic length: it has no unit. */
+/* Unit of s: the driver's; none for arc length, which mixes radians and lengths over the characteristic length. */
 static const char *s_unit(const km_sweeper *r) {
   return !km_plan_is_driven(r->plan) ? "" : km_model_coordinate_unit(r->m->model, r->plan->coordinate);
 }
@@ -58,13 +58,13 @@ static bool add_columns(const km_sweeper *r, km_table *table) {
 }
 
 km_status km_sweeper_columns(const km_sweeper *r, km_error *error) {
-  enum { FIRST_ROWS = 1000 }; /* of long sweeps, which may end early */
+  enum { FIRST_ROWS = 1000 }; /* long sweeps can end early */
   size_t rows = (size_t)r->plan->steps + 1;
   bool added = add_columns(r, r->out->table) && km_table_reserve(r->out->table, rows < FIRST_ROWS ? rows : FIRST_ROWS);
   return added ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the table");
 }
 
-/* Velocity of a frame's origin per unit rate of the driver: the twists of the chain to it, added up. */
+/* Computes the velocity of a frame's origin per unit of s: sum of the twists along the chain to it. */
 static void point_rates(const km_sweeper *r, int frame, double out[3]) {
   const km_mechanism *m = r->m;
   const km_model_frame *def = &m->model->frames[frame];
@@ -95,23 +95,23 @@ static double *write_points(const km_sweeper *r, double *cell) {
   return cell;
 }
 
-bool km_sweeper_motion(km_sweeper *r) {
+bool km_sweeper_update_rates(km_sweeper *r) {
   bool moves = r->mover.rates(r->mover.self, r->rates);
   if (r->substructure >= 0)
     km_motions_update(r->m, r->s, r->substructure);
   return moves;
 }
 
-/* Brings the mobility numbers of what moves up to date, and returns the residual of its loops. */
-static double look(km_sweeper *r) {
+/* Updates the mobility numbers of the moving substructure and returns its residual. */
+static double update_moving_substructure(km_sweeper *r) {
   int worst;
-  if (r->rides)
+  if (r->is_batched)
     return r->residual;
   km_numbers_update(r->m, r->s, r->substructure);
   return km_loops_residual(r->m, r->s, &r->m->substructures[r->substructure], &worst);
 }
 
-/* A row at the state's pose, where r->rates is the motion if points' derivatives are asked for. */
+/* Writes a row at the state's configuration; r->rates is the motion if the plan has derivatives. */
 static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   const km_mechanism *m = r->m;
   double *cell = km_table_add_raw_rows(table, 1);
@@ -120,7 +120,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   int mobility = r->other_mobility;
   double residual = r->other_residual;
   if (r->substructure >= 0) {
-    residual = fmax(residual, look(r));
+    residual = fmax(residual, update_moving_substructure(r));
     mobility += km_partition_freedom(&r->s->partition[r->substructure]);
   }
   *cell++ = step;
@@ -137,7 +137,7 @@ static bool write_row(km_sweeper *r, km_table *table, int step, double s) {
   return true;
 }
 
-bool km_sweeper_between(km_sweeper *r, double s) {
+bool km_sweeper_write_between(km_sweeper *r, double s) {
   km_table *table = r->out->between; /* few sweeps have such rows */
   if (km_table_columns(table) == 0 && !add_columns(r, table))
     return false;
@@ -145,17 +145,17 @@ bool km_sweeper_between(km_sweeper *r, double s) {
 }
 
 km_status km_sweeper_row(km_sweeper *r, int step, double s, km_error *error) {
-  /* The direction of motion first: the numbers may search other pivots. */
+  /* The rates come first: mobility numbers can search other pivots. */
   bool tangent = r->plan->derivatives && r->mover.rates(r->mover.self, r->rates);
   if (r->plan->derivatives && !tangent)
     for (int c = 0; c < r->m->coordinate_count; ++c)
       r->rates[c] = nan("");
   if (!write_row(r, r->out->table, step, s))
     return km_fail(error, KM_MEMORY, "out of memory for the table");
-  return r->observer->seen ? r->observer->seen(r->observer->self, r, s, error) : KM_OK;
+  return r->observer->row_written ? r->observer->row_written(r->observer->self, r, s, error) : KM_OK;
 }
 
-/* The row at `first` into those behind it, `count` in all. */
+/* Copies the row at `first` to the rows behind it, `count` in all (doubling copies). */
 static void repeat_row(double *first, size_t width, size_t count) {
   for (size_t done = 1; done < count; done *= 2)
     memcpy(first + done * width, first, (done < count - done ? done : count - done) * width * sizeof *first);
@@ -168,19 +168,19 @@ typedef struct column_cells {
   int count;    /* rows */
 } column_cells;
 
-/* Numbers of a lane, which are `apart` doubles from row to row; lengths and angles over the factor of their unit. */
-static void put_column(column_cells to, const double *from, size_t apart, double factor) {
+/* Writes the numbers of a lane, `stride` doubles apart, into a column, divided by their unit's factor. */
+static void write_column(column_cells to, const double *from, size_t stride, double factor) {
   double *cell = to.first;
   if (factor == 1.0)
-    for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
+    for (int i = 0; i < to.count; ++i, cell += to.width, from += stride)
       *cell = *from;
   else
-    for (int i = 0; i < to.count; ++i, cell += to.width, from += apart)
+    for (int i = 0; i < to.count; ++i, cell += to.width, from += stride)
       *cell = km_convert_unit(*from, factor);
 }
 
-/* Coordinates and mobility numbers of rows that were passed. */
-static void put_numbers(const km_sweeper *r, const km_batched_rows *rows, column_cells row) {
+/* Writes coordinates and mobility numbers of passed rows. */
+static void write_passed_numbers(const km_sweeper *r, const km_batched_rows *rows, column_cells row) {
   const km_substructure *sub = &r->m->substructures[r->substructure];
   const int *coordinate = r->m->column_coordinate + sub->column_start;
   const bool *unread = r->observer->unread;
@@ -188,14 +188,15 @@ static void put_numbers(const km_sweeper *r, const km_batched_rows *rows, column
     int c = coordinate[k];
     size_t number = r->observer->number_cells[c], lane = (size_t)k * KM_BATCH_LANES;
     if (!unread || !unread[c])
-      put_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->stride,
-                 r->m->factor[c]);
+      write_column((column_cells){row.first + 2 + c, row.width, row.count}, rows->q + lane, rows->stride,
+                   r->m->factor[c]);
     if (number)
-      put_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->stride, 1.0);
+      write_column((column_cells){row.first + number, row.width, row.count}, rows->numbers + lane, rows->stride, 1.0);
   }
 }
 
-/* Does a row have more cells than the numbers of what moves, `count` mobilities, and those that every row has? */
+/* True if a row has more cells than step, s, the numbers of the moving substructure, `count` mobilities and the
+ * residual. */
 static bool has_more_cells(const km_sweeper *r, size_t width, size_t count) {
   const km_substructure *sub = &r->m->substructures[r->substructure];
   size_t moving = 0;
@@ -215,7 +216,7 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_driver_motion *drive, i
   double *first = km_table_add_raw_rows(r->out->table, (size_t)count), *cells = first;
   if (!first)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
-  memcpy(first, first - width, width * sizeof *first); /* what isn't told of below stays */
+  memcpy(first, first - width, width * sizeof *first); /* cells not written below keep their values */
   first[dof] = r->other_mobility + freedom;
   first[dof + 1 + (size_t)r->substructure] = freedom;
   if (has_more_cells(r, width, mobilities))
@@ -227,47 +228,48 @@ km_status km_sweeper_passed_rows(km_sweeper *r, const km_driver_motion *drive, i
       cells[k] = first[k];
     cells[residual] = km_larger(rows.residual[(size_t)i * rows.stride], r->other_residual);
   }
-  put_numbers(r, &rows, (column_cells){first, width, count});
+  write_passed_numbers(r, &rows, (column_cells){first, width, count});
   return KM_OK;
 }
 
 km_status km_sweeper_near_row(km_sweeper *r, km_error *error) {
   const km_observer *observer = r->observer;
   km_status status = KM_OK;
-  bool left = false;
+  bool is_moved = false;
   double s;
-  while (!status && observer->wants && observer->wants(observer->self, &s)) {
+  while (!status && observer->next_probe && observer->next_probe(observer->self, &s)) {
     bool moved = r->mover.probe(r->mover.self, s, r->rates);
-    status = observer->shown(observer->self, r, moved ? r->rates : NULL, error);
-    left = true;
+    status = observer->probed(observer->self, r, moved ? r->rates : NULL, error);
+    is_moved = true;
   }
-  if (left)
-    r->mover.settle(r->mover.self);
+  if (is_moved)
+    r->mover.restore(r->mover.self);
   return status;
 }
 
-/* Of several freedoms some may be idle. */
-static km_status find_idle(km_sweeper *r, km_error *error) {
-  km_passive_freedoms idle;
-  km_status status = km_passive_freedoms_find(r->m, r->s, NULL, NULL, &idle, error);
-  for (int i = 0; i < idle.count; ++i)
-    r->out->idle += idle.items[i].substructure == r->substructure ? idle.items[i].freedoms : 0;
-  if (!status && r->out->idle > 0) {
-    r->out->idle_coordinates = KM_NEW(bool, (size_t)r->m->coordinate_count);
-    if (r->out->idle_coordinates)
-      km_passive_coordinates(r->m, &idle, r->out->idle_coordinates);
+/* Finds the passive freedoms of the moving substructure. */
+static km_status find_passive(km_sweeper *r, km_error *error) {
+  km_passive_freedoms passive;
+  km_status status = km_passive_freedoms_find(r->m, r->s, NULL, NULL, &passive, error);
+  for (int i = 0; i < passive.count; ++i)
+    r->out->passive += passive.items[i].substructure == r->substructure ? passive.items[i].freedoms : 0;
+  if (!status && r->out->passive > 0) {
+    r->out->passive_coordinates = KM_NEW(bool, (size_t)r->m->coordinate_count);
+    if (r->out->passive_coordinates)
+      km_passive_coordinates(r->m, &passive, r->out->passive_coordinates);
     else
       status = km_fail(error, KM_MEMORY, "out of memory for the idle freedoms");
   }
-  km_passive_freedoms_free(&idle);
+  km_passive_freedoms_free(&passive);
   return status;
 }
 
-static km_status find_shaking(const km_sweeper *r, km_error *error) {
+/* Finds how many freedoms of a permanently shaky mechanism are infinitesimal only. */
+static km_status find_infinitesimal_freedoms(const km_sweeper *r, km_error *error) {
   km_arena arena = {0};
-  km_constant_rank steady = {0};
-  bool done = km_constant_rank_begin(&steady, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
-  r->out->shaking = steady.is_active ? r->out->freedom - steady.count : 0;
+  km_constant_rank constant_rank = {0};
+  bool done = km_constant_rank_begin(&constant_rank, r->m, r->s, r->substructure, KM_NO_DRIVER, &arena);
+  r->out->infinitesimal = constant_rank.is_active ? r->out->freedom - constant_rank.count : 0;
   km_arena_free(&arena);
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the tangents");
 }
@@ -287,6 +289,6 @@ km_status km_sweeper_prepare(km_sweeper *r, km_error *error) {
   }
   if (r->out->freedom <= 1)
     return KM_OK;
-  km_status shaking = find_shaking(r, error);
-  return shaking ? shaking : find_idle(r, error);
+  km_status infinitesimal = find_infinitesimal_freedoms(r, error);
+  return infinitesimal ? infinitesimal : find_passive(r, error);
 }

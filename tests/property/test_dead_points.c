@@ -62,7 +62,7 @@ static void near_and_at_zero(void **state) {
   fixture f = open_cubic(0.0);
   km_mobility_sweep sweep = swept(&f, (km_sweep_plan){.from = -1.0, .to = 1.3, .steps = 7, .direction = -1});
   assert_int_equal(sweep.toggle_count, 1);
-  assert_near(sweep.toggles[0].s, 0.0, sqrt(km_dead));
+  assert_near(sweep.toggles[0].s, 0.0, sqrt(km_zero_entry));
   km_mobility_sweep_free(&sweep);
   fixture_close(&f);
 }
@@ -116,16 +116,16 @@ static void dips_are_shown(void **state) {
     for (int i = 0; i < 3; ++i)
       through.f[i] = -((through.s[i] - at) * (through.s[i] - at) - 1e-12);
     bool same_sign = through.f[0] * through.f[1] > 0.0 && through.f[1] * through.f[2] > 0.0;
-    assert_int_equal(km_minimum_search_is_zero(&through, &lowest), same_sign);
+    assert_int_equal(km_minimum_search_may_reach_zero(&through, &lowest), same_sign);
     if (same_sign)
       assert_near(lowest, at, 1e-12);
     for (int i = 0; i < 3; ++i)
       through.f[i] -= 10.0;
-    assert_false(km_minimum_search_is_zero(&through, &lowest));
+    assert_false(km_minimum_search_may_reach_zero(&through, &lowest));
   }
-  assert_false(km_minimum_search_is_zero(&(km_minimum_search){{0, 1, 2}, {3, 2, 1}}, &lowest));
-  assert_false(km_minimum_search_is_zero(&(km_minimum_search){{0, 1, 2}, {1, 2, 1}}, &lowest));
-  assert_false(km_minimum_search_is_zero(&(km_minimum_search){{0, 1, 2}, {1, NAN, 1}}, &lowest));
+  assert_false(km_minimum_search_may_reach_zero(&(km_minimum_search){{0, 1, 2}, {3, 2, 1}}, &lowest));
+  assert_false(km_minimum_search_may_reach_zero(&(km_minimum_search){{0, 1, 2}, {1, 2, 1}}, &lowest));
+  assert_false(km_minimum_search_may_reach_zero(&(km_minimum_search){{0, 1, 2}, {1, NAN, 1}}, &lowest));
 }
 
 int main(void) {

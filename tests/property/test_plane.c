@@ -108,7 +108,7 @@ static void test_idle_freedoms_hide_no_toggle(void **unused) {
   assert_true(km_port_default(f.model, false, &input) && km_port_default(f.model, true, &output));
   assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &numbers, &error), KM_OK);
   assert_int_equal(numbers.motion.freedom, 2);
-  assert_int_equal(numbers.motion.idle, 1);
+  assert_int_equal(numbers.motion.passive, 1);
   km_state_restart(f.state);
   assert_int_equal(km_assemble(f.mechanism, f.state, NULL, &error), KM_OK);
   assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &input, &output, false, &leverage, &error),

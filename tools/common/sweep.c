@@ -50,7 +50,7 @@ static void tell(kt_sweep_job *j, bool partial) {
            plan->arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most",
            plan->arclength > 0.0 ? "--direction asks for another one, --branch at the next branch point"
                                  : "--set starts from another pose");
-  else if (motion->freedom - motion->idle - motion->shaking > 1 && plan->arclength <= 0.0)
+  else if (motion->freedom - motion->passive - motion->infinitesimal > 1 && plan->arclength <= 0.0)
     kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->name);
 }
 

@@ -295,7 +295,7 @@ static INLINED void write_numbers_of_single_freedom(km_batch *l, const mask *too
 }
 
 /* True where the parabola through |z| in three equidistant rows has a minimum near 0, with a margin for rounding; as
- * km_minimum_search_is_zero. */
+ * km_minimum_search_may_reach_zero. */
 static inline mask may_touch_zero(vector a, vector b, vector c) {
   const double slack = 1.01;
   vector hull = a - b - (b - c), slope = size_of(c - a), least = -larger(-a, larger(-b, -c));

@@ -218,7 +218,7 @@ KM_API void km_redundancies_free(km_redundancies *redundancies);
 typedef struct km_diagnosis {
   km_finite_mobility finite;    /* finite motions */
   km_redundancies redundancies; /* redundant constraints */
-  km_passive_freedoms idle;     /* passive freedoms */
+  km_passive_freedoms passive;     /* passive freedoms */
 } km_diagnosis;
 
 /* Finds all three at an assembled configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of

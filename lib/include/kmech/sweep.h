@@ -1,5 +1,5 @@
-/* Sweeps: plans, and the mobility numbers, mechanical advantage, static forces and redundant constraints along a
- * motion. */
+/* Sweeps (theory 10): tables of mobility numbers, mechanical advantage, static forces and redundant constraints along
+ * a motion. */
 #ifndef KMECH_SWEEP_H
 #define KMECH_SWEEP_H
 
@@ -14,194 +14,200 @@
 extern "C" {
 #endif
 
-/* ---- Sweeps: what to move, over which range, and what every sweep gives, whatever it looks at. */
+/* ---- Plans and common results of all sweeps. */
 
-/* A point whose way a sweep writes down. */
+/* A point whose path a sweep tabulates. */
 typedef struct km_sweep_point {
-  int frame;        /* of the model */
-  const char *name; /* "body/frame", as the columns call it */
+  int frame;        /* index of the model's frame */
+  const char *name; /* "body/frame", as in column names */
 } km_sweep_point;
 
 enum {
-  KM_MAX_SWEEP_STEPS = 10000000 /* the most intervals */
+  KM_MAX_SWEEP_STEPS = 10000000 /* most intervals */
 };
 
-/* What to sweep. Start from km_sweep_plan_default(). */
+/* Plan of a sweep. Start from km_sweep_plan_default(). */
 typedef struct km_sweep_plan {
   int coordinate;  /* the driver; -1: the model's analysis.sweep */
   double from, to; /* model's unit */
-  int steps;       /* intervals; rows = steps + 1. 0: one row at the state's pose, where nothing moves */
-  /* > 0: by arc length instead, `steps` times this much (more than 1e-8, at most 1000); coordinate, from, to don't count */
+  int steps;       /* intervals; rows = steps + 1. 0: one row at the state's configuration, without motion */
+  /* > 0: by arc length, `steps` times this value (more than 1e-8, at most 1000); coordinate, from and to are ignored */
   double arclength;
-  int direction;      /* the coordinate that starts the motion, -1: the one with the largest mobility number */
-  double sign;        /* +1 or -1 */
-  int branch;         /* by arc length, at the first branch point: 1 (or 0) goes on smoothly; 2, 3 take the next motion
-                     * ahead and back, 4, 5 the one after, … */
-  bool cycle;         /* by arc length: KM_PARTIAL unless the motion comes back to its start */
-  bool ignore_limits; /* joints go beyond their limits */
-  const km_sweep_point *points; /* [point_count] whose way is written down */
+  /* by arc length: coordinate that starts the motion, -1: the one with the largest mobility number */
+  int direction;
+  double sign; /* sign of that coordinate's motion, +1 or -1 */
+  /* by arc length, at the first branch point: 1 (or 0) continues smoothly; 2, 3 take the next branch ahead and back,
+   * 4, 5 the one after, … */
+  int branch;
+  bool cycle;                   /* by arc length: KM_PARTIAL unless the motion returns to its start */
+  bool ignore_limits;           /* limits do not end the motion */
+  const km_sweep_point *points; /* [point_count] points to tabulate */
   int point_count;
-  bool derivatives;   /* of the points along s */
-  bool singularities; /* of mobility sweeps: the smallest kept singular value too */
+  bool derivatives;   /* derivatives of the points by s */
+  bool singularities; /* mobility sweeps: the smallest kept singular value too */
   km_progress progress;
   void *context;
 } km_sweep_plan;
 
-/* The rows of a sweep, and how the mechanism moved. */
+/* Rows of a sweep, and the motion. */
 typedef struct km_sweep {
-  km_table *table;          /* step, s, q.; the columns of what is looked at; dof, dof.k, residual, point. (cli.md) */
-  km_table *between;        /* the same columns at poses between rows, where a curve grows without bound; step 0 */
-  km_mobility first;        /* at the pose from which the sweep started */
-  int substructure;         /* the one that moves, -1: a joint in no loop */
-  int freedom;              /* of the driven substructure there: above 1 the others move least */
-  int idle;                 /* how many of them are idle (kmech/idle.h): nothing else feels them */
-  int shaking;              /* how many of them no motion follows, though first order allows them all along */
-  bool *idle_coordinates;   /* [coordinate] of joints that idle bodies turn in; NULL: idle is 0 */
-  int start_branches;       /* motions that meet at the starting pose, where it is a branch point; else 0 */
-  km_motion_end start, end; /* how FROM and TO were reached */
-  char *causes[2]; /* of start and end at a dead point: the links that are in line, or the joints whose axes are
-                              * dependent; NULL: none, or it can't be told */
+  km_table *table;   /* step, s, q., columns of the analysis, dof, dof.k, residual, point. (docs/sweeps.md) */
+  km_table *between; /* the same columns between rows near poles; step 0 */
+  km_mobility first; /* at the start of the sweep */
+  int substructure;  /* the moving substructure, -1: a joint in no loop */
+  /* freedom of the driven substructure at the start; above 1 the path of least motion is followed */
+  int freedom;
+  int passive; /* passive ones among them */
+  /* infinitesimal ones among them, along the whole motion (permanently shaky mechanism) */
+  int infinitesimal;
+  bool *passive_coordinates; /* [coordinate] of joints in which passive bodies move; NULL: passive is 0 */
+  int start_branches;        /* branches at the start if it is a branch point; else 0 */
+  km_motion_end start, end;  /* how `from` and `to` were reached */
+  /* of start and end at a dead point: the links in line, or the joints whose axes have become dependent; NULL: none
+   * or unknown */
+  char *causes[2];
   double rank_value
-      [2]; /* of start and end where the rank changes within the closure tolerance, which is no dead point: the
-                              * singular value that decides it, over the largest; else 0 */
-  km_branch_point *branches; /* where several motions meet; s is the driver's value, or the arc length */
+      /* of start and end where the rank changes within the closure tolerance, which is no dead point: the relative
+       * singular value that decides it; else 0 */
+      [2];
+  km_branch_point *branches; /* branch points; s is the driver's value, or the arc length */
   size_t branch_count, branch_capacity;
-  double cycle; /* by arc length: length of the closed cycle, 0 if it wasn't closed */
+  double cycle; /* by arc length: length of the closed cycle, 0: not closed */
 } km_sweep;
 
-/* The model's own plan: analysis.sweep with a driver. coordinate -1 where it has none. */
+/* Returns the model's own plan, analysis.sweep with a driver; coordinate -1 without one. */
 KM_API km_sweep_plan km_sweep_plan_default(const km_model *model);
-/* Where the assembled state's pose is outside the limits of what the plan's driver moves: moves the driver towards
- * FROM, then towards TO, to the first pose where they all hold, located to 1e-12; from there on they count.
- * KM_NO_RESULT if there is none: then no pose of the range is in reach, and a sweep has no row. */
+/* Moves an assembled state that is outside the limits of the driven coordinates to the first configuration within all
+ * of them: the driver moves towards `from`, then towards `to`, located to 1e-12. No effect within the limits.
+ * KM_NO_RESULT: no configuration of the range is within the limits; KM_USAGE, KM_MEMORY. */
 KM_API km_status km_sweep_enter_limits(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                        km_error *error);
 KM_API void km_sweep_free(km_sweep *sweep);
 
-/* ---- Mobility numbers over the range of a driver. */
+/* ---- Mobility numbers along a sweep. */
 
-/* A pose at which a coordinate's mobility number passes through 0. */
+/* A dead point of a coordinate: its mobility number is 0. */
 typedef struct km_toggle {
-  int coordinate; /* whose number is 0 there */
-  double s;       /* of the driver, model's unit */
+  int coordinate; /* the coordinate */
+  double s;       /* the driver's value (model's unit), or arc length */
 } km_toggle;
 
 /* A smallest value along a sweep. */
 typedef struct km_extreme {
-  double number, s; /* a smallest value, and where */
+  double number, s; /* the value and its position */
 } km_extreme;
 
-/* The rows of a sweep with every mobility number, and what lies between the rows. */
+/* A sweep with all mobility numbers, and the events between rows. */
 typedef struct km_mobility_sweep {
-  km_sweep motion;    /* its table has m. of every coordinate */
+  km_sweep motion;    /* the table has m. of every coordinate */
   km_toggle *toggles; /* in the order of the sweep */
   size_t toggle_count, toggle_capacity;
   km_extreme *extremes; /* [coordinate] smallest mobility numbers over the rows */
-  km_extreme smallest;  /* singular value over the sweep; NaN unless the plan asks for singularities */
-  km_extreme *minima;   /* of it along the sweep, located between the rows, in their order */
+  km_extreme smallest;  /* smallest kept singular value; NaN unless the plan has singularities */
+  km_extreme *minima;   /* its minima along the sweep, located between the rows, in their order */
   size_t minimum_count, minimum_capacity;
 } km_mobility_sweep;
 
-/* Moves the assembled state from its pose to `from` without output, then gives steps + 1 rows. Where a part of
- * the range is out of reach the rows end (or begin) at the located bound and the status is KM_PARTIAL; start
- * and end say why. With one freedom the rows don't depend on `steps` (to 1e-8). With plan.singularities, the smallest
- * kept singular value of the moving substructure's J D⁻¹ (rows: lengths over its size, each loop about a point of its
- * own) is a column, and its minima are located; KM_USAGE above KM_MAX_SINGULAR coordinates. Free `*out` in any case.
- */
+/* Moves the assembled state to `from` without output, then computes steps + 1 rows. If a part of the range is not
+ * reached, the rows end (or begin) at the located bound and the status is KM_PARTIAL; start and end give the reason.
+ * With one freedom the rows do not depend on `steps` (to 1e-8). With plan.singularities the smallest kept singular
+ * value of the moving substructure's J D⁻¹ (lengths over its size, each loop about its own point) is a column and its
+ * minima are located; KM_USAGE above KM_MAX_SINGULAR coordinates. KM_CANCELLED, KM_DIVERGED (step limit), KM_MEMORY.
+ * Free `*out` in any case. */
 KM_API km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                        km_mobility_sweep *out, km_error *error);
 KM_API void km_mobility_sweep_free(km_mobility_sweep *sweep);
 
-/* ---- Mechanical advantage over a sweep. */
+/* ---- Mechanical advantage along a sweep (theory 8). */
 
-/* A pose at which the advantage is 0, infinite or undefined, located by root finding. */
+/* A configuration at which the advantage is 0, infinite or undefined, located by root finding. */
 typedef struct km_advantage_toggle {
-  km_advantage_state state; /* the advantage there, never finite */
-  double s;                 /* of the driver, model's unit, or arc length */
+  km_advantage_state state; /* kind of the value, never finite */
+  double s;                 /* the driver's value (model's unit), or arc length */
 } km_advantage_toggle;
 
-/* A value of a sweep, and where; s is NaN if there is none. */
+/* An extreme value of a sweep; s is NaN if there is none. */
 typedef struct km_peak {
-  double value, s; /* the extreme; of the driver or arc length */
+  double value, s; /* the value; its driver value or arc length */
 } km_peak;
 
-/* The rows of a sweep with their advantages, and what lies between the rows. */
+/* A sweep with the mechanical advantage, and the events between rows. */
 typedef struct km_advantage_sweep {
-  km_sweep motion;              /* its table has ma.<input>/<output>, and force_ratio. where joints have friction */
-  km_port input, output;        /* the ends that were asked for */
-  size_t column;                /* of the advantage, in the table */
-  bool friction;                /* some joint has friction: the next column is the actual force ratio */
+  km_sweep motion;              /* the table has ma.<input>/<output>, and force_ratio. with friction */
+  km_port input, output;        /* the ports */
+  size_t column;                /* table column of the advantage */
+  bool friction;                /* a joint has friction: the next column is the actual force ratio */
   km_advantage_method method;   /* of the first row */
   km_advantage_toggle *toggles; /* in the order of the sweep */
   size_t toggle_count;
-  km_transmission last; /* of the last row, with why metrics are undefined there; if the transmission was asked for */
-  km_peak lowest, highest; /* of the advantage, between the rows too; infinite beside a toggle */
-  km_peak least;           /* its value of the least size, between the rows too */
+  /* metrics of the last row, with the reasons of undefined ones; if the transmission was requested */
+  km_transmission last;
+  km_peak lowest, highest; /* smallest and largest advantage, between rows too; infinite beside a pole */
+  km_peak least;           /* value of least magnitude, between rows too */
 } km_advantage_sweep;
 
-/* Sweeps as km_mobility_sweep_run does, and looks between the rows for toggles of the advantage (to 1e-9 of the
- * driver) and for its extremes. `transmission` adds the metrics of kmech/transmission.h as columns. KM_USAGE: the ends
- * can't be input and output (km_transfer_create). Names of the ends are borrowed by `out`. Free `*out` in any case. */
+/* Sweeps as km_mobility_sweep_run, and locates zeros and poles (to 1e-9 of the driver) and extrema of the advantage
+ * between rows. `transmission` adds the metrics of km_transmission_compute as columns. KM_USAGE: the ports cannot be
+ * input and output (km_transfer_create). Names of the ports are borrowed by `out`. Free `*out` in any case. */
 KM_API km_status km_advantage_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                         const km_port *input, const km_port *output, bool transmission,
                                         km_advantage_sweep *out, km_error *error);
 KM_API void km_advantage_sweep_free(km_advantage_sweep *sweep);
 
-/* ---- Static balance over a sweep. */
+/* ---- Static balance along a sweep (theory 9.6). */
 
-/* What happens to an actuator's force between rows. */
+/* Events of an actuator's force. */
 typedef enum km_force_event_kind {
-  KM_FORCE_BALANCED, /* the load balances itself: the actuator holds nothing */
-  KM_FORCE_PEAK,     /* the actuator's force is larger than at either side */
-  KM_FORCE_UNBOUNDED /* the actuator is at a toggle against its load: no force is enough */
+  KM_FORCE_BALANCED, /* zero: the load balances itself */
+  KM_FORCE_PEAK,     /* local maximum of the magnitude */
+  KM_FORCE_UNBOUNDED /* pole: the actuator is at a dead point against its load */
 } km_force_event_kind;
 
-/* A place of a sweep where an actuator's force is special. */
+/* An event of an actuator's force. */
 typedef struct km_force_event {
-  km_force_event_kind kind; /* what it is */
-  int actuator;             /* into the statics' actuators */
-  double s, value;          /* where: the driver, or arc length; the force there */
+  km_force_event_kind kind; /* kind of event */
+  int actuator;             /* index of the actuator */
+  double s, value;          /* the driver's value or arc length; the force there */
 } km_force_event;
 
-/* The rows of a sweep with the forces that hold them. */
+/* A sweep with static forces, and the events between rows. */
 typedef struct km_statics_sweep {
-  km_sweep motion; /* its table has f., fbar., r., held */
+  km_sweep motion; /* the table has f., fbar., r., held */
   int actuator_count;
   km_port *actuators;     /* [actuator] */
   km_force_event *events; /* in the order of the sweep */
   size_t event_count;
-  km_force_event *largest; /* [actuator] where its force is largest, rows and peaks; s NaN: it never holds */
-  bool loaded;             /* something acts at some row */
-  size_t unheld;           /* rows that the actuators can't hold */
+  km_force_event *largest; /* [actuator] largest force, rows and peaks; s NaN: none */
+  bool loaded;             /* a load acts at some row */
+  size_t unheld;           /* number of rows that the actuators cannot hold */
   double first_unheld;     /* s of the first of them */
-  int degree;              /* of static indeterminacy, at the first row */
-  double gravity[3];       /* that counted, length / time² */
+  int degree;              /* degree of static indeterminacy in the first row */
+  double gravity[3];       /* gravity in effect, length / time² */
 } km_statics_sweep;
 
-/* Sweeps as km_mobility_sweep_run does, balances the forces at every row, and looks between the rows for where an
- * actuator's force vanishes, peaks or grows without bound. KM_PARTIAL too where rows can't be held. Free `*out` in any
- * case. */
+/* Sweeps as km_mobility_sweep_run, balances the forces in every row, and locates zeros, peaks and poles of the
+ * actuators' forces between rows. KM_PARTIAL also if rows cannot be held. Free `*out` in any case. */
 KM_API km_status km_statics_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                       km_forces *forces, km_statics *statics, km_statics_sweep *out, km_error *error);
 KM_API void km_statics_sweep_free(km_statics_sweep *sweep);
 
-/* ---- Redundant constraints over a whole sweep: which stay, and where there are more. */
+/* ---- Redundant constraints along a sweep: persistent and additional ones (theory 7.3). */
 
-/* A pose of the sweep with more redundant constraints than the others, and as much more mobility. */
+/* A position with more redundant constraints, and as much more mobility, than the least of the sweep. */
 typedef struct km_extra_redundancy {
-  double s; /* where: the driver, or arc length */
-  int more; /* how many more redundant constraints */
+  double s; /* the driver's value, or arc length */
+  int more; /* number of additional redundant constraints */
 } km_extra_redundancy;
 
-/* What is constrained twice along a sweep. */
+/* Redundant constraints along a sweep. */
 typedef struct km_sweep_redundancies {
-  km_redundancies persistent; /* if asked for: named at a pose of the least mobility, redundant at every pose */
-  km_extra_redundancy *extra; /* rows and branch points, by s in the order of the sweep */
+  km_redundancies persistent; /* if requested: named at a row of least mobility, redundant in every row */
+  km_extra_redundancy *extra; /* rows and branch points with additional ones, by s */
   size_t extra_count;
 } km_sweep_redundancies;
 
-/* From the rows of a sweep: the rank of each pose says how many constraints are redundant there (6 · loops + couplings
- * − rank). `named`: the lasting ones are named too, on a state of its own. Free `*out` in any case. */
+/* Counts redundant constraints from the ranks in the rows (6 · loops + couplings − rank). `named`: the persistent
+ * ones are named too, on a state of its own. KM_USAGE, KM_MEMORY. Free `*out` in any case. */
 KM_API km_status km_sweep_redundancies_find(const km_mechanism *mechanism, const km_sweep *sweep, bool named,
                                             km_sweep_redundancies *out, km_error *error);
 KM_API void km_sweep_redundancies_free(km_sweep_redundancies *redundancies);

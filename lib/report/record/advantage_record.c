@@ -174,7 +174,7 @@ void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, 
   km_text_format(out, "  mechanical advantage of %s over %s%s%s%s:", sweep->input.name, sweep->output.name,
                  unit[0] ? " (" : "", unit, unit[0] ? ")" : "");
   print_range(sweep, s_unit, out);
-  if (sweep->method == KM_ADVANTAGE_LEAST_MOTION && sweep->motion.freedom - sweep->motion.idle > 1)
+  if (sweep->method == KM_ADVANTAGE_LEAST_MOTION && sweep->motion.freedom - sweep->motion.passive > 1)
     km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
   print_state(sweep, KM_ADVANTAGE_ZERO, "  zero at", s_unit, out);
   print_state(sweep, KM_ADVANTAGE_UNDEFINED, "  undefined at", s_unit, out);

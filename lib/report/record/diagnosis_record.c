@@ -67,13 +67,13 @@ static void add_idle(const km_mechanism *m, const km_passive_freedoms *idle, km_
 
 static void print_idle(const km_mechanism *m, const km_diagnosis *d, km_text *out) {
   enum { MOST_SHOWN = 24 };
-  if (d->idle.count == 0)
+  if (d->passive.count == 0)
     return;
   km_text_format(out, "\nidle freedoms: %d of the finite mobility %d; no other joint drives or feels them\n",
-                 d->idle.mobility, d->finite.mobility);
-  for (int i = 0; i < d->idle.count && i < MOST_SHOWN; ++i) {
+                 d->passive.mobility, d->finite.mobility);
+  for (int i = 0; i < d->passive.count && i < MOST_SHOWN; ++i) {
     km_text_add(out, "  ");
-    km_passive_freedom_statement(m, &d->idle.items[i], out);
+    km_passive_freedom_statement(m, &d->passive.items[i], out);
     km_text_add(out, "\n");
   }
 }
@@ -87,7 +87,7 @@ void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value 
     km_value_number(arena, record, "finite_mobility", d->finite.mobility);
   add_motions(m, &d->finite, record, arena);
   km_value_boolean(arena, record, "truncated", d->finite.truncated);
-  add_idle(m, &d->idle, record, arena);
+  add_idle(m, &d->passive, record, arena);
   km_redundancies_record(m, &d->redundancies, record, arena);
 }
 

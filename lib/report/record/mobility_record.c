@@ -99,7 +99,7 @@ km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_
 }
 
 bool km_sweep_drives(const km_mechanism *m, const km_mobility_sweep *sweep, int c) {
-  const bool *idle = sweep->motion.idle_coordinates;
+  const bool *idle = sweep->motion.passive_coordinates;
   if (m->substructure_of[c] != sweep->motion.substructure || m->held[c] || (idle && idle[c]))
     return false;
   for (size_t i = 0; i < sweep->toggle_count; ++i)
@@ -118,7 +118,7 @@ static void add_drivers(const km_mechanism *m, const km_mobility_sweep *sweep, k
     km_value_string(arena, driver, "joint", m->model->coordinates[c].label);
     km_value_number(arena, driver, "smallest", sweep->extremes[c].number);
     km_value_number(arena, driver, "at", sweep->extremes[c].s);
-    const bool *idle = sweep->motion.idle_coordinates;
+    const bool *idle = sweep->motion.passive_coordinates;
     km_value_string(arena, driver, "verdict",
                     idle && idle[c]                ? "idle"
                     : km_sweep_drives(m, sweep, c) ? "keeps its grip"

@@ -129,7 +129,7 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   int found = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
     found += km_sweep_drives(m, sweep, c);
-  km_text_add(out, sweep->motion.freedom - sweep->motion.idle > 1 ? "  keep their grip over the whole range:"
+  km_text_add(out, sweep->motion.freedom - sweep->motion.passive > 1 ? "  keep their grip over the whole range:"
                                                                   : "  could drive the whole range:");
   if (found == 0)
     km_text_add(out, " none");

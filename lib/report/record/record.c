@@ -59,7 +59,7 @@ void km_sweep_record(const km_sweep *sweep, const char *stopped_by, km_value *re
     km_value_number(arena, record, "cycle", sweep->cycle);
   else
     km_value_add(arena, record, "cycle", KM_NULL);
-  km_value_number(arena, record, "idle_mobility", sweep->idle);
+  km_value_number(arena, record, "idle_mobility", sweep->passive);
   km_value_boolean(arena, record, "complete", !sweep->start.stop && !sweep->end.stop);
   if (stopped_by[0])
     km_value_string(arena, record, "stopped_by", stopped_by);

@@ -162,8 +162,8 @@ void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_s
   km_text_format(out, "%s: %s from %.6g to %.6g%s, %zu row%s\n", name, label, first[s_column], last[s_column],
                  km_sweep_unit(m, plan), rows, rows == 1 ? "" : "s");
   km_text_format(out, "  mobility %d", sweep->first.mobility);
-  if (sweep->idle)
-    km_text_format(out, " = %d + %d idle", sweep->first.mobility - sweep->idle, sweep->idle);
+  if (sweep->passive)
+    km_text_format(out, " = %d + %d idle", sweep->first.mobility - sweep->passive, sweep->passive);
   km_text_format(out, " (Kutzbach %d), %d redundant constraint%s, loops closed to %.2g\n", sweep->first.kutzbach,
                  sweep->first.redundant_constraints, km_plural(sweep->first.redundant_constraints),
                  sweep->first.residual);
