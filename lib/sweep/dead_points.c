@@ -1,7 +1,8 @@
 /* Dead points of a coordinate (theory 10.3): roots of its entry z_j in the unit direction of motion D q̇/|D q̇|.
  *
  *   sign change  : regula falsi, Illinois variant
- *   no change    : minimum of |z_j| by Brent's method where a parabola shows one near 0; then two roots or a touching one */
+ *   no change    : minimum of |z_j| by Brent's method where a parabola shows one near 0; then two roots or a
+ *                  touching root */
 #include "sweep/dead_points.h"
 
 #include <gsl/gsl_errno.h>

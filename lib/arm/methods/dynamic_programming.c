@@ -18,7 +18,7 @@ enum { MOST_WORK = 100000, WORK_ASIDE = 2000000 }; /* a sample, and beside them 
 
 /* Lead up to KM_WALK_ABREAST states of the last stage on, side by side, each by an action of its own. */
 static void lead(km_dp_grid *g, int worker, int first, int count) {
-  km_sample_run *run = g->run;
+  km_entry_range *run = g->run;
   const size_t n = (size_t)run->arm->n;
   const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
   km_node *here = &g->here[worker * KM_WALK_ABREAST];
@@ -116,7 +116,7 @@ static bool fill_stage(km_dp_grid *g) {
 
 /* The track that leads to a state; q of its own stage up to what it reached. */
 static void trace(km_dp_grid *g, int stage_index, const km_dp_state *end) {
-  km_sample_run *run = g->run;
+  km_entry_range *run = g->run;
   const size_t n = (size_t)run->arm->n;
   run->reached = end->samples + 1;
   for (int k = stage_index; k > 0; --k) {
@@ -130,7 +130,7 @@ static void trace(km_dp_grid *g, int stage_index, const km_dp_state *end) {
 
 /* Nothing comes to the end of the stage: the track that goes furthest, and why it ends there. */
 static km_status stop_short(km_dp_grid *g) {
-  km_sample_run *run = g->run;
+  km_entry_range *run = g->run;
   int count = g->stages[g->now - 1].count * g->actions, best = 0;
   for (int i = 1; i < count; ++i)
     if (km_dp_better(g, &g->arrivals[i], &g->arrivals[best]))
@@ -153,7 +153,7 @@ static km_status stop_short(km_dp_grid *g) {
 
 static bool begin(km_dp_grid *g) {
   static const km_step_choice plain = {0};
-  km_sample_run *run = g->run;
+  km_entry_range *run = g->run;
   int intervals = run->plan->path->samples - 1;
   g->stage_count = (intervals + g->length - 1) / g->length;
   g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
@@ -197,7 +197,7 @@ static bool gives_out(const km_dp_grid *g) {
 }
 
 static km_status solve(km_dp_grid *g, km_error *error) {
-  km_sample_run *run = g->run;
+  km_entry_range *run = g->run;
   if (!begin(g))
     return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
   int intervals = run->plan->path->samples - 1;
@@ -229,7 +229,7 @@ typedef struct pass {
   bool eased;
 } pass;
 
-static km_status solve_at(km_sample_run *run, double spacing, int length, pass p, km_error *error) {
+static km_status solve_at(km_entry_range *run, double spacing, int length, pass p, km_error *error) {
   km_dp_grid g = {.run = run,
                   .spacing = spacing,
                   .length = length < 1 ? 1 : length,
@@ -247,19 +247,19 @@ static km_status solve_at(km_sample_run *run, double spacing, int length, pass p
 }
 
 /* What the tilts can reach over the whole path is cut into some forty states, none further than a tenth of a radian. */
-static double choose_spacing(const km_sample_run *run) {
+static double choose_spacing(const km_entry_range *run) {
   const km_path *path = run->plan->path;
   double reach = tan(run->plan->method.angle) * path->points[path->samples - 1].s / 0.5; /* path entries about 0.5 */
   return fmin(fmax(reach / 40.0, 0.005), 0.1);
 }
 
-static bool is_further(const km_sample_run *a, const km_sample_run *b) {
+static bool is_further(const km_entry_range *a, const km_entry_range *b) {
   return a->reached != b->reached ? a->reached > b->reached : a->fraction > b->fraction + 1e-6;
 }
 
 /* At half the spacing and stage, in `run`, after the whole of them in `coarse`; the coarse track where it goes further.
  */
-static km_status refine(km_sample_run *run, km_sample_run *coarse, pass p, km_error *error) {
+static km_status refine(km_entry_range *run, km_entry_range *coarse, pass p, km_error *error) {
   const km_method *method = &run->plan->method;
   int length = method->stride > 0 ? method->stride : run->plan->path->samples / 24;
   double spacing = method->spacing > 0.0 ? method->spacing : choose_spacing(run);
@@ -280,8 +280,8 @@ static km_status refine(km_sample_run *run, km_sample_run *coarse, pass p, km_er
 }
 
 /* At two spacings and stages. */
-static km_status solve_twice(km_sample_run *run, pass p, km_error *error) {
-  km_sample_run coarse;
+static km_status solve_twice(km_entry_range *run, pass p, km_error *error) {
+  km_entry_range coarse;
   if (!km_run_create(run->arm, run->plan, &coarse))
     return km_fail(error, KM_MEMORY, "out of memory for dynamic programming");
   km_status status = refine(run, &coarse, p, error);
@@ -291,9 +291,9 @@ static km_status solve_twice(km_sample_run *run, pass p, km_error *error) {
 }
 
 /* Where it stops short under rates, again with tilts that keep them; the track that goes further. */
-km_status km_method_dp(km_sample_run *run, km_error *error) {
+km_status km_method_dp(km_entry_range *run, km_error *error) {
   const int passes = km_tracker_rated(run->arm) ? 4 : 2;
-  km_sample_run eased;
+  km_entry_range eased;
   km_status status = solve_twice(run, (pass){0, passes, false}, error);
   if (status != KM_PARTIAL || passes == 2)
     return status;

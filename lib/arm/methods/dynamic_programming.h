@@ -18,7 +18,7 @@ typedef struct km_dp_stage {
 } km_dp_stage;
 
 typedef struct km_dp_grid {
-  km_sample_run *run;
+  km_entry_range *run;
   km_arena arena;
   double spacing;
   bool eased; /* tilts turn back as far as the rates ask */

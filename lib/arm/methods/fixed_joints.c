@@ -2,7 +2,7 @@
  * independent at the start, or named ones. */
 #include "arm/methods/method.h"
 
-km_status km_method_fixed(km_sample_run *run, km_error *error) {
+km_status km_method_fixed(km_entry_range *run, km_error *error) {
   static const double none[KM_ARM_ROWS] = {0};
   const km_arm *a = run->arm;
   const km_method *method = &run->plan->method;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 typedef struct problem {
-  km_sample_run *run;
+  km_entry_range *run;
   const double *x; /* [knots × freedom] tan φ at the knots */
   double tilt[KM_ARM_MOST];
   double best_cost;
@@ -17,7 +17,7 @@ typedef struct problem {
   int tried;
 } problem;
 
-static void choose(void *context, km_sample_run *run, int sample, const km_node *node, km_step_choice *way) {
+static void choose(void *context, km_entry_range *run, int sample, const km_node *node, km_step_choice *way) {
   problem *p = context;
   (void)node;
   const int knots = run->plan->method.knots, freedom = run->arm->freedom;
@@ -34,7 +34,7 @@ static double cost(unsigned count, const double *x, double *gradient, void *cont
   problem *p = context;
   (void)gradient;
   p->x = x;
-  km_sample_run *run = p->run;
+  km_entry_range *run = p->run;
   const km_track_plan *plan = run->plan;
   p->status = km_run_try(run, &plain, choose, p);
   double value = (double)INFINITY;
@@ -76,7 +76,7 @@ static bool optimise(problem *p, nlopt_algorithm algorithm, int evaluations) {
   return result != NLOPT_OUT_OF_MEMORY;
 }
 
-km_status km_method_global(km_sample_run *run, km_error *error) {
+km_status km_method_global(km_entry_range *run, km_error *error) {
   static const km_step_choice plain = {0};
   const km_method *method = &run->plan->method;
   if (run->arm->freedom == 0)

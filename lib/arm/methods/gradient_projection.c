@@ -7,7 +7,7 @@ typedef struct climber {
 } climber;
 
 /* The objective a short way along a pose-control column; the way leaves the path by the square of it. */
-static double beside(km_sample_run *run, climber *c, int sample, const km_node *node, const double *column,
+static double beside(km_entry_range *run, climber *c, int sample, const km_node *node, const double *column,
                      double way) {
   static const km_step_choice plain = {0};
   double q[KM_ARM_MOST];
@@ -17,7 +17,7 @@ static double beside(km_sample_run *run, climber *c, int sample, const km_node *
   return c->probe.value;
 }
 
-static void choose(void *context, km_sample_run *run, int sample, const km_node *node, km_step_choice *way) {
+static void choose(void *context, km_entry_range *run, int sample, const km_node *node, km_step_choice *way) {
   static const double h = 1e-4;
   climber *c = context;
   const km_method *method = &run->plan->method;
@@ -34,7 +34,7 @@ static void choose(void *context, km_sample_run *run, int sample, const km_node 
   way->tilt = c->tilt;
 }
 
-km_status km_method_gradient(km_sample_run *run, km_error *error) {
+km_status km_method_gradient(km_entry_range *run, km_error *error) {
   static const km_step_choice plain = {0};
   climber c;
   if (!km_node_create(run->arm, &run->arena, &c.probe))

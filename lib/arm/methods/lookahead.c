@@ -71,13 +71,13 @@ static int look_ahead(km_look_tree *t) {
 /* A track by another method, which look-ahead's is compared with. */
 typedef struct alternative {
   km_track_plan plan;
-  km_sample_run run;
+  km_entry_range run;
   km_status ended; /* as the method does; KM_MEMORY also: there is no run */
   km_error error;
   bool made, holds; /* holds: a run that is to be freed */
 } alternative;
 
-static void make_alternative(alternative *r, const km_sample_run *own, km_method_run method) {
+static void make_alternative(alternative *r, const km_entry_range *own, km_method_run method) {
   r->made = true;
   r->holds = km_run_create(own->arm, &r->plan, &r->run);
   r->ended = r->holds ? method(&r->run, &r->error) : km_fail(&r->error, KM_MEMORY, "out of memory for a track");
@@ -90,7 +90,7 @@ static void free_alternative(alternative *r) {
 
 /* Goes on up to a sample. */
 static km_status go_on(km_look_tree *t, int until, bool tells, km_error *error) {
-  km_sample_run *run = t->run;
+  km_entry_range *run = t->run;
   const size_t n = (size_t)run->arm->n;
   static const km_step_choice plain = {0};
   for (; run->reached < until; ++run->reached) {
@@ -127,7 +127,7 @@ static void end_beside_greedy(void *context, int index) {
 /* From the start to the end, or as far as it goes; `greedy` is made beside, unless it is NULL. */
 static km_status follow(km_look_tree *t, alternative *greedy, km_error *error) {
   static const km_step_choice plain = {0};
-  km_sample_run *run = t->run;
+  km_entry_range *run = t->run;
   const int samples = run->plan->path->samples, last = samples - t->stride;
   const bool beside = greedy && t->branches <= KM_WALK_ABREAST && last > 1;
   km_tracker_begin(&run->walk, &run->space, 0, run->start, &plain, &t->now->root);
@@ -141,7 +141,7 @@ static km_status follow(km_look_tree *t, alternative *greedy, km_error *error) {
   return e.status;
 }
 
-static km_status look(km_sample_run *run, bool eased, alternative *greedy, km_error *error) {
+static km_status look(km_entry_range *run, bool eased, alternative *greedy, km_error *error) {
   km_look_tree t;
   bool whole = km_look_tree_create(&t, run);
   t.eased = eased;
@@ -151,13 +151,13 @@ static km_status look(km_sample_run *run, bool eased, alternative *greedy, km_er
   return status;
 }
 
-static km_status look_eased(km_sample_run *run, km_error *error) {
+static km_status look_eased(km_entry_range *run, km_error *error) {
   return look(run, true, NULL, error);
 }
 
 /* Two tracks of one plan, and what they are worth. */
 typedef struct comparison {
-  km_sample_run *run[2];
+  km_entry_range *run[2];
   km_run_value value[2];
 } comparison;
 
@@ -167,7 +167,7 @@ static void evaluate(void *context, int index) {
 }
 
 /* Of two tracks the one that goes further wins, whatever the objective; where they are as good, look-ahead's. */
-static bool beats(km_sample_run *other, km_sample_run *own) {
+static bool beats(km_entry_range *other, km_entry_range *own) {
   comparison c = {.run = {own, other}};
   km_team_run(km_run_team(own), 2, evaluate, &c);
   if (other->reached != own->reached)
@@ -178,7 +178,7 @@ static bool beats(km_sample_run *other, km_sample_run *own) {
 }
 
 /* The other track where it is better; `taken` tells. */
-static km_status prefer(km_sample_run *run, km_status status, alternative *other, bool *taken, km_error *error) {
+static km_status prefer(km_entry_range *run, km_status status, alternative *other, bool *taken, km_error *error) {
   bool tracked = other->ended == KM_OK || other->ended == KM_PARTIAL;
   *taken = tracked && beats(&other->run, run);
   if (*taken)
@@ -190,7 +190,7 @@ static km_status prefer(km_sample_run *run, km_status status, alternative *other
 }
 
 /* Tried again with branches that turn back as far as the rates ask. */
-static km_status prefer_eased(km_sample_run *run, km_status status, km_error *error) {
+static km_status prefer_eased(km_entry_range *run, km_status status, km_error *error) {
   alternative eased = {.plan = *run->plan};
   bool taken;
   make_alternative(&eased, run, look_eased);
@@ -199,7 +199,7 @@ static km_status prefer_eased(km_sample_run *run, km_status status, km_error *er
   return status;
 }
 
-km_status km_method_lookahead(km_sample_run *run, km_error *error) {
+km_status km_method_lookahead(km_entry_range *run, km_error *error) {
   const km_method *method = &run->plan->method;
   double nodes = 0.0;
   for (int l = 1; l <= method->levels; ++l)

@@ -104,7 +104,7 @@ static void take_step(const km_look_tree *t, traveller *w, int k, km_step_end st
 
 /* The k-th step of those that go on, side by side. How many these are. */
 static int step_on(km_look_tree *t, int worker, int k, int count, traveller *all) {
-  km_sample_run *run = t->run;
+  km_entry_range *run = t->run;
   km_tracker_space *space = &t->spaces[worker];
   const km_node *from[KM_WALK_ABREAST];
   km_node *to[KM_WALK_ABREAST];
@@ -264,7 +264,7 @@ static km_look_beginning *create_beginning(km_look_tree *t) {
   return b;
 }
 
-bool km_look_tree_create(km_look_tree *t, km_sample_run *run) {
+bool km_look_tree_create(km_look_tree *t, km_entry_range *run) {
   const km_method *method = &run->plan->method;
   const km_arm *a = run->arm;
   *t = (km_look_tree){.run = run, .levels = method->levels, .workers = run->plan->jobs > 1 ? run->plan->jobs : 1};

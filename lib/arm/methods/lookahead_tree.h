@@ -33,7 +33,7 @@ typedef struct km_look_share {
 } km_look_share;
 
 typedef struct km_look_tree {
-  km_sample_run *run;
+  km_entry_range *run;
   int branches, levels, stride, workers;
   km_look_node *nodes; /* by level, behind the first one; the children of node i of a level are i · branches … */
   int *level_start;    /* [levels + 1] from the second level on */
@@ -60,7 +60,7 @@ static inline int km_look_count_at(const km_look_tree *t, int level) {
 }
 
 /* False when out of memory; destroy it in any case, which counts its Jacobians. */
-bool km_look_tree_create(km_look_tree *tree, km_sample_run *run);
+bool km_look_tree_create(km_look_tree *tree, km_entry_range *run);
 void km_look_tree_destroy(km_look_tree *tree);
 /* Grows the tree from `now`. Returns how many levels it has: fewer than `levels` near the end of the path. */
 int km_look_tree_grow(km_look_tree *tree);

@@ -4,9 +4,9 @@
 
 #include <string.h>
 
-bool km_run_create(const km_arm *a, const km_track_plan *plan, km_sample_run *run) {
+bool km_run_create(const km_arm *a, const km_track_plan *plan, km_entry_range *run) {
   size_t n = (size_t)a->n;
-  *run = (km_sample_run){
+  *run = (km_entry_range){
       .arm = a, .plan = plan, .walk = {a, plan->path, &plan->objective}, .column = -1, .converged = (double)NAN};
   run->start = KM_ARENA_NEW(&run->arena, double, n);
   run->last = KM_ARENA_NEW(&run->arena, double, n);
@@ -21,19 +21,19 @@ bool km_run_create(const km_arm *a, const km_track_plan *plan, km_sample_run *ru
   return false;
 }
 
-void km_run_free(km_sample_run *run) {
+void km_run_free(km_entry_range *run) {
   km_team_free(run->team);
   km_tracker_space_free(&run->space);
   km_arena_free(&run->arena);
 }
 
-km_team *km_run_team(km_sample_run *run) {
+km_team *km_run_team(km_entry_range *run) {
   if (!run->team && run->plan->jobs > 1)
     run->team = km_team_create(run->plan->jobs);
   return run->team;
 }
 
-void km_run_take(km_sample_run *run, const km_sample_run *other) {
+void km_run_take(km_entry_range *run, const km_entry_range *other) {
   size_t n = (size_t)run->arm->n;
   memcpy(run->q, other->q, (size_t)other->reached * n * sizeof *run->q);
   memcpy(run->last, other->last, n * sizeof *run->last);
@@ -43,13 +43,13 @@ void km_run_take(km_sample_run *run, const km_sample_run *other) {
   run->column = other->column;
 }
 
-bool km_run_goes_on(const km_sample_run *run, int sample) {
+bool km_run_goes_on(const km_entry_range *run, int sample) {
   return !run->plan->progress ||
          run->plan->progress(run->plan->context, (double)sample / (run->plan->path->samples - 1));
 }
 
 /* No pose at all reaches the path just after where the track ends? The next sample may lie where the path is back. */
-static bool beyond_edge(km_sample_run *run) {
+static bool beyond_edge(km_entry_range *run) {
   static const double ahead = 1e-3; /* of the interval: far more than the end's own error */
   km_path_point just =
       km_path_at(run->plan->path, run->reached - 1, fmin(run->fraction + ahead, 0.5 * (1.0 + run->fraction)));
@@ -58,7 +58,7 @@ static bool beyond_edge(km_sample_run *run) {
 }
 
 /* The whole arm is far from singular at q: only what is held keeps it from going on. */
-static bool regular(km_sample_run *run, const double *q) {
+static bool regular(km_entry_range *run, const double *q) {
   static const double far = 1e-3; /* an end at a singular pose is located to the root of 1e-10 */
   double sigma[KM_ARM_ROWS];
   km_arm_update(run->arm, &run->space.arm, q);
@@ -73,7 +73,7 @@ static bool at_limit(const km_arm *a, const double *q, int column) {
   return fmin(fabs(q[column] - a->low[column]), fabs(a->high[column] - q[column])) <= near * (1.0 + fabs(q[column]));
 }
 
-void km_run_stop(km_sample_run *run, const km_node *node, const km_step_choice *way, km_step_end end) {
+void km_run_stop(km_entry_range *run, const km_node *node, const km_step_choice *way, km_step_end end) {
   km_node at = {.q = run->last};
   km_arena arena = {0};
   int sample = run->reached - 1;
@@ -105,13 +105,13 @@ void km_run_stop(km_sample_run *run, const km_node *node, const km_step_choice *
   km_arena_free(&arena);
 }
 
-static void keep(km_sample_run *run, const km_node *node) {
+static void keep(km_entry_range *run, const km_node *node) {
   memcpy(run->q + (size_t)run->reached * (size_t)run->arm->n, node->q, (size_t)run->arm->n * sizeof *node->q);
   run->reached++;
 }
 
 /* From the last sample to the next one. */
-static km_step_end advance(km_sample_run *run, const km_step_choice *first, km_run_choose choose, void *context,
+static km_step_end advance(km_entry_range *run, const km_step_choice *first, km_run_choose choose, void *context,
                            km_step_choice *way) {
   *way = *first;
   if (choose)
@@ -124,7 +124,7 @@ static km_step_end advance(km_sample_run *run, const km_step_choice *first, km_r
   return end;
 }
 
-static void begin(km_sample_run *run, const km_step_choice *first) {
+static void begin(km_entry_range *run, const km_step_choice *first) {
   km_tracker_begin(&run->walk, &run->space, 0, run->start, first, &run->node);
   run->reached = 0;
   run->fraction = 0.0;
@@ -133,7 +133,7 @@ static void begin(km_sample_run *run, const km_step_choice *first) {
   keep(run, &run->node);
 }
 
-km_status km_run_try(km_sample_run *run, const km_step_choice *first, km_run_choose choose, void *context) {
+km_status km_run_try(km_entry_range *run, const km_step_choice *first, km_run_choose choose, void *context) {
   km_step_choice way;
   for (begin(run, first); run->reached < run->plan->path->samples;)
     if (advance(run, first, choose, context, &way).stop)
@@ -141,7 +141,7 @@ km_status km_run_try(km_sample_run *run, const km_step_choice *first, km_run_cho
   return KM_OK;
 }
 
-km_status km_run_steps(km_sample_run *run, const km_step_choice *first, km_run_choose choose, void *context,
+km_status km_run_steps(km_entry_range *run, const km_step_choice *first, km_run_choose choose, void *context,
                        km_error *error) {
   km_step_choice way;
   for (begin(run, first); run->reached < run->plan->path->samples;) {
@@ -158,7 +158,7 @@ km_status km_run_steps(km_sample_run *run, const km_step_choice *first, km_run_c
 
 /* What the rate margin of the track's own rates adds to the value of run->next, the node at a sample, where the margin
  * of the least rates counts. */
-static double own_margin(km_sample_run *run, int sample) {
+static double own_margin(km_entry_range *run, int sample) {
   static const km_objective only = {.weight[KM_RATE_MARGIN] = 1.0};
   const km_arm *a = run->arm;
   const km_path_point *points = run->plan->path->points;
@@ -175,7 +175,7 @@ static double own_margin(km_sample_run *run, int sample) {
   return weight * (km_objective_rate_margin(a, rates) - values[KM_RATE_MARGIN]);
 }
 
-km_run_value km_run_evaluate(km_sample_run *run) {
+km_run_value km_run_evaluate(km_entry_range *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
   static const km_step_choice plain = {0};
   for (int i = 0; i < run->reached; ++i) {
@@ -187,7 +187,7 @@ km_run_value km_run_evaluate(km_sample_run *run) {
   return value;
 }
 
-double km_run_score(const km_sample_run *run, km_run_value value) {
+double km_run_score(const km_entry_range *run, km_run_value value) {
   if (value.samples == 0)
     return -(double)INFINITY;
   return km_objective_by_mean(&run->plan->objective) ? value.sum / value.samples : value.least;

@@ -172,7 +172,7 @@ static void write_row(const km_track *t, km_arm_space *space, const row *r, cons
 }
 
 /* Of the samples that were reached, and of the end between two if there is one. */
-static row row_of(const km_sample_run *run, int index) {
+static row row_of(const km_entry_range *run, int index) {
   const km_path *path = run->plan->path;
   if (index < run->reached)
     return (row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
@@ -185,7 +185,7 @@ enum { ROWS_PAY = 16 };
 /* Rows that are written in pieces, on several threads. */
 typedef struct writing {
   const km_track *track;
-  const km_sample_run *run;
+  const km_entry_range *run;
   km_arm_space *spaces; /* [pieces] */
   double *cells;
   size_t width; /* of a row */
@@ -206,7 +206,7 @@ static void write_piece(void *context, int piece) {
 }
 
 /* False when out of memory. */
-static bool write_rows(km_track *t, km_sample_run *run, int count, km_arena *arena, tally **tallies) {
+static bool write_rows(km_track *t, km_entry_range *run, int count, km_arena *arena, tally **tallies) {
   int most = t->plan.jobs < KM_MAX_THREADS ? t->plan.jobs : KM_MAX_THREADS;
   most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
@@ -224,7 +224,7 @@ static bool write_rows(km_track *t, km_sample_run *run, int count, km_arena *are
   return whole;
 }
 
-static km_status fill(km_track *t, km_sample_run *run, km_error *error) {
+static km_status fill(km_track *t, km_entry_range *run, km_error *error) {
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
   km_arena arena = {0};
   tally *tallies = NULL;
@@ -248,7 +248,7 @@ static km_status fill(km_track *t, km_sample_run *run, km_error *error) {
 }
 
 /* A start that isn't on the path, or beyond its limits, is no start. */
-static bool starts(km_track *t, km_sample_run *run) {
+static bool starts(km_track *t, km_entry_range *run) {
   double position;
   km_arm_update(t->arm, &run->space.arm, run->start);
   double left = km_arm_error(t->arm, &run->space.arm, &t->plan.path->points[0].pose, NULL, &position, NULL);
@@ -276,7 +276,7 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
   km_status fits = check_plan(arm, plan, error);
   if (fits)
     return fits;
-  km_sample_run run;
+  km_entry_range run;
   km_track *t = KM_NEW(km_track, 1);
   if (!t)
     return km_fail(error, KM_MEMORY, "out of memory for a track");
