@@ -4,7 +4,7 @@
  *   2. min |e|² + 1e-10 |δ|² by Levenberg-Marquardt, then 1
  *   3. 1 and 2 from displaced starts q + a u, u random in [−1, 1]ⁿ, a = 0.05 · 1.2^k
  *
- * Loops that violate the polygon inequality close from no start. For rounded data a closure tolerance is suggested. */
+ * Loops that violate the polygon inequality close from no start. A closure tolerance is suggested for rounded data. */
 #include "kinematics/assembly.h"
 #include "base/random.h"
 #include "kinematics/damped_least_squares.h"

@@ -12,7 +12,7 @@ km_status km_assemble_one(const km_mechanism *mechanism, km_state *state, int su
 /* Suggested closure tolerance for rounded data. */
 typedef struct km_suggestion {
   double tolerance, misfit; /* misfit: √(eᵀe/6) of the worst loop at that tolerance, scaled */
-  int mobility;             /* of the substructure */
+  int mobility;             /* mobility of the substructure */
 } km_suggestion;
 
 /* Finds the smallest closure tolerance among 1, 2, 5 times powers of ten up to 2e-3 with which the substructure closes

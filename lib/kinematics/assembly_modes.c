@@ -14,7 +14,8 @@
 #include <stdint.h>
 #include <string.h>
 
-static const double pose_tolerance = 1e-6; /* of a body's pose: radians, lengths over the substructure's size */
+static const double pose_tolerance = 1e-6; /* tolerance of a body's pose: radians, lengths over the substructure's
+                                            * size */
 
 /* One assembly mode. */
 typedef struct mode {
@@ -26,7 +27,7 @@ typedef struct mode {
 
 typedef struct mode_search {
   const km_mechanism *m;
-  km_state *s; /* with the driver locked */
+  km_state *s; /* the search's state, with the driver locked */
   const km_state *original;
   int driver, substructure;
   km_arena arena;

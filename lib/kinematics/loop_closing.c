@@ -151,7 +151,7 @@ void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int dri
 }
 
 /* Minimum-norm rates as the null-space projection of the driver's unit vector over its driver entry, t = P u / (P
- * u)_driver. With many freedoms the null vector of the driver can be long and cancel; this avoids it. */
+ * u)_driver. The null vector of the driver can be long and cancel; this avoids it. */
 static bool project_driver(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
   const km_substructure *sub = &m->substructures[index];
   memset(t, 0, (size_t)sub->columns * sizeof *t);
@@ -346,7 +346,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     update_newton_step(m, s, index, driver, evidence, x, &n);
     if (is_converged(p, &n) && !accept_deferred_pivots(m, s, index, driver)) {
       search_step_pivots(m, s, index, driver, evidence->residual);
-      if (!p->rows_were_kept) /* with the same primary rows the step is the same */
+      if (!p->rows_were_kept) /* equal primary rows give an equal step */
         update_newton_step(m, s, index, driver, evidence, x, &n);
     }
     if (is_converged(p, &n))
@@ -362,7 +362,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     evidence->correction += km_step_length(m, sub, x);
     km_state_move(m, s, sub, x);
   }
-  /* At a singular configuration Newton's method only halves its distance: after all iterations a residual below the
+  /* Newton's method only halves its distance to a singular configuration: after all iterations a residual below the
    * tolerance is accepted. */
   return driver < 0 && primary_rms(p, km_state_error(s, sub)) <= n.residual_tolerance
              ? closed_outcome(m, evidence->residual, scale)

@@ -24,7 +24,7 @@ typedef struct km_nearest_configuration {
   bool *fixed;                              /* [size] fixed unknowns: driver, locked coordinates, multipliers of
                                              * secondary rows */
   bool *fixed_next;                         /* [size] flags of the next call */
-  km_partition factor;                      /* of the present matrix, or of an earlier one with the same fixed
+  km_partition factor;                      /* factor of the present matrix, or of an earlier one with equal fixed
                                              * unknowns */
   bool is_factored;                         /* `factor` is valid for the fixed unknowns */
   bool is_current;                          /* `factor` belongs to the present matrix */
@@ -36,7 +36,7 @@ typedef struct km_nearest_configuration {
 bool km_nearest_configuration_reserve(km_nearest_configuration *closest, const km_mechanism *mechanism,
                                       const km_substructure *sub, km_arena *arena);
 
-/* Moves the state to the closed configuration nearest to y. On entry the state is at y + displacement (scaled); on
+/* Moves the state to the closed configuration nearest to y. The state must be at y + displacement (scaled); on
  * return `displacement` is the step from y to the result. The coordinate of `driver` (a column, or KM_NO_DRIVER) is
  * fixed; `pivots` gives the primary rows. False if Newton's method does not converge; the state is left at its last
  * configuration. */

@@ -23,7 +23,7 @@ typedef struct km_slot_motion {
 
 /* Basis of the null space of one substructure, or of its row space. It grows with the freedom. */
 typedef struct km_basis {
-  km_arena *arena; /* of the state; Z grows in it */
+  km_arena *arena; /* the state's arena, in which Z grows */
   double *Z;
   size_t capacity;
   bool is_known;              /* the null space is known for this configuration or an earlier one */
@@ -61,36 +61,42 @@ typedef enum km_rate_source {
 struct km_state {
   km_arena arena;
   const km_mechanism *mechanism;
-  double *q;                       /* ball joints: rotation vector, derived from `ball` */
-  double *rate;                    /* ball joints: components of the angular velocity */
-  km_rate_source *rate_source;     /* source of the rate */
-  double *acceleration;            /* second derivatives. By km_dynamics_accelerate */
+  double *q;                       /* [coordinate] radians, or the model's length unit; of a ball joint its rotation
+                                    * vector, derived from `ball` */
+  double *rate;                    /* [coordinate] per the model's time unit; of a ball joint the components of its
+                                    * angular velocity */
+  km_rate_source *rate_source;     /* [coordinate] source of the rate */
+  double *acceleration;            /* [coordinate] second derivatives of q; set by km_dynamics_accelerate */
   double time;                     /* the model's time unit */
-  km_quaternion *ball;             /* unit quaternion of a ball motion. By km_state_move, km_state_set */
-  double *jacobian;                /* [matrix_size] by substructure, in its pattern. By km_loops_update */
-  double *error;                   /* closure errors of the rows, by substructure. By km_loops_update */
-  km_twist *misfit;                /* all six components of the closure error, scaled. By km_loops_update */
-  km_partition *partition;         /* of the Jacobian. By km_search_pivots, km_loops_close */
-  km_normal_equations **normal;    /* normal equations of minimum-norm steps. By km_state_free */
+  km_quaternion *ball;             /* [ball] unit quaternions of the ball motions; set by km_state_move, km_state_set */
+  double *jacobian;                /* [matrix_size] by substructure, in its pattern; set by km_loops_update */
+  double *error;                   /* [error_size] closure errors of the rows, by substructure; set by
+                                    * km_loops_update */
+  km_twist *misfit;                /* [loop] all six components of the closure error, scaled; set by km_loops_update */
+  km_partition *partition;         /* [substructure] factorisation of the Jacobian; set by km_search_pivots,
+                                    * km_loops_close */
+  km_normal_equations **normal;    /* [substructure] normal equations of minimum-norm steps; freed by km_state_free */
   int normal_count;                /* substructure count, for km_state_free after the mechanism was freed */
-  km_stashed_partition *stashed;   /* second partitions of large substructures */
-  km_cached_configuration *cached; /* last evaluation and search. By km_loops_update, km_search_pivots */
-  int *pivot_driver;               /* driver column for which pivots were searched; KM_NEVER: pivots are stale */
-  km_basis *basis;                 /* Z: columns × freedom. By km_state_null_space */
-  double *mobility_number;         /* [coordinate] mobility numbers. By km_mobility_compute */
-  km_pose *pose;                   /* [body] in the inertial frame, model's length unit. By km_poses_compute */
+  km_stashed_partition *stashed;   /* [substructure] second partitions of large substructures */
+  km_cached_configuration *cached; /* [substructure] last evaluation and search; set by km_loops_update,
+                                    * km_search_pivots */
+  int *pivot_driver;               /* [substructure] driver column for which pivots were searched; KM_NEVER: pivots are
+                                    * stale */
+  km_basis *basis;                 /* [substructure] basis Z, columns × freedom; set by km_state_null_space */
+  double *mobility_number;         /* [coordinate] mobility numbers; set by km_mobility_compute */
+  km_pose *pose;                   /* [body] in the inertial frame, model's length unit; set by km_poses_compute */
   km_pose *slot;                   /* [largest_slots] workspace of spatial programs */
   km_planar_pose *planar_slot;
-  km_twist *twist;    /* unit twists h of the programs' steps; of a planar step (x, y, angle) in v. By
+  km_twist *twist;    /* [twist_count] unit twists h of the programs' steps; of a planar step (x, y, angle) in v; set by
                        * km_loops_update */
-  km_vec3 *row_point; /* spatial loops: point at which the rows are taken, from the origin of its first branch. By
-                       * km_loops_update */
+  km_vec3 *row_point; /* [loop] spatial loops: point at which the rows are taken, from the origin of the first branch;
+                       * set by km_loops_update */
   km_slot_motion *slot_motion; /* [largest_slots] workspace of km_loops_velocity_products */
   double *work;                /* [largest_columns] */
   double *projection;          /* [largest_columns] workspace of km_minimum_norm_step */
   bool *forced;                /* [largest_columns] */
-  bool *locked;                /* locked by the state, in addition to the held joints of the mechanism. By
-                                * km_state_lock */
+  bool *locked;                /* [coordinate] locked by the state, in addition to the held joints of the mechanism; set
+                                * by km_state_lock */
   bool *locked_column;         /* [columns of all substructures] `locked` by column, borrowed by the partitions */
 };
 
@@ -132,7 +138,7 @@ double *km_state_null_space(const km_mechanism *mechanism, const km_state *state
 void km_state_set_single_basis(km_state *state, int substructure, const double *z, size_t apart);
 /* Marks the null space as known and forms the basis, unless the freedoms are so many that it is deferred. */
 void km_state_mark_mobility_known(km_state *state, int substructure);
-/* Mobility numbers m_j (docs/theory.md 3.4) by column. With many freedoms no basis is formed. */
+/* Mobility numbers m_j (docs/theory.md 3.4) by column. No basis is formed if the freedoms are many. */
 void km_state_mobility_numbers(const km_mechanism *mechanism, km_state *state, int substructure, double *numbers);
 /* Forms the row-space basis R[rank × columns] in the memory of Z. NULL when out of memory. */
 double *km_state_row_space(const km_mechanism *mechanism, km_state *state, int substructure, int count);
@@ -182,8 +188,8 @@ void km_state_difference(const km_state *state, const km_substructure *sub, cons
 /* Angle of a ball joint beyond its limit: |q| − limit, for its first coordinate c and rotation vector q[3]. Negative
  * within the limit; -infinity without a limit. */
 double km_state_ball_excess(const km_mechanism *mechanism, int c, const double *q);
-/* Excess of a coordinate above (> 0) or below (< 0) its limits; 0 within them and their rounding. For the first
- * coordinate of a ball joint the angle beyond its limit counts. */
+/* Excess of a coordinate above (> 0) or below (< 0) its limits; 0 within them and their rounding. The limit of a ball
+ * joint's angle counts for its first coordinate. */
 double km_state_excess(const km_state *state, int coordinate);
 /* True if the coordinate exceeds its limits by more than rounding. */
 bool km_state_is_outside(const km_state *state, int coordinate);

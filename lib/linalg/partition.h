@@ -22,13 +22,13 @@
 typedef struct km_sparse km_sparse;
 typedef struct km_normal_equations km_normal_equations;
 
-/* Near-tie factor: entries whose magnitudes differ by less are ordered by position (up to 12 × 64: if no eighth of a
+/* Factor of near-ties: entries with magnitudes within it are ordered by position (up to 12 × 64: if no eighth of a
  * power of 2 lies between them). So designs that differ slightly mostly share pivots. Dense elimination only. */
 #define KM_NEAR_TIE 1.125
 
 /* A factorisation with its evidence. Fields "set by the caller" are options of the next factorisation. */
 typedef struct km_partition {
-  int rows, columns; /* of the matrix */
+  int rows, columns; /* shape of the matrix */
   int rank;
   int *row;          /* [rows] row[0 … rank-1] are the primary constraints, in pivot order */
   int *column;       /* [columns] first the dependent coordinates in pivot order, then the independent ones */
@@ -70,7 +70,7 @@ typedef struct km_partition {
   bool is_deferred;            /* the factorisation is deferred (km_partition_defer) */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Locked columns have entries 0, come last and
                        * are no freedom */
-  int locked_count;   /* at the last search */
+  int locked_count;   /* locked columns at the last search */
 } km_partition;
 
 /* Reserves memory for matrices of up to rows × columns; false (and arena->failed) when out of memory. */
@@ -87,7 +87,7 @@ bool km_partition_reserve_like(km_partition *partition, const km_partition *othe
 
 /* Sets the memory of the normal equations that minimum-norm solutions of the sparse factor reuse (*normal is NULL at
  * first), and the weights of these solutions. Both are borrowed and shared with partitions that are reserved like this
- * one; free *normal by km_normal_equations_free. Without them minimum-norm solutions are slower. */
+ * one; free *normal by km_normal_equations_free. Minimum-norm solutions are slower without them. */
 void km_partition_set_normal_equations(km_partition *partition, km_normal_equations **normal, const double *weight);
 void km_normal_equations_free(km_normal_equations *normal);
 
@@ -117,7 +117,7 @@ void km_partition_defer(km_partition *partition);
 /* Growth monitor: pivots are acceptable while max|B| has at most doubled and the smallest pivot has shrunk to no less
  * than a tenth. */
 static const double km_max_b_growth = 2.0, km_max_pivot_shrinkage = 10.0;
-/* With a larger max|B| the null vectors are so dominated by forced columns that digits are lost. */
+/* Largest max|B| of good null vectors: above it they are so dominated by forced columns that digits are lost. */
 static const double km_max_good_b = 30.0;
 
 /* True if max|B| is acceptable against its value at the search (K. Wehage 2016, sections 5.5, 7.2). */

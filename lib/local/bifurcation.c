@@ -141,7 +141,7 @@ static bool close_with_fixed(const branch_departure *d, int driver, bool is_full
 }
 
 /* Moves to the closed configuration nearest to the branch point, by homotopy in the distance: nearest configurations to
- * points at a growing fraction of the way back, the last one closed by all rows. Without a result the state stays. */
+ * points at a growing fraction of the step back, the last one closed by all rows. The state stays without a result. */
 static void approach_nearest(branch_departure *d) {
   enum { MAX_STEPS = 40 };
   static const double min_fraction = 1e-3;
@@ -195,7 +195,7 @@ static double relative_length(const branch_departure *d) {
   return km_step_length(d->m, d->sub, d->step) / fabs(d->step[d->column]);
 }
 
-/* With several freedoms: moves to the result of the direction with the shortest relative step. */
+/* Several freedoms: moves to the result of the direction with the shortest relative step. */
 static void choose_shortest(branch_departure *d, const double *directions, int count, int first, double way) {
   double shortest = relative_length(d);
   km_state_save(d->s, d->sub, d->best);

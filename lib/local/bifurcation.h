@@ -8,7 +8,7 @@
 
 /* Directions of the branches at the state's configuration: confirmed tangents that differ in more than their sense, as
  * scaled unit directions[KM_MAX_BRANCHES × columns]. Returns their number; 0 at a regular configuration; -1 when out of
- * memory. With many freedoms only a few starts are tried. The state stays, with its pivots searched again. */
+ * memory. Only a few starts are tried with many freedoms. The state stays, with its pivots searched again. */
 int km_branch_directions(const km_mechanism *mechanism, km_state *state, int substructure, double *directions);
 
 /* Result of a departure from a branch point. */

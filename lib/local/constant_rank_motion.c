@@ -240,7 +240,7 @@ static bool keeps_rank_along_motion(km_constant_rank *st, const km_mechanism *m,
   for (int try = 0; try < TRIES && end == LOOPS_OPEN; ++try) {
     end = km_constant_rank_update(st, m, s, index) ? STEP_ACCEPTED : RANK_CHANGED;
     for (int c = 0; c < sub->columns; ++c)
-      direction[c] = st->Z[c] / weight[c]; /* without a driver the first tangent is used */
+      direction[c] = st->Z[c] / weight[c]; /* the first tangent is used without a driver */
     for (int i = 0; i < STEPS && end == STEP_ACCEPTED; ++i)
       end = step_along_motion(st, m, s, index, driver, steps[try], direction);
     km_loops_restore_cached(m, s, index, saved);

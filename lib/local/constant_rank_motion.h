@@ -2,10 +2,9 @@
  *
  *   U = { a : Q_i a = 0 for all i },   that is wᵀ (∂J/∂q u) z = 0 for all left and right null vectors w, z
  *
- * Along U the rank of J is constant to first order. In a permanently shaky mechanism (e.g. a platform on four or
- * more
- * parallel rods) the instantaneous mobility exceeds the finite one along a whole branch, and its motions are tangent to
- * U. */
+ * Along U the rank of J is constant to first order. The instantaneous mobility of a permanently shaky mechanism
+ * exceeds
+ * the finite one along a whole branch (e.g. a platform on four or more parallel rods); its motions are tangent to U. */
 #ifndef KM_LOCAL_CONSTANT_RANK_MOTION_H
 #define KM_LOCAL_CONSTANT_RANK_MOTION_H
 

@@ -24,8 +24,8 @@ enum { STARTS_PER_FREEDOM = 24, MOST_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, HAL
 static const double radius =
     0.08; /* d: an order of contact n leaves a misfit of d^n, which must stand out from `closed` */
 static const double max_residual = 1e-12;       /* rms of the worst loop */
-static const double min_cosine = 0.8;           /* between the directions at d and d/2 */
-static const double min_distance = 1e-4;        /* over d: closer solutions are one */
+static const double min_cosine = 0.8;           /* cosine between the directions at d and d/2 */
+static const double min_distance = 1e-4;        /* relative to d: closer solutions are one */
 static const double min_singular_ratio = 1e-12; /* singular values below this share of the largest count as 0 */
 
 /* The system at one distance, with its workspace. */

@@ -100,7 +100,8 @@ bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
 }
 
 bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
-  int samples = many->f->conditions.has_redundant_rows ? SAMPLES : 1; /* with full row rank every tangent is finite */
+  int samples = many->f->conditions.has_redundant_rows ? SAMPLES : 1; /* every tangent is finite if J has full row
+                                                                       * rank */
   *length = HUGE_VAL;
   for (int sample = 0; sample < samples; ++sample) {
     if (!km_sampled_tangents_draw(many) || violates_second_order(many))

@@ -14,8 +14,9 @@
 
 enum { MAX_PASSES = 60 };
 static const double converged = 1e-9;       /* |c_i| over the scale of the conditions */
-static const double violated = 1e-3;        /* the same, of a condition that is violated beyond rounding */
-static const double rank_tolerance = 1e-14; /* of SPQR: primary rows are independent, and the others are damped */
+static const double violated = 1e-3;        /* |c_i| of a condition that is violated beyond rounding, over the scale */
+static const double rank_tolerance = 1e-14; /* tolerance of SPQR: primary rows are independent, and the others are
+                                             * damped */
 
 /* Lists the entries of J by row, without locked columns. */
 static bool create_row_lists(km_second_order_columns *c, const bool *locked, km_arena *arena) {

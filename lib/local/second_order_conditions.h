@@ -53,7 +53,7 @@ bool km_second_order_build_all(const km_mechanism *mechanism, km_state *state, i
 bool km_second_order_build(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                            km_second_order *out);
 /* Defect of the rank, for deflation (docs/theory.md 5.6): changes[conditions × freedom] = w_iᵀ J z of the null vectors,
- * which is 0 where J has the rank of w and z. For conditions that are all kept. False when out of memory. */
+ * which is 0 where J has the rank of w and z. All conditions must be kept. False when out of memory. */
 bool km_second_order_rank_defect(const km_mechanism *mechanism, const km_state *state, int substructure,
                                  const km_second_order *conditions, double *changes);
 

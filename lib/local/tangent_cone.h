@@ -11,7 +11,7 @@
 #include <stdint.h>
 
 enum { KM_STARTS_PER_FREEDOM = 40 };
-/* With more freedoms single directions are followed without a basis (docs/theory.md 5.5). */
+/* Largest freedom with a basis; single directions are followed without a basis beyond it (docs/theory.md 5.5). */
 enum { KM_MAX_BASIS_FREEDOM = 12 };
 
 /* Verdict on a followed tangent (docs/theory.md 5.3). */

@@ -1,5 +1,9 @@
-/* Spatial inertias: ten numbers of a rigid body about the origin of the frame that they are expressed in, and the 21
- * numbers that are left of a body when what hangs on it has been eliminated. */
+/* Spatial inertias (docs/theory.md 1.2, 11.2): rigid bodies (ten numbers) and articulated bodies (21 numbers), about
+ * the
+ * origin of the frame in which they are expressed.
+ *
+ *   rigid      : f = m v − mc × ω,  τ = mc × v + I ω                (49)-(59)
+ *   articulated: f = M v + H ω,     τ = Hᵀ v + I ω                  a body with all that is eliminated onto it */
 #ifndef KM_SPATIAL_INERTIA_H
 #define KM_SPATIAL_INERTIA_H
 
@@ -10,17 +14,17 @@ typedef struct km_symmetric {
   double xx, yy, zz, xy, yz, zx;
 } km_symmetric;
 
-/* (49)-(59): momentum f = m v − mc × ω, τ = mc × v + I ω. All 0: massless. */
+/* Inertia of a rigid body; massless if all 0. */
 typedef struct km_inertia {
   double m;
   km_vec3 mc;     /* mass times centre of mass */
-  km_symmetric I; /* about the origin */
+  km_symmetric I; /* inertia matrix about the origin */
 } km_inertia;
 
-/* f = M v + H ω, τ = Hᵀ v + I ω. */
+/* Articulated inertia, a symmetric 6 × 6 matrix in blocks. */
 typedef struct km_articulated {
   km_symmetric M, I;
-  double H[9]; /* by rows */
+  double H[9]; /* row-major */
 } km_articulated;
 
 static inline km_vec3 km_symmetric_times(const km_symmetric *S, km_vec3 a) {
@@ -51,12 +55,13 @@ static inline km_symmetric km_symmetric_rotated(const km_rotation *R, const km_s
                         t0.y * a[0].z + t1.y * a[1].z + t2.y * a[2].z, t0.z * a[0].x + t1.z * a[1].x + t2.z * a[2].x};
 }
 
+/* Sum of two inertias in one frame. */
 static inline km_inertia km_inertia_add(km_inertia a, km_inertia b) {
   return (km_inertia){a.m + b.m, km_vec3_add(a.mc, b.mc), km_symmetric_axpy(1.0, a.I, b.I)};
 }
 
-/* The same inertia, given in a child frame X, in the parent frame: mc' = R mc + m p,
- * I' = R I Rᵀ + 2 (p·u) 1 − (p uᵀ + u pᵀ), u = R mc + m p / 2. */
+/* Transforms an inertia from a child frame X to the parent frame: mc' = R mc + m p, I' = R I Rᵀ + 2 (p·u) 1 − (p uᵀ + u
+ * pᵀ), u = R mc + m p / 2. */
 static inline km_inertia km_inertia_transform(const km_pose *X, const km_inertia *a) {
   km_vec3 s = km_rotate(&X->R, a->mc), u = km_vec3_axpy(0.5 * a->m, X->p, s);
   double trace = 2.0 * km_vec3_dot(X->p, u);
@@ -68,19 +73,20 @@ static inline km_inertia km_inertia_transform(const km_pose *X, const km_inertia
   return (km_inertia){a->m, km_vec3_axpy(a->m, X->p, s), I};
 }
 
-/* Of a body whose centre of mass is at c, with I about it, about the origin. */
+/* Inertia about the origin of a body with its centre of mass at c and the inertia matrix I about it. */
 static inline km_inertia km_inertia_of_body(double mass, km_vec3 c, const double I[6]) {
   km_inertia about = {mass, {0, 0, 0}, {I[0], I[1], I[2], I[3], I[4], I[5]}};
   km_pose X = {km_rotation_identity(), c};
   return km_inertia_transform(&X, &about);
 }
 
-/* The momentum of a twist, or the force of a spatial acceleration. */
+/* Momentum of a twist, or force of a spatial acceleration. */
 static inline km_wrench km_inertia_times(const km_inertia *a, km_twist x) {
   km_vec3 f = km_vec3_axpy(a->m, x.v, km_vec3_cross(x.w, a->mc));
   return (km_wrench){f, km_vec3_add(km_vec3_cross(a->mc, x.v), km_symmetric_times(&a->I, x.w))};
 }
 
+/* Wrench of an articulated inertia for a twist or an acceleration x. */
 static inline km_wrench km_articulated_times(const km_articulated *a, km_twist x) {
   const double *H = a->H;
   km_vec3 f = km_symmetric_times(&a->M, x.v), t = km_symmetric_times(&a->I, x.w);
@@ -123,7 +129,7 @@ static inline void km_articulated_add_outer_product(km_articulated *a, double s,
       a->H[3 * r + c] += f[r] * t[c];
 }
 
-/* V ×* w: the rate of a wrench that moves with V. */
+/* Cross product V ×* w: rate of change of a wrench that is carried with twist V. */
 static inline km_wrench km_wrench_cross(km_twist V, km_wrench w) {
   return (km_wrench){km_vec3_cross(V.w, w.f), km_vec3_add(km_vec3_cross(V.w, w.t), km_vec3_cross(V.v, w.f))};
 }

@@ -1,4 +1,4 @@
-/* Rotations as three columns (the rotated axes), and as unit quaternions for ball joints. */
+/* Rotations as three columns (the rotated axes), and as unit quaternions of ball joints (docs/theory.md 1.6). */
 #ifndef KM_SPATIAL_ROTATION_H
 #define KM_SPATIAL_ROTATION_H
 
@@ -17,7 +17,7 @@ static inline km_rotation km_rotation_identity(void) {
   return (km_rotation){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
-/* The matrix row by row, as people and public records have it. */
+/* Copies the matrix to row-major order, as in public structures. */
 static inline void km_rotation_rows(const km_rotation *r, double rows[9]) {
   for (int k = 0; k < 3; ++k) {
     rows[k] = r->axis[k].x;
@@ -26,10 +26,12 @@ static inline void km_rotation_rows(const km_rotation *r, double rows[9]) {
   }
 }
 
+/* R a. */
 static inline km_vec3 km_rotate(const km_rotation *r, km_vec3 a) {
   return km_vec3_axpy(a.x, r->axis[0], km_vec3_axpy(a.y, r->axis[1], km_vec3_scale(a.z, r->axis[2])));
 }
 
+/* Rᵀ a. */
 static inline km_vec3 km_rotate_back(const km_rotation *r, km_vec3 a) {
   return (km_vec3){km_vec3_dot(r->axis[0], a), km_vec3_dot(r->axis[1], a), km_vec3_dot(r->axis[2], a)};
 }
@@ -43,7 +45,7 @@ static inline km_rotation km_rotation_inverse(const km_rotation *r) {
   return (km_rotation){{{a[0].x, a[1].x, a[2].x}, {a[0].y, a[1].y, a[2].y}, {a[0].z, a[1].z, a[2].z}}};
 }
 
-/* R turned about its own axis k (0, 1, 2): R · rot_k(angle). Twelve multiplies. */
+/* R · rot_k(angle): rotation about the own axis k (0, 1, 2). Twelve multiplications. */
 static inline km_rotation km_rotation_about_axis(const km_rotation *r, int k, double cosine, double sine) {
   int i = (k + 1) % 3, j = (k + 2) % 3;
   km_rotation out;
@@ -53,8 +55,8 @@ static inline km_rotation km_rotation_about_axis(const km_rotation *r, int k, do
   return out;
 }
 
-/* The least rotation that turns coordinate axis k onto a unit vector u: R e_i = e_i - u_i / (1 + u_k) (e_k + u) for the
- * other axes. The identity where u is that axis, a half turn about the next axis where it is opposite. */
+/* Smallest rotation of coordinate axis k onto a unit vector u: R e_i = e_i − u_i / (1 + u_k) (e_k + u) for the other
+ * axes. The identity if u is that axis, a half turn about the next axis if it is opposite. */
 static inline km_rotation km_rotation_onto(int k, km_vec3 u) {
   const double c[3] = {u.x, u.y, u.z};
   int i = (k + 1) % 3, j = (k + 2) % 3;
@@ -62,7 +64,7 @@ static inline km_rotation km_rotation_onto(int k, km_vec3 u) {
   double across = c[i] * c[i] + c[j] * c[j], sum = c[k] < 0.0 ? across / (1.0 - c[k]) : 1.0 + c[k];
   km_vec3 middle = {k == 0 ? sum : u.x, k == 1 ? sum : u.y, k == 2 ? sum : u.z}; /* u plus the axis */
   R.axis[k] = u;
-  if (across > 1e-280) { /* whose square roots have all their digits */
+  if (across > 1e-280) { /* large enough for square roots with all digits */
     R.axis[i] = km_vec3_axpy(-c[i] / sum, middle, R.axis[i]);
     R.axis[j] = km_vec3_axpy(-c[j] / sum, middle, R.axis[j]);
   } else if (c[k] < 0.0) {
@@ -71,7 +73,7 @@ static inline km_rotation km_rotation_onto(int k, km_vec3 u) {
   return R;
 }
 
-/* The nearest rotation to one that is almost orthonormal (Gram-Schmidt from axis 0). */
+/* Orthonormalises a nearly orthonormal matrix by Gram-Schmidt from axis 0. */
 static inline km_rotation km_rotation_orthonormal(const km_rotation *r) {
   km_vec3 x = km_vec3_scale(1.0 / km_vec3_norm(r->axis[0]), r->axis[0]);
   km_vec3 y = km_vec3_axpy(-km_vec3_dot(x, r->axis[1]), x, r->axis[1]);
@@ -89,9 +91,9 @@ static inline double km_rotation_distance(const km_rotation *a, const km_rotatio
   return most;
 }
 
-/* The rotation nearest to a matrix M of positive determinant: the orthogonal factor of its polar decomposition, by Newton's
- * iteration X <- (X + X^-T) / 2 from M (Higham, Functions of Matrices, 8.3). Quadratic near a rotation; singular values
- * from 1/2 to 2 take at most 6 steps. */
+/* Rotation nearest to a matrix M of positive determinant: orthogonal factor of its polar decomposition, by Newton's
+ * iteration X <- (X + X⁻ᵀ) / 2 from M (N. Higham, Functions of Matrices, section 8.3). Quadratic convergence; singular
+ * values from 1/2 to 2 take at most 6 steps. */
 static inline km_rotation km_rotation_nearest(const km_rotation *m) {
   km_rotation X = *m;
   for (int step = 0; step < 8; ++step) {
@@ -118,10 +120,10 @@ static inline km_quaternion km_quaternion_normalised(km_quaternion a) {
   return (km_quaternion){s * a.w, s * a.x, s * a.y, s * a.z};
 }
 
-/* Below this angle the sine over it is two terms of its series. */
+/* Angle below which sin(θ)/θ is computed by two terms of its series. */
 #define KM_EXP_SERIES 1e-4
 
-/* exp of a rotation vector. */
+/* Unit quaternion exp(v/2) of a rotation vector v. */
 static inline km_quaternion km_quaternion_exp(km_vec3 v) {
   double angle = km_vec3_norm(v), sine, cosine;
   km_sincos(0.5 * angle, &sine, &cosine);
@@ -129,7 +131,7 @@ static inline km_quaternion km_quaternion_exp(km_vec3 v) {
   return (km_quaternion){cosine, s * v.x, s * v.y, s * v.z};
 }
 
-/* The rotation vector of angle at most π. */
+/* Rotation vector of a quaternion, with an angle of at most π. */
 static inline km_vec3 km_quaternion_log(km_quaternion q) {
   if (q.w < 0.0)
     q = (km_quaternion){-q.w, -q.x, -q.y, -q.z};
@@ -138,7 +140,7 @@ static inline km_vec3 km_quaternion_log(km_quaternion q) {
   return (km_vec3){s * q.x, s * q.y, s * q.z};
 }
 
-/* The same rotation's vector nearest to `near`: the angle plus any number of full turns. */
+/* Rotation vector of a quaternion that is nearest to `near`, among all angles that differ by full turns. */
 static inline km_vec3 km_quaternion_log_near(km_quaternion q, km_vec3 near) {
   km_vec3 v = km_quaternion_log(q);
   double angle = km_vec3_norm(v), length = km_vec3_norm(near);
@@ -153,6 +155,7 @@ static inline km_vec3 km_quaternion_log_near(km_quaternion q, km_vec3 near) {
   return turns == 0.0 ? v : km_vec3_scale(angle + 2.0 * M_PI * turns, axis);
 }
 
+/* Rotation matrix of a unit quaternion. */
 static inline km_rotation km_quaternion_rotation(km_quaternion q) {
   double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
   double xy = q.x * q.y, yz = q.y * q.z, zx = q.z * q.x;
@@ -162,6 +165,7 @@ static inline km_rotation km_quaternion_rotation(km_quaternion q) {
                         {2 * (zx + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}}};
 }
 
+/* Unit quaternion of a rotation matrix, from its largest component. */
 static inline km_quaternion km_rotation_quaternion(const km_rotation *r) {
   double xx = r->axis[0].x, yy = r->axis[1].y, zz = r->axis[2].z;
   km_quaternion q;

@@ -33,7 +33,7 @@ static inline vector root(vector a) {
 #endif
 }
 
-/* Numbers lie where doubles may: and they change no pointer, which memcpy might. */
+/* Loads and stores at the alignment of doubles. The type excludes aliasing with pointers, which memcpy would not. */
 typedef double stored __attribute__((vector_size(8 * WIDTH), aligned(8)));
 static inline vector get(const double *number) {
   return *(const stored *)number;
@@ -48,7 +48,7 @@ static inline vector all(double value) {
   return (vector){0.0} + value;
 }
 
-/* Of each lane whether something holds: a bit where the processor has registers for them, else all bits of a number. */
+/* Mask of lanes: one bit per lane in mask registers, else all bits of a lane. */
 #if WIDTH == 8
 typedef unsigned mask;
 static inline mask at_most(vector a, vector b) {
@@ -60,7 +60,7 @@ static inline mask below(vector a, vector b) {
 static inline mask equal(vector a, vector b) {
   return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_EQ_OQ);
 }
-static inline vector pick(mask m, vector a, vector b) { /* a where the mask is set */
+static inline vector pick(mask m, vector a, vector b) { /* a in lanes of the mask, else b */
   return (vector)_mm512_mask_blend_pd((__mmask8)m, (__m512d)b, (__m512d)a);
 }
 static inline unsigned bits_of(mask m) {
@@ -71,7 +71,7 @@ static inline mask mask_of(unsigned bits) {
 }
 #else
 typedef int64_t mask __attribute__((vector_size(8 * WIDTH)));
-/* The processor's own comparisons: gcc 12 fails on some code where it joins its operators for vectors. */
+/* Comparisons by intrinsics: gcc 12 fails on some code if it combines its vector operators. */
 static inline mask at_most(vector a, vector b) {
 #if WIDTH == 4
   return (mask)_mm256_cmp_pd((__m256d)a, (__m256d)b, _CMP_LE_OQ);

@@ -1,4 +1,4 @@
-/* Sine and cosine of a double, or of two at once, with the bits that lanes side by side have too. */
+/* Sine and cosine of a double, or of two at once, with the bits of the batch versions (docs/theory.md 14.5). */
 #ifndef KM_SPATIAL_SINCOS_H
 #define KM_SPATIAL_SINCOS_H
 
@@ -6,10 +6,10 @@
 #include <stdint.h>
 #include <string.h>
 
-/* 1.5 · 2⁵²: adding it to a number of less than 2⁵¹ rounds it to a whole number, which stands in the low bits then. */
+/* 1.5 · 2⁵²: adding it to a number below 2⁵¹ rounds that to an integer, which is then in the low bits. */
 #define KM_ROUNDING 6755399441055744.0
 
-/* The polynomials are good for angles up to this. */
+/* Largest angle of the polynomials. */
 #define KM_SINCOS_MAX_ANGLE 1e5
 
 static inline uint64_t km_double_bits(double x) {
@@ -53,7 +53,7 @@ typedef uint64_t km_two_words __attribute__((vector_size(16)));
 #undef km_bits_of
 #undef km_number_of
 
-/* To an ulp or so, of any angle. */
+/* Sine and cosine of any angle, to about one ulp. */
 static inline void km_sincos(double x, double *sine, double *cosine) {
   if (fabs(x) <= KM_SINCOS_MAX_ANGLE) {
     km_near_sincos(x, sine, cosine);

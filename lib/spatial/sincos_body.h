@@ -1,10 +1,10 @@
-/* Sine and cosine for each kind of number T, a double or a vector of them: included once for each. Every operation is
- * the same for each lane and nothing is contracted, so a lane has the bits of the plain double, on every machine.
+/* Sine and cosine for a type T, a double or a vector of doubles; included once for each type. Every operation is equal
+ * in each lane and nothing is contracted, so a lane has the bits of the plain double, on every machine.
  *
- * What the includer defines: T; BITS, an unsigned integer of the same size, and NONE, 0 of it; FN(name); km_bits_of(x),
+ * The includer defines T; BITS, an unsigned integer type of equal size, and NONE, its 0; FN(name); km_bits_of(x),
  * km_number_of(bits). */
 
-/* Sine and cosine for |x| up to 1e5, to an ulp or so: Cody and Waite's reduction by π/2 in three parts, and the
+/* Sine and cosine for |x| <= 1e5, to about one ulp: Cody and Waite's reduction by π/2 in three parts, and the
  * polynomials of fdlibm. */
 static inline void FN(sincos)(T x, T *sine, T *cosine) {
   T shifted = x * 0.63661977236758134308 + KM_ROUNDING, n = shifted - KM_ROUNDING;

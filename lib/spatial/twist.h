@@ -1,15 +1,15 @@
-/* Twists (screws) ξ = (v; ω) and wrenches (coscrews) w = (f; τ), linear part first, taken at the origin of
- * the frame they are expressed in; power = wᵀξ. */
+/* Twists ξ = (v; ω), linear part first, taken at the origin of the frame in which they are expressed (docs/theory.md
+ * 1.2). The power of a wrench is wᵀξ. */
 #ifndef KM_SPATIAL_TWIST_H
 #define KM_SPATIAL_TWIST_H
 
 #include "spatial/pose.h"
 
 typedef struct km_twist {
-  km_vec3 v, w; /* linear (of the body point at the origin), angular */
+  km_vec3 v, w; /* linear velocity (of the body point at the origin), angular velocity */
 } km_twist;
 
-/* Unit twists (influence coefficients, (33)-(34)) of a revolute about, a prismatic along, `axis`. */
+/* Unit twists (joint Jacobians, (33)-(34)): revolute about, prismatic along, `axis`. */
 static inline km_twist km_twist_revolute(km_vec3 axis, km_vec3 point) {
   return (km_twist){km_vec3_cross(point, axis), axis};
 }
@@ -21,7 +21,7 @@ static inline km_twist km_twist_axpy(double s, km_twist a, km_twist b) {
   return (km_twist){km_vec3_axpy(s, a.v, b.v), km_vec3_axpy(s, a.w, b.w)};
 }
 
-/* Adjoint: the same twist expressed in the parent frame. */
+/* Adjoint: transforms a twist to the parent frame, v' = R v + p × (R ω), ω' = R ω. */
 static inline km_twist km_twist_transform(const km_pose *x, km_twist a) {
   km_vec3 w = km_rotate(&x->R, a.w);
   return (km_twist){km_vec3_add(km_rotate(&x->R, a.v), km_vec3_cross(x->p, w)), w};
@@ -32,18 +32,19 @@ static inline km_twist km_twist_bracket(km_twist a, km_twist b) {
   return (km_twist){km_vec3_add(km_vec3_cross(a.w, b.v), km_vec3_cross(a.v, b.w)), km_vec3_cross(a.w, b.w)};
 }
 
-/* The same in a plane, of (x, y, turn). */
+/* Lie bracket of planar twists (v_x, v_y, ω). */
 static inline km_vec3 km_planar_bracket(km_vec3 a, km_vec3 b) {
   return (km_vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, 0.0};
 }
 
-/* Turns below this have series that are good to 1e-16. */
+/* Angle below which series are exact to 1e-16. */
 #define KM_SERIES_ANGLE 1e-3
 
-/* log of a displacement: the constant twist that produces it in unit time. The loops that are being closed have small ones. */
+/* Logarithm of a displacement: the constant twist that produces it in unit time. Closure errors are small
+ * displacements. */
 static inline km_twist km_twist_log(const km_pose *x) {
   const km_vec3 *a = x->R.axis;
-  /* sin θ times the unit vector of the turn, from the part of R that changes its sign when R is transposed */
+  /* sin θ times the unit vector of the rotation, from the skew-symmetric part of R */
   km_vec3 w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
   double sine2 = km_vec3_dot(w, w), c; /* v = p − ½ ω×p + c ω×(ω×p), c = (1 − (θ/2) cot(θ/2)) / θ² */
   if (sine2 < KM_SERIES_ANGLE * KM_SERIES_ANGLE && a[0].x + a[1].y + a[2].z > 2.0) {

@@ -1,4 +1,4 @@
-/* Vectors of three, inline and by value. */
+/* Vectors of three components, inline and by value. */
 #ifndef KM_SPATIAL_VEC3_H
 #define KM_SPATIAL_VEC3_H
 
@@ -33,7 +33,7 @@ static inline double km_vec3_norm(km_vec3 a) {
   return sqrt(km_vec3_dot(a, a));
 }
 
-/* A unit vector at right angles to the unit vector `a`. */
+/* A unit vector orthogonal to the unit vector `a`. */
 static inline km_vec3 km_vec3_perpendicular(km_vec3 a) {
   km_vec3 other = fabs(a.x) < 0.6 ? (km_vec3){1, 0, 0} : (km_vec3){0, 1, 0};
   km_vec3 b = km_vec3_cross(a, other);

@@ -1,5 +1,5 @@
-/* Vectors of three for each kind of number T, a double or a vector of them: included once for each. What the includer defines:
- * T; FN(name). See vec3.h. */
+/* Vectors of three components for a type T, a double or a vector of doubles; included once for each type. The includer
+ * defines T and FN(name). See vec3.h. */
 
 typedef struct FN(vec) {
   T x, y, z;
@@ -24,7 +24,8 @@ static inline FN(vec) FN(cross)(FN(vec) a, FN(vec) b) {
   return (FN(vec)){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/* Of a frame's axes[3] the k-th, and the two others turned about it: by cases, so that they stay in registers. */
+/* Axis k of a frame's axes[3], and rotation of the two other axes about it; by cases, so that they stay in
+ * registers. */
 static inline FN(vec) FN(axis)(const FN(vec) * axes, int k) {
   return k == 2 ? axes[2] : k == 1 ? axes[1] : axes[0];
 }

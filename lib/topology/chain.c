@@ -1,27 +1,27 @@
-/* Passages of joints, and the poses between frames. */
+/* Traversal of joints, and constant displacements between frames. */
 #include "topology/chain.h"
 
-void km_joint_traverse(const km_model *model, int joint, bool against, km_joint_traversal *out) {
+void km_joint_traverse(const km_model *model, int joint, bool is_reversed, km_joint_traversal *out) {
   const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);
   out->count = kind->motion_count;
-  out->sign = against ? -1.0 : 1.0;
-  out->entry = def->frame[against];
-  out->exit = def->frame[!against];
+  out->sign = is_reversed ? -1.0 : 1.0;
+  out->entry = def->frame[is_reversed];
+  out->exit = def->frame[!is_reversed];
   int coordinate = def->first_coordinate;
   for (int i = 0; i < kind->motion_count; ++i) {
-    int at = against ? kind->motion_count - 1 - i : i;
-    out->motion[at] = kind->motions[i];
-    out->coordinate[at] = coordinate;
+    int index = is_reversed ? kind->motion_count - 1 - i : i;
+    out->motion[index] = kind->motions[i];
+    out->coordinate[index] = coordinate;
     coordinate += km_primitive_freedom(kind->motions[i].primitive);
   }
 }
 
 km_pose km_frame_to_frame(const km_model *model, int a, int b, double size) {
   const km_pose *x = &model->frames[a].pose, *y = &model->frames[b].pose;
-  km_rotation back = km_rotation_inverse(&x->R);
-  return (km_pose){km_rotation_product(&back, &y->R),
-                   km_vec3_scale(1.0 / size, km_rotate(&back, km_vec3_sub(y->p, x->p)))};
+  km_rotation inverse = km_rotation_inverse(&x->R);
+  return (km_pose){km_rotation_product(&inverse, &y->R),
+                   km_vec3_scale(1.0 / size, km_rotate(&inverse, km_vec3_sub(y->p, x->p)))};
 }
 
 km_pose km_motion_traversed(km_motion motion, double pitch, const double *value, double sign) {

@@ -1,12 +1,12 @@
-/* The characteristic length of a model that states none: its longest link. */
+/* Characteristic length of a model that states none: its longest link (docs/theory.md 1.4). */
 #include "topology/compile.h"
 
 #include "base/extrema.h"
 
 #include <string.h>
 
-/* The representative of a body among those that rigid joints tie together. */
-static int find(int *parent, int body) {
+/* Union-find: representative of a body among those connected by rigid joints. */
+static int find_representative(int *parent, int body) {
   while (parent[body] != body) {
     parent[body] = parent[parent[body]];
     body = parent[body];
@@ -14,55 +14,57 @@ static int find(int *parent, int body) {
   return body;
 }
 
-/* parent[body]: bodies tied to the inertial frame by rigid joints alone have its representative. */
-static void tie_rigid(const km_model *model, int *parent) {
+/* Union-find of bodies connected by rigid joints, in parent[body]. */
+static void unite_rigid_bodies(const km_model *model, int *parent) {
   for (int b = 0; b < model->body_count; ++b)
     parent[b] = b;
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *def = &model->joints[j];
     if (def->type == KM_RIGID)
-      parent[find(parent, model->frames[def->frame[0]].body)] = find(parent, model->frames[def->frame[1]].body);
+      parent[find_representative(parent, model->frames[def->frame[0]].body)] =
+          find_representative(parent, model->frames[def->frame[1]].body);
   }
 }
 
 /* Sorts the joints' frames by body: those of body b are frame[first[b]] … frame[first[b + 1] - 1]. */
-static void sort_frames(const km_model *model, int *first, int *frame) {
+static void sort_frames_by_body(const km_model *model, int *first, int *frame) {
   for (int j = 0; j < model->joint_count; ++j)
     for (int e = 0; e < 2; ++e)
       first[model->frames[model->joints[j].frame[e]].body + 2]++;
   for (int b = 0; b < model->body_count; ++b)
     first[b + 2] += first[b + 1];
-  /* first[b + 1] is where the next frame of body b goes, and ends up where the body's frames end. */
+  /* first[b + 1] is the index of the next frame of body b; in the end it is the first index of body b + 1. */
   for (int j = 0; j < model->joint_count; ++j)
     for (int e = 0; e < 2; ++e)
       frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
 }
 
 double km_position_rounding(const km_model *model) {
-  static const double rounding = 1e-14; /* of the largest coordinate */
+  static const double rounding = 1e-14; /* relative to the largest coordinate */
   double square = 0.0;
   for (int f = 0; f < model->frame_count; ++f)
     square = km_larger(km_vec3_dot(model->frames[f].pose.p, model->frames[f].pose.p), square);
   return rounding * sqrt(square);
 }
 
-double km_squared_distance(km_vec3 a, km_vec3 b, double grain) {
-  static const double rounding = 1e-10; /* of the places */
-  km_vec3 way = km_vec3_sub(a, b);
-  double square = km_vec3_dot(way, way), sizes = km_vec3_dot(a, a) + km_vec3_dot(b, b);
-  return square > grain * grain && square > rounding * rounding * sizes ? square : 0.0;
+double km_squared_distance(km_vec3 a, km_vec3 b, double rounding_length) {
+  static const double rounding = 1e-10; /* relative to the positions */
+  km_vec3 offset = km_vec3_sub(a, b);
+  double square = km_vec3_dot(offset, offset), sizes = km_vec3_dot(a, a) + km_vec3_dot(b, b);
+  return square > rounding_length * rounding_length && square > rounding * rounding * sizes ? square : 0.0;
 }
 
-double km_longest_link(const km_model *model, const km_compile_workspace *walks, double grain) {
-  int *parent = walks->parent, *first = walks->first, *frame = walks->frame;
+double km_longest_link(const km_model *model, const km_compile_workspace *workspace, double rounding_length) {
+  int *parent = workspace->parent, *first = workspace->first, *frame = workspace->frame;
   double longest = 0.0;
   memset(first, 0, ((size_t)model->body_count + 2) * sizeof *first);
-  tie_rigid(model, parent);
-  sort_frames(model, first, frame);
+  unite_rigid_bodies(model, parent);
+  sort_frames_by_body(model, first, frame);
   for (int b = 1; b < model->body_count; ++b)
-    for (int i = first[b]; i < first[b + 1] && find(parent, b) != find(parent, 0); ++i)
+    for (int i = first[b]; i < first[b + 1] && find_representative(parent, b) != find_representative(parent, 0); ++i)
       for (int k = first[b]; k < i; ++k)
-        longest = km_larger(km_squared_distance(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, grain),
-                            longest);
+        longest = km_larger(
+            km_squared_distance(model->frames[frame[i]].pose.p, model->frames[frame[k]].pose.p, rounding_length),
+            longest);
   return sqrt(longest);
 }

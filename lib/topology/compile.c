@@ -1,4 +1,4 @@
-/* A model into a mechanism: topology, then all that depends on numbers. */
+/* Compiles a model into a mechanism: topology first, then all numbers (docs/theory.md 1.4, 1.5, 2.2, 2.3). */
 #include "topology/compile.h"
 
 #include "base/arguments.h"
@@ -6,15 +6,16 @@
 
 #include <string.h>
 
+/* Builds the graph of bodies, joints and couplings, and its topology. */
 static km_status build_topology(km_mechanism *m, km_error *error) {
   const km_model *model = m->model;
   km_arena scratch = {0};
   km_edge *edges = KM_ARENA_NEW(&scratch, km_edge, (size_t)model->joint_count);
-  km_coupled_joints *ties = KM_ARENA_NEW(&scratch, km_coupled_joints, (size_t)model->coupling_count);
+  km_coupled_joints *coupled = KM_ARENA_NEW(&scratch, km_coupled_joints, (size_t)model->coupling_count);
   size_t terms = 0;
   for (int i = 0; i < model->coupling_count; ++i)
     terms += (size_t)model->couplings[i].count;
-  int *tied = KM_ARENA_NEW(&scratch, int, terms);
+  int *coupled_joint = KM_ARENA_NEW(&scratch, int, terms);
   if (scratch.failed) {
     km_arena_free(&scratch);
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
@@ -23,17 +24,17 @@ static km_status build_topology(km_mechanism *m, km_error *error) {
     edges[j] = (km_edge){model->frames[model->joints[j].frame[0]].body, model->frames[model->joints[j].frame[1]].body};
   for (int i = 0; i < model->coupling_count; ++i) {
     const km_model_coupling *coupling = &model->couplings[i];
-    ties[i] = (km_coupled_joints){tied, coupling->count};
+    coupled[i] = (km_coupled_joints){coupled_joint, coupling->count};
     for (int k = 0; k < coupling->count; ++k)
-      *tied++ = model->coordinates[coupling->coordinates[k]].joint;
+      *coupled_joint++ = model->coordinates[coupling->coordinates[k]].joint;
   }
-  km_graph graph = {model->body_count, model->joint_count, model->coupling_count, edges, ties};
+  km_graph graph = {model->body_count, model->joint_count, model->coupling_count, edges, coupled};
   km_status status = km_topology_build(&graph, &m->arena, &m->topology, error);
   km_arena_free(&scratch);
   return status;
 }
 
-bool km_compile_allocate(km_mechanism *m, km_compile_workspace *walks) {
+bool km_compile_allocate(km_mechanism *m, km_compile_workspace *workspace) {
   size_t steps, entries, terms = 0, curves = 0;
   km_compile_bounds(m, &steps, &entries);
   for (int i = 0; i < m->model->coupling_count; ++i) {
@@ -78,19 +79,21 @@ bool km_compile_allocate(km_mechanism *m, km_compile_workspace *walks) {
   m->curves = KM_ARENA_NEW(arena, double, curves);
   m->arcs = KM_ARENA_NEW(arena, km_arc, bodies);
   m->arc_of = KM_ARENA_NEW(arena, int, bodies);
-  return km_compile_workspace_create(m, steps, arena, walks);
+  return km_compile_workspace_create(m, steps, arena, workspace);
 }
 
-static void set_length(km_mechanism *m, const km_compiling *how, const km_compile_workspace *walks) {
+/* Characteristic length: given, stated by the model, longest link, or one length unit. */
+static void set_characteristic_length(km_mechanism *m, const km_compiling *options,
+                                      const km_compile_workspace *workspace) {
   const km_model *model = m->model;
-  if (how->length > 0.0) {
-    m->length = how->length;
-    m->length_source = how->length_source;
+  if (options->length > 0.0) {
+    m->length = options->length;
+    m->length_source = options->length_source;
   } else if (model->characteristic_length > 0.0) {
     m->length = model->characteristic_length;
     m->length_source = model->length_shared ? KM_LENGTH_SHARED : KM_LENGTH_STATED;
   } else {
-    double link = km_longest_link(model, walks, m->position_rounding);
+    double link = km_longest_link(model, workspace, m->position_rounding);
     m->length = link > 0.0 ? link : 1.0;
     m->length_source = link > 0.0 ? KM_LENGTH_LONGEST_LINK : KM_LENGTH_UNIT;
   }
@@ -110,6 +113,7 @@ const char *km_length_source_name(km_length_source source) {
   return (size_t)source < sizeof names / sizeof *names ? names[source] : "";
 }
 
+/* Converts the data of coordinates to radians and lengths; held coordinates get their values. */
 static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_count) {
   const km_model *model = m->model;
   for (int c = 0; c < m->coordinate_count; ++c) {
@@ -122,8 +126,8 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
     m->start_stated[c] = def->rate_stated;
     m->low[c] = factor * def->low;
     m->high[c] = factor * def->high;
-    double turn = def->index == 0 ? model->joints[def->joint].most_turn : 0.0;
-    m->max_ball_angle[c] = turn > 0.0 ? factor * turn : HUGE_VAL;
+    double max_angle = def->index == 0 ? model->joints[def->joint].most_turn : 0.0;
+    m->max_ball_angle[c] = max_angle > 0.0 ? factor * max_angle : HUGE_VAL;
     m->max_rate[c] = factor * def->max_rate;
     m->max_force[c] = def->max_force;
     m->armature[c] = def->armature;
@@ -142,6 +146,7 @@ static void set_coordinates(km_mechanism *m, const km_hold *holds, int hold_coun
   }
 }
 
+/* Numbers the ball motions of all joints. */
 static void number_balls(km_mechanism *m) {
   for (int j = 0; j < m->model->joint_count; ++j) {
     const km_joint_kind *kind = km_joint_kind_of(m->model->joints[j].type);
@@ -157,21 +162,23 @@ static void number_balls(km_mechanism *m) {
   }
 }
 
-/* The square of the greatest distance between places of two joints on one body; `largest` where there is none greater. */
-static double farthest(const km_mechanism *m, const km_model_joint *a, const km_model_joint *b, double largest) {
+/* Larger of `max_square` and the squared distances between the joints' frames on one body. */
+static double max_squared_distance(const km_mechanism *m, const km_model_joint *a, const km_model_joint *b,
+                                   double max_square) {
   const km_model_frame *frames = m->model->frames;
   for (int e = 0; e < 2; ++e) {
     const km_model_frame *one = &frames[a->frame[e]];
     for (int f = 0; f < 2; ++f) {
       const km_model_frame *other = &frames[b->frame[f]];
       if (one->body == other->body)
-        largest = km_larger(km_squared_distance(one->pose.p, other->pose.p, m->position_rounding), largest);
+        max_square = km_larger(km_squared_distance(one->pose.p, other->pose.p, m->position_rounding), max_square);
     }
   }
-  return largest;
+  return max_square;
 }
 
-/* The larger of the greatest distance between places of two joints on one body of a loop, and the largest pitch of a screw. */
+/* Span of a substructure: the larger of the greatest distance between two joints on one body of a loop, and the largest
+ * pitch of a screw. */
 static double span_of(const km_mechanism *m, int s) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
@@ -181,7 +188,7 @@ static double span_of(const km_mechanism *m, int s) {
     for (int k = first; k < end; ++k) {
       const km_model_joint *joint = &model->joints[t->member[k].joint];
       for (int o = first; o < k; ++o)
-        square = farthest(m, joint, &model->joints[t->member[o].joint], square);
+        square = max_squared_distance(m, joint, &model->joints[t->member[o].joint], square);
       pitch = km_larger(fabs(joint->pitch), pitch);
     }
   }
@@ -201,8 +208,8 @@ double km_substructure_size(const km_mechanism *m, int s, const double *q) {
   return size > 0.0 ? size : m->length;
 }
 
-/* Counts them where `next` is NULL. */
-static void add_columns(km_mechanism *m, int joint, int *next) {
+/* Appends the free coordinates of a joint as columns of its substructure; only counts them if `next` is NULL. */
+static void append_columns(km_mechanism *m, int joint, int *next) {
   int s = m->topology.substructure_of_joint[joint];
   if (s < 0)
     return;
@@ -220,27 +227,28 @@ static void add_columns(km_mechanism *m, int joint, int *next) {
   }
 }
 
-/* Columns by level: tree joints as the tree grows, then chords. */
-static void each_column(km_mechanism *m, int *next) {
+/* Appends all columns: tree joints by level, then chords. */
+static void append_all_columns(km_mechanism *m, int *next) {
   const km_topology *t = &m->topology;
   for (int i = 1; i < t->body_count; ++i)
-    add_columns(m, t->arc[t->order[i]], next);
+    append_columns(m, t->arc[t->order[i]], next);
   for (int l = 0; l < t->loop_count; ++l)
-    add_columns(m, t->chord[l], next);
+    append_columns(m, t->chord[l], next);
 }
 
+/* Numbers the columns of every substructure. */
 static void set_columns(km_mechanism *m, int *next) {
   int used = 0;
-  each_column(m, NULL);
+  append_all_columns(m, NULL);
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     m->substructures[s].column_start = next[s] = used;
     used += m->substructures[s].columns;
     m->substructures[s].columns = 0;
   }
-  each_column(m, next);
+  append_all_columns(m, next);
 }
 
-/* The balls of each substructure, behind set_columns. */
+/* Lists the ball motions of each substructure, after set_columns. */
 static void order_balls(km_mechanism *m) {
   int used = 0;
   for (int s = 0; s < m->topology.substructure_count; ++s) {
@@ -255,7 +263,7 @@ static void order_balls(km_mechanism *m) {
   }
 }
 
-static void list_limited(km_mechanism *m) {
+static void list_limited_columns(km_mechanism *m) {
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     km_substructure *sub = &m->substructures[s];
     const int *coordinate = m->column_coordinate + sub->column_start;
@@ -268,37 +276,40 @@ static void list_limited(km_mechanism *m) {
   }
 }
 
-/* Σ ratio · q = constant. The constant is the file's, also where a coordinate is held elsewhere. */
+/* Linear coupling: Σ ratio · q = constant. The constant is that of the file, also if a coordinate is held at another
+ * value. */
 static void set_ratios(km_mechanism *m, const km_model_coupling *def, km_coupling *out) {
-  double largest = 0.0, constant = 0.0;
+  double max_square = 0.0, constant = 0.0;
   for (int k = 0; k < def->count; ++k)
-    largest = fmax(largest, fabs(def->ratios[k] * m->unit[def->coordinates[k]]));
+    max_square = fmax(max_square, fabs(def->ratios[k] * m->unit[def->coordinates[k]]));
   for (int k = 0; k < def->count; ++k) {
     int c = def->coordinates[k];
     m->terms[m->term_count++] =
-        (km_term){.coordinate = c, .column = m->column_of[c], .coefficient = def->ratios[k] * m->unit[c] / largest};
-    constant += def->ratios[k] / largest * m->model->coordinates[c].position * km_model_coordinate_factor(m->model, c);
+        (km_term){.coordinate = c, .column = m->column_of[c], .coefficient = def->ratios[k] * m->unit[c] / max_square};
+    constant +=
+        def->ratios[k] / max_square * m->model->coordinates[c].position * km_model_coordinate_factor(m->model, c);
   }
-  out->constant = def->constant_given ? def->constant / largest : constant;
+  out->constant = def->constant_given ? def->constant / max_square : constant;
 }
 
-/* q1 - Σ c_k q2^k = 0. */
+/* Polynomial coupling: q1 − Σ c_k q2^k = 0, scaled by the largest derivative at the start. */
 static void set_polynomial(km_mechanism *m, const km_model_coupling *def) {
   int one = def->coordinates[0], two = def->coordinates[1];
   double x = m->start[two], slope = 0.0, power = 1.0;
   for (int k = def->polynomial_count - 1; k > 0; --k)
     slope = slope * x + k * def->polynomial[k];
-  double largest = fmax(m->unit[one], fabs(slope) * m->unit[two]);
+  double max_square = fmax(m->unit[one], fabs(slope) * m->unit[two]);
   m->terms[m->term_count++] =
-      (km_term){.coordinate = one, .column = m->column_of[one], .coefficient = m->unit[one] / largest};
+      (km_term){.coordinate = one, .column = m->column_of[one], .coefficient = m->unit[one] / max_square};
   m->terms[m->term_count++] = (km_term){.coordinate = two,
                                         .column = m->column_of[two],
                                         .curve_start = m->curve_size,
                                         .curve_count = def->polynomial_count};
   for (int k = 0; k < def->polynomial_count; ++k, power *= m->unit[two])
-    m->curves[m->curve_size++] = -def->polynomial[k] * power / largest;
+    m->curves[m->curve_size++] = -def->polynomial[k] * power / max_square;
 }
 
+/* Appends the couplings of a substructure as rows. */
 static void set_couplings(km_mechanism *m, int s) {
   km_substructure *sub = &m->substructures[s];
   sub->coupling_start = m->coupling_count;
@@ -316,14 +327,14 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
-static void compile_substructure(km_mechanism *m, int s, km_compile_workspace *walks) {
+static void compile_substructure(km_mechanism *m, int s, km_compile_workspace *workspace) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
   sub->loop_start = t->loop_start[s];
   sub->loop_count = t->loop_start[s + 1] - t->loop_start[s];
   for (int i = 0; i < sub->loop_count; ++i)
     m->loop_order[sub->loop_start + i] = t->loop[sub->loop_start + i];
-  km_compile_loops(m, s, walks);
+  km_compile_loops(m, s, workspace);
   set_couplings(m, s);
   sub->error_start = m->error_size;
   m->error_size += sub->rows;
@@ -333,7 +344,7 @@ static void compile_substructure(km_mechanism *m, int s, km_compile_workspace *w
     m->largest_columns = sub->columns;
 }
 
-/* Where the Jacobians' values are stored. False when out of memory. */
+/* Sets the storage of all Jacobians. False when out of memory. */
 static bool set_patterns(km_mechanism *m) {
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     km_substructure *sub = &m->substructures[s];
@@ -345,62 +356,64 @@ static bool set_patterns(km_mechanism *m) {
   return true;
 }
 
+/* Lists the tree joints of all bodies by level, with their constant displacements. */
 static void set_arcs(km_mechanism *m) {
   const km_topology *t = &m->topology;
   m->arc_of[0] = -1;
   for (int i = 1; i < t->body_count; ++i) {
     int body = t->order[i], joint = t->arc[body];
     m->arc_of[body] = i - 1;
-    bool against = t->is_reversed[joint];
+    bool is_reversed = t->is_reversed[joint];
     const km_model_joint *def = &m->model->joints[joint];
     m->arcs[i - 1] = (km_arc){.body = body,
                               .parent = t->parent[body],
                               .joint = joint,
-                              .is_reversed = against,
-                              .before = m->model->frames[def->frame[against]].pose,
-                              .after = km_pose_inverse(&m->model->frames[def->frame[!against]].pose)};
+                              .is_reversed = is_reversed,
+                              .before = m->model->frames[def->frame[is_reversed]].pose,
+                              .after = km_pose_inverse(&m->model->frames[def->frame[!is_reversed]].pose)};
   }
 }
 
-void km_compile_values(km_mechanism *m, const km_compiling *how, km_compile_workspace *walks) {
+void km_compile_values(km_mechanism *m, const km_compiling *options, km_compile_workspace *workspace) {
   m->position_rounding = km_position_rounding(m->model);
-  set_length(m, how, walks);
-  set_coordinates(m, how->holds, how->hold_count);
+  set_characteristic_length(m, options, workspace);
+  set_coordinates(m, options->holds, options->hold_count);
   number_balls(m);
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     m->substructures[s].span = span_of(m, s);
     m->substructures[s].size = km_substructure_size(m, s, m->start);
   }
-  set_columns(m, walks->next_column);
+  set_columns(m, workspace->next_column);
   order_balls(m);
-  list_limited(m);
+  list_limited_columns(m);
   for (int s = 0; s < m->topology.substructure_count; ++s)
-    compile_substructure(m, s, walks);
+    compile_substructure(m, s, workspace);
   set_arcs(m);
 }
 
-static km_status compile(km_mechanism *m, const km_compiling *how, km_error *error) {
+static km_status compile_mechanism(km_mechanism *m, const km_compiling *options, km_error *error) {
   km_status status = build_topology(m, error);
-  km_compile_workspace walks;
+  km_compile_workspace workspace;
   if (status)
     return status;
   m->coordinate_count = m->model->coordinate_count;
-  m->holds = KM_ARENA_NEW(&m->arena, km_hold, (size_t)how->hold_count);
-  if (!m->holds || !km_compile_allocate(m, &walks))
+  m->holds = KM_ARENA_NEW(&m->arena, km_hold, (size_t)options->hold_count);
+  if (!m->holds || !km_compile_allocate(m, &workspace))
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
-  if (how->hold_count)
-    memcpy(m->holds, how->holds, (size_t)how->hold_count * sizeof *m->holds);
-  m->hold_count = how->hold_count;
-  km_compile_values(m, how, &walks);
+  if (options->hold_count)
+    memcpy(m->holds, options->holds, (size_t)options->hold_count * sizeof *m->holds);
+  m->hold_count = options->hold_count;
+  km_compile_values(m, options, &workspace);
   return set_patterns(m) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
 }
 
-/* A ball is held with all its three components. */
+/* A ball joint must be held with all three components. */
 static km_status check_held_ball(const km_model *model, const km_hold *holds, int count, int h, km_error *error) {
-  int joint = model->coordinates[holds[h].coordinate].joint, together = 0;
+  int joint = model->coordinates[holds[h].coordinate].joint, held_components = 0;
   for (int k = 0; k < count; ++k)
-    together += model->coordinates[holds[k].coordinate].joint == joint && km_model_turns(model, holds[k].coordinate);
-  return together == 3
+    held_components +=
+        model->coordinates[holds[k].coordinate].joint == joint && km_model_turns(model, holds[k].coordinate);
+  return held_components == 3
              ? KM_OK
              : km_fail(error, KM_USAGE,
                        "\"%s\" is a component of a rotation vector; expected all three of joint \"%s\" together",
@@ -421,18 +434,19 @@ static km_status check_holds(const km_model *model, const km_hold *holds, int co
   return status;
 }
 
-km_status km_mechanism_compile_as(const km_model *model, const km_compiling *how, km_mechanism **out, km_error *error) {
+km_status km_mechanism_compile_as(const km_model *model, const km_compiling *options, km_mechanism **out,
+                                  km_error *error) {
   *out = NULL;
-  km_status fits = check_holds(model, how->holds, how->hold_count, error);
-  if (fits)
-    return fits;
+  km_status status = check_holds(model, options->holds, options->hold_count, error);
+  if (status)
+    return status;
   km_mechanism *m = KM_NEW(km_mechanism, 1);
   if (!m)
     return km_fail(error, KM_MEMORY, "out of memory while compiling the mechanism");
   m->model = model;
-  m->closure_tolerance = how->closure_tolerance > 0.0 ? how->closure_tolerance : model->closure_tolerance;
-  m->closure_tolerance_given = how->closure_tolerance > 0.0 || model->closure_tolerance_given;
-  km_status status = compile(m, how, error);
+  m->closure_tolerance = options->closure_tolerance > 0.0 ? options->closure_tolerance : model->closure_tolerance;
+  m->closure_tolerance_given = options->closure_tolerance > 0.0 || model->closure_tolerance_given;
+  status = compile_mechanism(m, options, error);
   if (status)
     km_mechanism_free(m);
   else

@@ -1,4 +1,9 @@
-/* Loops into programs of steps. */
+/* Compiles loops into programs of steps (docs/theory.md 2.1-2.4).
+ *
+ *   side: constant displacement, motion, constant displacement, motion, …, closing frame       two sides per loop
+ *   free motions become steps; held ones become part of the constant displacements
+ *
+ * Sides of loops with one base body share the steps of their common paths. */
 #include "base/extrema.h"
 #include "topology/compile.h"
 #include "topology/motion_space.h"
@@ -30,16 +35,17 @@ bool km_compile_workspace_create(const km_mechanism *m, size_t steps, km_arena *
   return !arena->failed;
 }
 
-/* By more than rounding. The diagonal alone can't tell: it is 1 up to angles of 1e-8. */
-static bool turns(const km_rotation *R) {
+/* True if R differs from the identity by more than rounding. The diagonal is insufficient: it is 1 up to angles of
+ * 1e-8. */
+static bool has_rotation_part(const km_rotation *R) {
   const km_vec3 *a = R->axis;
   double across = fmax(fmax(fabs(a[0].y), fabs(a[0].z)), fmax(fabs(a[1].z), fmax(fabs(a[1].x), fabs(a[2].x))));
   return a[0].x != 1.0 || a[1].y != 1.0 || a[2].z != 1.0 || fmax(across, fabs(a[2].y)) > 1e-15;
 }
 
-/* Goes to another frame of the body that the walk stands on. On the base body the origin goes along: positions are
- * counted from the place where a branch leaves the base, so that a branch far from the others keeps its digits. */
-static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double size, km_chain_frame *at) {
+/* Moves the end of the chain to another frame of its body. The origin on the base body moves along: positions are
+ * counted from the point where a branch leaves the base, so that a distant branch keeps its digits. */
+static void advance_to_frame(const km_mechanism *m, int base_frame, int frame, double size, km_chain_frame *at) {
   const km_model_frame *frames = m->model->frames;
   km_pose link = km_frame_to_frame(m->model, at->frame, frame, size);
   if (frames[at->frame].body == frames[base_frame].body) {
@@ -50,12 +56,13 @@ static void go_to_frame(const km_mechanism *m, int base_frame, int frame, double
   at->frame = frame;
 }
 
-/* Passes a joint: free motions become steps, held ones part of the constants. */
-static void pass(km_mechanism *m, km_program *program, int joint, bool against, double size, km_chain_frame *at) {
+/* Appends a joint: free motions become steps, held ones constant displacements. */
+static void append_joint(km_mechanism *m, km_program *program, int joint, bool is_reversed, double size,
+                         km_chain_frame *at) {
   km_joint_traversal p;
-  km_joint_traverse(m->model, joint, against, &p);
+  km_joint_traverse(m->model, joint, is_reversed, &p);
   double pitch = km_pitch_per_radian(m->model, joint, size);
-  go_to_frame(m, program->base_frame, p.entry, size, at);
+  advance_to_frame(m, program->base_frame, p.entry, size, at);
   at->frame = p.exit;
   for (int i = 0; i < p.count; ++i) {
     int c = p.coordinate[i];
@@ -67,21 +74,23 @@ static void pass(km_mechanism *m, km_program *program, int joint, bool against, 
       at->displacement = km_pose_product(&at->displacement, &fixed);
       continue;
     }
-    m->steps[program->step_start + program->step_count++] = (km_step){.primitive = p.motion[i].primitive,
-                                                                      .axis = p.motion[i].axis,
-                                                                      .coordinate = c,
-                                                                      .ball = m->ball_of[c],
-                                                                      .sign = p.sign,
-                                                                      .pitch = pitch,
-                                                                      .from = at->slot,
-                                                                      .to = program->slot_count,
-                                                                      .has_rotation = turns(&at->displacement.R),
-                                                                      .before = at->displacement};
+    m->steps[program->step_start + program->step_count++] =
+        (km_step){.primitive = p.motion[i].primitive,
+                  .axis = p.motion[i].axis,
+                  .coordinate = c,
+                  .ball = m->ball_of[c],
+                  .sign = p.sign,
+                  .pitch = pitch,
+                  .from = at->slot,
+                  .to = program->slot_count,
+                  .has_rotation = has_rotation_part(&at->displacement.R),
+                  .before = at->displacement};
     at->slot = program->slot_count++;
     at->displacement = km_pose_identity();
   }
 }
 
+/* Adds the steps `first` … first + count − 1 to the loop's entries. */
 static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int first, int count, int side) {
   for (int i = first; i < first + count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
@@ -90,8 +99,8 @@ static void add_entries(km_mechanism *m, km_program *program, km_loop *loop, int
   }
 }
 
-/* A body stands `at` in the present program, reached by a joint that became `count` steps. */
-static void remember(km_compile_workspace *w, int body, int joint, const km_chain_frame *at, int first, int count) {
+/* Records that a body was reached in the present program by a joint with `count` steps. */
+static void record_body(km_compile_workspace *w, int body, int joint, const km_chain_frame *at, int first, int count) {
   w->stamp[body] = w->current_stamp;
   w->entry_joint[body] = joint;
   w->body_frame[body] = *at;
@@ -99,37 +108,37 @@ static void remember(km_compile_workspace *w, int body, int joint, const km_chai
   w->step_count[body] = count;
 }
 
-/* Walks from the base down one side of the loop; bodies that another loop has reached the same way are not walked
- * again. */
-static km_chain_frame walk_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side,
-                                km_chain_frame from, km_compile_workspace *w) {
+/* Compiles one side of the loop from the base outwards. Bodies that another loop of the program has reached by the same
+ * joints share its steps. */
+static km_chain_frame compile_side(km_mechanism *m, km_program *program, km_loop *loop, int l, int side,
+                                   km_chain_frame from, km_compile_workspace *w) {
   const km_topology *t = &m->topology;
   double size = m->substructures[t->substructure_of_loop[l]].size;
   km_chain_frame at = from;
-  bool shared = true; /* every body so far was reached by the joint by which the program's other loops reach it */
+  bool is_common = true; /* every body so far was reached by the joint by which other loops of the program reach it */
   for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
     const km_member *member = &t->member[i];
     if (member->side != side)
       continue;
     int first = program->step_count,
         body = m->model->frames[m->model->joints[member->joint].frame[!member->is_reversed]].body;
-    bool passed = shared && w->stamp[body] == w->current_stamp && w->entry_joint[body] == member->joint;
-    shared = passed || (shared && member->joint != t->chord[l] && w->stamp[body] != w->current_stamp);
-    if (passed) {
+    bool is_shared_path = is_common && w->stamp[body] == w->current_stamp && w->entry_joint[body] == member->joint;
+    is_common = is_shared_path || (is_common && member->joint != t->chord[l] && w->stamp[body] != w->current_stamp);
+    if (is_shared_path) {
       at = w->body_frame[body];
       add_entries(m, program, loop, w->first_step[body], w->step_count[body], side);
       continue;
     }
-    pass(m, program, member->joint, member->is_reversed, size, &at);
+    append_joint(m, program, member->joint, member->is_reversed, size, &at);
     add_entries(m, program, loop, first, program->step_count - first, side);
-    if (shared)
-      remember(w, body, member->joint, &at, first, program->step_count - first);
+    if (is_common)
+      record_body(w, body, member->joint, &at, first, program->step_count - first);
   }
   return at;
 }
 
-/* Poses of the program's slots when every free coordinate is 0, each about the origin of its branch. */
-static void zero_poses(const km_mechanism *m, const km_program *program, km_compile_workspace *w) {
+/* Poses of the program's slots with every free coordinate 0, each about the origin of its branch. */
+static void compute_reference_poses(const km_mechanism *m, const km_program *program, km_compile_workspace *w) {
   w->reference_pose[0] = km_pose_identity();
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
@@ -137,10 +146,10 @@ static void zero_poses(const km_mechanism *m, const km_program *program, km_comp
   }
 }
 
-/* The unit twists of a loop's steps about its point when all coordinates are 0, lengths over the loop's own radius: the
- * motion space doesn't depend on where the loop is, nor on how long its chain of joints is. */
-static int list_twists(const km_mechanism *m, const km_program *program, const km_loop *loop, km_compile_workspace *w,
-                       const km_rotation *plane) {
+/* Unit twists of a loop's steps about its point with all coordinates 0, lengths over the loop's own radius: the motion
+ * space depends neither on the position of the loop nor on the length of its chain. Returns their number. */
+static int compute_loop_twists(const km_mechanism *m, const km_program *program, const km_loop *loop,
+                               km_compile_workspace *w, const km_rotation *plane) {
   double square = 1.0;
   int count = 0;
   for (int i = 0; i < loop->entry_count; ++i) {
@@ -153,32 +162,34 @@ static int list_twists(const km_mechanism *m, const km_program *program, const k
       const km_vec3 axis = frame->R.axis[step->primitive == KM_BALL ? k : step->axis];
       km_twist twist = km_axis_twist(step->primitive, step->pitch, axis, at);
       km_vec3 v = km_rotate_back(plane, twist.v), turn = km_rotate_back(plane, twist.w);
-      /* Axes that are parallel but for rounding are taken for parallel, here as in the steps: beside a short link their
-       * rounding would count as a motion out of the plane. */
+      /* Nearly parallel axes count as parallel, as in the planar steps: relative to a short link their rounding would
+       * be a motion out of the plane. */
       w->twist[count++] = program->planar ? (km_twist){{v.x, v.y, 0.0}, {0.0, 0.0, turn.z}} : (km_twist){v, turn};
     }
   }
-  const double share = 1.0 / sqrt(square);
+  const double scale = 1.0 / sqrt(square);
   for (int i = 0; i < count; ++i)
-    w->twist[i].v = km_vec3_scale(share, w->twist[i].v);
+    w->twist[i].v = km_vec3_scale(scale, w->twist[i].v);
   return count;
 }
 
+/* Dimension λ and independent rows of the loop's motion space. */
 static void find_motion_space(km_mechanism *m, const km_program *program, km_loop *loop, km_compile_workspace *w,
                               const km_rotation *plane) {
-  int count = list_twists(m, program, loop, w, plane);
-  /* Directions are told apart by what 1e-16 data can blur, or by what the file says it can. */
+  int count = compute_loop_twists(m, program, loop, w, plane);
+  /* Directions must differ by more than the rounding of brackets, or than 30 times the stated closure tolerance. */
   double tolerance = m->closure_tolerance_given ? fmax(3e-8, 30.0 * m->closure_tolerance) : 3e-8;
-  const int most = program->planar ? 3 : 6;
+  const int max_dimension = program->planar ? 3 : 6;
   km_motion_space space;
-  km_motion_space_close(w->twist, count, most, tolerance, &space);
+  km_motion_space_close(w->twist, count, max_dimension, tolerance, &space);
   loop->lambda = space.dimension;
-  loop->has_moving_point = loop->lambda == most;
+  loop->has_moving_point = loop->lambda == max_dimension;
   enum { TURN_IN_SPACE = 5, TURN_IN_PLANE = 2 };
   for (int i = 0; i < space.dimension; ++i)
     loop->rows[i] = program->planar && space.rows[i] == TURN_IN_SPACE ? TURN_IN_PLANE : space.rows[i];
 }
 
+/* Compiles both sides of a loop and its closing frames. */
 static void compile_loop(km_mechanism *m, km_program *program, int l, km_chain_frame base, km_compile_workspace *w,
                          int *entries) {
   km_loop *loop = &m->loops[l];
@@ -186,9 +197,9 @@ static void compile_loop(km_mechanism *m, km_program *program, int l, km_chain_f
                         m->model->joints[m->topology.chord[l]].frame[1]};
   double size = m->substructures[m->topology.substructure_of_loop[l]].size;
   loop->entry_start = *entries;
-  km_chain_frame out = walk_side(m, program, loop, l, +1, base, w);
-  km_chain_frame back = walk_side(m, program, loop, l, -1, base, w);
-  go_to_frame(m, program->base_frame, ends.head, size, &back);
+  km_chain_frame out = compile_side(m, program, loop, l, +1, base, w);
+  km_chain_frame back = compile_side(m, program, loop, l, -1, base, w);
+  advance_to_frame(m, program->base_frame, ends.head, size, &back);
   loop->slot[0] = out.slot;
   loop->closing_frame[0] = out.displacement;
   loop->slot[1] = back.slot;
@@ -198,14 +209,14 @@ static void compile_loop(km_mechanism *m, km_program *program, int l, km_chain_f
   *entries += loop->entry_count;
 }
 
-/* The point of the loop about which its rows are taken: where its frames meet when every coordinate is 0. */
+/* Sets the point of the loop's rows: where its frames meet with every coordinate 0. */
 static void set_point(const km_compile_workspace *w, km_loop *loop) {
   loop->point[0] = km_pose_point(&w->reference_pose[loop->slot[0]], loop->closing_frame[0].p);
   loop->point[1] = km_vec3_sub(loop->point[0], loop->origin_offset);
 }
 
-/* The only ball joint of the loop, on side *side; NULL if there is none or there are several. */
-static km_step *only_ball(km_mechanism *m, const km_program *program, const km_loop *loop, int *side) {
+/* The only ball joint of the loop, on side *side; NULL if there is none or several. */
+static km_step *find_only_ball(km_mechanism *m, const km_program *program, const km_loop *loop, int *side) {
   km_step *ball = NULL;
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
@@ -231,16 +242,16 @@ static bool is_shared(const km_mechanism *m, const km_program *program, const km
   return false;
 }
 
-/* A loop with one ball joint, cut there: the frames of all other joints when all coordinates are 0, in the base frame.
- * What the ball joint carries hangs on the other side then. */
+/* A loop with one ball joint that is cut there: frames of all other joints with all coordinates 0, in the base frame.
+ * The part beyond the ball joint then belongs to the other side. */
 typedef struct cut_loop {
   const km_step *ball;
-  int side; /* on which the ball joint lies */
-  km_pose
-      behind; /* of what the ball joint carries, about the origin of the other side's branch; its origin is the joint's centre */
+  int side;       /* side of the ball joint */
+  km_pose behind; /* frame beyond the ball joint, about the origin of the other side's branch, with its origin at the
+               * joint's centre */
 } cut_loop;
 
-static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const km_compile_workspace *w) {
+static cut_loop cut_loop_at_ball(const km_loop *loop, const km_step *ball, int side, const km_compile_workspace *w) {
   km_pose own = km_pose_inverse(&w->reference_pose[ball->to]);
   own = km_pose_product(&own, &w->reference_pose[loop->slot[side]]);
   own = km_pose_product(&own, &loop->closing_frame[side]);
@@ -249,58 +260,59 @@ static cut_loop cut_at(const km_loop *loop, const km_step *ball, int side, const
   return (cut_loop){ball, side, km_pose_product(&end, &back)};
 }
 
-/* The axis of a step of the loop, in the base frame. Slots are numbered along the branches. */
-static km_vec3 axis_beside(const cut_loop *cut, const km_step *step, const km_entry *entry,
-                           const km_compile_workspace *w) {
+/* Axis of a step of the cut loop, in the base frame. Slots are numbered along the branches. */
+static km_vec3 axis_of_cut_loop(const cut_loop *cut, const km_step *step, const km_entry *entry,
+                                const km_compile_workspace *w) {
   km_vec3 axis = w->reference_pose[step->to].R.axis[step->axis];
   if ((entry->side < 0.0) != cut->side || step->to < cut->ball->to)
     return axis;
   return km_rotate(&cut->behind.R, km_rotate_back(&w->reference_pose[cut->ball->to].R, axis));
 }
 
-/* True if all joints of the loop but the ball joint move in planes across `normal`, and one of them turns. */
-static bool is_planar_beside(const km_mechanism *m, const km_program *program, const km_loop *loop, const cut_loop *cut,
-                             const km_compile_workspace *w, km_vec3 *normal) {
+/* True if all joints of the loop except the ball joint move in planes normal to `normal`, and one of them is a
+ * hinge. */
+static bool is_cut_loop_planar(const km_mechanism *m, const km_program *program, const km_loop *loop,
+                               const cut_loop *cut, const km_compile_workspace *w, km_vec3 *normal) {
   bool has_normal = false;
-  for (int pass = 0; pass < 2; ++pass)
+  for (int append_joint = 0; append_joint < 2; ++append_joint)
     for (int i = 0; i < loop->entry_count; ++i) {
       const km_entry *entry = &m->entries[loop->entry_start + i];
       const km_step *step = &m->steps[program->step_start + entry->step];
       if (step == cut->ball)
         continue;
-      km_vec3 axis = axis_beside(cut, step, entry, w);
-      if (pass == 0 && !has_normal && step->primitive == KM_REVOLUTE) {
+      km_vec3 axis = axis_of_cut_loop(cut, step, entry, w);
+      if (append_joint == 0 && !has_normal && step->primitive == KM_REVOLUTE) {
         *normal = axis;
         has_normal = true;
       }
-      if (pass == 1 && !km_moves_in_plane(step->primitive, axis, *normal))
+      if (append_joint == 1 && !km_moves_in_plane(step->primitive, axis, *normal))
         return false;
     }
   return has_normal;
 }
 
-/* In a loop of hinges on parallel axes with one ball joint, nothing changes the height along the axes at which the
- * sides of the ball joint meet. The hinges' frames may lie anywhere along their axes: the ball joint is moved along
- * them by that height. */
+/* In a loop of parallel hinges with one ball joint, the offset along the axes at which the sides of the ball joint meet
+ * is constant. Hinge frames may lie anywhere along their axes, so the ball joint is moved along them by this offset. */
 static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loop, km_compile_workspace *w) {
   int side = 0;
-  km_step *ball = only_ball(m, program, loop, &side);
+  km_step *ball = find_only_ball(m, program, loop, &side);
   if (!ball || is_shared(m, program, loop, ball))
     return;
-  cut_loop cut = cut_at(loop, ball, side, w);
+  cut_loop cut = cut_loop_at_ball(loop, ball, side, w);
   km_vec3 normal;
-  if (!is_planar_beside(m, program, loop, &cut, w, &normal))
+  if (!is_cut_loop_planar(m, program, loop, &cut, w, &normal))
     return;
-  km_vec3 apart = km_vec3_scale(side ? -1.0 : 1.0, loop->origin_offset);
-  km_vec3 gap = km_vec3_sub(w->reference_pose[ball->to].p, km_vec3_add(cut.behind.p, apart));
+  km_vec3 offset = km_vec3_scale(side ? -1.0 : 1.0, loop->origin_offset);
+  km_vec3 gap = km_vec3_sub(w->reference_pose[ball->to].p, km_vec3_add(cut.behind.p, offset));
   double height = km_vec3_dot(normal, gap);
   loop->pin_offset = side ? -height : height;
   loop->plane_normal = km_rotate(&m->model->frames[program->base_frame].pose.R, normal);
-  km_vec3 shift = km_rotate_back(&w->reference_pose[ball->from].R, km_vec3_scale(-height, normal));
-  ball->before.p = km_vec3_add(ball->before.p, shift);
-  zero_poses(m, program, w);
+  km_vec3 correction = km_rotate_back(&w->reference_pose[ball->from].R, km_vec3_scale(-height, normal));
+  ball->before.p = km_vec3_add(ball->before.p, correction);
+  compute_reference_poses(m, program, w);
 }
 
+/* Compiles all loops with one base body, planar if they move in one plane. */
 static void compile_program(km_mechanism *m, km_program *program, km_compile_workspace *w) {
   const km_topology *t = &m->topology;
   int first = m->loop_order[program->loop_start];
@@ -313,7 +325,7 @@ static void compile_program(km_mechanism *m, km_program *program, km_compile_wor
   w->current_stamp++;
   for (int i = 0; i < program->loop_count; ++i)
     compile_loop(m, program, m->loop_order[program->loop_start + i], base, w, &m->entry_count);
-  zero_poses(m, program, w);
+  compute_reference_poses(m, program, w);
   km_rotation plane;
   program->planar = km_find_plane(m, program, w, &plane);
   for (int i = 0; i < program->loop_count; ++i) {
@@ -333,7 +345,7 @@ static void compile_program(km_mechanism *m, km_program *program, km_compile_wor
     m->largest_slots = program->slot_count;
 }
 
-/* Orders the substructure's loops so that those with one base stand together. */
+/* Groups the substructure's loops by base body, one program each. */
 static void group_by_base(km_mechanism *m, km_substructure *sub) {
   int *order = m->loop_order + sub->loop_start;
   sub->program_start = m->program_count;
@@ -353,11 +365,11 @@ static void group_by_base(km_mechanism *m, km_substructure *sub) {
   sub->program_count = m->program_count - sub->program_start;
 }
 
-void km_compile_loops(km_mechanism *m, int s, km_compile_workspace *walks) {
+void km_compile_loops(km_mechanism *m, int s, km_compile_workspace *workspace) {
   km_substructure *sub = &m->substructures[s];
   group_by_base(m, sub);
   for (int i = 0; i < sub->program_count; ++i)
-    compile_program(m, &m->programs[sub->program_start + i], walks);
+    compile_program(m, &m->programs[sub->program_start + i], workspace);
   for (int i = 0; i < sub->loop_count; ++i) {
     km_loop *loop = &m->loops[m->loop_order[sub->loop_start + i]];
     loop->row_start = sub->rows;

@@ -1,15 +1,15 @@
-/* How a substructure's Jacobian is stored: whole, or where it is large and has few entries, those that can differ from
- * 0.
- */
+/* Storage of a substructure's Jacobian: dense, or for large sparse ones by the pattern of its entries (docs/theory.md
+ * 2.3). */
 #include "topology/compile.h"
 
-/* From there on the sparse engine is faster than the dense one on chains of four-bars (scripts/bench scale). */
-enum { LEAST_ROWS = 24, LEAST_SHARE = 5 /* rows · columns over entries */ };
+/* Limits from which the sparse factor is faster than the dense one on chains of four-bars (scripts/bench scale). */
+enum { MIN_SPARSE_ROWS = 24, MIN_SPARSITY = 5 /* rows · columns over entries */ };
 
-/* Calls `visit` for each run of rows that a column has entries in: of a loop's entry, or of a coupling's term. */
+/* Callback for each range of rows with entries of a column: of a loop's entry (first column only), or of a coupling's
+ * term. */
 typedef void (*visitor)(void *context, int column, int first, int count, km_entry *entry, km_term *term);
 
-static int entry_columns(const km_mechanism *m, const km_program *program, const km_entry *entry) {
+static int entry_column_count(const km_mechanism *m, const km_program *program, const km_entry *entry) {
   return program->planar ? 1 : km_primitive_freedom(m->steps[program->step_start + entry->step].primitive);
 }
 
@@ -18,12 +18,13 @@ static void visit_loops(km_mechanism *m, const km_program *program, visitor visi
     const km_loop *loop = &m->loops[m->loop_order[program->loop_start + l]];
     for (int e = 0; e < loop->entry_count; ++e) {
       km_entry *entry = &m->entries[loop->entry_start + e];
-      for (int k = 0; k < entry_columns(m, program, entry); ++k)
+      for (int k = 0; k < entry_column_count(m, program, entry); ++k)
         visit(context, entry->column + k, loop->row_start, loop->lambda, k == 0 ? entry : NULL, NULL);
     }
   }
 }
 
+/* Visits the entries of all loops and couplings of a substructure. */
 static void visit_all(km_mechanism *m, const km_substructure *sub, visitor visit, void *context) {
   for (int p = 0; p < sub->program_count; ++p)
     visit_loops(m, &m->programs[sub->program_start + p], visit, context);
@@ -37,6 +38,7 @@ static void visit_all(km_mechanism *m, const km_substructure *sub, visitor visit
   }
 }
 
+/* Counts the entries of a column. */
 static void count_rows(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
   int *start = context;
   (void)first;
@@ -45,14 +47,15 @@ static void count_rows(void *context, int column, int first, int count, km_entry
   start[column + 1] += count;
 }
 
-/* The next free place of each column. */
-typedef struct filling {
+/* Next free index of each column, and the pattern's rows. */
+typedef struct fill_position {
   int *next, *row;
-} filling;
+} fill_position;
 
-static void place_rows(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
-  const filling *f = context;
-  if (entry) { /* the columns of a ball hold the same rows, one column behind the other */
+/* Stores the rows of a column, and the value index of the entry or term. */
+static void store_pattern_rows(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
+  const fill_position *f = context;
+  if (entry) { /* the columns of a ball motion have equal rows, one column after the other */
     entry->value_index = (size_t)f->next[column];
     entry->column_stride = (size_t)(f->next[column + 1] - f->next[column]);
   }
@@ -62,51 +65,52 @@ static void place_rows(void *context, int column, int first, int count, km_entry
     f->row[f->next[column]++] = first + r;
 }
 
-static void place_dense(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
+/* Marks the used entries of a dense Jacobian, and stores the value index of the entry or term. */
+static void store_dense_indices(void *context, int column, int first, int count, km_entry *entry, km_term *term) {
   const km_substructure *sub = context;
-  size_t rows = (size_t)sub->rows, at = (size_t)column * rows + (size_t)first;
+  size_t rows = (size_t)sub->rows, index = (size_t)column * rows + (size_t)first;
   for (int i = 0; i < count; ++i)
-    sub->pattern.used[at + (size_t)i] = true;
+    sub->pattern.used[index + (size_t)i] = true;
   if (entry) {
-    entry->value_index = at;
+    entry->value_index = index;
     entry->column_stride = rows;
   }
   if (term)
-    term->value_index = at;
+    term->value_index = index;
 }
 
-static bool store_all(km_mechanism *m, km_substructure *sub) {
+static bool create_dense_pattern(km_mechanism *m, km_substructure *sub) {
   size_t size = (size_t)sub->rows * (size_t)sub->columns;
   sub->pattern = (km_pattern){.size = size, .used = KM_ARENA_NEW(&m->arena, bool, size)};
   if (sub->pattern.used)
-    visit_all(m, sub, place_dense, sub);
+    visit_all(m, sub, store_dense_indices, sub);
   return sub->pattern.used != NULL;
 }
 
-static bool store_entries(km_mechanism *m, km_substructure *sub, int *start) {
+static bool create_sparse_pattern(km_mechanism *m, km_substructure *sub, int *start) {
   size_t columns = (size_t)sub->columns;
   km_arena scratch = {0};
-  filling f = {KM_ARENA_NEW(&scratch, int, columns + 1), KM_ARENA_NEW(&m->arena, int, (size_t)start[columns])};
-  bool done = f.next && f.row;
-  for (size_t c = 0; done && c <= columns; ++c)
+  fill_position f = {KM_ARENA_NEW(&scratch, int, columns + 1), KM_ARENA_NEW(&m->arena, int, (size_t)start[columns])};
+  bool is_ok = f.next && f.row;
+  for (size_t c = 0; is_ok && c <= columns; ++c)
     f.next[c] = start[c];
-  if (done)
-    visit_all(m, sub, place_rows, &f);
+  if (is_ok)
+    visit_all(m, sub, store_pattern_rows, &f);
   sub->pattern = (km_pattern){.start = start, .row = f.row, .size = (size_t)start[columns]};
   km_arena_free(&scratch);
-  return done;
+  return is_ok;
 }
 
 bool km_compile_pattern(km_mechanism *m, km_substructure *sub) {
-  if (sub->rows < LEAST_ROWS)
-    return store_all(m, sub);
+  if (sub->rows < MIN_SPARSE_ROWS)
+    return create_dense_pattern(m, sub);
   int *start = KM_ARENA_NEW(&m->arena, int, (size_t)sub->columns + 1);
   if (!start)
     return false;
   visit_all(m, sub, count_rows, start);
   for (int c = 0; c < sub->columns; ++c)
     start[c + 1] += start[c];
-  if ((double)start[sub->columns] * LEAST_SHARE <= (double)sub->rows * sub->columns)
-    return store_entries(m, sub, start);
-  return store_all(m, sub);
+  if ((double)start[sub->columns] * MIN_SPARSITY <= (double)sub->rows * sub->columns)
+    return create_sparse_pattern(m, sub, start);
+  return create_dense_pattern(m, sub);
 }

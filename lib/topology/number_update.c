@@ -1,10 +1,12 @@
-/* New numbers in a compiled mechanism. They are compiled into spare arrays, which take the place of the old ones where the
- * structure is the same: a failed call changes nothing. */
+/* Renumbering: new numbers in a compiled mechanism. They are compiled into a second set of arrays, which replaces the
+ * first
+ * if the structure is equal: a failed call changes nothing. */
 #include "topology/compile.h"
 
 #include <string.h>
 
-static bool make_spare(km_mechanism *m) {
+/* Creates the second set of arrays. */
+static bool create_spare(km_mechanism *m) {
   km_mechanism *spare = KM_NEW(km_mechanism, 1);
   if (!spare)
     return false;
@@ -22,8 +24,8 @@ static bool make_spare(km_mechanism *m) {
   return false;
 }
 
-/* What km_compile_values adds up must start from 0. */
-static void clear(km_mechanism *s) {
+/* Resets everything that km_compile_values accumulates. */
+static void reset_counters(km_mechanism *s) {
   memset(s->held, 0, (size_t)s->coordinate_count * sizeof *s->held);
   memset(s->substructures, 0, (size_t)s->topology.substructure_count * sizeof *s->substructures);
   memset(s->loops, 0, (size_t)s->topology.loop_count * sizeof *s->loops);
@@ -35,7 +37,8 @@ static void clear(km_mechanism *s) {
   s->error_size = 0;
 }
 
-static bool same_structure(const km_mechanism *a, const km_mechanism *b) {
+/* True if programs, planarity, entries and motion-space dimensions are equal. */
+static bool is_same_structure(const km_mechanism *a, const km_mechanism *b) {
   if (a->program_count != b->program_count || a->entry_count != b->entry_count || a->largest_slots != b->largest_slots)
     return false;
   for (int p = 0; p < a->program_count; ++p)
@@ -47,8 +50,8 @@ static bool same_structure(const km_mechanism *a, const km_mechanism *b) {
   return true;
 }
 
-/* Where values are stored depends on the structure alone. */
-static void copy_places(const km_mechanism *from, km_mechanism *to) {
+/* Copies the storage of Jacobians, which depends on the structure only. */
+static void copy_value_indices(const km_mechanism *from, km_mechanism *to) {
   for (int i = 0; i < from->entry_count; ++i) {
     to->entries[i].value_index = from->entries[i].value_index;
     to->entries[i].column_stride = from->entries[i].column_stride;
@@ -62,15 +65,15 @@ static void copy_places(const km_mechanism *from, km_mechanism *to) {
   to->matrix_size = from->matrix_size;
 }
 
-/* The two exchange everything but who owns whom. */
-static void exchange(km_mechanism *m, km_mechanism *spare) {
+/* Swaps all numbers; the mechanism stays the owner of its spare. */
+static void swap_numbers(km_mechanism *m, km_mechanism *spare) {
   km_mechanism old = *m;
   *m = *spare;
   *spare = old;
   m->spare = spare;
   spare->spare = NULL;
-  km_compile_workspace *walks = m->spare_workspace ? m->spare_workspace : spare->spare_workspace;
-  m->spare_workspace = spare->spare_workspace = walks;
+  km_compile_workspace *workspace = m->spare_workspace ? m->spare_workspace : spare->spare_workspace;
+  m->spare_workspace = spare->spare_workspace = workspace;
   m->holds = old.holds;
   m->hold_count = old.hold_count;
   m->version = old.version + 1;
@@ -79,19 +82,19 @@ static void exchange(km_mechanism *m, km_mechanism *spare) {
 km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
   if (!m)
     return km_fail(error, KM_USAGE, "found no mechanism");
-  km_compiling how = {.holds = m->holds,
-                      .hold_count = m->hold_count,
-                      .length = m->length_source == KM_LENGTH_JOINTS ? m->length : 0.0,
-                      .length_source = m->length_source};
-  if (!m->spare && !make_spare(m))
+  km_compiling options = {.holds = m->holds,
+                          .hold_count = m->hold_count,
+                          .length = m->length_source == KM_LENGTH_JOINTS ? m->length : 0.0,
+                          .length_source = m->length_source};
+  if (!m->spare && !create_spare(m))
     return km_fail(error, KM_MEMORY, "out of memory for new numbers");
   km_mechanism *spare = m->spare;
-  clear(spare);
-  km_compile_values(spare, &how, spare->spare_workspace);
-  if (!same_structure(m, spare))
+  reset_counters(spare);
+  km_compile_values(spare, &options, spare->spare_workspace);
+  if (!is_same_structure(m, spare))
     return km_fail(error, KM_PARTIAL,
                    "the new numbers change how a loop can move; expected to compile the model again");
-  copy_places(m, spare);
-  exchange(m, spare);
+  copy_value_indices(m, spare);
+  swap_numbers(m, spare);
   return KM_OK;
 }

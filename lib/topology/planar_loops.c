@@ -1,32 +1,37 @@
-/* Recognising loops that move in one plane, and rewriting their steps for it. */
+/* Recognition of planar loops, and their conversion to planar steps (docs/theory.md 2.5).
+ *
+ *   plane: all hinge axes parallel to the normal, all slides normal to it, to 1e-13
+ *   steps are counted from the configuration with all coordinates 0, so that no constant rotation remains */
 #include "topology/compile.h"
 
-/* Axes that should be parallel may differ by the rounding of a few products of exact rotations. */
-static const double exactly = 1e-13;
+/* Parallel axes may differ by the rounding of a few products of exact rotations. */
+static const double axis_tolerance = 1e-13;
 
-/* The axis of a step when all coordinates are 0, in the base frame. */
-static km_vec3 axis_of(const km_step *step, const km_compile_workspace *w) {
+/* Axis of a step in the base frame, with all coordinates 0. */
+static km_vec3 step_axis(const km_step *step, const km_compile_workspace *w) {
   return w->reference_pose[step->to].R.axis[step->axis];
 }
 
+/* Finds the normal of the plane: the axis of a hinge, else the normal of two slides, else any direction normal to a
+ * slide. False without steps. */
 static bool find_normal(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
                         km_vec3 *normal) {
   const km_step *steps = &m->steps[program->step_start];
   for (int i = 0; i < program->step_count; ++i) {
     if (steps[i].primitive == KM_REVOLUTE) {
-      *normal = axis_of(&steps[i], w);
+      *normal = step_axis(&steps[i], w);
       return true;
     }
   }
   for (int i = 0; i < program->step_count; ++i) {
-    km_vec3 n = km_vec3_cross(axis_of(&steps[0], w), axis_of(&steps[i], w));
+    km_vec3 n = km_vec3_cross(step_axis(&steps[0], w), step_axis(&steps[i], w));
     double size = km_vec3_norm(n);
     if (size > 1e-3) {
       *normal = km_vec3_scale(1.0 / size, n);
       return true;
     }
   }
-  *normal = program->step_count ? km_vec3_perpendicular(axis_of(&steps[0], w)) : (km_vec3){0, 0, 1};
+  *normal = program->step_count ? km_vec3_perpendicular(step_axis(&steps[0], w)) : (km_vec3){0, 0, 1};
   return program->step_count > 0;
 }
 
@@ -35,24 +40,24 @@ bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
   double along = km_vec3_dot(axis, normal);
   if (primitive != KM_REVOLUTE && primitive != KM_PRISMATIC)
     return false;
-  return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= exactly * exactly;
+  return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= axis_tolerance * axis_tolerance;
 }
 
-static bool all_in_plane(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
-                         km_vec3 normal) {
+static bool are_steps_in_plane(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
+                               km_vec3 normal) {
   for (int i = 0; i < program->step_count; ++i) {
     const km_step *step = &m->steps[program->step_start + i];
-    if (!km_moves_in_plane(step->primitive, axis_of(step, w), normal))
+    if (!km_moves_in_plane(step->primitive, step_axis(step, w), normal))
       return false;
   }
   return true;
 }
 
-/* The base frame turned so that its z is the normal; an axis of the base frame is kept exactly. */
-static km_rotation plane_frame(km_vec3 normal) {
+/* Base frame rotated so that its z axis is the normal; an axis of the base frame is kept exactly. */
+static km_rotation create_plane_frame(km_vec3 normal) {
   const double n[3] = {normal.x, normal.y, normal.z};
   for (int k = 0; k < 3; ++k) {
-    if (fabs(fabs(n[k]) - 1.0) > exactly)
+    if (fabs(fabs(n[k]) - 1.0) > axis_tolerance)
       continue;
     km_rotation unit = km_rotation_identity();
     km_vec3 z = unit.axis[k], x = unit.axis[(k + 1) % 3];
@@ -64,23 +69,24 @@ static km_rotation plane_frame(km_vec3 normal) {
   return (km_rotation){{x, km_vec3_cross(normal, x), normal}};
 }
 
-static void planar_step(const km_step *step, const km_compile_workspace *w, const km_rotation *plane,
-                        km_planar_step *out) {
+/* Converts a spatial step to a planar one. */
+static void convert_step(const km_step *step, const km_compile_workspace *w, const km_rotation *plane,
+                         km_planar_step *out) {
   km_vec3 shift = km_rotate_back(plane, km_vec3_sub(w->reference_pose[step->to].p, w->reference_pose[step->from].p));
-  km_vec3 axis = km_rotate_back(plane, axis_of(step, w));
-  bool slides = step->primitive == KM_PRISMATIC;
-  *out = (km_planar_step){.is_slide = slides,
+  km_vec3 axis = km_rotate_back(plane, step_axis(step, w));
+  bool is_slide = step->primitive == KM_PRISMATIC;
+  *out = (km_planar_step){.is_slide = is_slide,
                           .coordinate = step->coordinate,
-                          .sign = slides || axis.z > 0.0 ? step->sign : -step->sign,
+                          .sign = is_slide || axis.z > 0.0 ? step->sign : -step->sign,
                           .from = step->from,
                           .to = step->to,
                           .x = shift.x,
                           .y = shift.y,
-                          .ux = slides ? axis.x : 0.0,
-                          .uy = slides ? axis.y : 0.0};
+                          .ux = is_slide ? axis.x : 0.0,
+                          .uy = is_slide ? axis.y : 0.0};
 }
 
-/* True if a joint of the loop turns: its frames may be anywhere along its axis. */
+/* True if the loop has a hinge, whose frames may lie anywhere along its axis. */
 static bool has_hinge(const km_mechanism *m, const km_program *program, const km_loop *loop) {
   for (int i = 0; i < loop->entry_count; ++i) {
     int step = m->entries[loop->entry_start + i].step;
@@ -90,8 +96,9 @@ static bool has_hinge(const km_mechanism *m, const km_program *program, const km
   return false;
 }
 
-static void planar_loop(km_loop *loop, const km_compile_workspace *w, const km_rotation *plane, const km_rotation *base,
-                        bool has_hinge) {
+/* Closing points, closing angle and constant misfit of a planar loop. */
+static void convert_loop(km_loop *loop, const km_compile_workspace *w, const km_rotation *plane,
+                         const km_rotation *base, bool has_hinge) {
   km_pose end[2];
   for (int side = 0; side < 2; ++side) {
     const km_pose *slot = &w->reference_pose[loop->slot[side]];
@@ -100,20 +107,20 @@ static void planar_loop(km_loop *loop, const km_compile_workspace *w, const km_r
     loop->planar_closing_point[side][0] = shift.x;
     loop->planar_closing_point[side][1] = shift.y;
   }
-  km_vec3 apart = km_rotate_back(plane, loop->origin_offset), point = km_rotate_back(plane, loop->point[0]);
-  loop->planar_origin_offset[0] = apart.x;
-  loop->planar_origin_offset[1] = apart.y;
+  km_vec3 offset = km_rotate_back(plane, loop->origin_offset), point = km_rotate_back(plane, loop->point[0]);
+  loop->planar_origin_offset[0] = offset.x;
+  loop->planar_origin_offset[1] = offset.y;
   loop->planar_point[0] = point.x;
   loop->planar_point[1] = point.y;
   end[1].p = km_vec3_add(end[1].p, loop->origin_offset);
-  km_pose back = km_pose_inverse(&end[1]);
-  km_rotation turn = km_rotation_product(&end[0].R, &back.R);
-  km_vec3 x = km_rotate_back(plane, km_rotate(&turn, plane->axis[0]));
-  km_vec3 z = km_rotate_back(plane, km_rotate(&turn, plane->axis[2]));
+  km_pose inverse = km_pose_inverse(&end[1]);
+  km_rotation relative_rotation = km_rotation_product(&end[0].R, &inverse.R);
+  km_vec3 x = km_rotate_back(plane, km_rotate(&relative_rotation, plane->axis[0]));
+  km_vec3 z = km_rotate_back(plane, km_rotate(&relative_rotation, plane->axis[2]));
   loop->planar_closing_angle = atan2(x.y, x.x);
-  /* Out of the plane nothing moves: the height between the frames, and the tilt z × z′ (its length kept
-   * an angle, so that a frame upside down doesn't pass). The height doesn't change how a loop with hinges moves: a
-   * hinge's frames may lie anywhere along its axis. */
+  /* Components out of the plane are constant: the offset between the frames along the normal, and the rotation of the
+   * normals onto each other, z × z′ with the length of their angle, so that a frame upside down counts as π. The offset
+   * has no effect in loops with hinges, whose frames may lie anywhere along their axes. */
   double sine = hypot(z.x, z.y), s = sine > 0.0 ? atan2(sine, z.z) / sine : 0.0;
   double height = km_vec3_dot(plane->axis[2], km_vec3_sub(end[0].p, end[1].p));
   loop->plane_normal = km_rotate(base, plane->axis[2]);
@@ -127,19 +134,19 @@ bool km_find_plane(const km_mechanism *m, const km_program *program, const km_co
                    km_rotation *plane) {
   km_vec3 normal;
   *plane = km_rotation_identity();
-  if (!find_normal(m, program, w, &normal) || !all_in_plane(m, program, w, normal))
+  if (!find_normal(m, program, w, &normal) || !are_steps_in_plane(m, program, w, normal))
     return false;
-  *plane = plane_frame(normal);
+  *plane = create_plane_frame(normal);
   return true;
 }
 
 void km_compile_planar(km_mechanism *m, km_program *program, const km_compile_workspace *w, const km_rotation *plane) {
   int start = m->planar_step_count;
   for (int i = 0; i < program->step_count; ++i)
-    planar_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);
+    convert_step(&m->steps[program->step_start + i], w, plane, &m->planar_steps[start + i]);
   for (int i = 0; i < program->loop_count; ++i) {
     km_loop *loop = &m->loops[m->loop_order[program->loop_start + i]];
-    planar_loop(loop, w, plane, &m->model->frames[program->base_frame].pose.R, has_hinge(m, program, loop));
+    convert_loop(loop, w, plane, &m->model->frames[program->base_frame].pose.R, has_hinge(m, program, loop));
   }
   program->step_start = start;
   m->planar_step_count += program->step_count;

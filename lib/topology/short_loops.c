@@ -1,123 +1,130 @@
-/* Shorter loops than the tree's, which grow long in lattices: a search from both ends of each chord. */
+/* Short cycle basis (docs/theory.md 2.2): shortest cycles by bidirectional breadth-first search from both ends of a
+ * chord.
+ *
+ *   loops in the order of their fundamental cycles; a cycle may use tree joints and chords of earlier loops */
 #include "topology/short_loops.h"
 
 #include <string.h>
 
-enum { SHORTEST = 4 }; /* loops of so few joints are taken as they are */
+enum { MAX_SHORT_LENGTH = 4 }; /* loops of up to this number of joints are not shortened */
 
-/* One end of a chord, and the bodies that were reached from it. */
-typedef struct side {
-  int *stamp;      /* [body] of the last search that reached it */
-  int *via;        /* [body] the joint by which */
-  int *queue;      /* [bodies] in the order in which they were reached */
-  int from, count; /* those of the last step outwards are queue[from … count-1] */
-} side;
+/* Search front from one end of a chord: bodies reached so far. */
+typedef struct search_front {
+  int *stamp;             /* [body] stamp of the last search that reached it */
+  int *entry_joint;       /* [body] joint by which it was reached */
+  int *queue;             /* [bodies] in the order of the search */
+  int level_start, count; /* the outermost level is queue[level_start … count-1] */
+} search_front;
 
-typedef struct finder {
+typedef struct cycle_finder {
   const km_graph *g;
-  const km_incidence *at;
+  const km_incidence *incidence;
   km_topology *t;
-  bool *usable; /* [joint] may lie in other loops than its own: of the tree, or of a shorter loop */
-  side sides[2];
-  int search;
-  int *start; /* [loop + 1] into `member`: the loops in the order in which they were found, by `place` */
-  int *place; /* [loop] its place in that order */
-  int *order; /* [loop] the loops by the length that the tree gives them */
+  bool *is_usable; /* [joint] may be used by other loops: tree joints and chords of earlier loops */
+  search_front sides[2];
+  int search_stamp;
+  int *start;       /* [loop + 1] into `member`: loops in the order of the search */
+  int *order_index; /* [loop] index in that order */
+  int *order;       /* [loop] loops by the length of their fundamental cycles */
   km_member *member;
-  int *path; /* [bodies] joints of a way, from the chord's tail to its head */
-} finder;
+  int *path; /* [bodies] joints of a path from the chord's tail to its head */
+} cycle_finder;
 
-static int other_end(const km_graph *g, int joint, int body) {
+static int opposite_body(const km_graph *g, int joint, int body) {
   return g->edges[joint].tail == body ? g->edges[joint].head : g->edges[joint].tail;
 }
 
-static int length_of(const km_topology *t, int loop) {
+static int loop_length(const km_topology *t, int loop) {
   return t->member_start[loop + 1] - t->member_start[loop];
 }
 
-static void put_out(finder *f, int which, int body) {
-  side *s = &f->sides[which];
-  s->stamp[body] = f->search;
+/* Starts a search front at a body. */
+static void start_front(cycle_finder *f, int which, int body) {
+  search_front *s = &f->sides[which];
+  s->stamp[body] = f->search_stamp;
   s->queue[0] = body;
-  s->via[body] = -1;
-  s->from = 0;
+  s->entry_joint[body] = -1;
+  s->level_start = 0;
   s->count = 1;
 }
 
-static void reach(finder *f, side *s, int body, int joint) {
-  s->stamp[body] = f->search;
-  s->via[body] = joint;
+static void add_body(cycle_finder *f, search_front *s, int body, int joint) {
+  s->stamp[body] = f->search_stamp;
+  s->entry_joint[body] = joint;
   s->queue[s->count++] = body;
 }
 
-/* How many joints the next step of a side looks at. */
-static int effort(const finder *f, const side *s) {
+/* Number of joints that the next level of a front visits. */
+static int front_cost(const cycle_finder *f, const search_front *s) {
   int sum = 0;
-  for (int i = s->from; i < s->count; ++i)
-    sum += f->at->start[s->queue[i] + 1] - f->at->start[s->queue[i]];
+  for (int i = s->level_start; i < s->count; ++i)
+    sum += f->incidence->start[s->queue[i] + 1] - f->incidence->start[s->queue[i]];
   return sum;
 }
 
-/* One step outwards. Returns the joint that leads to a body of the other side, -1: none yet. */
-static int step(finder *f, int which, int substructure, int *body) {
-  side *s = &f->sides[which];
-  const side *other = &f->sides[!which];
+/* Advances a front by one level. Returns the joint that meets the other front, −1: none; *body: its body on this
+ * side. */
+static int advance_front(cycle_finder *f, int which, int substructure, int *body) {
+  search_front *s = &f->sides[which];
+  const search_front *other = &f->sides[!which];
   int end = s->count;
-  for (; s->from < end; ++s->from) {
-    *body = s->queue[s->from];
-    for (int i = f->at->start[*body]; i < f->at->start[*body + 1]; ++i) {
-      int joint = f->at->item[i], next = other_end(f->g, joint, *body);
-      if (!f->usable[joint] || f->t->substructure_of_joint[joint] != substructure || s->stamp[next] == f->search)
+  for (; s->level_start < end; ++s->level_start) {
+    *body = s->queue[s->level_start];
+    for (int i = f->incidence->start[*body]; i < f->incidence->start[*body + 1]; ++i) {
+      int joint = f->incidence->item[i], next = opposite_body(f->g, joint, *body);
+      if (!f->is_usable[joint] || f->t->substructure_of_joint[joint] != substructure ||
+          s->stamp[next] == f->search_stamp)
         continue;
-      if (other->stamp[next] == f->search)
+      if (other->stamp[next] == f->search_stamp)
         return joint;
-      reach(f, s, next, joint);
+      add_body(f, s, next, joint);
     }
   }
   return -1;
 }
 
-/* The way from the chord's tail to its head through the joint at which the sides met, which leads away from `body` on
- * side `which`. Returns how many joints. */
-static int write_way(finder *f, int which, int body, int joint) {
+/* Writes the path from the chord's tail to its head through the joint at which the fronts met, which leaves `body` on
+ * side `which`. Returns its number of joints. */
+static int write_path(cycle_finder *f, int which, int body, int joint) {
   int inner[2], count = 0;
   inner[which] = body;
-  inner[!which] = other_end(f->g, joint, body);
-  for (int b = inner[0]; f->sides[0].via[b] >= 0; b = other_end(f->g, f->sides[0].via[b], b))
-    f->path[count++] = f->sides[0].via[b];
+  inner[!which] = opposite_body(f->g, joint, body);
+  for (int b = inner[0]; f->sides[0].entry_joint[b] >= 0; b = opposite_body(f->g, f->sides[0].entry_joint[b], b))
+    f->path[count++] = f->sides[0].entry_joint[b];
   for (int i = 0; i < count / 2; ++i) {
     int swap = f->path[i];
     f->path[i] = f->path[count - 1 - i];
     f->path[count - 1 - i] = swap;
   }
   f->path[count++] = joint;
-  for (int b = inner[1]; f->sides[1].via[b] >= 0; b = other_end(f->g, f->sides[1].via[b], b))
-    f->path[count++] = f->sides[1].via[b];
+  for (int b = inner[1]; f->sides[1].entry_joint[b] >= 0; b = opposite_body(f->g, f->sides[1].entry_joint[b], b))
+    f->path[count++] = f->sides[1].entry_joint[b];
   return count;
 }
 
-/* The shortest way between the chord's ends that has fewer than `most` joints, into `path`. Returns how many; 0: there
- * is none. */
-static int find_way(finder *f, int loop, int most) {
+/* Shortest path between the chord's ends with fewer than `most` joints, into `path`. Returns its number of joints; 0:
+ * none. */
+static int find_shortest_path(cycle_finder *f, int loop, int most) {
   const km_edge *ends = &f->g->edges[f->t->chord[loop]];
-  f->search++;
-  put_out(f, 0, ends->tail);
-  put_out(f, 1, ends->head);
+  f->search_stamp++;
+  start_front(f, 0, ends->tail);
+  start_front(f, 1, ends->head);
   for (int length = 1; length < most; ++length) {
-    int which = effort(f, &f->sides[1]) < effort(f, &f->sides[0]), body;
-    int joint = step(f, which, f->t->substructure_of_loop[loop], &body);
+    int which = front_cost(f, &f->sides[1]) < front_cost(f, &f->sides[0]), body;
+    int joint = advance_front(f, which, f->t->substructure_of_loop[loop], &body);
     if (joint >= 0)
-      return write_way(f, which, body, joint);
+      return write_path(f, which, body, joint);
   }
   return 0;
 }
 
-/* Of the way's bodies that nearest to the inertial frame, as its place: 0 is the chord's tail. */
-static int nearest(const finder *f, int loop, int joints, int *base) {
+/* Finds the base body of a path's loop: the body with the lowest level. Returns its index on the path; 0 is the chord's
+ * tail. */
+static int find_base(const cycle_finder *f, int loop, int path_length, int *base) {
   int body = f->g->edges[f->t->chord[loop]].tail, best = 0;
   *base = body;
-  for (int i = 0; i < joints; ++i) {
-    body = other_end(f->g, f->path[i], body);
+  for (int i = 0; i < path_length; ++i) {
+    body = opposite_body(f->g, f->path[i], body);
     if (f->t->level[body] < f->t->level[*base]) {
       *base = body;
       best = i + 1;
@@ -126,74 +133,76 @@ static int nearest(const finder *f, int loop, int joints, int *base) {
   return best;
 }
 
-/* The loop of the way: from its base to the chord's tail, the chord, and from the base to the chord's head. */
-static void write_loop(finder *f, int loop, int joints, km_member *out) {
-  int base, at = nearest(f, loop, joints, &base);
+/* Writes the members of the path's loop: from the base to the chord's tail, the chord, and from the base to the chord's
+ * head. */
+static void write_loop(cycle_finder *f, int loop, int path_length, km_member *out) {
+  int base, incidence = find_base(f, loop, path_length, &base);
   f->t->base[loop] = base;
-  for (int i = at - 1, body = base; i >= 0; body = other_end(f->g, f->path[i--], body))
+  for (int i = incidence - 1, body = base; i >= 0; body = opposite_body(f->g, f->path[i--], body))
     *out++ = (km_member){f->path[i], +1, f->g->edges[f->path[i]].head == body};
   *out++ = (km_member){f->t->chord[loop], +1, false};
-  for (int i = at, body = base; i < joints; body = other_end(f->g, f->path[i++], body))
+  for (int i = incidence, body = base; i < path_length; body = opposite_body(f->g, f->path[i++], body))
     *out++ = (km_member){f->path[i], -1, f->g->edges[f->path[i]].head == body};
 }
 
-/* The loops by the length that the tree gives them, those of one length by number. */
-static bool sort(finder *f, km_arena *scratch) {
+/* Counting sort of the loops by the length of their fundamental cycles, then by number. */
+static bool sort_loops_by_length(cycle_finder *f, km_arena *scratch) {
   const km_topology *t = f->t;
   int longest = 0;
   for (int l = 0; l < t->loop_count; ++l)
-    longest = length_of(t, l) > longest ? length_of(t, l) : longest;
+    longest = loop_length(t, l) > longest ? loop_length(t, l) : longest;
   int *next = KM_ARENA_NEW(scratch, int, (size_t)longest + 2);
   if (!next)
     return false;
   for (int l = 0; l < t->loop_count; ++l)
-    next[length_of(t, l) + 1]++;
+    next[loop_length(t, l) + 1]++;
   for (int i = 0; i <= longest; ++i)
     next[i + 1] += next[i];
   for (int l = 0; l < t->loop_count; ++l)
-    f->order[next[length_of(t, l)]++] = l;
+    f->order[next[loop_length(t, l)]++] = l;
   return true;
 }
 
-static void shorten(finder *f, int loop, int *used) {
+/* Writes the shortest allowed cycle of one loop. */
+static void shorten(cycle_finder *f, int loop, int *used) {
   const km_topology *t = f->t;
-  int s = t->substructure_of_loop[loop], length = length_of(t, loop);
+  int s = t->substructure_of_loop[loop], length = loop_length(t, loop);
   bool large = t->loop_start[s + 1] - t->loop_start[s] > KM_MAX_TREE_LOOPS;
-  int joints = large && length > SHORTEST ? find_way(f, loop, length - 1) : 0;
-  if (joints)
-    write_loop(f, loop, joints, f->member + *used);
+  int path_length = large && length > MAX_SHORT_LENGTH ? find_shortest_path(f, loop, length - 1) : 0;
+  if (path_length)
+    write_loop(f, loop, path_length, f->member + *used);
   else
     memcpy(f->member + *used, t->member + t->member_start[loop], (size_t)length * sizeof *f->member);
-  *used += joints ? joints + 1 : length;
-  f->usable[t->chord[loop]] = true;
+  *used += path_length ? path_length + 1 : length;
+  f->is_usable[t->chord[loop]] = true;
 }
 
-/* The loops' members in the order of their numbers. None is longer than it was. */
-static void take_over(const finder *f) {
+/* Stores the members of all loops in the order of their numbers. No loop is longer than before. */
+static void store_loops(const cycle_finder *f) {
   km_topology *t = f->t;
   int used = 0;
   for (int l = 0; l < t->loop_count; ++l) {
-    int from = f->start[f->place[l]], count = f->start[f->place[l] + 1] - from;
-    memcpy(t->member + used, f->member + from, (size_t)count * sizeof *t->member);
+    int level_start = f->start[f->order_index[l]], count = f->start[f->order_index[l] + 1] - level_start;
+    memcpy(t->member + used, f->member + level_start, (size_t)count * sizeof *t->member);
     t->member_start[l] = used;
     used += count;
   }
   t->member_start[t->loop_count] = used;
 }
 
-static bool make_finder(finder *f, km_arena *scratch) {
-  size_t bodies = (size_t)f->g->body_count, joints = (size_t)f->g->joint_count, loops = (size_t)f->t->loop_count;
+static bool create_finder(cycle_finder *f, km_arena *scratch) {
+  size_t bodies = (size_t)f->g->body_count, path_length = (size_t)f->g->joint_count, loops = (size_t)f->t->loop_count;
   for (int i = 0; i < 2; ++i)
-    f->sides[i] = (side){.stamp = KM_ARENA_NEW(scratch, int, bodies),
-                         .via = KM_ARENA_NEW(scratch, int, bodies),
-                         .queue = KM_ARENA_NEW(scratch, int, bodies)};
-  f->usable = KM_ARENA_NEW(scratch, bool, joints);
+    f->sides[i] = (search_front){.stamp = KM_ARENA_NEW(scratch, int, bodies),
+                                 .entry_joint = KM_ARENA_NEW(scratch, int, bodies),
+                                 .queue = KM_ARENA_NEW(scratch, int, bodies)};
+  f->is_usable = KM_ARENA_NEW(scratch, bool, path_length);
   f->start = KM_ARENA_NEW(scratch, int, loops + 1);
-  f->place = KM_ARENA_NEW(scratch, int, loops);
+  f->order_index = KM_ARENA_NEW(scratch, int, loops);
   f->order = KM_ARENA_NEW(scratch, int, loops);
   f->path = KM_ARENA_NEW(scratch, int, bodies);
   f->member = KM_ARENA_NEW(scratch, km_member, (size_t)f->t->member_start[loops]);
-  return !scratch->failed && sort(f, scratch);
+  return !scratch->failed && sort_loops_by_length(f, scratch);
 }
 
 static bool is_needed(const km_topology *t) {
@@ -203,21 +212,21 @@ static bool is_needed(const km_topology *t) {
   return needed;
 }
 
-bool km_find_short_loops(const km_graph *g, const km_incidence *at, km_arena *scratch, km_topology *t) {
-  finder f = {.g = g, .at = at, .t = t};
+bool km_find_short_loops(const km_graph *g, const km_incidence *incidence, km_arena *scratch, km_topology *t) {
+  cycle_finder f = {.g = g, .incidence = incidence, .t = t};
   int used = 0;
   if (!is_needed(t))
     return true;
-  if (!make_finder(&f, scratch))
+  if (!create_finder(&f, scratch))
     return false;
   for (int b = 1; b < t->body_count; ++b)
-    f.usable[t->arc[b]] = true;
+    f.is_usable[t->arc[b]] = true;
   for (int i = 0; i < t->loop_count; ++i) {
-    f.place[f.order[i]] = i;
+    f.order_index[f.order[i]] = i;
     f.start[i] = used;
     shorten(&f, f.order[i], &used);
   }
   f.start[t->loop_count] = used;
-  take_over(&f);
+  store_loops(&f);
   return true;
 }

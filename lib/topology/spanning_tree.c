@@ -1,26 +1,27 @@
-/* Spanning tree, loops and substructures of a graph. */
+/* Spanning tree (breadth-first), fundamental cycles and biconnected components of a graph (docs/theory.md 2.2). */
 #include "topology/short_loops.h"
 
 #include <string.h>
 
-static void build_incidence(const km_graph *g, km_incidence *at) {
+/* Lists the joints at each body. */
+static void build_incidence(const km_graph *g, km_incidence *incidence) {
   for (int j = 0; j < g->joint_count; ++j) {
-    at->start[g->edges[j].tail + 1]++;
-    at->start[g->edges[j].head + 1]++;
+    incidence->start[g->edges[j].tail + 1]++;
+    incidence->start[g->edges[j].head + 1]++;
   }
   for (int b = 0; b < g->body_count; ++b)
-    at->start[b + 1] += at->start[b];
+    incidence->start[b + 1] += incidence->start[b];
   for (int j = g->joint_count - 1; j >= 0; --j) {
-    at->item[--at->start[g->edges[j].tail + 1]] = j;
-    at->item[--at->start[g->edges[j].head + 1]] = j;
+    incidence->item[--incidence->start[g->edges[j].tail + 1]] = j;
+    incidence->item[--incidence->start[g->edges[j].head + 1]] = j;
   }
-  /* start[b + 1] now holds the first item of b: move it to start[b]. */
-  memmove(at->start, at->start + 1, (size_t)g->body_count * sizeof *at->start);
-  at->start[g->body_count] = 2 * g->joint_count;
+  /* start[b + 1] now contains the first item of b: it is moved to start[b]. */
+  memmove(incidence->start, incidence->start + 1, (size_t)g->body_count * sizeof *incidence->start);
+  incidence->start[g->body_count] = 2 * g->joint_count;
 }
 
-/* Breadth-first from the inertial frame. */
-static void grow_tree(const km_graph *g, const km_incidence *at, km_topology *t) {
+/* Breadth-first spanning tree from the inertial frame. */
+static void build_tree(const km_graph *g, const km_incidence *incidence, km_topology *t) {
   for (int b = 0; b < g->body_count; ++b)
     t->parent[b] = t->arc[b] = t->level[b] = -1;
   int tail = 1;
@@ -28,8 +29,8 @@ static void grow_tree(const km_graph *g, const km_incidence *at, km_topology *t)
   t->level[0] = 0;
   for (int head = 0; head < tail; ++head) {
     int body = t->order[head];
-    for (int i = at->start[body]; i < at->start[body + 1]; ++i) {
-      int joint = at->item[i];
+    for (int i = incidence->start[body]; i < incidence->start[body + 1]; ++i) {
+      int joint = incidence->item[i];
       bool forward = g->edges[joint].tail == body;
       int next = forward ? g->edges[joint].head : g->edges[joint].tail;
       if (t->level[next] >= 0)
@@ -47,6 +48,7 @@ static bool is_arc(const km_graph *g, const km_topology *t, int joint) {
   return t->arc[g->edges[joint].head] == joint || t->arc[g->edges[joint].tail] == joint;
 }
 
+/* Lowest common ancestor of two bodies in the tree. */
 static int common_ancestor(const km_topology *t, int a, int b) {
   while (a != b) {
     if (t->level[a] >= t->level[b])
@@ -57,6 +59,7 @@ static int common_ancestor(const km_topology *t, int a, int b) {
   return a;
 }
 
+/* Finds the chords and base bodies, and counts the members of their fundamental cycles. */
 static void find_chords(const km_graph *g, km_topology *t, int *members) {
   *members = 0;
   for (int j = 0; j < g->joint_count; ++j) {
@@ -76,54 +79,57 @@ static km_member *write_path(const km_topology *t, int base, int body, int side,
   return end;
 }
 
+/* Writes the members of all fundamental cycles. */
 static void list_members(const km_graph *g, km_topology *t) {
   int used = 0;
   for (int l = 0; l < t->loop_count; ++l) {
     const km_edge *edge = &g->edges[t->chord[l]];
     int base = t->base[l];
-    int out = t->level[edge->tail] - t->level[base], back = t->level[edge->head] - t->level[base];
+    int outward = t->level[edge->tail] - t->level[base], return_path = t->level[edge->head] - t->level[base];
     t->member_start[l] = used;
-    write_path(t, base, edge->tail, +1, t->member + used + out);
-    t->member[used + out] = (km_member){t->chord[l], +1, false};
-    used += out + 1 + back;
+    write_path(t, base, edge->tail, +1, t->member + used + outward);
+    t->member[used + outward] = (km_member){t->chord[l], +1, false};
+    used += outward + 1 + return_path;
     write_path(t, base, edge->head, -1, t->member + used);
   }
   t->member_start[t->loop_count] = used;
 }
 
-/* Union-find over joints. Loops that share a joint are one substructure: the classes are the biconnected
- * components, since those are the connected components of the fundamental cycles (matroid theory). */
-static int find(int *set, int joint) {
+/* Union-find over joints. Loops that share a joint are one substructure: the classes are the biconnected components,
+ * since these are the connected components of the fundamental cycles (matroid theory). */
+static int find_root(int *set, int joint) {
   while (set[joint] != joint)
     joint = set[joint] = set[set[joint]];
   return joint;
 }
 
-static void unite(int *set, int a, int b) {
-  a = find(set, a);
-  b = find(set, b);
-  set[a > b ? a : b] = a < b ? a : b; /* the smallest joint stands for the class */
+static void unite_sets(int *set, int a, int b) {
+  a = find_root(set, a);
+  b = find_root(set, b);
+  set[a > b ? a : b] = a < b ? a : b; /* the smallest joint represents the class */
 }
 
-static void unite_loops(const km_graph *g, const km_topology *t, int *set, bool *inside) {
+/* Unites the joints of each loop and of each coupling. */
+static void unite_joints(const km_graph *g, const km_topology *t, int *set, bool *is_in_substructure) {
   for (int l = 0; l < t->loop_count; ++l) {
     for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i) {
-      inside[t->member[i].joint] = true;
-      unite(set, t->chord[l], t->member[i].joint);
+      is_in_substructure[t->member[i].joint] = true;
+      unite_sets(set, t->chord[l], t->member[i].joint);
     }
   }
   for (int i = 0; i < g->coupled_count; ++i) {
     for (int k = 0; k < g->coupled[i].count; ++k) {
-      inside[g->coupled[i].joints[k]] = true;
-      unite(set, g->coupled[i].joints[0], g->coupled[i].joints[k]);
+      is_in_substructure[g->coupled[i].joints[k]] = true;
+      unite_sets(set, g->coupled[i].joints[0], g->coupled[i].joints[k]);
     }
   }
 }
 
-static void number_substructures(km_topology *t, int *set, const bool *inside) {
+/* Numbers the substructures by their first joint. */
+static void number_substructures(km_topology *t, int *set, const bool *is_in_substructure) {
   for (int j = 0; j < t->joint_count; ++j) {
-    int root = find(set, j);
-    if (!inside[j])
+    int root = find_root(set, j);
+    if (!is_in_substructure[j])
       t->substructure_of_joint[j] = -1;
     else
       t->substructure_of_joint[j] = root == j ? t->substructure_count++ : t->substructure_of_joint[root];
@@ -132,45 +138,46 @@ static void number_substructures(km_topology *t, int *set, const bool *inside) {
     t->substructure_of_loop[l] = t->substructure_of_joint[t->chord[l]];
 }
 
-/* Groups 0 … count-1 by their class: item[start[c]] … are the members of class c in order. */
-static void group(const int *class_of, int count, int classes, int *start, int *item) {
+/* Counting sort of 0 … count-1 by class: the members of class c are item[start[c]] …, in order. */
+static void group_by_class(const int *class_of, int count, int classes, int *start, int *item) {
   for (int i = 0; i < count; ++i)
     if (class_of[i] >= 0)
       start[class_of[i] + 1]++;
   for (int c = 0; c < classes; ++c)
     start[c + 1] += start[c];
-  for (int i = count - 1, filled; i >= 0; --i) {
+  for (int i = count - 1, position; i >= 0; --i) {
     if (class_of[i] < 0)
       continue;
-    filled = --start[class_of[i] + 1];
-    item[filled] = i;
+    position = --start[class_of[i] + 1];
+    item[position] = i;
   }
   memmove(start, start + 1, (size_t)classes * sizeof *start);
 }
 
-static void group_all(km_topology *t) {
-  int grouped = 0;
+static void group_joints_and_loops(km_topology *t) {
+  int grouped_count = 0;
   for (int j = 0; j < t->joint_count; ++j)
-    grouped += t->substructure_of_joint[j] >= 0;
-  group(t->substructure_of_joint, t->joint_count, t->substructure_count, t->joint_start, t->joint);
-  group(t->substructure_of_loop, t->loop_count, t->substructure_count, t->loop_start, t->loop);
-  t->joint_start[t->substructure_count] = grouped;
+    grouped_count += t->substructure_of_joint[j] >= 0;
+  group_by_class(t->substructure_of_joint, t->joint_count, t->substructure_count, t->joint_start, t->joint);
+  group_by_class(t->substructure_of_loop, t->loop_count, t->substructure_count, t->loop_start, t->loop);
+  t->joint_start[t->substructure_count] = grouped_count;
   t->loop_start[t->substructure_count] = t->loop_count;
 }
 
+/* Lists the bodies of each substructure in level order. */
 static void group_bodies(km_topology *t, int *class_of) {
-  int grouped = 0;
+  int grouped_count = 0;
   for (int i = 0; i < t->body_count; ++i) {
     class_of[i] = i ? t->substructure_of_joint[t->arc[t->order[i]]] : -1;
-    grouped += class_of[i] >= 0;
+    grouped_count += class_of[i] >= 0;
   }
-  group(class_of, t->body_count, t->substructure_count, t->body_start, t->body);
-  t->body_start[t->substructure_count] = grouped;
-  for (int i = 0; i < grouped; ++i)
+  group_by_class(class_of, t->body_count, t->substructure_count, t->body_start, t->body);
+  t->body_start[t->substructure_count] = grouped_count;
+  for (int i = 0; i < grouped_count; ++i)
     t->body[i] = t->order[t->body[i]];
 }
 
-static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
+static bool allocate_arrays(const km_graph *g, km_arena *arena, km_topology *t) {
   size_t bodies = (size_t)g->body_count, joints = (size_t)g->joint_count;
   t->body_count = g->body_count;
   t->joint_count = g->joint_count;
@@ -194,16 +201,16 @@ static bool allocate(const km_graph *g, km_arena *arena, km_topology *t) {
 }
 
 static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topology *t) {
-  km_incidence at = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
-                     KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
+  km_incidence incidence = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
+                            KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};
   int *set = KM_ARENA_NEW(scratch, int, (size_t)g->joint_count);
   int *class_of = KM_ARENA_NEW(scratch, int, (size_t)g->body_count);
-  bool *inside = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
-  if (scratch->failed || !allocate(g, arena, t))
+  bool *is_in_substructure = KM_ARENA_NEW(scratch, bool, (size_t)g->joint_count);
+  if (scratch->failed || !allocate_arrays(g, arena, t))
     return false;
   int members;
-  build_incidence(g, &at);
-  grow_tree(g, &at, t);
+  build_incidence(g, &incidence);
+  build_tree(g, &incidence, t);
   find_chords(g, t, &members);
   t->member = KM_ARENA_NEW(arena, km_member, (size_t)members);
   if (arena->failed)
@@ -211,17 +218,17 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
   list_members(g, t);
   for (int j = 0; j < g->joint_count; ++j)
     set[j] = j;
-  unite_loops(g, t, set, inside);
-  number_substructures(t, set, inside);
-  group_all(t);
+  unite_joints(g, t, set, is_in_substructure);
+  number_substructures(t, set, is_in_substructure);
+  group_joints_and_loops(t);
   group_bodies(t, class_of);
-  return km_find_short_loops(g, &at, scratch, t);
+  return km_find_short_loops(g, &incidence, scratch, t);
 }
 
-km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *out, km_error *error) {
+km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *outward, km_error *error) {
   km_arena scratch = {0};
-  *out = (km_topology){0};
-  bool done = build(graph, arena, &scratch, out);
+  *outward = (km_topology){0};
+  bool done = build(graph, arena, &scratch, outward);
   km_arena_free(&scratch);
   return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while analysing the topology");
 }

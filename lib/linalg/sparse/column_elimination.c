@@ -226,7 +226,7 @@ static void clear_independent(const km_partition *p, int count) {
     s->upper[s->dropped[i]] = s->lower[s->dropped[i]] = (km_entry_range){0, 0};
 }
 
-/* Reduces the independent columns by all steps. Later steps contribute next to nothing at these values, but can
+/* Reduces the independent columns by all steps. Later steps contribute only rounding at these values, but can
  * contribute at the next values with these pivots. */
 static void reduce_independent(km_partition *p, const double *matrix, const int *dropped, int count, int upper_end,
                                int lower_end) {

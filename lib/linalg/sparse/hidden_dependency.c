@@ -3,10 +3,8 @@
  *   y = (L U)⁻¹ (L U)⁻ᵀ start:   σ_min ≈ |(L U)⁻ᵀ start| / |y|,   y its right singular vector
  *
  * LU by columns can share a vanishing singular value among several small pivots. The column with the largest entry of y
- * is
- * postponed: its remainder is then at most σ_min over that entry (T. Chan 1987, for LU). The same holds for rows with
- * the
- * left vector. */
+ * is postponed: its remainder is then at most σ_min over that entry (T. Chan 1987, for LU). Rows are treated alike by
+ * the left singular vector. */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"
 

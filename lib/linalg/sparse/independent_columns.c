@@ -40,7 +40,7 @@ typedef struct null_pivoting {
 } null_pivoting;
 
 /* Bounds relative to the entries of the matrix: entries of all null vectors, and visited entries with many vectors.
- * Beyond them the time exceeds the value of a smaller B. With few vectors visits are not bounded, since a basis is
+ * Longer times exceed the value of a smaller B. With few vectors visits are not bounded, since a basis is
  * formed from them. */
 enum { MAX_FILL = 50, MAX_VISITS = 2500 };
 

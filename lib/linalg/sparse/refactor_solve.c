@@ -287,7 +287,8 @@ bool km_sparse_refactor(km_partition *p, const double *matrix, bool is_full_patt
   for (int k = 0; k < s->singleton_count; ++k)
     refactor_singleton(p, matrix, k);
   const int count =
-      s->has_rows_only ? p->rank : p->columns; /* with rows only, independent columns have no entries of U */
+      s->has_rows_only ? p->rank : p->columns; /* independent columns have no entries of U if only rows were
+                                                * requested */
   for (int k = s->singleton_count; k < count; ++k) {
     int c = p->column[k];
     scatter_primary(p, matrix, c);

@@ -23,7 +23,7 @@ typedef struct product_list {
   const long *position;
   long *entry_of_row; /* [rows] by position: entry in the present column; -1: none */
   km_factors *pairs;  /* pairs of the present column */
-  long *entry;        /* of each pair: position of the other row, later the entry that sums the product */
+  long *entry;        /* other row's position of each pair, later the entry that sums the product */
   bool upper;
 } product_list;
 

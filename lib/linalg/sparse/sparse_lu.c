@@ -73,9 +73,9 @@ static void eliminate_by_rows(km_partition *p, const double *matrix, const bool 
   } while (hidden >= 0);
 }
 
-/* Finds the primary rows only. Elimination by columns comes first; dependent rows can cause much fill-in there. Above
- * that bound sparse QR finds and excludes them. QR has at least the entries of the Gram matrix, far more if rows
- * outnumber columns, so it waits for a postponed column in that case. */
+/* Finds the primary rows only. Elimination by columns comes first; dependent rows can cause much fill-in there. If a
+ * bound of entries is exceeded, sparse QR finds and excludes them. QR has at least the entries of the Gram matrix, far
+ * more if rows outnumber columns, so it waits for a postponed column in that case. */
 static void find_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   enum { MAX_FILL = 4 };
   km_sparse *s = p->sparse;

@@ -135,8 +135,8 @@ int km_sparse_hidden_row(const km_partition *partition, const double *matrix, co
  * there are none, without SPQR, or out of memory. */
 bool km_sparse_find_dependent_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* True if all rows are independent to the tolerance over all columns that may be pivots, by their normal equations;
- * then that is the partition's result. With `kept_row_tolerance`: true if the present primary rows are independent to
- * it and the other rows depend on them. False also without normal equations. */
+ * then that is the partition's result. If `kept_row_tolerance` is set: true if the present primary rows are independent
+ * to it and the other rows depend on them. False also without normal equations. */
 bool km_sparse_rows_are_independent(km_partition *partition, const double *matrix, const bool *forced,
                                     double tolerance);
 /* Steps of a supernode that are subtracted together. */

@@ -181,9 +181,9 @@ static void sort_row_begins(const km_sparse_qr *q, const cholmod_sparse *by_row,
   qsort(list, (size_t)q->rows, sizeof *list, compare_row_begins);
 }
 
-/* square[row] = |R⁻ᵀ b|² of every row b, by forward substitution with the rows of R from the first entry of b on. With
- * nested dissection a row reaches few columns: log n in a chain of n loops, where minimum fill-in can reach n. Rows
- * with close first columns reach nearly equal columns and are solved together in SIMD lanes. */
+/* square[row] = |R⁻ᵀ b|² of every row b, by forward substitution with the rows of R from the first entry of b on. A row
+ * reaches few columns in an order of nested dissection: log n in a chain of n loops, where minimum fill-in can reach n.
+ * Rows with close first columns reach nearly equal columns and are solved together in SIMD lanes. */
 static void add_squares(const km_sparse_qr *q, const km_triangle *R, const cholmod_sparse *by_row,
                         const long *column_of_r, const row_begin *list, double *y, uint64_t *pending, double *square) {
   const long *row_start = by_row->p, *entry = by_row->i;

@@ -1,5 +1,5 @@
-/* Sparse QR of a large matrix: projections and minimum-norm solutions (docs/theory.md 3.4, 3.5). By SuiteSparse's SPQR
- * (T. Davis 2011), loaded at the first use. */
+/* Sparse QR of a large matrix: projections and minimum-norm solutions (docs/theory.md 3.4, 3.5). SuiteSparse's SPQR (T.
+ * Davis 2011) is loaded at the first use. */
 #ifndef KM_LINALG_SPARSE_SPARSE_QR_H
 #define KM_LINALG_SPARSE_SPARSE_QR_H
 

@@ -1,6 +1,6 @@
 /* Supernodes: consecutive steps whose rows of L are nested, rows(k) = {pivot row of k + 1} ∪ rows(k + 1)
  * (docs/theory.md
- * 3.6). With much fill-in nearly all steps nest. Their entries of L are stored a second time, in a shared row order,
+ * 3.6). Much fill-in makes nearly all rows nested. Their entries of L are stored a second time, in a shared row order,
  * so
  * that eight steps are subtracted in one pass. */
 #include "linalg/dense/simd_pair.h"
@@ -67,7 +67,7 @@ void km_sparse_extend_supernode(km_partition *p, int step) {
   km_sparse *s = p->sparse;
   const km_entry_range *column_of_l = &s->lower[p->column[step]];
   if (column_of_l->end - column_of_l->start < MIN_ENTRIES ||
-      /* without memory there is no supernode */
+      /* no supernode without memory */
       !km_sparse_grow(s, &s->supernode_store, s->supernode_end + column_of_l->end - column_of_l->start))
     return;
   int position = step > 0 ? find_extra_row(s, &s->supernode_range[step - 1], column_of_l, p->row[step]) : -1;
