@@ -45,7 +45,7 @@ static void open_study(world *w) {
     w->numbers[k] = w->track_plan.start[k];
 }
 
-/* What can't be made in this world stays NULL, and is a bad value more. */
+/* Objects that can't be created in this setting stay NULL, which is a further invalid value. */
 static void open_handles(world *w) {
   int last_coordinate = km_model_coordinate_count(w->model) - 1;
   w->input = (km_port){.kind = KM_PORT_JOINT, .coordinate = 0, .name = "in"};
@@ -106,7 +106,7 @@ static km_status parabola(void *context, const double *values, double *figures, 
   return KM_OK;
 }
 
-/* A crew of nobody. */
+/* Workers without processes. */
 static bool send_nothing(void *context, int member, const void *bytes, size_t size) {
   (void)context, (void)member, (void)bytes, (void)size;
   return false;
@@ -139,7 +139,7 @@ static void open_designs(world *w) {
   need(km_design_study_open(&w->designs_def, NULL, false, &w->designs, &w->error), &w->error);
 }
 
-/* What pictures are made of. */
+/* Inputs of pictures. */
 static void open_pictures(world *w) {
   w->answered = (km_answered){.question = w->question, .name = "model"};
   w->comparison = (km_comparison){&w->answered, 1, false};

@@ -1,4 +1,4 @@
-/* What the generated calls are made with: one of everything that the library hands out. */
+/* Arguments of the generated calls: one object of each kind that the library creates. */
 #ifndef KM_TESTS_WORLD_H
 #define KM_TESTS_WORLD_H
 

@@ -40,7 +40,7 @@ static bool choose(const fixture *f, randomness *r, int *in, int *out) {
       continue;
     *in = m->column_coordinate[sub->column_start + below(r, sub->columns)];
     *out = m->column_coordinate[sub->column_start + below(r, sub->columns)];
-    /* near a toggle of the driver its neighbours are out of reach or far away */
+    /* rows next to a toggle of the driver are unreachable or far away */
     if (*in != *out && m->ball_of[*in] < 0 && m->ball_of[*out] < 0 && f->state->mobility_number[*in] > 1e-4 &&
         fabs(km_state_coordinate(f->state, *in)) < 1e6)
       return true;
@@ -132,7 +132,7 @@ static void pair_of_loads(const fixture *f, int c, km_load out[2]) {
   if (!turns) {
     km_vec3 from = km_pose_point(&f->state->pose[a->body], a->pose.p);
     km_vec3 to = km_pose_point(&f->state->pose[b->body], b->pose.p);
-    moment = km_vec3_scale(-1.0, km_vec3_cross(km_vec3_sub(to, from), axis)); /* of the opposite force at `to` */
+    moment = km_vec3_scale(-1.0, km_vec3_cross(km_vec3_sub(to, from), axis)); /* opposite force at `to` */
   }
   km_vec3 force = turns ? none : axis, couple = turns ? axis : none;
   km_vec3 back = turns ? km_vec3_scale(-1.0, axis) : moment;

@@ -39,7 +39,7 @@ static km_status diagnose(const char *json) {
   return status;
 }
 
-/* Asks, and writes the answer as a record, a plot, a report. */
+/* Computes a question, and writes the answer as record, plot and report. */
 static km_status write_answer(const fixture *f, const km_question *q) {
   km_answered answer = {q, "model", NULL, 0};
   km_chart *chart = NULL;
@@ -109,7 +109,7 @@ static km_status simulate(const char *json) {
   km_chart *chart = NULL;
   km_drawing *drawing = NULL;
   km_status status = open_pose(json, &f);
-  km_history_def def = km_history_default(f.model); /* of a model that is NULL, too */
+  km_history_def def = km_history_default(f.model); /* also for a NULL model */
   def.until = 0.02;
   def.every = 0.01;
   def.reactions = def.mobility = true;
@@ -401,7 +401,7 @@ static void test_written(void **unused) {
       "\"polynomial\": [0, 1, 2]}]}]}");
 }
 
-/* What a state tells of its mobility, to the last bit. */
+/* Mobility data of a state, bit by bit. */
 typedef struct told {
   km_mobility mobility;
   km_advantage advantage;

@@ -90,7 +90,7 @@ static double dot(const double *a, const double *b, int n) {
   return sum;
 }
 
-/* c₁ = (J⁺ξ, 1)/√(1 + |J⁺ξ|²), J⁺ by LAPACK's singular values; c₂ … are unit null vectors of J. For every task. */
+/* For every task: c₁ = (J⁺ξ, 1)/√(1 + |J⁺ξ|²), J⁺ by LAPACK's singular values; c₂ … are unit null vectors of J. */
 static void path_control_is_the_pseudo_inverse(void **state) {
   (void)state;
   randomness r = {9};
@@ -297,7 +297,8 @@ static void start_near(const km_study *study, km_tracker_space *space, randomnes
   km_lanes_aim(lanes, l, &space->arm.pose, xi);
 }
 
-/* Siblings side by side have the bits of one by one, also where some of them fail, on every kind of register. */
+/* Nodes computed in SIMD lanes have the bits of nodes computed one by one, also if some fail, for every register
+ * width. */
 static void lanes_have_the_same_bits(void **state) {
   (void)state;
   static const char *const objectives[] = {"path-control", "singular-value"};
@@ -395,10 +396,10 @@ static void predicted(const km_arm *a, const km_node *from, const double *tilt, 
   }
 }
 
-/* Every step ends at the pose that is nearest to its predictor: what lies between them has no part along the null
- * space there. So it is the same pose when Newton begins where the last correctors lead to expect, which takes two
- * Jacobians a step where three were needed. Newton ends with errors of 1e-12 across the null space; along it with what
- * its last step but one left: the null space turns by about |d|² over a corrector d, of which |d| is taken. */
+/* Every step ends at the configuration nearest to its predictor: their difference has no component along the null
+ * space. So the result is the same when Newton starts from an extrapolation of previous correctors, with two
+ * Jacobians a step instead of three. Newton ends with errors of 1e-12 across the null space; along it with the error
+ * of the last step but one: the null space rotates by about |d|² over a corrector d. */
 static void steps_end_nearest_to_their_predictors(void **state) {
   (void)state;
   static const struct {

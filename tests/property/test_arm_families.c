@@ -43,7 +43,7 @@ static void every_turn_is_listed_from_any_pose(void **state) {
   (void)state;
   char why[400] = "";
   const uint64_t at_limit =
-      77100043; /* from a pose at a limit rounding told the end of a round from the start of the next one */
+      77100043; /* regression: starting at a limit, rounding separated the end of a cycle from the start of the next */
   if (!family_turns(at_limit, why, sizeof why))
     fail_msg("seed %llu: %s", (unsigned long long)at_limit, why);
   over(family_turns, 12);

@@ -16,7 +16,7 @@ static long double *entry(bordered *s, int row, int column) {
   return &s->A[(size_t)column * (size_t)s->size + (size_t)row];
 }
 
-/* What hangs on a node's motion: is `node` the same or above `other`? */
+/* True if `node` equals or is an ancestor of `other`. */
 static bool carries(const km_tree *tree, int node, int other) {
   while (other > node)
     other = tree->nodes[other].parent;

@@ -217,7 +217,7 @@ static void wrong_shapes(void **state) {
   km_builder_free(s.b);
 }
 
-/* Of holds, poses, directions and settings. */
+/* Errors of holds, poses, directions and settings. */
 static void wrong_values(void **state) {
   (void)state;
   start s = begin();
@@ -316,7 +316,7 @@ static void wrong_rest(void **state) {
   km_builder_free(s.b);
 }
 
-/* What is wrong only as a whole; a builder that is finished takes nothing more. */
+/* Errors of the complete model; a finished builder accepts no further elements. */
 static void wrong_wholes(void **state) {
   (void)state;
   start s = begin();

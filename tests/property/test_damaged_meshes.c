@@ -201,7 +201,7 @@ static void expect(const char *path, const char *words) {
     fail_msg("%s\nexpected: %s", error.text, words);
 }
 
-/* What the caller does with signals and descriptors doesn't change what is read. */
+/* Results don't depend on the caller's signals and descriptors. */
 static void callers_may_ignore_signals(void **state) {
   (void)state;
   reading r = {.status = KM_OK};

@@ -67,7 +67,7 @@ static void near_and_at_zero(void **state) {
   fixture_close(&f);
 }
 
-/* By arc length: where x comes to its place, ∫ √(1 + (x² - e)²) dx by the midpoint rule. */
+/* Arc length at which x reaches a value, ∫ √(1 + (x² − e)²) dx by the midpoint rule. */
 static void along_the_arc(void **state) {
   (void)state;
   const double width = 0.01, e = width * width;

@@ -52,8 +52,8 @@ static km_status ishigami_beside(void *context, const double *x, double *f, km_e
   return ishigami(context, x, f, error);
 }
 
-/* How often the intervals of `seeds` random samples hold the values of closed form: of the two means, the share
- * above 0, and the total indices of Ishigami's function. */
+/* Number of `seeds` random samples whose intervals contain the closed-form values: two means, the share above 0, and
+ * the total indices of Ishigami's function. */
 static void count_intervals(int seeds, int *held) {
   const double v1 = 0.5 * pow(1.0 + 0.1 * pow(M_PI, 4.0) / 5.0, 2.0), v2 = 49.0 / 8.0;
   const double v13 = 0.01 * pow(M_PI, 8.0) * 8.0 / 225.0, v = v1 + v2 + v13;
@@ -193,8 +193,8 @@ static km_status itself(void *context, const double *x, double *f, km_error *err
   return KM_OK;
 }
 
-/* Of three normal numbers too the interval holds the mean in 95 % of all samples; that of a known deviation would in
- * 81 %. */
+/* The interval of three normal numbers contains the mean in 95 % of all samples, too; that of a known deviation
+ * would in 81 %. */
 static void intervals_of_few(void **state) {
   (void)state;
   enum { SEEDS = 600 };
@@ -264,7 +264,7 @@ static void ranks(void **state) {
   km_design_study_free(s);
 }
 
-/* Where every design has its figures too, however often and in whatever order it is asked. */
+/* Designs have the same figures, however often and in whatever order they are evaluated. */
 static void ranks_of_all_designs(void **state) {
   (void)state;
   designs d;
@@ -379,7 +379,7 @@ static void every_algorithm_finds_the_bottom(void **state) {
   }
 }
 
-/* With x0 + x1 ≥ 0.5 the bottom lies where Lagrange's conditions put it. */
+/* With x0 + x1 ≥ 0.5, the minimum satisfies Lagrange's conditions. */
 static void limits_are_constraints(void **state) {
   (void)state;
   static const char *const algorithms[] = {"cobyla", "slsqp", "mma", "bobyqa", "isres"};
@@ -402,7 +402,7 @@ static void limits_are_constraints(void **state) {
   }
 }
 
-/* Many starts, on any number of threads, ask for the same designs in the same order. */
+/* Many starts, on any number of threads, evaluate the same designs in the same order. */
 static void starts_on_threads(void **state) {
   (void)state;
   designs d;

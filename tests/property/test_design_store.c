@@ -1,4 +1,4 @@
-/* The store of a study: what is there isn't asked again, whatever ended the run that put it there. */
+/* The store of a study: stored designs aren't evaluated again, whatever ended the run that stored them. */
 #include "support/designs.h"
 
 #include <math.h>
@@ -94,7 +94,7 @@ static void a_store_has_one_study_and_one_user(void **state) {
   unlink(path);
 }
 
-/* Whoever's database it is, it stays as it is. */
+/* A database of another program is unchanged. */
 static void a_database_of_others_is_no_store(void **state) {
   (void)state;
   char path[64];
@@ -253,7 +253,7 @@ static void a_table_of_poses_belongs_to_the_answer(void **state) {
   unlink(path);
 }
 
-/* What a damaged store has in place of an answer is none: no number of it is told, and it is asked again. */
+/* A damaged answer in a store is not used: the design is evaluated again. */
 static void damaged_answers_are_asked_again(void **state) {
   (void)state;
   static const char *const damage[] = {"outcome = -5",
@@ -326,7 +326,7 @@ static void assert_turned(const km_design_study *s, int count) {
   }
 }
 
-/* Of 64 bytes each: more than once what waits is sorted on the way. */
+/* Entries of 64 bytes: the buffer is sorted more than once. */
 static void many_designs_are_sorted(void **state) {
   (void)state;
   enum { COUNT = 60000 };
@@ -457,7 +457,7 @@ static void optimisations_that_end_early_are_told(void **state) {
   unlink(path);
 }
 
-/* What a user who may not write is shown of a store: all of it, also what a killed run has left. */
+/* A user without write permission can read a complete store, also that of a killed run. */
 static void stores_may_be_read_only(void **state) {
   (void)state;
   enum { COUNT = 50, NOBODY = 65534 };
@@ -477,7 +477,7 @@ static void stores_may_be_read_only(void **state) {
     chmod(path, 0444);
     chmod(folder, 0555);
     uid_t user = geteuid();
-    if (user == 0) /* who may write everywhere */
+    if (user == 0) /* root may write everywhere */
       assert_int_equal(seteuid(NOBODY), 0);
     if (km_design_study_open(&d.def, path, false, &s, &error))
       fail_msg("%s", error.text);

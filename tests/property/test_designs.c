@@ -12,8 +12,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Models with numbers that a patch takes over, and that need the whole reader (a rotation, a limit). What is held
- * and set is in radians or the model's length unit. */
+/* Models with numbers that can be patched, and with numbers that need the reader (a rotation, a limit). Held and set
+ * values are in radians or the model's length unit. */
 static const struct {
   const char *model, *kind, *column, *paths[2];
   double values[2][2];
@@ -91,7 +91,7 @@ static km_hold as_hold(const km_model *model, const km_design_setting *setting) 
   return hold;
 }
 
-/* The figure of a model that is read with the values, and asked without any study. */
+/* Figure of a model that is read with the values, without a study. */
 static double by_hand(int c, const double *values, double length) {
   km_assignment assignments[2] = {{cases[c].paths[0], values[0]}, {cases[c].paths[1], values[1]}};
   char path[512];
@@ -334,12 +334,12 @@ static void truncated_tails(void **state) {
     assert_true(value[0] >= 6.0 && value[0] <= 7.0);
     sum += value[0] / 2000.0;
   }
-  /* mean of the tail beyond a = 6: φ(a)/Q(a) = 6.158260; what lies beyond 7 takes 0.0011 of it */
+  /* mean of the tail beyond a = 6: φ(a)/Q(a) = 6.158260; the part beyond 7 is 0.0011 of it */
   assert_near(sum, 6.1573, 4.0 * 0.15 / sqrt(2000.0));
   km_sampler_free(s);
 }
 
-/* A design that can't be patched goes through the reader, which tells what is wrong with it. */
+/* A design that can't be patched goes through the reader, which reports its errors. */
 static void faulty_designs_are_results(void **state) {
   (void)state;
   designs d;
@@ -393,7 +393,7 @@ static void cancelled_runs_go_on(void **state) {
   km_design_study_free(s);
 }
 
-/* A record begins as those of all tools: with the model's hash, its units and the length that serves all designs. */
+/* A record begins with the model's hash, its units and the characteristic length shared by all designs. */
 static void records_name_the_model(void **state) {
   (void)state;
   designs d;
@@ -419,7 +419,7 @@ static km_status reciprocal(void *context, const double *x, double *f, km_error 
   return KM_OK;
 }
 
-/* What JSON has no number for has a word beside it. */
+/* Numbers that JSON can't represent have a word. */
 static void infinite_figures_say_so(void **state) {
   (void)state;
   designs d;

@@ -200,7 +200,7 @@ static void a_strut_is_a_distance(void **state) {
       }
 }
 
-/* In space a strut takes no freedom: Kutzbach's number is what it is without. */
+/* A spatial strut removes no freedom: Kutzbach's number is unchanged. */
 static void a_strut_takes_no_freedom(void **state) {
   (void)state;
   static const char free_body[] =

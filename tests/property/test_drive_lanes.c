@@ -1,5 +1,5 @@
-/* Drives side by side have the bits of drives that go alone: where they ride in vectors, where they leave for a
- * limit, a dead point or new pivots, and whatever goes beside them. */
+/* Motions in a batch have the bits of single motions: in SIMD lanes, after leaving the lanes for a limit, a dead
+ * point or new pivots, and whatever the other lanes contain. */
 #include "support/linkages.h"
 #include "support/planar.h"
 
@@ -28,8 +28,7 @@ typedef struct design {
  * own, and mostly a ball joint. */
 static const char space_loop[] = "a loop in space";
 enum { SHAPES = MOVING_KINDS + 12, AXES = 7 };
-/* What the ball is: there is none; one that is held beside seven axes; with four axes, so that one freedom is left;
- * with six, so that three are left. */
+/* Ball joint: none; held, with seven axes; with four axes (one freedom); with six axes (three freedoms). */
 typedef enum ball { NO_BALL, HELD, OF_ONE_FREEDOM, OF_SEVERAL, BALLS } ball;
 static const int joint_counts[BALLS] = {AXES, AXES + 1, 5, AXES};
 
@@ -46,7 +45,7 @@ static linkage random_axes(int count, randomness *shape, randomness *own) {
   return l;
 }
 
-/* In the place of the text itself. */
+/* Replaces the text in place. */
 static char *replaced(char *text, const char *place, const char *from, const char *to) {
   char *out = edited(text, place, from, to);
   km_free(text);
@@ -181,7 +180,7 @@ static void close_design(design *d) {
   fixture_close(&d->f);
 }
 
-/* What a row of a sweep shows. */
+/* Data of a row of a sweep. */
 typedef struct shown {
   double residual;
   double direction[64];
@@ -235,18 +234,18 @@ static void same_reach(const km_motion_end *a, const km_motion_end *b) {
   assert_int_equal(a->coordinate, b->coordinate);
 }
 
-/* Where design i of `count` is to be at a row. Uneven: some have several times as far to go as others. */
+/* Target of design i of `count` at a row. Uneven: some designs have a several times larger range. */
 static double target_at(const design *d, int i, int row, int rows, bool uneven) {
   double part = (double)row / rows;
   return d->from + (d->to - d->from) * (uneven ? part / (1 + i % 4) : part);
 }
 
-/* How designs are driven over their ranges, in so many rows. */
+/* Ranges and rows of the designs. */
 typedef struct manner {
   int rows;
   bool ignore_limits, uneven;
   bool in_turns; /* not all of them at once: mostly most of them, sometimes few */
-  bool tries;    /* by km_batch_try, and those that can't in their lanes alone */
+  bool tries;    /* by km_batch_try, and singly if that fails */
 } manner;
 
 static const manner plain = {.rows = ROWS};
@@ -271,7 +270,7 @@ static void move_beside(const manner *how, km_batch *lanes, unsigned wanted, con
   }
 }
 
-/* Drives `count` designs side by side, and the same ones alone. Returns how many rows were reached in lanes. */
+/* Drives `count` designs in a batch, and singly. Returns the number of rows reached in lanes. */
 static int compare(const char *name, int count, uint64_t seed, manner how) {
   design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
   km_driver_motion *drives[KM_BATCH_LANES] = {NULL};
@@ -344,7 +343,7 @@ static void any_number(void **state) {
   assert_true(compare("excavator", KM_BATCH_LANES, 0, plain) > KM_BATCH_LANES * ROWS / 2);
 }
 
-/* What a lane remembers of its last steps stays while others go on, and where it can't go with them. */
+/* The step history of a lane is kept while others advance, and after it has left the batch. */
 static void in_turns(void **state) {
   (void)state;
   static const char *const names[] = {"slider_crank", "excavator", "klann", "toggle_press", "bennett", "delta"};
@@ -354,7 +353,7 @@ static void in_turns(void **state) {
                   ROWS);
 }
 
-/* Loops in space ride too. */
+/* Spatial loops are batched, too. */
 static void in_space(void **state) {
   (void)state;
   int rode = 0;
@@ -371,8 +370,8 @@ static void in_space(void **state) {
   assert_true(compare(beside_pendulum, KM_BATCH_LANES, 1, plain) > KM_BATCH_LANES * ROWS / 2);
 }
 
-/* Places near a row that lanes visit: the rates of a drive that goes there alone and comes back; and nothing has
- * changed for the rows that follow. */
+/* Samples near a row in lanes: the rates equal those of a single motion that is restored afterwards, and later rows
+ * are unchanged. */
 static void compare_visits(const char *name) {
   design beside[KM_BATCH_LANES], alone[KM_BATCH_LANES];
   km_driver_motion *drives[KM_BATCH_LANES];
@@ -442,8 +441,7 @@ static void stands_twice(const km_mobility_sweep *sweep) {
   }
 }
 
-/* Sweeps beside each other, over many rows at once where they are quiet, have the tables and toggles of sweeps
- * alone. */
+/* Batched sweeps, over many rows at once without events, have the tables and toggles of single sweeps. */
 static void sweeps_as_alone(void **state) {
   (void)state;
   static const char *const models[] = {"slider_crank", "fourbar", "excavator", "klann", "brake",
@@ -493,7 +491,7 @@ static void sweeps_as_alone(void **state) {
   }
 }
 
-/* Searches pivots of which the driver may be one, as whoever looks at a pose may do. */
+/* Searches pivots that may include the driver, as an analysis of a configuration does. */
 static void search_pivots(design *d) {
   km_search_pivots(d->f.mechanism, d->f.state, d->drive->c.substructure, KM_NO_DRIVER, 1e-9);
 }
@@ -597,7 +595,7 @@ static void slides_leave(void **state) {
     close_design(&d);
   }
   assert_true(compare(tangent, KM_BATCH_LANES, 1, plain) > 0);
-  compare(tangent_end, KM_BATCH_LANES, 0, (manner){.rows = 400}); /* whether lanes go there or not */
+  compare(tangent_end, KM_BATCH_LANES, 0, (manner){.rows = 400}); /* whether lanes sample there or not */
   assert_true(compare(tangent, KM_BATCH_LANES, 9, (manner){.rows = 20 * ROWS}) > ROWS);
 }
 

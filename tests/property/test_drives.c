@@ -1,4 +1,4 @@
-/* What drives a motion, against closed forms: prescribed laws of every kind, rotors on joints, loads. */
+/* Causes of a motion against closed forms: prescribed laws of every kind, rotors, loads. */
 #include "support/support.h"
 
 #include "kmech/dynamics.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A body of inertia 2 on a hinge, in degrees; what stands in the joint follows. */
+/* A body of inertia 2 on a revolute joint, in degrees; the text of the joint is appended. */
 static fixture driven(const char *law) {
   static const char text[] =
       "{\"model_parameters\": {\"units\": {\"angle\": \"degrees\"}}, \"assemblies\": [{\"name\": \"a\", \"bodies\": "
@@ -130,9 +130,8 @@ static void rotors_are_inertias(void **state) {
   km_history_free(&plain);
 }
 
-/* 2 N on 1 kg along a slide: q = t², and the load has given 2 q. 3 N that turn with a body of inertia 2, half a
- * metre from its hinge: θ = 3/8 t², and they have given 3/2 θ. Without the hinge's turning they would push
- * elsewhere. */
+/* 2 N on 1 kg along a prismatic joint: q = t², work 2 q. A load of 3 N fixed to a body of inertia 2, half a metre
+ * from its axis: θ = 3/8 t², work 3/2 θ. A load along inertial axes would differ. */
 static void loads_give_work(void **state) {
   (void)state;
   static const char text[] =

@@ -9,7 +9,7 @@
 
 typedef struct way {
   const char *model, *driver;
-  double length;  /* of the driver's way, in radians or the model's length */
+  double length;  /* displacement of the driver, in radians or the model's length */
   int steps;      /* all of the same length */
   double at_once; /* least part of them that needs no correction */
 } way;
@@ -38,7 +38,7 @@ static void close_machine(machine *m) {
   fixture_close(&m->f);
 }
 
-/* Did the last step end where it was predicted? The driver gets its own value. */
+/* True if the last step ended at its prediction. The driver has its exact value. */
 static bool at_once(const km_driver_motion *d) {
   const km_step_history *course = &d->c.history;
   for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)

@@ -1,5 +1,5 @@
-/* Ways that no computation should take: targets that are turns by the thousand away, arc lengths that rounding
- * hides, and such as go round for ever. Each ends, and says so. */
+/* Excessive requests: targets thousands of turns away, arc lengths below rounding, and endless cycles. Each ends
+ * with a status. */
 #include "support/refusals.h"
 #include "support/support.h"
 
@@ -25,7 +25,7 @@ static void far_targets_are_given_up_early(void **state) {
   fixture_close(&f);
 }
 
-/* No row is tried after the one that is not reached. */
+/* No row is tried after the one that reached the step limit. */
 static void a_sweep_that_gives_out_ends(void **state) {
   (void)state;
   static const double ranges[][2] = {{1.0, 1e12}, {-1e12, 1e12}};
@@ -39,7 +39,7 @@ static void a_sweep_that_gives_out_ends(void **state) {
     plan.steps = 5;
     assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error), KM_DIVERGED);
     assert_int_equal(km_table_rows(sweep.motion.table), i == 0);
-    assert_true(strstr(error.text, "the sweep stopped at ") == error.text);
+    assert_true(strstr(error.text, "the sweep gave out at ") == error.text);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }
@@ -62,8 +62,7 @@ static void arc_lengths_have_bounds(void **state) {
   fixture_close(&f);
 }
 
-/* The least step that may be asked for still has its length, row by row; a shorter advance stands still, and a
- * longer one isn't taken. */
+/* The smallest valid step has its length in every row; a shorter advance doesn't move, and a longer one is refused. */
 static void short_steps_end(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");

@@ -91,8 +91,8 @@ static void collinear_bars_shake(void **state) {
   expect(chain(4, (const double[]){1, 0.5, 0.7, 0.4}, (const double[]){0, 0, 0, 0, 0}, 2.6), 0, 3, KM_MOTION_SHAKY);
 }
 
-/* Any number of bars on a line: stretched they shake, since the middle ones can't leave it; with one turned back the
- * chain moves with the freedoms that its hinges have beyond three. */
+/* Any number of bars on a line: stretched they are infinitesimally mobile, since the middle ones can't leave the
+ * line; with one bar reversed the chain has the freedoms of its joints minus three. */
 static void bars_on_a_line(void **state) {
   (void)state;
   static const double lengths[] = {1.0, 0.7, 1.3, 0.9, 0.4, 1.1};
@@ -120,17 +120,17 @@ static void a_truss_stands(void **state) {
          KM_MOTION_REGULAR);
 }
 
-/* A parallelogram laid flat: two motions meet, each of one freedom. */
+/* A flat parallelogram: a branch point of two motions of one freedom. */
 static void change_point_branches(void **state) {
   (void)state;
   expect(chain(3, (const double[]){1, 2, 1}, (const double[]){0, 0, M_PI, -M_PI}, 2.0), 1, 2, KM_MOTION_BRANCH);
 }
 
-/* A ring of eight links of length 1 whose ends' hinges are at right angles, laid flat by half turns. Hinges 1, 5 and
- * 7 (from 1) have one axis, 2 and 4 another, 6 and 8 a third, and what stands between two hinges of one axis turns
- * about it. What turns about 6 and 8 takes hinge 7 away from its axis. So either that turns, and what 1 and 5 hold,
- * and what 2 and 4 hold, or 1, 5 and 7 have two freedoms, and 2 and 4 one: two motions of three freedoms meet, where
- * first order allows four. */
+/* A ring of eight links of length 1 with perpendicular axes at their ends, folded flat by half turns. Joints 1, 5
+ * and 7 (from 1) are coaxial, as are 2 and 4, and 6 and 8; the part between two coaxial joints rotates about their
+ * axis. Rotation about 6 and 8 moves joint 7 off its axis. So either that part rotates with those of 1 and 5, and of
+ * 2 and 4, or 1, 5 and 7 have two freedoms, and 2 and 4 one: two motions of three freedoms, while the instantaneous
+ * mobility is four. */
 static void flat_ring(void **state) {
   (void)state;
   static const int turned[8] = {0, 0, 1, 0, 0, 1, 1, 1};
@@ -161,9 +161,9 @@ static void flat_ring(void **state) {
   fixture_close(&f);
 }
 
-/* A loop of seven hinges, by their axes and points. 1 and 4 (from 1) have one axis, 2 and 5 another: what stands
- * between such a pair turns about it, and takes a hinge of the other pair away. Two motions of one freedom meet;
- * that their tangents don't mix shows in no second order. */
+/* A loop of seven revolute joints, by their axes and points. Joints 1 and 4 (from 1) are coaxial, as are 2 and 5:
+ * the part between such a pair rotates about its axis, and moves a joint of the other pair. A branch point of two
+ * motions of one freedom whose separation no second-order condition shows. */
 static void two_pairs_in_a_chain(void **state) {
   (void)state;
   static const struct {

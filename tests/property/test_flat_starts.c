@@ -24,7 +24,7 @@ static void write_fold(km_text *text, int n) {
   write_miura(text, n, n, 0.0);
 }
 
-/* With J x = 0 the rows' second derivatives along x are −γ(x): Σ λ_r xᵀ ∂²e_r x = −λᵀ γ(x), whatever λ. */
+/* For J x = 0, the rows' second derivatives along x are −γ(x): Σ λ_r xᵀ ∂²e_r x = −λᵀ γ(x) for every λ. */
 static void bends_are_velocity_products(fixture *f, randomness *r) {
   const km_mechanism *m = f->mechanism;
   for (int s = 0; s < m->topology.substructure_count && m->ball_count == 0; ++s) {
@@ -136,9 +136,9 @@ static km_mobility_sweep sweep_flat(int n, int steps) {
   return sweep;
 }
 
-/* A five-bar that is stretched between its cranks lets the next crank turn no less than the one before it, just as
- * far in the same sense or 1.35 times as far in the other, and farther only where it bends, which takes longer. The
- * motion begins at the file's pose and doesn't depend on how the range is cut. */
+/* In a chain of five-bars stretched between their cranks each crank rotates at least as far as the previous one:
+ * equally in the same sense or 1.35 times in the other; farther only if the dyad folds, which takes a longer path.
+ * The motion begins at the file's configuration and doesn't depend on the division of the range. */
 static void stretched_five_bars_move_least(void **state) {
   (void)state;
   static const int sizes[] = {2, 10, 60};
@@ -168,9 +168,9 @@ static void stretched_five_bars_move_least(void **state) {
   }
 }
 
-/* So the last crank turns by at least as much as the first one at every moment, from the flat pose on, where for an
- * instant there are more freedoms: at none of the poses the leverage is unbounded, and after the first one no
- * motions meet. */
+/* So the last crank rotates at least as far as the first one, from the flat configuration with its higher
+ * instantaneous mobility on: the mechanical advantage is finite everywhere, and there is no branch point after the
+ * first row. */
 static void flat_five_bars_have_leverage(void **state) {
   (void)state;
   static const int sizes[] = {2, 5, 10, 40};
@@ -191,8 +191,8 @@ static void flat_five_bars_have_leverage(void **state) {
   }
 }
 
-/* The loops that are far from the driver bend by much less than those near it: short steps from the flat pose close
- * them too. */
+/* Loops far from the driver fold much less than those near it: short steps from the flat configuration close them,
+ * too. */
 static void short_steps_close_all_loops(void **state) {
   (void)state;
   for (int loops = 1; loops <= 3; ++loops) {
@@ -211,7 +211,7 @@ static void short_steps_close_all_loops(void **state) {
   }
 }
 
-/* So many loops that the far ones hardly bend at first: all rows are there, whichever end drives. */
+/* With so many loops the far ones hardly fold at first: all rows are present, whichever end drives. */
 static void long_rows_of_five_bars_move(void **state) {
   (void)state;
   fixture f = fixture_written(write_flat_five_bars, 1200);

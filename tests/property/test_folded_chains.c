@@ -23,7 +23,7 @@ static void a_folded_chain(void **state) {
   fixture f = folded_chain(LOOPS);
   const km_mechanism *m = f.mechanism;
   km_finite_mobility found = find(&f);
-  assert_int_equal(found.mobility, 2); /* with the last coupler, in no loop */
+  assert_int_equal(found.mobility, 2); /* index of the last coupler, in no loop */
   assert_true(found.undecided && found.truncated && found.motion_count >= 1);
   assert_int_equal(found.motions[0].kind, KM_MOTION_BRANCH);
   int first, last;
@@ -49,8 +49,8 @@ static void a_folded_chain(void **state) {
   fixture_close(&f);
 }
 
-/* Which loops go on crossed. Of a flat parallelogram with the cranks a and the coupler b, a ω + b ω_c = a ω' and
- * a ω² + b ω_c² = a ω'² leave ω' = ω or ω' = −ω (b + a) / (b − a) = −3 ω. */
+/* Loops that continue on the crossed branch. In a flat parallelogram with cranks a and coupler b, a ω + b ω_c = a ω'
+ * and a ω² + b ω_c² = a ω'² give ω' = ω or ω' = −ω (b + a) / (b − a) = −3 ω. */
 static void read_branch(const fixture *f, const km_finite_motion *motion, int n, bool *crossed) {
   double before = 0.0;
   for (int i = 0; i <= n; ++i) {
@@ -90,8 +90,8 @@ static void all_branches_of_folded_chains(void **state) {
   }
 }
 
-/* Of more loops the first cranks stand nearly still beside the last ones, and their rows depend on each other so
- * nearly that rounding moves them: that keeps no start from its branch. */
+/* With more loops the first cranks move much less than the last ones, and their rows are dependent to within
+ * rounding; each start is still on its branch. */
 static void starts_in_folded_chains(void **state) {
   (void)state;
   static const int loops[] = {25, 30, 35, 40, 45};

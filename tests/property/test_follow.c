@@ -42,8 +42,8 @@ static void cycles_close(void **state) {
   }
 }
 
-/* Five legs of a Stewart platform held: one freedom is left, whose cycle leads far round. Balls may come back with
- * other rotation vectors, so the bodies are compared. */
+/* Five held legs of a Stewart platform leave one freedom with a long cycle. Ball joints may return with other
+ * rotation vectors, so bodies are compared. */
 static void a_held_platform_comes_back(void **state) {
   (void)state;
   fixture f = fixture_open("stewart");
@@ -115,7 +115,7 @@ static void parallelogram_branches(void **state) {
   fixture_close(&f);
 }
 
-/* Where the directions of the motions aren't found, no number of them is told. */
+/* If the directions of the branches aren't found, their number isn't stated. */
 static void motions_not_found(void **state) {
   (void)state;
   fixture f = parallelogram(1.0);

@@ -36,7 +36,7 @@ static void wedges(void **state) {
   assert_true(count.locks > 100);
 }
 
-/* Also a peak of a motion that bends so sharply that no single step leads back to the pose before it (55504473). */
+/* Also a peak of a motion so curved that no single step leads back to the previous configuration (55504473). */
 static void planar_forces(void **state) {
   (void)state;
   static const uint64_t seeds[] = {55504473};
@@ -48,11 +48,11 @@ static void planar_forces(void **state) {
   assert_true(count.ends > 2);
 }
 
-/* Of two freedoms: two zeros about a peak between two poses, and events close to where the driver gives out, on the
- * way that led there; a quotient of two that vanish together, and peaks there; ends where n and d vanish, and where
- * they have turned just before; ends to which the way comes by one power of it from afar and by another from near by
- * (1795711359, 8188); an actuator that stands still for an instant, so that the other one's n and d vanish in one
- * place (7777307); paths along which d comes to rounding; a peak right beside a zero (66601908). */
+/* Two freedoms: two zeros about a peak between two samples; events close to the driver's dead point, on the path to
+ * it; a quotient whose terms vanish together, and peaks there; ends where n and d vanish, and have turned just
+ * before; ends with different leading powers far away and near (1795711359, 8188); an actuator at rest for an
+ * instant, so that n and d of the other vanish together (7777307); paths along which d decreases to rounding; a peak
+ * next to a zero (66601908). */
 static void two_freedoms(void **state) {
   (void)state;
   static const uint64_t seeds[] = {1795710006, 1795710074, 1795710185, 1795710264, 1795710295, 1795710332, 1795710388,

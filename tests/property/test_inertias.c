@@ -1,4 +1,4 @@
-/* Which inertias a body may have. */
+/* Validity of inertias. */
 #include "support/motion_families.h"
 #include "support/support.h"
 

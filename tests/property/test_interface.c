@@ -1,5 +1,5 @@
-/* Laws of what programs ask for: frames against their own motion, matrices against the mobility, arms against frames.
- */
+/* Laws of the programming interface: frames against their motion, matrices against the mobility, arms against
+ * frames. */
 #include "kmech/arm.h"
 #include "kmech/continuation.h"
 #include "kmech/mechanism.h"
@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* What J makes of rates. */
+/* The product of J and rates. */
 static void multiply(const double *J, const double *rates, int coordinates, double twist[6]) {
   memset(twist, 0, 6 * sizeof *twist);
   for (int c = 0; c < coordinates; ++c)
@@ -76,7 +76,7 @@ static void test_matrices_agree_with_mobility(void **context) {
     km_mobility mobility;
     int n = f.mechanism->coordinate_count, freedom;
     double *all = KM_NEW(double, (size_t)n *(size_t)n);
-    km_state *fresh; /* of which nothing is known yet */
+    km_state *fresh; /* a state without computed data */
     assert_int_equal(km_state_create(f.mechanism, &fresh, NULL), KM_OK);
     assert_int_equal(km_motions_basis(f.mechanism, fresh, all, &freedom, NULL),
                      km_substructure_count(f.mechanism) ? KM_USAGE : KM_OK);
@@ -97,7 +97,7 @@ static void test_matrices_agree_with_mobility(void **context) {
       assert_int_equal(km_substructure_basis(f.mechanism, f.state, s, Z, NULL), KM_OK);
       for (int k = 0; k < e.mobility; ++k) {
         double size = sqrt(dot(N + k * columns, N + k * columns, columns, 1));
-        for (int r = 0; r < rows; ++r) /* up to what the rank's tolerance leaves of the dropped rows */
+        for (int r = 0; r < rows; ++r) /* up to the residue of dropped rows, by the rank tolerance */
           assert_near(dot(J + r, N + k * columns, columns, rows), 0.0, 10.0 * fmax(e.tolerance, 1e-9) * size);
         for (int l = 0; l < e.mobility; ++l)
           assert_near(dot(Z + k * columns, Z + l * columns, columns, 1), k == l ? 1.0 : 0.0, 1e-12);
@@ -117,7 +117,7 @@ static void test_matrices_agree_with_mobility(void **context) {
   }
 }
 
-/* Coordinates that are pushed off and assembled again come back to a closed pose nearby; those read are those set. */
+/* Perturbed coordinates are assembled to a closed configuration nearby; coordinates read equal those set. */
 static void test_set_coordinates_stay_on_the_branch(void **context) {
   (void)context;
   randomness r = {7};
@@ -132,7 +132,7 @@ static void test_set_coordinates_stay_on_the_branch(void **context) {
     for (int c = 0; c < n; ++c)
       off[c] = was[c] + uniform(&r, -1e-3, 1e-3) * f.mechanism->unit[c] / km_model_coordinate_factor(f.model, c);
     assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, off, NULL), KM_OK);
-    bool loops = f.mechanism->topology.substructure_count > 0; /* what is known is of loops */
+    bool loops = f.mechanism->topology.substructure_count > 0; /* cached data of loops */
     assert_int_equal(km_state_mobility_is_known(f.mechanism, f.state), !loops);
     for (int i = 0; i < f.mechanism->topology.substructure_count; ++i)
       assert_int_equal(f.state->pivot_driver[i], KM_NEVER);
@@ -237,7 +237,7 @@ static void test_long_work_is_cancelled(void **context) {
   km_ik_solutions branches;
   assert_int_equal(km_ik_solutions_find(arm, &pose, 1, refuse, &asked, &branches, &error), KM_CANCELLED);
   km_ik_solutions_free(&branches);
-  pose.p[0] += 100.0; /* out of reach: the search is asked for */
+  pose.p[0] += 100.0; /* unreachable: the search is requested */
   assert_int_equal(km_arm_solve(arm, &pose, q, 1, refuse, &asked, found, &error), KM_CANCELLED);
   assert_int_equal(km_arm_solve(arm, &pose, q, 1, NULL, NULL, found, &error), KM_NO_RESULT);
   assert_int_equal(asked, 5);

@@ -334,8 +334,8 @@ static void ranks_are_judged_alike(void **state) {
     assert_true(family_rank_flags(seed));
 }
 
-/* The last pivot depends on which of several equal ones comes first: of these mirror images it is on both sides of
- * the 1e-5 that would part rounding from data. What is doubtful is told by what doesn't depend on it. */
+/* The last pivot depends on the order of equal pivots: for these mirror images it lies on both sides of the limit
+ * 1e-5. Doubtful ranks are judged by invariant quantities. */
 static void mirror_images_are_judged_alike(void **state) {
   (void)state;
   pivot_range near = mirrored_pivots(967, 7e-6), far = mirrored_pivots(967, 1.5e-4);

@@ -65,7 +65,8 @@ static void check_independent(const km_left_space *space, const km_left_null *nu
   km_arena_free(&arena);
 }
 
-/* Which vectors last, where one of those nearby has gone: by sums over orthonormal vectors, and by Q R. */
+/* Persistent vectors, where one of the neighbouring configuration has vanished: by sums over orthonormal vectors,
+ * and by QR. */
 static void check_lasting(const km_left_space *space, const km_left_null *null) {
   km_arena arena = {0};
   int count = km_left_null_count(null), gone = 0;
@@ -152,7 +153,7 @@ static void random_mechanisms(void **state) {
   }
 }
 
-/* In a trellis and a folded sheet loops are redundant together. */
+/* Loops of a trellis and of a folded sheet are redundant jointly. */
 static void lattices(void **state) {
   (void)state;
   int whole = 0;

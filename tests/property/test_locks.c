@@ -36,7 +36,7 @@ static void shake_and_close(fixture *f, const km_mechanism *m, km_state *s, uint
     km_closure evidence;
     for (int k = 0; k < sub->columns; ++k) {
       int c = m->column_coordinate[sub->column_start + k];
-      randomness own = {seed + 1000 * (uint64_t)c}; /* the same for the same coordinate, in either mechanism */
+      randomness own = {seed + 1000 * (uint64_t)c}; /* the coordinate in either mechanism */
       step[k] = s->locked[c] ? 0.0 : uniform(&own, -1e-4, 1e-4) / m->unit[c];
     }
     km_state_move(m, s, sub, step);
@@ -80,7 +80,7 @@ static void as_compiled_with_holds(void **unused) {
     shake_and_close(&f, f.mechanism, f.state, seed);
     shake_and_close(&f, held, other, seed);
     compare(&f, held, other);
-    for (int i = 0; i < count; ++i) /* to the bit: nothing moves it */
+    for (int i = 0; i < count; ++i) /* bit-equal: the coordinate isn't moved */
       assert_near(f.state->q[holds[i].coordinate], other->q[holds[i].coordinate], 0.0);
     km_mobility_compute(f.mechanism, f.state, &after);
     fewer += after.mobility < before.mobility;

@@ -66,7 +66,7 @@ static void pivots_of_all_rows_stay(void **state) {
   fixture_close(&f);
 }
 
-/* The least mobility that is told and how many motions are listed. */
+/* The lower bound of the mobility and the number of listed motions. */
 static int motions_listed(fixture *f, int *mobility) {
   km_finite_mobility found;
   assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
@@ -108,7 +108,7 @@ static void long_chains_have_several_branches(void **state) {
   assert_true(motions_listed(&f, &mobility) >= 2);
 }
 
-/* The mobility is known before there is a basis, and whoever asks for one gets it. */
+/* The mobility is known before a basis is computed, and a basis is computed on request. */
 static void bases_wait(void **state) {
   (void)state;
   fixture f = five_bars(LOOPS);
@@ -219,7 +219,7 @@ static bool compare(fixture f) {
   return branches;
 }
 
-/* A four-bar on one line with a = c, b = d, or with no such equality, where it shakes. */
+/* A four-bar on one line with a = c, b = d; otherwise it is infinitesimally mobile. */
 static fixture flat_fourbar(randomness *r, bool change_point) {
   double crank = uniform(r, 0.2, 0.8), base = uniform(r, 1, 2), rocker = change_point ? crank : uniform(r, 0.2, 0.8);
   const km_vec3 z = {0, 0, 1}, along[4] = {z, z, z, z};
@@ -242,8 +242,8 @@ static void sparse_is_dense(void **state) {
   assert_true(branched >= 33);
 }
 
-/* Of a few rows in many columns: A = U S Vᵀ, U and V with columns at right angles, and the values of Jacobi's
- * method. */
+/* Decomposition of a matrix with few rows and many columns: A = U S Vᵀ with orthogonal columns of U and V, and the
+ * singular values of Jacobi's method. */
 static void wide_singular_values(void **state) {
   (void)state;
   enum { COLUMNS = 60, MOST_ROWS = 5 };
@@ -272,7 +272,7 @@ static void wide_singular_values(void **state) {
       }
     gsl_linalg_SV_decomp_jacobi(A, W, T);
     for (size_t i = 0; i < COLUMNS; ++i)
-      assert_near(gsl_vector_get(S, i), gsl_vector_get(T, i), 1e-10); /* what Jacobi's method leaves of a 0 */
+      assert_near(gsl_vector_get(S, i), gsl_vector_get(T, i), 1e-10); /* residue of a zero in Jacobi's method */
     gsl_matrix_free(A);
     gsl_matrix_free(U);
     gsl_matrix_free(V);
@@ -320,7 +320,7 @@ static void assert_same_forces(const fixture *f, const km_statics *a, const km_s
       assert_near(a->actuator_forces[i], b->actuator_forces[i], 1e-9);
   for (int c = 0; c < f->mechanism->coordinate_count; ++c) {
     assert_near(a->least_norm[c], b->least_norm[c], 1e-9);
-    if (a->direction_count > 0 && a->falls[0]) /* of the others only the span is theirs */
+    if (a->direction_count > 0 && a->falls[0]) /* the other vectors agree by their span only */
       assert_near(a->directions[c], b->directions[c], 1e-9);
   }
   for (int d = 0; d < a->direction_count && d < KM_MAX_DIRECTIONS; ++d)

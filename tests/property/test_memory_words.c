@@ -1,6 +1,5 @@
-/* What the library's parts say when they find no memory, where no tool repeats it: every call for memory within a
- * function fails once, the function ends with KM_MEMORY and says so, and the words that it is known for are among
- * what it says. */
+/* Out-of-memory errors of library functions that no tool reports: each allocation of a function fails once, the
+ * function returns KM_MEMORY with an error text that contains its characteristic words. */
 #include "support/arms.h"
 #include "support/designs.h"
 #include "support/failing.h"

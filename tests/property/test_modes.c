@@ -79,7 +79,7 @@ static void a_strut_has_one_length(void **state) {
   (void)state;
   km_modes modes;
   assert_int_equal(count_modes(lid, "H", 100, &modes), 1);
-  /* With its length fixed the lid stands on either side of the line between the pins. */
+  /* With a fixed length, the lid is on either side of the line between the pins. */
   assert_int_equal(count_modes(lid, "g", 100, &modes), 2);
 }
 

@@ -1,6 +1,5 @@
-/* Octahedra of eight stiff plates with hinges along the edges. By Cauchy's theorem and Gluck's those of general
- * position stand; Bricard's (1897), which are symmetric to a line or to a plane, move, though their plates pass
- * through each other. */
+/* Octahedra of eight rigid plates hinged along their edges. By the theorems of Cauchy and Gluck those in general
+ * position are rigid; Bricard's (1897), symmetric to a line or a plane, are flexible with self-intersections. */
 #include "support/hinges.h"
 #include "support/laws.h"
 #include "support/random_mechanism.h"
@@ -29,7 +28,7 @@ static octahedron general(randomness *r) {
   return o;
 }
 
-/* To the z axis. */
+/* Symmetric to the z axis. */
 static octahedron symmetric_to_a_line(randomness *r) {
   octahedron o = {.mirrored = 7};
   for (int k = 0; k < 3; ++k) {
@@ -39,7 +38,7 @@ static octahedron symmetric_to_a_line(randomness *r) {
   return o;
 }
 
-/* To the plane x = 0. */
+/* Symmetric to the plane x = 0. */
 static octahedron symmetric_to_a_plane(randomness *r) {
   octahedron o = {.mirrored = 3};
   for (int k = 0; k < 3; ++k) {

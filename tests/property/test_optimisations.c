@@ -1,4 +1,4 @@
-/* Optimisations whose first design fails, and how many designs they may ask for. */
+/* Optimisations whose first design fails, and their limit of evaluations. */
 #include "support/designs.h"
 
 #include <math.h>

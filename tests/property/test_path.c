@@ -45,7 +45,7 @@ static void paths_have_their_lengths(void **state) {
   fixture_close(&f);
 }
 
-/* Paths by calls end where they are told to, and are as long as their shapes. */
+/* Paths by calls have the stated ends and the lengths of their shapes. */
 static void paths_by_calls_go_where_they_are_told(void **state) {
   (void)state;
   fixture f = fixture_open("panda");
@@ -97,15 +97,15 @@ static void paths_by_calls_go_where_they_are_told(void **state) {
   for (int k = 0; k < 9; ++k)
     assert_near(ends[3].R[k], knots[1].R[k], 1e-12);
   km_path_free(path);
-  g[0].to[1] = 0.0; /* where it is already */
+  g[0].to[1] = 0.0; /* the present position */
   g[0].to[2] = 0.4;
   assert_int_equal(km_path_create(arm, &plan, &path, &error), KM_USAGE);
   km_arm_free(arm);
   fixture_close(&f);
 }
 
-/* The same points by a study's text and by calls, to the bit: with times and without, with a begin of its own, and with
- * orientations that are kept. */
+/* Equal points by a study's text and by calls are bit-equal: with and without times, with a start of its own, and
+ * with constant orientations. */
 static void splines_by_calls_are_those_of_text(void **state) {
   (void)state;
   static const char text[] =
@@ -186,7 +186,7 @@ static void samples_are_the_points_where_asked(void **state) {
   fixture_close(&f);
 }
 
-/* What is wrong in a plan is told with its place. */
+/* Errors of a plan are reported with their location. */
 static void faults_of_plans_have_places(void **state) {
   (void)state;
   static const double back[2] = {1.0, 0.5};

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* An arm of hinges in a tilted plane: so many links of 1 m, each a little bent against the one before. */
+/* An arm of revolute joints in an inclined plane: links of 1 m, each slightly rotated against the previous one. */
 static fixture planar_arm(int links, const char *axes) {
   km_text text = {0};
   km_text_add(&text, "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [");
@@ -29,8 +29,8 @@ static fixture planar_arm(int links, const char *axes) {
   return f;
 }
 
-/* Of a task an arm's motions can change what their twists span, whatever plane they lie in: the rest is nothing that
- * joints could be wanting for. The Jacobian that programs get has all rows. */
+/* An arm can change the part of a task spanned by its twists, whatever their plane; the remaining rows need no
+ * joints. The Jacobian for programs has all rows. */
 static void planar_arms_have_rows_of_their_plane(void **state) {
   (void)state;
   static const char *const axes[] = {"[[1, 0, 0], [0, 1, 0], [0, 0, 1]]", "[[0.6, 0, 0.8], [0, 1, 0], [-0.8, 0, 0.6]]"};

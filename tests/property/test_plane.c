@@ -1,4 +1,4 @@
-/* Planar mechanisms are told as planar, anywhere in space, and what they have by nature is told apart. */
+/* Planar mechanisms are recognised anywhere in space, and their inherent redundant constraints are distinguished. */
 #include "support/support.h"
 
 #include "kinematics/body_poses.h"
@@ -68,7 +68,8 @@ static void test_tilted_planes(void **unused) {
   }
 }
 
-/* Of the models those in a plane; and each planar loop has three constraints by nature, whatever else is redundant. */
+/* The planar models are recognised; each planar loop has three inherent redundant constraints, whatever else is
+ * redundant. */
 static void test_models(void **unused) {
   (void)unused;
   static const char *const planar[] = {"fourbar", "slider_crank", "klann",  "brake",   "scissor_lift", "toggle_press",
@@ -96,7 +97,7 @@ static void test_models(void **unused) {
   }
 }
 
-/* Beside an idle freedom a joint loses its grip where its leverage has a pole. */
+/* A joint has its dead point at the pole of its mechanical advantage, also if there is a passive freedom. */
 static void test_idle_freedoms_hide_no_toggle(void **unused) {
   (void)unused;
   fixture f = fixture_open("rssr");
@@ -118,7 +119,7 @@ static void test_idle_freedoms_hide_no_toggle(void **unused) {
   for (int i = 0; i < 2; ++i) {
     assert_int_equal(numbers.toggles[i].coordinate, output.coordinate);
     assert_near(numbers.toggles[i].s, leverage.toggles[i].s,
-                1e-6); /* with several freedoms the path is known so well */
+                1e-6); /* accuracy of the path with several freedoms */
   }
   km_mobility_sweep_free(&numbers);
   km_advantage_sweep_free(&leverage);

@@ -1,5 +1,5 @@
-/* Where Newton's method doesn't begin well: least squares alone close most loops that are a little open, and a branch
- * point is left by a short step onto a motion. */
+/* Poor starts of Newton's method: least squares close most loops with a small gap, and a branch point is left by a
+ * short step along a branch. */
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
@@ -44,7 +44,7 @@ static void least_squares_close_loops(void **state) {
   assert_true(closed >= count - 3);
 }
 
-/* The flat parallelogram: two motions meet. */
+/* The flat parallelogram, a branch point of two motions. */
 static void a_branch_point_is_left_by_a_short_step(void **state) {
   (void)state;
   for (int c = 0; c < 4; ++c) {

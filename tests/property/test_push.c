@@ -122,7 +122,7 @@ static void test_refusals(void **unused) {
   const char *const path[] = {"bucket", "tip"};
   assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, &error), KM_OK);
   km_port tip = {.kind = KM_PORT_POINT, .direction = {0, 0, 1}, .name = "bucket/tip"};
-  tip.frame = 0; /* of the inertial frame */
+  tip.frame = 0; /* point of the inertial frame */
   assert_int_equal(km_statics_create_for(f.mechanism, &tip, 1, KM_AXES_JOINT, &statics, &error), KM_USAGE);
   km_statics_free(&statics);
   tip = (km_port){.kind = KM_PORT_POINT, .frame = frame, .direction = {0, 0, 2}, .name = "bucket/tip"};

@@ -61,7 +61,7 @@ static void test_mobility_is_the_sweep(void **unused) {
   fixture_close(&direct);
 }
 
-/* A question that is asked again has memory of its last answer at hand, whatever that was about. */
+/* A question that is computed again reuses the memory of its last answer. */
 static void test_the_next_answer_is_as_the_first(void **unused) {
   (void)unused;
   fixture asked = fixture_open("excavator"), other = fixture_open("excavator");
@@ -104,9 +104,9 @@ static void test_row_at_a_pose_is_the_sweeps_row(void **unused) {
     const km_table *here = km_question_table(q);
     assert_int_equal(km_table_rows(here), 1);
     assert_int_equal(km_table_columns(here), columns);
-    for (size_t c = 2; c < columns; ++c) { /* behind step and s */
+    for (size_t c = 2; c < columns; ++c) { /* after step and s */
       double value = km_table_row(here, 0)[c];
-      /* the same pose by other pivots: condition of the loops times rounding */
+      /* the configuration by other pivots: condition number of the loops times rounding */
       if (isfinite(row[c]))
         assert_near(value, row[c], 1e-7 * (1.0 + fabs(row[c])));
       else

@@ -1,5 +1,4 @@
-/* Questions about variants of a mechanism that are asked side by side have the answers of questions asked alone, bit
- * by bit. */
+/* Batched questions about variants of a mechanism have the answers of single questions, bit by bit. */
 #include "support/support.h"
 
 #include "continuation/batch/batch.h"
@@ -15,7 +14,7 @@ typedef struct asked {
   bool point; /* the output of leverage is a point of the last body, else a joint */
   bool ignore_limits;
   bool short_of_range; /* the first three go over another range than the others */
-  bool table_only;     /* those side by side find no events, the others do */
+  bool table_only;     /* batched questions without events; the others with events */
 } asked;
 
 static void set(km_question *q, const char *option, km_option_value value) {
@@ -131,7 +130,7 @@ static int compare(const char *name, const asked *a, uint64_t seed) {
   return answered;
 }
 
-/* Planar ones ride in lanes; bricard doesn't. */
+/* Planar mechanisms are batched; bricard isn't. */
 static void over_models(const asked *a, uint64_t seed) {
   static const char *const names[] = {"slider_crank", "fourbar", "excavator", "klann", "brake", "bricard"};
   int answered = 0;
@@ -167,13 +166,13 @@ static void mobility(void **state) {
   over_models(&(asked){.kind = "mobility", .steps = 40, .flag = true}, 7000);
 }
 
-/* Those that go over other ranges go alone, and the others side by side. */
+/* Questions with other ranges are computed singly, the others in a batch. */
 static void different_ranges(void **state) {
   (void)state;
   over_models(&(asked){.kind = "advantage", .steps = 40, .short_of_range = true}, 8000);
 }
 
-/* Where nobody reads events, rows and how the motion ends are the same. */
+/* Rows and end of the motion don't depend on whether events are read. */
 static void without_events(void **state) {
   (void)state;
   static const char *const several[] = {"delta", "stewart", "rssr", "bonnet"};

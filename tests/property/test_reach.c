@@ -102,7 +102,7 @@ static km_status reach_again(const fixture *f, double value, km_mechanism **held
   return status;
 }
 
-/* What holds a joint takes new numbers, but not a hinge that is tilted and takes the loop out of its plane. */
+/* A held joint accepts new numbers, but not an inclined axis that makes the loop spatial. */
 static void test_what_holds_is_kept(void **unused) {
   (void)unused;
   fixture f =

@@ -119,7 +119,7 @@ static void compare_masses(const fixture *a, const fixture *b, double tolerance)
   }
 }
 
-/* Is the joint a part that a strut adds? Those count from where the file's assembly starts. */
+/* True if the joint was added by a strut; such joints count from the initial configuration. */
 static bool is_part(const fixture *f, int c) {
   return strchr(f->model->coordinates[c].label, ':') != NULL;
 }
@@ -155,7 +155,7 @@ static void compare(fixture *a, fixture *b, double tolerance) {
   compare_masses(a, b, tolerance);
 }
 
-/* Along the model's own sweep. */
+/* Compared along the model's default sweep. */
 static void compare_motion(fixture *a, fixture *b, double tolerance) {
   enum { STEPS = 24 };
   const km_model_sweep *sweep = &a->model->sweep;

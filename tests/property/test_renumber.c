@@ -58,7 +58,7 @@ static void as_a_new_compilation(void **state) {
   }
 }
 
-/* A hinge that is tilted takes a planar four-bar out of its plane. */
+/* An inclined axis makes a planar four-bar spatial. */
 static void another_structure_is_refused(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");

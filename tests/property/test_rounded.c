@@ -30,7 +30,7 @@ static void write_frame(km_text *out, const char *name, int index, const km_pose
       cut(a[1].y), cut(a[2].y), cut(a[0].z), cut(a[1].z), cut(a[2].z));
 }
 
-/* Would the reader still take the cut matrix for a rotation? Six digits come close to what it allows. */
+/* True if the reader accepts the truncated matrix as a rotation; six digits are close to its limit. */
 static bool stays_a_rotation(const km_pose *X) {
   km_vec3 a[3];
   for (int k = 0; k < 3; ++k)

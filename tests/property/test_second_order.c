@@ -28,7 +28,7 @@ static linkage flat_sheet(randomness *r) {
   return l;
 }
 
-/* A four-bar on one line: its ends change where a = c and b = d, else it shakes. */
+/* A four-bar on one line: finitely mobile if a = c and b = d, otherwise infinitesimally mobile. */
 static linkage flat_fourbar(randomness *r) {
   double crank = uniform(r, 0.2, 0.8), base = uniform(r, 1, 2), rocker = below(r, 2) ? crank : uniform(r, 0.2, 0.8);
   const km_vec3 z = {0, 0, 1}, along[4] = {z, z, z, z};
@@ -116,7 +116,7 @@ static void what_rates_leave(void **state) {
   assert_true(few >= 20); /* the sheets */
 }
 
-/* One tangent tells what all of them and their combinations do. */
+/* One tangent decides for all tangents and their combinations. */
 static void one_tangent_tells(void **state) {
   (void)state;
   int regular = 0;
@@ -152,7 +152,7 @@ static void rounded_poses(void **state) {
   km_free(json);
 }
 
-/* The branches of a folded chain are curves, which the derivatives of their conditions tell. */
+/* The branches of a folded chain are curves, as the derivatives of their conditions show. */
 static void branches_are_curves(void **state) {
   (void)state;
   enum { LOOPS = 4, BRANCHES = 1 << LOOPS };

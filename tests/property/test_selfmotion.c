@@ -45,7 +45,7 @@ static void curves_hold_the_effector(void **state) {
       }
     assert_int_equal(inside, limit_distance(arm, motion.q + 7 * i) <= 0.0);
   }
-  for (int i = 0; i < motion.row_count; ++i) { /* what is delivered keeps the limits, and its ends are at them */
+  for (int i = 0; i < motion.row_count; ++i) { /* the arcs are within the limits, and end at them */
     const double *q = motion.row_q + 7 * i;
     km_pose at = effector_by_bodies(&f, arm, q);
     assert_true(km_vec3_norm(km_vec3_sub(at.p, target.p)) < 1e-9);
@@ -119,7 +119,7 @@ static void narrow_arcs_are_found(void **state) {
   fixture_close(&f);
 }
 
-/* Hinges with room for more than a full turn. */
+/* Revolute joints with limits wider than a full turn. */
 static void widen(km_arm *arm) {
   for (int k = 0; k < arm->n; ++k) {
     arm->high[k] = k % 2 ? 3.0 : 3.6;
@@ -154,7 +154,7 @@ static void check_margins(const km_arm *arm, const km_selfmotion *motion, bool a
   km_table_free(table);
 }
 
-/* A row's margin is that of its own angles, whatever room the limits leave. */
+/* The margin of a row is that of its angles, whatever the width of the limits. */
 static void margins_are_those_of_the_row(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -171,8 +171,8 @@ static void margins_are_those_of_the_row(void **state) {
   fixture_close(&f);
 }
 
-/* A hinge that turns round a closed curve goes on turning till its limit ends the arc, past one round if there is room;
- * without limits the same curve is closed. */
+/* A joint that rotates fully along a closed curve continues until its limit ends the arc, beyond one turn if the
+ * limits allow; without limits the curve is closed. */
 static void hinges_turn_on_to_their_limits(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -210,7 +210,7 @@ static void hinges_turn_on_to_their_limits(void **state) {
   fixture_close(&f);
 }
 
-/* Limits that leave next to nothing of the turn out, far less than a step, end arcs on either side of it. */
+/* Limits that exclude a gap far smaller than a step end arcs on either side of it. */
 static void narrow_gaps_are_found(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -278,7 +278,8 @@ static void iiwa_has_eight_branches(void **state) {
   fixture_close(&f);
 }
 
-/* The branches of hinges with room for more than a full turn: as many, every arc ended by limits, every pose real. */
+/* Branches of joints with limits wider than a full turn: equal in number, every arc ends at limits, every solution
+ * is valid. */
 static void wide_limits_keep_the_branches(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -368,7 +369,7 @@ static void a_ur5_reaches_a_pose_in_eight_ways(void **state) {
   }
 }
 
-/* The same arm with its elbow straight: two of the eight are one, and rounding near it makes no more of them. */
+/* The arm with a straight elbow: two of the eight solutions coincide, also with rounding. */
 static void a_straight_elbow_is_one_pose(void **state) {
   (void)state;
   static const double quarter = 0.5 * M_PI, free_turns[6] = {0}, straight[KM_ARM_MOST] = {0.1, 0.2, 0.0, 0.4, 0.5, 0.6};

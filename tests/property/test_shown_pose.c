@@ -1,5 +1,5 @@
-/* Errors, Jacobians and pivots of one pose are found once, and anew as soon as anything that they depend on has
- * changed: what a state remembers has the bits of a state that remembers nothing. */
+/* Errors, Jacobians and pivots of a configuration are cached, and computed again after any change of their inputs:
+ * cached data have the bits of a fresh state. */
 #include "support/support.h"
 
 #include "kinematics/loop_closing.h"
@@ -102,7 +102,7 @@ static void held_coordinates_count(void **state) {
   fixture_close(&f);
 }
 
-/* Pivots of the small engine: searched once for what is asked, and again for anything else. */
+/* Pivots of register elimination are cached for equal requests. */
 static void searched_once(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");

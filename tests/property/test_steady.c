@@ -1,4 +1,4 @@
-/* Mechanisms that shake all along their motion: at every pose first order allows more than moves. */
+/* Permanently shaky mechanisms: the instantaneous mobility exceeds the finite one everywhere. */
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
@@ -65,7 +65,7 @@ static void assert_moves(fixture *f, int mobility, int finite) {
   km_mobility_compute(f->mechanism, f->state, &at);
 }
 
-/* To within what a driven pose is closed to. */
+/* Tolerance: closure error of a driven configuration. */
 static void assert_alike(const fixture *f, int rods) {
   for (int i = 1; i < rods; ++i)
     for (int k = 0; k < 2; ++k) {
@@ -115,9 +115,8 @@ static void platforms_by_arc_length(void **state) {
   }
 }
 
-/* A parallelogram, and where it is asked for a stretched chain of two bars between points of its cranks, on a line
- * parallel to its coupler; and beside it two bars from the coupler to the ground that come within `gap` of being
- * stretched. */
+/* A parallelogram; optionally with a stretched chain of two bars between points of its cranks, parallel to its
+ * coupler; and with two bars from the coupler to the ground that are stretched to within `gap`. */
 typedef struct cranks {
   double x, y, width, part, middle, gap; /* negative: no bars beside */
   bool chain;

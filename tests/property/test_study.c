@@ -41,7 +41,7 @@ static void assert_same_tracks(const km_study *a, const km_study *b) {
   }
 }
 
-/* What a program fills is what a file says. */
+/* A definition filled by a program equals that read from a file. */
 static void calls_are_text(void **state) {
   (void)state;
   static const double rates[7] = {9, 9, 9, 9, 9, 9, 8};
@@ -79,7 +79,7 @@ static void calls_are_text(void **state) {
   fixture_close(&f);
 }
 
-/* One definition serves several mechanisms. */
+/* One definition can be used with several mechanisms. */
 static void definitions_are_bound_again(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14"), g = fixture_open("iiwa14");
@@ -202,7 +202,7 @@ static void poses_turn_in_the_angle_unit(void **state) {
   fixture_close(&g);
 }
 
-/* A pose that a file has twice is told with its line, which counts the empty ones. */
+/* A pose that a file repeats is reported with its line, empty lines included. */
 static void poses_that_stand_are_told_with_their_line(void **state) {
   (void)state;
   char file[] = "/tmp/kmech_poses_XXXXXX", expected[200];

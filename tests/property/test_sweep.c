@@ -85,8 +85,8 @@ static void go_and_return(const char *name, bool looks, double *far, double *bac
   fixture_close(&f);
 }
 
-/* The path of least motion is a curve: the way back leads to where it began, to what a step may be off. A look aside
- * leaves no trace in what the next steps go on from. */
+/* The minimum-norm path is a curve: the return ends at its start, within the step tolerance. Sampling leaves the
+ * history of the next steps unchanged. */
 static void least_motion_is_one_curve(void **state) {
   (void)state;
   for (const char *const *name = all_models; *name; ++name) {
@@ -210,7 +210,7 @@ static void parallelogram_stays_one(void **state) {
     int a = km_table_find(sweep.motion.table, "q.A"), d = km_table_find(sweep.motion.table, "q.D");
     for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
       assert_near(km_table_row(sweep.motion.table, r)[a], km_table_row(sweep.motion.table, r)[d], 1e-8);
-    for (size_t i = 0; i < sweep.motion.branch_count; ++i) { /* at the multiples of π */
+    for (size_t i = 0; i < sweep.motion.branch_count; ++i) { /* events at the multiples of π */
       assert_near(remainder(sweep.motion.branches[i].s, M_PI), 0.0, 1e-8);
       assert_int_equal(sweep.motion.branches[i].mobility, 2);
       assert_int_equal(sweep.motion.branches[i].branches, 2);
@@ -221,7 +221,7 @@ static void parallelogram_stays_one(void **state) {
   }
 }
 
-/* From a branch point two motions lead away: the sweep stays on one of them, through it and back. */
+/* A branch point with two branches: the sweep stays on one of them, forth and back. */
 static void a_branch_point_can_be_the_start(void **state) {
   (void)state;
   fixture f = parallelogram(0.0);
@@ -337,9 +337,9 @@ static void derivatives_are_those_of_the_rows(void **state) {
           row[k] = km_table_row(table, r - 2 + k);
         double near = (row[3][place] - row[1][place]) / (row[3][1] - row[1][1]);
         double far = (row[4][place] - row[0][place]) / (row[4][1] - row[0][1]);
-        double rest = 1e-5 * largest; /* of the next order, which is left where the first passes 0 */
+        double rest = 1e-5 * largest; /* next order, which remains if the first vanishes */
         if (fabs(far - near) > 1e-2 * largest)
-          continue; /* beside a turning point of the driver */
+          continue; /* next to a turning point of the driver */
         assert_near(near, row[2][place + 3], fabs(far - near) + rest);
         judged += fabs(near) > 1e-3 * largest;
       }

@@ -61,9 +61,9 @@ static int best_coupler(const km_design_study *s, double *coupler) {
   return best;
 }
 
-/* The transmission angle is furthest from its ideal where crank and ground are in line: cos μ = (b² + c² − (g ∓
- * a)²)/(2bc). Both are as bad where b² + c² = g² + a²; then cos μ = ag/(bc) (Brodell and Soni 1970). Of a planar
- * four-bar the index of Sutherland and Roth is sin μ. */
+/* The transmission angle deviates most if crank and ground are collinear: cos μ = (b² + c² − (g ∓ a)²)/(2bc). Both
+ * are equal if b² + c² = g² + a²; then cos μ = ag/(bc) (Brodell and Soni 1970). The index of Sutherland and Roth of
+ * a planar four-bar is sin μ. */
 static void best_transmission_angle(void **state) {
   (void)state;
   static const char *const algorithms[] = {"cobyla", "bobyqa", "nelder-mead", "direct"};
@@ -79,8 +79,8 @@ static void best_transmission_angle(void **state) {
   }
 }
 
-/* The same angle where crank and ground point the same way must not be nearer to 90 degrees than with a coupler of
- * 68 mm: then that coupler is the best, whichever algorithm looks for it. Each has room for hundreds of designs. */
+/* The angle with crank and ground in the same direction must not be nearer to 90 degrees than with a coupler of 68
+ * mm: then that coupler is the optimum for every algorithm. Each may evaluate hundreds of designs. */
 static void every_algorithm_keeps_limits(void **state) {
   (void)state;
   double cosine = (68.0 * 68.0 + 50.0 * 50.0 - 60.0 * 60.0) / (2.0 * 68.0 * 50.0), limit = sqrt(1.0 - cosine * cosine),
@@ -93,7 +93,7 @@ static void every_algorithm_keeps_limits(void **state) {
     d.figures[1].high = limit;
     km_design_study *s = designs_run(&d, NULL, 1);
     int best = best_coupler(s, &found);
-    assert_near(found, 68.0, 1.0); /* of 20 mm; the start is 4 mm away */
+    assert_near(found, 68.0, 1.0); /* unit 20 mm; the start is 4 mm away */
     assert_true(designs_result(s, best).figures[0] <= limit + 1e-9);
     km_design_study_free(s);
   }
@@ -118,7 +118,7 @@ static int trace(double points[][3], int room) {
   return count;
 }
 
-/* From other lengths back to those that made the points: a curve that passes them, found without knowing them. */
+/* Path synthesis: from other lengths to those that generated the points. */
 static void coupler_curve_through_points(void **state) {
   (void)state;
   enum { POINTS = 12 };

@@ -88,7 +88,7 @@ static void threads_dont_matter(void **state) {
   fixture_close(&f);
 }
 
-/* The same arm in millimetres and degrees: the same radians, objectives and column entries. */
+/* The arm in millimetres and degrees has equal radians, objectives and column entries. */
 static void units_dont_matter(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
@@ -130,7 +130,7 @@ static void units_dont_matter(void **state) {
   fixture_close(&g);
 }
 
-/* Where look-ahead isn't at least as good it gives greedy's track. */
+/* Look-ahead returns the greedy track if it isn't at least as good. */
 static void look_ahead_is_at_least_greedy(void **state) {
   (void)state;
   static const char *const objectives[] = {"singular-value", "limit-distance", "path-control", "manipulability",
@@ -201,7 +201,7 @@ static void other_arms_and_tasks(void **state) {
     km_study *study = study_of(&f, text);
     for (int m = 0; m < km_study_methods(study); ++m) {
       km_track *track = track_of(study, m, 1);
-      if (track->plan.method.kind != KM_FIXED) /* with two joints held the others meet a singular pose */
+      if (track->plan.method.kind != KM_FIXED) /* with two fixed joints the others reach a singular configuration */
         assert_int_equal(track->end.stop, KM_TRACK_COMPLETE);
       assert_true(km_track_summarise(track).error_position <= 1e-9);
       assert_true(km_track_summarise(track).error_rotation <= 1e-9);
@@ -214,7 +214,7 @@ static void other_arms_and_tasks(void **state) {
   fixture_close(&f);
 }
 
-/* The same study gives the same record, to the byte: it holds no times of work. Angles are in the model's unit. */
+/* Equal studies give equal records, byte by byte, without computing times. Angles are in the model's unit. */
 static void records_are_the_same_every_time(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");

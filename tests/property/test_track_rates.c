@@ -1,4 +1,4 @@
-/* Tracks under largest joint rates: they are kept, told, and led around by self-motions. */
+/* Tracks under joint rate limits: limits are kept, reported, and avoided by self-motions. */
 #include "support/arms.h"
 
 /* No row of a track is faster than the rates, between its samples neither, and its rate margin says so. */
@@ -41,8 +41,8 @@ static void rates_are_kept(void **state) {
   fixture_close(&f);
 }
 
-/* At the start greedy's rate of A7 is .2147: only a track that leaves it otherwise keeps .2; and fixed, which nears a
- * singular pose between samples. */
+/* The initial rate of A7 by greedy is 0.2147: only a track that departs otherwise keeps 0.2; and fixed, which
+ * approaches a singular configuration between samples. */
 static void rates_are_those_of_the_track(void **state) {
   (void)state;
   static const double slow[7] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2}, fast[7] = {3, 3, 3, 3, 3, 3, 3};
@@ -74,8 +74,7 @@ static void rates_are_those_of_the_track(void **state) {
   fixture_close(&f);
 }
 
-/* Greedy comes to an end by the rates; a small self-motion, other than 30° asks for, leads on. With one branch there is
- * none. */
+/* Greedy ends at the rate limits; a small self-motion, other than 30°, continues. With one branch there is none. */
 static void small_self_motions_are_found(void **state) {
   (void)state;
   static const double rate[7] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2};
@@ -105,7 +104,7 @@ static void small_self_motions_are_found(void **state) {
   fixture_close(&f);
 }
 
-/* The same with four freedoms to spare: greedy's first step is too fast, look-ahead's isn't. */
+/* With four redundant freedoms: greedy's first step is too fast, look-ahead's isn't. */
 static void small_self_motions_of_several_freedoms(void **state) {
   (void)state;
   static const double rate[7] = {0.09, 0.09, 0.09, 0.09, 0.09, 0.09, 0.09};

@@ -1,6 +1,6 @@
-/* What actuators hold and what they can't, joints and pushed points together, whatever parts of the mechanism these
- * move: forces that hold leave no power in any motion; every direction that is told is a motion of the loops in
- * which no actuator moves, as large as 1, and if loads act on it they drive it. */
+/* Loads that actuators can and can't balance, joints and pushed points together, whatever parts they move: balancing
+ * forces leave no power in any motion; every reported direction is a motion of the loops of length 1 in which no
+ * actuator moves, and if loads act on it they drive it. */
 #include "support/random_mechanism.h"
 #include "support/support.h"
 
@@ -35,7 +35,7 @@ static int choose(const fixture *f, randomness *r, km_port *actuators) {
   return count;
 }
 
-/* How fast an actuator moves: of a point by its frame's twist. */
+/* Rate of an actuator; that of a point by its frame's twist. */
 static double rate_of(fixture *f, const km_port *actuator, const double *rates) {
   double twist[6];
   if (actuator->kind == KM_PORT_JOINT)
@@ -110,7 +110,7 @@ static void check_power(fixture *f, const km_statics *st, const km_port *actuato
   assert_near(power, 0.0, 1e-8 * size);
 }
 
-/* In every motion of a basis: those of the substructures, and each joint in no loop. */
+/* For every motion of a basis: those of the substructures, and each joint outside loops. */
 static void check_balance(fixture *f, const km_statics *st, const km_port *actuators, int count, const double *tau) {
   const km_mechanism *m = f->mechanism;
   double *rates = KM_NEW(double, (size_t)m->coordinate_count + 1);
@@ -182,7 +182,7 @@ static void random_mechanisms(void **state) {
   assert_true(all.directions > 200 && all.falling > 15 && all.held > 80 && all.pushed > 40);
 }
 
-/* Bodies that hang on several substructures and joints in no loop. */
+/* Bodies moved by several substructures and joints outside loops. */
 static void shipped_models(void **state) {
   (void)state;
   static const char *const names[] = {"excavator", "vehicle", "stewart", "brake", "iiwa14", "delta"};

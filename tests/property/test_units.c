@@ -75,7 +75,7 @@ static km_advantage leverage(fixture *f, int in, int out) {
   return a;
 }
 
-/* How many coordinates have a larger number than c; ties to 1e-9 don't count. */
+/* Number of coordinates with a larger number than c; ties to 1e-9 don't count. */
 static int place_of(const fixture *f, int c) {
   int place = 0;
   for (int o = 0; o < f->mechanism->coordinate_count; ++o)

@@ -1,4 +1,4 @@
-/* What is written as a robot description and read again is the same mechanism: mobility, poses, masses, gravity. */
+/* Writing and reading a robot description gives the same mechanism: mobility, body poses, masses, gravity. */
 #include "support/random_mechanism.h"
 
 #include "base/memory.h"
@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-/* A model that came back, with what it is compared with. */
+/* A model read back, with the original. */
 typedef struct pair {
   const fixture *one;
   fixture two;
@@ -192,7 +192,7 @@ static void random_ones(void **unused) {
   }
 }
 
-/* What joints state comes back too: limits, drives, rotors, springs, couplings with constants and polynomials. */
+/* Data of joints are preserved, too: limits, drives, rotors, springs, couplings with constants and polynomials. */
 static void joints_keep_what_they_state(void **unused) {
   (void)unused;
   static const char text[] =

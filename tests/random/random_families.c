@@ -1,6 +1,6 @@
-/* Runs the families of random cases over ever new seeds: random_families SECONDS SEED [WORD]. Each family whose name
- * holds WORD gets the same share of the time, at least one case, and counts how many agree with its truth. Cases run in
- * child processes, so that one that crashes or never ends is a count too. */
+/* Runs the families of random cases over new seeds: random_families SECONDS SEED [WORD]. Each family whose name
+ * contains WORD gets an equal share of the time, at least one case, and counts agreements with its reference. Cases
+ * run in child processes, so that a crash or an endless case is counted, too. */
 #include "support/families.h"
 
 #include <errno.h>

@@ -45,7 +45,7 @@ kv_verb kv_ask, kv_again, kv_track;
 /* Kind of the index-th question of a page: those over a driver's range, and with a path study the track; −1 if there
  * is none. */
 int kv_question_kind(const kv_session *session, int index);
-/* why.c: explanations of the motion. */
+/* Explanations of the motion (why.c). */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* modes.c: poses that are found or named. */
 kv_verb kv_modes, kv_mode, kv_named;

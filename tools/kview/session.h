@@ -33,7 +33,7 @@ typedef struct kv_moment {
 typedef struct kv_asked {
   int kind; /* -1: none */
   int driver, steps, input, output;
-  int branch; /* by arc length: branch at the first branch point; 1, or 0: the smooth one */
+  int branch; /* branch at the first branch point by arc length; 1, or 0: the smooth one */
   double from, to;
 } kv_asked;
 
