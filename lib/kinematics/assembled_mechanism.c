@@ -60,6 +60,7 @@ static double greatest_joint_distance(const km_mechanism *m) {
   return greatest;
 }
 
+/* Compiles the model; a second time if its characteristic length needs the assembled configuration. */
 km_status km_mechanism_compile(const km_model *model, const km_hold *holds, int hold_count, km_mechanism **out,
                                km_error *error) {
   if (!out)

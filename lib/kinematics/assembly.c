@@ -299,6 +299,7 @@ static km_status check_scale(const km_mechanism *m, const km_state *s, int index
       m->start[farthest] / km_model_coordinate_factor(m->model, farthest), size);
 }
 
+/* Assembles every substructure and collects the evidence: worst residual, most iterations. */
 static km_status assemble_all(const km_mechanism *m, km_state *s, assembly *a, km_assembly *total, km_error *error) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     km_closure evidence;
@@ -321,6 +322,7 @@ static km_status assemble_all(const km_mechanism *m, km_state *s, assembly *a, k
   return KM_OK;
 }
 
+/* Closes all loops from the state's coordinates (docs/theory.md 4.3). */
 km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_error *error) {
   if (out)
     *out = (km_assembly){.residual = nan(""), .worst_loop = -1};

@@ -279,6 +279,7 @@ static int largest_substructure(const km_mechanism *m) {
   return best;
 }
 
+/* Checks that the driver is a free joint of a loop, or that the model has a loop. */
 static km_status check_driver(const km_mechanism *m, int driver, km_error *error) {
   if (driver == -1)
     return largest_substructure(m) >= 0
@@ -292,6 +293,7 @@ static km_status check_driver(const km_mechanism *m, int driver, km_error *error
   return status;
 }
 
+/* Searches the assembly modes with a copy of the state whose driver is locked. */
 km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, int starts, unsigned long seed,
                         km_progress progress, void *context, km_modes *out, km_error *error) {
   if (!out)

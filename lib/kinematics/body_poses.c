@@ -28,6 +28,7 @@ static inline __attribute__((always_inline)) void apply_motion(const km_mechanis
   }
 }
 
+/* Twist of a body relative to its parent: sum of rate · unit twist over the motions of its tree joint. */
 km_twist km_body_twist(const km_mechanism *m, const km_state *s, int body, const double *rates) {
   const km_arc *arc = &m->arcs[m->arc_of[body]];
   km_joint_traversal p;
@@ -61,6 +62,7 @@ km_twist km_coordinate_twist(const km_mechanism *m, const km_state *s, int coord
   return km_coordinate_twist_about(m, s, s->pose, coordinate);
 }
 
+/* Unit twist of one coordinate: advances the joint's frame by the motions before it. */
 km_twist km_coordinate_twist_about(const km_mechanism *m, const km_state *s, const km_pose *pose, int coordinate) {
   int joint = m->model->coordinates[coordinate].joint, at = m->model->joints[joint].first_coordinate;
   const km_motion *motion = km_joint_kind_of(m->model->joints[joint].type)->motions;
@@ -73,6 +75,7 @@ km_twist km_coordinate_twist_about(const km_mechanism *m, const km_state *s, con
   return km_motion_twist(*motion, pitch, &X, coordinate - at);
 }
 
+/* Unit twists h of all coordinates for given poses. */
 void km_twists_about(const km_mechanism *m, const km_state *s, const km_pose *pose, km_twist *twist) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_model_coordinate *def = &m->model->coordinates[c];
@@ -120,6 +123,7 @@ void km_poses_about(const km_mechanism *m, const km_state *s, km_vec3 origin, km
   update_bodies(m, s, 0, pose);
 }
 
+/* Forward kinematics about the origin of the first moving body. */
 km_vec3 km_poses_about_mechanism(const km_mechanism *m, const km_state *s, km_pose *pose) {
   pose[0] = km_pose_identity();
   if (m->topology.body_count < 2)

@@ -15,6 +15,7 @@ static bool is_before(const km_entry *a, const km_entry *b) {
   return a->side == b->side && a->step < b->step;
 }
 
+/* Lists the column pairs of the Hessian: two joints on one side of a loop. */
 int km_loops_hessian_entries(const km_mechanism *m, const km_substructure *sub, int *columns) {
   int count = 0;
   for (int l = 0; l < sub->loop_count; ++l) {
@@ -71,6 +72,7 @@ static int compute_loop_hessian(const km_mechanism *m, const km_state *s, const 
   return count;
 }
 
+/* Hessian of the closure: bilinear entries of the loops, diagonal entries of the couplings. */
 void km_loops_hessian(const km_mechanism *m, const km_state *s, const km_substructure *sub, const double *multiplier,
                       double *hessian, double *diagonal) {
   memset(diagonal, 0, (size_t)sub->columns * sizeof *diagonal);

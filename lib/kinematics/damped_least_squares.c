@@ -79,6 +79,7 @@ static km_status minimise(least_squares *p, km_error *error) {
   return status;
 }
 
+/* Levenberg-Marquardt closing of a substructure; the state ends at the minimum. */
 km_status km_damped_least_squares(const km_mechanism *m, km_state *s, int substructure, km_error *error) {
   const km_substructure *sub = &m->substructures[substructure];
   if (sub->columns == 0)

@@ -57,6 +57,7 @@ static km_twist column_at_point(const km_mechanism *m, const km_state *s, int co
   return km_twist_axpy(is_reversed ? -1.0 : 1.0, t, none);
 }
 
+/* Tree Jacobian of a frame: a column per coordinate between its body and the inertial frame. */
 km_status km_frame_jacobian(const km_mechanism *m, const km_state *s, int frame, double *J, km_error *error) {
   km_status status = check_frame(m, s, frame, J, error);
   if (status)
@@ -75,6 +76,7 @@ km_status km_frame_jacobian(const km_mechanism *m, const km_state *s, int frame,
   return KM_OK;
 }
 
+/* Twist of a frame: sum of the joint twists along the tree, shifted to the frame's origin. */
 km_status km_frame_twist(const km_mechanism *m, const km_state *s, int frame, const double *rates, double twist[6],
                          km_error *error) {
   km_status status = check_frame(m, s, frame, twist, error);

@@ -36,6 +36,7 @@ int km_state_find_outside_limit(const km_state *s, const km_substructure *sub) {
   return -1;
 }
 
+/* First coordinate that moved further beyond its limit since the saved configuration. */
 int km_state_limit_passed(const km_state *s, const km_substructure *sub, const double *saved) {
   const int *limited = s->mechanism->limited_column + sub->column_start;
   for (int i = 0; i < sub->limited_count; ++i) {
@@ -63,6 +64,7 @@ static int find_extrema(double m, double t0, double t1, double h, double at[2]) 
   return 2;
 }
 
+/* First coordinate that exceeds a limit at an extremum of the step's cubic interpolant. */
 int km_state_limit_touched(const km_state *s, const km_substructure *sub, const double *saved, const double *t0,
                            const double *t1, double h) {
   const km_mechanism *m = s->mechanism;

@@ -39,6 +39,7 @@ static bool is_search_current(const km_state *s, int index, int driver, double t
          shown->forced_never_pivot == p->forced_never_pivot && shown->tolerance == tolerance;
 }
 
+/* Records the arguments of the last search for pivots. */
 static void record_search(km_state *s, int index, int driver, double tolerance) {
   const km_partition *p = &s->partition[index];
   km_cached_configuration *shown = &s->cached[index];
@@ -49,6 +50,7 @@ static void record_search(km_state *s, int index, int driver, double tolerance) 
   shown->tolerance = tolerance;
 }
 
+/* Factors the Jacobian with complete pivoting, unless an equal search is current. */
 void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   const km_substructure *sub = &m->substructures[index];
   tolerance = km_larger(tolerance, s->partition[index].min_relative_pivot);
@@ -386,6 +388,7 @@ km_closure_outcome km_close_with_driver(const km_mechanism *m, km_state *s, int 
   return outcome;
 }
 
+/* Full closing: repeats with pivots of the closed configuration until the rank no longer grows. */
 km_closure_outcome km_close_fully(km_closing_function close, const km_mechanism *m, km_state *s, int index, int driver,
                                   km_closure *evidence) {
   enum { MOST_RANKS = 4 };

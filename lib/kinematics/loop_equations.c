@@ -93,6 +93,7 @@ static void update_planar_loop(const km_mechanism *m, const km_loop *loop, const
   }
 }
 
+/* Closure errors and Jacobian of all loops of a planar program. */
 static void update_planar(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
   km_twist *h = s->twist + program->twist_start;
   compute_planar_poses(program, m->planar_steps + program->step_start, s->q, sub->size, s->planar_slot, h);
@@ -154,6 +155,7 @@ static void update_spatial_loop(const km_mechanism *m, const km_program *program
   }
 }
 
+/* Closure errors and Jacobian of all loops of a spatial program. */
 static void update_spatial(const km_mechanism *m, km_state *s, const km_substructure *sub, const km_program *program) {
   compute_spatial_poses(m, s, program, sub->size);
   for (int i = 0; i < program->loop_count; ++i) {
@@ -213,6 +215,7 @@ static bool is_cached(const km_mechanism *m, const km_state *s, const km_substru
          km_state_is_at(s, sub, cached->coordinates);
 }
 
+/* Evaluates closure errors and Jacobian of a substructure by all its programs and couplings. */
 void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   km_cached_configuration *cached = &s->cached[sub - m->substructures];
   for (int i = 0; i < sub->program_count; ++i) {
@@ -250,6 +253,7 @@ void km_loops_restore_cached(const km_mechanism *m, km_state *s, int index, cons
   km_state_invalidate_pivots(s, index);
 }
 
+/* Residual √(eᵀe/6) of the worst loop or coupling. */
 double km_loops_residual(const km_mechanism *m, const km_state *s, const km_substructure *sub, int *worst) {
   double largest = 0.0;
   *worst = -1;

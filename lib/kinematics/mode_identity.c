@@ -116,6 +116,7 @@ static pose_agreement compare(const km_body_placement *p, const km_pose *a, cons
   return is_line_equal ? SAME_LINE : DIFFERS;
 }
 
+/* Compares all bodies of two configurations. */
 bool km_is_same_mode(const km_mechanism *m, const km_body_placement *placements, const km_pose *a, const km_pose *b,
                      double size, double tolerance) {
   const km_model *model = m->model;

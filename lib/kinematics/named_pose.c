@@ -40,6 +40,7 @@ static bool assemble_with_holds(km_model *model, const km_hold *holds, int count
   return status == KM_OK;
 }
 
+/* Holds the named joints at their values and assembles; halves their number until the loops close. */
 km_status km_model_apply_pose(km_model *model, int index, km_error *error) {
   km_status status = km_check_given(model != NULL, "model", error);
   if (!status)

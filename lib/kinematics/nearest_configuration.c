@@ -85,6 +85,7 @@ static void merge_entries(km_nearest_configuration *c, const km_substructure *su
     c->diagonal_index[i] = find_entry(l->keys[next++], sorted, count);
 }
 
+/* Creates the pattern of K and the indices of its entries. */
 static bool create_pattern(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
                            km_arena *arena) {
   size_t most = 2 * (size_t)c->hessian_count + 2 * sub->pattern.size + (size_t)c->size;
@@ -209,6 +210,7 @@ static bool is_factor_costly(const km_nearest_configuration *c) {
   return km_partition_multiplications(&c->factor) > most * c->start[c->size];
 }
 
+/* Factors K, with the previous pivots if the growth monitor accepts them. */
 static bool update_factor(km_nearest_configuration *c) {
   if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
     return true;
@@ -228,6 +230,7 @@ static bool solve(km_nearest_configuration *c) {
   return c->is_current;
 }
 
+/* Newton's method on the Karush-Kuhn-Tucker conditions of min |D (x − y)|² with e(x) = 0. */
 bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechanism *m, km_state *s, int index,
                                    int driver, const km_partition *pivots, double *displacement) {
   const km_substructure *sub = &m->substructures[index];
@@ -262,6 +265,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
   return is_converged;
 }
 
+/* Solves K (δ, λ) = (D² step, 0): linear response of the nearest configuration. */
 void km_nearest_configuration_follow(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
                                      double *step) {
   const double *weight = m->column_weight + sub->column_start;

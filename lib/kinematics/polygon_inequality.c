@@ -23,6 +23,7 @@ static void add_link(link_lengths *p, double length, int from, int to) {
   }
 }
 
+/* Program that contains a loop. */
 static const km_program *find_program(const km_mechanism *m, int loop) {
   const km_substructure *sub = &m->substructures[m->topology.substructure_of_loop[loop]];
   for (int i = 0; i < sub->program_count; ++i) {
@@ -130,6 +131,7 @@ static void add_ends(const km_mechanism *m, const km_program *program, const km_
   add_link(p, km_vec3_norm(link), first[!empty], last[!empty]);
 }
 
+/* Sums the link lengths of a loop and compares the longest with the rest. */
 bool km_loop_violates_polygon(const km_mechanism *m, int index, km_long_link *out) {
   const double rounding = fmax(1e-9, m->closure_tolerance); /* relative to the longest link: gap that the closure
                                                              * tolerance allows */

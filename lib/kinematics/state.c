@@ -12,6 +12,7 @@ static bool reserve_partition(const km_substructure *sub, km_partition *p, km_ar
              : km_partition_reserve(p, sub->rows, sub->columns, arena);
 }
 
+/* Allocates all arrays of a state in its arena. */
 static bool allocate_arrays(const km_mechanism *m, km_state *s) {
   km_arena *arena = &s->arena;
   const km_topology *t = &m->topology;
@@ -139,6 +140,7 @@ void km_state_free(km_state *s) {
   km_free(s);
 }
 
+/* Copies the stored entries of J to a dense matrix. */
 void km_state_jacobian_dense(const km_state *s, const km_substructure *sub, double *J) {
   const km_pattern *pattern = &sub->pattern;
   const double *values = s->jacobian + sub->matrix_start;
@@ -170,6 +172,7 @@ static void set_basis(const km_state *s, int index, const double *Z, int count) 
   p->failed = p->failed || !Z;
 }
 
+/* Null-space basis Z of the present partition; only missing vectors are computed. */
 double *km_state_null_space(const km_mechanism *m, const km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
@@ -196,6 +199,7 @@ const double *km_state_basis(const km_state *s, int index) {
   return km_state_null_space(s->mechanism, s, index, km_partition_freedom(&s->partition[index]));
 }
 
+/* Projection onto the null space by the row equations, with many freedoms. */
 bool km_state_project_onto_motions(const km_mechanism *m, km_state *s, int index, const double *row, double *y) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
@@ -238,6 +242,7 @@ void km_state_mobility_numbers(const km_mechanism *m, km_state *s, int index, do
   km_mobility_numbers(Z, m->substructures[index].columns, Z ? km_partition_freedom(&s->partition[index]) : 0, numbers);
 }
 
+/* Row-space basis R of the present partition, in the memory of Z. */
 double *km_state_row_space(const km_mechanism *m, km_state *s, int index, int count) {
   const km_substructure *sub = &m->substructures[index];
   double *R = reserve_basis(&s->basis[index], sub, s->partition[index].rank);
@@ -271,6 +276,7 @@ void km_state_set_ball(const km_mechanism *m, km_state *s, int ball, km_quaterni
   update_ball_coordinates(m, s, ball);
 }
 
+/* q <- exp(step) q: adds scaled steps; ball joints rotate by their quaternion. */
 static inline void add_step(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *step,
                             bool updates_ball_coordinates) {
   const int *coordinate = m->column_coordinate + sub->column_start;
@@ -303,6 +309,7 @@ void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
     s->ball[b] = km_quaternion_exp(km_vec3_from_array(&s->q[m->ball_coordinate[b]]));
 }
 
+/* Locks a coordinate and marks its substructure as stale. */
 void km_state_lock(km_state *s, int coordinate) {
   const km_mechanism *m = s->mechanism;
   int i = m->substructure_of[coordinate], column = m->column_of[coordinate];
@@ -317,6 +324,7 @@ void km_state_lock(km_state *s, int coordinate) {
   km_state_invalidate_pivots(s, i);
 }
 
+/* Unlocks all coordinates and marks all substructures as stale. */
 void km_state_unlock(km_state *s) {
   const km_mechanism *m = s->mechanism;
   memset(s->locked, 0, (size_t)m->coordinate_count * sizeof *s->locked);
@@ -376,6 +384,7 @@ bool km_state_is_at(const km_state *s, const km_substructure *sub, const double 
   return true;
 }
 
+/* Scaled step between two configurations: differences of coordinates, logarithms of quaternions. */
 void km_state_difference(const km_state *s, const km_substructure *sub, const double *saved, double *step) {
   const km_mechanism *m = s->mechanism;
   const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;

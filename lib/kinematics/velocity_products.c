@@ -8,6 +8,7 @@
  * Both sides of a closed loop rotate alike, so the point at which rows are taken may move. */
 #include "kinematics/loop_equations.h"
 
+/* Twists V and accelerations c of the slots of a planar program. */
 static void compute_planar_slot_motions(const km_program *program, const km_planar_step *steps, const km_twist *h,
                                         double size, const double *rate, km_slot_motion *slot) {
   double inverse = 1.0 / size;
@@ -44,6 +45,7 @@ static void write_planar_products(const km_loop *loop, const km_slot_motion *slo
     gamma[loop->row_start + r] = values[loop->rows[r]];
 }
 
+/* Twists V and accelerations c of the slots of a spatial program. */
 static void compute_spatial_slot_motions(const km_mechanism *m, const km_program *program, const km_twist *h,
                                          double size, const double *rate, km_slot_motion *slot) {
   slot[0] = (km_slot_motion){{{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}};
@@ -114,6 +116,7 @@ static void compute_slot_motions(const km_mechanism *m, km_state *s, const km_su
     compute_spatial_slot_motions(m, program, h, sub->size, rate, s->slot_motion);
 }
 
+/* γ = −J̇ q̇ of all loops and couplings of a substructure. */
 void km_loops_velocity_products(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *rate,
                                 double *gamma) {
   for (int p = 0; p < sub->program_count; ++p) {
@@ -136,6 +139,7 @@ void km_loops_velocity_products(const km_mechanism *m, km_state *s, const km_sub
   }
 }
 
+/* ∂γ/∂q̇ of all loops and couplings, in the pattern of the Jacobian. */
 void km_loops_velocity_slopes(const km_mechanism *m, km_state *s, const km_substructure *sub, const double *rate,
                               double *slopes) {
   for (int p = 0; p < sub->program_count; ++p) {

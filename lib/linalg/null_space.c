@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+/* aᵀ b in the order of the entries. */
 static double inner_product(const double *a, const double *b, int count) {
   double sum = 0.0;
   for (int i = 0; i < count; ++i)
@@ -109,6 +110,7 @@ void km_partition_row_space(const km_partition *p, const double *weight, int cou
   orthonormalise(R, p->columns, 0, p->rank);
 }
 
+/* m_j = Σ_k Z_jk². */
 void km_mobility_numbers(const double *Z, int columns, int freedom, double *numbers) {
   for (int j = 0; j < columns; ++j)
     numbers[j] = freedom > 0 ? Z[j] * Z[j] : 0.0;

@@ -193,6 +193,7 @@ static bool compute_b(km_partition *p) {
   return isfinite(sum);
 }
 
+/* Largest reciprocal of a pivot. */
 static double largest_inverse(const km_partition *p) {
   double largest = 0.0;
   for (int i = 0; i < p->rank; ++i) {
@@ -219,6 +220,7 @@ static void search_pivots(km_partition *p, const double *matrix, const bool *for
   compute_b(p);
 }
 
+/* Searches pivots, unless the sparse factor of equal data is available. */
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
   bool same_size = p->rows == rows && p->columns == columns, has_changed = true;
@@ -308,6 +310,7 @@ const double *km_partition_b(const km_partition *p, int k) {
   return p->sparse ? km_sparse_gather_b(p, k) : p->B + (size_t)k * (size_t)p->rank;
 }
 
+/* Null vector of one independent column: −B in the dependent columns. */
 void km_partition_null_vector(const km_partition *p, int column, double *direction) {
   int rank = p->rank, k = rank;
   while (p->column[k] != column)

@@ -126,6 +126,7 @@ static bool sparse_null_norms(const km_partition *p, const double *weight, doubl
   return found;
 }
 
+/* m_j by squared row norms of the null vectors' or rows' orthonormal basis. */
 bool km_partition_mobility_numbers(const km_partition *p, const double *matrix, const double *weight, double *numbers) {
   bool uses_null_vectors = sparse_null_norms(p, weight, numbers);
   if (!uses_null_vectors &&
@@ -166,6 +167,7 @@ static bool remove_null_by_normal(const km_partition *p, const double *matrix, c
   return is_ok;
 }
 
+/* Minimum-norm step by normal equations, else by sparse QR. */
 bool km_partition_remove_null_space(const km_partition *p, const double *matrix, const double *weight, int count,
                                     double *x, double *work) {
   if (remove_null_by_normal(p, matrix, weight, count, x, work))
@@ -204,6 +206,7 @@ static bool project_by_normal(const km_partition *p, const double *matrix, const
   return is_ok;
 }
 
+/* Projection onto the null space by normal equations, else by sparse QR. */
 bool km_partition_project_null_space(const km_partition *p, const double *matrix, const double *weight, double *Y,
                                      int count) {
   if (project_by_normal(p, matrix, weight, Y, count))

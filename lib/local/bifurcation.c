@@ -65,6 +65,7 @@ static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index) 
   return motion.is_active;
 }
 
+/* Branch directions: confirmed or undecided tangents at a configuration of deficient rank. */
 int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
   if (is_regular(m, s, index))
     return 0;
@@ -211,6 +212,7 @@ static void choose_shortest(branch_departure *d, const double *directions, int c
   km_state_restore(d->s, d->sub, d->best);
 }
 
+/* Leaves a branch point along the branch that moves the coordinate fastest. */
 km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double way) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};

@@ -31,6 +31,7 @@ static int find_common_null_space(const km_second_order *c, double tolerance, km
   return count;
 }
 
+/* Constant-rank tangents U as the common null space of all Q_i, completed to an orthonormal basis. */
 int km_constant_rank_basis(const km_second_order *c, int count, km_arena *arena, double **V) {
   static const double null_tolerance = 1e-6, max_tolerance = 1e-2;
   const int k = c->freedom;
@@ -48,6 +49,7 @@ int km_constant_rank_basis(const km_second_order *c, int count, km_arena *arena,
   return km_tangents_complete_basis(*V, constant_rank_count, k) ? constant_rank_count : 0;
 }
 
+/* Tests by random starts whether tangents orthogonal to U satisfy the second-order conditions. */
 bool km_constant_rank_others_may_be_finite(const km_second_order *c, const double *V, int constant_rank_count,
                                            km_arena *arena) {
   int count = c->freedom - constant_rank_count;

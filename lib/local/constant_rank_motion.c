@@ -11,6 +11,7 @@
 
 #include <string.h>
 
+/* Tangent in U: the projection of a direction, or the motion of the driver. */
 bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m, int index, int driver,
                               const double *direction, double *t) {
   static const double min_share = 1e-6;
@@ -169,6 +170,7 @@ static double max_residual(const km_mechanism *m) {
   return m->closure_tolerance_given ? m->closure_tolerance : exact;
 }
 
+/* Closes the loops onto the permanently shaky motion: Newton's method, then deflation. */
 bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                             km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
@@ -249,6 +251,7 @@ static bool keeps_rank_along_motion(km_constant_rank *st, const km_mechanism *m,
   return end == STEP_ACCEPTED;
 }
 
+/* Tests for permanent shakiness: U is proper, other tangents violate second order, rank stays along U. */
 static bool begin_motion(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                          km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
@@ -267,6 +270,7 @@ static bool begin_motion(km_constant_rank *st, const km_mechanism *m, km_state *
          keeps_rank_along_motion(st, m, s, index, driver, saved, x) && store_tangents(st, &at_start);
 }
 
+/* Tests a configuration for permanent shakiness if its size allows. */
 bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                             km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];

@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+/* Removes all tangents outside U from the basis. */
 int km_tangents_restrict_to_constant_rank(km_tangents *f, double *directions) {
   km_second_order *c = &f->conditions;
   km_arena arena = {0};

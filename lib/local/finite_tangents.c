@@ -33,6 +33,7 @@ typedef struct misfit_record {
   double largest, length[MOST_SAMPLES], worst[MOST_SAMPLES];
 } misfit_record;
 
+/* Appends the misfit at a length, without its largest outlier. */
 static void append_misfit(misfit_record *r, double length, double misfit) {
   double last = r->count ? r->worst[r->count - 1] : 0.0;
   r->length[r->count] = length;
@@ -169,6 +170,7 @@ static km_tangent_verdict decide_verdict(const km_tangents *f, const misfit_reco
   return is_complete && misfit <= tolerance ? KM_TANGENT_CONFIRMED : KM_TANGENT_UNDECIDED;
 }
 
+/* Follows a tangent with adaptive steps and decides whether it belongs to a finite motion. */
 km_followed_tangent km_tangents_follow(km_tangents *f, const double *direction, double sign) {
   misfit_record r = {0};
   int column, columns = f->sub->columns, driver = -1;
@@ -211,6 +213,7 @@ km_followed_tangent km_tangents_follow(km_tangents *f, const double *direction, 
   return result;
 }
 
+/* Compares the freedom at the end of a followed curve with that of the configuration. */
 bool km_tangents_have_dropped(km_tangents *f) {
   int worst;
   km_partition_stash(f->s, f->index);

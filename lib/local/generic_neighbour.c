@@ -70,6 +70,7 @@ static bool move_at_constant_rank(const km_mechanism *m, km_state *s, int index,
   return motion.is_active;
 }
 
+/* Moves to the neighbouring configuration q₁ and factors its Jacobian. */
 bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];

@@ -235,6 +235,7 @@ static void search_from_random_start(sphere *p, km_half_branches *out) {
     add_half_branch(p, out);
 }
 
+/* Allocates the workspace of the system on the sphere. */
 static bool reserve_sphere(sphere *p) {
   km_arena *arena = p->f->arena;
   size_t n = (size_t)p->f->sub->columns, rows = (size_t)p->f->sub->rows;
@@ -269,6 +270,7 @@ static void free_sphere(sphere *p) {
   gsl_vector_free(p->work);
 }
 
+/* Solves the system on the sphere from random starts and collects the half-branches. */
 bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
   size_t n = (size_t)f->sub->columns, k = (size_t)f->conditions.freedom;
   *out = (km_half_branches){.length = radius};

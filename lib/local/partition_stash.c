@@ -1,6 +1,7 @@
 /* Stashes the current factorisation and restores it. */
 #include "local/partition_stash.h"
 
+/* Swaps the present and the stored partition. */
 static void swap_partitions(km_state *s, int index) {
   km_partition *p = &s->partition[index], current = *p;
   *p = s->stashed[index].stored;
@@ -8,6 +9,7 @@ static void swap_partitions(km_state *s, int index) {
   s->basis[index].count = 0; /* Z belongs to the partition that was replaced */
 }
 
+/* Continues with a copy of the pivots in a second partition. */
 void km_partition_stash(km_state *s, int index) {
   const km_substructure *sub = &s->mechanism->substructures[index];
   const km_partition *p = &s->partition[index];

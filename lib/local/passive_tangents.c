@@ -73,6 +73,7 @@ static void add_group_tangents(passive_basis *l, const km_passive_freedom *group
       l->count++;
 }
 
+/* Removes the finite passive tangents of all groups from the basis. */
 int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *passive, double *directions) {
   km_arena arena = {0};
   passive_basis l = {.f = f, .freedom = f->conditions.freedom};

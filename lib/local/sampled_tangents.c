@@ -38,6 +38,7 @@ static void return_to_origin(const km_tangents *f) {
   km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, f->conditions.tolerance);
 }
 
+/* x minus its minimum-norm part: projection onto the null space of J, normalised. */
 double km_tangent_project(const km_mechanism *m, km_state *s, int index, double *x, double *projection) {
   const km_substructure *sub = &m->substructures[index];
   const bool *locked = s->partition[index].locked;
@@ -54,6 +55,7 @@ double km_tangent_project(const km_mechanism *m, km_state *s, int index, double 
   return length;
 }
 
+/* Projects the sample onto the null space at the configuration. */
 static bool project_onto_null_space(km_sampled_tangents *many) {
   const km_tangents *f = many->f;
   return_to_origin(f);
@@ -88,6 +90,7 @@ static bool violates_second_order(km_sampled_tangents *many) {
          update_conditions(many) && km_second_order_columns_refutes(&many->conditions, many->x);
 }
 
+/* Draws a random tangent; one that satisfies the second order if the first violates it. */
 bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
   const double *weight = many->f->m->column_weight + many->f->sub->column_start;
   if (!km_sampled_tangents_draw(many))
@@ -99,6 +102,7 @@ bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
   return project_onto_null_space(many) && km_second_order_columns_solve(&many->conditions, many->x);
 }
 
+/* Follows random tangents: if they are finite, all tangents are. */
 bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
   int samples = many->f->conditions.has_redundant_rows ? SAMPLES : 1; /* every tangent is finite if J has full row
                                                                        * rank */
@@ -127,6 +131,7 @@ static bool start_direction(km_sampled_tangents *many) {
   return project_onto_null_space(many);
 }
 
+/* Finds a tangent that satisfies the second order and is followed in both senses. */
 bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length) {
   while (many->starts < many->max_starts) {
     if (!start_direction(many) || !update_conditions(many) ||

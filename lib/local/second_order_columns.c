@@ -129,6 +129,7 @@ static bool reserve_arrays(km_second_order_columns *c, km_arena *arena) {
   return !arena->failed;
 }
 
+/* Creates the left null vectors, the sparse lists and the QR of the conditions. */
 km_status km_second_order_columns_create(const km_mechanism *m, km_state *s, int index, double tolerance,
                                          km_arena *arena, km_second_order_columns *out, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
@@ -186,6 +187,7 @@ static double evaluate_conditions(km_second_order_columns *c, const double *x) {
   return max_gradient;
 }
 
+/* Largest |c_i| over the scale. */
 static double max_violation(const km_second_order_columns *c) {
   double worst = 0.0;
   for (int k = 0; k < c->conditions; ++k)
@@ -253,6 +255,7 @@ bool km_second_order_columns_refutes(km_second_order_columns *c, const double *x
   return evaluate_start(c, x) && max_violation(c) > violated;
 }
 
+/* Damped Gauss-Newton iteration onto the tangent cone. */
 bool km_second_order_columns_solve(km_second_order_columns *c, double *x) {
   if (!evaluate_start(c, x))
     return true;

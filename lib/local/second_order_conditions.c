@@ -62,6 +62,7 @@ static void compute_conditions(const km_mechanism *m, km_state *s, const km_subs
     }
 }
 
+/* Factors J; the tangents are its null space. */
 bool km_second_order_count_tangents(const km_mechanism *m, km_state *s, int index, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
@@ -120,6 +121,7 @@ static bool is_condition_definite(const double *Q, double sign, double least, in
   return cholesky(A, k);
 }
 
+/* True if some Q_i is positive or negative definite. */
 static bool has_definite_condition(const km_second_order *c, double *work) {
   int k = c->freedom;
   double least = 2.0 * km_condition_tolerance * c->size;
@@ -170,6 +172,7 @@ static int compress_columns(double *M, int rows, int columns, double least, doub
   return count;
 }
 
+/* Largest |entry| of all Q_i. */
 static double max_entry(const km_second_order *c) {
   double largest = 0.0;
   for (size_t i = 0; i < (size_t)(c->conditions * c->freedom * c->freedom); ++i)
@@ -202,6 +205,7 @@ static bool keep_independent(km_second_order *c) {
   return made;
 }
 
+/* Computes left null vectors W and all forms Q_i. */
 bool km_second_order_build_all(const km_mechanism *m, km_state *s, int index, km_arena *arena, km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
@@ -233,6 +237,7 @@ bool km_second_order_build(const km_mechanism *m, km_state *s, int index, km_are
   return km_second_order_build_all(m, s, index, arena, out) && keep_independent(out);
 }
 
+/* w_iᵀ J z for all left and right null vectors. */
 bool km_second_order_rank_defect(const km_mechanism *m, const km_state *s, int index, const km_second_order *c,
                                  double *changes) {
   const km_substructure *sub = &m->substructures[index];
@@ -259,6 +264,7 @@ bool km_second_order_rank_defect(const km_mechanism *m, const km_state *s, int i
   return made;
 }
 
+/* Restricted forms V Q_i Vᵀ. */
 bool km_second_order_restrict(const km_second_order *c, const double *shares, int count, km_arena *arena,
                               km_second_order *out) {
   const int k = c->freedom;
@@ -328,6 +334,7 @@ static void solve_damped_step(double *A, const double *b, int k, double damping,
   }
 }
 
+/* Damped Gauss-Newton on the sphere |a| = 1 for aᵀ Q_i a = 0. */
 bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   int k = c->freedom;
   double *A = work, *b = A + k * k, *d = b + k, *slope = d + k;
@@ -364,6 +371,7 @@ bool km_second_order_solve(const km_second_order *c, double *a, double *work) {
   return worst < km_condition_tolerance;
 }
 
+/* Dimension bound: freedom minus the rank of the gradients Q_i a. */
 int km_second_order_dimension(const km_second_order *c, const double *a) {
   int k = c->freedom, rank = 0;
   km_arena arena = {0};

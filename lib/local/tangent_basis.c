@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+/* One Gram-Schmidt step: v minus its projection onto the basis, normalised. */
 bool km_orthonormalise(const double *basis, int count, int size, double *v) {
   double square = 0.0;
   for (int i = 0; i < count; ++i) {
@@ -27,6 +28,7 @@ bool km_tangents_append_orthonormal(double *V, int count, int k, const double *a
          km_orthonormalise(V, count, k, v); /* the second pass removes the rounding of the first */
 }
 
+/* Completes orthonormal rows by orthonormalised unit vectors. */
 bool km_tangents_complete_basis(double *V, int count, int k) {
   double *unit = KM_NEW(double, (size_t)k + 1);
   for (int i = 0; i < k && count < k && unit; ++i) {
@@ -38,6 +40,7 @@ bool km_tangents_complete_basis(double *V, int count, int k) {
   return count == k;
 }
 
+/* Replaces the basis Z by the orthogonal complement of removed tangents. */
 bool km_tangents_remove(km_tangents *f, double *V, int count) {
   km_second_order *conditions = &f->conditions;
   int k = conditions->freedom, n = f->sub->columns;

@@ -10,6 +10,7 @@
 
 enum { MAX_SECANT_STEPS = 5 }; /* secant iterations from a direction to that of a nearby motion */
 
+/* Counts the tangents at the state's configuration and stores it. */
 bool km_tangents_create(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;
@@ -59,6 +60,7 @@ static void add_to_secant(km_tangents *f, int sign) {
     f->secant[c] = (sign > 0 ? 0.0 : f->secant[c]) + 0.5 * sign * f->chord[c] / length;
 }
 
+/* Follows a tangent ahead and back: the lower verdict and the shorter length. */
 km_followed_tangent km_tangents_follow_both_senses(km_tangents *f, const double *direction) {
   km_followed_tangent worse = {HUGE_VAL, KM_TANGENT_CONFIRMED};
   for (int sign = 1; sign >= -1; sign -= 2) {
@@ -101,6 +103,7 @@ void km_tangents_normalise(double *a, int k) {
     a[i] /= sqrt(sum);
 }
 
+/* Follows all basis vectors and random combinations. */
 bool km_tangents_all_finite(km_tangents *f) {
   int k = f->conditions.freedom, random = km_tangents_are_exact(f) ? 1 : k;
   random = k > 1 ? random : 0; /* a single tangent has no combinations */
@@ -119,6 +122,7 @@ bool km_tangents_all_finite(km_tangents *f) {
   return true;
 }
 
+/* Regular configuration: one random tangent of exact data is finite, and the dimension stays. */
 bool km_tangents_are_regular(km_tangents *f) {
   uint64_t random = 1;
   if (!km_tangents_are_exact(f))
@@ -166,6 +170,7 @@ bool km_tangents_find_random(km_tangents *f) {
   return find_second_order_tangent(f) && km_tangents_is_finite(f, f->a);
 }
 
+/* True if two unit coefficient vectors are one tangent in either sense. */
 static bool is_same(int k, const double *a, const double *b) {
   double cosine = 0.0;
   for (int r = 0; r < k; ++r)
@@ -173,6 +178,7 @@ static bool is_same(int k, const double *a, const double *b) {
   return km_is_same_tangent(cosine);
 }
 
+/* True if the tangent `a` is among the known ones. */
 static bool is_known_tangent(const km_tangents *f, const double *known, int count) {
   int k = f->conditions.freedom;
   for (int i = 0; i < count; ++i)
@@ -212,6 +218,7 @@ static km_followed_tangent follow_with_secants(km_tangents *f) {
   return found;
 }
 
+/* Finds a new branch tangent from random starts on the tangent cone. */
 bool km_tangents_find_next(km_tangents *f, const double *known, int count, double *length) {
   int max_deviation = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
   while (f->starts < max_deviation) {

@@ -112,6 +112,7 @@ static inline void km_articulated_add_body(km_articulated *a, const km_inertia *
   a->H[7] -= b->mc.x;
 }
 
+/* Adds an articulated inertia. */
 static inline void km_articulated_add(km_articulated *a, const km_articulated *b) {
   a->M = km_symmetric_axpy(1.0, b->M, a->M);
   a->I = km_symmetric_axpy(1.0, b->I, a->I);

@@ -1,6 +1,7 @@
 /* Traversal of joints, and constant displacements between frames. */
 #include "topology/chain.h"
 
+/* Motions of a joint in the order and sense of traversal. */
 void km_joint_traverse(const km_model *model, int joint, bool is_reversed, km_joint_traversal *out) {
   const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);

@@ -54,6 +54,7 @@ double km_squared_distance(km_vec3 a, km_vec3 b, double rounding_length) {
   return square > rounding_length * rounding_length && square > rounding * rounding * sizes ? square : 0.0;
 }
 
+/* Longest link over all moving bodies. */
 double km_longest_link(const km_model *model, const km_compile_workspace *workspace, double rounding_length) {
   int *parent = workspace->parent, *first = workspace->first, *frame = workspace->frame;
   double longest = 0.0;

@@ -195,6 +195,7 @@ static double span_of(const km_mechanism *m, int s) {
   return km_larger(sqrt(square), pitch);
 }
 
+/* Length unit of a substructure at q: its span, or its longest slide. */
 double km_substructure_size(const km_mechanism *m, int s, const double *q) {
   const km_topology *t = &m->topology;
   const km_model *model = m->model;
@@ -263,6 +264,7 @@ static void order_balls(km_mechanism *m) {
   }
 }
 
+/* Lists the columns with limits of every substructure. */
 static void list_limited_columns(km_mechanism *m) {
   for (int s = 0; s < m->topology.substructure_count; ++s) {
     km_substructure *sub = &m->substructures[s];
@@ -327,6 +329,7 @@ static void set_couplings(km_mechanism *m, int s) {
   sub->coupling_count = m->coupling_count - sub->coupling_start;
 }
 
+/* Compiles the loops and couplings of a substructure and numbers its rows. */
 static void compile_substructure(km_mechanism *m, int s, km_compile_workspace *workspace) {
   const km_topology *t = &m->topology;
   km_substructure *sub = &m->substructures[s];
@@ -374,6 +377,7 @@ static void set_arcs(km_mechanism *m) {
   }
 }
 
+/* Compiles all numbers of the model into the mechanism's arrays. */
 void km_compile_values(km_mechanism *m, const km_compiling *options, km_compile_workspace *workspace) {
   m->position_rounding = km_position_rounding(m->model);
   set_characteristic_length(m, options, workspace);
@@ -391,6 +395,7 @@ void km_compile_values(km_mechanism *m, const km_compiling *options, km_compile_
   set_arcs(m);
 }
 
+/* Builds the topology, then compiles numbers and Jacobian patterns. */
 static km_status compile_mechanism(km_mechanism *m, const km_compiling *options, km_error *error) {
   km_status status = build_topology(m, error);
   km_compile_workspace workspace;
@@ -420,6 +425,7 @@ static km_status check_held_ball(const km_model *model, const km_hold *holds, in
                        model->coordinates[holds[h].coordinate].label, model->joints[joint].label);
 }
 
+/* Checks indices and values of held coordinates. */
 static km_status check_holds(const km_model *model, const km_hold *holds, int count, km_error *error) {
   km_status status = km_check_list(holds, count, "holds", error);
   for (int h = 0; h < count && !status; ++h) {

@@ -251,6 +251,7 @@ typedef struct cut_loop {
                * joint's centre */
 } cut_loop;
 
+/* Frame beyond the ball joint, seen from the other side of the loop. */
 static cut_loop cut_loop_at_ball(const km_loop *loop, const km_step *ball, int side, const km_compile_workspace *w) {
   km_pose own = km_pose_inverse(&w->reference_pose[ball->to]);
   own = km_pose_product(&own, &w->reference_pose[loop->slot[side]]);
@@ -365,6 +366,7 @@ static void group_by_base(km_mechanism *m, km_substructure *sub) {
   sub->program_count = m->program_count - sub->program_start;
 }
 
+/* Compiles the programs of a substructure and numbers the rows of its loops. */
 void km_compile_loops(km_mechanism *m, int s, km_compile_workspace *workspace) {
   km_substructure *sub = &m->substructures[s];
   group_by_base(m, sub);

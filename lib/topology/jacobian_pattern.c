@@ -79,6 +79,7 @@ static void store_dense_indices(void *context, int column, int first, int count,
     term->value_index = index;
 }
 
+/* Dense storage, with flags of entries that can be non-zero. */
 static bool create_dense_pattern(km_mechanism *m, km_substructure *sub) {
   size_t size = (size_t)sub->rows * (size_t)sub->columns;
   sub->pattern = (km_pattern){.size = size, .used = KM_ARENA_NEW(&m->arena, bool, size)};
@@ -87,6 +88,7 @@ static bool create_dense_pattern(km_mechanism *m, km_substructure *sub) {
   return sub->pattern.used != NULL;
 }
 
+/* Sparse storage by columns. */
 static bool create_sparse_pattern(km_mechanism *m, km_substructure *sub, int *start) {
   size_t columns = (size_t)sub->columns;
   km_arena scratch = {0};
@@ -101,6 +103,7 @@ static bool create_sparse_pattern(km_mechanism *m, km_substructure *sub, int *st
   return is_ok;
 }
 
+/* Chooses sparse storage for at least 24 rows with at most a fifth of the entries. */
 bool km_compile_pattern(km_mechanism *m, km_substructure *sub) {
   if (sub->rows < MIN_SPARSE_ROWS)
     return create_dense_pattern(m, sub);

@@ -128,6 +128,7 @@ static void choose_rows(km_motion_space *g, int max_dimension) {
     eliminate_rows(g);
 }
 
+/* Lie algebra closure of the twists, and its independent rows. */
 void km_motion_space_close(const km_twist *twists, int count, int max_dimension, double tolerance,
                            km_motion_space *out) {
   out->dimension = 0;

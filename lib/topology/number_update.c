@@ -79,6 +79,7 @@ static void swap_numbers(km_mechanism *m, km_mechanism *spare) {
   m->version = old.version + 1;
 }
 
+/* Compiles the new numbers into the spare arrays and swaps them if the structure is equal. */
 km_status km_mechanism_renumber(km_mechanism *m, km_error *error) {
   if (!m)
     return km_fail(error, KM_USAGE, "found no mechanism");

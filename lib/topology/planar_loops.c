@@ -43,6 +43,7 @@ bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
   return (primitive == KM_REVOLUTE ? km_vec3_dot(across, across) : along * along) <= axis_tolerance * axis_tolerance;
 }
 
+/* True if every step of the program moves in planes normal to `normal`. */
 static bool are_steps_in_plane(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
                                km_vec3 normal) {
   for (int i = 0; i < program->step_count; ++i) {

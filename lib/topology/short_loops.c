@@ -190,6 +190,7 @@ static void store_loops(const cycle_finder *f) {
   t->member_start[t->loop_count] = used;
 }
 
+/* Allocates the search and sorts the loops. */
 static bool create_finder(cycle_finder *f, km_arena *scratch) {
   size_t bodies = (size_t)f->g->body_count, path_length = (size_t)f->g->joint_count, loops = (size_t)f->t->loop_count;
   for (int i = 0; i < 2; ++i)
@@ -212,6 +213,7 @@ static bool is_needed(const km_topology *t) {
   return needed;
 }
 
+/* Replaces the loops of large substructures by shortest cycles. */
 bool km_find_short_loops(const km_graph *g, const km_incidence *incidence, km_arena *scratch, km_topology *t) {
   cycle_finder f = {.g = g, .incidence = incidence, .t = t};
   int used = 0;

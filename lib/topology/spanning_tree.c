@@ -154,6 +154,7 @@ static void group_by_class(const int *class_of, int count, int classes, int *sta
   memmove(start, start + 1, (size_t)classes * sizeof *start);
 }
 
+/* Lists the joints and loops of each substructure. */
 static void group_joints_and_loops(km_topology *t) {
   int grouped_count = 0;
   for (int j = 0; j < t->joint_count; ++j)
@@ -200,6 +201,7 @@ static bool allocate_arrays(const km_graph *g, km_arena *arena, km_topology *t) 
   return !arena->failed;
 }
 
+/* Tree, chords, fundamental cycles, substructures, short cycles. */
 static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topology *t) {
   km_incidence incidence = {KM_ARENA_NEW(scratch, int, (size_t)g->body_count + 2),
                             KM_ARENA_NEW(scratch, int, 2 * (size_t)g->joint_count)};

@@ -145,8 +145,8 @@ KM_API km_status km_frame_twist(const km_mechanism *mechanism, const km_state *s
                                 double twist[6], km_error *error);
 
 /* Jacobian J[6 × coordinate count], column-major: twist of the frame per unit rate of each coordinate between the
- * inertial frame and the body along the spanning tree; 0 for all others and for held ones (docs/theory.md 2.1). With
- * loops the rates are not free: the possible twists are J N, N by km_motions_basis. After km_poses_compute. KM_USAGE.
+ * inertial frame and the body along the spanning tree; 0 for all others and for held ones (docs/theory.md 2.1). Rates
+ * are not free with loops: the possible twists are J N, N by km_motions_basis. After km_poses_compute. KM_USAGE.
  * O(coordinates). */
 KM_API km_status km_frame_jacobian(const km_mechanism *mechanism, const km_state *state, int frame, double *J,
                                    km_error *error);

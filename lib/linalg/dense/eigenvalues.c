@@ -10,6 +10,7 @@
 /* The variant with workspace of the caller. */
 typedef __typeof__(LAPACKE_dgeev_work) solver;
 
+/* Loads LAPACKE's dgeev. */
 static km_status load_dgeev(solver **out, km_error *error) {
   static const char *const files[] = {KM_LAPACKE, NULL}, *const names[] = {"LAPACKE_dgeev_work", NULL};
   static solver *function;
@@ -21,6 +22,7 @@ static km_status load_dgeev(solver **out, km_error *error) {
              : KM_OK;
 }
 
+/* Eigenvalues and eigenvectors by dgeev. */
 km_status km_eigen(int n, double *A, double *real, double *imaginary, double *left, double *right, km_error *error) {
   for (size_t i = 0; i < (size_t)n * (size_t)n; ++i)
     if (!isfinite(A[i])) /* dgeev may not terminate */

@@ -47,6 +47,7 @@ static void list_updates(km_recorded_elimination *r, int first, int row, int oth
   }
 }
 
+/* Symbolic Gauss-Jordan elimination with known pivots: lists operations and fill-in. */
 void km_recorded_elimination_record(km_recorded_elimination *r, const km_partition *p, const bool *used) {
   int rows = r->row_count;
   list_ends to = {r->scales, r->updates, r->rhs_updates};

@@ -236,6 +236,7 @@ static void reduce_independent(km_partition *p, const double *matrix, const int 
   }
 }
 
+/* Repeats the elimination with known pivots, symbolic steps included. */
 bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
   km_sparse *s = p->sparse;
   const int rank = p->rank;
@@ -266,6 +267,7 @@ bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
   return !p->failed;
 }
 
+/* One LU elimination by columns with threshold pivoting; small pivots are postponed or dropped. */
 void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse *s = p->sparse;
   int lower_end = 0, dropped = 0;

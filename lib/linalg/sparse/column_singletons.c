@@ -88,6 +88,7 @@ static void store_pivots(km_partition *p) {
   s->singleton_count = p->rank;
 }
 
+/* Takes singletons as pivots until none is left; each removal can create further ones. */
 int km_sparse_take_singletons(km_partition *p, const double *matrix, const bool *forced, double min_pivot) {
   km_sparse *s = p->sparse;
   km_open_entries *const open = s->open_entries;

@@ -83,6 +83,7 @@ static bool are_rows_independent(const km_partition *p, const double *matrix, co
   return sqrt(square) > threshold * km_max_magnitude(y, p->rank);
 }
 
+/* Row with the largest entry of the left singular vector, if the rows are dependent. */
 int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool *forced, double threshold) {
   int largest_step;
   double *y = p->work;

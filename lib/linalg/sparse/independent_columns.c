@@ -148,6 +148,7 @@ static bool subtract_vector(null_pivoting *h, const null_vector *pivot_vector, d
   return done;
 }
 
+/* Entry of a null vector in a column; 0 if there is none. */
 static double find_entry(const null_vector *v, int column) {
   for (int i = 0; i < v->count; ++i)
     if (v->column[i] == column)
@@ -207,6 +208,7 @@ static bool choose_columns(null_pivoting *h) {
   return is_ok;
 }
 
+/* Chooses the independent columns by complete pivoting of the null vectors. */
 bool km_sparse_choose_independent(km_partition *p, const bool *forced) {
   null_pivoting h = {.p = p, .forced = forced};
   bool changed = false;

@@ -48,6 +48,7 @@ struct km_normal_equations {
   bool is_factored;
 };
 
+/* Loads CHOLMOD's functions. */
 static const library *load_cholmod(void) {
 #define X(name) #name,
   static const char *const files[] = {KM_CHOLMOD, NULL}, *const names[] = {CHOLMOD_FUNCTIONS(X) NULL};
@@ -61,6 +62,7 @@ bool km_normal_equations_is_installed(void) {
   return load_cholmod() != NULL;
 }
 
+/* A as CHOLMOD's matrix. */
 static cholmod_sparse matrix_view(const km_normal_equations *n) {
   return (cholmod_sparse){.nrow = (size_t)n->rows,
                           .ncol = (size_t)n->columns,
@@ -186,6 +188,7 @@ bool km_normal_equations_is_factored(const km_normal_equations *n, const bool *u
          memcmp(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns) == 0;
 }
 
+/* Cholesky factorisation of A Aᵀ in the used rows and columns. */
 bool km_normal_equations_factor(km_normal_equations *n, const double *matrix, const double *weight,
                                 const bool *used_rows, const bool *used_columns) {
   size_t entries = (size_t)n->start[n->columns];
@@ -227,6 +230,7 @@ static const double *solve_normal_equations(km_normal_equations *n) {
   return n->z;
 }
 
+/* Inverse iteration with A Aᵀ: smallest singular value of A over its largest entry. */
 double km_normal_equations_smallest_singular_value(km_normal_equations *n) {
   enum { PASSES = 3 };
   double square = 0.0, largest = km_max_magnitude(n->value, (int)n->start[n->columns]);

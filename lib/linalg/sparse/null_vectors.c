@@ -2,6 +2,7 @@
  * reaches (J. Gilbert and T. Peierls 1988; docs/theory.md 3.6). */
 #include "linalg/sparse/sparse_lu.h"
 
+/* Depth-first search in the graph of U: steps that a right side reaches, in topological order. */
 int km_sparse_reach_upper(const km_partition *p, const km_entry_range *column_of_u) {
   const km_sparse *s = p->sparse;
   int top = p->rows;
@@ -31,6 +32,7 @@ int km_sparse_reach_upper(const km_partition *p, const km_entry_range *column_of
   return top;
 }
 
+/* Null vector −U⁻¹ u of one independent column, by the steps that it reaches. */
 int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
   const km_sparse *s = p->sparse;
   const km_entry_range *column_of_u = &s->upper[p->column[p->rank + k]];

@@ -59,6 +59,7 @@ km_normal_equations *km_sparse_create_normal(const km_partition *p) {
   return *s->normal;
 }
 
+/* Factors the normal equations of the primary rows. */
 km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count) {
   km_normal_equations *normal = km_sparse_create_normal(p);
   if (!normal)
@@ -123,6 +124,7 @@ static void set_primary_rows(km_partition *p, bool keeps_rows) {
     s->step_of[p->row[k]] = k;
 }
 
+/* Full row rank by the smallest eigenvalue of the normal equations. */
 bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   const bool keeps_rows = p->kept_row_tolerance > 0.0;
@@ -151,6 +153,7 @@ bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const
   return true;
 }
 
+/* Dependent rows by sparse QR of Jᵀ. */
 bool km_sparse_find_dependent_rows(km_partition *p, const double *matrix, const bool *forced, double threshold) {
   km_sparse_qr *q = NULL;
   km_error error;

@@ -18,6 +18,7 @@ static void scatter_primary(const km_partition *p, const double *matrix, int c) 
       s->x[s->row[i]] = matrix[i];
 }
 
+/* Back substitution with U by columns. */
 void km_sparse_solve_upper(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = p->rank - 1; k >= 0; --k) {
@@ -206,6 +207,7 @@ static int pivot_sign(const km_partition *p) {
   return negative ? -1 : 1;
 }
 
+/* B = U⁻¹ U_i: all columns, or max|B| only with many freedoms. */
 bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
   km_sparse *s = p->sparse;
   p->max_b = 0.0;
@@ -275,6 +277,7 @@ static bool update_b(km_partition *p) {
   return is_deferred ? defer_b(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 
+/* Numeric refactorisation on the stored pattern of L and U. */
 bool km_sparse_refactor(km_partition *p, const double *matrix, bool is_full_pattern) {
   km_sparse *s = p->sparse;
   s->is_cached = false;
@@ -311,6 +314,7 @@ bool km_sparse_refactor(km_partition *p, const double *matrix, bool is_full_patt
   return update_b(p);
 }
 
+/* Solves L U x_d = rhs_p; independent columns are 0. */
 void km_sparse_solve(const km_partition *p, const double *rhs, double *x) {
   const km_sparse *s = p->sparse;
   double *y = p->work;
@@ -349,6 +353,7 @@ double km_sparse_multiplications(const km_partition *p) {
   return sum + entries * (2.0 + p->columns - p->rank);
 }
 
+/* Copies pivots and pattern of L and U. */
 void km_sparse_copy(km_partition *to, const km_partition *from) {
   km_sparse *t = to->sparse;
   const km_sparse *f = from->sparse;

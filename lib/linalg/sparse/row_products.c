@@ -94,6 +94,7 @@ static void create_column(const product_list *l, int r, km_row_products *out) {
   out->start[k + 1] = end;
 }
 
+/* Symbolic product A Aᵀ. */
 bool km_row_products_create(int rows, int columns, const int *start, const int *row, const long *position, bool upper,
                             km_row_products *out) {
   km_arena arena = {0};
@@ -124,6 +125,7 @@ void km_row_products_free(km_row_products *p) {
   *p = (km_row_products){0};
 }
 
+/* Numeric product A Aᵀ by the listed pairs. */
 void km_row_products_compute(km_row_products *p, const double *entries, const bool *used_rows) {
   const km_factors *const pair = p->pair;
   for (long i = 0; i < p->start[p->rows]; ++i) {

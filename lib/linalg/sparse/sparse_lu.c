@@ -128,6 +128,7 @@ bool km_sparse_has_factor(const km_partition *p, const double *matrix, const boo
          memcmp(s->cached_matrix, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
 }
 
+/* Stores matrix and arguments of the present factor. */
 static void cache_matrix(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   memcpy(s->cached_matrix, matrix, (size_t)s->start[p->columns] * sizeof *matrix);
@@ -161,6 +162,7 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
   find_better_columns(p, matrix, forced, threshold, 0);
 }
 
+/* Factors a sparse matrix: full row rank by normal equations, rows only, or good independent columns. */
 void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
   p->scale = km_max_magnitude(matrix, s->start[p->columns]);

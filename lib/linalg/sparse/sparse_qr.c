@@ -37,6 +37,7 @@ struct km_sparse_qr {
   int rank;
 };
 
+/* Loads SPQR's functions. */
 static const library *load_spqr(km_error *error) {
 #define X(name) #name,
   static const char *const files[] = {KM_SPQR, NULL}, *const names[] = {SPQR_FUNCTIONS(X) NULL};
@@ -93,6 +94,7 @@ km_columns km_sparse_qr_columns(km_sparse_qr *q) {
   return (km_columns){q->start, q->row, q->value};
 }
 
+/* The matrix as CHOLMOD's matrix. */
 static cholmod_sparse matrix_view(const km_sparse_qr *q) {
   return (cholmod_sparse){.nrow = (size_t)q->rows,
                           .ncol = (size_t)q->columns,
@@ -119,6 +121,7 @@ int km_sparse_qr_rank(const km_sparse_qr *q) {
   return q->rank;
 }
 
+/* Dense vectors as CHOLMOD's matrix. */
 static cholmod_dense dense_view(double *x, SuiteSparse_long rows, int columns) {
   size_t size = (size_t)rows * (size_t)columns;
   return (cholmod_dense){.nrow = (size_t)rows,
@@ -130,6 +133,7 @@ static cholmod_dense dense_view(double *x, SuiteSparse_long rows, int columns) {
                          .dtype = CHOLMOD_DOUBLE};
 }
 
+/* v <- (I − Q Qᵀ) v. */
 bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count) {
   cholmod_dense V = dense_view(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
@@ -144,6 +148,7 @@ bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count) {
   return done;
 }
 
+/* |Qᵀ v|². */
 bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, double *squares) {
   cholmod_dense V = dense_view(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
@@ -202,6 +207,7 @@ static void add_squares(const km_sparse_qr *q, const km_triangle *R, const cholm
   }
 }
 
+/* Squared row norms of Q by |R⁻ᵀ b|². */
 bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_order, double *square) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_view(q), *R = NULL;
@@ -241,6 +247,7 @@ bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_or
   return done;
 }
 
+/* Rank-revealing QR: independent columns. */
 int km_sparse_qr_independent_columns(km_sparse_qr *q, double tolerance, int *list) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_view(q), *R = NULL;
@@ -254,6 +261,7 @@ int km_sparse_qr_independent_columns(km_sparse_qr *q, double tolerance, int *lis
   return (int)rank;
 }
 
+/* Minimum-norm solution Q R⁻ᵀ b. */
 bool km_sparse_qr_minimum_norm(km_sparse_qr *q, const double *b, double *x) {
   double *copy = KM_NEW(double, (size_t)q->columns + 1); /* the library's interface has no const */
   if (!copy)

@@ -63,6 +63,7 @@ static void copy_entries(km_sparse *s, int step, const km_entry_range *column_of
   }
 }
 
+/* Appends a step to the supernode before it if the rows of L are nested. */
 void km_sparse_extend_supernode(km_partition *p, int step) {
   km_sparse *s = p->sparse;
   const km_entry_range *column_of_l = &s->lower[p->column[step]];

@@ -48,6 +48,7 @@ static void substitute_nested_rows(const km_triangle *R, long k, double *y, doub
   subtract_rows(R->column + first, value, R->start[k + 1] - first, u, y);
 }
 
+/* True if NESTED_ROWS rows from row k on are nested. */
 static bool are_nested(const km_triangle *R, long k) {
   bool all = k + NESTED_ROWS <= R->columns;
   for (int r = 0; r + 1 < NESTED_ROWS && all; ++r)
