@@ -1,8 +1,7 @@
 /* Compiles a mechanism with its characteristic length L (docs/theory.md 1.4).
  *
  * L is stated, else the longest link. If no link has a length, L is the greatest distance of two joints in the
- * assembled
- * configuration, found by assembling a mechanism with L = 1 first. */
+ * assembled configuration, found by assembling a mechanism with L = 1 first. */
 #include "kinematics/body_poses.h"
 
 #include "base/arguments.h"

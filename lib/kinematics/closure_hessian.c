@@ -3,8 +3,8 @@
  *   loops    : ∂²(λᵀe)/∂x_i ∂x_j = ½ side λᵀ[h_i, h_j],   joint i before joint j on one side, side = ±1
  *   couplings: λ_r c_r''(q_j) on the diagonal
  *
- * A column h_j is carried by the joints before it on its side, so log(… exp(h_i x_i) … exp(h_j x_j) …) has the term
- * ½ [h_i, h_j] x_i x_j. Joints before both sides move the loop as a rigid body and add nothing. Bilinear terms only;
+ * A column h_j is carried by the joints before it on its side, so log(… exp(h_i x_i) … exp(h_j x_j) …) has the term ½
+ * [h_i, h_j] x_i x_j. Joints before both sides move the loop as a rigid body and add nothing. Bilinear terms only;
  * exact for closed loops up to terms that vanish along Jᵀ. */
 #include "kinematics/loop_equations.h"
 

@@ -3,8 +3,7 @@
  *   J_j = ±h_j at the frame's origin, of the joints between the inertial frame and the body along the spanning tree
  *
  * J is that of the tree: v = dp/dt of the frame's origin, ω of its body, along the inertial axes. The rate of a chord
- * has
- * no column (0). With loops only rates in range(N) are possible, so the twists of a frame are J N. */
+ * has no column (0). With loops only rates in range(N) are possible, so the twists of a frame are J N. */
 #include "base/arguments.h"
 #include "kinematics/body_poses.h"
 

@@ -1,7 +1,6 @@
 /* Comparison of configurations as assembly modes (docs/theory.md 4.13): poses of bodies, without passive rotations.
  *
- * A body with all joints on one line (a rod) counts by that line, a body with all joints at one point (a crosspiece)
- * by
+ * A body with all joints on one line (a rod) counts by that line, a body with all joints at one point (a crosspiece) by
  * that point, the halves of a strut not at all. */
 #include "kinematics/mode_identity.h"
 

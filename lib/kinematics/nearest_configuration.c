@@ -1,11 +1,9 @@
-/* Closed configuration nearest to a given one by Newton's method with the Hessian of the closure (docs/theory.md
- * 4.8).
+/* Closed configuration nearest to a given one by Newton's method with the Hessian of the closure (docs/theory.md 4.8).
  *
  *   K = [D² − Σ λ_r ∂²e_r   −Jᵀ; J   0],   K (δ, λ) = (−D² (x − y), −e),   x <- x + δ
  *
  * Unknowns of fixed coordinates and secondary rows are removed by unit rows. K is factored by sparse LU (3.6). A factor
- * of
- * an earlier K solves by iterative refinement where factoring costs more. */
+ * of an earlier K solves by iterative refinement where factoring costs more. */
 #include "kinematics/nearest_configuration.h"
 
 #include "base/extrema.h"

@@ -36,9 +36,9 @@ typedef struct km_nearest_configuration {
 bool km_nearest_configuration_reserve(km_nearest_configuration *closest, const km_mechanism *mechanism,
                                       const km_substructure *sub, km_arena *arena);
 
-/* Moves the state to the closed configuration nearest to y. The state must be at y + displacement (scaled); on
- * return `displacement` is the step from y to the result. The coordinate of `driver` (a column, or KM_NO_DRIVER) is
- * fixed; `pivots` gives the primary rows. False if Newton's method does not converge; the state is left at its last
+/* Moves the state to the closed configuration nearest to y. The state must be at y + displacement (scaled); on return
+ * `displacement` is the step from y to the result. The coordinate of `driver` (a column, or KM_NO_DRIVER) is fixed;
+ * `pivots` gives the primary rows. False if Newton's method does not converge; the state is left at its last
  * configuration. */
 bool km_nearest_configuration_find(km_nearest_configuration *closest, const km_mechanism *mechanism, km_state *state,
                                    int substructure, int driver, const km_partition *pivots, double *displacement);

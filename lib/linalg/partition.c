@@ -1,6 +1,6 @@
 /* Gauss-Jordan elimination with complete pivoting (GECP) for any size, and what follows from the factors
- * (docs/theory.md
- * 3.1-3.3). Small matrices use linalg/dense/register_elimination.h, large sparse ones linalg/sparse/sparse_lu.h.
+ * (docs/theory.md 3.1-3.3). Small matrices use linalg/dense/register_elimination.h, large sparse ones
+ * linalg/sparse/sparse_lu.h.
  *
  *   step with pivot (r, c): l = J_:c / J_rc, l_r = 0;   J_:k <- J_:k − l J_rk  for all later columns k
  *   B_ik = (reduced entry) / pivot_i;   sign of det = product of the signs of the pivots */

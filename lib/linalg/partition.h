@@ -1,17 +1,13 @@
 /* Coordinate partitioning of one constraint matrix J: rank, dependent and independent columns, null space
- * (docs/theory.md 3).
- * The module factors matrices and knows no mechanisms.
+ * (docs/theory.md 3). The module factors matrices and knows no mechanisms.
  *
  *   P_r J P_cᵀ = [J_pd J_pi; J_sd J_si]     p: primary (pivot) rows, d: dependent (pivot) columns, i: independent ones
  *   B = J_pd⁻¹ J_pi,   q̇_d = −B q̇_i,   N = [−B; I]                                    D = diag(weight)
  *
  * Matrices are column-major. Gauss-Jordan elimination with complete pivoting (GECP): a pivot clears its column in the
- * rows
- * of earlier pivots too. The pivots are those of LU in the same order, and B is complete after the last step. Rows
- * and
- * columns are not moved; `row` and `column` state their order. Source: K. Wehage 2016, sections 3.4, 4.1, 9.1;
- * (163),
- * (271), (275)-(279). */
+ * rows of earlier pivots too. The pivots are those of LU in the same order, and B is complete after the last step. Rows
+ * and columns are not moved; `row` and `column` state their order. Source: K. Wehage 2016, sections 3.4, 4.1, 9.1;
+ * (163), (271), (275)-(279). */
 #ifndef KM_LINALG_PARTITION_H
 #define KM_LINALG_PARTITION_H
 

@@ -3,8 +3,7 @@
  *   A = J_p D⁻¹:   projection onto the null space  y − Aᵀ (A Aᵀ)⁻¹ A y,    minimum norm  D x = Aᵀ (A Aᵀ)⁻¹ b
  *
  * Methods, in this order: normal equations by sparse Cholesky; sparse QR of the null vectors N where they have less
- * fill-in
- * than the rows; sparse QR of the primary rows. */
+ * fill-in than the rows; sparse QR of the primary rows. */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/sparse_lu.h"

@@ -1,5 +1,4 @@
-/* Branch points: directions of the branches, and departure along one of them (docs/theory.md 4.10). Private to local/
- * and its callers. */
+/* Branch points: directions of the branches, and departure along one of them (docs/theory.md 4.10). */
 #ifndef KM_LOCAL_BIFURCATION_H
 #define KM_LOCAL_BIFURCATION_H
 

@@ -1,9 +1,8 @@
-/* Constant-rank tangents and permanently shaky mechanisms (docs/theory.md 5.6). Private to local/ and its callers.
+/* Constant-rank tangents and permanently shaky mechanisms (docs/theory.md 5.6).
  *
  *   U = { a : Q_i a = 0 for all i },   that is wᵀ (∂J/∂q u) z = 0 for all left and right null vectors w, z
  *
- * Along U the rank of J is constant to first order. The instantaneous mobility of a permanently shaky mechanism
- * exceeds
+ * Along U the rank of J is constant to first order. The instantaneous mobility of a permanently shaky mechanism exceeds
  * the finite one along a whole branch (e.g. a platform on four or more parallel rods); its motions are tangent to U. */
 #ifndef KM_LOCAL_CONSTANT_RANK_MOTION_H
 #define KM_LOCAL_CONSTANT_RANK_MOTION_H

@@ -3,8 +3,7 @@
  *   q₁ = close(q₀ + Σ_i 0.02 (1 + 0.3 i) D⁻¹ z_i)
  *
  * All motions are combined with different amounts, so that none conceals another. Many freedoms use one random
- * combination
- * that satisfies the second order; permanently shaky mechanisms use their constant-rank tangents (5.6). */
+ * combination that satisfies the second order; permanently shaky mechanisms use their constant-rank tangents (5.6). */
 #include "local/generic_neighbour.h"
 
 #include "kinematics/body_poses.h"

@@ -1,5 +1,4 @@
-/* Neighbouring configuration on the motion, to separate persistent from incidental properties (docs/theory.md 5.8).
- * Private to local/ and its callers. */
+/* Neighbouring configuration on the motion, to separate persistent from incidental properties (docs/theory.md 5.8). */
 #ifndef KM_LOCAL_GENERIC_NEIGHBOUR_H
 #define KM_LOCAL_GENERIC_NEIGHBOUR_H
 

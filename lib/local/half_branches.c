@@ -3,11 +3,9 @@
  *   F(y) = ( e(q0 + y),  (|D y|² − d²)/(2 d) ) = 0,   d = 0.08,  from y = d D⁻¹ Z u, u random
  *   neighbour: σ t + ½ κ t² = 0,  σ, u, v smallest singular value and vectors of F',  κ = uᵀF''(v, v)   =>   t = −2 σ/κ
  *
- * A motion through q0 crosses every small sphere once for each of its halves. Each solution (Levenberg-Marquardt,
- * then
+ * A motion through q0 crosses every small sphere once for each of its halves. Each solution (Levenberg-Marquardt, then
  * Gauss-Newton) counts if it continues at d/2, d/4 and d/8 within 37° of its direction. Where two half-branches lie
- * close
- * together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. */
+ * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. */
 #include "local/half_branches.h"
 
 #include "base/random.h"

@@ -1,4 +1,4 @@
-/* Half-branches of the motions through a configuration (docs/theory.md 5.7). Private to local/ and its callers. */
+/* Half-branches of the motions through a configuration (docs/theory.md 5.7). */
 #ifndef KM_LOCAL_HALF_BRANCHES_H
 #define KM_LOCAL_HALF_BRANCHES_H
 
@@ -16,9 +16,9 @@ typedef struct km_half_branches {
   double *shares; /* [KM_MAX_HALF_BRANCHES × freedom] unit directions from q0, as coefficients of the basis */
 } km_half_branches;
 
-/* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the
- * same tangent up to an order of contact of about 5, or that end in a cusp. The basis of the tangents must be there,
- * the configuration exact. False when out of memory. A motion that no start leads to is missed. Restores the state.
+/* Finds the half-branches from random starts around the tangent space: of branches that cross, that touch with the same
+ * tangent up to an order of contact of about 5, or that end in a cusp. The basis of the tangents must be there, the
+ * configuration exact. False when out of memory. A motion that no start leads to is missed. Restores the state.
  * O(starts · iterations · rows · columns²). */
 bool km_half_branches_find(km_tangents *tangents, km_half_branches *out);
 

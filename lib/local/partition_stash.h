@@ -1,4 +1,4 @@
-/* Stashes the partition of a configuration and restores it. Private to local/ and its callers. */
+/* Stashes the partition of a configuration and restores it. Private to local/. */
 #ifndef KM_LOCAL_PARTITION_STASH_H
 #define KM_LOCAL_PARTITION_STASH_H
 

@@ -1,4 +1,4 @@
-/* Tangents without passive freedoms (docs/theory.md 6.6). Private to local/ and its callers. */
+/* Tangents without passive freedoms (docs/theory.md 6.6). */
 #ifndef KM_LOCAL_PASSIVE_TANGENTS_H
 #define KM_LOCAL_PASSIVE_TANGENTS_H
 

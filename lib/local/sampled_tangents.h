@@ -1,5 +1,5 @@
 /* Tangents of a substructure with many freedoms or loops: random single directions without a basis (docs/theory.md
- * 5.5). Private to local/ and its callers. */
+ * 5.5). */
 #ifndef KM_LOCAL_SAMPLED_TANGENTS_H
 #define KM_LOCAL_SAMPLED_TANGENTS_H
 

@@ -1,5 +1,4 @@
-/* Second-order conditions of a substructure with many freedoms, by columns instead of a basis (docs/theory.md 5.5).
- * Private to local/ and its callers. */
+/* Second-order conditions of a substructure with many freedoms, by columns instead of a basis (docs/theory.md 5.5). */
 #ifndef KM_LOCAL_SECOND_ORDER_COLUMNS_H
 #define KM_LOCAL_SECOND_ORDER_COLUMNS_H
 

@@ -1,5 +1,4 @@
-/* Second-order conditions of motions at a closed configuration (docs/theory.md 5.2). Private to local/ and its
- * callers.
+/* Second-order conditions of motions at a closed configuration (docs/theory.md 5.2). Private to local/.
  *
  *   Q_i(a, b)   = w_iᵀ D²e(Z a, Z b) = −½ w_iᵀ (γ(a + b) − γ(a) − γ(b))
  *   tangent cone: aᵀ Q_i a = 0 for all i,  |a| = 1

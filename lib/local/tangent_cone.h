@@ -1,6 +1,5 @@
 /* Tangents of a substructure at one closed configuration, and which of them belong to finite motions (docs/theory.md
  * 5).
- * Private to local/ and its callers.
  *
  *   x = D⁻¹ Z a: scaled tangent of the coefficients a[freedom]; Z: orthonormal basis of the null space of J */
 #ifndef KM_LOCAL_TANGENT_CONE_H

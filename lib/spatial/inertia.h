@@ -1,6 +1,5 @@
 /* Spatial inertias (docs/theory.md 1.2, 11.2): rigid bodies (ten numbers) and articulated bodies (21 numbers), about
- * the
- * origin of the frame in which they are expressed.
+ * the origin of the frame in which they are expressed.
  *
  *   rigid      : f = m v − mc × ω,  τ = mc × v + I ω                (49)-(59)
  *   articulated: f = M v + H ω,     τ = Hᵀ v + I ω                  a body with all that is eliminated onto it */

@@ -2,10 +2,8 @@
  * contiguous arrays, indices instead of pointers.
  *
  * A substructure is computed by itself: its lengths are divided by its own size, and each of its loops is expressed in
- * the
- * axes of the loop's base body, near the loop's own joints. Neither the inertial frame nor other substructures affect
- * its
- * digits. Loops with one base body share one program of steps. */
+ * the axes of the loop's base body, near the loop's own joints. Neither the inertial frame nor other substructures
+ * affect its digits. Loops with one base body share one program of steps. */
 #ifndef KM_TOPOLOGY_MECHANISM_H
 #define KM_TOPOLOGY_MECHANISM_H
 

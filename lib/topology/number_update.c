@@ -1,6 +1,5 @@
 /* Renumbering: new numbers in a compiled mechanism. They are compiled into a second set of arrays, which replaces the
- * first
- * if the structure is equal: a failed call changes nothing. */
+ * first if the structure is equal: a failed call changes nothing. */
 #include "topology/compile.h"
 
 #include <string.h>

@@ -1,13 +1,11 @@
-/* Gauss-Jordan elimination with complete pivoting for up to 12 rows and 64 columns, in registers (docs/theory.md
- * 3.1).
+/* Gauss-Jordan elimination with complete pivoting for up to 12 rows and 64 columns, in registers (docs/theory.md 3.1).
  *
  *   step with pivot (r, c):  l = J_:c / J_rc, l_r = 0;   J_:k <- J_:k − l J_rk  for all later columns k
  *
  * `reduced` keeps the multipliers l in dependent columns and the reduced entries in independent ones, from which B
- * follows
- * by the reciprocal pivots. The search runs with the update: the maximum of integer keys, the bits of a magnitude above
- * its
- * row and column number. So entries that are equal to 2⁻⁴², or agree in three bits of the mantissa, go by position. */
+ * follows by the reciprocal pivots. The search runs with the update: the maximum of integer keys, the bits of a
+ * magnitude above its row and column number. So entries that are equal to 2⁻⁴², or agree in three bits of the mantissa,
+ * go by position. */
 #include "linalg/dense/register_elimination.h"
 #include "linalg/dense/simd_pair.h"
 

@@ -2,11 +2,9 @@
  *
  *   key = bits of |x|, the lowest ten replaced by the complement of the entry's position (slot, row)
  *
- * The maximum carries its position along and needs no branch. Two entries that agree to 2⁻⁴² are a tie, which the
- * lower
+ * The maximum carries its position along and needs no branch. Two entries that agree to 2⁻⁴² are a tie, which the lower
  * position wins. Lanes are combined in the last maximum only, which does not depend on the order: the result is equal
- * for
- * any vector width. */
+ * for any vector width. */
 #ifndef KM_LINALG_DENSE_SIMD_PAIR_H
 #define KM_LINALG_DENSE_SIMD_PAIR_H
 

@@ -1,5 +1,4 @@
-/* Column singletons: columns with one entry in open rows, pivots that eliminate nothing (docs/theory.md 3.6).
- * Jacobians
+/* Column singletons: columns with one entry in open rows, pivots that eliminate nothing (docs/theory.md 3.6). Jacobians
  * have many, since a loop's closing joint rotates about the point at which the loop's rows are taken. */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"

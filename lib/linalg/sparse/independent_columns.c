@@ -40,8 +40,8 @@ typedef struct null_pivoting {
 } null_pivoting;
 
 /* Bounds relative to the entries of the matrix: entries of all null vectors, and visited entries with many vectors.
- * Longer times exceed the value of a smaller B. With few vectors visits are not bounded, since a basis is
- * formed from them. */
+ * Longer times exceed the value of a smaller B. With few vectors visits are not bounded, since a basis is formed from
+ * them. */
 enum { MAX_FILL = 50, MAX_VISITS = 2500 };
 
 /* `times` the number of entries of the matrix. */

@@ -3,8 +3,7 @@
  *   x = Aᵀ (A Aᵀ)⁻¹ b         A = J D⁻¹ in the used rows and columns
  *
  * A Aᵀ is factored by SuiteSparse's CHOLMOD (Y. Chen and others 2008), loaded at the first use: several times faster
- * than
- * QR. The elimination order is found once per pattern. */
+ * than QR. The elimination order is found once per pattern. */
 #ifndef KM_LINALG_SPARSE_NORMAL_EQUATIONS_H
 #define KM_LINALG_SPARSE_NORMAL_EQUATIONS_H
 

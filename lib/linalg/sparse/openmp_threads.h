@@ -1,6 +1,5 @@
 /* Restricts OpenMP to the calling thread. CHOLMOD uses four threads in blocks of 64 rows, which wait for each other
- * longer
- * than they compute, and a study has a worker on every core already. Private to linalg/. */
+ * longer than they compute, and a study has a worker on every core already. Private to linalg/. */
 #ifndef KM_LINALG_SPARSE_OPENMP_THREADS_H
 #define KM_LINALG_SPARSE_OPENMP_THREADS_H
 

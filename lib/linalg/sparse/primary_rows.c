@@ -1,6 +1,5 @@
 /* Primary rows by sparse orthogonal methods (docs/theory.md 3.6): the smallest eigenvalue of A Aᵀ proves full row rank;
- * a
- * sparse QR of the rows finds dependent ones. */
+ * a sparse QR of the rows finds dependent ones. */
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/sparse_lu.h"
 #include "linalg/sparse/sparse_qr.h"

@@ -1,6 +1,5 @@
 /* Products of the rows of a sparse matrix, A Aᵀ, in a given order of its rows. The entries of A that each product sums
- * are
- * listed once per pattern. Private to linalg/. */
+ * are listed once per pattern. Private to linalg/. */
 #ifndef KM_LINALG_SPARSE_ROW_PRODUCTS_H
 #define KM_LINALG_SPARSE_ROW_PRODUCTS_H
 

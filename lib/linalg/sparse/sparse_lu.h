@@ -2,10 +2,8 @@
  *
  *   L U = P_r J Q,  columns in COLAMD order;  pivot row: the shortest row with |entry| >= 0.3 of the column's largest
  *
- * Column by column (J. Gilbert and T. Peierls 1988). Column singletons come first. A column of which no more than
- * the
- * rank threshold remains becomes independent. The independent columns are then chosen by complete pivoting of the
- * null
+ * Column by column (J. Gilbert and T. Peierls 1988). Column singletons come first. A column of which no more than the
+ * rank threshold remains becomes independent. The independent columns are then chosen by complete pivoting of the null
  * vectors, so that |B| is as small as with complete pivoting of the whole matrix. Private to linalg/. */
 #ifndef KM_LINALG_SPARSE_SPARSE_LU_H
 #define KM_LINALG_SPARSE_SPARSE_LU_H

@@ -1,8 +1,6 @@
 /* Supernodes: consecutive steps whose rows of L are nested, rows(k) = {pivot row of k + 1} ∪ rows(k + 1)
- * (docs/theory.md
- * 3.6). Much fill-in makes nearly all rows nested. Their entries of L are stored a second time, in a shared row order,
- * so
- * that eight steps are subtracted in one pass. */
+ * (docs/theory.md 3.6). Much fill-in makes nearly all rows nested. Their entries of L are stored a second time, in a
+ * shared row order, so that eight steps are subtracted in one pass. */
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/sparse_lu.h"
 
