@@ -57,10 +57,10 @@ enum { MAX_STARTS = 24, MAX_STARTS_OF_SMALL_MISFIT = 6 };
 static const double initial_displacement = 0.05, displacement_growth = 1.2; /* radians, or sizes of the substructure */
 
 typedef struct assembly {
-  double *saved, *start, *best; /* saved coordinates of a substructure; workspace */
-  int starts;                   /* starts that the last substructure needed */
-  km_long_link violation;       /* link that proves that loop `violating_loop` cannot close */
-  int violating_loop;           /* -1: none */
+  double *saved, *start, *best_outcome; /* saved coordinates of a substructure; workspace */
+  int starts;                           /* starts that the last substructure needed */
+  km_long_link violation;               /* link that proves that loop `violating_loop` cannot close */
+  int violating_loop;                   /* -1: none */
 } assembly;
 
 /* Displaces every unlocked coordinate by a random share of `most`, uniform in [−1, 1]. */
@@ -106,17 +106,17 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
   const km_substructure *sub = &m->substructures[index];
   uint64_t random = 1;
   km_state_save(s, sub, a->start);
-  km_closure_outcome best = close_from_here(m, s, index, a->saved, evidence, status, error);
+  km_closure_outcome best_outcome = close_from_here(m, s, index, a->saved, evidence, status, error);
   a->starts = 1;
   a->violating_loop = -1;
-  if (best == KM_CLOSED || *status)
-    return best;
+  if (best_outcome == KM_CLOSED || *status)
+    return best_outcome;
   a->violating_loop = find_violating_loop(m, sub, &a->violation);
-  bool is_small = best == KM_INCONSISTENT && evidence->residual < max_rounding_misfit;
+  bool is_small = best_outcome == KM_INCONSISTENT && evidence->residual < max_rounding_misfit;
   double max_distance = is_small ? 10.0 * sqrt(evidence->residual) : HUGE_VAL;
-  km_state_save(s, sub, a->best);
+  km_state_save(s, sub, a->best_outcome);
   if (is_small)
-    memcpy(a->start, a->best, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *a->start);
+    memcpy(a->start, a->best_outcome, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *a->start);
   int count = a->violating_loop >= 0 ? 0 : is_small ? MAX_STARTS_OF_SMALL_MISFIT : max_start_count(sub);
   for (double amplitude = initial_displacement; a->starts <= count && !*status; amplitude *= displacement_growth) {
     km_closure found;
@@ -131,14 +131,14 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
     }
     ++a->starts;
     if (!is_small && found.residual < evidence->residual) {
-      best = outcome;
+      best_outcome = outcome;
       *evidence = found;
-      km_state_save(s, sub, a->best);
+      km_state_save(s, sub, a->best_outcome);
     }
   }
-  km_state_restore(s, sub, a->best);
+  km_state_restore(s, sub, a->best_outcome);
   km_loops_update(m, s, sub);
-  return best;
+  return best_outcome;
 }
 
 /* Result of closing a substructure with another closure tolerance. */
@@ -334,7 +334,7 @@ km_status km_assemble(const km_mechanism *m, km_state *s, km_assembly *out, km_e
   km_arena scratch = {0};
   assembly a = {.saved = KM_ARENA_NEW(&scratch, double, size),
                 .start = KM_ARENA_NEW(&scratch, double, size),
-                .best = KM_ARENA_NEW(&scratch, double, size)};
+                .best_outcome = KM_ARENA_NEW(&scratch, double, size)};
   km_status status = scratch.failed ? km_fail(error, KM_MEMORY, "out of memory while assembling")
                                     : assemble_all(m, s, &a, &total, error);
   km_arena_free(&scratch);

@@ -130,12 +130,12 @@ void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int dri
   int count = count_free_motions(p, driver);
   if (count <= 0)
     return;
-  bool uses_row_space = p->rank < count, done = remove_null_space_by_rows(m, s, index, count, x);
-  if (!done && p->is_deferred) {
+  bool uses_row_space = p->rank < count, is_ok = remove_null_space_by_rows(m, s, index, count, x);
+  if (!is_ok && p->is_deferred) {
     km_partition_refactor_full_pattern(&s->partition[index], km_state_jacobian(s, sub));
-    done = remove_null_space_by_rows(m, s, index, count, x);
+    is_ok = remove_null_space_by_rows(m, s, index, count, x);
   }
-  if (done) {
+  if (is_ok) {
     s->basis[index].count = 0;
     return;
   }
@@ -205,9 +205,9 @@ bool km_defer_pivots(km_state *s, int index, int driver) {
 static bool try_refactor(const km_mechanism *m, km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
   p->basis_quality_unneeded = needs_rows_only(p, driver);
-  bool serve = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
+  bool is_accepted = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
   p->basis_quality_unneeded = false;
-  return serve;
+  return is_accepted;
 }
 
 /* Searches pivots for a step. Pivots that were found with the loose tolerance of an open configuration can omit rows,
@@ -247,13 +247,13 @@ static bool solve_by_row_equations(const km_mechanism *m, km_state *s, int index
 static void solve_minimum_norm(const km_mechanism *m, km_state *s, int index, int driver, double residual,
                                bool reuse_factor, double *x) {
   const km_partition *p = &s->partition[index];
-  bool done = solve_by_row_equations(m, s, index, driver, reuse_factor && p->is_deferred, x);
-  if (!done && p->is_deferred) {
+  bool is_ok = solve_by_row_equations(m, s, index, driver, reuse_factor && p->is_deferred, x);
+  if (!is_ok && p->is_deferred) {
     if (!try_refactor(m, s, index, driver))
       search_step_pivots(m, s, index, driver, residual);
-    done = solve_by_row_equations(m, s, index, driver, false, x);
+    is_ok = solve_by_row_equations(m, s, index, driver, false, x);
   }
-  if (done)
+  if (is_ok)
     return;
   km_partition_solve(p, km_state_error(s, &m->substructures[index]), x);
   if (!p->rows_only)

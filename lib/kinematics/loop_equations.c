@@ -47,15 +47,15 @@ static void compute_planar_poses(const km_program *program, const km_planar_step
 
 /* Closure error of a planar loop, the logarithm in SE(2): v = V⁻¹ p, V⁻¹ = [[α, φ/2], [−φ/2, α]], α = (φ/2) cot(φ/2),
  * about the point (x, y) of the first frame. Returns (v_x, v_y, φ). */
-static km_vec3 planar_closure_error(const km_loop *loop, const km_planar_pose *slot, double place[2]) {
+static km_vec3 planar_closure_error(const km_loop *loop, const km_planar_pose *slot, double point[2]) {
   const km_planar_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
   const double *ca = loop->planar_closing_point[0], *cb = loop->planar_closing_point[1];
   double ax = a->x + a->cosine * ca[0] - a->sine * ca[1], ay = a->y + a->sine * ca[0] + a->cosine * ca[1];
   double bx = b->x + b->cosine * cb[0] - b->sine * cb[1], by = b->y + b->sine * cb[0] + b->cosine * cb[1];
   double dx = ax - bx - loop->planar_origin_offset[0], dy = ay - by - loop->planar_origin_offset[1];
   double angle_error = wrapped_angle(a->angle - b->angle + loop->planar_closing_angle);
-  place[0] = ax;
-  place[1] = ay;
+  point[0] = ax;
+  point[1] = ay;
   double cosine, sine, alpha;
   if (fabs(angle_error) < KM_SERIES_ANGLE) {
     double t2 = angle_error * angle_error, t4 = t2 * t2;
@@ -73,20 +73,20 @@ static km_vec3 planar_closure_error(const km_loop *loop, const km_planar_pose *s
 /* Writes closure error and Jacobian columns ±h of a planar loop, shifted to its row point. */
 static void update_planar_loop(const km_mechanism *m, const km_loop *loop, const km_planar_pose *slot,
                                const km_twist *h, km_twist *misfit, double *error, double *J) {
-  double place[2];
-  km_vec3 e = planar_closure_error(loop, slot, place);
-  const double *o = loop->has_moving_point ? place : loop->planar_point;
+  double point[2];
+  km_vec3 e = planar_closure_error(loop, slot, point);
+  const double *o = loop->has_moving_point ? point : loop->planar_point;
   const double ox[2] = {o[0], o[0] - loop->planar_origin_offset[0]},
                oy[2] = {o[1], o[1] - loop->planar_origin_offset[1]};
-  const double values[3] = {e.x - e.z * (oy[0] - place[1]), e.y + e.z * (ox[0] - place[0]), e.z};
+  const double values[3] = {e.x - e.z * (oy[0] - point[1]), e.y + e.z * (ox[0] - point[0]), e.z};
   *misfit = (km_twist){{e.x, e.y, loop->fixed_misfit[2]}, {loop->fixed_misfit[3], loop->fixed_misfit[4], e.z}};
   for (int r = 0; r < loop->lambda; ++r)
     error[loop->row_start + r] = values[loop->rows[r]];
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
-    int back = entry->side < 0.0;
+    int side = entry->side < 0.0;
     km_vec3 v = h[entry->step].v;
-    const double column[3] = {v.x - v.z * oy[back], v.y + v.z * ox[back], v.z};
+    const double column[3] = {v.x - v.z * oy[side], v.y + v.z * ox[side], v.z};
     double *out = J + entry->value_index;
     for (int r = 0; r < loop->lambda; ++r)
       out[r] = entry->side * column[loop->rows[r]];
@@ -134,7 +134,7 @@ static void update_spatial_loop(const km_mechanism *m, const km_program *program
   *row_point = first;
   const km_vec3 o[2] = {first, km_vec3_sub(first, loop->origin_offset)};
   b.p = km_vec3_add(km_vec3_sub(b.p, a.p), loop->origin_offset);
-  km_pose back = km_pose_inverse(&b), E = {km_rotation_product(&a.R, &back.R), km_rotate(&a.R, back.p)};
+  km_pose b_inverse = km_pose_inverse(&b), E = {km_rotation_product(&a.R, &b_inverse.R), km_rotate(&a.R, b_inverse.p)};
   *misfit = km_twist_log(&E);
   km_vec3 e = km_vec3_add(misfit->v, km_vec3_cross(misfit->w, km_vec3_sub(first, a.p)));
   const double values[6] = {e.x, e.y, e.z, misfit->w.x, misfit->w.y, misfit->w.z};

@@ -61,15 +61,15 @@ static bool classify_placements(const km_mechanism *m, km_body_placement *placem
   km_arena scratch = {0};
   bool *is_known = KM_ARENA_NEW(&scratch, bool, bodies);
   double *farthest = KM_ARENA_NEW(&scratch, double, bodies);
-  bool made = !scratch.failed;
-  for (int i = 0; made && i < 2 * model->joint_count; ++i) {
+  bool is_ok = !scratch.failed;
+  for (int i = 0; is_ok && i < 2 * model->joint_count; ++i) {
     joint_end e = joint_end_of(m, i / 2, i % 2);
     add_joint_frame(&placements[e.body], &is_known[e.body], &farthest[e.body], e.frame, e.slide_axis);
   }
-  for (int b = 1; made && b < model->body_count; ++b)
+  for (int b = 1; is_ok && b < model->body_count; ++b)
     if (placements[b].identity != KM_BODY_PASSIVE && is_known[b])
       placements[b].identity = km_vec3_norm(placements[b].direction) > 0.0 ? KM_BODY_LINE : KM_BODY_POINT;
-  for (int i = 0; made && i < 2 * model->joint_count; ++i) {
+  for (int i = 0; is_ok && i < 2 * model->joint_count; ++i) {
     joint_end e = joint_end_of(m, i / 2, i % 2);
     km_body_placement *placement = &placements[e.body];
     bool fits =
@@ -80,7 +80,7 @@ static bool classify_placements(const km_mechanism *m, km_body_placement *placem
       placement->identity = KM_BODY_POSE;
   }
   km_arena_free(&scratch);
-  return made;
+  return is_ok;
 }
 
 bool km_body_placements(const km_mechanism *m, km_body_placement *placements) {

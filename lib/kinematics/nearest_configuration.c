@@ -86,26 +86,26 @@ static void merge_entries(km_nearest_configuration *c, const km_substructure *su
 /* Creates the pattern of K and the indices of its entries. */
 static bool create_pattern(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
                            km_arena *arena) {
-  size_t most = 2 * (size_t)c->hessian_count + 2 * sub->pattern.size + (size_t)c->size;
+  size_t max_entries = 2 * (size_t)c->hessian_count + 2 * sub->pattern.size + (size_t)c->size;
   km_arena scratch = {0};
   int *pairs = KM_ARENA_NEW(&scratch, int, 2 * (size_t)c->hessian_count + 1);
-  int64_t *sorted = KM_ARENA_NEW(&scratch, int64_t, most);
-  entry_list l = {.keys = KM_ARENA_NEW(&scratch, int64_t, most), .size = c->size};
+  int64_t *sorted = KM_ARENA_NEW(&scratch, int64_t, max_entries);
+  entry_list l = {.keys = KM_ARENA_NEW(&scratch, int64_t, max_entries), .size = c->size};
   c->start = KM_ARENA_NEW(arena, int, (size_t)c->size + 1);
-  c->row = KM_ARENA_NEW(arena, int, most);
-  c->value = KM_ARENA_NEW(arena, double, most);
+  c->row = KM_ARENA_NEW(arena, int, max_entries);
+  c->value = KM_ARENA_NEW(arena, double, max_entries);
   c->hessian_index = KM_ARENA_NEW(arena, int, 2 * (size_t)c->hessian_count + 1);
   c->J_index = KM_ARENA_NEW(arena, int, sub->pattern.size);
   c->transposed_index = KM_ARENA_NEW(arena, int, sub->pattern.size);
   c->diagonal_index = KM_ARENA_NEW(arena, int, (size_t)c->size);
-  bool made = !scratch.failed && !arena->failed;
-  if (made) {
+  bool is_ok = !scratch.failed && !arena->failed;
+  if (is_ok) {
     km_loops_hessian_entries(m, sub, pairs);
     list_entries(sub, pairs, c->hessian_count, &l);
     merge_entries(c, sub, &l, sorted);
   }
   km_arena_free(&scratch);
-  return made;
+  return is_ok;
 }
 
 bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mechanism *m, const km_substructure *sub,
@@ -204,8 +204,8 @@ static bool refine(km_nearest_configuration *c) {
 /* True if factoring costs more than all refinement steps that may be tried. Chains of loops have little fill-in and are
  * factored. */
 static bool is_factor_costly(const km_nearest_configuration *c) {
-  static const double most = 100.0; /* multiplications per entry of the matrix */
-  return km_partition_multiplications(&c->factor) > most * c->start[c->size];
+  static const double max_entries = 100.0; /* multiplications per entry of the matrix */
+  return km_partition_multiplications(&c->factor) > max_entries * c->start[c->size];
 }
 
 /* Factors K, with the previous pivots if the growth monitor accepts them. */

@@ -67,9 +67,9 @@ static km_twist shift_to_point(km_twist c, km_vec3 o) {
 }
 
 /* γ of a spatial loop: c_b − c_a of its two ends, at the loop's point. */
-static void write_spatial_products(const km_loop *loop, const km_slot_motion *slot, km_vec3 place, double *gamma) {
-  km_twist a = shift_to_point(slot[loop->slot[0]].product, place);
-  km_twist b = shift_to_point(slot[loop->slot[1]].product, km_vec3_sub(place, loop->origin_offset));
+static void write_spatial_products(const km_loop *loop, const km_slot_motion *slot, km_vec3 point, double *gamma) {
+  km_twist a = shift_to_point(slot[loop->slot[0]].product, point);
+  km_twist b = shift_to_point(slot[loop->slot[1]].product, km_vec3_sub(point, loop->origin_offset));
   km_twist c = km_twist_axpy(-1.0, a, b);
   const double values[6] = {c.v.x, c.v.y, c.v.z, c.w.x, c.w.y, c.w.z};
   for (int r = 0; r < loop->lambda; ++r)
@@ -78,8 +78,8 @@ static void write_spatial_products(const km_loop *loop, const km_slot_motion *sl
 
 /* ∂γ/∂q̇_j of a spatial loop, by the entries of J. */
 static void write_spatial_derivatives(const km_mechanism *m, const km_program *program, const km_loop *loop,
-                                      const km_twist *h, const km_slot_motion *slot, km_vec3 place, double *slopes) {
-  const km_vec3 o[2] = {place, km_vec3_sub(place, loop->origin_offset)};
+                                      const km_twist *h, const km_slot_motion *slot, km_vec3 point, double *slopes) {
+  const km_vec3 o[2] = {point, km_vec3_sub(point, loop->origin_offset)};
   for (int i = 0; i < loop->entry_count; ++i) {
     const km_entry *entry = &m->entries[loop->entry_start + i];
     const km_step *step = &m->steps[program->step_start + entry->step];

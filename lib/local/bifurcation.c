@@ -38,15 +38,16 @@ static int find_by_basis(km_tangents *f, double *directions) {
 
 /* Branch directions by random single tangents, with many freedoms. */
 static int find_by_samples(km_tangents *f, double *directions) {
-  km_sampled_tangents many;
+  km_sampled_tangents sample;
   int found = 0;
   double length;
-  if (km_sampled_tangents_create(&many, f) && !km_sampled_tangents_all_finite(&many, &length))
-    while (found < KM_MAX_BRANCHES && km_sampled_tangents_find_next(&many, &length)) {
-      memcpy(directions + (size_t)found * (size_t)f->sub->columns, many.x, (size_t)f->sub->columns * sizeof *many.x);
+  if (km_sampled_tangents_create(&sample, f) && !km_sampled_tangents_all_finite(&sample, &length))
+    while (found < KM_MAX_BRANCHES && km_sampled_tangents_find_next(&sample, &length)) {
+      memcpy(directions + (size_t)found * (size_t)f->sub->columns, sample.x,
+             (size_t)f->sub->columns * sizeof *sample.x);
       found = count_if_new(f, directions, found);
     }
-  km_sampled_tangents_free(&many);
+  km_sampled_tangents_free(&sample);
   return found;
 }
 
@@ -72,9 +73,9 @@ int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *
   km_arena arena = {0};
   km_tangents f;
   int found = 0;
-  bool made = km_tangents_create(&f, m, s, index, &arena);
+  bool is_ok = km_tangents_create(&f, m, s, index, &arena);
   f.min_verdict = KM_TANGENT_UNDECIDED; /* undecided tangents count, since rounded data have branches too */
-  if (made)
+  if (is_ok)
     found = (km_tangents_are_many(&f) ? find_by_samples : find_by_basis)(&f, directions);
   if (arena.failed) {
     found = -1;
@@ -108,8 +109,9 @@ typedef struct branch_departure {
   int index, column;
   const km_substructure *sub;
   km_arena arena;
-  double *from, *last_accepted, *best; /* saved configurations: the branch point, the last accepted one, the best one */
-  double *step;                        /* [columns] */
+  double *origin, *last_accepted,
+      *best;    /* saved configurations: the branch point, the last accepted one, the best one */
+  double *step; /* [columns] */
 } branch_departure;
 
 /* Scaled step of the fastest coordinate. */
@@ -123,7 +125,7 @@ static const double min_rate_ratio = 0.1;
 static void move_from_branch_point(const branch_departure *d, const double *direction, double length) {
   for (int k = 0; k < d->sub->columns; ++k)
     d->step[k] = length * direction[k];
-  km_state_restore(d->s, d->sub, d->from);
+  km_state_restore(d->s, d->sub, d->origin);
   km_state_move(d->m, d->s, d->sub, d->step);
   km_state_invalidate_pivots(d->s, d->index);
 }
@@ -149,18 +151,18 @@ static void approach_nearest(branch_departure *d) {
   km_nearest_configuration closest;
   if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, &d->arena))
     return;
-  double fraction = 0.5, *away = closest.displacement;
+  double fraction = 0.5, *displacement = closest.displacement;
   bool is_nearest = false;
   for (int i = 0; i < MAX_STEPS && !is_nearest && fraction > min_fraction; ++i) {
     km_state_save(d->s, d->sub, d->last_accepted);
-    km_state_difference(d->s, d->sub, d->from, away);
-    double length = km_step_length(d->m, d->sub, away);
+    km_state_difference(d->s, d->sub, d->origin, displacement);
+    double length = km_step_length(d->m, d->sub, displacement);
     for (int k = 0; k < d->sub->columns; ++k)
-      away[k] *= fraction;
-    bool found =
-        km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index], away);
-    km_state_difference(d->s, d->sub, d->from, away);
-    double shorter = km_step_length(d->m, d->sub, away);
+      displacement[k] *= fraction;
+    bool found = km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index],
+                                               displacement);
+    km_state_difference(d->s, d->sub, d->origin, displacement);
+    double shorter = km_step_length(d->m, d->sub, displacement);
     const bool last = fraction == 1.0;
     found = found && shorter <= length && close_with_fixed(d, d->column, last);
     is_nearest = found && last;
@@ -171,8 +173,8 @@ static void approach_nearest(branch_departure *d) {
 }
 
 /* Departs along a direction. False if one freedom remains there, where the step is complete. */
-static bool depart_along(branch_departure *d, const double *direction, double way) {
-  double most = 0.0, rate = direction[d->column], side = way * rate < 0.0 ? -1.0 : 1.0;
+static bool depart_along(branch_departure *d, const double *direction, double driver_step) {
+  double most = 0.0, rate = direction[d->column], side = driver_step * rate < 0.0 ? -1.0 : 1.0;
   for (int k = 0; k < d->sub->columns; ++k)
     most = fmax(most, fabs(direction[k]));
   double length = step_length / most;
@@ -181,7 +183,7 @@ static bool depart_along(branch_departure *d, const double *direction, double wa
   if (km_partition_freedom(&d->s->partition[d->index]) <= 1)
     return false;
   km_state_save(d->s, d->sub, d->last_accepted);
-  length = way != 0.0 ? fmin(length, fabs(way / rate)) : length;
+  length = driver_step != 0.0 ? fmin(length, fabs(driver_step / rate)) : length;
   move_from_branch_point(d, direction, side * length);
   if (!close_with_fixed(d, d->column, true))
     km_state_restore(d->s, d->sub, d->last_accepted);
@@ -192,18 +194,18 @@ static bool depart_along(branch_departure *d, const double *direction, double wa
 
 /* Length of the step from the branch point, relative to the coordinate's part. */
 static double relative_length(const branch_departure *d) {
-  km_state_difference(d->s, d->sub, d->from, d->step);
+  km_state_difference(d->s, d->sub, d->origin, d->step);
   return km_step_length(d->m, d->sub, d->step) / fabs(d->step[d->column]);
 }
 
 /* Several freedoms: moves to the result of the direction with the shortest relative step. */
-static void choose_shortest(branch_departure *d, const double *directions, int count, int first, double way) {
+static void choose_shortest(branch_departure *d, const double *directions, int count, int first, double driver_step) {
   double shortest = relative_length(d);
   km_state_save(d->s, d->sub, d->best);
   for (int i = 0; i < count; ++i) {
     const double *direction = directions + (size_t)i * (size_t)d->sub->columns;
     double rate = direction[d->column] / directions[(size_t)first * (size_t)d->sub->columns + (size_t)d->column];
-    if (i == first || fabs(rate) < min_rate_ratio || !depart_along(d, direction, way) ||
+    if (i == first || fabs(rate) < min_rate_ratio || !depart_along(d, direction, driver_step) ||
         !(relative_length(d) < shortest))
       continue;
     shortest = relative_length(d);
@@ -213,7 +215,7 @@ static void choose_shortest(branch_departure *d, const double *directions, int c
 }
 
 /* Leaves a branch point along the branch that moves the coordinate fastest. */
-km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double way) {
+km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double driver_step) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
   if (index < 0 || km_state_is_fixed(s, coordinate) || is_regular(m, s, index) || is_permanently_shaky(m, s, index))
@@ -222,18 +224,18 @@ km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordina
   size_t n = (size_t)sub->columns;
   branch_departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
   double *directions = KM_ARENA_NEW(&d.arena, double, KM_MAX_BRANCHES *n);
-  d.from = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
+  d.origin = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.last_accepted = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
   d.step = KM_ARENA_NEW(&d.arena, double, n);
   out.branch_count = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
   int best = fastest_direction(directions, out.branch_count, sub->columns, d.column);
   if (best >= 0) {
-    km_state_save(s, sub, d.from);
-    way *= m->factor[coordinate] / m->unit[coordinate];
-    out.has_further_freedoms = depart_along(&d, directions + (size_t)best * n, way);
+    km_state_save(s, sub, d.origin);
+    driver_step *= m->factor[coordinate] / m->unit[coordinate];
+    out.has_further_freedoms = depart_along(&d, directions + (size_t)best * n, driver_step);
     if (out.has_further_freedoms)
-      choose_shortest(&d, directions, out.branch_count, best, way);
+      choose_shortest(&d, directions, out.branch_count, best, driver_step);
     km_state_invalidate_pivots(s, index);
   }
   out.branch_count = d.arena.failed ? -1 : out.branch_count;

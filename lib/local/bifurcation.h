@@ -20,6 +20,6 @@ typedef struct km_branch_exit {
 /* Departs from a branch point by a short step along the branch that moves the coordinate fastest. If more than one
  * freedom remains on it, the branch with the shortest step is taken: the step ends at the closed configuration nearest
  * to the branch point with the coordinate moved by at most |way| (the model's unit) towards the sign of `way`. */
-km_branch_exit km_branch_depart(const km_mechanism *mechanism, km_state *state, int coordinate, double way);
+km_branch_exit km_branch_depart(const km_mechanism *mechanism, km_state *state, int coordinate, double driver_step);
 
 #endif

@@ -97,15 +97,15 @@ static double compute_deflation_step(km_constant_rank *st, const tangent_split *
   int k = p->c.freedom, n = sub->columns;
   double *changes = KM_ARENA_NEW(arena, double, (size_t)(p->c.conditions * k)), largest = 0.0;
   double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
-  double *shares = KM_ARENA_NEW(arena, double, (size_t)k);
+  double *coefficients = KM_ARENA_NEW(arena, double, (size_t)k);
   if (arena->failed || !km_second_order_rank_defect(m, s, index, &p->c, changes) ||
       !solve_deflation(p, changes, arena, y) ||
       (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
     return HUGE_VAL;
   for (int o = 0; o < k - p->constant_rank_count; ++o)
     for (int r = 0; r < k; ++r)
-      shares[r] += y[o] * p->V[(p->constant_rank_count + o) * k + r];
-  km_second_order_combine(&p->c, shares, x);
+      coefficients[r] += y[o] * p->V[(p->constant_rank_count + o) * k + r];
+  km_second_order_combine(&p->c, coefficients, x);
   for (int c = 0; c < n; ++c)
     x[c] /= weight[c];
   double driver_part = driver >= 0 ? x[driver] : 0.0;
@@ -160,8 +160,8 @@ static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, in
 }
 
 static void update_rank_tolerance(km_constant_rank *st, const km_partition *p) {
-  static const double share = 0.1;
-  st->rank_tolerance = share * p->last_pivot / p->scale;
+  static const double min_ratio = 0.1;
+  st->rank_tolerance = min_ratio * p->last_pivot / p->scale;
 }
 
 /* Largest residual of secondary rows on the motion: the stated closure tolerance, else that of exact data. */
@@ -236,7 +236,7 @@ static bool keeps_rank_along_motion(km_constant_rank *st, const km_mechanism *m,
   enum { TRIES = sizeof steps / sizeof *steps, STEPS = 4 };
   const km_substructure *sub = &m->substructures[index];
   const double *weight = m->column_weight + sub->column_start;
-  const double blunt = st->rank_tolerance;
+  const double rank_tolerance = st->rank_tolerance;
   step_outcome end = LOOPS_OPEN;
   km_state_save(s, sub, saved);
   for (int try = 0; try < TRIES && end == LOOPS_OPEN; ++try) {
@@ -246,7 +246,7 @@ static bool keeps_rank_along_motion(km_constant_rank *st, const km_mechanism *m,
     for (int i = 0; i < STEPS && end == STEP_ACCEPTED; ++i)
       end = step_along_motion(st, m, s, index, driver, steps[try], direction);
     km_loops_restore_cached(m, s, index, saved);
-    st->rank_tolerance = blunt;
+    st->rank_tolerance = rank_tolerance;
   }
   return end == STEP_ACCEPTED;
 }

@@ -89,10 +89,10 @@ static bool needs_rows_only(const km_partition *p) {
 }
 
 /* Requests primary rows only where these suffice. `kept`: the present primary rows are tried first. */
-static void request_rows_only(const km_tangents *f, bool kept) {
+static void request_rows_only(const km_tangents *f, bool keeps_rows) {
   km_partition *p = &f->s->partition[f->index];
   p->rows_only = needs_rows_only(p);
-  p->kept_row_tolerance = kept && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
+  p->kept_row_tolerance = keeps_rows && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
 }
 
 /* Requests complete factorisations again. */

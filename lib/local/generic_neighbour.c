@@ -32,14 +32,14 @@ static void choose_random_motion(const km_mechanism *m, km_state *s, int index, 
   double fastest = 0.0;
   km_arena arena = {0};
   km_tangents f;
-  km_sampled_tangents many = {0};
-  bool is_mobile = km_tangents_create(&f, m, s, index, &arena) && km_sampled_tangents_create(&many, &f) &&
-                   km_sampled_tangents_draw_second_order(&many);
+  km_sampled_tangents sample = {0};
+  bool is_mobile = km_tangents_create(&f, m, s, index, &arena) && km_sampled_tangents_create(&sample, &f) &&
+                   km_sampled_tangents_draw_second_order(&sample);
   for (int c = 0; c < columns && is_mobile; ++c)
-    fastest = fmax(fastest, fabs(many.x[c]));
+    fastest = fmax(fastest, fabs(sample.x[c]));
   for (int c = 0; c < columns; ++c)
-    move[c] = is_mobile ? displacement / fastest * many.x[c] : 0.0;
-  km_sampled_tangents_free(&many);
+    move[c] = is_mobile ? displacement / fastest * sample.x[c] : 0.0;
+  km_sampled_tangents_free(&sample);
   km_arena_free(&arena);
 }
 
@@ -73,15 +73,15 @@ static bool move_at_constant_rank(const km_mechanism *m, km_state *s, int index,
 bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, double *saved, double *move) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  bool is_mobile = km_partition_freedom(p) > 0, many = km_partition_freedom(p) > KM_MANY_VECTORS;
+  bool is_mobile = km_partition_freedom(p) > 0, sample = km_partition_freedom(p) > KM_MANY_VECTORS;
   km_closure evidence;
-  if (!many)
+  if (!sample)
     combine_motions(m, index, km_state_basis(s, index), km_partition_freedom(p), move);
   km_partition_stash(s, index);
-  if (!many && is_mobile && move_at_constant_rank(m, s, index, saved, move))
+  if (!sample && is_mobile && move_at_constant_rank(m, s, index, saved, move))
     return true;
-  s->partition[index].rows_only = p->sparse && many;
-  if (many)
+  s->partition[index].rows_only = p->sparse && sample;
+  if (sample)
     choose_random_motion(m, s, index, move);
   s->partition[index].kept_row_tolerance = s->partition[index].rows_only ? km_rank_tolerance(m, sub, 0.0) : 0.0;
   km_state_save(s, sub, saved);

@@ -275,13 +275,13 @@ bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
   out->saved = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
   out->shares = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *k);
   sphere p = {.f = f};
-  bool made = reserve_sphere(&p);
-  for (size_t i = 0; made && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)
+  bool is_ok = reserve_sphere(&p);
+  for (size_t i = 0; is_ok && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)
     search_from_random_start(&p, out);
   free_sphere(&p);
   km_state_restore(f->s, f->sub, f->origin);
   km_loops_update(f->m, f->s, f->sub);
   km_state_invalidate_pivots(f->s, f->index);
-  f->arena->failed = f->arena->failed || !made;
-  return made;
+  f->arena->failed = f->arena->failed || !is_ok;
+  return is_ok;
 }

@@ -32,7 +32,7 @@ static bool is_column_of_group(const km_tangents *f, const km_passive_freedom *g
 /* Coefficients of tangents that move the group only: null space of the rows of Z outside the group. Returns their
  * number. */
 static int find_group_null_space(const passive_basis *l, const km_passive_freedom *group, km_arena *arena,
-                                 double **shares) {
+                                 double **coefficients) {
   static const double tolerance = 1e-7;
   const double *Z = l->f->conditions.Z;
   int n = l->f->sub->columns, k = l->freedom, rows = 0;
@@ -56,19 +56,19 @@ static int find_group_null_space(const passive_basis *l, const km_passive_freedo
     return 0;
   km_partition_factor(&p, outside, rows, k, NULL, tolerance);
   int count = km_partition_freedom(&p);
-  *shares = KM_ARENA_NEW(arena, double, (size_t)(count * k));
+  *coefficients = KM_ARENA_NEW(arena, double, (size_t)(count * k));
   if (arena->failed)
     return 0;
-  km_partition_null_space(&p, unit_weight, count, *shares);
+  km_partition_null_space(&p, unit_weight, count, *coefficients);
   return count;
 }
 
 /* Adds the group's tangents that are finite to V. */
 static void add_group_tangents(passive_basis *l, const km_passive_freedom *group, km_arena *arena) {
-  double *shares = NULL;
-  int k = l->freedom, count = find_group_null_space(l, group, arena, &shares);
+  double *coefficients = NULL;
+  int k = l->freedom, count = find_group_null_space(l, group, arena, &coefficients);
   for (int i = 0; i < count && l->count < k; ++i)
-    if (km_tangents_append_orthonormal(l->V, l->count, k, shares + (size_t)i * (size_t)k) &&
+    if (km_tangents_append_orthonormal(l->V, l->count, k, coefficients + (size_t)i * (size_t)k) &&
         km_tangents_is_finite(l->f, l->V + (size_t)l->count * (size_t)k))
       l->count++;
 }

@@ -19,17 +19,17 @@ bool km_tangents_are_many(const km_tangents *f) {
   return freedom > 1 && (freedom > KM_MAX_BASIS_FREEDOM || f->sub->rows > MAX_DENSE_ROWS);
 }
 
-bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *f) {
+bool km_sampled_tangents_create(km_sampled_tangents *sample, km_tangents *f) {
   int starts = MAX_STARTS_TIMES_COLUMNS / f->sub->columns;
-  *many = (km_sampled_tangents){.f = f,
-                                .max_starts = starts > MIN_STARTS ? starts : MIN_STARTS,
-                                .x = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns),
-                                .projection = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
+  *sample = (km_sampled_tangents){.f = f,
+                                  .max_starts = starts > MIN_STARTS ? starts : MIN_STARTS,
+                                  .x = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns),
+                                  .projection = KM_ARENA_NEW(f->arena, double, (size_t)f->sub->columns)};
   return !f->arena->failed;
 }
 
-void km_sampled_tangents_free(km_sampled_tangents *many) {
-  km_second_order_columns_free(&many->conditions);
+void km_sampled_tangents_free(km_sampled_tangents *sample) {
+  km_second_order_columns_free(&sample->conditions);
 }
 
 static void return_to_origin(const km_tangents *f) {
@@ -56,65 +56,65 @@ double km_tangent_project(const km_mechanism *m, km_state *s, int index, double 
 }
 
 /* Projects the sample onto the null space at the configuration. */
-static bool project_onto_null_space(km_sampled_tangents *many) {
-  const km_tangents *f = many->f;
+static bool project_onto_null_space(km_sampled_tangents *sample) {
+  const km_tangents *f = sample->f;
   return_to_origin(f);
-  double length = km_tangent_project(f->m, f->s, f->index, many->x, many->projection);
+  double length = km_tangent_project(f->m, f->s, f->index, sample->x, sample->projection);
   return isfinite(length) && length > 0.0;
 }
 
-bool km_sampled_tangents_draw(km_sampled_tangents *many) {
-  const double *weight = many->f->m->column_weight + many->f->sub->column_start;
-  for (int c = 0; c < many->f->sub->columns; ++c)
-    many->x[c] = km_uniform(&many->f->random) / weight[c];
-  return project_onto_null_space(many);
+bool km_sampled_tangents_draw(km_sampled_tangents *sample) {
+  const double *weight = sample->f->m->column_weight + sample->f->sub->column_start;
+  for (int c = 0; c < sample->f->sub->columns; ++c)
+    sample->x[c] = km_uniform(&sample->f->random) / weight[c];
+  return project_onto_null_space(sample);
 }
 
 /* Computes the second-order conditions of the configuration at the first call. */
-static bool update_conditions(km_sampled_tangents *many) {
-  const km_tangents *f = many->f;
+static bool update_conditions(km_sampled_tangents *sample) {
+  const km_tangents *f = sample->f;
   km_error error;
-  if (many->has_conditions)
-    return many->conditions.q != NULL;
-  many->has_conditions = true;
+  if (sample->has_conditions)
+    return sample->conditions.q != NULL;
+  sample->has_conditions = true;
   km_status status = km_second_order_columns_create(f->m, f->s, f->index, f->conditions.tolerance, f->arena,
-                                                    &many->conditions, &error);
+                                                    &sample->conditions, &error);
   f->arena->failed = f->arena->failed || status == KM_MEMORY;
   return !status;
 }
 
 /* True if the direction violates the second order. Tested only with many freedoms, where following takes longer than
  * the conditions. */
-static bool violates_second_order(km_sampled_tangents *many) {
-  return many->f->conditions.has_redundant_rows && many->f->conditions.freedom > KM_MANY_VECTORS &&
-         update_conditions(many) && km_second_order_columns_refutes(&many->conditions, many->x);
+static bool violates_second_order(km_sampled_tangents *sample) {
+  return sample->f->conditions.has_redundant_rows && sample->f->conditions.freedom > KM_MANY_VECTORS &&
+         update_conditions(sample) && km_second_order_columns_refutes(&sample->conditions, sample->x);
 }
 
 /* Draws a random tangent; one that satisfies the second order if the first violates it. */
-bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many) {
-  const double *weight = many->f->m->column_weight + many->f->sub->column_start;
-  if (!km_sampled_tangents_draw(many))
+bool km_sampled_tangents_draw_second_order(km_sampled_tangents *sample) {
+  const double *weight = sample->f->m->column_weight + sample->f->sub->column_start;
+  if (!km_sampled_tangents_draw(sample))
     return false;
-  if (!violates_second_order(many))
+  if (!violates_second_order(sample))
     return true;
-  for (int c = 0; c < many->f->sub->columns; ++c)
-    many->x[c] = (1.0 + 0.3 * km_uniform(&many->f->random)) / weight[c];
-  return project_onto_null_space(many) && km_second_order_columns_solve(&many->conditions, many->x);
+  for (int c = 0; c < sample->f->sub->columns; ++c)
+    sample->x[c] = (1.0 + 0.3 * km_uniform(&sample->f->random)) / weight[c];
+  return project_onto_null_space(sample) && km_second_order_columns_solve(&sample->conditions, sample->x);
 }
 
 /* Follows random tangents: if they are finite, all tangents are. */
-bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
-  int samples = many->f->conditions.has_redundant_rows ? SAMPLES : 1; /* every tangent is finite if J has full row
+bool km_sampled_tangents_all_finite(km_sampled_tangents *sample, double *length) {
+  int attempts = sample->f->conditions.has_redundant_rows ? SAMPLES : 1; /* every tangent is finite if J has full row
                                                                        * rank */
   *length = HUGE_VAL;
-  for (int sample = 0; sample < samples; ++sample) {
-    if (!km_sampled_tangents_draw(many) || violates_second_order(many))
+  for (int i = 0; i < attempts; ++i) {
+    if (!km_sampled_tangents_draw(sample) || violates_second_order(sample))
       return false;
-    km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
-    if (found.verdict < many->f->min_verdict)
+    km_followed_tangent found = km_tangents_follow_both_senses(sample->f, sample->x);
+    if (found.verdict < sample->f->min_verdict)
       return false;
-    if (many->f->conditions.has_redundant_rows &&
-        (!km_tangents_secant_agrees(many->f, many->x) || km_tangents_have_dropped(many->f)))
+    if (sample->f->conditions.has_redundant_rows &&
+        (!km_tangents_secant_agrees(sample->f, sample->x) || km_tangents_have_dropped(sample->f)))
       return false;
     *length = fmin(*length, found.length);
   }
@@ -122,24 +122,24 @@ bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length) {
 }
 
 /* The first start is uniform, so that equal loops move alike; further starts are random. */
-static bool start_direction(km_sampled_tangents *many) {
-  const double *weight = many->f->m->column_weight + many->f->sub->column_start;
-  if (many->starts++ > 0)
-    return km_sampled_tangents_draw(many);
-  for (int c = 0; c < many->f->sub->columns; ++c)
-    many->x[c] = 1.0 / weight[c];
-  return project_onto_null_space(many);
+static bool start_direction(km_sampled_tangents *sample) {
+  const double *weight = sample->f->m->column_weight + sample->f->sub->column_start;
+  if (sample->starts++ > 0)
+    return km_sampled_tangents_draw(sample);
+  for (int c = 0; c < sample->f->sub->columns; ++c)
+    sample->x[c] = 1.0 / weight[c];
+  return project_onto_null_space(sample);
 }
 
 /* Finds a tangent that satisfies the second order and is followed in both senses. */
-bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length) {
-  while (many->starts < many->max_starts) {
-    if (!start_direction(many) || !update_conditions(many) ||
-        !km_second_order_columns_solve(&many->conditions, many->x))
+bool km_sampled_tangents_find_next(km_sampled_tangents *sample, double *length) {
+  while (sample->starts < sample->max_starts) {
+    if (!start_direction(sample) || !update_conditions(sample) ||
+        !km_second_order_columns_solve(&sample->conditions, sample->x))
       continue;
-    km_followed_tangent found = km_tangents_follow_both_senses(many->f, many->x);
+    km_followed_tangent found = km_tangents_follow_both_senses(sample->f, sample->x);
     *length = found.length;
-    if (found.verdict >= many->f->min_verdict)
+    if (found.verdict >= sample->f->min_verdict)
       return true;
   }
   return false;

@@ -23,20 +23,20 @@ double km_tangent_project(const km_mechanism *mechanism, km_state *state, int su
 bool km_tangents_are_many(const km_tangents *tangents);
 
 /* Creates the sampler for created tangents. False when out of memory. Free it in any case. */
-bool km_sampled_tangents_create(km_sampled_tangents *many, km_tangents *tangents);
-void km_sampled_tangents_free(km_sampled_tangents *many);
+bool km_sampled_tangents_create(km_sampled_tangents *sample, km_tangents *tangents);
+void km_sampled_tangents_free(km_sampled_tangents *sample);
 
 /* Draws a random direction of the null space, into x. The finite tangents are a closed algebraic cone, and a random
  * direction lies in a proper subcone with probability 0. The state is at the configuration. */
-bool km_sampled_tangents_draw(km_sampled_tangents *many);
+bool km_sampled_tangents_draw(km_sampled_tangents *sample);
 /* Draws a random direction; if it violates the second order, one that satisfies it is sought from a nearly uniform
  * start. False if none was found, or out of memory. */
-bool km_sampled_tangents_draw_second_order(km_sampled_tangents *many);
+bool km_sampled_tangents_draw_second_order(km_sampled_tangents *sample);
 /* True if every tangent is finite, by random directions. `length`: length to which they were followed, ahead and
  * back. */
-bool km_sampled_tangents_all_finite(km_sampled_tangents *many, double *length);
+bool km_sampled_tangents_all_finite(km_sampled_tangents *sample, double *length);
 /* Finds the next direction that satisfies the second order and is finite, into x, and its followed length. False if the
  * remaining starts find none, or out of memory. The state is left at the end of the curve back. */
-bool km_sampled_tangents_find_next(km_sampled_tangents *many, double *length);
+bool km_sampled_tangents_find_next(km_sampled_tangents *sample, double *length);
 
 #endif

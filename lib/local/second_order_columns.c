@@ -140,11 +140,11 @@ km_status km_second_order_columns_create(const km_mechanism *m, km_state *s, int
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
   memcpy(out->J, km_state_jacobian(s, sub), sub->pattern.size * sizeof *out->J);
   km_arena scratch = {0};
-  bool made = create_row_lists(out, s->partition[index].locked, arena) &&
-              find_left_null_vectors(out, tolerance, &scratch, arena) && create_column_lists(out, &scratch, arena) &&
-              reserve_arrays(out, arena);
+  bool is_ok = create_row_lists(out, s->partition[index].locked, arena) &&
+               find_left_null_vectors(out, tolerance, &scratch, arena) && create_column_lists(out, &scratch, arena) &&
+               reserve_arrays(out, arena);
   km_arena_free(&scratch);
-  if (!made)
+  if (!is_ok)
     return km_fail(error, KM_MEMORY, "out of memory for the conditions of second order");
   return km_sparse_qr_create(sub->columns + out->conditions, out->rank + out->conditions + 1,
                              out->row_start[sub->rows] + out->g_start[out->conditions] + out->conditions + sub->columns,

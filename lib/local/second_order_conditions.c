@@ -113,21 +113,21 @@ static bool cholesky(double *A, int k) {
 }
 
 /* True if |aᵀQ a| exceeds `least` for every unit vector a: sign Q − least I is positive definite. sign: 1 or −1. */
-static bool is_condition_definite(const double *Q, double sign, double least, int k, double *A) {
+static bool is_condition_definite(const double *Q, double sign, double margin, int k, double *A) {
   for (int i = 0; i < k * k; ++i)
     A[i] = sign * Q[i];
   for (int i = 0; i < k; ++i)
-    A[i * k + i] -= least;
+    A[i * k + i] -= margin;
   return cholesky(A, k);
 }
 
 /* True if some Q_i is positive or negative definite. */
 static bool has_definite_condition(const km_second_order *c, double *work) {
   int k = c->freedom;
-  double least = 2.0 * km_condition_tolerance * c->size;
+  double margin = 2.0 * km_condition_tolerance * c->size;
   for (int i = 0; i < c->conditions; ++i) {
     const double *Q = c->Q + (size_t)i * (size_t)(k * k);
-    if (is_condition_definite(Q, 1.0, least, k, work) || is_condition_definite(Q, -1.0, least, k, work))
+    if (is_condition_definite(Q, 1.0, margin, k, work) || is_condition_definite(Q, -1.0, margin, k, work))
       return true;
   }
   return false;
@@ -135,26 +135,26 @@ static bool has_definite_condition(const km_second_order *c, double *work) {
 
 /* Column of M[rows × columns] with the largest sum of squares, which is returned. */
 static double find_longest_column(const double *M, int rows, int columns, int *longest) {
-  double most = -1.0;
+  double max_square = -1.0;
   for (int c = 0; c < columns; ++c) {
     double square = 0.0;
     for (int r = 0; r < rows; ++r)
       square += M[c * rows + r] * M[c * rows + r];
-    if (square > most) {
-      most = square;
+    if (square > max_square) {
+      max_square = square;
       *longest = c;
     }
   }
-  return most;
+  return max_square;
 }
 
 /* Gram-Schmidt with column pivoting, M = V R, until all remaining columns are shorter than `least`. M is overwritten.
  * Returns the number of rows of R[… × columns]. */
-static int compress_columns(double *M, int rows, int columns, double least, double *R) {
+static int compress_columns(double *M, int rows, int columns, double margin, double *R) {
   int count = 0, longest = 0;
   for (; count < rows && count < columns; ++count) {
     double length = sqrt(find_longest_column(M, rows, columns, &longest));
-    if (!(length > least))
+    if (!(length > margin))
       break;
     double *v = M + longest * rows;
     for (int r = 0; r < rows; ++r)
@@ -189,20 +189,20 @@ static bool keep_independent(km_second_order *c) {
     return true;
   double *M = KM_ARENA_NEW(&arena, double, (size_t)c->conditions *(size_t)products);
   double *R = KM_ARENA_NEW(&arena, double, (size_t)products *(size_t)products);
-  bool made = !arena.failed;
-  for (int i = 0; i < c->conditions && made; ++i)
+  bool is_ok = !arena.failed;
+  for (int i = 0; i < c->conditions && is_ok; ++i)
     for (int a = 0, at = i; a < k; ++a)
       for (int b = 0; b <= a; ++b, at += c->conditions)
         M[at] = c->Q[i * k * k + a * k + b];
-  if (made)
+  if (is_ok)
     c->conditions = compress_columns(M, c->conditions, products, c->noise, R);
-  for (int i = 0; i < c->conditions && made; ++i)
+  for (int i = 0; i < c->conditions && is_ok; ++i)
     for (int a = 0, at = i * products; a < k; ++a)
       for (int b = 0; b <= a; ++b, ++at)
         c->Q[i * k * k + a * k + b] = c->Q[i * k * k + b * k + a] = R[at];
   c->size = max_entry(c);
   km_arena_free(&arena);
-  return made;
+  return is_ok;
 }
 
 /* Computes left null vectors W and all forms Q_i. */
@@ -244,10 +244,10 @@ bool km_second_order_rank_defect(const km_mechanism *m, const km_state *s, int i
   const double *weight = m->column_weight + sub->column_start;
   int n = sub->columns, rows = sub->rows;
   double *J = KM_NEW(double, (size_t)n *(size_t)rows), *moved = KM_NEW(double, (size_t)rows);
-  bool made = J && moved;
-  if (made)
+  bool is_ok = J && moved;
+  if (is_ok)
     km_state_jacobian_dense(s, sub, J);
-  for (int v = 0; v < c->freedom && made; ++v) {
+  for (int v = 0; v < c->freedom && is_ok; ++v) {
     memset(moved, 0, (size_t)rows * sizeof *moved);
     for (int k = 0; k < n; ++k)
       for (int r = 0; r < rows; ++r)
@@ -261,11 +261,11 @@ bool km_second_order_rank_defect(const km_mechanism *m, const km_state *s, int i
   }
   km_free(J);
   km_free(moved);
-  return made;
+  return is_ok;
 }
 
 /* Restricted forms V Q_i Vᵀ. */
-bool km_second_order_restrict(const km_second_order *c, const double *shares, int count, km_arena *arena,
+bool km_second_order_restrict(const km_second_order *c, const double *coefficients, int count, km_arena *arena,
                               km_second_order *out) {
   const int k = c->freedom;
   *out = (km_second_order){.columns = c->columns,
@@ -275,22 +275,22 @@ bool km_second_order_restrict(const km_second_order *c, const double *shares, in
                            .is_built = true,
                            .tolerance = c->tolerance,
                            .noise = c->noise};
-  double *part = KM_ARENA_NEW(arena, double, (size_t)(count * k));
+  double *product = KM_ARENA_NEW(arena, double, (size_t)(count * k));
   double *work = KM_ARENA_NEW(arena, double, (size_t)(count * count));
   out->Q = KM_ARENA_NEW(arena, double, (size_t)c->conditions *(size_t)(count * count));
   for (int i = 0; i < c->conditions && !arena->failed; ++i) {
     const double *Q = c->Q + (size_t)i * (size_t)(k * k);
     for (int a = 0; a < count; ++a)
       for (int r = 0; r < k; ++r) {
-        part[a * k + r] = 0.0;
+        product[a * k + r] = 0.0;
         for (int o = 0; o < k; ++o)
-          part[a * k + r] += shares[a * k + o] * Q[o * k + r];
+          product[a * k + r] += coefficients[a * k + o] * Q[o * k + r];
       }
     for (int a = 0; a < count; ++a)
       for (int b = 0; b < count; ++b) {
         double sum = 0.0;
         for (int r = 0; r < k; ++r)
-          sum += part[a * k + r] * shares[b * k + r];
+          sum += product[a * k + r] * coefficients[b * k + r];
         out->Q[(i * count + a) * count + b] = sum;
       }
   }

@@ -58,7 +58,7 @@ bool km_second_order_rank_defect(const km_mechanism *mechanism, const km_state *
 
 /* Restricts the conditions to the tangents spanned by orthonormal coefficients shares[count × freedom], V Q_i Vᵀ. False
  * when out of memory. O(conditions · freedom² · count). */
-bool km_second_order_restrict(const km_second_order *conditions, const double *shares, int count, km_arena *arena,
+bool km_second_order_restrict(const km_second_order *conditions, const double *coefficients, int count, km_arena *arena,
                               km_second_order *out);
 
 /* True if the conditions exceed what the misfit of the configuration can cause. */

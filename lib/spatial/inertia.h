@@ -64,8 +64,8 @@ static inline km_inertia km_inertia_add(km_inertia a, km_inertia b) {
 static inline km_inertia km_inertia_transform(const km_pose *X, const km_inertia *a) {
   km_vec3 s = km_rotate(&X->R, a->mc), u = km_vec3_axpy(0.5 * a->m, X->p, s);
   double trace = 2.0 * km_vec3_dot(X->p, u);
-  km_symmetric turned = km_symmetric_rotated(&X->R, &a->I), pair = km_symmetric_product(X->p, u);
-  km_symmetric I = km_symmetric_axpy(-1.0, pair, turned);
+  km_symmetric rotated = km_symmetric_rotated(&X->R, &a->I), pair = km_symmetric_product(X->p, u);
+  km_symmetric I = km_symmetric_axpy(-1.0, pair, rotated);
   I.xx += trace;
   I.yy += trace;
   I.zz += trace;

@@ -30,9 +30,9 @@ static inline FN(vec) FN(axis)(const FN(vec) * axes, int k) {
   return k == 2 ? axes[2] : k == 1 ? axes[1] : axes[0];
 }
 static inline void FN(turn_two)(FN(vec) * x, FN(vec) * y, T cosine, T sine) {
-  FN(vec) turned = FN(axpy)(cosine, *x, FN(scaled)(sine, *y));
+  FN(vec) rotated = FN(axpy)(cosine, *x, FN(scaled)(sine, *y));
   *y = FN(axpy)(cosine, *y, FN(scaled)(-sine, *x));
-  *x = turned;
+  *x = rotated;
 }
 static inline void FN(turn_about)(FN(vec) * axes, int k, T cosine, T sine) {
   if (k == 2)

@@ -197,15 +197,15 @@ static void compile_loop(km_mechanism *m, km_program *program, int l, km_chain_f
                         m->model->joints[m->topology.chord[l]].frame[1]};
   double size = m->substructures[m->topology.substructure_of_loop[l]].size;
   loop->entry_start = *entries;
-  km_chain_frame out = compile_side(m, program, loop, l, +1, base, w);
-  km_chain_frame back = compile_side(m, program, loop, l, -1, base, w);
-  advance_to_frame(m, program->base_frame, ends.head, size, &back);
-  loop->slot[0] = out.slot;
-  loop->closing_frame[0] = out.displacement;
-  loop->slot[1] = back.slot;
-  loop->closing_frame[1] = back.displacement;
-  loop->origin_offset = km_vec3_scale(
-      1.0 / size, km_rotate_back(&m->model->frames[program->base_frame].pose.R, km_vec3_sub(back.origin, out.origin)));
+  km_chain_frame outward = compile_side(m, program, loop, l, +1, base, w);
+  km_chain_frame inward = compile_side(m, program, loop, l, -1, base, w);
+  advance_to_frame(m, program->base_frame, ends.head, size, &inward);
+  loop->slot[0] = outward.slot;
+  loop->closing_frame[0] = outward.displacement;
+  loop->slot[1] = inward.slot;
+  loop->closing_frame[1] = inward.displacement;
+  loop->origin_offset = km_vec3_scale(1.0 / size, km_rotate_back(&m->model->frames[program->base_frame].pose.R,
+                                                                 km_vec3_sub(inward.origin, outward.origin)));
   *entries += loop->entry_count;
 }
 
@@ -246,19 +246,20 @@ static bool is_shared(const km_mechanism *m, const km_program *program, const km
  * The part beyond the ball joint then belongs to the other side. */
 typedef struct cut_loop {
   const km_step *ball;
-  int side;       /* side of the ball joint */
-  km_pose behind; /* frame beyond the ball joint, about the origin of the other side's branch, with its origin at the
+  int side; /* side of the ball joint */
+  km_pose
+      beyond_ball; /* frame beyond the ball joint, about the origin of the other side's branch, with its origin at the
                * joint's centre */
 } cut_loop;
 
 /* Frame beyond the ball joint, seen from the other side of the loop. */
 static cut_loop cut_loop_at_ball(const km_loop *loop, const km_step *ball, int side, const km_compile_workspace *w) {
-  km_pose own = km_pose_inverse(&w->reference_pose[ball->to]);
-  own = km_pose_product(&own, &w->reference_pose[loop->slot[side]]);
-  own = km_pose_product(&own, &loop->closing_frame[side]);
+  km_pose at_ball = km_pose_inverse(&w->reference_pose[ball->to]);
+  at_ball = km_pose_product(&at_ball, &w->reference_pose[loop->slot[side]]);
+  at_ball = km_pose_product(&at_ball, &loop->closing_frame[side]);
   km_pose end = km_pose_product(&w->reference_pose[loop->slot[!side]], &loop->closing_frame[!side]),
-          back = km_pose_inverse(&own);
-  return (cut_loop){ball, side, km_pose_product(&end, &back)};
+          inward = km_pose_inverse(&at_ball);
+  return (cut_loop){ball, side, km_pose_product(&end, &inward)};
 }
 
 /* Axis of a step of the cut loop, in the base frame. Slots are numbered along the branches. */
@@ -267,7 +268,7 @@ static km_vec3 axis_of_cut_loop(const cut_loop *cut, const km_step *step, const 
   km_vec3 axis = w->reference_pose[step->to].R.axis[step->axis];
   if ((entry->side < 0.0) != cut->side || step->to < cut->ball->to)
     return axis;
-  return km_rotate(&cut->behind.R, km_rotate_back(&w->reference_pose[cut->ball->to].R, axis));
+  return km_rotate(&cut->beyond_ball.R, km_rotate_back(&w->reference_pose[cut->ball->to].R, axis));
 }
 
 /* True if all joints of the loop except the ball joint move in planes normal to `normal`, and one of them is a
@@ -304,7 +305,7 @@ static void absorb_pin_offset(km_mechanism *m, km_program *program, km_loop *loo
   if (!is_cut_loop_planar(m, program, loop, &cut, w, &normal))
     return;
   km_vec3 offset = km_vec3_scale(side ? -1.0 : 1.0, loop->origin_offset);
-  km_vec3 gap = km_vec3_sub(w->reference_pose[ball->to].p, km_vec3_add(cut.behind.p, offset));
+  km_vec3 gap = km_vec3_sub(w->reference_pose[ball->to].p, km_vec3_add(cut.beyond_ball.p, offset));
   double height = km_vec3_dot(normal, gap);
   loop->pin_offset = side ? -height : height;
   loop->plane_normal = km_rotate(&m->model->frames[program->base_frame].pose.R, normal);

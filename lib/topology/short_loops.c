@@ -104,12 +104,12 @@ static int write_path(cycle_finder *f, int which, int body, int joint) {
 
 /* Shortest path between the chord's ends with fewer than `most` joints, into `path`. Returns its number of joints; 0:
  * none. */
-static int find_shortest_path(cycle_finder *f, int loop, int most) {
+static int find_shortest_path(cycle_finder *f, int loop, int max_length) {
   const km_edge *ends = &f->g->edges[f->t->chord[loop]];
   f->search_stamp++;
   start_front(f, 0, ends->tail);
   start_front(f, 1, ends->head);
-  for (int length = 1; length < most; ++length) {
+  for (int length = 1; length < max_length; ++length) {
     int which = front_cost(f, &f->sides[1]) < front_cost(f, &f->sides[0]), body;
     int joint = advance_front(f, which, f->t->substructure_of_loop[loop], &body);
     if (joint >= 0)

@@ -230,7 +230,7 @@ static bool build(const km_graph *g, km_arena *arena, km_arena *scratch, km_topo
 km_status km_topology_build(const km_graph *graph, km_arena *arena, km_topology *outward, km_error *error) {
   km_arena scratch = {0};
   *outward = (km_topology){0};
-  bool done = build(graph, arena, &scratch, outward);
+  bool is_ok = build(graph, arena, &scratch, outward);
   km_arena_free(&scratch);
-  return done ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while analysing the topology");
+  return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while analysing the topology");
 }

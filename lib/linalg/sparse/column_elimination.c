@@ -138,7 +138,7 @@ static int reduce_column(km_partition *p, const double *matrix, int c, int *uppe
 /* Accepts the reduced column c as the next step with the pivot in `row`: column of L over the pivot. */
 static void accept_pivot(km_partition *p, int c, int row) {
   km_sparse *s = p->sparse;
-  int step = p->rank++, kept = s->lower[c].start;
+  int step = p->rank++, next_free = s->lower[c].start;
   p->row[step] = row;
   p->column[step] = c;
   p->inverse[step] = 1.0 / s->x[row];
@@ -147,12 +147,12 @@ static void accept_pivot(km_partition *p, int c, int row) {
     int r = s->lower_store.index[i];
     if (r == row)
       continue;
-    s->lower_store.index[kept] = r;
-    s->lower_store.value[kept++] = s->x[r] * p->inverse[step];
+    s->lower_store.index[next_free] = r;
+    s->lower_store.value[next_free++] = s->x[r] * p->inverse[step];
     s->x[r] = 0.0;
   }
   s->x[row] = 0.0;
-  s->lower[c].end = kept;
+  s->lower[c].end = next_free;
   km_sparse_extend_supernode(p, step);
 }
 
@@ -206,16 +206,16 @@ static void postpone_column(km_sparse *s, int i, int end) {
 /* Removes secondary rows from L: they are not read, and refactorisations need not compute them. */
 static void remove_secondary_rows(km_partition *p) {
   km_sparse *s = p->sparse;
-  int kept = 0; /* singletons have no entries of L */
+  int next_free = 0; /* singletons have no entries of L */
   for (int i = s->singleton_count; i < p->columns; ++i) {
     km_entry_range *run = &s->lower[s->factor_order[i]];
-    int start = kept;
+    int start = next_free;
     for (int k = run->start; k < run->end; ++k)
       if (s->step_of[s->lower_store.index[k]] >= 0) {
-        s->lower_store.index[kept] = s->lower_store.index[k];
-        s->lower_store.value[kept++] = s->lower_store.value[k];
+        s->lower_store.index[next_free] = s->lower_store.index[k];
+        s->lower_store.value[next_free++] = s->lower_store.value[k];
       }
-    *run = (km_entry_range){start, kept};
+    *run = (km_entry_range){start, next_free};
   }
 }
 

@@ -34,9 +34,9 @@ typedef struct null_pivoting {
   column_entry *holders;
   int holder_count;
   size_t holder_capacity;
-  int *place;    /* [columns] index + 1 of the column's entry in the present vector; 0: none */
-  double visits; /* number of visited entries */
-  bool is_full;  /* the vectors exceed the bounds of fill-in or visits */
+  int *entry_index; /* [columns] index + 1 of the column's entry in the present vector; 0: none */
+  double visits;    /* number of visited entries */
+  bool is_full;     /* the vectors exceed the bounds of fill-in or visits */
 } null_pivoting;
 
 /* Bounds relative to the entries of the matrix: entries of all null vectors, and visited entries with many vectors.
@@ -50,10 +50,10 @@ static double entry_multiple(const null_pivoting *h, int times) {
 }
 
 /* True if the sum over the first `done` of all vectors extrapolates to more than `most`. */
-static bool will_exceed(const null_pivoting *h, double sum, int done, double most) {
+static bool will_exceed(const null_pivoting *h, double sum, int is_done, double most) {
   enum { MIN_SAMPLE = 20 };
-  return done >= MIN_SAMPLE && km_partition_freedom(h->p) > KM_MANY_VECTORS &&
-         sum * km_partition_freedom(h->p) > most * done;
+  return is_done >= MIN_SAMPLE && km_partition_freedom(h->p) > KM_MANY_VECTORS &&
+         sum * km_partition_freedom(h->p) > most * is_done;
 }
 
 /* Counts a visit of all entries of a vector. */
@@ -109,7 +109,7 @@ static bool create_null_vectors(null_pivoting *h) {
   const km_sparse *s = p->sparse;
   h->vectors = KM_ARENA_NEW(&h->arena, null_vector, (size_t)(p->columns - p->rank));
   h->first = KM_ARENA_NEW(&h->arena, int, (size_t)p->columns);
-  h->place = KM_ARENA_NEW(&h->arena, int, (size_t)p->columns);
+  h->entry_index = KM_ARENA_NEW(&h->arena, int, (size_t)p->columns);
   if (h->arena.failed)
     return false;
   for (int c = 0; c < p->columns; ++c)
@@ -132,20 +132,20 @@ static bool create_null_vectors(null_pivoting *h) {
 /* vector <- vector − share · pivot_vector. */
 static bool subtract_vector(null_pivoting *h, const null_vector *pivot_vector, double share, int vector) {
   null_vector *v = &h->vectors[vector];
-  bool done = true;
+  bool is_done = true;
   count_visits(h, v);
   for (int i = 0; i < v->count; ++i)
-    h->place[v->column[i]] = i + 1;
-  for (int i = 0, before = v->count; i < pivot_vector->count && done; ++i) {
-    int at = h->place[pivot_vector->column[i]];
+    h->entry_index[v->column[i]] = i + 1;
+  for (int i = 0, before = v->count; i < pivot_vector->count && is_done; ++i) {
+    int at = h->entry_index[pivot_vector->column[i]];
     if (at > 0 && at <= before)
       v->value[at - 1] -= share * pivot_vector->value[i];
     else if (pivot_vector->value[i] != 0.0)
-      done = append_entry(h, vector, pivot_vector->column[i], -share * pivot_vector->value[i]);
+      is_done = append_entry(h, vector, pivot_vector->column[i], -share * pivot_vector->value[i]);
   }
   for (int i = 0; i < v->count; ++i)
-    h->place[v->column[i]] = 0;
-  return done;
+    h->entry_index[v->column[i]] = 0;
+  return is_done;
 }
 
 /* Entry of a null vector in a column; 0 if there is none. */
@@ -157,14 +157,14 @@ static double find_entry(const null_vector *v, int column) {
 }
 
 /* Eliminates the pivot column from the vectors that are not `done`. */
-static bool eliminate_column(null_pivoting *h, int vector, const bool *done) {
+static bool eliminate_column(null_pivoting *h, int vector, const bool *is_done) {
   const null_vector *pivot_vector = &h->vectors[vector];
   int pivot = pivot_vector->largest;
   double value = find_entry(pivot_vector, pivot);
   for (int i = h->first[pivot]; i >= 0; i = h->holders[i].next) {
     int other = h->holders[i].vector;
     null_vector *v = &h->vectors[other];
-    double share = done[other] || value == 0.0 ? 0.0 : find_entry(v, pivot) / value;
+    double share = is_done[other] || value == 0.0 ? 0.0 : find_entry(v, pivot) / value;
     count_visits(h, v);
     if (h->is_full || (share != 0.0 && !subtract_vector(h, pivot_vector, share, other)))
       return false;
@@ -186,7 +186,7 @@ static int find_next_pivot(const null_pivoting *h, const int *order, int first) 
 /* Complete pivoting of the null vectors; chosen columns are postponed. */
 static bool choose_columns(null_pivoting *h) {
   int *order = KM_ARENA_NEW(&h->arena, int, (size_t)h->count);
-  bool *done = KM_ARENA_NEW(&h->arena, bool, (size_t)h->count), is_ok = !h->arena.failed;
+  bool *is_done = KM_ARENA_NEW(&h->arena, bool, (size_t)h->count), is_ok = !h->arena.failed;
   for (int i = 0; i < h->count && is_ok; ++i) {
     order[i] = i;
     find_largest(h, &h->vectors[i]);
@@ -202,8 +202,8 @@ static bool choose_columns(null_pivoting *h) {
       find_largest(h, v);
     if (v->largest < 0)
       break;
-    h->p->sparse->is_postponed[v->largest] = done[vector] = true;
-    is_ok = !h->is_full && eliminate_column(h, vector, done);
+    h->p->sparse->is_postponed[v->largest] = is_done[vector] = true;
+    is_ok = !h->is_full && eliminate_column(h, vector, is_done);
   }
   return is_ok;
 }

@@ -68,12 +68,12 @@ km_normal_equations *km_sparse_normal(const km_partition *p, const double *matri
     rows[p->row[k]] = true;
   for (int k = 0; k < p->rank + count && columns; ++k)
     columns[p->column[k]] = true;
-  bool good = rows && columns &&
-              (matrix ? km_normal_equations_factor(normal, matrix, weight, rows, columns)
-                      : km_normal_equations_is_factored(normal, rows, columns));
+  bool is_ok = rows && columns &&
+               (matrix ? km_normal_equations_factor(normal, matrix, weight, rows, columns)
+                       : km_normal_equations_is_factored(normal, rows, columns));
   km_free(rows);
   km_free(columns);
-  return good ? normal : NULL;
+  return is_ok ? normal : NULL;
 }
 
 /* Orders the columns: possible pivots, forced ones, locked ones. Returns the number of possible pivots. */

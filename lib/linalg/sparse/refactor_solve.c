@@ -151,7 +151,7 @@ static double estimate_longest_row(const km_partition *p, const bool *forced) {
 
 /* max|B_ij| over all independent columns, or over those that are not preset. Ends at such a column with an entry beyond
  * `most`. NaN is returned. */
-static double measure_max_b(const km_partition *p, bool free_only, const bool *forced, double most) {
+static double measure_max_b(const km_partition *p, bool free_only, const bool *forced, double max_entry) {
   const km_sparse *s = p->sparse;
   double largest = 0.0;
   int entries = 0;
@@ -167,7 +167,7 @@ static double measure_max_b(const km_partition *p, bool free_only, const bool *f
       size = km_larger_or_nan(fabs(s->b_store.value[i]), size);
     largest = km_larger_or_nan(size, largest);
     entries += run.end - run.start;
-    if (size > most && !is_preset)
+    if (size > max_entry && !is_preset)
       break;
   }
   return largest;
@@ -178,7 +178,7 @@ double km_sparse_estimate_max_b(const km_partition *p, const bool *forced) {
 }
 
 /* Computes and stores all columns of B. False if a value is not finite. */
-static bool compute_all_columns(km_partition *p, const bool *forced, double most) {
+static bool compute_all_columns(km_partition *p, const bool *forced, double max_entry) {
   km_sparse *s = p->sparse;
   bool finite = true, is_short = has_few_columns(p);
   int end = 0;
@@ -193,7 +193,7 @@ static bool compute_all_columns(km_partition *p, const bool *forced, double most
     finite = km_all_finite(b, run.end - end) && finite;
     s->b[k - p->rank] = run;
     end = run.end;
-    if (size > most && !km_sparse_is_preset(p, forced, p->column[k]))
+    if (size > max_entry && !km_sparse_is_preset(p, forced, p->column[k]))
       break;
   }
   return finite;
@@ -208,18 +208,18 @@ static int pivot_sign(const km_partition *p) {
 }
 
 /* B = U⁻¹ U_i: all columns, or max|B| only with many freedoms. */
-bool km_sparse_find_b(km_partition *p, const bool *forced, double most) {
+bool km_sparse_find_b(km_partition *p, const bool *forced, double max_entry) {
   km_sparse *s = p->sparse;
   p->max_b = 0.0;
   p->sign = pivot_sign(p);
   s->is_b_unmeasured = false;
   s->stores_all_b = km_partition_freedom(p) <= KM_MANY_VECTORS;
   if (s->stores_all_b)
-    return compute_all_columns(p, forced, most);
+    return compute_all_columns(p, forced, max_entry);
   p->failed = p->failed || !km_sparse_grow(s, &s->b_store, p->rank);
   if (p->failed)
     return false;
-  p->max_b = measure_max_b(p, false, forced, most);
+  p->max_b = measure_max_b(p, false, forced, max_entry);
   return isfinite(p->max_b);
 }
 

@@ -34,15 +34,15 @@ static bool reserve_arrays(km_row_products *out, int rows, int columns, const in
     pairs += 0.5 * (start[c + 1] - start[c]) * (start[c + 1] - start[c] + 1.0);
   if (pairs + rows >= INT_MAX)
     return false;
-  size_t most = (size_t)pairs + (size_t)rows;
+  size_t max_pairs = (size_t)pairs + (size_t)rows;
   out->rows = rows;
   out->start = KM_NEW(long, (size_t)rows + 1);
-  out->row = KM_NEW(long, most + 1);
+  out->row = KM_NEW(long, max_pairs + 1);
   out->diagonal = KM_NEW(long, (size_t)rows + 1);
-  out->pair_start = KM_NEW(long, most + 2);
-  out->pair = KM_NEW(km_factors, most + 1);
-  l->pairs = KM_ARENA_NEW(arena, km_factors, most + 1);
-  l->entry = KM_ARENA_NEW(arena, long, most + 1);
+  out->pair_start = KM_NEW(long, max_pairs + 2);
+  out->pair = KM_NEW(km_factors, max_pairs + 1);
+  l->pairs = KM_ARENA_NEW(arena, km_factors, max_pairs + 1);
+  l->entry = KM_ARENA_NEW(arena, long, max_pairs + 1);
   return out->start && out->row && out->diagonal && out->pair_start && out->pair && !arena->failed;
 }
 
@@ -104,17 +104,17 @@ bool km_row_products_create(int rows, int columns, const int *start, const int *
   product_list l = {
       .start = start, .row = row, .row_start = row_start, .by_row = by_row, .position = position, .upper = upper};
   l.entry_of_row = KM_ARENA_NEW(&arena, long, (size_t)rows);
-  bool made = reserve_arrays(out, rows, columns, start, &arena, &l);
-  if (made)
+  bool is_ok = reserve_arrays(out, rows, columns, start, &arena, &l);
+  if (is_ok)
     km_create_row_storage(rows, columns, start, row, row_start, by_row);
-  for (int r = 0; r < rows && made; ++r) {
+  for (int r = 0; r < rows && is_ok; ++r) {
     l.entry_of_row[r] = -1;
     order[position[r]] = r;
   }
-  for (int k = 0; k < rows && made; ++k)
+  for (int k = 0; k < rows && is_ok; ++k)
     create_column(&l, order[k], out);
   km_arena_free(&arena);
-  out->value = made ? KM_NEW(double, (size_t)out->start[rows] + 1) : NULL;
+  out->value = is_ok ? KM_NEW(double, (size_t)out->start[rows] + 1) : NULL;
   return out->value != NULL;
 }
 

@@ -140,27 +140,27 @@ bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count) {
   for (int k = 0; k < count && Y; ++k)
     memset((double *)Y->x + (size_t)k * Y->d, 0, (size_t)q->rank * sizeof(double));
   cholmod_dense *projection = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
-  bool done = projection != NULL;
-  if (done)
+  bool is_ok = projection != NULL;
+  if (is_ok)
     memcpy(v, projection->x, V.nzmax * sizeof(double));
   q->spqr->cholmod_l_free_dense(&Y, &q->common);
   q->spqr->cholmod_l_free_dense(&projection, &q->common);
-  return done;
+  return is_ok;
 }
 
 /* |Qᵀ v|². */
 bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, double *squares) {
   cholmod_dense V = dense_view(v, q->rows, count);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_qmult(SPQR_QTX, q->QR, &V, &q->common);
-  bool done = Y != NULL;
-  for (int k = 0; k < count && done; ++k) {
+  bool is_ok = Y != NULL;
+  for (int k = 0; k < count && is_ok; ++k) {
     const double *y = (const double *)Y->x + (size_t)k * Y->d;
     squares[k] = 0.0;
     for (int i = 0; i < q->rank; ++i)
       squares[k] += y[i] * y[i];
   }
   q->spqr->cholmod_l_free_dense(&Y, &q->common);
-  return done;
+  return is_ok;
 }
 
 /* A row of the matrix, and the first column of R in which it has an entry. */
@@ -222,10 +222,10 @@ bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_or
   double *y = KM_NEW(double, KM_TRIANGLE_LANES *((size_t)q->columns + 1));
   uint64_t *pending = KM_NEW(uint64_t, (size_t)q->columns / KM_TRIANGLE_WORD + 1);
   bool *is_nested = KM_NEW(bool, (size_t)q->columns + 1), *covers_later = KM_NEW(bool, (size_t)q->columns + 1);
-  bool done = by_row && column_of_r && list && y && pending && is_nested && covers_later;
-  for (long k = 0; k < q->columns && done; ++k)
+  bool is_ok = by_row && column_of_r && list && y && pending && is_nested && covers_later;
+  for (long k = 0; k < q->columns && is_ok; ++k)
     column_of_r[order ? order[k] : k] = k;
-  if (done) {
+  if (is_ok) {
     const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, is_nested, covers_later, q->columns};
     for (long k = 0; k < q->columns; ++k) {
       is_nested[k] = km_triangle_is_nested(&by_rows, k);
@@ -244,7 +244,7 @@ bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_or
   f->cholmod_l_free_sparse(&rows_of_r, &q->common);
   f->cholmod_l_free_sparse(&R, &q->common);
   f->cholmod_l_free((size_t)q->columns, sizeof *order, order, &q->common);
-  return done;
+  return is_ok;
 }
 
 /* Rank-revealing QR: independent columns. */
@@ -270,11 +270,11 @@ bool km_sparse_qr_minimum_norm(km_sparse_qr *q, const double *b, double *x) {
   cholmod_dense B = dense_view(copy, q->columns, 1);
   cholmod_dense *Y = q->spqr->SuiteSparseQR_C_solve(SPQR_RTX_EQUALS_ETB, q->QR, &B, &q->common);
   cholmod_dense *X = Y ? q->spqr->SuiteSparseQR_C_qmult(SPQR_QX, q->QR, Y, &q->common) : NULL;
-  bool done = X != NULL;
-  if (done)
+  bool is_ok = X != NULL;
+  if (is_ok)
     memcpy(x, X->x, (size_t)q->rows * sizeof *x);
   q->spqr->cholmod_l_free_dense(&Y, &q->common);
   q->spqr->cholmod_l_free_dense(&X, &q->common);
   km_free(copy);
-  return done;
+  return is_ok;
 }

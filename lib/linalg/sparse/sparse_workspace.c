@@ -12,16 +12,16 @@ static bool order_columns(int rows, int columns, const int *start, const int *ro
     return true;
   size_t capacity = colamd_recommended(start[columns], rows, columns);
   int *work = KM_NEW(int, capacity), *pointers = KM_NEW(int, (size_t)columns + 1), stats[COLAMD_STATS];
-  bool done = capacity > 0 && work && pointers;
-  if (done) {
+  bool is_ok = capacity > 0 && work && pointers;
+  if (is_ok) {
     memcpy(work, row, (size_t)start[columns] * sizeof *work);
     memcpy(pointers, start, ((size_t)columns + 1) * sizeof *pointers);
-    done = colamd(rows, columns, (int)capacity, work, pointers, NULL, stats);
+    is_ok = colamd(rows, columns, (int)capacity, work, pointers, NULL, stats);
     memcpy(order, pointers, (size_t)columns * sizeof *order);
   }
   km_free(work);
   km_free(pointers);
-  return done;
+  return is_ok;
 }
 
 static bool reserve_arrays(km_sparse *s, int rows, int columns, km_arena *arena) {
