@@ -19,7 +19,7 @@ static double time_calls(const bench_contender *c, long calls) {
   return bench_now() - start;
 }
 
-/* How many calls take about a millisecond. */
+/* Number of calls that take about a millisecond. */
 static long calibrate(const bench_contender *c) {
   long calls = 1;
   while (time_calls(c, calls) < 1e-3 && calls < 1L << 30)

@@ -12,8 +12,8 @@ typedef struct bench_contender {
   const char *name;
   void (*run)(void *context);
   void *context;
-  double ns[BENCH_ROUNDS]; /* per call, one a round. By bench_time */
-  double median;           /* of ns. By bench_time */
+  double ns[BENCH_ROUNDS]; /* nanoseconds per call, one per round; set by bench_time */
+  double median;           /* median of ns; set by bench_time */
 } bench_contender;
 
 /* Times all contenders in turn, BENCH_ROUNDS times over, each for about a millisecond a round: what slows the
@@ -46,6 +46,6 @@ void bench_arm(void);
 void bench_study(void);
 void bench_load(void);
 void bench_dynamics(void);
-void bench_view(void); /* where kview is built */
+void bench_view(void); /* only if kview is built */
 
 #endif

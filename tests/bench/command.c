@@ -46,7 +46,7 @@ static double run(const command *c, const bench_directory *directory) {
 void bench_command(void) {
   bench_directory directory = bench_directory_make("command");
   for (int c = 0; c < COMMANDS; ++c) {
-    run(&commands[c], &directory); /* into the page cache */
+    run(&commands[c], &directory); /* reads files into the page cache */
     int files = bench_take_files(&directory);
     if (files != commands[c].files)
       bench_fail("command", "%s: %d files instead of %d", commands[c].figure, files, commands[c].files);

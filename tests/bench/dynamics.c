@@ -30,7 +30,7 @@ static void run_mujoco(void *context) {
   bench_mujoco_accelerate(context, a);
 }
 
-/* At rest both must say the same. */
+/* Checks that both agree at rest. */
 static void agree_at_rest(bench_moving *m, const bench_fourbar *bars) {
   bench_fourbar still = *bars;
   double rates[3] = {bars->v[0], bars->v[1], bars->v[2]}, theirs[3];
@@ -120,7 +120,8 @@ static void row_of_windows(int count) {
   if (km_simulation_create(m.dynamics, m.state, &def, &run, &error))
     bench_fail("dynamics", "%d windows: %s", count, error.text);
   for (int i = 0; i < PARTS; ++i) {
-    clock_t start_time = clock(); /* of this process: these parts are long enough to be interrupted */
+    clock_t start_time = clock(); /* processor time of this process, because these parts are long enough to be
+                                   * interrupted */
     long before = km_simulation_figures_of(run).steps;
     if (km_simulation_advance(run, 0.15 * (i + 1), NULL, NULL, &error))
       bench_fail("dynamics", "%d windows: %s", count, error.text);

@@ -1,4 +1,4 @@
-/* Least rates by Eigen, with sizes that its templates know. */
+/* Minimum-norm rates by Eigen, with sizes known at compile time. */
 #include "eigen.h"
 
 #include <Eigen/Cholesky>

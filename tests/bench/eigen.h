@@ -1,4 +1,4 @@
-/* Eigen behind a C interface: the least rates of a 6 × 7 Jacobian by Cholesky's factors of JJᵀ. */
+/* Eigen behind a C interface: minimum-norm rates of a 6 × 7 Jacobian by the Cholesky factorisation of JJᵀ. */
 #ifndef BENCH_EIGEN_H
 #define BENCH_EIGEN_H
 

@@ -1,5 +1,5 @@
-/* Whole points of a sweep for as many samples as go side by side: every driver moved by a step, the loops closed,
- * the mobility numbers of each. Against the same samples one after the other. */
+/* Complete points of batched sweeps: every driver moved by a step, loops closed, mobility numbers computed. Compared
+ * with single sweeps. */
 #include "bench.h"
 #include "continuation/batch/batch.h"
 #include "machine.h"

@@ -1,5 +1,5 @@
-/* What a program without a partition of its own would do: rank, null space and mobility numbers of a dense
- * matrix by LAPACK. Workspace is allocated beforehand, so that only arithmetic is timed. */
+/* Baseline: rank, null space and mobility numbers of a dense matrix by LAPACK. Workspace is allocated beforehand, so
+ * that only arithmetic is timed. */
 #ifndef BENCH_LAPACK_H
 #define BENCH_LAPACK_H
 
@@ -15,7 +15,7 @@ typedef struct lapack_space {
   double numbers[LAPACK_COLUMNS];
 } lapack_space;
 
-/* Of `matrix`, rows × columns, rows ≥ columns, column-major. */
+/* Computes these for `matrix`, rows × columns, rows ≥ columns, column-major. */
 void lapack_by_svd(lapack_space *space, const double *matrix, int rows, int columns, double tolerance);
 void lapack_by_qr(lapack_space *space, const double *matrix, int rows, int columns, double tolerance);
 

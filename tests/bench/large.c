@@ -1,5 +1,5 @@
-/* Commands on mechanisms of 400 and of 2000 loops of every shape: processor's time over that of a program that does
- * nothing. No shape may take long: what is asked is 0.5 s and 5 s. */
+/* Commands on mechanisms of 400 and 2000 loops of every shape: processor time minus that of an empty program. The
+ * limits are 0.5 s and 5 s. */
 #include "bench.h"
 #include "process.h"
 
@@ -16,7 +16,7 @@ enum { WORDS = 20, RUNS = 3, LIMIT = 20 /* s */ };
 typedef struct shape {
   const char *name;
   void (*write)(km_text *out, int loops);
-  void (*weave)(km_text *out, int rows, int columns); /* in place of `write` */
+  void (*weave)(km_text *out, int rows, int columns); /* instead of `write` */
   int per_cell;                                       /* loops of a cell of what is woven */
   bool at_corners;                                    /* a loop about each inner corner, in place of one in each cell */
   const char *input, *output; /* joints of kma; no output: no joint drives it, no input: the first one does */
@@ -81,7 +81,7 @@ enum { SHAPES = sizeof shapes / sizeof *shapes };
 
 typedef struct command {
   const char *figure;
-  bool drives; /* behind `--joint`, `--input` and `--output` stand these joints */
+  bool drives; /* joints of `--joint`, `--input` and `--output` */
   const char *words[WORDS];
 } command;
 

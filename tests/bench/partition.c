@@ -138,7 +138,7 @@ static void run_qr(void *context) {
 static int gather(const problem *p, bool kept, double *numbers) {
   int rank = 0;
   for (int i = 0; i < COLUMNS; ++i)
-    numbers[i] = 1.0; /* in no loop */
+    numbers[i] = 1.0; /* outside loops */
   for (int i = 0; i < PARTS; ++i) {
     const part *a = &p->parts[i];
     rank += kept ? a->kept.rank : a->found.rank;

@@ -28,8 +28,7 @@ void bench_simbody_simulate(bench_simbody *simbody, int integrator, double accur
 typedef struct bench_mujoco bench_mujoco;
 bench_mujoco *bench_mujoco_create(const bench_fourbar *bars);
 void bench_mujoco_free(bench_mujoco *mujoco);
-/* The same. Its constraints are soft and leave out J̇ q̇: only where nothing moves are these the accelerations of rigid
- * loops. */
+/* Accelerations by MuJoCo. Its constraints are soft and omit J̇ q̇, so they are those of rigid loops at rest only. */
 void bench_mujoco_accelerate(bench_mujoco *mujoco, double out[3]);
 
 #ifdef __cplusplus

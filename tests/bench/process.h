@@ -11,7 +11,7 @@ void bench_directory_remove(const bench_directory *directory);
 /* Removes all files, and returns how many had something in them. */
 int bench_take_files(const bench_directory *directory);
 
-/* How a process ended, and the milliseconds of the processor, of the user and the system, that it took. */
+/* Exit status of a process, and its user and system processor time in milliseconds. */
 typedef struct bench_process {
   int status; /* -1: the limit ended it */
   double ms;

@@ -61,7 +61,7 @@ typedef struct engines {
   bool again; /* the sparse engine factors the matrix once more */
 } engines;
 
-/* What was factored last isn't factored again, unless the tolerance is another one: by its last digits. */
+/* Changes the tolerance in its last digits, so that the cached factorisation isn't used. */
 static void run_sparse(void *context) {
   engines *e = context;
   double tolerance = km_rank_tolerance(e->mechanism, &e->mechanism->substructures[0], 0);

@@ -81,7 +81,7 @@ static void run_sweeps(void *context) {
   }
 }
 
-/* One question about as many slider-cranks as go side by side. */
+/* One question about a batch of slider-cranks. */
 typedef struct group {
   bench_machine machines[KM_BATCH_LANES];
   km_question *questions[KM_BATCH_LANES];
@@ -141,7 +141,7 @@ static void ask_alone(void *context) {
       bench_fail("study", "%s", error.text);
 }
 
-/* What a pose of a sweep costs, with all that is looked for between the poses. */
+/* Cost of a sample of a sweep, including the search for events between samples. */
 static void kinds(void) {
   static const char *const names[] = {"mobility", "advantage", "forces"};
   for (int k = 0; k < 3; ++k) {
@@ -174,7 +174,7 @@ static double memory_of(int count, const char *store) {
     s.def.sample = &s.sample;
     bool failed =
         km_design_study_open(&s.def, store, false, &study, NULL) || km_design_study_run(study, 1, NULL, NULL, NULL);
-    km_design_study_free(study); /* with the files that lie beside an open store */
+    km_design_study_free(study); /* including the side files of an open store */
     _exit(failed);
   }
   if (child < 0 || wait4(child, &status, 0, &usage) != child || status != 0)
@@ -230,7 +230,7 @@ void bench_study(void) {
                          {.name = "200 sweeps", .run = run_sweeps, .context = &alone},
                          {.name = "200 times new numbers", .run = renumber, .context = &alone.machine}};
   bench_time(c, sizeof c / sizeof *c);
-  /* what opening costs is in both studies */
+  /* the cost of opening is in both studies */
   bench_figure("study", "overhead_per_sample", (c[1].median - c[0].median) / c[4].median - 1.0);
   bench_figure("study", "new_numbers_microseconds", 1e-3 * c[5].median / FEW);
   bench_figure("study", "two_threads_over_one", bench_ratio(&c[1], &c[2]));

@@ -1,5 +1,6 @@
-/* What kview's server needs for a message: drags of the excavator's bucket and of a chain of 1000 four-bars, and the
- * leverage over the stroke after a pivot has moved. Each beside the closing and counting of the same pose alone. */
+/* Time of a message in kview's server: drags of the excavator's bucket and of a chain of 1000 four-bars, and the
+ * mechanical advantage over the stroke after a pivot has moved; compared with closing and mobility of one
+ * configuration. */
 #include "bench.h"
 #include "kview/messages.h"
 #include "support/chains.h"

@@ -1,10 +1,9 @@
-/* Stands between a tool and the system's calloc and realloc. In the folder KMECH_FAIL_IN every call that comes from
- * a new place finds no memory once: the process is copied, the copy gets none and goes on in a folder of its own,
- * where it leaves what it says (.out, .said), where it failed (.place) and how it ends (.status), and the first
- * process goes on as if nothing had been. A place is the last few of the tool's own functions on the stack; those
- * that are known stand in KMECH_FAIL_IN/places, which the next run of the same tool reads. Calls of other libraries
- * always find memory. The time that copies take is none to the tool, which may have a limit of time. Loaded by
- * LD_PRELOAD (tests/faults/memory). */
+/* Interposes calloc and realloc of a tool, loaded by LD_PRELOAD (tests/faults/memory). Every call from a new location
+ * fails once: the process is forked, the call of the copy fails, and the copy continues in a folder of its own below
+ * KMECH_FAIL_IN with its output (.out, .said), the location (.place) and its end (.status). The first process continues
+ * unaffected. A location is the last few functions of the tool on the stack; known ones are in KMECH_FAIL_IN/places,
+ * which the next run of the tool reads. Calls of other libraries never fail. The time of copies doesn't count towards the
+ * time limit of a tool. */
 #include <dirent.h>
 #include <execinfo.h>
 #include <fcntl.h>
@@ -23,8 +22,8 @@
 enum { FRAMES = 10, PLACES = 1 << 16, SECONDS = 20 };
 
 static const char *folder;          /* NULL: nothing fails any more */
-static uintptr_t base, first, last; /* where the tool is, and its own code */
-static uintptr_t frames[FRAMES];    /* of the present call, from base; 0 behind the last */
+static uintptr_t base, first, last; /* address of the tool, and its own code */
+static uintptr_t frames[FRAMES];    /* return addresses of the present call, from base; 0 after the last */
 static uint64_t known[PLACES];
 static long copies;
 static int64_t away; /* nanoseconds that the copies took */
@@ -133,7 +132,7 @@ static void live(long number) {
   int out = open(".out", O_CREAT | O_WRONLY, 0666), said = open(".said", O_CREAT | O_WRONLY, 0666);
   FILE *place = fopen(".place", "w");
   for (int i = 0; place && i < FRAMES && frames[i]; ++i)
-    fprintf(place, "%#lx\n", (unsigned long)frames[i] - 1); /* in the call */
+    fprintf(place, "%#lx\n", (unsigned long)frames[i] - 1); /* true during the call */
   if (place)
     fclose(place);
   dup2(out, 1);

@@ -61,7 +61,7 @@ static place then(place a, place b) {
   return product(&a, &b);
 }
 
-/* False where it can't be told from outside: a screw's pitch. */
+/* False if it can't be determined from outside: a screw's pitch. */
 static bool motion_of(km_joint_type type, const double *q, place *out) {
   *out = moved(0, 0.0);
   if (type <= KM_RZ)
@@ -88,7 +88,7 @@ static double farthest(const place *a, const place *b) {
   return most;
 }
 
-/* How far a frame lies from its body's origin, by components: its place in the whole is rounded to that. */
+/* Distance of a frame from its body's origin, by components, which determines the rounding of its position. */
 static double reach(const km_model *model, int frame) {
   double R[9], T[3] = {0};
   if (km_model_frame_pose(model, frame, R, T, NULL))

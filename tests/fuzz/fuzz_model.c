@@ -23,8 +23,8 @@
 
 enum { MOST_FILES = 1024, SECONDS = 20 };
 
-static const char *current = "?";       /* what is being read, for the last words */
-static unsigned long long current_seed; /* with a file name instead: 0 */
+static const char *current = "?";       /* input being read, for the final message */
+static unsigned long long current_seed; /* 0 with a file name instead */
 
 static void say(const char *text) {
   ssize_t written = write(STDERR_FILENO, text, strlen(text));

@@ -63,7 +63,7 @@ static void sweep(const km_model *model, const km_mechanism *mechanism, km_state
   km_mobility_sweep_free(&result);
 }
 
-/* With every joint as actuator the forces of any model balance. */
+/* Forces of any model balance if all joints are actuators. */
 static void balance(const km_model *model, const km_mechanism *mechanism, km_state *state, size_t choice) {
   enum { MOST_LOADS = 16 };
   km_load loads[MOST_LOADS];

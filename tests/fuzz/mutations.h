@@ -12,7 +12,7 @@ typedef struct input {
   size_t size;
 } input;
 
-/* One of the files, damaged as the seed says, in room for LONGEST bytes that the caller frees. */
+/* One of the files, damaged by the seed, in a block of LONGEST bytes that the caller frees. */
 input mutation_make(uint64_t seed, const input *files, size_t count);
 
 #endif

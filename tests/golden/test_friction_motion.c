@@ -1,4 +1,4 @@
-/* Friction by what presses, in motions with closed forms or against sums of their own. */
+/* Friction by normal forces, in motions with closed forms or against independent sums. */
 #include "support/support.h"
 
 #include "kmech/dynamics.h"
@@ -89,7 +89,7 @@ static void test_journal(void **data) {
     q += dt * v + dt * dt / 6.0 * (a1 + a2 + a3);
     v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
   }
-  assert_true(v > 0.1); /* it hasn't turned back */
+  assert_true(v > 0.1); /* its rate has kept its sign */
   assert_near(at_end(&h, "q.A"), q, 1e-7);
   assert_near(at_end(&h, "v.A"), v, 1e-7);
   km_history_free(&h);
@@ -107,8 +107,8 @@ static char *with_friction(void) {
   return both;
 }
 
-/* In a closed loop: what friction and the damper take between two rows is μ r N |v| + b v² at the reactions that are
- * told, by Simpson's rule over three rows; and nothing else is lost. */
+/* Energy of a closed loop: friction and damper dissipate between two rows μ r N |v| + b v² at the reported
+ * reactions, by Simpson's rule over three rows; nothing else is lost. */
 static void test_loop(void **data) {
   (void)data;
   char *text = with_friction();

@@ -13,7 +13,7 @@ static void expect(const km_value *known, const char *key, double found, double 
     assert_near(found, value->number, tolerance);
 }
 
-/* The advantage that the model's own analysis asks for. */
+/* Mechanical advantage of the model's default analysis. */
 static void check_advantage(fixture *f, const km_value *known) {
   const km_value *value = km_value_get(known, "mechanical_advantage");
   km_port input, output;
@@ -139,7 +139,7 @@ static void peaucellier_runs_straight(void **state) {
   fixture_close(&f);
 }
 
-/* Where two circles meet: left (+1) or right (-1) of the way from P to Q. */
+/* Intersection of two circles: left (+1) or right (−1) of the line from P to Q. */
 static void meet(const double P[2], double p, const double Q[2], double q, double side, double out[2]) {
   double dx = Q[0] - P[0], dy = Q[1] - P[1], d = hypot(dx, dy);
   double angle = atan2(dy, dx) + side * acos((p * p + d * d - q * q) / (2.0 * p * d));

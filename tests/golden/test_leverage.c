@@ -61,7 +61,7 @@ static void toggles_by_arc_length(void **state) {
     km_advantage_sweep sweep = lever(&f, 0, 3, plan);
     assert_in_range(sweep.toggle_count, 2, 4);
     for (size_t i = 0; i < sweep.toggle_count; ++i) {
-      /* where is the crank there? go to it by arc length */
+      /* moves to the crank's position by arc length */
       km_arc_motion *follow;
       assert_int_equal(km_arc_motion_create(at.mechanism, at.state, 0, 1.0, false, &follow, NULL), KM_OK);
       assert_int_equal(km_arc_motion_advance(follow, sweep.toggles[i].s), KM_OK);
@@ -210,7 +210,7 @@ static void no_leverage_over_a_pivot(void **state) {
                     .kind = KM_PORT_POINT, .frame = f.model->joints[0].frame[1], .direction = {1, 0, 0}, .name = "out"};
   km_advantage_sweep sweep;
   assert_int_equal(km_advantage_sweep_run(f.mechanism, f.state, &plan, &in, &out, false, &sweep, NULL), KM_OK);
-  assert_int_equal(sweep.toggle_count, 1); /* from the first row on */
+  assert_int_equal(sweep.toggle_count, 1); /* rows from the first one on */
   assert_int_equal(sweep.toggles[0].state, KM_ADVANTAGE_INFINITE);
   for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r)
     assert_true(isinf(km_table_row(sweep.motion.table, r)[sweep.column]));

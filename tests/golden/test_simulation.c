@@ -199,7 +199,7 @@ static const char turned[] =
     "1, \"Izz\": 1}}], \"joints\": [{\"name\": \"S\", \"type\": \"spherical\", \"body_frame_pairs\": [\"fixed\", \"b\"], "
     "\"initial_velocity\": [0.6, 0, 0.8], \"limits\": [0, 0.5], \"stop\": {\"stiffness\": 400}}]}]}";
 
-/* A ball's stop throws the body back after half a period of √(I/k), whatever times rows are asked for. */
+/* The stop of a ball joint reverses the body after half a period of √(I/k), whatever the times of rows. */
 static void test_ball_stop(void **data) {
   (void)data;
   for (int rows = 1; rows <= 8; rows *= 8) {
@@ -340,8 +340,8 @@ static char *carried_text(double aside) {
   return text;
 }
 
-/* Fiala: F_y = −μ F_z (1 − H³) sgn α with H = 1 − C_α |tan α|/(3 μ F_z), and −μ F_z past tan α = 3 μ F_z/C_α; μ by the
- * slip. The lateral slip has settled after a few times 0.15 m. */
+/* Fiala: F_y = −μ F_z (1 − H³) sgn α with H = 1 − C_α |tan α|/(3 μ F_z), and −μ F_z beyond tan α = 3 μ F_z/C_α; μ by
+ * the slip. The lateral slip is stationary after a few times 0.15 m. */
 static void test_tire_sideways(void **data) {
   (void)data;
   static const double sides[] = {0.5, -0.5, 1.2, 3.0};
@@ -388,8 +388,8 @@ static double check_crossings(double every) {
   return end;
 }
 
-/* A body that falls passes several values within one step; each one that stops ends the run there, and what comes
- * behind it is met when the run goes on. */
+/* A falling body passes several values within one step; each stopping event ends the run there, and later events
+ * occur when the run continues. */
 static void test_stops_in_one_step(void **data) {
   (void)data;
   fixture f = fixture_read(
@@ -463,9 +463,9 @@ static void test_linearised_oscillator(void **data) {
   moving_close(&m);
 }
 
-/* Of a pose that isn't at rest nothing is said of its stability; a body that moves on by itself, and one that falls
- * alike in every place, have eigenvalues of 0, which the differences of large accelerations don't hide. Rates are
- * made to keep the loops. */
+/* The stability of a configuration that isn't at rest is undefined; a free body, and one that falls equally
+ * everywhere, have eigenvalues of 0, which differences of large accelerations don't hide. Rates are projected on the
+ * loops. */
 static void test_what_is_not_at_rest(void **data) {
   (void)data;
   fixture f = fixture_open("bennett");
@@ -510,7 +510,7 @@ static void test_rates_keep_the_loops(void **data) {
     moving_close(&m);
   }
   assert_int_equal(l[0].freedom, 1);
-  assert_true(fabs(l[0].A[3]) > 1e-3); /* the motion bends */
+  assert_true(fabs(l[0].A[3]) > 1e-3); /* the motion is curved */
   for (int k = 0; k < 4; ++k)
     assert_near(l[0].A[k], l[1].A[k], 1e-8 * fabs(l[1].A[k]) + 1e-9);
   km_linear_free(&l[0]);
@@ -543,7 +543,7 @@ static void assert_mode_keeps_loops(moving *m, fixture f, const km_linear *l, in
   km_table_free(motion);
 }
 
-/* A02 upright grows with √(3.5 g / 3); settled it hangs and swings with the same number. */
+/* A02 upright diverges with √(3.5 g / 3); at its stable rest it oscillates with the same frequency. */
 static void test_linearised_a02(void **data) {
   (void)data;
   fixture f = fixture_open("a02");

@@ -179,7 +179,7 @@ static void test_methods_agree(void **data) {
   (void)data;
   static const struct {
     const char *model;
-    double until, apart; /* what the less accurate of both errs by */
+    double until, apart; /* error of the less accurate one */
   } runs[] = {{NULL, 2.0, 3e-8},
               {"slider_crank", 2.0, 3e-8},
               {"governor", 1.0, 3e-8},

@@ -145,7 +145,7 @@ static void bricard_square_and_triangle(void **state) {
   fixture_close(&f);
 }
 
-/* Crank A and the joint D at its far end keep their grip all round; every other joint loses it somewhere. */
+/* Crank A and the joint D at its far end have no dead point; every other joint has one. */
 static void klann_turns_round_on_one_branch(void **state) {
   (void)state;
   fixture f = fixture_open("klann");

@@ -76,7 +76,7 @@ static void test_excavator_drop(void **data) {
   def.end = 10.0;
   assert_int_equal(km_simulation_create(m.dynamics, f.state, &def, &simulation, NULL), KM_OK);
   assert_int_equal(km_simulation_advance(simulation, 10.0, NULL, NULL, NULL), KM_OK);
-  int renewed[128] = {0}; /* by the label of a substructure's first joint */
+  int renewed[128] = {0}; /* label of a substructure's first joint */
   for (int i = 0; i < f.mechanism->topology.substructure_count; ++i) {
     int first = f.mechanism->column_coordinate[f.mechanism->substructures[i].column_start];
     renewed[(int)f.model->coordinates[first].label[0]] = m.dynamics->renewed[i];
@@ -158,7 +158,7 @@ static km_history history(fixture *f, double until) {
   return h;
 }
 
-/* Porter's governor at a steady speed w: the balls hang (m + M)/m · g/w² below their pivot, the sleeve twice as low. */
+/* Porter's governor at constant speed w: the balls are (m + M)/m · g/w² below their pivot, the sleeve twice as low. */
 static void test_governor(void **data) {
   (void)data;
   fixture f = fixture_open("governor");
@@ -180,7 +180,7 @@ static void test_vehicle(void **data) {
   assert_near(speed, 15.0, 0.1);
   assert_true(radius > 2.78 / (0.01 / 0.14) && radius < 3.0 * 2.78 / (0.01 / 0.14));
   assert_at_most(h.energy_error, 1e-4 * h.energy_scale);
-  assert_true(last(&h, "q.D") < 0.0); /* it leans out of the bend, which is to the right */
+  assert_true(last(&h, "q.D") < 0.0); /* it leans out of the turn, which is to the right */
   km_history_free(&h);
   fixture_close(&f);
 }

@@ -90,7 +90,8 @@ static double dot(const double *a, const double *b, int n) {
   return sum;
 }
 
-/* For every task: c₁ = (J⁺ξ, 1)/√(1 + |J⁺ξ|²), J⁺ by LAPACK's singular values; c₂ … are unit null vectors of J. */
+/* Columns of every task: c₁ = (J⁺ξ, 1)/√(1 + |J⁺ξ|²), J⁺ by LAPACK's singular values; c₂ … are unit null vectors of
+ * J. */
 static void path_control_is_the_pseudo_inverse(void **state) {
   (void)state;
   randomness r = {9};

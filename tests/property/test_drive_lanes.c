@@ -245,7 +245,7 @@ typedef struct manner {
   int rows;
   bool ignore_limits, uneven;
   bool in_turns; /* not all of them at once: mostly most of them, sometimes few */
-  bool tries;    /* by km_batch_try, and singly if that fails */
+  bool tries;    /* km_batch_try, then singly if that fails */
 } manner;
 
 static const manner plain = {.rows = ROWS};
@@ -595,7 +595,7 @@ static void slides_leave(void **state) {
     close_design(&d);
   }
   assert_true(compare(tangent, KM_BATCH_LANES, 1, plain) > 0);
-  compare(tangent_end, KM_BATCH_LANES, 0, (manner){.rows = 400}); /* whether lanes sample there or not */
+  compare(tangent_end, KM_BATCH_LANES, 0, (manner){.rows = 400}); /* true if lanes sample there */
   assert_true(compare(tangent, KM_BATCH_LANES, 9, (manner){.rows = 20 * ROWS}) > ROWS);
 }
 

@@ -136,7 +136,7 @@ static km_mobility_sweep sweep_flat(int n, int steps) {
   return sweep;
 }
 
-/* In a chain of five-bars stretched between their cranks each crank rotates at least as far as the previous one:
+/* A chain of five-bars stretched between their cranks: each crank rotates at least as far as the previous one,
  * equally in the same sense or 1.35 times in the other; farther only if the dyad folds, which takes a longer path.
  * The motion begins at the file's configuration and doesn't depend on the division of the range. */
 static void stretched_five_bars_move_least(void **state) {
@@ -211,7 +211,7 @@ static void short_steps_close_all_loops(void **state) {
   }
 }
 
-/* With so many loops the far ones hardly fold at first: all rows are present, whichever end drives. */
+/* Far loops of such a long chain hardly fold at first: all rows are present, whichever end drives. */
 static void long_rows_of_five_bars_move(void **state) {
   (void)state;
   fixture f = fixture_written(write_flat_five_bars, 1200);

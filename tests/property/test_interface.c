@@ -97,7 +97,7 @@ static void test_matrices_agree_with_mobility(void **context) {
       assert_int_equal(km_substructure_basis(f.mechanism, f.state, s, Z, NULL), KM_OK);
       for (int k = 0; k < e.mobility; ++k) {
         double size = sqrt(dot(N + k * columns, N + k * columns, columns, 1));
-        for (int r = 0; r < rows; ++r) /* up to the residue of dropped rows, by the rank tolerance */
+        for (int r = 0; r < rows; ++r) /* tolerance: residue of dropped rows by the rank tolerance */
           assert_near(dot(J + r, N + k * columns, columns, rows), 0.0, 10.0 * fmax(e.tolerance, 1e-9) * size);
         for (int l = 0; l < e.mobility; ++l)
           assert_near(dot(Z + k * columns, Z + l * columns, columns, 1), k == l ? 1.0 : 0.0, 1e-12);

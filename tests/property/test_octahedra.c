@@ -1,5 +1,5 @@
-/* Octahedra of eight rigid plates hinged along their edges. By the theorems of Cauchy and Gluck those in general
- * position are rigid; Bricard's (1897), symmetric to a line or a plane, are flexible with self-intersections. */
+/* Octahedra of eight rigid plates hinged along their edges. Those in general position are rigid (theorems of Cauchy
+ * and Gluck); Bricard's (1897), symmetric to a line or a plane, are flexible with self-intersections. */
 #include "support/hinges.h"
 #include "support/laws.h"
 #include "support/random_mechanism.h"

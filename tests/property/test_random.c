@@ -47,7 +47,7 @@ static void twists(void **state) {
   (void)state;
   judged = 0;
   on_random_mechanisms(count_twists, false);
-  assert_true(judged >= 140); /* of 150; the others have no moving body */
+  assert_true(judged >= 140); /* 150 cases; the others have no moving body */
 }
 
 static void equilibrium(void **state) {

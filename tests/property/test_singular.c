@@ -41,7 +41,7 @@ static void those_of_lapacke(void **state) {
     const km_table *table = sweep.motion.table;
     double kept = km_table_row(table, 7)[km_table_find(table, "singular_value")];
     double expected = kept_by_lapacke(&f, sweep.motion.substructure);
-    assert_near(kept, expected, 1e-12); /* for matrices of size about 1 */
+    assert_near(kept, expected, 1e-12); /* matrices have entries of about 1 */
     assert_true(sweep.smallest.number <= kept);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);

@@ -201,7 +201,7 @@ static void other_arms_and_tasks(void **state) {
     km_study *study = study_of(&f, text);
     for (int m = 0; m < km_study_methods(study); ++m) {
       km_track *track = track_of(study, m, 1);
-      if (track->plan.method.kind != KM_FIXED) /* with two fixed joints the others reach a singular configuration */
+      if (track->plan.method.kind != KM_FIXED) /* the others reach a singular configuration if two joints are fixed */
         assert_int_equal(track->end.stop, KM_TRACK_COMPLETE);
       assert_true(km_track_summarise(track).error_position <= 1e-9);
       assert_true(km_track_summarise(track).error_rotation <= 1e-9);

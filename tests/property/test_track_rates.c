@@ -74,7 +74,7 @@ static void rates_are_those_of_the_track(void **state) {
   fixture_close(&f);
 }
 
-/* Greedy ends at the rate limits; a small self-motion, other than 30°, continues. With one branch there is none. */
+/* Greedy ends at the rate limits; a small self-motion, other than 30°, continues. One branch has none. */
 static void small_self_motions_are_found(void **state) {
   (void)state;
   static const double rate[7] = {0.2, 0.2, 0.2, 0.2, 0.2, 0.2, 0.2};
@@ -104,7 +104,7 @@ static void small_self_motions_are_found(void **state) {
   fixture_close(&f);
 }
 
-/* With four redundant freedoms: greedy's first step is too fast, look-ahead's isn't. */
+/* Four redundant freedoms: greedy's first step is too fast, look-ahead's isn't. */
 static void small_self_motions_of_several_freedoms(void **state) {
   (void)state;
   static const double rate[7] = {0.09, 0.09, 0.09, 0.09, 0.09, 0.09, 0.09};

@@ -110,7 +110,7 @@ static void check_power(fixture *f, const km_statics *st, const km_port *actuato
   assert_near(power, 0.0, 1e-8 * size);
 }
 
-/* For every motion of a basis: those of the substructures, and each joint outside loops. */
+/* Motions of a basis: those of the substructures, and each joint outside loops. */
 static void check_balance(fixture *f, const km_statics *st, const km_port *actuators, int count, const double *tau) {
   const km_mechanism *m = f->mechanism;
   double *rates = KM_NEW(double, (size_t)m->coordinate_count + 1);

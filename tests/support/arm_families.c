@@ -17,7 +17,8 @@ static void write_frame(km_text *out, const char *name, km_vec3 p, const km_rota
                  name, p.x, p.y, p.z, a[0].x, a[1].x, a[2].x, a[0].y, a[1].y, a[2].y, a[0].z, a[1].z, a[2].z);
 }
 
-/* From one hinge's frame to the next. `meet` is where the axes of a group meet, along the axis of the hinge before. */
+/* Transformation from one joint's frame to the next. `meet`: intersection of a group's axes, along the axis of the
+ * previous joint. */
 static km_pose next_hinge(randomness *r, arm_shape shape, bool inside, double *meet) {
   km_pose pose = {random_rotation(r), {uniform(r, -0.5, 0.5), uniform(r, -0.5, 0.5), uniform(r, -0.5, 0.5)}};
   if (inside && shape == ARM_PARALLEL)
@@ -210,7 +211,7 @@ static void write_numbers(km_text *out, const char *key, const double *values, i
   km_text_add(out, "]");
 }
 
-/* What stops it is there: a limit that is named is met. */
+/* The reported cause of a stop is present: a named limit is reached. */
 static bool end_stands(const km_track *t, char *why, size_t size) {
   const km_arm *a = t->arm;
   size_t rows = km_table_rows(t->table);

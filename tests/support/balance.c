@@ -19,7 +19,7 @@ typedef struct balance {
   km_forces *forces;
   km_statics statics;
   km_mobility mobility;
-  double size; /* of the forces, and of their moments over the length `reach` */
+  double size; /* residue of the forces, and of their moments over the length `reach` */
   double reach;
 } balance;
 

@@ -11,8 +11,8 @@ typedef struct bordered {
   double *A, *rhs; /* rhs: [the larger of rows, columns] */
 } bordered;
 
-/* At the state's poses (km_poses_compute) and the forces' last update; held[coordinate] of actuators or f̄; moments
- * over the length `reach`. */
+/* Residue of equilibrium at the state's poses (km_poses_compute) and last forces; held[coordinate] of actuators or
+ * f̄; moments over the length `reach`. */
 bordered bordered_make(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                        const double *held, double reach);
 void bordered_free(bordered *system);

@@ -8,7 +8,7 @@
 enum { MOST_EVENTS = 200 };
 
 course course_make(int count, const km_sweep_plan *plan, const km_sweep *motion) {
-  enum { POSES = 360 }; /* of the whole range */
+  enum { POSES = 360 }; /* share of the whole range */
   static const double longest_arc = 0.02;
   double *data = KM_NEW(double, 3 * (size_t)count);
   bool by_length = plan->arclength > 0.0;
@@ -78,7 +78,7 @@ static double quotient(const course *c, const double *a, const double *b, int i,
   return a[i] / b[i];
 }
 
-/* Does x change its sign so near to the end? */
+/* True if x changes its sign near the end. */
 static bool turns_in_own_digits(const course *c, const double *x) {
   int last = c->count - 1;
   for (int i = last; i > 0 && fabs(c->s[last] - c->s[i]) < own_digits(c); --i)
@@ -97,15 +97,15 @@ static double by_parabola(const double root[3], const double x[3]) {
   return end;
 }
 
-/* The same by x = c + b r^m, at places of which each is twice as far from the end as the one before; no better than
- * the parabola where it doesn't grow like that. A path of least motion comes to its end by powers of its own. */
+/* Extrapolation by x = c + b r^m, from places at doubling distances from the end; by the parabola if x doesn't
+ * follow a power. A minimum-norm path approaches its end by its own powers. */
 static double by_power(const double x[3], double otherwise) {
   double twice = x[1] / x[0], four = x[2] / x[1];
   return twice > 1.2 && four > 1.2 ? (x[0] * x[2] - x[1] * x[1]) / (x[0] + x[2] - 2.0 * x[1]) : otherwise;
 }
 
-/* What is left of a/b at the end, in distances between the two nearest of three samples, of which the first is
- * `stride` places from the end. */
+/* Extrapolated a/b at the end, in distances between the two nearest of three samples, the first of them `stride`
+ * places from the end. */
 static double places_left(const course *c, const double *a, const double *b, int stride) {
   double x[3], root[3];
   for (int k = 0; k < 3; ++k)
@@ -114,8 +114,8 @@ static double places_left(const course *c, const double *a, const double *b, int
   return fmin(fabs(end), fabs(power)) / fabs(x[1] - x[0]);
 }
 
-/* Does a/b come to nothing with the root of the way to the end? Less than a third of the distance of places is none,
- * unless the samples that are within the end's own digits show that something is left. */
+/* True if a/b vanishes like the square root of the distance to the end. Less than a third of the samples' distance
+ * counts as zero, unless samples within the end's rounding show a remainder. */
 static course_end comes_to_nothing(const course *c, const double *a, const double *b) {
   int last = c->count - 1, stride = 1;
   if (turns_in_own_digits(c, a) || turns_in_own_digits(c, b))
@@ -135,7 +135,8 @@ course_end course_ends(const course *c) {
 typedef struct expected {
   km_force_event_kind kind;
   double low, high;
-  bool weak; /* may be told or not: too flat for 360 poses over the range, beside another, or by the end's own digits */
+  bool weak; /* optional: too flat for 360 samples over the range, next to another event, or within the end's
+              * rounding */
   bool found;
 } expected;
 
@@ -154,7 +155,7 @@ void course_span(const course *c, int first, int last, double *low, double *high
   *high = fmax(a, b);
 }
 
-/* What more than MOST_EVENTS would be is a matter of rounding, and can't be asked for. */
+/* Events beyond MOST_EVENTS are determined by rounding and aren't required. */
 static void expect(expected *list, int *count, km_force_event_kind kind, const course *c, int first, int last,
                    bool weak) {
   expected e = {.kind = kind, .weak = weak};
@@ -174,14 +175,14 @@ static bool peaks(const course *c, int i) {
   return !pole && force(c, i) > force(c, i - 1) && force(c, i) > force(c, i + 1);
 }
 
-/* The same so close to a zero that the sample behind that is larger than the peak. */
+/* A peak so close to a zero that the sample after the zero is larger than the peak. */
 static bool peaks_beside_zero(const course *c, int i) {
   bool before = turns(c->n, i - 1), behind = turns(c->n, i), pole = turns(c->d, i - 1) || turns(c->d, i);
   return !pole && ((before && force(c, i) > force(c, i + 1)) || (behind && force(c, i) > force(c, i - 1)));
 }
 
-/* Within two of the poses that a sweep looks at on a side, does |f| fall by less than 1e-4 of it, or rise above the
- * peak again? */
+/* True if, within two samples of the sweep on a side, |f| falls by less than 1e-4 of itself, or exceeds the peak
+ * again. */
 static bool is_weak(const course *c, int i) {
   double peak = force(c, i);
   for (int side = -1; side <= 1; side += 2) {
@@ -196,12 +197,12 @@ static bool is_weak(const course *c, int i) {
   return false;
 }
 
-/* Beside the end of a driver that has given out there. */
+/* Next to a dead point of the driver at the end. */
 static bool is_by_own_digits(const course *c, double s) {
   return c->by_root && fabs(s - c->s[c->count - 1]) < own_digits(c);
 }
 
-/* Is so little of x left at places i−1 … i+1 that its sign is a matter of rounding? */
+/* True if x at places i−1 … i+1 is so small that rounding decides its sign. */
 static bool is_rounding(const double *x, double largest, int i) {
   static const double rounding = 1e-10;
   return fabs(x[i]) < rounding * largest || fabs(x[i + 1]) < rounding * largest ||
@@ -241,7 +242,7 @@ static const char *word(km_force_event_kind kind) {
   return kind == KM_FORCE_BALANCED ? "zero" : kind == KM_FORCE_PEAK ? "peak" : "pole";
 }
 
-/* Marks the one that the event is, of those that have to be told if it can be one of them. */
+/* Marks the matching event, preferably a required one. */
 static bool find(expected *list, int count, const km_force_event *event, double slack) {
   int best = -1;
   for (int i = 0; i < count; ++i) {
@@ -254,7 +255,7 @@ static bool find(expected *list, int count, const km_force_event *event, double 
   return best >= 0;
 }
 
-/* Is d rounding in the sample before or after s? Whether it has a sign there, and so a pole, can't be told. */
+/* True if d is rounding in the sample before or after s, so that its sign, and a pole, are undetermined. */
 static bool is_in_rounding(const course *c, double s) {
   double largest = largest_of(c->d, c->count);
   for (int i = 0; i + 1 < c->count; ++i)
@@ -263,8 +264,8 @@ static bool is_in_rounding(const course *c, double s) {
   return false;
 }
 
-/* Is it where the course can't tell? Differences begin half a place after the start; peaks begin a whole one later,
- * and end a whole one before the end. */
+/* True if the reference is undetermined: differences begin half a place after the start; peaks begin a whole one
+ * later, and end a whole one before the end. */
 static bool is_out_of_sight(const course *c, const km_force_event *event) {
   int last = c->count - 1;
   double along = c->s[last] > c->s[0] ? 1.0 : -1.0, s = along * event->s;

@@ -8,7 +8,7 @@
 
 enum { DESIGN_MOST = 8 };
 
-/* A definition with room for what the tests put in. Start from designs_of_function or designs_of_model. */
+/* A definition with storage for the tests. Start from designs_of_function or designs_of_model. */
 typedef struct designs {
   km_design_study_def def;
   km_design_parameter parameters[DESIGN_MOST];
@@ -22,9 +22,9 @@ typedef struct designs {
   char path[512];
 } designs;
 
-/* Of `parameters` numbers x0, x1, …, with `figures` figures f0, f1, … */
+/* A study of `parameters` numbers x0, x1, … with `figures` figures f0, f1, … */
 void designs_of_function(designs *d, km_design_function function, int parameters, int figures);
-/* Of a model of models/, with one question of this kind and no figures yet. */
+/* A study of a model of models/ with one question of this kind, without figures. */
 void designs_of_model(designs *d, const char *model, const char *kind);
 void designs_add_parameter(designs *d, const char *path);
 void designs_add_figure(designs *d, const char *name, km_design_figure_kind kind, const char *column);

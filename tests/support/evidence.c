@@ -9,7 +9,7 @@
 static struct {
   bool open;
   long comparisons;
-  double share, ours, reference, tolerance; /* of the worst: its difference over its tolerance */
+  double share, ours, reference, tolerance; /* worst comparison: difference over tolerance */
 } kept;
 
 int evidence_begin(void **claim) {

@@ -1,4 +1,4 @@
-/* What a test measured, for the page of evidence (scripts/evidence). */
+/* Measurements of a test for the page of evidence (scripts/evidence). */
 #ifndef KM_TESTS_EVIDENCE_H
 #define KM_TESTS_EVIDENCE_H
 
@@ -20,7 +20,7 @@ typedef struct evidence_claim {
 int evidence_begin(void **claim); /* the claim comes as the test's first state */
 int evidence_end(void **claim);
 
-/* A comparison, whether it holds or not. Of assert_near. */
+/* Records a comparison of assert_near, successful or not. */
 void evidence_compare(double ours, double reference, double tolerance);
 
 #endif

@@ -5,9 +5,9 @@
 
 #include <stdbool.h>
 
-/* From now on the n-th call finds no memory; 0: every call finds some. */
+/* The n-th allocation from now on fails; 0: none. */
 void failing_arm(long n);
-/* How many there were since then. */
+/* Number of allocations since then. */
 long failing_calls(void);
 /* Counts a call; true: it is the one that fails. */
 bool failing_next(void);

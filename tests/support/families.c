@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-/* Families that count what they meet, and families that hand over why they fail, in the common shape. */
+/* Adapts families that count their cases, and families that return their failure, to the common signature. */
 #define COUNTING(NAME)                                                                                                 \
   static bool counting_##NAME(uint64_t seed) {                                                                         \
     family_count count = {0};                                                                                          \

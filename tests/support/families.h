@@ -10,7 +10,7 @@ typedef struct family {
   bool (*agrees)(uint64_t seed); /* false, with a line on stderr that says why, where the library is wrong */
 } family;
 
-/* By name; a NULL name at the end. */
+/* Families by name; a NULL name at the end. */
 extern const family all_families[];
 
 #endif

@@ -20,7 +20,7 @@ static bool trace(const char *text, const km_sweep_plan *plan, const km_sweep *m
   km_driver_motion *drive;
   bool there = true;
   assert_int_equal(km_driver_motion_create(f.mechanism, f.state, plan->coordinate, true, &drive, NULL), KM_OK);
-  /* A driver stands where it gives out itself: the grid ends just before. */
+  /* A driver is at rest at its own dead point: the grid ends just before. */
   for (int i = 0; i <= GRID && there; ++i) {
     there = !km_driver_motion_move_to(drive, from + (to - from) * (i + 0.5) / (GRID + 1)).stop &&
             km_driver_motion_tangent(drive, rates);
@@ -31,9 +31,9 @@ static bool trace(const char *text, const km_sweep_plan *plan, const km_sweep *m
   return there;
 }
 
-/* How many dead points of coordinate c the trace shows. *sure: none is so near to another one, to an end, or to a
- * place where the entry turns before it is 0, that the grid may not tell; and between two of them the entry, of a
- * vector of length 1, isn't so small all the way that no row of a few may show it. */
+/* Number of dead points of coordinate c in the trace. *sure: none is so near to another one, to an end, or to an
+ * extremum of the entry that the grid may miss it; and between two of them the entry of the unit vector is large
+ * enough to be seen by a few rows. */
 static int changes(const double *z, int count, int c, bool *sure) {
   int found = 0, last = -BESIDE;
   double largest = 1.0;
@@ -53,7 +53,7 @@ static int changes(const double *z, int count, int c, bool *sure) {
   return found;
 }
 
-/* How many of them the sweep shows. *sure: none is next to an end. */
+/* Number of dead points reported by the sweep. *sure: none is next to an end. */
 static int toggles_of(const km_mobility_sweep *sweep, int c, bool *sure) {
   const double from = sweep->motion.start.position, to = sweep->motion.end.position, near = BESIDE * (to - from) / GRID;
   int found = 0;

@@ -78,7 +78,7 @@ bool family_inertia(uint64_t seed) {
   if (!good)
     moments[2] = -size * pow(10.0, uniform(&r, -6, 0));
   compose(&r, moments, I);
-  if (rank == 0 && below(&r, 2)) /* what is left of moments that cancel */
+  if (rank == 0 && below(&r, 2)) /* residue of cancelled moments */
     I[5] = 2.4e-16 * mass * length * length;
   km_model *model = NULL;
   bool accepted = !read_with(&r, I, mass, length, &model);

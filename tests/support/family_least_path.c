@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Where a motion ended: all coordinates, as a scaled step from the start. */
+/* End of a motion: all coordinates as a scaled step from the start. */
 typedef struct ending {
   km_stop stop;
   double step[KM_MAX_FREEDOM * 32];

@@ -23,7 +23,7 @@ static void trace(const char *name, int driver, int watched, double start, doubl
   fixture_close(&f);
 }
 
-/* How often the trace goes in (+1) or out (-1) by that sign. *narrow: a piece is too short for the grid to be sure. */
+/* Number of entries (+1) or exits (−1) of the trace. *narrow: a piece is too short for the grid. */
 static int passages(const double *q, double low, double high, int sign, bool *narrow) {
   int count = 0, last = 0;
   for (int i = 1; i <= GRID; ++i) {

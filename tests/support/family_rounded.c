@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Is a linkage that has one freedom told to move, or left undecided? */
+/* True if a linkage with one freedom is reported as movable or undecided. */
 static bool may_move(fixture *f) {
   km_finite_mobility found;
   assert_int_equal(km_finite_mobility_find(f->mechanism, f->state, NULL, NULL, &found, NULL), KM_OK);
@@ -17,7 +17,7 @@ static bool may_move(fixture *f) {
   return agrees;
 }
 
-/* Does the tolerance that the words of a refusal or a note name, if they do, give the mobility that they promise? */
+/* True if the tolerance named by a refusal or note gives the stated mobility. */
 static bool keeps_promise(const linkage *l, writing how, uint64_t seed, const char *words) {
   const char *named = strstr(words, "\"closure_tolerance\": "), *promise = strstr(words, "mobility ");
   if (!named || !promise)
@@ -51,7 +51,7 @@ bool family_rounded(uint64_t seed) {
   bool agrees = true;
   if (fixture_try(json, &f, &error)) {
     agrees = keeps_promise(&l, how, writing_seed, error.text);
-  } else { /* what is let through moves, or a note says with which tolerance it does */
+  } else { /* accepted models move, or a note states the tolerance with which they do */
     char *notes = fixture_notes(&f);
     bool promises = notes && strstr(notes, "\"closure_tolerance\": ");
     agrees = promises ? keeps_promise(&l, how, writing_seed, notes) : how.digits < 7 || may_move(&f);
@@ -64,12 +64,12 @@ bool family_rounded(uint64_t seed) {
   return agrees;
 }
 
-/* A triangle of two long bars and a short link, all exact: it stands. With one bar more it moves. */
+/* A triangle of two long bars and a short link, all exact: rigid. A further bar makes it movable. */
 bool family_short_link(uint64_t seed) {
   randomness r = {seed};
   int bars = 3 + below(&r, 2);
   double link = pow(10.0, uniform(&r, -6, -3)), side = uniform(&r, 5, 10), turn = uniform(&r, -3, 3);
-  double lean = uniform(&r, 0.5, 2.6); /* of the short link against the bar that follows */
+  double lean = uniform(&r, 0.5, 2.6); /* angle of the short link to the next bar */
   km_vec3 z = {0, 0, 1}, along[4] = {z, z, z, z}, at[4];
   at[0] = random_point(&r);
   at[1] = km_vec3_add(at[0], (km_vec3){link * cos(turn), link * sin(turn), 0});

@@ -1,11 +1,11 @@
-/* Families of random mechanisms under forces: what is told of them against what follows from other equations. Each
- * returns false, and says on stderr why, if an answer is wrong. */
+/* Families of random mechanisms under forces: results against other equations. Each returns false, with the reason
+ * on stderr, if an answer is wrong. */
 #ifndef KM_TESTS_FORCES_H
 #define KM_TESTS_FORCES_H
 
 #include "support/support.h"
 
-/* How many cases of a kind there were: a family that never meets what it is about shows nothing. */
+/* Number of cases of a kind: a family without such cases shows nothing. */
 typedef struct family_count {
   int moves, locks, open;        /* friction */
   int zeros, poles, peaks, ends; /* sweeps */

@@ -68,7 +68,8 @@ static double size_of(const double *x, int n) {
   return size;
 }
 
-/* From no friction by many small steps. Returns how far; the load passes through 0 at *lock (NaN: it doesn't). */
+/* Continuation from no friction by many small steps. Returns the share reached; the load passes through 0 at *lock
+ * (NaN: it doesn't). */
 static double continue_to_all(const system_of *s, double *x, double *lock) {
   int n = s->b->rows;
   double t = 0.0, h = 1.0 / 32.0;
@@ -112,9 +113,9 @@ static bool compare(const system_of *s, const km_losses *told, family_count *cou
   if (all >= 1.0 && efficiency > 1e-9) /* by 1e-12 of the equations, whose condition may be 1e4 */
     return moves && near(told->efficiency, efficiency, 1e-7);
   bool lost = efficiency < -1e-9 || (all < 1.0 && efficiency <= 0.0);
-  if (lost) /* the load's zero by a straight line over 1e-8; forces that pass through 0 bend it there */
+  if (lost) /* zero of the load by linear interpolation over 1e-8; the load has a kink where forces pass through 0 */
     return told->locks && near(told->locks_from, lock, 1e-7);
-  return all >= 1.0 || !told->locks; /* on the edge; or this way leads nowhere: a lock isn't proved */
+  return all >= 1.0 || !told->locks; /* the limit; or the continuation fails: a lock isn't proved */
 }
 
 bool family_friction(uint64_t seed, family_count *count) {
@@ -131,7 +132,7 @@ bool family_friction(uint64_t seed, family_count *count) {
   while ((s.output = below(&r, p.joints)) == s.input) {
   }
   bool right = true;
-  /* Near a dead centre of either end neither side has digits to compare. */
+  /* Close to a dead centre of either port, rounding leaves nothing to compare. */
   if (fabs(rates[s.input]) > 1e-3 && fabs(rates[s.output]) > 1e-3 && km_model_has_friction(f.model)) {
     bool back = rates[s.output] < 0.0;
     for (int j = 0; j < p.joints; ++j)
@@ -188,7 +189,7 @@ bool family_wedge(uint64_t seed, family_count *count) {
   bool right = km_losses_create(f.mechanism, &in, &out, &work, NULL) == KM_OK;
   if (right) {
     km_losses_compute(f.mechanism, f.state, work, &told);
-    /* For a normal force of 1 on the plane. */
+    /* Friction for a normal force of 1 on the plane. */
     double up = cos(a) - mu[2] * sin(a), aside = sin(a) + mu[2] * cos(a);
     double efficiency = tangent * (up - mu[1] * aside) / (aside + mu[0] * fabs(up));
     double reach = fabs(efficiency) < 1e-9 ? told.efficiency : efficiency;

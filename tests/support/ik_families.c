@@ -56,7 +56,8 @@ static double apart(const km_arm *a, const double *x, const double *y) {
   return sqrt(sum);
 }
 
-/* Is there a pose of the list at q? Near singular poses two of them lie close, and Newton's method ends between. */
+/* True if the list has a solution at q. Near singular configurations two solutions are close, and Newton's method
+ * ends between them. */
 static bool is_listed(ik_case *c, const double *q) {
   double nearest = HUGE_VAL, sigma[KM_ARM_ROWS];
   for (int i = 0; i < c->branches.count; ++i)
@@ -99,7 +100,7 @@ bool family_six_hinges(uint64_t seed, char *why, size_t size) {
   return fine;
 }
 
-/* Does a component of the list pass through q? Its points are no more than .05 apart. */
+/* True if a component of the list passes through q; its points are at most 0.05 apart. */
 static bool is_on_component(ik_case *c, const double *q) {
   bool on = false;
   for (int i = 0; i < c->branches.count && !on; ++i) {

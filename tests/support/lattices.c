@@ -24,7 +24,7 @@ void write_folded_chain(km_text *out, int n) {
   lay_chain(out, n, 0.0, 0.0);
 }
 
-/* Where the cranks are hinged to the ground. */
+/* Pivots of the cranks on the ground. */
 static km_vec3 foot(int i, double bend) {
   return (km_vec3){2.0 * i, bend * (i % 3 == 1), 0.0};
 }
@@ -35,7 +35,7 @@ static km_vec3 beside(int i, double bend, double along, double above) {
   return (km_vec3){from.x + along * way.x, from.y + along * way.y + above, 0.0};
 }
 
-/* Pins above the ways by `height` times as much, every third foot aside by `bend`. */
+/* Pins above the rails by `height` times their distance, every third foot displaced by `bend`. */
 static void lay_five_bars(km_text *out, int n, double away, double height, double bend) {
   hinges h = {0};
   for (int i = 0; i <= n; ++i)

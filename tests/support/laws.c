@@ -160,7 +160,7 @@ static void assert_least_rates(fixture *f, int s, int driver) {
   km_free(J);
 }
 
-/* With a driver's column forced independent the numbers are the same: they belong to the space. */
+/* Mobility numbers don't depend on a driver's column forced independent: they belong to the null space. */
 void law_forced(fixture *f, randomness *r) {
   const km_mechanism *m = f->mechanism;
   km_mobility mobility;

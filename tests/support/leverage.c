@@ -29,7 +29,7 @@ static void look(void *context, fixture *f, int i, double s) {
   k->last[1] = q[1];
 }
 
-/* Is a toggle of this state told between a place and the next? */
+/* True if a toggle of this state is reported between a place and the next. */
 static bool is_told(const km_advantage_sweep *sweep, km_advantage_state state, const course *c, int place) {
   double low, high;
   course_span(c, place, place + 1, &low, &high);
@@ -69,17 +69,15 @@ static double at_end(const course *c) {
   return (3.0 * c->n[last] - c->n[last - 1]) / (3.0 * c->d[last] - c->d[last - 1]);
 }
 
-/* What the leverage there may be wrong by: poses are closed to `closed`, and the smaller the steps are, the more
- * that counts. */
+/* Error bound of the leverage: configurations are closed to `closed`, which matters more for smaller steps. */
 static double grain(const course *c, int i) {
   static const double closed = 1e-12;
   return fabs(leverage(c, i)) * (1e-6 + closed / fabs(c->n[i]) + closed / fabs(c->d[i]));
 }
 
-/* The bound is that of the course, within what the course changes from there to the next places, and its grain;
- * before the first place it may be larger, and after the last one by as much as there is to the end, and as much
- * again for its curve. Where it changes by a tenth of itself over the last place, as beside a pole past the end, the
- * course doesn't tell how large it may be. */
+/* The bound is that of the reference plus its change to the next places and its rounding; before the first place it
+ * may be larger, after the last one by the change to the end, doubled for curvature. If it changes by a tenth of
+ * itself over the last place, as next to a pole beyond the end, the reference gives no bound. */
 static bool meets(const course *c, double told, double sense) {
   int best = 0;
   for (int i = 1; i < c->count; ++i)

@@ -20,14 +20,14 @@ typedef struct linkage {
 
 typedef struct writing {
   bool own_frames;  /* random ones for the bodies, and random places of the joints' frames along and about their axes */
-  int digits;       /* of every number; 0: all. Rotations keep at least 7: fewer are no rotations to the reader */
+  int digits;       /* digits of every number; 0: all. Rotations have at least 7: the reader refuses fewer */
   double tolerance; /* closure_tolerance, 0: not stated */
   double size;      /* the unit of length: points are multiplied by it */
 } writing;
 
 /* The caller frees it (km_free). */
 char *linkage_text(const linkage *l, writing how, randomness *r);
-/* The same read, perhaps with frames of the bodies' own. */
+/* Reads the linkage, optionally with bodies' own frames. */
 fixture linkage_open(const linkage *l, randomness *r);
 
 km_vec3 random_direction(randomness *r);

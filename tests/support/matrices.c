@@ -27,7 +27,7 @@ void fill(int rows, int columns, int rank) {
   f.columns = columns;
   f.rank = rank;
   for (int i = 0; i < rows * rank; ++i)
-    A[i] = any() + 1.5 * (i % rows == i / rows); /* near the identity: well conditioned */
+    A[i] = any() + 1.5 * (i % rows == i / rows); /* well conditioned, near the identity */
   for (int i = 0; i < rank * columns; ++i)
     B[i] = any() + 1.5 * (i % rank == i / rank);
   for (int c = 0; c < columns; ++c) {

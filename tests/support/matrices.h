@@ -19,7 +19,7 @@ typedef struct problem {
   bool forced[MOST];
 } problem;
 extern problem f;
-extern bool sparse; /* by the sparse engine */
+extern bool sparse; /* factored by the sparse engine */
 
 double any(void); /* -1 … 1 */
 int index_below(int count);

@@ -22,8 +22,8 @@ bool family_dead_points(uint64_t seed);
  * fine midpoint rule on least-norm rates by LAPACKE's SVD. */
 bool family_least_path(uint64_t seed);
 
-/* Finite mobility: paradoxical linkages that move with one freedom; a four-bar's coupler point in a straight slot that
- * its path meets to order 1 to 5, which stands; bars whose lines meet, which shake; parallelograms laid flat. */
+/* Finite mobility: paradoxical linkages with one freedom; a four-bar's coupler point in a straight slot with contact
+ * of order 1 to 5 (rigid); bars with concurrent lines (infinitesimally mobile); flat parallelograms. */
 bool family_moving(uint64_t seed);
 bool family_contact(uint64_t seed);
 bool family_shaky(uint64_t seed);

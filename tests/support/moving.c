@@ -72,7 +72,7 @@ static void momenta(const km_mechanism *m, km_state *s, km_wrench *out) {
   free(V);
 }
 
-/* What is left of a body's weight and the rate of its momentum, and the size of both. */
+/* Residue of a body's weight and rate of momentum, and the size of both. */
 typedef struct balance {
   km_wrench rest;
   double force, moment;

@@ -130,7 +130,7 @@ static void push(double *column, int body, const double at[2], double x, double 
   rows[2] += at[0] * y - at[1] * x + moment;
 }
 
-/* The same on a joint's child, and its opposite on the parent. */
+/* A force on a joint's child, and its opposite on the parent. */
 static void pair(double *column, const planar_joint *j, const double at[2], double x, double y, double moment) {
   push(column, j->child, at, x, y, moment);
   push(column, j->parent, at, -x, -y, -moment);

@@ -10,16 +10,16 @@ enum { PLANAR_MOST_BODIES = 8, PLANAR_MOST_JOINTS = 12, PLANAR_MOST_SIZE = 40 };
 typedef struct planar_joint {
   int parent, child; /* bodies; 0 is the ground */
   bool slides;
-  double place[2], along[2]; /* at the assembled pose; `along`: of a slide */
+  double place[2], along[2]; /* assembled configuration; `along`: direction of a prismatic joint */
   double coefficient, radius;
 } planar_joint;
 
 /* `freedoms` hinges from the ground to bodies 1, 2, …, then pairs of bodies with three joints, each between two bodies
  * that were there. All coordinates are 0 at the assembled pose, where every body's frame is the inertial one's. */
 typedef struct planar {
-  int bodies, joints, freedoms; /* without the ground */
+  int bodies, joints, freedoms; /* number of bodies without the ground */
   planar_joint joint[PLANAR_MOST_JOINTS];
-  double mass[PLANAR_MOST_BODIES], centre[PLANAR_MOST_BODIES][2]; /* of body 1 + i */
+  double mass[PLANAR_MOST_BODIES], centre[PLANAR_MOST_BODIES][2]; /* pose of body 1 + i */
   km_rotation plane;                                              /* its third axis is normal to the plane */
 } planar;
 

@@ -7,8 +7,7 @@
 
 enum { SAMPLES = 3000, MOST_LOADS = 2 };
 
-/* How far events may lie from the course's: of two freedoms the path depends on its steps, by 1e-4 a step of the sweep.
- */
+/* Tolerance of events: with two freedoms the path depends on its steps, by 1e-4 a step of the sweep. */
 static const double least_path = 5e-3;
 
 /* One sweep and what acts. */
@@ -98,7 +97,7 @@ static km_status sweep_of(const planar_case *k, fixture *f, km_statics_sweep *sw
   return status;
 }
 
-/* Does the set of actuators move all freedoms somewhere? */
+/* True if the set of actuators moves all freedoms somewhere. */
 static bool drives(const course *c) {
   double largest = 0.0;
   for (int i = 0; i < c->count; ++i)

@@ -52,7 +52,7 @@ static void join(graph *g, int a, int b) {
   g->links[b].others[g->links[b].joints++] = a;
 }
 
-/* The link is joined to one before it; where there is none near it to the next best. */
+/* Joins the link to a previous one, if possible a near one. */
 static void plant(graph *g, int link) {
   int before = find_near(g, link, link);
   for (int i = link - 1; before < 0; --i)

@@ -17,7 +17,7 @@ static km_pose random_pose(randomness *r) {
 typedef struct maker {
   randomness *r;
   km_text frames[MOST_BODIES], joints;
-  km_pose body[MOST_BODIES]; /* in the inertial frame */
+  km_pose body[MOST_BODIES]; /* pose in the inertial frame */
   int bodies, joint_count;
   int scalar[MOST_JOINTS], scalars; /* joints of one coordinate */
 } maker;

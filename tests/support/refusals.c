@@ -1,4 +1,4 @@
-/* Compares what readers tell of a text. */
+/* Compares messages of readers about a text. */
 #include "support/refusals.h"
 
 #include <string.h>

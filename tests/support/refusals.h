@@ -1,4 +1,4 @@
-/* Texts that the readers refuse or warn of, and the words that they must tell. */
+/* Texts that readers refuse or warn about, and words that the messages must contain. */
 #ifndef KM_TESTS_REFUSALS_H
 #define KM_TESTS_REFUSALS_H
 
@@ -12,8 +12,7 @@ typedef struct told_text {
  * warning or note of these words). A text may be any format of models. */
 void assert_models_told(const told_text *list, size_t count, bool refused);
 
-/* Did it end with this status and tell the words, as the error or as one of the messages? Returns whether, and
- * prints. */
+/* Checks the status and the words of the error or of one of the messages; prints a mismatch. */
 bool is_told(const told_text *text, km_status status, km_status expected, const km_messages *messages,
              const km_error *error);
 

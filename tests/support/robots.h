@@ -13,7 +13,7 @@ void go_to(fixture *f, const char *label, double value);
 km_frame_pose pose_of(const fixture *f, const char *body);
 /* Position, and rotation about z. A few operations on numbers of size 1: 1e-14. */
 void assert_planar(const fixture *f, const char *body, double x, double y, double angle);
-/* Of the assembled pose. */
+/* Data of the assembled configuration. */
 int mobility_of(fixture *f);
 
 #endif

@@ -133,7 +133,7 @@ static km_vec3 wave(int i, int k) {
   return (km_vec3){k, i, 0.3 * sin(2.0 * i + 5.0 * k)};
 }
 
-/* Of each square the triangle at its corner i,k+1 is even, the one at i+1,k odd. */
+/* The triangle of a square at its corner i,k+1 is even, the one at i+1,k odd. */
 void write_triangles(km_text *out, int rows, int columns) {
   hinges h = {0};
   for (int i = 0; i < rows; ++i)

@@ -1,4 +1,4 @@
-/* What plots show, compared with the tables that they are made of. */
+/* Comparison of plots with the tables from which they are made. */
 #include "support/shown.h"
 
 #include <math.h>

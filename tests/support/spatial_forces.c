@@ -17,7 +17,7 @@ typedef struct loop {
   const char *type[MOST_JOINTS];
   km_vec3 place[MOST_JOINTS], axis[MOST_JOINTS];
   double mass[MOST_JOINTS];
-  km_vec3 centre[MOST_JOINTS]; /* of body i */
+  km_vec3 centre[MOST_JOINTS]; /* pose of body i */
 } loop;
 
 static km_vec3 random_vector(randomness *r) {
@@ -129,7 +129,8 @@ static double work(const spatial_case *k, fixture *f) {
   return sum + km_vec3_dot(k->force, km_pose_point(&f->state->pose[k->loaded], frame->pose.p));
 }
 
-/* n and d by differences, half-way between poses; at the last one the end itself where the driver gives out. */
+/* n and d by differences, midway between samples; at the last one the end itself if it is a dead point of the
+ * driver. */
 static void look(void *context, fixture *f, int i, double s) {
   spatial_case *k = context;
   course *c = &k->course;

@@ -234,7 +234,7 @@ static km_vec3 place_of(const fixture *f, int joint) {
   return km_pose_point(&f->state->pose[frame->body], frame->pose.p);
 }
 
-/* +1 where the walk around the loop (out along the virtual side, back along the other) follows the user's sense. */
+/* +1 if the traversal of the loop (out along the virtual side, back along the other) has the user's sense. */
 static double sense(const km_member *member) {
   return member->side * (member->is_reversed ? -1.0 : 1.0);
 }

@@ -1,4 +1,4 @@
-/* What the tests share: models as fixtures, random poses, an independent Jacobian. */
+/* Test support: models as fixtures, random configurations, an independent Jacobian. */
 #ifndef KM_TESTS_SUPPORT_H
 #define KM_TESTS_SUPPORT_H
 
@@ -27,7 +27,7 @@ typedef struct fixture {
 
 /* Models of models/, without ending; NULL at the end. */
 extern const char *const all_models[];
-/* Does the model's own sweep drive the only freedom of its substructure? */
+/* True if the model's default sweep drives the only freedom of its substructure. */
 bool has_one_freedom(const char *name);
 
 fixture fixture_open(const char *name); /* models/NAME.json */
@@ -36,7 +36,7 @@ fixture fixture_open(const char *name); /* models/NAME.json */
 fixture fixture_open_variant(const char *name, uint64_t seed);
 fixture fixture_read(const char *json); /* text */
 fixture fixture_of(km_model *model);    /* takes the model */
-/* What `write` writes of n loops: lattices.h, chains.h. */
+/* Text of a model with n loops by `write`: lattices.h, chains.h. */
 fixture fixture_written(void (*write)(km_text *out, int n), int n);
 /* Reads and assembles what may be refused; close the fixture in any case. */
 km_status fixture_try(const char *json, fixture *f, km_error *error);

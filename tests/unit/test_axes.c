@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+/* Suppressions for LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
@@ -50,7 +50,7 @@ static int read_multiplier(const km_axis *axis) {
   return sign * value;
 }
 
-/* Ticks: 1, 2 or 5 times a power of ten apart, all those inside, as many as asked for but not much fewer. */
+/* Ticks: 1, 2 or 5 times a power of ten apart, all inside, at most as many as requested and not much fewer. */
 static void ticks_are_round_and_read_back(void **state) {
   (void)state;
   randomness r = {7};
@@ -92,7 +92,7 @@ static void ticks_are_round_and_read_back(void **state) {
 
 static void degrees_tick_by_parts_of_a_circle(void **state) {
   (void)state;
-  const double cases[][3] = {/* from, to, step */
+  const double cases[][3] = {/* range from, to, step */
                              {0, 360, 45},   {0, 180, 30}, {-180, 180, 45}, {0, 90, 10}, {0, 40, 5},
                              {180, 540, 45}, {0, 720, 90}, {0, 1.5, 0.2},   {0, 100, 15}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
@@ -202,7 +202,7 @@ static void straight_lines_are_two_points(void **state) {
   km_arena_free(&arena);
 }
 
-/* Panels lie side by side within the page, each with its frame, and don't overlap; the y axis takes in all data. */
+/* Panels are adjacent within the page, each with its frame, and don't overlap; the y axis includes all data. */
 /* The line of y = 0 except y = level for the points from `parted` on, in a frame of 300 x 200 points. */
 static km_curve flat_curve(double *y, const double *x, size_t count, size_t parted, double level, km_arena *arena) {
   const km_frame frame = {10.0, 10.0, 300.0, 200.0, 0.0, 1.0, -1.0, 1.0};
@@ -224,7 +224,7 @@ static void lines_on_each_other_stay_visible(void **state) {
   for (int i = 0; i < 4; ++i)
     curves[i] = flat_curve(y, x, POINTS, POINTS, 0.0, &arena);
   double covered = 0.0;
-  for (size_t i = 0; i < 4; ++i) { /* each pen draws less of the period than what lies beneath it */
+  for (size_t i = 0; i < 4; ++i) { /* each pen covers less of the period than the pen below it */
     km_pen pen = km_overlap_pen(series, curves, i, 1.3);
     assert_int_equal(pen.dash_count, i ? 2 : 0);
     double drawn = i ? pen.dash[0] / (pen.dash[0] + pen.dash[1]) : 1.0;
@@ -240,7 +240,7 @@ static void lines_on_each_other_stay_visible(void **state) {
   assert_true(km_overlap_pen(series, curves, 1, 1.3).dash[0] == km_palette_pen(1, 1, 1.3).dash[0]);
   series[0].dash = 1;
   assert_true(km_overlap_pen(series, curves, 1, 1.3).dash[0] != km_palette_pen(1, 1, 1.3).dash[0]);
-  series[0].colour = -1; /* grey lines give way */
+  series[0].colour = -1; /* grey lines are below */
   assert_true(km_overlap_pen(series, curves, 1, 1.3).dash[0] == km_palette_pen(1, 1, 1.3).dash[0]);
   km_arena_free(&arena);
 }

@@ -1,4 +1,4 @@
-/* What arms, paths and methods refuse, each with its words, and work on them that is cancelled. */
+/* Errors of arms, paths and methods, each with its text, and cancelled work. */
 #include "support/arms.h"
 #include "support/refusals.h"
 
@@ -38,7 +38,7 @@ static void values(void **state) {
   fixture_close(&f);
 }
 
-/* What a planar joint can change of a pose it changes by its three coordinates. */
+/* A planar joint changes a pose by its three coordinates. */
 static void nothing_to_spare(void **state) {
   (void)state;
   fixture f = fixture_read(
@@ -48,7 +48,7 @@ static void nothing_to_spare(void **state) {
       "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"tip\"}]}], \"joints\": [{\"name\": "
       "\"S\", \"type\": \"spherical\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}");
   fixture h =
-      fixture_read(/* about its own hinge */
+      fixture_read(/* rotation about its own joint */
                    "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"frames\": [{\"name\": \"tip\"}]}], \"joints\": [{\"name\": "
                    "\"H\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}");
   km_arm *arm = arm_of(&f, "b", "tip", KM_TASK_POSE), *none = NULL;

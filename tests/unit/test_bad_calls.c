@@ -1,5 +1,5 @@
-/* What calls of the library refuse though they are given everything, each with its words: numbers out of range,
- * objects that don't belong together, work that is cancelled. */
+/* Errors of complete calls, each with its text: numbers out of range, objects that don't belong together, cancelled
+ * work. */
 #include "support/refusals.h"
 
 #include "kmech/build.h"
@@ -214,7 +214,7 @@ static void sweeps(void **state) {
   fixture_close(&f);
 }
 
-/* Two motions meet where a parallelogram's links lie on one line: there is no fifth way on. */
+/* A branch point of two motions, where a parallelogram's links are collinear: there is no fifth direction. */
 static void branches(void **state) {
   (void)state;
   fixture f = parallelogram(0.5);

@@ -1,4 +1,4 @@
-/* What studies of designs refuse before they ask anything, each with its words. */
+/* Errors of studies of designs before any evaluation, each with its text. */
 #include "support/designs.h"
 #include "support/refusals.h"
 
@@ -312,10 +312,10 @@ static void no_answers(void **state) {
   km_design_study_free(study);
 }
 
-/* A crew of one member, of whom one message comes. */
+/* One worker process that sends one message. */
 typedef struct talk {
   bool sends;
-  int from; /* of the message; -1: none comes */
+  int from; /* size of the message; −1: none */
   const void *bytes;
   size_t size;
 } talk;
@@ -332,7 +332,7 @@ static int hear(void *context, bool wait, const void **bytes, size_t *size) {
   return wait ? t->from : -1;
 }
 
-/* What is left of a crew where messages don't go, or say what they shouldn't. */
+/* Worker processes whose messages fail or are invalid. */
 static void crews_are_refused(void **state) {
   (void)state;
   static const int answers = 2; /* the word that begins a member's answers */

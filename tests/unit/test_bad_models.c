@@ -1,4 +1,4 @@
-/* What the reader of the model format refuses or tells beside, each with its words. */
+/* Errors and notes of the reader of the model format, each with its text. */
 #include "support/refusals.h"
 
 #include "kmech/arm.h"

@@ -1,4 +1,4 @@
-/* What questions, pictures and results of studies refuse, each with its words. */
+/* Errors of questions, pictures and results of studies, each with its text. */
 #include "support/designs.h"
 #include "support/refusals.h"
 
@@ -210,7 +210,7 @@ static void tracks_here(void **state) {
   fixture_close(&f);
 }
 
-/* Motions are asked of a state whose mobility is known. */
+/* Null spaces need a state whose mobility is known. */
 static void motions(void **state) {
   (void)state;
   fixture f = fixture_open("fourbar");

@@ -1,4 +1,4 @@
-/* What the readers of URDF, MJCF and SDF refuse or warn of, each with its words. */
+/* Errors and warnings of the readers of URDF, MJCF and SDF, each with its text. */
 #include "support/refusals.h"
 
 #include "base/text.h"

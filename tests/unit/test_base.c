@@ -175,7 +175,7 @@ static void extremes_are_the_first_of_their_kind(void **state) {
   }
 }
 
-/* What was written there is 0 again, however large it was. */
+/* Recycled memory is zeroed, whatever its size. */
 static void arenas_are_passed_on(void **state) {
   (void)state;
   km_arena memory = {0};

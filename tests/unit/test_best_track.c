@@ -1,4 +1,4 @@
-/* Which of several tracks is the best one. */
+/* Choice of the best of several tracks. */
 #include "support/support.h"
 
 #include "kmech/report.h"

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+/* Suppressions for LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
@@ -116,7 +116,7 @@ static void other_text_is_left_to_pango(void **state) {
   km_letters_free(&letters);
 }
 
-/* From the leftmost to the rightmost point of what Pango draws. */
+/* Extent from the leftmost to the rightmost point drawn by Pango. */
 static void outline_reach(km_pango *pango, double *left, double *right) {
   km_canvas_path path = {0};
   km_pango_outline(pango, &path);
@@ -166,7 +166,7 @@ static void draw(int format, const char *text, const km_font *font, double angle
   km_canvas_free(canvas);
 }
 
-/* Whoever sets it, each text leaves something on the page, in every format, and the same bytes again. */
+/* Each text leaves marks on the page in every format, whatever sets it, and equal bytes when repeated. */
 static void every_text_is_drawn(void **state) {
   (void)state;
   const km_font font = {.size = 12};
@@ -217,8 +217,8 @@ static void glyphs_are_defined_once(void **state) {
   km_text_free(&out);
 }
 
-/* What a text fills is as large as what was measured, turned or not, and where it was put: the ends of its first and
- * last letter's advance are those of its box. */
+/* The area of a text equals its measured box, rotated or not, at its position: the ends of its first and last
+ * letter's advance are those of the box. */
 static void text_is_held_where_asked(void **state) {
   (void)state;
   const km_font font = {.size = 10};

@@ -1,4 +1,4 @@
-/* What reports hold, before they are rendered, with the plots on their pages; and tables as they are written. */
+/* Contents of reports before rendering, with the plots on their pages; and written tables. */
 #include "support/shown.h"
 
 #include "kmech/report.h"
@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+/* Suppressions for LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+/* Suppressions for LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
@@ -260,7 +260,7 @@ static void overlay(const fixture *a, const fixture *b, km_text lines[2]) {
   km_text_free(&out);
 }
 
-/* What is the same lies in one place, and what is longer doesn't. */
+/* Equal points coincide, and a longer link's don't. */
 static void overlays_share_view_and_scale(void **state) {
   (void)state;
   for (int m = 0; all_models[m]; ++m) {

@@ -68,7 +68,7 @@ static void make_film(motion *m) {
   assert_int_equal(m->film.frame_count, m->rows);
 }
 
-/* Which bodies groups carry; how many groups are drawn anew. */
+/* Movers of groups; number of groups that are redrawn. */
 static size_t count_groups(const km_film *film, int mover) {
   size_t count = 0;
   for (size_t i = 0; i < film->group_count; ++i)
@@ -76,8 +76,8 @@ static size_t count_groups(const km_film *film, int mover) {
   return count;
 }
 
-/* In a plane: two points of every body, carried along by its mover from the first frame, are where the projection of
- * its pose has them in every frame, to the rounding of the transforms' arithmetic. */
+/* Planar films: two points of every body, moved by its mover from the first frame, equal the projection of its pose
+ * in every frame, to rounding. */
 static void movers_carry_bodies_as_their_poses_do(void **state) {
   (void)state;
   static const char *const names[] = {"klann", "fourbar", "slider_crank", "brake", "toggle_press"};
@@ -100,7 +100,7 @@ static void movers_carry_bodies_as_their_poses_do(void **state) {
                             mover->y[f] + sin(turn) * x + cos(turn) * y - now.y) < 1e-6);
           assert_true(now.x >= 0 && now.x <= m.film.width && now.y >= 0 && now.y <= m.film.height);
         }
-      /* What is drawn of it: carried, or, of a rod that slides, anew in each frame. */
+      /* Shapes of the body: moved, or redrawn in each frame for a sliding rod. */
       if (studio.shapes[b].count > 1)
         assert_true(count_groups(&m.film, (int)b - 1) + count_groups(&m.film, KM_FILM_DRAWN) > 0);
     }

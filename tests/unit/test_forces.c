@@ -129,7 +129,7 @@ static void springs_push_along_their_displacement(void **state) {
   }
 }
 
-/* By hand: a load along the frame's axes turns with it; both act at the frame's origin. */
+/* Computed by hand: a load along the frame's axes rotates with it; both act at the frame's origin. */
 static void loads_act_at_their_frames(void **state) {
   (void)state;
   char text[4096];

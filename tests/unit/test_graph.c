@@ -40,8 +40,7 @@ static int by_level(const void *a, const void *b) {
   return p->level != q->level ? p->level - q->level : (p->x > q->x) - (p->x < q->x);
 }
 
-/* Nodes of a level are a column apart at least, and a body stands between the first and the last one that hang on
- * it. */
+/* Nodes of a level are at least a column apart, and a body lies between its first and last child. */
 static void check_places(const km_mechanism *m, const km_graph_places *p) {
   const km_topology *t = &m->topology;
   node nodes[1000];

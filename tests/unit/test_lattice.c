@@ -1,4 +1,4 @@
-/* Lattices of tilts: every direction is tried, and none twice. */
+/* Ball lattices: every direction occurs, and none twice. */
 #include "support/support.h"
 
 #include "arm/methods/ball_lattice.h"

@@ -213,7 +213,7 @@ static bool is_plain(const char *name, const char *bytes, size_t size, size_t *t
 #define CORNERS "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 0.5 0\nv 0 0 1\n"
 #define FACET   "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
 
-/* What is read without assimp, and what is left to it. */
+/* Mesh files read without assimp, and files left to it. */
 static void plain_files_are_told_from_others(void **state) {
   (void)state;
   static const struct {

@@ -224,7 +224,7 @@ static void every_key_is_described_in_the_schema(void **state) {
   enum { MOST = 64 };
   static const struct {
     const km_object_format *format;
-    int least; /* of its objects */
+    int least; /* keys of its objects */
   } formats[KM_SCHEMAS] = {[KM_SCHEMA_MODEL] = {&km_format_model, 20},
                            [KM_SCHEMA_DESIGNS] = {&km_format_designs, 8},
                            [KM_SCHEMA_PATHS] = {&km_format_study, 6}};

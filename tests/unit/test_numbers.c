@@ -29,7 +29,7 @@ static void check(double value) {
     return;
   }
   expected_text(value, expected);
-  /* Above a power of two printf's digits may be more than needed: a neighbour of theirs reads back, too. */
+  /* printf's digits may be more than needed above a power of two: a neighbouring decimal reads back, too. */
   bool shorter = strlen(text) < strlen(expected) && strtod(text, NULL) == value;
   if (strcmp(text, expected) != 0 && !shorter)
     fail_msg("%s instead of %s", text, expected);
@@ -71,7 +71,7 @@ static void test_special(void **unused) {
     check(values[i]);
   check(nan(""));
   for (int e = -1074; e < 1024; ++e)
-    for (int k = -2; k <= 2; ++k) { /* around powers of two, where the neighbours are at different distances */
+    for (int k = -2; k <= 2; ++k) { /* numbers around powers of two, whose neighbours are at different distances */
       uint64_t bits;
       double value = ldexp(1.0, e);
       memcpy(&bits, &value, sizeof bits);
@@ -95,7 +95,7 @@ static void test_random(void **unused) {
     double value;
     memcpy(&value, &bits, sizeof bits);
     check(value);
-    check(round(uniform(&r, -1e9, 1e9)) * pow(10.0, -below(&r, 12))); /* as people write them */
+    check(round(uniform(&r, -1e9, 1e9)) * pow(10.0, -below(&r, 12))); /* decimals with few digits */
   }
 }
 

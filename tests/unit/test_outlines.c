@@ -1,4 +1,4 @@
-/* Outlines of links: closed, at true scale, as wide as asked; the same in the DXF text. */
+/* Outlines of links: closed, at true scale, with the requested width; equal in the DXF text. */
 #include "support/support.h"
 
 #include "report/drawing/drawing_parts.h"

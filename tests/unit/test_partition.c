@@ -53,7 +53,7 @@ static void forced_columns(void **state) {
     assert_int_equal(f.p.rank, f.q.rank);
     if (f.p.max_b < 1e3)
       check_all(&f.p, 1e-9);
-    static double others[MOST * MOST]; /* what is not forced */
+    static double others[MOST * MOST]; /* columns that aren't forced */
     int n = 0;
     for (int c = 0; c < columns; ++c)
       if (!f.forced[c])
@@ -75,7 +75,7 @@ static void forced_columns(void **state) {
   }
 }
 
-/* The same pivots on other values give what a fresh search gives; on the same values, the same bits. */
+/* Refactorisation of other values gives the result of a new search; of equal values, equal bits. */
 static void kept_pivots(void **state) {
   (void)state;
   int accepted = 0;
@@ -108,7 +108,7 @@ static void kept_pivots(void **state) {
   assert_true(accepted > 2500);
 }
 
-/* Pivots that no longer serve are refused: |B| grown past twice its value, a vanishing pivot, a dropped rank. */
+/* Invalid pivots are refused: |B| grown past twice its value, a vanishing pivot, a smaller rank. */
 static void refused_pivots(void **state) {
   (void)state;
   double J[] = {2.0, 0.0, 0.0, 1.0, 0.5, 0.5};
@@ -189,7 +189,7 @@ static void ties(void **state) {
   }
 }
 
-/* Entries that are nearly as large as each other go by place where that is asked for, else by size. */
+/* Entries of nearly equal size are ordered by position if requested, otherwise by size. */
 static void near_ties(void **state) {
   (void)state;
   for (int n = 2; n <= SMALL; ++n) {
@@ -247,7 +247,7 @@ static void locked_columns(void **state) {
     int driver = index_below(columns);
     f.forced[driver] = i % 2 && !locked[driver];
     reserve();
-    run_svd(); /* of the matrix with empty columns: each of them has a freedom of its own */
+    run_svd(); /* matrix with empty columns: each has a freedom of its own */
     f.p.locked = locked;
     factor(&f.p);
     assert_int_equal(f.p.rank, f.svd_rank);
@@ -260,7 +260,7 @@ static void locked_columns(void **state) {
     if (f.forced[driver] && !f.p.forced_dependent)
       assert_int_equal(f.p.column[columns - count - 1], driver);
     for (int c = 0; c < columns; ++c)
-      f.svd_numbers[c] -= locked[c]; /* what moves alone has the number 1 */
+      f.svd_numbers[c] -= locked[c]; /* a coordinate that moves alone has the number 1 */
     check_null(&f.p, 1e-9);
     check_solution(&f.p);
     km_partition_copy_pivots(&f.q, &f.p);

@@ -1,5 +1,5 @@
-/* Pictures that programs ask for: what is gathered pose by pose is what a table's rows give, pictures are those of the
- * renderers, and what can't be drawn is told. */
+/* Pictures by calls: poses added one by one equal those of a table's rows, pictures equal those of the renderers,
+ * and failures are reported. */
 #include "support/support.h"
 
 #include "kmech/report.h"
@@ -16,7 +16,7 @@ typedef struct swept {
   km_drawing *drawing;
 } swept;
 
-/* Asks for the mobility over a range, and draws its rows with the path of the last frame. */
+/* Computes the mobility over a range, and draws its rows with the path of the last frame. */
 static swept sweep(const char *model, const char *driver, double from, double to, int steps) {
   swept s = {.f = fixture_open(model)};
   km_option_value range = {.numbers = {from, to}}, whole = {.whole = steps}, joint = {0};
@@ -93,7 +93,7 @@ static km_status page_of(const swept *s, const km_chart *chart, const double *va
   return km_drawing_page(s->drawing, &(km_drawing_look){0}, &page, out, error);
 }
 
-/* Beside a chart every curve has a row for each pose. */
+/* Curves of a chart in a motion page have a row for each pose. */
 static void pages_need_a_row_for_each_pose(void **unused) {
   (void)unused;
   swept s = sweep("fourbar", "A", 0.0, 1.5, 6);

@@ -1,4 +1,4 @@
-/* What plots, maps and drawings show, before they are rendered: which columns, colours and names. */
+/* Contents of plots, maps and drawings before rendering: columns, colours and names. */
 #include "support/arms.h"
 #include "support/shown.h"
 
@@ -13,7 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+/* Suppressions for LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
@@ -56,8 +56,8 @@ static void mobility_plots_draw_their_columns(void **state) {
   }
 }
 
-/* Two sweeps on one plot: each has its colour and its own numbers, a joint the same dashes in both; only the joints
- * that are asked for are drawn, by default the driver. */
+/* Two sweeps on one plot: each has its colour and its own numbers, a joint equal dashes in both; only requested
+ * joints are drawn, by default the driver. */
 static void overlaid_sweeps_have_a_colour_each(void **state) {
   (void)state;
   static const int shown[] = {1, 3};
@@ -99,7 +99,7 @@ static void overlaid_sweeps_have_a_colour_each(void **state) {
   fixture_close(&f);
 }
 
-/* What tells long names apart, and never a part of a number. */
+/* Short names keep distinguishing parts, and never split a number. */
 static void short_names_keep_numbers_whole(void **state) {
   (void)state;
   static const char *const cases[][4] = {
@@ -216,7 +216,7 @@ static void maps_are_paler_where_values_are_higher(void **state) {
     assert_true(i == 0 || cells[i].shade >= cells[i - 1].shade);
     assert_true(cells[i].outside || (cells[i].from >= -step && cells[i].to <= 2.0 + step));
   }
-  value[0] = -5.0; /* beyond the ends of the scale */
+  value[0] = -5.0; /* values beyond the ends of the scale */
   value[1] = 50.0;
   count = km_map_cells(&station, low, high, cells);
   assert_int_equal(cells[0].shade, 0);

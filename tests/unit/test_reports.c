@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* Under LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
+/* Suppressions for LeakSanitizer: fontconfig and Pango keep their caches until the process ends. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
@@ -70,7 +70,7 @@ static void same_input_same_bytes(void **state) {
   }
 }
 
-/* Every picture is inside, and the file asks for nothing. */
+/* The file contains all pictures and has no external references. */
 static void html_stands_alone(void **state) {
   (void)state;
   km_text text = {0};
@@ -137,7 +137,7 @@ static double sharp_peak(double s) {
   return 1.0 / (1e-6 + (s - 0.5) * (s - 0.5));
 }
 static double pole(double s) {
-  return 1.0 / (s - 0.4975); /* between two rows */
+  return 1.0 / (s - 0.4975); /* value between two rows */
 }
 
 /* A finite peak, however steep, is on the axis; only a way to a pole leaves it. */

@@ -1,4 +1,4 @@
-/* What each format of robot descriptions says in its own way: defaults, angles, masses, copies, threads, gears. */
+/* Peculiarities of robot formats: defaults, angles, masses, copies, screws, gears. */
 #include "support/robots.h"
 
 #include "exchange/json/json.h"
@@ -127,7 +127,7 @@ static void copies_stand_in_a_ring(void **unused) {
   fixture_close(&f);
 }
 
-/* The axis of one joint as seen by each way of telling in which frame it is: x of the model, y of the child. */
+/* Axis of a joint for each way of stating its frame: x of the model, y of the child. */
 static void axes_are_in_the_frame_that_is_told(void **unused) {
   (void)unused;
   static const char format[] =
@@ -217,7 +217,7 @@ static void faults_of_inertias_are_dropped_with_a_warning(void **unused) {
   km_messages_free(messages);
 }
 
-/* Depth and length are bounded, and the place is told. */
+/* Depth and length are bounded, and the location is reported. */
 static void texts_without_measure_are_refused(void **unused) {
   (void)unused;
   enum { DEEP = 100000, LONG = 2000000 };

@@ -1,5 +1,5 @@
-/* What robot descriptions say of masses, springs and named places: numbers by hand, those of the MJCF compiler by
- * MuJoCo 2.2.2. */
+/* Masses, springs and named frames of robot descriptions: numbers by hand, those of the MJCF compiler by MuJoCo
+ * 2.2.2. */
 #include "support/robots.h"
 
 #include "kmech/base.h"
@@ -24,8 +24,8 @@ static void assert_mass(const char *text, double mass, const double inertia[6]) 
   km_model_free(model);
 }
 
-/* A bound holds for principal moments; moments that no body has become their mean where that is asked; a body whose
- * geoms don't count keeps what it states. */
+/* Lower bounds apply to principal moments; invalid moments become their mean if requested; a body whose geoms have
+ * no mass keeps its stated values. */
 static void compilers_change_masses(void **unused) {
   (void)unused;
   assert_mass(
@@ -43,7 +43,7 @@ static void compilers_change_masses(void **unused) {
               1.0, (const double[]){0.01, 0.02, 0.02, 0.0, 0.0, 0.0});
 }
 
-/* The axes are at right angles, and the inertia comes back from them. */
+/* The axes are perpendicular, and the inertia is recovered from them. */
 static void principal_axes_give_the_inertia(void **unused) {
   (void)unused;
   randomness r = {5};
@@ -77,7 +77,7 @@ static void assert_spring(const km_model *model, const char *label, double rest,
   assert_int_equal(found, 1);
 }
 
-/* Springs of every coordinate that has one; what can't be taken is told. */
+/* Springs of all coordinates; unsupported ones are reported. */
 static void springs_are_read(void **unused) {
   (void)unused;
   static const char sdf[] =
@@ -116,7 +116,7 @@ static void springs_are_read(void **unused) {
   km_model_free(model);
 }
 
-/* Springs come back from each format that has them, those of balls from MJCF; where one isn't written that is told. */
+/* Springs are preserved by each format that has them, those of ball joints by MJCF; omitted ones are reported. */
 static void springs_are_written(void **unused) {
   (void)unused;
   static const char mjcf[] =
@@ -186,7 +186,7 @@ static int errors_about(const char *text, const char *words) {
   return found;
 }
 
-/* Each class that isn't there is told once, that of children too. */
+/* Each unknown class is reported once, also that of children. */
 static void missing_classes_are_told_once(void **unused) {
   (void)unused;
   assert_int_equal(errors_about("<mujoco><default><default class='arm'/></default><worldbody><body><joint class='amr'/>"

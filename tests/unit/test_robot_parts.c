@@ -1,5 +1,5 @@
-/* Robot descriptions beside the tree of joints: texts that aren't quite XML, keyframes, tendons, looks, balls'
- * limits; and what comes back of them after writing. Numbers by hand. */
+/* Robot descriptions beyond the tree of joints: texts that aren't quite XML, keyframes, tendons, shapes, limits of
+ * ball joints; and their preservation by writing. Numbers by hand. */
 #include "support/robots.h"
 
 #include "base/memory.h"
@@ -62,7 +62,8 @@ static void no_quaternion_is_no_turn(void **unused) {
   km_model_free(model);
 }
 
-/* Of links that hang together without the world, the one that is child of no joint is fixed, wherever it stands. */
+/* In a connected part without the world, the link that is child of no joint is fixed, whatever its position in the
+ * file. */
 static void the_root_is_no_child(void **unused) {
   (void)unused;
   static const char text[] =
@@ -128,7 +129,7 @@ static const char looks[] =
     "\"scale\": [1, 2, 3]}]}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", "
     "\"a\"]}]}]}";
 
-/* Kinds, sizes in metres, place and colour come back; the mass is the stated one. */
+/* Kinds, sizes in metres, pose and colour are preserved; the mass is the stated one. */
 static void looks_are_written(void **unused) {
   (void)unused;
   fixture f = fixture_read(looks);
@@ -180,7 +181,7 @@ static void named_poses_are_written(void **unused) {
       double unit = strcmp(label, "S:slide") == 0 ? 4e-3 / 360 : M_PI / 180;
       assert_near(pose->values[i], expected[c] * unit, 1e-15);
     }
-    assert_int_equal(pose->count, 6); /* with the screw's slide */
+    assert_int_equal(pose->count, 6); /* including the screw's translation */
   }
   fixture_close(&g);
   fixture_close(&f);

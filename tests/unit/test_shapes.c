@@ -27,7 +27,7 @@ static void densities_weigh(void **unused) {
   assert_near(b->center_of_mass.x, x, 1e-14);
   assert_near(b->center_of_mass.y, 0.0, 1e-15);
   const double along = box * (5 - x) * (5 - x) + round * (1 + x) * (1 + x);
-  /* of a box m/12 (a² + b²); of a cylinder m r²/2 about its axis, m (3 r² + h²)/12 across */
+  /* box: m/12 (a² + b²); cylinder: m r²/2 about its axis, m (3 r² + h²)/12 across */
   assert_near(b->inertia[0], box / 12 * (1 + 9) + round / 12 * (0.75 + 4), 1e-13 * along);
   assert_near(b->inertia[1], box / 12 * (4 + 9) + round / 12 * (0.75 + 4) + along, 1e-14 * along);
   assert_near(b->inertia[2], box / 12 * (1 + 4) + round * 0.125 + along, 1e-14 * along);

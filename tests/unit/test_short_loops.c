@@ -31,7 +31,7 @@ static int length_of(const network *n, int loop) {
   return n->t.member_start[loop + 1] - n->t.member_start[loop];
 }
 
-/* How many joints the loop of the tree has. */
+/* Number of joints of the tree's loop. */
 static int tree_length(const network *n, int loop) {
   const km_topology *t = &n->t;
   int a = n->edges[t->chord[loop]].tail, b = n->edges[t->chord[loop]].head, length = 1;
@@ -44,7 +44,7 @@ static int tree_length(const network *n, int loop) {
   return length;
 }
 
-/* A walk from the base along the first side and back along the other closes, by the senses of its members. */
+/* The traversal from the base along the first side and back along the other closes, by the senses of its members. */
 static void check_cycle(const network *n, int loop) {
   const km_topology *t = &n->t;
   int *flow = KM_NEW(int, (size_t)t->body_count), ends[2] = {t->base[loop], t->base[loop]}, chords = 0;

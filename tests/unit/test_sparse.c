@@ -207,7 +207,7 @@ static void zeros_that_fill(void **state) {
   assert_true(kept > 20 && refused > 20 && whole > 20 && singles > 2000);
 }
 
-/* J n = 0 for every null vector that is given by its entries; they are as many as the singular values tell. */
+/* J n = 0 for every sparse null vector; their number agrees with the singular values. */
 static void null_vectors_by_their_entries(void **state) {
   (void)state;
   int column[MOST];
@@ -248,7 +248,7 @@ static void free_normal(int i) {
   kept = NULL;
 }
 
-/* What is left of a step is at right angles to the null space, as by Z. */
+/* A projected step is orthogonal to the null space Z. */
 static void steps_without_null_vectors(void **state) {
   (void)state;
   double x[MOST], left[MOST], work[MOST];
@@ -363,7 +363,7 @@ static void fill_twins(int rows, double apart) {
   start[f.columns] = entries;
 }
 
-/* Normal equations square what rows differ by: their solutions are those by Q R, to what their digits tell. */
+/* Normal equations square the condition number: their solutions agree with those by QR to the remaining digits. */
 static void rows_that_hardly_differ(void **state) {
   (void)state;
   double rhs[MOST], by_qr[MOST], least[MOST];
@@ -417,9 +417,9 @@ static void rows_that_stand(void **state) {
   }
 }
 
-/* Column c has 1 in row c and 2 in the next one: to 2^-rows the columns depend on each other, and no pivot tells.
- * Some columns more: with entries in first rows, which are most of what the dependent rows are made of, they end
- * that for the rows, in last ones not. */
+/* Column c has 1 in row c and 2 in the next row: the columns are dependent to 2^-rows, and no pivot shows it.
+ * Further columns with entries in first rows, which dominate the dependent combination of rows, make the rows
+ * independent; entries in last rows don't. */
 static void fill_chain(int rows, int more) {
   int entries = 0;
   f.rows = rows;
@@ -438,7 +438,7 @@ static void fill_chain(int rows, int more) {
   start[f.columns] = entries;
 }
 
-/* The rows alone have the rank that the singular values tell, and as many of them are primary ones. */
+/* Row factorisation has the rank of the singular values, and as many primary rows. */
 static void rows_where_no_pivot_tells(void **state) {
   (void)state;
   double rhs[MOST], least[MOST];
@@ -468,8 +468,8 @@ static void rows_where_no_pivot_tells(void **state) {
   assert_true(hidden >= 15);
 }
 
-/* What a partition has gone through has no influence on what it finds: by rows, at values nearby by the same pivots,
- * and then by columns it has the pivots and the B, to the last bit, that a new one has. */
+/* The history of a partition has no influence: after factorising by rows, and refactorising nearby values, it has by
+ * columns the pivots and B of a new partition, bit by bit. */
 static void nothing_is_left_behind(void **state) {
   (void)state;
   for (int i = 0; i < 100; ++i) {

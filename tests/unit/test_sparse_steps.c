@@ -1,4 +1,4 @@
-/* The sparse engine where steps alone are asked for, and which rows it takes to depend on each other. */
+/* The sparse engine for steps only, and its choice of dependent rows. */
 #include "support/matrices.h"
 
 #include <math.h>
@@ -30,8 +30,8 @@ static void factor_band(km_partition *p, bool unwatched) {
   p->basis_quality_unneeded = false;
 }
 
-/* Where nobody asks for the independent columns the rank, the primary rows and the least steps are the same; whoever
- * asks for them afterwards gets those that a new partition has. */
+/* Without independent columns, rank, primary rows and minimum-norm steps are equal; columns requested afterwards are
+ * those of a new partition. */
 static void columns_that_nobody_asks_for(void **state) {
   (void)state;
   double rhs[ROWS], least[COLUMNS], other[COLUMNS];
@@ -129,7 +129,7 @@ static void rows_that_are_kept(void **state) {
     vary_band(J, 1e-6);
     store_with_sum(J, 0.0);
     assert_true(km_partition_minimum_norm_reuse(&p, weight, COLUMNS - ROWS, rhs, again));
-    assert_memory_equal(first, again, sizeof first); /* of the matrix before */
+    assert_memory_equal(first, again, sizeof first); /* pivots of the previous matrix */
 
     vary_band(J, 0.2);
     store_with_sum(J, 0.0);

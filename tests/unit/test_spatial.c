@@ -57,8 +57,8 @@ static void twist_logarithm_is_the_constant_twist(void **state) {
   }
 }
 
-/* Around the turn below which the logarithm is a series: exp by its own series, p = Σ ad(ω)ⁿ v / (n + 1)!, whose
- * seventh term is 1e-22 of the first. */
+/* Angles around the limit below which the logarithm is a series: exp by its own series, p = Σ ad(ω)ⁿ v / (n + 1)!,
+ * whose seventh term is 1e-22 of the first. */
 static void small_turns_have_the_same_logarithm(void **state) {
   (void)state;
   randomness r = {29};

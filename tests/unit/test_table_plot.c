@@ -30,7 +30,7 @@ static bool same_number(double a, double b) {
   return a == b || (isnan(a) && isnan(b));
 }
 
-/* What is written is read back: names with everything that a label may hold, and every kind of double. */
+/* Written tables are read back: names with all characters of labels, and every kind of double. */
 static void tables_survive_their_text(void **state) {
   (void)state;
   static const char *const names[] = {"step", "q.A", "q.comma, \"quoted\"\nin two lines", "m.crank_m", "ma.A/B"};
@@ -66,7 +66,7 @@ static void tables_survive_their_text(void **state) {
   km_table_free(back);
 }
 
-/* Other people's tables: line ends of any kind, a mark of the encoding, empty fields and lines, blanks. */
+/* Tables of other programs: line ends of any kind, a byte order mark, empty fields and lines, blanks. */
 static void foreign_tables_are_read(void **state) {
   (void)state;
   km_table *table = read_text("\xEF\xBB\xBFx_mm,y_margin\r\n 1, 2 \n\n3,\r\n\"5\",6");

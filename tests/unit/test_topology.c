@@ -14,7 +14,7 @@ typedef struct graph {
   km_edge edges[MOST_JOINTS];
 } graph;
 
-/* A random graph in which every body hangs on body 0; parallel edges allowed. */
+/* A random connected graph; parallel edges are allowed. */
 static graph random_graph(randomness *r) {
   graph g = {.bodies = 2 + below(r, MOST_BODIES - 1)};
   for (int b = 1; b < g.bodies; ++b)
@@ -53,8 +53,8 @@ static bool connected_without(const graph *g, int from, int to, int skipped_body
   return seen[to];
 }
 
-/* Do joints a and b lie on a common simple cycle? With two vertices subdividing them, they do exactly if no
- * single body or joint separates the subdivisions (Menger); checked by trying every body and joint. */
+/* True if joints a and b lie on a common simple cycle: with two vertices subdividing them, exactly if no single body
+ * or joint separates the subdivisions (Menger); checked for every body and joint. */
 static bool share_a_cycle(const graph *g, int a, int b) {
   /* Every body: removed, some end of a must still reach some end of b by an end that is left, and so on. */
   for (int body = 0; body < g->bodies; ++body) {

@@ -52,7 +52,7 @@ static double dense_square(int size, const double *right) {
   return sum;
 }
 
-/* The same right sides again, which both kinds of registers leave 0. */
+/* Repeated right sides, which both register widths leave 0. */
 static long put_right_sides(int size) {
   long first = size;
   for (int l = 0; l < LANES; ++l)

@@ -192,7 +192,7 @@ static void drawings_and_struts_have_paths(void **state) {
   km_free(text);
 }
 
-/* What the reader refuses of a file it refuses of a variant. */
+/* Errors of a file are errors of a variant, too. */
 static void a_variant_is_checked_as_a_file(void **state) {
   (void)state;
   const km_assignment heavy = {"crank.mass", -1};

@@ -1,4 +1,4 @@
-/* What comes back from robot descriptions that kmech writes, and what is told where the format has no place for it. */
+/* Contents of written robot descriptions, and notes about elements that a format can't hold. */
 #include "support/robots.h"
 
 #include "kmech/base.h"
@@ -25,7 +25,7 @@ static km_bytes written(const km_model *model, km_model_format format, km_messag
   "\", \"type\": \"stiffness\", \"input\": {\"type\": \"joint\", \"joint\": \"S\"}, \"knot_points\": [], "             \
   "\"coefficients\": [" LAW "]}"
 
-/* Springs side by side are written as one: 100 and 20 N/m, the second one at rest at 0.25 m. */
+/* Parallel springs are written as one: 100 and 20 N/m, the second one at rest at 0.25 m. */
 static void springs_side_by_side_add_up(void **unused) {
   (void)unused;
   km_model *model =
@@ -43,7 +43,7 @@ static void springs_side_by_side_add_up(void **unused) {
   km_model_free(model);
 }
 
-/* A tool's frame keeps its name; "S", which a joint has too, is told apart in the file and comes back as it was. */
+/* A tool's frame keeps its name; "S", which is also a joint's name, is distinguished in the file and preserved. */
 static void frames_come_back(void **unused) {
   (void)unused;
   km_model *model = read_as(SLIDE("\"type\": \"Tx\"", ""), false, NULL);
@@ -69,7 +69,7 @@ static void frames_come_back(void **unused) {
   km_model_free(model);
 }
 
-/* How many of the notes tell of this kind. */
+/* Number of notes of this kind. */
 static int told_in(const km_model *model, km_model_format format, const char *kind) {
   km_messages *messages = km_messages_create();
   km_bytes bytes = written(model, format, messages);
@@ -81,7 +81,7 @@ static int told_in(const km_model *model, km_model_format format, const char *ki
   return found;
 }
 
-/* Which formats leave a kind out: a bit for each of URDF, MJCF and SDF. */
+/* Formats that omit a kind: a bit for each of URDF, MJCF and SDF. */
 static void assert_left_out(const char *text, const char *kind, unsigned expected) {
   km_model *model = read_as(text, false, NULL);
   for (int i = 0; i < 3; ++i)

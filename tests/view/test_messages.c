@@ -1,5 +1,5 @@
-/* What kview's server answers: pulls lead where kmob's ways lead, loops stay closed and on their branch, designs
- * come back as they were saved, and whatever else comes is refused. */
+/* Answers of kview's server: pulls agree with kmob, loops stay closed and on their branch, designs are restored as
+ * saved, and invalid messages are refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -126,9 +126,8 @@ static void a_slider_leads_to_the_pose_of_kmob_at(void **unused) {
   }
 }
 
-/* The bucket's tip over 1000 random drags: loops closed, limits kept, and never another branch. Of the excavator's
- * cylinders each length belongs to one pose of a branch, so the pose that drives lead to from the file's is the
- * same. */
+/* The bucket's tip over 1000 random drags: loops closed, limits kept, branch unchanged. Cylinder lengths of the
+ * excavator determine the configuration on a branch, so driving from the file's configuration gives the same one. */
 static void the_bucket_keeps_its_branch(void **unused) {
   (void)unused;
   kv_session s = open_session("excavator");
@@ -320,7 +319,8 @@ static void a_design_is_saved(void **unused) {
     int n = km_model_coordinate_count(s.model), moved = 0;
     bool cylinders = strcmp(*name, "excavator") == 0 || strcmp(*name, "scissor_lift") == 0;
     bool slides =
-        strcmp(*name, "toggle_press") == 0 || strcmp(*name, "slider_crank") == 0; /* on the ground's own origin */
+        strcmp(*name, "toggle_press") == 0 || strcmp(*name, "slider_crank") == 0; /* its position is the origin of
+                                                                                   * the ground */
     if (!cylinders) /* the excavator's would turn out of its plane */
       expect(&s, "1 joint 0 0.1", "pose");
     double *q = malloc((size_t)n * sizeof *q), length = km_mechanism_characteristic_length(s.mechanism, NULL);
@@ -418,8 +418,8 @@ static double reach_of(const kv_session *s) {
   return T[0];
 }
 
-/* What depends on a parameter follows it; undo comes back, also past a frame that was dragged; the file that is
- * written has both. Poses have their names. */
+/* Dependent numbers follow a parameter; undo restores them, also past a dragged frame; the written file has both.
+ * Poses have their names. */
 static void parameters_and_poses_have_names(void **unused) {
   (void)unused;
   char path[] = "/tmp/kview_names.XXXXXX";
@@ -456,8 +456,8 @@ static void parameters_and_poses_have_names(void **unused) {
   unlink(path);
 }
 
-/* A design is taken up by another session of the same file, and by none whose model has other parts. What is saved
- * finds its meshes from any folder. */
+/* A design is continued by another session of the same file, but not by one whose model has other parts. A saved
+ * model finds its meshes from any folder. */
 static void designs_are_kept(void **unused) {
   (void)unused;
   static const char meshed[] =

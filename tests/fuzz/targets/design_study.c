@@ -1,4 +1,4 @@
-/* A study of designs, on the brake: read, checked, opened in memory, its first design asked. */
+/* A study of designs on the brake: read, checked, opened in memory, first design evaluated. */
 #include "target.h"
 
 #include "kmech/study.h"

@@ -1,4 +1,4 @@
-/* How a target ends: with what was wrong, so that the input is kept. */
+/* Ends a target with a message, so that the input is kept. */
 #include "judge.h"
 
 #include <stdio.h>

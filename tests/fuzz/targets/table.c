@@ -1,4 +1,4 @@
-/* A table in CSV: what is read comes back bit by bit from what is written; and the same text as a path's poses. */
+/* A CSV table: writing and reading it is bit-exact; and the text read as a path's poses. */
 #include "target.h"
 
 #include "kmech/arm.h"
