@@ -1,4 +1,4 @@
-/* Arms: a chain cut out of a mechanism, with its length scale and its limits. */
+/* Arms: a chain of joints cut out of a mechanism, with its length scale, limits and rates (docs/theory.md 12.1). */
 #include "arm/arm.h"
 #include "base/arguments.h"
 #include "topology/chain.h"
@@ -9,7 +9,7 @@ static void set_length(km_arm *a) {
   a->length = a->mechanism->length;
 }
 
-/* Arcs from the inertial frame out to the effector's body; returns their number. */
+/* Collects the tree arcs from the inertial frame to the effector's body; returns their number. */
 static int gather_arcs(const km_mechanism *m, int body, const km_arc **arcs) {
   int count = 0;
   for (int b = body; b != 0; b = m->arcs[m->arc_of[b]].parent)
@@ -34,8 +34,8 @@ static km_status check_coordinate(const km_mechanism *m, int joint, int coordina
   return KM_OK;
 }
 
-/* Extends the chain by one motion of a joint: a column, or a constant displacement where it is held. `X` leads from
- * the last motion to this one's frame, unscaled. */
+/* Extends the chain by one primitive motion of a joint: a column, or a constant displacement if the joint is held. X
+ * is the displacement from the previous motion to this one's frame, in model units. */
 static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_joint_traversal *p, int i, km_pose *X,
                             km_error *error) {
   const km_mechanism *m = a->mechanism;
@@ -52,8 +52,8 @@ static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_jo
   km_status status = check_coordinate(m, joint, c, error);
   if (status)
     return status;
-  if (a->n == KM_ARM_MOST)
-    return km_fail(error, KM_USAGE, "more than %d coordinates on the way to the effector", KM_ARM_MOST);
+  if (a->n == KM_ARM_MAX_JOINTS)
+    return km_fail(error, KM_USAGE, "more than %d coordinates on the way to the effector", KM_ARM_MAX_JOINTS);
   if (a->n == 0) {
     a->origin = X->p;
     X->p = (km_vec3){0, 0, 0};
@@ -66,7 +66,7 @@ static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_jo
                                      .column = a->n,
                                      .sign = p->sign,
                                      .pitch = pitch / a->length,
-                                     .turned = memcmp(&X->R, &none, sizeof none) != 0,
+                                     .has_rotation = memcmp(&X->R, &none, sizeof none) != 0,
                                      .before = *X};
   a->coordinate[a->n] = c;
   a->unit[a->n] = slides ? a->length : 1.0;
@@ -78,7 +78,7 @@ static km_status add_motion(km_arm *a, const km_state *s, int joint, const km_jo
   return KM_OK;
 }
 
-/* What depends on the arm's size over L. */
+/* Sets the numbers that depend on the arm's size over L. */
 static void set_sizes(km_arm *a) {
   double reach = km_vec3_norm(a->tool.p), slides = 0.0;
   for (int k = 0; k < a->n; ++k) {
@@ -88,11 +88,11 @@ static void set_sizes(km_arm *a) {
       slides += most;
   }
   double size = fmax(1.0, reach / 100.0);
-  a->shrink = 1.0 / (size * size);
-  a->slide_most = 3.0 * (1.0 + reach + slides);
+  a->position_weight = 1.0 / (size * size);
+  a->max_travel = 3.0 * (1.0 + reach + slides);
 }
 
-static km_status build(km_arm *a, const km_state *s, const km_arc **arcs, km_error *error) {
+static km_status build_chain(km_arm *a, const km_state *s, const km_arc **arcs, km_error *error) {
   const km_model *model = a->mechanism->model;
   const km_model_frame *effector = &model->frames[a->frame];
   int count = gather_arcs(a->mechanism, effector->body, arcs);
@@ -149,15 +149,15 @@ km_status km_arm_create(const km_mechanism *m, const km_state *s, int effector, 
   a->task = task;
   a->task_rows = km_task_rows(task);
   set_length(a);
-  a->motions = KM_ARENA_NEW(&a->arena, km_arm_motion, KM_ARM_MOST);
-  a->coordinate = KM_ARENA_NEW(&a->arena, int, KM_ARM_MOST);
-  a->unit = KM_ARENA_NEW(&a->arena, double, KM_ARM_MOST);
-  a->low = KM_ARENA_NEW(&a->arena, double, KM_ARM_MOST);
-  a->high = KM_ARENA_NEW(&a->arena, double, KM_ARM_MOST);
-  a->rate = KM_ARENA_NEW(&a->arena, double, KM_ARM_MOST);
+  a->motions = KM_ARENA_NEW(&a->arena, km_arm_motion, KM_ARM_MAX_JOINTS);
+  a->coordinate = KM_ARENA_NEW(&a->arena, int, KM_ARM_MAX_JOINTS);
+  a->unit = KM_ARENA_NEW(&a->arena, double, KM_ARM_MAX_JOINTS);
+  a->low = KM_ARENA_NEW(&a->arena, double, KM_ARM_MAX_JOINTS);
+  a->high = KM_ARENA_NEW(&a->arena, double, KM_ARM_MAX_JOINTS);
+  a->rate = KM_ARENA_NEW(&a->arena, double, KM_ARM_MAX_JOINTS);
   const km_arc **arcs = KM_NEW(const km_arc *, (size_t)m->topology.body_count);
   km_status status =
-      a->arena.failed || !arcs ? km_fail(error, KM_MEMORY, "out of memory for an arm") : build(a, s, arcs, error);
+      a->arena.failed || !arcs ? km_fail(error, KM_MEMORY, "out of memory for an arm") : build_chain(a, s, arcs, error);
   km_free((void *)arcs);
   if (status) {
     km_arm_free(a);
@@ -204,11 +204,11 @@ const char *km_arm_label(const km_arm *a, int column) {
   return km_model_coordinate_label(a->mechanism->model, a->coordinate[column]);
 }
 
-double km_arm_shown(const km_arm *a, int column, double q) {
+double km_arm_to_units(const km_arm *a, int column, double q) {
   return q * a->unit[column] / km_model_coordinate_factor(a->mechanism->model, a->coordinate[column]);
 }
 
-double km_arm_read(const km_arm *a, int column, double value) {
+double km_arm_from_units(const km_arm *a, int column, double value) {
   return value * km_model_coordinate_factor(a->mechanism->model, a->coordinate[column]) / a->unit[column];
 }
 
@@ -228,7 +228,7 @@ km_status km_arm_set_rates(km_arm *a, const double *values, int count, km_error 
     if (!(values[k] > 0.0))
       return km_fail(error, KM_USAGE, "found %g for %s; expected a speed greater than 0", values[k],
                      km_arm_label(a, k));
-    a->rate[k] = km_arm_read(a, k, values[k]) / second;
+    a->rate[k] = km_arm_from_units(a, k, values[k]) / second;
   }
   return KM_OK;
 }
@@ -247,7 +247,7 @@ km_pose km_arm_to_model(const km_arm *a, const km_pose *pose) {
   return (km_pose){pose->R, km_vec3_axpy(a->length, pose->p, a->origin)};
 }
 
-/* A value at its limit is inside, whatever the last digit says. */
+/* A value at its limit, up to rounding, is inside. */
 int km_arm_limit_passed(const km_arm *a, const double *q) {
   for (int k = 0; k < a->n; ++k) {
     double slack = 1e-12 * (1.0 + fabs(q[k]));

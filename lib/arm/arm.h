@@ -1,116 +1,126 @@
-/* A serial chain from the inertial frame to an effector: forward kinematics and the scaled Jacobian (theory 6).
+/* A serial chain from the inertial frame to an effector: forward kinematics and the scaled Jacobian (docs/theory.md
+ * 12.1).
  *
- * Everything is counted in the arm's own length scale L about the arm's first joint: a coordinate is an angle, or
- * a slide over L. Neither units nor a far inertial origin touch its digits. */
+ * All quantities refer to the arm's length scale L and to a point of its first joint: a coordinate is an angle in
+ * radians, or a travel over L. So neither the model's units nor a distant inertial origin change any digit. */
 #ifndef KM_ARM_ARM_H
 #define KM_ARM_ARM_H
 
 #include "kinematics/body_poses.h"
 #include "kmech/arm.h"
 
-enum { KM_ARM_ROWS = 6, KM_ARM_MOST = 32 };
+enum { KM_ARM_ROWS = 6, KM_ARM_MAX_JOINTS = 32 };
 
-/* One motion on the way out. */
+/* One primitive motion of the chain. */
 typedef struct km_arm_motion {
   km_primitive primitive;
   int axis;
-  int column;     /* of the Jacobian */
-  double sign;    /* -1: the joint is passed against its sense */
-  double pitch;   /* travel per radian of a helical motion, over L */
-  bool turned;    /* `before` turns, not only shifts */
-  km_pose before; /* from the last motion to this one's frame */
+  int column;        /* column of the Jacobian */
+  double sign;       /* −1: reversed joint */
+  double pitch;      /* travel per radian of a helical motion, over L */
+  bool has_rotation; /* `before` contains a rotation */
+  km_pose before;    /* displacement from the previous motion to this one's frame */
 } km_arm_motion;
 
 struct km_arm {
   km_arena arena;
   const km_mechanism *mechanism;
-  int frame; /* the effector's, of the model */
+  int frame; /* effector: frame of the model */
   km_task task;
   int n;
-  int rows; /* of the Jacobian: those of the task that motions can change; all of them but for planar arms and the like */
-  int freedom; /* n − rows: dimension of the self-motion at regular poses */
+  int rows;    /* rows of the Jacobian: rows of the task that the motions can change; fewer than task_rows for planar
+             * arms, for example */
+  int freedom; /* n − rows: dimension of the self-motion at regular configurations */
   int task_rows;
-  double basis[KM_ARM_ROWS][KM_ARM_ROWS]; /* [rows × task_rows] orthonormal: what they are of the task's rows */
-  double length;                          /* L, in the model's unit */
-  double slide_most;                      /* slides further than this are of no use: several times the arm's size */
-  double shrink;  /* of position errors, squared: 1 but for arms of more than 100 L, whose rounding is as large */
-  km_vec3 origin; /* of everything here, in the inertial frame and the model's unit */
+  double basis[KM_ARM_ROWS][KM_ARM_ROWS]; /* [rows × task_rows] orthonormal basis of the Jacobian's rows in the
+                                           * task's rows */
+  double length;                          /* L, in the model's length unit */
+  double max_travel;                      /* slides beyond this travel count as diverged; several times the arm's
+                                           * size, over L */
+  /* Squared weight of position errors: 1, less for arms longer than 100 L, whose rounding grows with their size. */
+  double position_weight;
+  km_vec3 origin;         /* origin of the arm's frame, in the inertial frame and the model's unit */
   km_arm_motion *motions; /* [n] */
-  km_pose tool;           /* from the last motion to the effector */
-  int *coordinate;        /* [n] of the mechanism */
-  double *unit;           /* [n] 1, or L for a slide: engine's value = unit · ours */
-  double *low, *high;     /* [n] limits, ∓infinity where there is none */
-  double *rate;           /* [n] largest speed in our units a second, infinity: none */
+  km_pose tool;           /* displacement from the last motion to the effector */
+  int *coordinate;        /* [n] coordinates of the mechanism */
+  double *unit;           /* [n] 1, or L for a slide: value in the mechanism = unit · value here */
+  double *low, *high;     /* [n] limits; ∓infinity: none */
+  double *rate;           /* [n] largest speed in these units per second; infinity: none */
 };
 
-/* One thread's workspace. Everything is allocated once. */
+/* Workspace of one thread, allocated once. */
 typedef struct km_arm_space {
   km_arena arena;
-  km_pose pose;           /* of the effector. By km_arm_update */
-  double *jacobian;       /* [rows × (n + 1)], the last column for the path. By km_arm_update */
-  km_vec3 *axis, *point;  /* [n] where the motions are */
-  km_partition partition; /* of the Jacobian with its path column. By km_control_update */
+  km_pose pose;           /* pose of the effector; by km_arm_update */
+  double *jacobian;       /* [rows × (n + 1)] column-major, the last column for −ξ; by km_arm_update */
+  km_vec3 *axis, *point;  /* [n] axes of the motions and points on them */
+  km_partition partition; /* factorisation of [J | −ξ]; by km_control_factor */
   bool *forced;           /* [n + 1] */
   double *ones;           /* [n + 1] */
-  double *null;           /* [n × (n + 1)] orthonormal null space of the Jacobian. By km_control_update */
+  double *null;           /* [n × (n + 1)] orthonormal null space of the Jacobian; by km_control_factor */
   int null_count;
-  double *rotated;            /* [rows × n] workspace of singular values */
-  double sigma[KM_ARM_ROWS];  /* singular values in no order, */
-  bool sigma_stands;          /* if they are known already */
-  unsigned long evaluations;  /* Jacobians so far */
-  struct km_one_seven *seven; /* the kernel of seven joints; NULL: not for this arm */
-  bool seven_stands;          /* its Jacobian is the space's. By km_arm_update */
-  bool seven_factored;        /* and its reflections are those of the last km_control_factor */
+  double *rotated;            /* [rows × n] work array of the singular values */
+  double sigma[KM_ARM_ROWS];  /* singular values, unordered */
+  bool sigma_valid;           /* sigma belongs to the present Jacobian */
+  unsigned long evaluations;  /* number of Jacobians computed */
+  struct km_one_seven *seven; /* kernel of seven joints; NULL: not applicable */
+  bool seven_valid;           /* the kernel's Jacobian is the present one; by km_arm_update */
+  bool seven_factored;        /* the kernel's reflections are those of the last km_control_factor */
 } km_arm_space;
 
 bool km_arm_space_create(const km_arm *arm, km_arm_space *space);
 void km_arm_space_free(km_arm_space *space);
 
-/* Pose of the effector and the Jacobian's columns at q[n]: rows v at the effector's origin over L, then ω; of a
- * position v alone; of an axis v, then ω across the effector's z axis, along its x and y. */
+/* Computes the pose of the effector and the Jacobian at q[n]. Rows: v of the effector's origin over L, then ω in
+ * inertial axes; position task: v only; axis task: v, then the components of ω along the effector's x and y axes.
+ * O(n). */
 void km_arm_update(const km_arm *arm, km_arm_space *space, const double *q);
 
-/* The columns by all rows of the task: columns[task_rows × n]. The space keeps its Jacobian. */
+/* Computes the columns with all rows of the task: columns[task_rows × n]. The Jacobian of the space is unchanged. */
 void km_arm_all_columns(const km_arm *arm, km_arm_space *space, const double *q, double *columns);
 
-/* What is left from the pose to a target: error[rows], and its length and angle. Returns √(shrink·length² + angle²). */
+/* Pose error from the present pose to a target: error[rows], with its length `position` and angle `rotation` (each
+ * may be NULL). Returns √(position_weight · length² + angle²). */
 double km_arm_error(const km_arm *arm, const km_arm_space *space, const km_pose *target, double *error,
                     double *position, double *rotation);
 
-/* Of a pose 6, of an axis 5, of a position 3. */
+/* Number of rows of a task: pose 6, axis 5, position 3. */
 int km_task_rows(km_task task);
-/* Which of the task's rows the motions can change, by random poses. False when out of memory. */
+/* Finds the subspace of the task's rows that the motions can change, by random configurations: arm->basis,
+ * arm->rows. False: out of memory. */
 bool km_arm_find_rows(km_arm *arm);
-/* The part of a twist at the effector's origin that the task counts: all of it, and what motions can change of it. */
+/* Rows of a twist at the effector's origin: all rows of the task, or those in the basis of rows that the motions can
+ * change. */
 void km_arm_all_task_rows(const km_arm *arm, const km_rotation *effector, km_twist twist, double *rows);
 void km_arm_task_rows(const km_arm *arm, const km_rotation *effector, km_twist twist, double *rows);
 
-/* Singular values of the scaled Jacobian, largest first: sigma[rows]. */
+/* Computes the singular values of the scaled Jacobian, sorted in decreasing order: sigma[rows]. */
 void km_arm_singular_values(const km_arm *arm, km_arm_space *space, double *sigma);
 
-/* Newton steps of least norm from q to the target, to 1e-12; q and the space stand there. At most `most` steps, none
- * longer than `longest` (shortened). False if it doesn't converge. `held` columns (may be NULL) don't move. */
-bool km_arm_reach(const km_arm *arm, km_arm_space *space, const km_pose *target, const bool *held, int most,
+/* Newton's method with minimum-norm steps from q to the target pose, until the error is below 1e-12. At most `most`
+ * steps, each shortened to `longest`. Joints marked in `fixed` (may be NULL) don't move. True: converged; q is the
+ * solution and the space is updated for it. */
+bool km_arm_reach(const km_arm *arm, km_arm_space *space, const km_pose *target, const bool *fixed, int most,
                   double longest, double *q);
 
-/* A pose in the inertial frame and the model's unit, seen from the arm; and back. */
+/* Converts a pose from the inertial frame and the model's unit to the arm's frame and unit. */
 km_pose km_arm_from_model(const km_arm *arm, const km_pose *pose);
-/* The same of a public record. */
+/* Converts a public record of a pose to the arm's frame and unit. */
 km_pose km_arm_pose_of(const km_arm *arm, const km_frame_pose *pose);
 km_pose km_arm_to_model(const km_arm *arm, const km_pose *pose);
 
-/* The coordinate outside its limits, the first; -1 none. */
+/* First coordinate outside its limits; −1: none. */
 int km_arm_limit_passed(const km_arm *arm, const double *q);
-/* min over limited joints of (distance to the nearer limit)/(half range), 1 if there is none; negative outside. */
+/* Least (distance to the nearer limit)/(half range) over the limited joints; 1 without limits, negative outside. */
 double km_arm_limit_distance(const km_arm *arm, const double *q);
 
-/* Is the coordinate a hinge, which a full turn brings back? */
-static inline bool km_arm_turns(const km_arm *arm, int column) {
+/* True if the coordinate is an angle of a hinge, for which a full turn is the same configuration. */
+static inline bool km_arm_is_hinge(const km_arm *arm, int column) {
   return km_coordinate_turns(arm->mechanism, arm->coordinate[column]);
 }
-/* Coordinates in the model's unit (degrees where it has them), and back. */
-double km_arm_shown(const km_arm *arm, int column, double q);
-double km_arm_read(const km_arm *arm, int column, double value);
+/* Converts a coordinate to the model's unit; km_arm_from_units converts it from that unit. */
+double km_arm_to_units(const km_arm *arm, int column, double q);
+double km_arm_from_units(const km_arm *arm, int column, double value);
 const char *km_arm_label(const km_arm *arm, int column);
 
 #endif

@@ -1,4 +1,4 @@
-/* The ranges of what comes in for arms. */
+/* Argument checks of the public functions of arms. */
 #include "arm/arm_arguments.h"
 
 #include "model/path_study/method_settings.h"

@@ -1,4 +1,7 @@
-/* Forward kinematics, Jacobian, Newton. */
+/* Forward kinematics, Jacobian, pose error and singular values of an arm (docs/theory.md 12.1).
+ *
+ *   column k of J = (a_k × (p − p_k) + pitch a_k, a_k) of a turning joint, (a_k, 0) of a slide; a_k axis, p_k its point
+ *   e = (p_target − p, log(R_target R^T));   an axis task uses the rotation that moves z to its target */
 #include "arm/arm.h"
 #include "arm/tracking/seven_joint_arm.h"
 
@@ -30,14 +33,14 @@ void km_arm_space_free(km_arm_space *s) {
   km_arena_free(&s->arena);
 }
 
-/* Each motion's axis and place, and the effector's pose. */
-static void go_out(const km_arm *a, km_arm_space *s, const double *q) {
+/* Forward pass over the chain: axis and point of each motion, pose of the effector. */
+static void compute_poses(const km_arm *a, km_arm_space *s, const double *q) {
   km_pose X = a->motions[0].before;
   for (int k = 0; k < a->n; ++k) {
     const km_arm_motion *m = &a->motions[k];
     if (k > 0) {
       X.p = km_pose_point(&X, m->before.p);
-      if (m->turned)
+      if (m->has_rotation)
         X.R = km_rotation_product(&X.R, &m->before.R);
     }
     double value = m->sign * q[k];
@@ -56,7 +59,7 @@ static void go_out(const km_arm *a, km_arm_space *s, const double *q) {
   s->pose = km_pose_product(&X, &a->tool);
 }
 
-/* Of the effector's origin, per unit of a motion. By go_out. */
+/* Twist of the effector's origin per unit of motion k; requires compute_poses. */
 static km_twist column_twist(const km_arm *a, const km_arm_space *s, int k) {
   const km_arm_motion *m = &a->motions[k];
   km_twist t = {s->axis[k], {0, 0, 0}};
@@ -67,7 +70,7 @@ static km_twist column_twist(const km_arm *a, const km_arm_space *s, int k) {
   return t;
 }
 
-/* The same by the kernel of seven joints; false if an angle is too large for its sines. */
+/* Update by the kernel of seven joints; false if an angle exceeds the range of its sines. */
 static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
   for (int k = 0; k < SEVEN; ++k)
     if (!(fabs(q[k]) <= KM_SINCOS_MAX_ANGLE))
@@ -75,30 +78,31 @@ static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
   km_one_forward(a, q, s->seven);
   memcpy(&s->pose.R, s->seven->R, sizeof s->pose.R);
   memcpy(&s->pose.p, &s->seven->p, sizeof s->pose.p);
-  for (int k = 0; k < SEVEN; ++k) /* a copy as a whole takes the processor longer */
+  for (int k = 0; k < SEVEN; ++k) /* column copies are faster than one block copy */
     memcpy(s->jacobian + 6 * k, s->seven->jacobian[k], sizeof s->seven->jacobian[k]);
   return true;
 }
 
 void km_arm_update(const km_arm *a, km_arm_space *s, const double *q) {
   s->evaluations++;
-  s->seven_factored = s->sigma_stands = false;
-  s->seven_stands = s->seven && update_seven(a, s, q);
-  if (s->seven_stands)
+  s->seven_factored = s->sigma_valid = false;
+  s->seven_valid = s->seven && update_seven(a, s, q);
+  if (s->seven_valid)
     return;
-  go_out(a, s, q);
+  compute_poses(a, s, q);
   for (int k = 0; k < a->n; ++k)
     km_arm_task_rows(a, &s->pose.R, column_twist(a, s, k), s->jacobian + k * a->rows);
 }
 
 void km_arm_all_columns(const km_arm *a, km_arm_space *s, const double *q, double *columns) {
-  go_out(a, s, q);
+  compute_poses(a, s, q);
   for (int k = 0; k < a->n; ++k)
     km_arm_all_task_rows(a, &s->pose.R, column_twist(a, s, k), columns + k * a->task_rows);
 }
 
-/* The turn that is left, in the inertial axes; of an axis, the turn that brings z to its place. */
-static km_vec3 turn_left(const km_arm *a, const km_rotation *R, const km_rotation *target) {
+/* Rotation vector from the present to the target orientation, in inertial axes; axis task: the rotation that moves
+ * the z axis to its target. */
+static km_vec3 rotation_error(const km_arm *a, const km_rotation *R, const km_rotation *target) {
   if (a->task == KM_TASK_AXIS) {
     km_vec3 across = km_vec3_cross(R->axis[2], target->axis[2]);
     double sine = km_vec3_norm(across), cosine = km_vec3_dot(R->axis[2], target->axis[2]);
@@ -110,8 +114,8 @@ static km_vec3 turn_left(const km_arm *a, const km_rotation *R, const km_rotatio
   double sine2, trace;
   memcpy(axes, R, sizeof axes);
   memcpy(wanted, target, sizeof wanted);
-  km_one_vec small = km_one_turn_left(axes, wanted, &sine2, &trace);
-  if (sine2 < KM_SMALL_TURN && trace > 1.0)
+  km_one_vec small = km_one_rotation_error(axes, wanted, &sine2, &trace);
+  if (sine2 < KM_SMALL_ROTATION && trace > 1.0)
     return (km_vec3){small.x, small.y, small.z};
   km_rotation back = km_rotation_inverse(R), difference = km_rotation_product(target, &back);
   return km_quaternion_log(km_rotation_quaternion(&difference));
@@ -121,27 +125,27 @@ double km_arm_error(const km_arm *a, const km_arm_space *s, const km_pose *targe
                     double *rotation) {
   km_twist e = {km_vec3_sub(target->p, s->pose.p), {0, 0, 0}};
   if (a->task != KM_TASK_POSITION)
-    e.w = turn_left(a, &s->pose.R, &target->R);
+    e.w = rotation_error(a, &s->pose.R, &target->R);
   if (error)
     km_arm_task_rows(a, &s->pose.R, e, error);
   if (position)
     *position = km_vec3_norm(e.v);
   if (rotation)
     *rotation = km_vec3_norm(e.w);
-  return sqrt(a->shrink * km_vec3_dot(e.v, e.v) + km_vec3_dot(e.w, e.w));
+  return sqrt(a->position_weight * km_vec3_dot(e.v, e.v) + km_vec3_dot(e.w, e.w));
 }
 
-/* One-sided Jacobi for any number of rows and columns. */
-static void turn_rows(const km_arm *a, km_arm_space *s, double *sigma) {
-  enum { MOST_SWEEPS = 30 };
+/* Singular values by one-sided Jacobi rotations of the rows of J, for any number of rows and columns. */
+static void jacobi_singular_values(const km_arm *a, km_arm_space *s, double *sigma) {
+  enum { MAX_SWEEPS = 30 };
   const int n = a->n, rows = a->rows;
   double *G = s->rotated;
   for (int r = 0; r < rows; ++r)
     for (int k = 0; k < n; ++k)
       G[r * n + k] = s->jacobian[k * rows + r];
-  bool turned = true;
-  for (int sweep = 0; turned && sweep < MOST_SWEEPS; ++sweep) {
-    turned = false;
+  bool rotated = true;
+  for (int sweep = 0; rotated && sweep < MAX_SWEEPS; ++sweep) {
+    rotated = false;
     for (int i = 0; i < rows - 1; ++i) {
       for (int j = i + 1; j < rows; ++j) {
         double *x = G + i * n, *y = G + j * n, xx = 0.0, yy = 0.0, xy = 0.0;
@@ -152,7 +156,7 @@ static void turn_rows(const km_arm *a, km_arm_space *s, double *sigma) {
         }
         if (!(fabs(xy) > 1e-15 * sqrt(xx * yy)))
           continue;
-        turned = true;
+        rotated = true;
         double zeta = (yy - xx) / (2.0 * xy);
         double t = (zeta < 0.0 ? -1.0 : 1.0) / (fabs(zeta) + sqrt(1.0 + zeta * zeta));
         double c = 1.0 / sqrt(1.0 + t * t), d = c * t;
@@ -173,12 +177,12 @@ static void turn_rows(const km_arm *a, km_arm_space *s, double *sigma) {
 }
 
 void km_arm_singular_values(const km_arm *a, km_arm_space *s, double *sigma) {
-  if (!s->sigma_stands && s->seven_stands)
+  if (!s->sigma_valid && s->seven_valid)
     km_one_singular_values(s->seven, s->sigma);
-  else if (!s->sigma_stands)
-    turn_rows(a, s, s->sigma);
-  s->sigma_stands = true;
-  for (int r = 0; r < a->rows; ++r) { /* in order */
+  else if (!s->sigma_valid)
+    jacobi_singular_values(a, s, s->sigma);
+  s->sigma_valid = true;
+  for (int r = 0; r < a->rows; ++r) { /* insertion sort, largest first */
     sigma[r] = s->sigma[r];
     for (int i = r; i > 0 && sigma[i] > sigma[i - 1]; --i) {
       double swap = sigma[i];

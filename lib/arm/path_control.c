@@ -1,4 +1,8 @@
-/* Path-control and pose-control columns at a pose. */
+/* Path-control and pose-control columns of an arm: null space of [J | −ξ], and minimum-norm solutions
+ * (docs/theory.md 12.3).
+ *
+ *   [J | −xi] Z = 0;  c1 = (q', 1)/sqrt(1 + |q'|²),  q' = J⁺ xi;   c2, ... : null vectors of J, last entry 0
+ *   x with J x = rhs of least |moved + x|: minimum-norm solution minus the null-space part of `moved` */
 #include "arm/path_control.h"
 #include "arm/tracking/seven_joint_arm.h"
 
@@ -16,30 +20,30 @@ static void subtract(double *a, double s, const double *b, int n) {
     a[i] -= s * b[i];
 }
 
-/* By the kernel of seven joints; false where the Jacobian is near a rank that drops, and pivoting must tell. */
+/* Factors by the kernel of seven joints; false if J is nearly rank-deficient, which complete pivoting must decide. */
 static bool factor_seven(km_arm_space *s, const double *xi) {
   km_one_factor(s->seven, xi);
-  if (!(s->seven->least > s->seven->largest * KM_SEVEN_REGULAR))
+  if (!(s->seven->min_pivot > s->seven->max_pivot * KM_SEVEN_MIN_PIVOT_RATIO))
     return false;
-  memcpy(s->null, &s->seven->null, sizeof s->seven->null); /* and 0 */
+  memcpy(s->null, &s->seven->null, sizeof s->seven->null); /* including the final 0 */
   s->null_count = 1;
   return true;
 }
 
-void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
-  s->seven_factored = s->seven_stands && !held && factor_seven(s, xi);
+void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const bool *fixed) {
+  s->seven_factored = s->seven_valid && !fixed && factor_seven(s, xi);
   if (!s->seven_factored)
-    km_control_pivot(a, s, xi, held);
+    km_control_pivot(a, s, xi, fixed);
 }
 
-void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const bool *held) {
+void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const bool *fixed) {
   const int rows = a->rows, n = a->n;
   double *path = s->jacobian + n * rows;
   s->seven_factored = false;
   for (int r = 0; r < rows; ++r)
     path[r] = -xi[r];
-  for (int k = 0; held && k < n; ++k)
-    if (held[k])
+  for (int k = 0; fixed && k < n; ++k)
+    if (fixed[k])
       memset(s->jacobian + k * rows, 0, (size_t)rows * sizeof *s->jacobian);
   km_partition_factor(&s->partition, s->jacobian, rows, n + 1, s->forced, KM_ARM_PIVOT * (n + 1));
   int rank = s->partition.rank - s->partition.forced_dependent;
@@ -55,8 +59,9 @@ void km_control_project_out(const km_arm *a, const km_arm_space *s, double *x) {
     }
 }
 
-/* The part of `from` that lies in the null space, off the first k columns of `self`, as column k. */
-static bool take_column(const km_arm *a, const km_arm_space *s, const double *from, double *self, int k) {
+/* Column k of `self` = normalised projection of `from` on the null space, orthogonal to the first k columns. False:
+ * its length is below 1e-3. */
+static bool project_column(const km_arm *a, const km_arm_space *s, const double *from, double *self, int k) {
   const int n = a->n;
   double *out = self + k * n;
   memset(out, 0, (size_t)n * sizeof *out);
@@ -71,8 +76,9 @@ static bool take_column(const km_arm *a, const km_arm_space *s, const double *fr
   return size > 1e-3;
 }
 
-/* Pose-control columns: the guide's where it has something to say. */
-static void follow_guide(const km_arm *a, const km_arm_space *s, const double *guide, double *self) {
+/* Pose-control columns: the guide's columns projected on the null space, completed by null vectors. One freedom: the
+ * null vector with the sign of the guide. */
+static void set_pose_control_columns(const km_arm *a, const km_arm_space *s, const double *guide, double *self) {
   const int n = a->n;
   if (a->freedom == 1 && s->null_count == 1) {
     double along = !guide ? 0.0 : s->seven_factored ? km_one_along_null(s->seven, guide) : dot(guide, s->null, n);
@@ -82,20 +88,20 @@ static void follow_guide(const km_arm *a, const km_arm_space *s, const double *g
     return;
   }
   for (int k = 0; k < a->freedom; ++k) {
-    bool found = guide && take_column(a, s, guide + k * n, self, k);
+    bool found = guide && project_column(a, s, guide + k * n, self, k);
     for (int j = 0; j < s->null_count && !found; ++j)
-      found = take_column(a, s, s->null + j * (n + 1), self, k);
+      found = project_column(a, s, s->null + j * (n + 1), self, k);
   }
 }
 
 double km_control_columns(const km_arm *a, const km_arm_space *s, const double *guide, double *path, double *self) {
   const int n = a->n;
-  follow_guide(a, s, guide, self);
+  set_pose_control_columns(a, s, guide, self);
   if (s->seven_factored) {
     km_one_path_column(s->seven, path);
     return path[SEVEN];
   }
-  if (s->partition.forced_dependent) { /* the path's direction is out of J's range */
+  if (s->partition.forced_dependent) { /* ξ is not in the range of J */
     memset(path, 0, (size_t)(n + 1) * sizeof *path);
     return 0.0;
   }
@@ -107,9 +113,9 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
   return path[n];
 }
 
-void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const double *moved, const bool *held,
+void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const double *moved, const bool *fixed,
                       double *x) {
-  double all[KM_ARM_MOST + 1], row[KM_ARM_MOST];
+  double all[KM_ARM_MAX_JOINTS + 1], row[KM_ARM_MAX_JOINTS];
   if (s->seven_factored) {
     km_one_row found = km_one_solve(s->seven, rhs, moved ? -km_one_along_null(s->seven, moved) : 0.0);
     memcpy(x, &found, SEVEN * sizeof *x);
@@ -124,14 +130,14 @@ void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const
     for (int k = 0; k < a->n; ++k)
       x[k] -= moved[k] - row[k];
   }
-  for (int k = 0; held && k < a->n; ++k)
-    x[k] = held[k] ? 0.0 : x[k];
+  for (int k = 0; fixed && k < a->n; ++k)
+    x[k] = fixed[k] ? 0.0 : x[k];
 }
 
-bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const bool *held, int most, double longest,
+bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const bool *fixed, int most, double longest,
                   double *q) {
   static const double none[KM_ARM_ROWS] = {0};
-  double e[KM_ARM_ROWS], x[KM_ARM_MOST];
+  double e[KM_ARM_ROWS], x[KM_ARM_MAX_JOINTS];
   for (int step = 0; step <= most; ++step) {
     km_arm_update(a, s, q);
     double left = km_arm_error(a, s, target, e, NULL, NULL);
@@ -139,8 +145,8 @@ bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const
       return true;
     if (!(left < 1e6))
       return false;
-    km_control_factor(a, s, none, held);
-    km_control_solve(a, s, e, NULL, held, x);
+    km_control_factor(a, s, none, fixed);
+    km_control_solve(a, s, e, NULL, fixed, x);
     double size = sqrt(dot(x, x, a->n)), scale = size > longest ? longest / size : 1.0;
     for (int k = 0; k < a->n; ++k)
       q[k] += scale * x[k];

@@ -1,4 +1,6 @@
-/* The same columns of a Jacobian that is given as a matrix. */
+/* Path-control and pose-control columns of a Jacobian that is given as a matrix (docs/theory.md 12.3).
+ *
+ *   M Z = 0,  z = last row of Z;   Z' = [Z z^T/|z|, orthonormal complement with last entries 0] */
 #include "arm/path_control.h"
 #include "base/arguments.h"
 #include "kmech/arm.h"
@@ -17,9 +19,10 @@ static void scale(double *a, double by, int n) {
     a[i] *= by;
 }
 
-/* Turns an orthonormal basis so that the last row of all columns but the first is 0. The basis and the result may not
- * overlap. Gram and Schmidt's columns off the path's: the one that is most along it drops out. */
-static void turn(const double *basis, int n, int freedom, double *Z) {
+/* Rotates an orthonormal basis so that the last row is 0 in all columns but the first, which is Z zᵀ/|z|. The others
+ * are the basis columns, Gram-Schmidt orthonormalised against it; the one with the largest last entry is dropped.
+ * Basis and result must not overlap. */
+static void align_with_path(const double *basis, int n, int freedom, double *Z) {
   double *path = Z;
   memset(path, 0, (size_t)n * sizeof *path);
   int most = 0;
@@ -74,7 +77,7 @@ static km_status solve(const double *matrix, int rows, int columns, km_arena *ar
         error, KM_NO_RESULT,
         "the null space has no part along the path (|z| = %.3g): the joints can't move the effector along it",
         out->path_entry);
-  turn(basis, columns, out->freedom, Z);
+  align_with_path(basis, columns, out->freedom, Z);
   return KM_OK;
 }
 

@@ -180,44 +180,44 @@ static const char study_text[] =
 typedef struct walker {
   const km_study *study;
   int jobs;
-  km_tracker walk;
+  km_tracker tracker;
   km_tracker_space space;
   km_arena arena;
-  km_node start, nodes[2], siblings[KM_WALK_ABREAST];
+  km_node start, nodes[2], siblings[KM_STEP_BATCH];
 } walker;
 
 static void run_steps(void *context) {
-  static const km_step_choice plain = {0};
+  static const km_step_choice greedy_choice = {0};
   walker *w = context;
-  km_node_copy(w->walk.arm, &w->nodes[0], &w->start);
+  km_node_copy(w->tracker.arm, &w->nodes[0], &w->start);
   for (int i = 0; i < w->study->path->samples - 1; ++i)
-    if (km_tracker_step(&w->walk, &w->space, i, 1.0, &w->nodes[i % 2], &plain, &w->nodes[1 - i % 2]).stop)
+    if (km_tracker_step(&w->tracker, &w->space, i, 1.0, &w->nodes[i % 2], &greedy_choice, &w->nodes[1 - i % 2]).stop)
       bench_fail(name, "the track stops");
 }
 
 /* Eight branches from the start, and the same one by one. */
-static const double tilts[KM_WALK_ABREAST] = {-0.5, -0.3, -0.1, 0.0, 0.1, 0.2, 0.3, 0.5};
+static const double tan_phis[KM_STEP_BATCH] = {-0.5, -0.3, -0.1, 0.0, 0.1, 0.2, 0.3, 0.5};
 
 static void run_abreast(void *context) {
   walker *w = context;
-  const km_node *from[KM_WALK_ABREAST];
-  km_node *to[KM_WALK_ABREAST];
-  km_step_choice ways[KM_WALK_ABREAST];
-  km_step_end ends[KM_WALK_ABREAST];
-  static const int samples[KM_WALK_ABREAST] = {0};
-  for (int i = 0; i < KM_WALK_ABREAST; ++i) {
+  const km_node *from[KM_STEP_BATCH];
+  km_node *to[KM_STEP_BATCH];
+  km_step_choice choices[KM_STEP_BATCH];
+  km_step_end ends[KM_STEP_BATCH];
+  static const int samples[KM_STEP_BATCH] = {0};
+  for (int i = 0; i < KM_STEP_BATCH; ++i) {
     from[i] = &w->start;
     to[i] = &w->siblings[i];
-    ways[i] = (km_step_choice){.tilt = &tilts[i]};
+    choices[i] = (km_step_choice){.tan_phi = &tan_phis[i]};
   }
-  km_tracker_steps(&w->walk, &w->space, samples, KM_WALK_ABREAST, from, ways, to, ends);
+  km_tracker_steps(&w->tracker, &w->space, samples, KM_STEP_BATCH, from, choices, to, ends);
 }
 
 static void run_one_by_one(void *context) {
   walker *w = context;
-  for (int i = 0; i < KM_WALK_ABREAST; ++i) {
-    const km_step_choice way = {.tilt = &tilts[i]};
-    km_tracker_step(&w->walk, &w->space, 0, 1.0, &w->start, &way, &w->siblings[i]);
+  for (int i = 0; i < KM_STEP_BATCH; ++i) {
+    const km_step_choice choice = {.tan_phi = &tan_phis[i]};
+    km_tracker_step(&w->tracker, &w->space, 0, 1.0, &w->start, &choice, &w->siblings[i]);
   }
 }
 
@@ -248,19 +248,19 @@ static double tree_steps(int samples, int branches, int levels) {
 }
 
 static walker walker_of(const km_study *study, int jobs) {
-  static const km_step_choice plain = {0};
-  walker w = {.study = study, .jobs = jobs, .walk = {study->arm, study->path, &study->objective}};
+  static const km_step_choice greedy_choice = {0};
+  walker w = {.study = study, .jobs = jobs, .tracker = {study->arm, study->path, &study->objective}};
   double q[N];
-  bool whole = km_tracker_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);
-  for (int i = 0; i < 2 && whole; ++i)
-    whole = km_node_create(study->arm, &w.arena, &w.nodes[i]);
-  for (int i = 0; i < KM_WALK_ABREAST && whole; ++i)
-    whole = km_node_create(study->arm, &w.arena, &w.siblings[i]);
-  if (!whole)
+  bool is_ok = km_tracker_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);
+  for (int i = 0; i < 2 && is_ok; ++i)
+    is_ok = km_node_create(study->arm, &w.arena, &w.nodes[i]);
+  for (int i = 0; i < KM_STEP_BATCH && is_ok; ++i)
+    is_ok = km_node_create(study->arm, &w.arena, &w.siblings[i]);
+  if (!is_ok)
     bench_fail(name, "out of memory");
   for (int k = 0; k < N; ++k)
-    q[k] = km_arm_read(study->arm, k, study->start[k]);
-  km_tracker_begin(&w.walk, &w.space, 0, q, &plain, &w.start);
+    q[k] = km_arm_from_units(study->arm, k, study->start[k]);
+  km_tracker_compute_node(&w.tracker, &w.space, 0, q, &greedy_choice, &w.start);
   return w;
 }
 
@@ -270,12 +270,12 @@ static void walker_free(walker *w) {
 }
 
 static void agree_abreast(walker *w) {
-  double q[KM_WALK_ABREAST][N];
+  double q[KM_STEP_BATCH][N];
   run_abreast(w);
-  for (int i = 0; i < KM_WALK_ABREAST; ++i)
+  for (int i = 0; i < KM_STEP_BATCH; ++i)
     memcpy(q[i], w->siblings[i].q, sizeof q[i]);
   run_one_by_one(w);
-  for (int i = 0; i < KM_WALK_ABREAST; ++i)
+  for (int i = 0; i < KM_STEP_BATCH; ++i)
     bench_agree(name, "siblings side by side", q[i], w->siblings[i].q, N, 0.0);
 }
 

@@ -41,7 +41,7 @@ static void pose_is_that_of_the_bodies(void **state) {
     subject s = subject_of(i, KM_TASK_POSE);
     double far = km_vec3_norm(s.arm->origin);
     for (int trial = 0; trial < 20; ++trial) {
-      double q[KM_ARM_MOST];
+      double q[KM_ARM_MAX_JOINTS];
       random_pose(s.arm, &r, q);
       km_arm_update(s.arm, &s.space, q);
       km_pose own = km_arm_to_model(s.arm, &s.space.pose), theirs = effector_by_bodies(&s.f, s.arm, q);
@@ -61,7 +61,7 @@ static void jacobian_is_that_of_the_twists(void **state) {
     subject s = subject_of(i, KM_TASK_POSE);
     double L = s.arm->length;
     for (int trial = 0; trial < 20; ++trial) {
-      double q[KM_ARM_MOST];
+      double q[KM_ARM_MAX_JOINTS];
       random_pose(s.arm, &r, q);
       km_arm_update(s.arm, &s.space, q);
       km_pose at = effector_by_bodies(&s.f, s.arm, q);
@@ -99,8 +99,9 @@ static void path_control_is_the_pseudo_inverse(void **state) {
     subject s = subject_of(i % SUBJECTS, (km_task)(i / SUBJECTS));
     const int n = s.arm->n, rows = s.arm->rows, freedom = s.arm->freedom;
     for (int trial = 0; trial < 10; ++trial) {
-      double q[KM_ARM_MOST], xi[6], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], J[6 * KM_ARM_MOST];
-      double sigma[6], S[6], x[KM_ARM_MOST] = {0}, size = 0.0;
+      double q[KM_ARM_MAX_JOINTS], xi[6], path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS],
+          J[6 * KM_ARM_MAX_JOINTS];
+      double sigma[6], S[6], x[KM_ARM_MAX_JOINTS] = {0}, size = 0.0;
       random_pose(s.arm, &r, q);
       for (int k = 0; k < rows; ++k) {
         xi[k] = uniform(&r, -1.0, 1.0);
@@ -125,7 +126,7 @@ static void path_control_is_the_pseudo_inverse(void **state) {
       }
       lapack_int rank;
       memcpy(x, xi, (size_t)rows * sizeof *x);
-      double copy[6 * KM_ARM_MOST];
+      double copy[6 * KM_ARM_MAX_JOINTS];
       memcpy(copy, J, sizeof copy);
       assert_int_equal(LAPACKE_dgelsd(LAPACK_COL_MAJOR, rows, n, 1, copy, rows, x, n, S, 1e-14, &rank), 0);
       for (int k = 0; k < rows; ++k)
@@ -145,7 +146,7 @@ static void effector_moves_along_the_path(void **state) {
   subject s = subject_of(2, KM_TASK_POSE);
   static const double xi[6] = {0.3, -0.4, 0.5, 0.2, 0.6, -0.3};
   const double h = 1e-8;
-  double q[KM_ARM_MOST], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST];
+  double q[KM_ARM_MAX_JOINTS], path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS];
   for (int k = 0; k < s.arm->n; ++k)
     q[k] = s.f.state->q[s.arm->coordinate[k]];
   km_arm_update(s.arm, &s.space, q);
@@ -190,7 +191,7 @@ static void thesis_columns(void **state) {
 static void thesis_robot(void **state) {
   (void)state;
   subject s = subject_of(2, KM_TASK_POSE);
-  double q[KM_ARM_MOST];
+  double q[KM_ARM_MAX_JOINTS];
   for (int k = 0; k < 7; ++k)
     q[k] = s.f.state->q[s.arm->coordinate[k]];
   km_arm_update(s.arm, &s.space, q);
@@ -215,14 +216,14 @@ static void control_of_random_matrices(void **state) {
     double A[MOST * MOST] = {0}, Z[MOST * MOST];
     rank = rank < columns ? rank : columns - 1;
     for (int k = 0; k < rank; ++k) {
-      double left[MOST], right[MOST];
+      double pose_error[MOST], right[MOST];
       for (int i = 0; i < MOST; ++i) {
-        left[i] = uniform(&r, -1.0, 1.0);
+        pose_error[i] = uniform(&r, -1.0, 1.0);
         right[i] = uniform(&r, -1.0, 1.0);
       }
       for (int c = 0; c < columns; ++c)
         for (int i = 0; i < rows; ++i)
-          A[c * rows + i] += left[i] * right[c];
+          A[c * rows + i] += pose_error[i] * right[c];
     }
     km_control control;
     assert_int_equal(km_control_of_matrix(A, rows, columns, Z, &control, NULL), KM_OK);
@@ -274,7 +275,7 @@ static void sines(void **state) {
   }
 }
 
-unsigned km_lanes_reach_plain(const km_arm *arm, km_lanes *lanes);
+unsigned km_lanes_step_plain(const km_arm *arm, km_lanes *lanes);
 
 /* Lane l begins so that its predictor leads near q, and aims at the pose there. */
 static void start_near(const km_study *study, km_tracker_space *space, randomness *r, const double *q, km_lanes *lanes,
@@ -284,18 +285,18 @@ static void start_near(const km_study *study, km_tracker_space *space, randomnes
   lanes->start.z[l] = 0.5;
   lanes->start.ds[l] = 0.05;
   lanes->start.per_second[l] = lanes->start.speed[l] = 1.0;
-  lanes->start.tilt[l] = uniform(r, -1.0, 1.0);
+  lanes->start.tan_phi[l] = uniform(r, -1.0, 1.0);
   for (int k = 0; k < 7; ++k) {
     lanes->start.path[k][l] = uniform(r, 0.2, 1.0);
     lanes->start.null[k][l] = uniform(r, -0.1, 0.1);
     lanes->start.last[k][l] = uniform(r, -1e-3, 1e-3);
     lanes->start.before[k][l] = uniform(r, -1e-3, 1e-3);
-    double step = (lanes->start.path[k][l] + lanes->start.tilt[l] * lanes->start.null[k][l]) / 0.5 * 0.05;
+    double step = (lanes->start.path[k][l] + lanes->start.tan_phi[l] * lanes->start.null[k][l]) / 0.5 * 0.05;
     lanes->start.q[k][l] = q[k] - step + uniform(r, -1e-3, 1e-3);
   }
   km_arm_update(study->arm, &space->arm, q);
   km_arm_task_rows(study->arm, &space->arm.pose.R, point->twist, xi);
-  km_lanes_aim(lanes, l, &space->arm.pose, xi);
+  km_lanes_set_target(lanes, l, &space->arm.pose, xi);
 }
 
 /* Nodes computed in SIMD lanes have the bits of nodes computed one by one, also if some fail, for every register
@@ -316,40 +317,40 @@ static void lanes_have_the_same_bits(void **state) {
         "\"steps\": %d}]}, \"objective\": \"%s\"}",
         x, y, z, steps, objectives[trial % 2]);
     km_study *study = study_of(&f, text);
-    const km_tracker walk = {study->arm, study->path, &study->objective};
+    const km_tracker tracker = {study->arm, study->path, &study->objective};
     km_tracker_space space;
     km_arena arena = {0};
-    km_node from[KM_WALK_ABREAST], to[KM_WALK_ABREAST], one;
+    km_node from[KM_STEP_BATCH], to[KM_STEP_BATCH], one;
     assert_true(km_tracker_space_create(study->arm, &space) && km_node_create(study->arm, &arena, &one));
-    const km_node *starts[KM_WALK_ABREAST];
-    km_node *ends_at[KM_WALK_ABREAST];
-    km_step_choice ways[KM_WALK_ABREAST];
-    km_step_end ends[KM_WALK_ABREAST];
-    double tilt[KM_WALK_ABREAST], q[7];
+    const km_node *start_is_valid[KM_STEP_BATCH];
+    km_node *ends_at[KM_STEP_BATCH];
+    km_step_choice choices[KM_STEP_BATCH];
+    km_step_end ends[KM_STEP_BATCH];
+    double tan_phi[KM_STEP_BATCH], q[7];
     for (int k = 0; k < 7; ++k)
-      q[k] = km_arm_read(study->arm, k, study->start[k]);
-    int count = 2 + below(&r, KM_WALK_ABREAST - 1);
-    for (int l = 0; l < KM_WALK_ABREAST; ++l) {
-      static const km_step_choice plain = {0};
+      q[k] = km_arm_from_units(study->arm, k, study->start[k]);
+    int count = 2 + below(&r, KM_STEP_BATCH - 1);
+    for (int l = 0; l < KM_STEP_BATCH; ++l) {
+      static const km_step_choice greedy_choice = {0};
       assert_true(km_node_create(study->arm, &arena, &from[l]) && km_node_create(study->arm, &arena, &to[l]));
-      km_tracker_begin(&walk, &space, 0, q, &plain, &from[l]);
-      tilt[l] = uniform(&r, -3.0, 3.0);
-      ways[l] = (km_step_choice){.tilt = &tilt[l]};
-      starts[l] = &from[l];
+      km_tracker_compute_node(&tracker, &space, 0, q, &greedy_choice, &from[l]);
+      tan_phi[l] = uniform(&r, -3.0, 3.0);
+      choices[l] = (km_step_choice){.tan_phi = &tan_phi[l]};
+      start_is_valid[l] = &from[l];
       ends_at[l] = &to[l];
     }
-    int samples[KM_WALK_ABREAST] = {0}, last = study->path->samples - 1;
+    int samples[KM_STEP_BATCH] = {0}, last = study->path->samples - 1;
     for (int l = 1; l < count && last > 1; l += 2) /* some are a sample ahead of the others */
-      if (!km_tracker_step(&walk, &space, 0, 1.0, &from[l], &ways[l], &one).stop) {
+      if (!km_tracker_step(&tracker, &space, 0, 1.0, &from[l], &choices[l], &one).stop) {
         km_node_copy(study->arm, &from[l], &one);
         samples[l] = 1;
       }
     for (int k = 0; k < last - 1 && k < 4; ++k) {
       unsigned long before = space.arm.evaluations, told = 0;
-      km_tracker_steps(&walk, &space, samples, count, starts, ways, ends_at, ends);
+      km_tracker_steps(&tracker, &space, samples, count, start_is_valid, choices, ends_at, ends);
       unsigned long abreast = space.arm.evaluations - before;
       for (int l = 0; l < count; ++l) {
-        km_step_end end = km_tracker_step(&walk, &space, samples[l], 1.0, &from[l], &ways[l], &one);
+        km_step_end end = km_tracker_step(&tracker, &space, samples[l], 1.0, &from[l], &choices[l], &one);
         told += ends[l].evaluations;
         assert_int_equal(end.stop, ends[l].stop);
         assert_int_equal(end.column, ends[l].column);
@@ -360,7 +361,7 @@ static void lanes_have_the_same_bits(void **state) {
         assert_memory_equal(one.q, to[l].q, 7 * sizeof(double));
         assert_memory_equal(one.path, to[l].path, 8 * sizeof(double));
         assert_memory_equal(one.self, to[l].self, 7 * sizeof(double));
-        assert_memory_equal(one.bend, to[l].bend, 7 * sizeof(double));
+        assert_memory_equal(one.corrections, to[l].corrections, 7 * sizeof(double));
         assert_memory_equal(&one.value, &to[l].value, sizeof(double));
         km_node_copy(study->arm, &from[l], &one);
         samples[l]++;
@@ -371,11 +372,11 @@ static void lanes_have_the_same_bits(void **state) {
     for (int l = 0; l < KM_LANES; ++l)
       start_near(study, &space, &r, q, &a, l);
     b = a;
-    unsigned done = km_lanes_reach(study->arm, &a);
-    assert_int_equal(done & a.used, km_lanes_reach_plain(study->arm, &b) & b.used);
+    unsigned done = km_lanes_step(study->arm, &a);
+    assert_int_equal(done & a.used, km_lanes_step_plain(study->arm, &b) & b.used);
     assert_int_equal(done & a.used, a.used);
     for (int l = 0; l < KM_LANES && a.used >> l; ++l)
-      assert_true(a.tries[l] >= 1.0 && a.tries[l] == b.tries[l]);
+      assert_true(a.jacobians[l] >= 1.0 && a.jacobians[l] == b.jacobians[l]);
     for (int l = 0; l < KM_LANES && a.used >> l; ++l)
       for (int k = 0; k < 7; ++k)
         assert_true(a.q[k][l] == b.q[k][l] && a.path[k][l] == b.path[k][l] && a.null[k][l] == b.null[k][l]);
@@ -388,11 +389,11 @@ static void lanes_have_the_same_bits(void **state) {
 }
 
 /* The predictor of a whole step: (c₁/z + tan φ·c₂/z)Δσ from a node. */
-static void predicted(const km_arm *a, const km_node *from, const double *tilt, double ds, double *q) {
+static void predicted(const km_arm *a, const km_node *from, const double *tan_phi, double ds, double *q) {
   for (int k = 0; k < a->n; ++k) {
     double rate = from->path[k];
     for (int j = 0; j < a->freedom; ++j)
-      rate += tilt[j] * from->self[j * a->n + k];
+      rate += tan_phi[j] * from->self[j * a->n + k];
     q[k] = from->q[k] + rate / from->z * ds;
   }
 }
@@ -405,7 +406,7 @@ static void steps_end_nearest_to_their_predictors(void **state) {
   (void)state;
   static const struct {
     const char *model, *body, *task;
-    double tilts[2];
+    double tan_phis[2];
   } cases[] = {{"iiwa14", "flange", "pose", {0.3}},
                {"panda", "flange", "pose", {0.0}},
                {"iiwa14", "flange", "axis", {0.2, -0.1}}};
@@ -418,24 +419,24 @@ static void steps_end_nearest_to_their_predictors(void **state) {
              cases[i].body, cases[i].task);
     km_study *study = study_of(&f, text);
     const km_arm *a = study->arm;
-    const km_tracker walk = {a, study->path, &study->objective};
+    const km_tracker tracker = {a, study->path, &study->objective};
     km_tracker_space space;
     km_arena arena = {0};
     km_node here, there, alone;
     assert_true(km_tracker_space_create(a, &space) && km_node_create(a, &arena, &here) &&
                 km_node_create(a, &arena, &there) && km_node_create(a, &arena, &alone));
-    const km_step_choice way = {.tilt = cases[i].tilts};
-    double q[KM_ARM_MOST], d[KM_ARM_MOST];
+    const km_step_choice choice = {.tan_phi = cases[i].tan_phis};
+    double q[KM_ARM_MAX_JOINTS], d[KM_ARM_MAX_JOINTS];
     for (int k = 0; k < a->n; ++k)
-      q[k] = km_arm_read(a, k, study->start[k]);
-    km_tracker_begin(&walk, &space, 0, q, &way, &here);
+      q[k] = km_arm_from_units(a, k, study->start[k]);
+    km_tracker_compute_node(&tracker, &space, 0, q, &choice, &here);
     unsigned long steps = 0, before;
     for (int sample = 0; sample < 60; ++sample) {
       double ds = study->path->points[sample + 1].s - study->path->points[sample].s, size = 0.0;
       before = space.arm.evaluations;
-      assert_int_equal(km_tracker_step(&walk, &space, sample, 1.0, &here, &way, &there).stop, KM_TRACK_COMPLETE);
+      assert_int_equal(km_tracker_step(&tracker, &space, sample, 1.0, &here, &choice, &there).stop, KM_TRACK_COMPLETE);
       steps += sample > 3 ? space.arm.evaluations - before : 2;
-      predicted(a, &here, cases[i].tilts, ds, d);
+      predicted(a, &here, cases[i].tan_phis, ds, d);
       for (int k = 0; k < a->n; ++k) {
         d[k] = there.q[k] - d[k];
         size += d[k] * d[k];
@@ -443,8 +444,8 @@ static void steps_end_nearest_to_their_predictors(void **state) {
       assert_true(size > 1e-16); /* there was something to correct */
       for (int j = 0; j < a->freedom; ++j)
         assert_at_most(fabs(dot(there.self + j * a->n, d, a->n)), 1e-12 + 10.0 * size * size);
-      here.bends = 0;
-      km_tracker_step(&walk, &space, sample, 1.0, &here, &way, &alone);
+      here.correction_count = 0;
+      km_tracker_step(&tracker, &space, sample, 1.0, &here, &choice, &alone);
       for (int k = 0; k < a->n; ++k)
         assert_near(alone.q[k], there.q[k], 1e-11 + 20.0 * size * size);
       km_node_copy(a, &here, &there);

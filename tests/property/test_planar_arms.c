@@ -51,7 +51,7 @@ static void planar_arms_have_rows_of_their_plane(void **state) {
     const int n = arms[i / 2].links, rows = km_arm_rows(arm);
     assert_int_equal(km_arm_freedom(arm), arms[i / 2].freedom);
     assert_int_equal(rows, arms[i / 2].task == KM_TASK_POSE ? 6 : 3);
-    double q[KM_ARM_MOST], J[6 * KM_ARM_MOST], near[KM_ARM_MOST];
+    double q[KM_ARM_MAX_JOINTS], J[6 * KM_ARM_MAX_JOINTS], near[KM_ARM_MAX_JOINTS];
     for (int k = 0; k < n; ++k)
       q[k] = 0.3 + 0.1 * k;
     assert_int_equal(km_arm_jacobian(arm, q, J, NULL), KM_OK);

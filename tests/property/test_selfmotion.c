@@ -20,7 +20,7 @@ static km_selfmotion follow(const km_arm *arm, const double *q) {
 static double limit_distance(const km_arm *arm, const double *q) {
   double worst = -HUGE_VAL;
   for (int k = 0; k < arm->n; ++k)
-    worst = fmax(worst, km_arm_beyond(arm, k, q[k]));
+    worst = fmax(worst, km_arm_limit_excess(arm, k, q[k]));
   return worst;
 }
 
@@ -91,20 +91,20 @@ static void narrow_arcs_are_found(void **state) {
   km_arm_space space;
   assert_true(km_arm_space_create(arm, &space));
   km_arm_update(arm, &space, well_inside);
-  km_loop_curve curve = {.arm = arm, .space = &space, .target = space.pose};
-  assert_true(km_loop_curve_follow(&curve, well_inside, 100.0));
+  km_selfmotion_curve curve = {.arm = arm, .space = &space, .target = space.pose};
+  assert_true(km_selfmotion_curve_follow(&curve, well_inside, 100.0));
   double top = -HUGE_VAL;
   for (int i = 0; i < curve.count; ++i)
     for (int part = 0; part < 50; ++part) {
-      double q[KM_ARM_MOST];
-      assert_true(km_loop_curve_between(&curve, i, part / 50.0, q, NULL));
+      double q[KM_ARM_MAX_JOINTS];
+      assert_true(km_selfmotion_curve_interpolate(&curve, i, part / 50.0, q, NULL));
       top = fmax(top, q[1]);
     }
   for (double depth = 1e-2; depth > 1e-6; depth *= 0.1) {
     int count;
     arm->low[1] = top - depth;
     arm->high[1] = top + 0.5;
-    km_arc_span *arcs = km_loop_curve_arcs(&curve, &count);
+    km_arc_span *arcs = km_selfmotion_curve_arcs(&curve, &count);
     assert_true(count >= 1);
     for (int k = 0; k < count; ++k) {
       double width = arcs[k].to - arcs[k].from;
@@ -113,7 +113,7 @@ static void narrow_arcs_are_found(void **state) {
     }
     km_free(arcs);
   }
-  km_loop_curve_free(&curve);
+  km_selfmotion_curve_free(&curve);
   km_arm_space_free(&space);
   km_arm_free(arm);
   fixture_close(&f);
@@ -260,7 +260,7 @@ static void iiwa_has_eight_branches(void **state) {
   fixture f = fixture_open("iiwa14");
   km_arm *arm = arm_of(&f, "flange", "tool", KM_TASK_POSE);
   for (int trial = 0; trial < 6; ++trial) {
-    double q[KM_ARM_MOST];
+    double q[KM_ARM_MAX_JOINTS];
     for (int k = 0; k < 7; ++k)
       q[k] = well_inside[k] + (trial ? uniform(&r, -0.1, 0.1) : 0.0);
     km_pose at = effector_by_bodies(&f, arm, q);
@@ -309,7 +309,7 @@ static void wide_limits_keep_the_branches(void **state) {
 /* Six coordinates: single poses, of which one is where we came from. */
 static void six_joints_have_single_poses(void **state) {
   (void)state;
-  static const double q[KM_ARM_MOST] = {0.2, 0.6, -1.4, 0.3, 0.9, 0.2};
+  static const double q[KM_ARM_MAX_JOINTS] = {0.2, 0.6, -1.4, 0.3, 0.9, 0.2};
   fixture f = fixture_open("iiwa14");
   int third;
   km_error error;
@@ -359,7 +359,7 @@ static void a_ur5_reaches_a_pose_in_eight_ways(void **state) {
       assert_true(km_vec3_norm(km_vec3_sub(at.p, there.p)) < 1e-11);
       for (int k = 0; k < 6 && seed % 2 == 0; ++k) {
         int first, last;
-        km_arm_turn_range(arm, k, branches.pose[6 * b + k], branches.pose[6 * b + k], &first, &last);
+        km_arm_full_turn_range(arm, k, branches.pose[6 * b + k], branches.pose[6 * b + k], &first, &last);
         assert_int_equal(last - first, 1);
       }
     }
@@ -372,7 +372,8 @@ static void a_ur5_reaches_a_pose_in_eight_ways(void **state) {
 /* The arm with a straight elbow: two of the eight solutions coincide, also with rounding. */
 static void a_straight_elbow_is_one_pose(void **state) {
   (void)state;
-  static const double quarter = 0.5 * M_PI, free_turns[6] = {0}, straight[KM_ARM_MOST] = {0.1, 0.2, 0.0, 0.4, 0.5, 0.6};
+  static const double quarter = 0.5 * M_PI, free_turns[6] = {0},
+                      straight[KM_ARM_MAX_JOINTS] = {0.1, 0.2, 0.0, 0.4, 0.5, 0.6};
   const double dh[6][3] = {{quarter, 0, 0.089159}, {0, -0.425, 0},         {0, -0.39225, 0},
                            {quarter, 0, 0.10915},  {-quarter, 0, 0.09465}, {0, 0, 0.0823}};
   fixture f = dh_arm(dh, 6, free_turns, false);
@@ -443,12 +444,12 @@ static void slides_that_leave(void **state) {
       "0.4},"
       "{\"name\": \"E\", \"type\": \"Rz\", \"body_frame_pairs\": [\"e\", \"h\"], \"initial_displacement\": 0.2}]}]}");
   km_arm *arm = arm_of(&f, "h", "n", KM_TASK_POSE);
-  double q[KM_ARM_MOST];
+  double q[KM_ARM_MAX_JOINTS];
   for (int k = 0; k < arm->n; ++k)
     q[k] = f.mechanism->start[arm->coordinate[k]];
   km_selfmotion motion = follow(arm, q);
   assert_false(motion.closed);
-  assert_true(motion.length > arm->slide_most && motion.length < 4.0 * arm->slide_most);
+  assert_true(motion.length > arm->max_travel && motion.length < 4.0 * arm->max_travel);
   assert_int_equal(motion.arc_count, 1);
   assert_near(motion.arcs[0].to - motion.arcs[0].from, sqrt(2.0), 1e-9); /* T over its metre, S against it */
   km_selfmotion_free(&motion);

@@ -186,7 +186,7 @@ static void other_arms_and_tasks(void **state) {
   fixture f = odd_arm();
   for (int i = 0; i < 3; ++i) {
     char text[1024];
-    double start[KM_ARM_MOST];
+    double start[KM_ARM_MAX_JOINTS];
     km_arm *arm = arm_of(&f, "hand", "tip", KM_TASK_POSE);
     for (int k = 0; k < arm->n; ++k)
       start[k] = f.mechanism->start[arm->coordinate[k]] / arm->unit[k];

@@ -34,7 +34,7 @@ static void the_edge_is_located(void **state) {
                    "\"path\": {\"segments\": [{\"type\": \"line\", \"to\": [1.5, 0.2, 0.4], \"steps\": 50}]}}");
   km_track *track = track_of(study, 0, 1);
   size_t last = km_table_rows(track->table) - 1;
-  double q[KM_ARM_MOST];
+  double q[KM_ARM_MAX_JOINTS];
   assert_int_equal(track->end.stop, KM_TRACK_EDGE);
   for (int k = 0; k < 7; ++k)
     q[k] = km_table_row(track->table, last)[3 + k];

@@ -98,9 +98,9 @@ void assert_on_path(const fixture *f, const km_study *study, const km_track *tra
   assert_true(s.error_position <= 1e-9 * arm->length && s.error_rotation <= 1e-9);
   assert_int_equal(s.violations, 0);
   for (size_t r = 0; r < rows && r <= (size_t)track->end.sample; ++r) {
-    double q[KM_ARM_MOST], values[12];
+    double q[KM_ARM_MAX_JOINTS], values[12];
     for (int k = 0; k < arm->n; ++k)
-      q[k] = km_arm_read(arm, k, km_table_row(track->table, r)[3 + k]);
+      q[k] = km_arm_from_units(arm, k, km_table_row(track->table, r)[3 + k]);
     km_pose at = effector_by_bodies(f, arm, q);
     km_frame_pose want;
     km_path_pose(study->path, (int)r, &want);

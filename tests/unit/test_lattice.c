@@ -26,9 +26,9 @@ static void directions_are_alike(void **state) {
     for (int wanted = 1; wanted <= 12; ++wanted) {
       km_arena arena = {0};
       km_lattice l;
-      assert_true(km_lattice_make(freedom, radius, wanted, &arena, &l));
-      assert_true(l.count <= 33 && l.each <= wanted && l.each <= 8);
-      assert_int_equal(l.wider, l.each < wanted);
+      assert_true(km_lattice_create(freedom, radius, wanted, &arena, &l));
+      assert_true(l.count <= 33 && l.steps_per_radius <= wanted && l.steps_per_radius <= 8);
+      assert_int_equal(l.is_coarse, l.steps_per_radius < wanted);
       for (int i = 0; i < l.count; ++i) {
         double image[MOST], square = 0.0;
         for (int k = 0; k < freedom; ++k)
@@ -46,9 +46,9 @@ static void directions_are_alike(void **state) {
           }
       }
       for (int k = 0; k < freedom; ++k)
-        for (int step = -l.each; step <= l.each; ++step) {
+        for (int step = -l.steps_per_radius; step <= l.steps_per_radius; ++step) {
           double on_axis[MOST] = {0};
-          on_axis[k] = radius * step / l.each;
+          on_axis[k] = radius * step / l.steps_per_radius;
           assert_int_equal(find(&l, freedom, on_axis), 1);
         }
       km_arena_free(&arena);
@@ -62,9 +62,9 @@ static void counts(void **state) {
   for (size_t i = 0; i < sizeof expected / sizeof *expected; ++i) {
     km_arena arena = {0};
     km_lattice l;
-    assert_true(km_lattice_make(expected[i][0], 1.0, expected[i][1], &arena, &l));
+    assert_true(km_lattice_create(expected[i][0], 1.0, expected[i][1], &arena, &l));
     assert_int_equal(l.count, expected[i][2]);
-    assert_false(l.wider);
+    assert_false(l.is_coarse);
     km_arena_free(&arena);
   }
 }

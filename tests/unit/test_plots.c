@@ -132,8 +132,8 @@ static void check_joints(const km_plot *plot, const km_track *t, const char *pre
     for (size_t r = 0; r < line->count; ++r) {
       double want = shown_cell(t->table, r, prefix, line->name);
       if (share) {
-        double low = km_arm_shown(t->arm, joint, t->arm->low[joint]),
-               high = km_arm_shown(t->arm, joint, t->arm->high[joint]);
+        double low = km_arm_to_units(t->arm, joint, t->arm->low[joint]),
+               high = km_arm_to_units(t->arm, joint, t->arm->high[joint]);
         want = (want - 0.5 * (low + high)) / (0.5 * (high - low));
       }
       assert_true(line->x[r] == shown_cell(t->table, r, "", "s"));

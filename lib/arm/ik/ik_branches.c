@@ -1,4 +1,5 @@
-/* Inverse kinematics: every branch as a record, and the pose that is nearest to another. */
+/* Inverse kinematics: records of all branches, and the solution closest to a given configuration (docs/theory.md
+ * 12.9). */
 #include "arm/ik/ik_search.h"
 
 #include "arm/arm_arguments.h"
@@ -6,12 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The point of a branch's arcs (or of all of it) that is furthest from the limits; its index. */
-static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
+/* Index of the curve's point with the largest limit distance. */
+static int best_point(const km_arm *a, const km_selfmotion_curve *c, double *margin) {
   int best = 0;
   *margin = -(double)INFINITY;
   for (int i = 0; i < c->count; ++i) {
-    double q[KM_ARM_MOST];
+    double q[KM_ARM_MAX_JOINTS];
     memcpy(q, c->q + i * a->n, (size_t)a->n * sizeof *q);
     km_arm_unwind(a, q);
     double distance = km_arm_limit_distance(a, q);
@@ -23,19 +24,19 @@ static int best_point(const km_arm *a, const km_loop_curve *c, double *margin) {
   return best;
 }
 
-/* The pose in the middle of an arc, hinges unwound. */
-static bool middle_of(const km_arm *a, const km_loop_curve *c, const km_arc_span *arc, double *q) {
-  if (!km_loop_curve_at(c, 0.5 * (arc->from + arc->to), q))
+/* Configuration in the middle of an arc, hinges unwound. */
+static bool arc_middle(const km_arm *a, const km_selfmotion_curve *c, const km_arc_span *arc, double *q) {
+  if (!km_selfmotion_curve_at(c, 0.5 * (arc->from + arc->to), q))
     return false;
   km_arm_unwind(a, q);
   return true;
 }
 
-/* A narrow arc may hold none of the curve's points: then its middle stands for it. */
-static double best_middle(const km_arm *a, const km_loop_curve *c, const km_selfmotion *m, double *q) {
-  double best = -(double)INFINITY, at[KM_ARM_MOST];
+/* Best limit distance among the middles of arcs; a narrow arc can contain no point of the curve. */
+static double best_middle(const km_arm *a, const km_selfmotion_curve *c, const km_selfmotion *m, double *q) {
+  double best = -(double)INFINITY, at[KM_ARM_MAX_JOINTS];
   for (int k = 0; k < m->arc_count; ++k) {
-    if (!middle_of(a, c, &m->arcs[k], at))
+    if (!arc_middle(a, c, &m->arcs[k], at))
       continue;
     double distance = km_arm_limit_distance(a, at);
     if (distance > best) {
@@ -46,9 +47,9 @@ static double best_middle(const km_arm *a, const km_loop_curve *c, const km_self
   return best;
 }
 
-/* The same curve by full turns, so that point i is unwound: its arcs are then those that pass there. */
-static void unwind_at(const km_arm *a, km_loop_curve *c, int i) {
-  double turn[KM_ARM_MOST];
+/* Shifts the curve by full turns so that point i is unwound; its arcs are then those through that point. */
+static void unwind_at(const km_arm *a, km_selfmotion_curve *c, int i) {
+  double turn[KM_ARM_MAX_JOINTS];
   memcpy(turn, c->q + i * a->n, (size_t)a->n * sizeof *turn);
   km_arm_unwind(a, turn);
   for (int k = 0; k < a->n; ++k)
@@ -58,10 +59,10 @@ static void unwind_at(const km_arm *a, km_loop_curve *c, int i) {
       c->q[j * a->n + k] += turn[k];
 }
 
-static km_status describe(km_finder *f, km_loop_curve *c, km_selfmotion *out, double *pose, double *margin,
-                          km_error *error) {
-  const km_arm *a = f->arm;
-  double q[KM_ARM_MOST];
+static km_status write_branch(km_ik_search *search, km_selfmotion_curve *c, km_selfmotion *out, double *pose,
+                              double *margin, km_error *error) {
+  const km_arm *a = search->arm;
+  double q[KM_ARM_MAX_JOINTS];
   int best = best_point(a, c, margin);
   unwind_at(a, c, best);
   memcpy(q, c->q + best * a->n, (size_t)a->n * sizeof *q);
@@ -69,7 +70,7 @@ static km_status describe(km_finder *f, km_loop_curve *c, km_selfmotion *out, do
     km_status status = km_selfmotion_export(c, out, error);
     if (status)
       return status;
-    double middle[KM_ARM_MOST], there = best_middle(a, c, out, middle);
+    double middle[KM_ARM_MAX_JOINTS], there = best_middle(a, c, out, middle);
     if (there > *margin) {
       *margin = there;
       memcpy(q, middle, (size_t)a->n * sizeof *q);
@@ -77,20 +78,20 @@ static km_status describe(km_finder *f, km_loop_curve *c, km_selfmotion *out, do
   }
   km_arm_unwind(a, q);
   for (int k = 0; k < a->n; ++k)
-    pose[k] = km_arm_shown(a, k, q[k]);
+    pose[k] = km_arm_to_units(a, k, q[k]);
   return KM_OK;
 }
 
-typedef struct place {
+typedef struct branch_order {
   int index;
   double margin, length;
   const double *pose;
   int columns;
-} place;
+} branch_order;
 
-/* Branches within the limits first, then by their first pose. */
-static int by_place(const void *a, const void *b) {
-  const place *x = a, *y = b;
+/* Sorts branches within the limits first, then by their configurations. */
+static int compare_branches(const void *a, const void *b) {
+  const branch_order *x = a, *y = b;
   if ((x->margin >= 0.0) != (y->margin >= 0.0))
     return x->margin >= 0.0 ? -1 : 1;
   for (int k = 0; k < x->columns; ++k)
@@ -99,11 +100,11 @@ static int by_place(const void *a, const void *b) {
   return x->index - y->index;
 }
 
-static km_status deliver(km_finder *f, km_ik_solutions *out, km_error *error) {
-  size_t count = (size_t)f->count, n = (size_t)f->arm->n;
+static km_status write_solutions(km_ik_search *search, km_ik_solutions *out, km_error *error) {
+  size_t count = (size_t)search->count, n = (size_t)search->arm->n;
   km_selfmotion *items = KM_NEW(km_selfmotion, count + 1);
   double *pose = KM_NEW(double, count *n + 1), *margin = KM_NEW(double, count + 1);
-  place *order = KM_NEW(place, count + 1);
+  branch_order *order = KM_NEW(branch_order, count + 1);
   bool *singular = KM_NEW(bool, count + 1);
   out->items = KM_NEW(km_selfmotion, count + 1);
   out->pose = KM_NEW(double, count *n + 1);
@@ -113,14 +114,14 @@ static km_status deliver(km_finder *f, km_ik_solutions *out, km_error *error) {
       items && pose && margin && order && singular && out->singular && out->items && out->pose && out->margin
           ? KM_OK
           : km_fail(error, KM_MEMORY, "out of memory for the branches");
-  for (int i = 0; i < f->count && !status; ++i) {
-    status = describe(f, &f->curves[i], &items[i], pose + (size_t)i * n, &margin[i], error);
-    singular[i] = km_finder_is_singular(f, i);
-    order[i] = (place){i, margin[i], items[i].length, pose + (size_t)i * n, f->arm->n};
+  for (int i = 0; i < search->count && !status; ++i) {
+    status = write_branch(search, &search->curves[i], &items[i], pose + (size_t)i * n, &margin[i], error);
+    singular[i] = km_ik_search_is_singular(search, i);
+    order[i] = (branch_order){i, margin[i], items[i].length, pose + (size_t)i * n, search->arm->n};
   }
   if (!status && count > 1)
-    qsort(order, count, sizeof *order, by_place);
-  for (int i = 0; i < f->count && !status; ++i) {
+    qsort(order, count, sizeof *order, compare_branches);
+  for (int i = 0; i < search->count && !status; ++i) {
     int from = order[i].index;
     out->items[i] = items[from];
     items[from] = (km_selfmotion){0};
@@ -130,7 +131,7 @@ static km_status deliver(km_finder *f, km_ik_solutions *out, km_error *error) {
     out->within += margin[from] >= 0.0;
     out->count++;
   }
-  for (int i = 0; i < f->count && items; ++i)
+  for (int i = 0; i < search->count && items; ++i)
     km_selfmotion_free(&items[i]);
   km_free(items);
   km_free(pose);
@@ -150,17 +151,17 @@ km_status km_ik_solutions_find(const km_arm *a, const km_frame_pose *given, unsi
     fits = km_check_pose(given, error);
   if (fits)
     return fits;
-  km_finder f;
+  km_ik_search search;
   *out = (km_ik_solutions){0};
   km_pose target = km_arm_pose_of(a, given);
-  km_status status = km_finder_run(a, &target, seed, progress, context, &f, error);
-  out->starts = f.starts;
-  out->converged = f.converged;
-  out->closed_form = f.closed_form;
-  out->confirmed = f.confirmed;
+  km_status status = km_ik_search_run(a, &target, seed, progress, context, &search, error);
+  out->starts = search.starts;
+  out->converged = search.converged;
+  out->closed_form = search.closed_form;
+  out->confirmed = search.confirmed;
   if (!status)
-    status = deliver(&f, out, error);
-  km_finder_free(&f);
+    status = write_solutions(&search, out, error);
+  km_ik_search_free(&search);
   return status;
 }
 
@@ -183,32 +184,34 @@ static double distance_between(const km_arm *a, const double *x, const double *y
   return sqrt(sum);
 }
 
-/* Takes a pose over, at its nearest turn, if it is within the limits, nearer than the best so far, and leads to the target. */
-static void take_nearer(km_finder *f, double *at, const double *near, double *best, double *q) {
-  const km_arm *a = f->arm;
-  km_arm_turn_toward(a, near, at);
+/* Takes a configuration, shifted to the closest full turns, as the best one if it is within the limits, closer to
+ * `near` than the best so far, and reaches the target. */
+static void update_nearest(km_ik_search *search, double *at, const double *near, double *best, double *q) {
+  const km_arm *a = search->arm;
+  km_arm_shift_to_nearest(a, near, at);
   double distance = distance_between(a, at, near);
-  if (km_arm_limit_passed(a, at) >= 0 || distance >= *best || !km_arm_reach(a, &f->space, &f->target, NULL, 5, 0.1, at))
+  if (km_arm_limit_passed(a, at) >= 0 || distance >= *best ||
+      !km_arm_reach(a, &search->space, &search->target, NULL, 5, 0.1, at))
     return;
   *best = distance;
   memcpy(q, at, (size_t)a->n * sizeof *q);
 }
 
-/* Of all branches' points within the limits, and of the middles of their arcs, however narrow, the nearest. */
-static bool nearest_of(km_finder *f, const double *near, double *q) {
-  double best = (double)INFINITY, at[KM_ARM_MOST];
-  for (int b = 0; b < f->count; ++b) {
-    const km_loop_curve *c = &f->curves[b];
+/* Finds the configuration closest to `near` among all points of branches within the limits and all middles of arcs. */
+static bool find_nearest(km_ik_search *search, const double *near, double *q) {
+  double best = (double)INFINITY, at[KM_ARM_MAX_JOINTS];
+  for (int b = 0; b < search->count; ++b) {
+    const km_selfmotion_curve *c = &search->curves[b];
     for (int i = 0; i < c->count; ++i) {
-      memcpy(at, c->q + i * f->arm->n, (size_t)f->arm->n * sizeof *at);
-      km_arm_unwind(f->arm, at);
-      take_nearer(f, at, near, &best, q);
+      memcpy(at, c->q + i * search->arm->n, (size_t)search->arm->n * sizeof *at);
+      km_arm_unwind(search->arm, at);
+      update_nearest(search, at, near, &best, q);
     }
     int arc_count = 0;
-    km_arc_span *arcs = f->arm->freedom == 1 ? km_loop_curve_arcs(c, &arc_count) : NULL;
+    km_arc_span *arcs = search->arm->freedom == 1 ? km_selfmotion_curve_arcs(c, &arc_count) : NULL;
     for (int k = 0; arcs && k < arc_count; ++k)
-      if (middle_of(f->arm, c, &arcs[k], at))
-        take_nearer(f, at, near, &best, q);
+      if (arc_middle(search->arm, c, &arcs[k], at))
+        update_nearest(search, at, near, &best, q);
     km_free(arcs);
   }
   return best < (double)INFINITY;
@@ -216,7 +219,7 @@ static bool nearest_of(km_finder *f, const double *near, double *q) {
 
 km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *near, unsigned long seed,
                          km_progress progress, void *context, double *q, km_error *error) {
-  km_finder f;
+  km_ik_search search;
   km_arm_space space;
   if (!km_arm_space_create(a, &space))
     return km_fail(error, KM_MEMORY, "out of memory for inverse kinematics");
@@ -226,11 +229,11 @@ km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *n
   km_arm_space_free(&space);
   if (there)
     return KM_OK;
-  km_status status = km_finder_run(a, target, seed, progress, context, &f, error);
-  if (!status && !nearest_of(&f, near, q))
+  km_status status = km_ik_search_run(a, target, seed, progress, context, &search, error);
+  if (!status && !find_nearest(&search, near, q))
     status = km_fail(error, KM_NO_RESULT,
-                     "the pose is reached on %d branch%s, but never with all joints within their limits", f.count,
-                     f.count == 1 ? "" : "es");
-  km_finder_free(&f);
+                     "the pose is reached on %d branch%s, but never with all joints within their limits", search.count,
+                     search.count == 1 ? "" : "es");
+  km_ik_search_free(&search);
   return status;
 }

@@ -1,91 +1,95 @@
-/* Poses that reach a target, and the curves they lie on. */
+/* Configurations that reach a target pose, and the self-motion curves on which they lie (docs/theory.md 12.8 and
+ * 12.9). */
 #ifndef KM_ARM_IK_IK_BRANCHES_H
 #define KM_ARM_IK_IK_BRANCHES_H
 
 #include "arm/path_control.h"
 #include "kmech/arm.h"
 
-/* A pose that reaches the target, from up to `starts` places; false if none is found. Hinges come within a half turn
- * of the middle of their limits. */
+/* Finds one configuration that reaches the target, by Newton's method from up to `starts` random starts. Hinges are
+ * moved to within half a turn of the middle of their limits. False: none found. */
 bool km_arm_search(const km_arm *arm, km_arm_space *space, const km_pose *target, int starts, unsigned long seed,
                    double *q);
 
-/* The pose nearest to `near`[n] within the limits that reaches the target: by Newton's method from there, else of all
- * branches. KM_NO_RESULT: out of reach, or never within the limits. */
+/* Finds the configuration within the limits that reaches the target and is closest to near[n]: by Newton's method
+ * from there, else among all branches. KM_NO_RESULT: out of reach, or never within the limits. */
 km_status km_arm_nearest(const km_arm *arm, const km_pose *target, const double *near, unsigned long seed,
                          km_progress progress, void *context, double *q, km_error *error);
 
-/* A curve of poses that hold the effector at `target`; arrays as km_selfmotion, but q in the arm's own units. */
-typedef struct km_loop_curve {
+/* A curve of configurations whose effector has the pose `target`. Arrays as in km_selfmotion, q in the arm's units. */
+typedef struct km_selfmotion_curve {
   const km_arm *arm;
   km_arm_space *space;
   km_pose target;
-  const double *sense; /* [n] along which u grows; NULL: the tangent's largest entry is positive */
+  const double *sense; /* [n] direction of growing u; NULL: the tangent's largest entry is positive */
   int count, capacity;
   double *u, *q, *t; /* [count], [count × n], [count × n] unit tangents */
   bool closed, failed;
   double length;
-  km_progress progress; /* NULL: nobody asks */
+  km_progress progress; /* NULL: no progress calls */
   void *context;
-  bool cancelled; /* then the curve has failed too */
-} km_loop_curve;
+  bool cancelled; /* `failed` is then also true */
+} km_selfmotion_curve;
 
-/* From q along its self-motion: forward, and, if that doesn't close, back from q too. `longest` bounds the way in
- * either sense. With more than one spare freedom forward only, along `sense`. False when out of memory. */
-bool km_loop_curve_follow(km_loop_curve *curve, const double *q, double longest);
-void km_loop_curve_free(km_loop_curve *curve);
-/* The pose a fraction x of the way from point i to i + 1, on the manifold; t[n] its tangent (may be NULL). */
-bool km_loop_curve_between(const km_loop_curve *curve, int i, double x, double *q, double *t);
-/* Does the curve pass through q (but for full turns)? */
-bool km_loop_curve_passes(const km_loop_curve *curve, const double *q);
+/* Follows the self-motion from q forward and, if that doesn't close, also backward. `longest` bounds the arc length
+ * in either direction. More than one spare freedom: forward only, along `sense`. False: out of memory or
+ * cancelled. */
+bool km_selfmotion_curve_follow(km_selfmotion_curve *curve, const double *q, double longest);
+void km_selfmotion_curve_free(km_selfmotion_curve *curve);
+/* Interpolates at the fraction x between points i and i + 1, projected onto the target pose; t[n] is the tangent
+ * there (may be NULL). */
+bool km_selfmotion_curve_interpolate(const km_selfmotion_curve *curve, int i, double x, double *q, double *t);
+/* True if the curve contains q, full turns not counted. */
+bool km_selfmotion_curve_contains(const km_selfmotion_curve *curve, const double *q);
 
-/* By how much a hinge has turned once round a closed curve: full turns, in radians. */
-double km_loop_curve_turn(const km_loop_curve *curve, int column);
-/* The pose at u; on a closed curve also rounds before its start and after its end, hinges turning on. */
-bool km_loop_curve_at(const km_loop_curve *curve, double u, double *q);
+/* Angle by which a hinge advances over one round of a closed curve: a multiple of 2π. */
+double km_selfmotion_curve_turn(const km_selfmotion_curve *curve, int column);
+/* Configuration at arc length u; on a closed curve u can lie in other rounds, which shift hinges by their full
+ * turns. */
+bool km_selfmotion_curve_at(const km_selfmotion_curve *curve, double u, double *q);
 
-/* Does a hinge that has room for it turn over a closed curve? Only limits then end the motion. */
-bool km_loop_curve_runs_on(const km_loop_curve *curve);
+/* True if a hinge with wide limits makes full turns along a closed curve; then only limits end the motion. */
+bool km_selfmotion_curve_continues(const km_selfmotion_curve *curve);
 
-/* The stretches within the limits, of hinges that have room for a full turn those of the angles as they come from the
- * start. If such a hinge turns over a closed curve, they run on for as many rounds as its limits leave. NULL and *count
- * −1 when out of memory; the caller frees them. */
-km_arc_span *km_loop_curve_arcs(const km_loop_curve *curve, int *count);
+/* Computes the arcs within the limits, with the continuous angles from the start for hinges with wide limits. If
+ * such a hinge makes full turns along a closed curve, the arcs extend over all rounds within its limits. NULL and
+ * *count −1: out of memory. The caller frees the result. */
+km_arc_span *km_selfmotion_curve_arcs(const km_selfmotion_curve *curve, int *count);
 
-/* The stretches within the limits at all full turns that the limits leave room for: the same set of poses from
- * whichever of them the curve was followed. */
-typedef struct km_lifts {
+/* Arcs within the limits for all combinations of full turns within wide limits. The set of configurations doesn't
+ * depend on the start of the curve. */
+typedef struct km_lifted_arcs {
   int count;
-  km_arc_span *arcs; /* by their turns */
-  int *shift;        /* [count × n] full turns that an arc's hinges are ahead of the curve's angles */
-  int *turn; /* [count × n] the full turn in which a hinge with room for several is in the arc's middle, else 0 */
-} km_lifts;
-/* False when out of memory. Free it in any case. */
-bool km_loop_curve_lifts(const km_loop_curve *curve, km_lifts *out);
-void km_lifts_free(km_lifts *lifts);
+  km_arc_span *arcs; /* sorted by their turns */
+  int *shift;        /* [count × n] full turns between an arc's hinges and the curve's angles */
+  int *turn;         /* [count × n] full turn of a hinge with wide limits in the middle of the arc; 0 for others */
+} km_lifted_arcs;
+/* Computes all lifted arcs. False: out of memory. Free the result in any case. */
+bool km_selfmotion_curve_find_lifted_arcs(const km_selfmotion_curve *curve, km_lifted_arcs *out);
+void km_lifted_arcs_free(km_lifted_arcs *lifts);
 
-/* The first and last number of full turns that a hinge may turn on from anywhere in least … most to meet its limits; 0
- * for hinges that have one angle within them, and those without limits on either side. */
-void km_arm_turn_range(const km_arm *arm, int column, double least, double most, int *first, int *last);
+/* Range of full turns by which a hinge can be shifted so that a value between `least` and `most` is within its
+ * limits; 0 … 0 for hinges without wide limits on both sides. */
+void km_arm_full_turn_range(const km_arm *arm, int column, double min_sine, double most, int *first, int *last);
 
-/* Turns hinges by full turns that their limits leave room for, to as near to `near`[n] as can be. */
-void km_arm_turn_toward(const km_arm *arm, const double *near, double *q);
+/* Shifts hinges by full turns, within wide limits, to the values closest to near[n]. */
+void km_arm_shift_to_nearest(const km_arm *arm, const double *near, double *q);
 
-/* The curve as the public record. */
-km_status km_selfmotion_export(const km_loop_curve *curve, km_selfmotion *out, km_error *error);
+/* Writes a curve as a public record. */
+km_status km_selfmotion_export(const km_selfmotion_curve *curve, km_selfmotion *out, km_error *error);
 
-/* Has a hinge limits with less than a full turn (by 1e-9 and more) between them? At most one of its angles is then
+/* True if a hinge's limits are less than a full turn apart (by more than 1e-9): at most one of its angles is then
  * within them. */
-bool km_arm_turns_once(const km_arm *arm, int column);
-/* How far a coordinate is beyond its limits: ≤ 0 within. Of hinges that turn once but for full turns. */
-double km_arm_beyond(const km_arm *arm, int column, double q);
-/* Has a slide left for infinity? Two parallel slides can diverge together. */
-bool km_arm_slides_away(const km_arm *arm, const double *q);
-/* Brings hinges by full turns to within a half turn of the middle of their limits. */
+bool km_arm_has_narrow_limits(const km_arm *arm, int column);
+/* Excess of a coordinate over its limits, ≤ 0 within them; for hinges with narrow limits modulo full turns. */
+double km_arm_limit_excess(const km_arm *arm, int column, double q);
+/* True if a slide exceeds arm->max_travel: two parallel slides can diverge together. */
+bool km_arm_slide_diverged(const km_arm *arm, const double *q);
+/* Shifts all hinges by full turns to within half a turn of the middle of their limits. */
 void km_arm_unwind(const km_arm *arm, double *q);
-/* The same for the hinges that turn once only; the others stay as they are. */
-void km_arm_bring_within(const km_arm *arm, double *q);
-/* b − a, hinges but for full turns. */
+/* Shifts the hinges with narrow limits as km_arm_unwind; the others are unchanged. */
+void km_arm_unwind_narrow(const km_arm *arm, double *q);
+/* Difference b − a; for hinges modulo full turns, in −π … π. */
 double km_arm_difference(const km_arm *arm, int column, double a, double b);
 
 #endif

@@ -1,19 +1,19 @@
-/* Lists points of a cubic lattice, axis by axis. */
+/* Recursive enumeration of the integer lattice points within a ball. */
 #include "arm/methods/ball_lattice.h"
 
-enum { MOST_STEPS = 8, MOST_POINTS = 33 };
+enum { MAX_STEPS = 8, MAX_POINTS = 33 };
 
-typedef struct listing {
-  int freedom, most; /* counting ends beyond `most` points */
-  int *steps;        /* [freedom] of the point in the making */
-  double size;       /* of a step */
-  double *out;       /* NULL: points are only counted */
+typedef struct point_list {
+  int freedom, most; /* enumeration stops above `most` points */
+  int *steps;        /* [freedom] lattice coordinates of the current point */
+  double size;       /* size of a step */
+  double *out;       /* NULL: points are counted only */
   int count;
-} listing;
+} point_list;
 
-/* Adds the points with the steps so far along the axes before `axis`; `left`: of the squared length. Along an axis 0 comes first, then
- * −1, 1, −2, 2 … */
-static void add_points(listing *l, int axis, int left) {
+/* Adds all points that have the given coordinates before `axis`; `left` is the rest of the squared radius. Order
+ * along an axis: 0, −1, 1, −2, 2 … */
+static void add_points(point_list *l, int axis, int left) {
   if (axis == l->freedom) {
     for (int k = 0; k < l->freedom && l->out; ++k)
       l->out[l->count * l->freedom + k] = l->size * l->steps[k];
@@ -27,28 +27,29 @@ static void add_points(listing *l, int axis, int left) {
   }
 }
 
-static int list(listing *l, int each) {
+static int list_points(point_list *l, int steps_per_radius) {
   l->count = 0;
-  add_points(l, 0, each * each);
+  add_points(l, 0, steps_per_radius * steps_per_radius);
   return l->count;
 }
 
-bool km_lattice_make(int freedom, double radius, double wanted, km_arena *arena, km_lattice *out) {
-  const int fewest = 2 * freedom + 1;
-  *out = (km_lattice){.each = 1};
-  listing l = {.freedom = freedom,
-               .most = MOST_POINTS > fewest ? MOST_POINTS : fewest,
-               .steps = KM_ARENA_NEW(arena, int, (size_t)freedom + 1)};
+bool km_lattice_create(int freedom, double radius, double wanted, km_arena *arena, km_lattice *out) {
+  const int min_points = 2 * freedom + 1;
+  *out = (km_lattice){.steps_per_radius = 1};
+  point_list l = {.freedom = freedom,
+                  .most = MAX_POINTS > min_points ? MAX_POINTS : min_points,
+                  .steps = KM_ARENA_NEW(arena, int, (size_t)freedom + 1)};
   if (!l.steps)
     return false;
-  while (out->each < wanted && out->each < MOST_STEPS && list(&l, out->each + 1) <= l.most)
-    ++out->each;
-  out->wider = freedom > 0 && out->each < wanted;
-  out->count = list(&l, out->each);
+  while (out->steps_per_radius < wanted && out->steps_per_radius < MAX_STEPS &&
+         list_points(&l, out->steps_per_radius + 1) <= l.most)
+    ++out->steps_per_radius;
+  out->is_coarse = freedom > 0 && out->steps_per_radius < wanted;
+  out->count = list_points(&l, out->steps_per_radius);
   out->points = KM_ARENA_NEW(arena, double, (size_t)out->count *(size_t)(freedom + 1));
-  l.size = radius / out->each;
+  l.size = radius / out->steps_per_radius;
   l.out = out->points;
   if (l.out)
-    list(&l, out->each);
+    list_points(&l, out->steps_per_radius);
   return l.out != NULL;
 }

@@ -1,4 +1,4 @@
-/* Dynamic programming's states: what the stages, the search and the choice of the best share. */
+/* States, stages and grid of dynamic programming. */
 #ifndef KM_ARM_METHODS_DYNAMIC_PROGRAMMING_H
 #define KM_ARM_METHODS_DYNAMIC_PROGRAMMING_H
 
@@ -6,9 +6,9 @@
 
 typedef struct km_dp_state {
   double least, sum;
-  int parent;  /* in the stage before */
-  int samples; /* reached since the start */
-  double *q;   /* [stage length × n] of the stage that ends here */
+  int parent;  /* index of the parent in the previous stage */
+  int samples; /* samples reached since the start */
+  double *q;   /* [stage length × n] configurations of the stage that ends here */
   km_node node;
 } km_dp_state;
 
@@ -18,27 +18,28 @@ typedef struct km_dp_stage {
 } km_dp_stage;
 
 typedef struct km_dp_grid {
-  km_entry_range *run;
+  km_tracking_run *run;
   km_arena arena;
   double spacing;
-  bool eased; /* tilts turn back as far as the rates ask */
+  bool eased; /* steps are eased to satisfy the rates */
   bool bounded;
-  int pass, passes; /* for the progress */
+  int pass, passes; /* pass index and number, for the progress */
   int length, stage_count, actions, workers;
   km_dp_stage *stages;
-  int now;               /* the stage being filled */
-  double *tilts;         /* [actions × freedom] */
+  int now;               /* stage under construction */
+  double *tan_phis;      /* [actions × freedom] */
   km_dp_state *arrivals; /* [states · actions] */
   size_t arrival_capacity;
   km_tracker_space *spaces;
   km_node *here;
 } km_dp_grid;
 
-/* Is a better than b: further, then the value, then the other aggregate? */
+/* True if a is better than b: more samples, then the objective's aggregate (minimum or sum), then the other
+ * aggregate. */
 bool km_dp_better(const km_dp_grid *grid, const km_dp_state *a, const km_dp_state *b);
-/* A state with room for a stage of that length; the grid's arena tells if there is no memory. */
+/* Allocates a state for a stage of that length; on failure the grid's arena is marked as failed. */
 km_dp_state km_dp_make_state(km_dp_grid *grid, int length);
-/* Of the arrivals the best of each neighbourhood, into the states of the stage being filled. False: out of memory. */
+/* Copies the best arrival of each neighbourhood to the states of the current stage. False: out of memory. */
 bool km_dp_keep_best(km_dp_grid *grid, int arrived);
 
 #endif

@@ -1,4 +1,4 @@
-/* Which of dynamic programming's states go on: the best of each neighbourhood. */
+/* Selection of the states of dynamic programming: the best arrival of each neighbourhood (docs/theory.md 12.7). */
 #include "arm/methods/dynamic_programming.h"
 
 #include "arm/ik/ik_branches.h"
@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* States on curves, which lie wider where there would be more; on surfaces and more, where there is no end of them. */
-enum { MOST_STATES = 1000, MOST_SPREAD = 250 };
+/* Largest numbers of states: with one spare freedom the spacing grows above it; with several, only the best states
+ * are kept. */
+enum { MAX_STATES = 1000, MAX_STATES_SURFACE = 250 };
 static bool by_mean(const km_dp_grid *g) {
   return km_objective_by_mean(&g->run->plan->objective);
 }
 
-/* Better first: further, then the value, then the other aggregate; else the order of the work. */
 bool km_dp_better(const km_dp_grid *g, const km_dp_state *a, const km_dp_state *b) {
   if (a->samples != b->samples)
     return a->samples > b->samples;
@@ -24,13 +24,13 @@ bool km_dp_better(const km_dp_grid *g, const km_dp_state *a, const km_dp_state *
   return x[!first] > y[!first];
 }
 
-/* Full turns of a hinge without limits make no difference to what follows. */
-static bool near(const km_arm *a, const double *x, const double *y, double spacing) {
+/* True if two configurations are closer than the spacing, full turns of hinges without limits not counted. */
+static bool is_near(const km_arm *a, const double *x, const double *y, double spacing) {
   double sum = 0.0;
   for (int k = 0; k < a->n && sum < spacing * spacing; ++k) {
     bool free_turns = a->low[k] == -(double)INFINITY && a->high[k] == (double)INFINITY;
-    double way = free_turns ? km_arm_difference(a, k, x[k], y[k]) : y[k] - x[k];
-    sum += way * way;
+    double difference = free_turns ? km_arm_difference(a, k, x[k], y[k]) : y[k] - x[k];
+    sum += difference * difference;
   }
   return sum < spacing * spacing;
 }
@@ -51,13 +51,13 @@ static void copy_state(const km_dp_grid *g, km_dp_state *to, const km_dp_state *
   to->node = node;
 }
 
-/* The order of arrivals from the best, without moving them. */
+/* Entry of the order of arrivals. */
 typedef struct ranked {
   const km_dp_grid *grid;
   int index;
 } ranked;
 
-static int by_rank(const void *a, const void *b) {
+static int compare_ranked(const void *a, const void *b) {
   const ranked *x = a, *y = b;
   const km_dp_state *p = &x->grid->arrivals[x->index], *q = &y->grid->arrivals[y->index];
   if (km_dp_better(x->grid, p, q))
@@ -65,16 +65,16 @@ static int by_rank(const void *a, const void *b) {
   return km_dp_better(x->grid, q, p) ? 1 : x->index - y->index;
 }
 
-/* Of the arrivals in order, those that are the best of their neighbourhood, into kept[most]. Their number; one more
- * than `most` if there are more. */
-static int choose_best(const km_dp_grid *g, const ranked *order, int arrived, double spacing, int most, int *kept) {
+/* Selects the arrivals that are the best of their neighbourhood, in the given order, into kept[most]: an arrival is
+ * dropped if it is near one already kept. Returns their number, most + 1 if there are more. */
+static int select_best(const km_dp_grid *g, const ranked *order, int arrived, double spacing, int most, int *kept) {
   const km_dp_stage *now = &g->stages[g->now];
   int full = now->first + now->length, count = 0;
   for (int i = 0; i < arrived; ++i) {
     const km_dp_state *one = &g->arrivals[order[i].index];
     bool taken = one->samples < full;
     for (int k = 0; k < count && !taken; ++k)
-      taken = near(g->run->arm, g->arrivals[kept[k]].node.q, one->node.q, spacing);
+      taken = is_near(g->run->arm, g->arrivals[kept[k]].node.q, one->node.q, spacing);
     if (taken)
       continue;
     if (count == most)
@@ -84,34 +84,34 @@ static int choose_best(const km_dp_grid *g, const ranked *order, int arrived, do
   return count;
 }
 
-/* The best of each neighbourhood go on. On curves neighbourhoods widen until there are no more than so many; on
- * surfaces the best of them count. */
+/* Keeps the best arrival of each neighbourhood. One spare freedom: the spacing is doubled until the number of states
+ * is within its limit. Several: the best states up to the limit are kept. */
 bool km_dp_keep_best(km_dp_grid *g, int arrived) {
   const bool spread = g->run->arm->freedom > 1;
-  const int most = spread ? MOST_SPREAD : MOST_STATES;
+  const int most = spread ? MAX_STATES_SURFACE : MAX_STATES;
   km_dp_stage *now = &g->stages[g->now];
   ranked *order = KM_NEW(ranked, (size_t)arrived + 1);
   int *kept = KM_NEW(int, (size_t)most + 1), count = 0;
-  bool whole = order && kept;
-  for (int i = 0; whole && i < arrived; ++i)
+  bool is_ok = order && kept;
+  for (int i = 0; is_ok && i < arrived; ++i)
     order[i] = (ranked){g, i};
-  if (whole) {
-    qsort(order, (size_t)arrived, sizeof *order, by_rank);
+  if (is_ok) {
+    qsort(order, (size_t)arrived, sizeof *order, compare_ranked);
     double spacing = g->spacing;
-    while ((count = choose_best(g, order, arrived, spacing, most, kept)) > most && !spread)
+    while ((count = select_best(g, order, arrived, spacing, most, kept)) > most && !spread)
       spacing *= 2.0;
     g->bounded = g->bounded || spacing > g->spacing;
     g->bounded = g->bounded || count > most;
     count = count > most ? most : count;
     now->states = KM_ARENA_NEW(&g->arena, km_dp_state, (size_t)count + 1);
   }
-  for (int i = 0; whole && !g->arena.failed && i < count; ++i) {
+  for (int i = 0; is_ok && !g->arena.failed && i < count; ++i) {
     now->states[i] = km_dp_make_state(g, now->length);
     if (!g->arena.failed)
       copy_state(g, &now->states[now->count++], &g->arrivals[kept[i]], now->length);
   }
-  whole = whole && !g->arena.failed;
+  is_ok = is_ok && !g->arena.failed;
   km_free(order);
   km_free(kept);
-  return whole;
+  return is_ok;
 }

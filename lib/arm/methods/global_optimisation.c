@@ -1,23 +1,24 @@
-/* Global: the tilt along the whole path as straight pieces between knots, optimised by NLopt: controlled random search
- * from greedy's track, then Subplex from the best. A track that doesn't arrive counts by how far it goes. */
+/* Method `global`: tan φ along the path is piecewise linear between knots. The values at the knots are optimised by
+ * NLopt: controlled random search from greedy's track, then Subplex from the best (docs/theory.md 12.5). A track
+ * that ends early has a cost that decreases with its length. */
 #include "arm/methods/method.h"
 
 #include <nlopt.h>
 #include <string.h>
 
 typedef struct problem {
-  km_entry_range *run;
+  km_tracking_run *run;
   const double *x; /* [knots × freedom] tan φ at the knots */
-  double tilt[KM_ARM_MOST];
+  double tan_phi[KM_ARM_MAX_JOINTS];
   double best_cost;
-  double best[KM_METHOD_KNOTS * KM_ARM_MOST];
+  double best[KM_METHOD_KNOTS * KM_ARM_MAX_JOINTS];
   nlopt_opt opt;
   km_status status;
   km_error *error;
   int tried;
 } problem;
 
-static void choose(void *context, km_entry_range *run, int sample, const km_node *node, km_step_choice *way) {
+static void choose(void *context, km_tracking_run *run, int sample, const km_node *node, km_step_choice *choice) {
   problem *p = context;
   (void)node;
   const int knots = run->plan->method.knots, freedom = run->arm->freedom;
@@ -25,18 +26,18 @@ static void choose(void *context, km_entry_range *run, int sample, const km_node
   double at = points[sample].s / points[run->plan->path->samples - 1].s * (knots - 1);
   int k = at < knots - 1 ? (int)at : knots - 2;
   for (int j = 0; j < freedom; ++j)
-    p->tilt[j] = p->x[k * freedom + j] + (at - k) * (p->x[(k + 1) * freedom + j] - p->x[k * freedom + j]);
-  way->tilt = p->tilt;
+    p->tan_phi[j] = p->x[k * freedom + j] + (at - k) * (p->x[(k + 1) * freedom + j] - p->x[k * freedom + j]);
+  choice->tan_phi = p->tan_phi;
 }
 
-static double cost(unsigned count, const double *x, double *gradient, void *context) {
-  static const km_step_choice plain = {0};
+static double objective_cost(unsigned count, const double *x, double *gradient, void *context) {
+  static const km_step_choice greedy_choice = {0};
   problem *p = context;
   (void)gradient;
   p->x = x;
-  km_entry_range *run = p->run;
+  km_tracking_run *run = p->run;
   const km_track_plan *plan = run->plan;
-  p->status = km_run_try(run, &plain, choose, p);
+  p->status = km_run_try(run, &greedy_choice, choose, p);
   double value = (double)INFINITY;
   if (p->status == KM_OK)
     value = -km_run_rounded(km_run_score(run, km_run_evaluate(run)));
@@ -56,15 +57,15 @@ static double cost(unsigned count, const double *x, double *gradient, void *cont
   return value;
 }
 
-static bool optimise(problem *p, nlopt_algorithm algorithm, int evaluations) {
+static bool run_optimiser(problem *p, nlopt_algorithm algorithm, int evaluations) {
   const km_method *method = &p->run->plan->method;
   unsigned count = (unsigned)(method->knots * p->run->arm->freedom);
-  double most = tan(method->angle), x[KM_METHOD_KNOTS * KM_ARM_MOST], value;
+  double most = tan(method->angle), x[KM_METHOD_KNOTS * KM_ARM_MAX_JOINTS], value;
   p->opt = nlopt_create(algorithm, count);
   if (!p->opt)
     return false;
   memcpy(x, p->best, count * sizeof *x);
-  nlopt_set_min_objective(p->opt, cost, p);
+  nlopt_set_min_objective(p->opt, objective_cost, p);
   nlopt_set_lower_bounds1(p->opt, -most);
   nlopt_set_upper_bounds1(p->opt, most);
   nlopt_set_maxeval(p->opt, evaluations);
@@ -76,20 +77,20 @@ static bool optimise(problem *p, nlopt_algorithm algorithm, int evaluations) {
   return result != NLOPT_OUT_OF_MEMORY;
 }
 
-km_status km_method_global(km_entry_range *run, km_error *error) {
-  static const km_step_choice plain = {0};
+km_status km_method_global(km_tracking_run *run, km_error *error) {
+  static const km_step_choice greedy_choice = {0};
   const km_method *method = &run->plan->method;
   if (run->arm->freedom == 0)
     return km_method_greedy(run, error);
   problem p = {.run = run, .best_cost = (double)INFINITY, .error = error};
   nlopt_srand(run->plan->seed);
-  bool whole = optimise(&p, NLOPT_GN_CRS2_LM, method->evaluations / 2);
-  if (whole && p.status != KM_CANCELLED)
-    whole = optimise(&p, NLOPT_LN_SBPLX, method->evaluations - method->evaluations / 2);
-  if (!whole)
+  bool is_ok = run_optimiser(&p, NLOPT_GN_CRS2_LM, method->evaluations / 2);
+  if (is_ok && p.status != KM_CANCELLED)
+    is_ok = run_optimiser(&p, NLOPT_LN_SBPLX, method->evaluations - method->evaluations / 2);
+  if (!is_ok)
     return km_fail(error, KM_MEMORY, "out of memory for the optimisation");
   if (p.status != KM_OK && p.status != KM_PARTIAL)
     return p.status;
   p.x = p.best;
-  return km_run_steps(run, &plain, choose, &p, error);
+  return km_run_steps(run, &greedy_choice, choose, &p, error);
 }

@@ -1,57 +1,57 @@
-/* Growing the trees of look-ahead.
+/* Breadth-first growth of a look-ahead tree, in batches and on several threads (docs/theory.md 12.6).
  *
- * Nodes depend on the level above only, and each has a place of its own, so the result is the same for any number of threads.
- * Workers wait for each other before a level, unless each of them can go on with the children of its own nodes in the same
- * time. The first level is too small to be shared, or to fill the lanes. So the next tree's first level is grown beside this
- * tree's second one: once for the case that the same branch is taken again and, where lanes are left, once for the last
- * different one. If a third one is taken, the level is grown anew. */
+ * A node depends on its parent only, and results are stored by node, so the number of threads cannot change them. A
+ * level begins after a barrier, unless each worker can continue with the children of its own nodes in the same
+ * number of batches. The first level is too small to share or to fill a batch. Therefore the first level of the
+ * next tree grows together with the second level of this one: speculatively for the branch executed last and, if
+ * lanes are free, for the last different one. If another branch is executed, that level is grown again. */
 #include "arm/methods/lookahead_tree.h"
 
 #include <math.h>
 
-/* Fewer steps abreast are done before a thread has begun. */
+/* Fewest batched steps of a level for which threads pay off. */
 enum { THREADS_PAY = 16 };
 
-/* tan φ towards each pose-control column. One freedom: kφ from −(n−1)/2 to (n−1)/2. Two: the middle and a circle of
- * directions. More: the middle, then both ways along each column. */
+/* Sets tan φ of each branch towards each pose-control column. One freedom: kφ, k = −(n−1)/2 … (n−1)/2. Two: 0 and a
+ * circle of directions. More: 0, then ± along each column. */
 static void set_tilts(km_look_tree *t) {
   const km_method *method = &t->run->plan->method;
   const int freedom = t->run->arm->freedom, n = t->branches;
   for (int b = 0; b < n && freedom > 0; ++b) {
-    double *tilt = t->tilts + b * freedom;
+    double *tan_phi = t->tan_phis + b * freedom;
     int k = b - (n - 1) / 2;
     if (freedom == 1) {
-      tilt[0] = k == 0 ? 0.0 : tan(k * method->angle);
+      tan_phi[0] = k == 0 ? 0.0 : tan(k * method->angle);
     } else if (k != 0) {
       int ring = b < (n - 1) / 2 ? b : b - 1; /* 0 … n − 2 */
       double around = 2.0 * M_PI * ring / (n - 1), size = tan(method->angle);
       if (freedom == 2) {
-        tilt[0] = size * cos(around);
-        tilt[1] = size * sin(around);
+        tan_phi[0] = size * cos(around);
+        tan_phi[1] = size * sin(around);
       } else {
-        tilt[ring / 2 % freedom] = (ring % 2 ? -1.0 : 1.0) * size;
+        tan_phi[ring / 2 % freedom] = (ring % 2 ? -1.0 : 1.0) * size;
       }
     }
   }
 }
 
-/* How many samples a tree reaches. */
-static int depth_of(const km_look_tree *t, const km_look_beginning *of) {
+/* Number of samples that a tree covers. */
+static int depth_of(const km_look_tree *t, const km_look_root_level *of) {
   int left = t->run->plan->path->samples - 1 - of->sample;
   return left < t->levels * t->stride ? left : t->levels * t->stride;
 }
 
-/* A branch on its way over a level: what changes with every step is the worker's own until the level ends. */
-typedef struct traveller {
-  km_look_beginning *of; /* its tree: this one, or the next */
+/* State of a branch while it advances over a level; owned by one worker until the level ends. */
+typedef struct branch_state {
+  km_look_root_level *of; /* tree of the branch: the current or a speculative one */
   int level, index;
-  int begins, steps; /* samples from the root to where its level begins, and samples of the level */
+  int first_sample, steps; /* samples from the root to the start of the level; samples of the level */
   km_look_node node;
-  km_node *here, *there; /* where it is, and where its next step leads */
-} traveller;
+  km_node *here, *there; /* current node, and end of its next step */
+} branch_state;
 
-/* At its parent's end. */
-static void begin_node(const km_look_tree *t, traveller *w) {
+/* Initialises a branch with the end and the aggregates of its parent. */
+static void inherit_parent(const km_look_tree *t, branch_state *w) {
   const km_look_node *parent = w->level > 0 ? km_look_node_at(t, w->of, w->level - 1, w->index / t->branches) : NULL;
   w->node = (km_look_node){
       .end = km_look_node_at(t, w->of, w->level, w->index)->end, .least = (double)INFINITY, .alive = true};
@@ -65,27 +65,28 @@ static void begin_node(const km_look_tree *t, traveller *w) {
     km_node_copy(t->run->arm, w->here, parent ? &parent->end : &w->of->root);
 }
 
-/* A node of the level, or, behind its last one, of the next trees' first levels. */
-static traveller set_out(const km_look_tree *t, int level, int item, km_node *places) {
+/* Creates the branch state of item `item`: nodes of the level, followed by nodes of the first levels of the next
+ * trees. */
+static branch_state begin_branch(const km_look_tree *t, int level, int item, km_node *branch_nodes) {
   int behind = item - t->shares[level].count;
   bool own = behind < 0;
-  traveller w = {.of = own ? t->now : t->next[behind / t->branches],
-                 .level = own ? level : 0,
-                 .index = own ? item : behind % t->branches,
-                 .here = &places[0],
-                 .there = &places[1]};
-  w.begins = w.level * t->stride;
-  int left = depth_of(t, w.of) - w.begins;
+  branch_state w = {.of = own ? t->now : t->next[behind / t->branches],
+                    .level = own ? level : 0,
+                    .index = own ? item : behind % t->branches,
+                    .here = &branch_nodes[0],
+                    .there = &branch_nodes[1]};
+  w.first_sample = w.level * t->stride;
+  int left = depth_of(t, w.of) - w.first_sample;
   w.steps = left < t->stride ? left : t->stride;
-  begin_node(t, &w);
+  inherit_parent(t, &w);
   return w;
 }
 
-/* Its k-th step has led there, or has failed. */
-static void take_step(const km_look_tree *t, traveller *w, int k, km_step_end step) {
+/* Records the outcome of step k of a branch. */
+static void record_step(const km_look_tree *t, branch_state *w, int k, km_step_end step) {
   km_look_node *node = &w->node;
   km_node *end = w->there;
-  bool first = w->begins + k == 0;
+  bool first = w->first_sample + k == 0;
   node->evaluations += step.evaluations;
   if (first && w->index == (t->branches - 1) / 2)
     w->of->middle = step;
@@ -102,39 +103,39 @@ static void take_step(const km_look_tree *t, traveller *w, int k, km_step_end st
   w->here = end;
 }
 
-/* The k-th step of those that go on, side by side. How many these are. */
-static int step_on(km_look_tree *t, int worker, int k, int count, traveller *all) {
-  km_entry_range *run = t->run;
+/* Advances all surviving branches by step k, as a batch. Returns their number. */
+static int advance_branches(km_look_tree *t, int worker, int k, int count, branch_state *all) {
+  km_tracking_run *run = t->run;
   km_tracker_space *space = &t->spaces[worker];
-  const km_node *from[KM_WALK_ABREAST];
-  km_node *to[KM_WALK_ABREAST];
-  km_step_choice ways[KM_WALK_ABREAST];
-  km_step_end ends[KM_WALK_ABREAST];
-  int lane[KM_WALK_ABREAST], samples[KM_WALK_ABREAST], abreast = 0;
+  const km_node *from[KM_STEP_BATCH];
+  km_node *to[KM_STEP_BATCH];
+  km_step_choice choices[KM_STEP_BATCH];
+  km_step_end ends[KM_STEP_BATCH];
+  int lane[KM_STEP_BATCH], samples[KM_STEP_BATCH], batch = 0;
   for (int l = 0; l < count; ++l) {
-    const traveller *w = &all[l];
+    const branch_state *w = &all[l];
     if (!w->node.alive || k >= w->steps)
       continue;
-    lane[abreast] = l;
-    samples[abreast] = w->of->sample + w->begins + k;
-    from[abreast] = w->here;
-    to[abreast] = w->there;
-    ways[abreast++] = (km_step_choice){.tilt = t->tilts + w->index % t->branches * run->arm->freedom};
+    lane[batch] = l;
+    samples[batch] = w->of->sample + w->first_sample + k;
+    from[batch] = w->here;
+    to[batch] = w->there;
+    choices[batch++] = (km_step_choice){.tan_phi = t->tan_phis + w->index % t->branches * run->arm->freedom};
   }
-  if (abreast > 0)
-    km_tracker_steps(&run->walk, space, samples, abreast, from, ways, to, ends);
-  for (int i = 0; i < abreast && t->eased; ++i) {
+  if (batch > 0)
+    km_tracker_steps(&run->tracker, space, samples, batch, from, choices, to, ends);
+  for (int i = 0; i < batch && t->eased; ++i) {
     unsigned long before = space->arm.evaluations, taken = ends[i].evaluations;
-    ends[i] = km_tracker_ease(&run->walk, space, samples[i], from[i], &ways[i], ends[i], to[i]);
+    ends[i] = km_tracker_ease(&run->tracker, space, samples[i], from[i], &choices[i], ends[i], to[i]);
     ends[i].evaluations = taken + space->arm.evaluations - before;
   }
-  for (int i = 0; i < abreast; ++i)
-    take_step(t, &all[lane[i]], k, ends[i]);
-  return abreast;
+  for (int i = 0; i < batch; ++i)
+    record_step(t, &all[lane[i]], k, ends[i]);
+  return batch;
 }
 
-/* What the next tree's nodes take counts if that tree is grown. */
-static void arrive(const km_look_tree *t, int worker, const traveller *w) {
+/* Stores a branch as a node. Jacobians of a speculative tree are counted only if that tree is used. */
+static void store_branch(const km_look_tree *t, int worker, const branch_state *w) {
   km_look_node *node = km_look_node_at(t, w->of, w->level, w->index);
   *node = w->node;
   if (node->alive)
@@ -143,117 +144,120 @@ static void arrive(const km_look_tree *t, int worker, const traveller *w) {
     t->spaces[worker].arm.evaluations -= node->evaluations;
 }
 
-/* Of `count` items, dealt out in pieces of `each`: how many the worker has. */
-static int piece_of(int count, int each, int worker) {
-  int left = count - worker * each;
-  return left < 0 ? 0 : left < each ? left : each;
+/* Number of items of a worker, if `count` items are distributed in shares of `each`. */
+static int share_size(int count, int steps_per_radius, int worker) {
+  int left = count - worker * steps_per_radius;
+  return left < 0 ? 0 : left < steps_per_radius ? left : steps_per_radius;
 }
 
-/* The k-th item of a worker: its nodes of the level first, then those of the next trees. */
-static int item_of(const km_look_share *s, int worker, int k) {
-  int own = piece_of(s->count, s->nodes_each, worker);
-  return k < own ? worker * s->nodes_each + k : s->count + worker * s->ahead_each + k - own;
+/* Index of item k of a worker: its nodes of the level first, then those of the next trees. */
+static int item_at(const km_look_share *s, int worker, int k) {
+  int own = share_size(s->count, s->nodes_per_worker, worker);
+  return k < own ? worker * s->nodes_per_worker + k : s->count + worker * s->next_each + k - own;
 }
 
-/* Follows up to KM_WALK_ABREAST branches over a level, side by side, each as far as it goes. */
-static void grow(km_look_tree *t, int level, int worker, int first, int count) {
-  traveller all[KM_WALK_ABREAST];
-  km_node *places = &t->places[worker * 2 * KM_WALK_ABREAST];
+/* Advances up to KM_STEP_BATCH branches over a level, as a batch. */
+static void grow_group(km_look_tree *t, int level, int worker, int first, int count) {
+  branch_state all[KM_STEP_BATCH];
+  km_node *branch_nodes = &t->branch_nodes[worker * 2 * KM_STEP_BATCH];
   for (int l = 0; l < count; ++l)
-    all[l] = set_out(t, level, item_of(&t->shares[level], worker, first + l), &places[2 * l]);
-  for (int k = 0; k < t->stride && step_on(t, worker, k, count, all) > 0; ++k)
+    all[l] = begin_branch(t, level, item_at(&t->shares[level], worker, first + l), &branch_nodes[2 * l]);
+  for (int k = 0; k < t->stride && advance_branches(t, worker, k, count, all) > 0; ++k)
     ;
   for (int l = 0; l < count; ++l)
-    arrive(t, worker, &all[l]);
+    store_branch(t, worker, &all[l]);
 }
 
-static void grow_some(void *context, int worker) {
+static void grow_share(void *context, int worker) {
   km_look_tree *t = context;
   for (int level = t->first; level < t->end; ++level) {
     const km_look_share *s = &t->shares[level];
-    int count = piece_of(s->count, s->nodes_each, worker) + piece_of(s->ahead, s->ahead_each, worker);
+    int count = share_size(s->count, s->nodes_per_worker, worker) + share_size(s->next_count, s->next_each, worker);
     for (int i = 0; i < count; i += s->group)
-      grow(t, level, worker, i, count - i < s->group ? count - i : s->group);
+      grow_group(t, level, worker, i, count - i < s->group ? count - i : s->group);
   }
 }
 
-/* Rounded up. */
-static int divided(int count, int by) {
+/* Quotient, rounded up. */
+static int divide_up(int count, int by) {
   return (count + by - 1) / by;
 }
 
-/* How many groups side by side so many nodes make. */
-static int groups_of(int nodes) {
-  return divided(nodes, KM_WALK_ABREAST);
+/* Number of batches for so many nodes. */
+static int batch_count(int nodes) {
+  return divide_up(nodes, KM_STEP_BATCH);
 }
 
-/* Of a level, so many nodes for each worker. How many groups a worker grows one after the other. */
-static int deal(km_look_share *s, int nodes_each) {
-  s->nodes_each = nodes_each;
-  s->ahead_each = divided(s->ahead, s->sharing);
-  int most = s->nodes_each + s->ahead_each;
-  s->group = divided(most, groups_of(most));
-  return groups_of(most);
+/* Assigns that many nodes of a level to each worker, in groups of equal size. Returns the number of batches of a
+ * worker. */
+static int assign_nodes(km_look_share *s, int nodes_per_worker) {
+  s->nodes_per_worker = nodes_per_worker;
+  s->next_each = divide_up(s->next_count, s->workers_used);
+  int most = s->nodes_per_worker + s->next_each;
+  s->group = divide_up(most, batch_count(most));
+  return batch_count(most);
 }
 
-/* Neighbours for each worker, since their parents and children are its own mostly; abreast in groups of one size; and so many of the
- * next trees' first levels beside them. Returns how many groups a worker grows one after the other. */
-static int share_level(km_look_tree *t, int level, int guesses) {
+/* Distributes a level over the workers, together with the first levels of `guesses` speculative trees. A worker gets
+ * neighbouring nodes, whose parents and children are mostly its own. Returns the number of batches of a worker. */
+static int plan_level(km_look_tree *t, int level, int guesses) {
   km_look_share *s = &t->shares[level];
-  *s = (km_look_share){.count = km_look_count_at(t, level), .ahead = guesses * t->branches};
-  int groups = groups_of(s->count + s->ahead);
+  *s = (km_look_share){.count = km_look_count_at(t, level), .next_count = guesses * t->branches};
+  int groups = batch_count(s->count + s->next_count);
   bool worth = groups * t->stride >= THREADS_PAY;
-  s->sharing = !worth ? 1 : groups < t->workers ? groups : t->workers;
-  return deal(s, divided(s->count, s->sharing));
+  s->workers_used = !worth ? 1 : groups < t->workers ? groups : t->workers;
+  return assign_nodes(s, divide_up(s->count, s->workers_used));
 }
 
-/* Can workers go on from the level before with the children of their own nodes, in as many groups as if they waited for the others? */
-static bool share_children(km_look_tree *t, int level) {
+/* True if the workers can continue with the children of their own nodes without a barrier, in the same number of
+ * batches. */
+static bool try_plan_children(km_look_tree *t, int level) {
   const km_look_share *parents = &t->shares[level - 1];
-  int groups = share_level(t, level, 0);
-  return parents->sharing == t->shares[level].sharing &&
-         deal(&t->shares[level], parents->nodes_each * t->branches) == groups;
+  int groups = plan_level(t, level, 0);
+  return parents->workers_used == t->shares[level].workers_used &&
+         assign_nodes(&t->shares[level], parents->nodes_per_worker * t->branches) == groups;
 }
 
-/* The next tree begins with this branch, if that has a first step. Returns how many guesses there are now. */
-static int guess(km_look_tree *t, int count, int branch) {
-  const km_look_beginning *now = t->now;
-  km_look_beginning *next = t->next[count];
+/* Adds a speculative next tree whose root is the first sample of a branch, if that step succeeded. Returns the
+ * number of speculative trees. */
+static int add_guess(km_look_tree *t, int count, int branch) {
+  const km_look_root_level *now = t->now;
+  km_look_root_level *next = t->next[count];
   if (now->nodes[branch].samples == 0)
     return count;
-  next->guess = branch;
+  next->branch_guess = branch;
   next->sample = now->sample + 1;
   km_node_copy(t->run->arm, &next->root, &now->first[branch]);
   return count + 1;
 }
 
-/* Beside the second level goes the next tree's first one, where lanes are free for it or several threads share the level; and a
- * second guess where no worker has more groups to grow then. */
+/* Plans the second level: a speculative first level of the next tree is added if that takes no further batch or if
+ * threads share the level, and a second one if no worker then has more batches. */
 static void plan_second(km_look_tree *t) {
-  const int alone = share_level(t, 1, 0), beside = share_level(t, 1, 1);
-  int most = t->shares[1].sharing == 1 && beside > alone         ? 0
-             : t->branches > 1 && share_level(t, 1, 2) == beside ? 2
-                                                                 : 1;
-  t->guesses = most > 0 ? guess(t, 0, t->branch) : 0;
-  t->guesses = most > t->guesses ? guess(t, t->guesses, t->other) : t->guesses;
-  share_level(t, 1, t->guesses);
+  const int alone = plan_level(t, 1, 0), beside = plan_level(t, 1, 1);
+  int most = t->shares[1].workers_used == 1 && beside > alone   ? 0
+             : t->branches > 1 && plan_level(t, 1, 2) == beside ? 2
+                                                                : 1;
+  t->guesses = most > 0 ? add_guess(t, 0, t->branch) : 0;
+  t->guesses = most > t->guesses ? add_guess(t, t->guesses, t->other) : t->guesses;
+  plan_level(t, 1, t->guesses);
 }
 
-/* The levels from t->first on that are grown without waiting: the guesses need the whole first one. */
+/* Plans the levels from t->first on that grow without a barrier. Speculative trees need the complete first level. */
 static void plan_round(km_look_tree *t, int levels) {
   if (t->first == 1)
     plan_second(t);
   else
-    share_level(t, t->first, 0);
+    plan_level(t, t->first, 0);
   t->end = t->first + 1;
-  while (t->end > 1 && t->end < levels && share_children(t, t->end))
+  while (t->end > 1 && t->end < levels && try_plan_children(t, t->end))
     t->end++;
 }
 
-static km_look_beginning *create_beginning(km_look_tree *t) {
+static km_look_root_level *create_root_level(km_look_tree *t) {
   const km_arm *a = t->run->arm;
   km_arena *arena = &t->run->arena;
-  km_look_beginning *b = KM_ARENA_NEW(arena, km_look_beginning, 1);
+  km_look_root_level *b = KM_ARENA_NEW(arena, km_look_root_level, 1);
   if (!b || !km_node_create(a, arena, &b->root))
     return NULL;
   b->nodes = KM_ARENA_NEW(arena, km_look_node, (size_t)t->branches);
@@ -264,7 +268,7 @@ static km_look_beginning *create_beginning(km_look_tree *t) {
   return b;
 }
 
-bool km_look_tree_create(km_look_tree *t, km_entry_range *run) {
+bool km_look_tree_create(km_look_tree *t, km_tracking_run *run) {
   const km_method *method = &run->plan->method;
   const km_arm *a = run->arm;
   *t = (km_look_tree){.run = run, .levels = method->levels, .workers = run->plan->jobs > 1 ? run->plan->jobs : 1};
@@ -285,23 +289,23 @@ bool km_look_tree_create(km_look_tree *t, km_entry_range *run) {
   t->shares = KM_ARENA_NEW(arena, km_look_share, (size_t)t->levels);
   t->branch = (t->branches - 1) / 2;
   t->other = t->branches - 1;
-  t->tilts = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
+  t->tan_phis = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
   t->spaces = KM_ARENA_NEW(arena, km_tracker_space, (size_t)t->workers);
-  const int places = t->workers * KM_WALK_ABREAST * 2;
-  t->places = KM_ARENA_NEW(arena, km_node, (size_t)places);
-  t->now = create_beginning(t);
-  bool whole = t->now && t->shares;
-  for (int i = 0; i < KM_LOOK_GUESSES && whole; ++i)
-    whole = (t->next[i] = create_beginning(t)) != NULL;
-  for (long long i = 0; i < count && whole; ++i)
-    whole = km_node_create(a, arena, &t->nodes[i].end);
-  for (int i = 0; i < t->workers && whole; ++i)
-    whole = km_tracker_space_create(a, &t->spaces[i]);
-  for (int i = 0; i < places && whole; ++i)
-    whole = km_node_create(a, arena, &t->places[i]);
-  if (whole)
+  const int branch_nodes = t->workers * KM_STEP_BATCH * 2;
+  t->branch_nodes = KM_ARENA_NEW(arena, km_node, (size_t)branch_nodes);
+  t->now = create_root_level(t);
+  bool is_ok = t->now && t->shares;
+  for (int i = 0; i < KM_LOOK_GUESSES && is_ok; ++i)
+    is_ok = (t->next[i] = create_root_level(t)) != NULL;
+  for (long long i = 0; i < count && is_ok; ++i)
+    is_ok = km_node_create(a, arena, &t->nodes[i].end);
+  for (int i = 0; i < t->workers && is_ok; ++i)
+    is_ok = km_tracker_space_create(a, &t->spaces[i]);
+  for (int i = 0; i < branch_nodes && is_ok; ++i)
+    is_ok = km_node_create(a, arena, &t->branch_nodes[i]);
+  if (is_ok)
     set_tilts(t);
-  return whole;
+  return is_ok;
 }
 
 void km_look_tree_destroy(km_look_tree *t) {
@@ -314,19 +318,19 @@ void km_look_tree_destroy(km_look_tree *t) {
 int km_look_tree_grow(km_look_tree *t) {
   int levels = (depth_of(t, t->now) + t->stride - 1) / t->stride;
   t->guesses = 0;
-  for (t->first = t->grown ? 1 : 0; t->first < levels; t->first = t->end) {
+  for (t->first = t->is_grown ? 1 : 0; t->first < levels; t->first = t->end) {
     plan_round(t, levels);
-    km_team_run(km_run_team(t->run), t->shares[t->first].sharing, grow_some, t);
+    km_team_run(km_run_team(t->run), t->shares[t->first].workers_used, grow_share, t);
   }
   return levels;
 }
 
-/* The tree that was begun with this branch becomes this one. False where there is none. */
-static bool take_guess(km_look_tree *t, int branch) {
+/* Makes the speculative tree of a branch the current one; false if there is none. */
+static bool adopt_guess(km_look_tree *t, int branch) {
   for (int g = 0; g < t->guesses; ++g) {
-    if (t->next[g]->guess != branch)
+    if (t->next[g]->branch_guess != branch)
       continue;
-    km_look_beginning *before = t->now;
+    km_look_root_level *before = t->now;
     t->now = t->next[g];
     t->next[g] = before;
     for (int i = 0; i < t->branches; ++i)
@@ -336,11 +340,11 @@ static bool take_guess(km_look_tree *t, int branch) {
   return false;
 }
 
-void km_look_tree_go_on(km_look_tree *t, int branch) {
+void km_look_tree_recede(km_look_tree *t, int branch) {
   t->other = branch == t->branch ? t->other : t->branch;
   t->branch = branch;
-  t->grown = take_guess(t, branch);
-  if (t->grown)
+  t->is_grown = adopt_guess(t, branch);
+  if (t->is_grown)
     return;
   km_node_copy(t->run->arm, &t->now->root, &t->now->first[branch]);
   t->now->sample++;

@@ -1,74 +1,77 @@
-/* The methods' common interface: a run in, the samples that were reached out. One file a method. */
+/* Common interface of the tracking methods: a run as input, the samples that were reached as output. Each method
+ * has one file. */
 #ifndef KM_ARM_METHODS_METHOD_H
 #define KM_ARM_METHODS_METHOD_H
 
 #include "arm/tracking/tracker.h"
 #include "base/parallel.h"
 
-typedef struct km_entry_range {
+typedef struct km_tracking_run {
   const km_arm *arm;
   const km_track_plan *plan;
-  km_tracker walk;
+  km_tracker tracker;
   km_tracker_space space;
   km_arena arena;
-  km_node node, next; /* of km_run_steps */
+  km_node node, next; /* nodes of km_run_steps */
   double *start;      /* [n] */
   double *q;          /* [samples × n] */
   int reached;        /* samples in q */
-  double *last;       /* [n] where the track ends between samples */
-  double fraction;    /* of the interval after the last sample; 0: it ends on the sample */
+  double *last;       /* [n] configuration at the end of the track, if between samples */
+  double fraction;    /* part of the interval after the last sample that is covered; 0: the track ends on the sample */
   km_track_stop stop;
   int column;
-  bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
+  bool fixed[KM_ARM_MAX_JOINTS]; /* method fixed: joints that don't move */
   bool greedy_instead;
   double converged;
-  bool bounded;              /* dp: its states or tilts were fewer than the spacing asks for */
-  unsigned long evaluations; /* of other workspaces than `space` */
+  bool bounded;              /* dp: the numbers of states or actions were limited, so they are coarser than the
+                              * spacing */
+  unsigned long evaluations; /* Jacobians of workspaces other than `space` */
   km_team *team;             /* km_run_team */
-} km_entry_range;
+} km_tracking_run;
 
-bool km_run_create(const km_arm *arm, const km_track_plan *plan, km_entry_range *run);
-void km_run_free(km_entry_range *run);
-/* The threads that share the run's work, from the first time on that it is asked for; NULL: there is one thread. */
-km_team *km_run_team(km_entry_range *run);
-/* Takes the track of another run of the same plan over. */
-void km_run_take(km_entry_range *run, const km_entry_range *other);
+bool km_run_create(const km_arm *arm, const km_track_plan *plan, km_tracking_run *run);
+void km_run_free(km_tracking_run *run);
+/* The threads of the run, created at the first call; NULL: one thread. */
+km_team *km_run_team(km_tracking_run *run);
+/* Copies the track of another run of the same plan. */
+void km_run_copy_track(km_tracking_run *run, const km_tracking_run *other);
 
-/* Runs a method from run->start. KM_PARTIAL: it doesn't come to the path's end. */
-typedef km_status (*km_method_run)(km_entry_range *run, km_error *error);
-km_status km_method_greedy(km_entry_range *run, km_error *error);
-km_status km_method_lookahead(km_entry_range *run, km_error *error);
-km_status km_method_fixed(km_entry_range *run, km_error *error);
-km_status km_method_dls(km_entry_range *run, km_error *error);
-km_status km_method_gradient(km_entry_range *run, km_error *error);
-km_status km_method_dp(km_entry_range *run, km_error *error);
-km_status km_method_global(km_entry_range *run, km_error *error);
+/* A method: computes the track from run->start. KM_PARTIAL: the track ends before the path. */
+typedef km_status (*km_method_function)(km_tracking_run *run, km_error *error);
+km_status km_method_greedy(km_tracking_run *run, km_error *error);
+km_status km_method_lookahead(km_tracking_run *run, km_error *error);
+km_status km_method_fixed(km_tracking_run *run, km_error *error);
+km_status km_method_dls(km_tracking_run *run, km_error *error);
+km_status km_method_gradient(km_tracking_run *run, km_error *error);
+km_status km_method_dp(km_tracking_run *run, km_error *error);
+km_status km_method_global(km_tracking_run *run, km_error *error);
 
-/* Chooses the way on from a node at a sample; it may use the run's space. */
-typedef void (*km_run_choose)(void *context, km_entry_range *run, int sample, const km_node *node, km_step_choice *way);
-/* Step after step along the whole path, by the ways chosen (NULL: greedy's); `first` is the way at the start. */
-km_status km_run_steps(km_entry_range *run, const km_step_choice *first, km_run_choose choose, void *context,
+/* Chooses the next step from a node at a sample; may use the run's workspace. */
+typedef void (*km_run_choose)(void *context, km_tracking_run *run, int sample, const km_node *node,
+                              km_step_choice *choice);
+/* Advances along the path sample by sample, with the steps that `choose` returns (NULL: always `first`). */
+km_status km_run_steps(km_tracking_run *run, const km_step_choice *first, km_run_choose choose, void *context,
                        km_error *error);
 
-/* The same without asking for progress or telling why it ends: KM_OK or KM_PARTIAL, for tracks that are only tried. */
-km_status km_run_try(km_entry_range *run, const km_step_choice *first, km_run_choose choose, void *context);
+/* As km_run_steps, without progress and without the location of the end; for trial tracks. KM_OK or KM_PARTIAL. */
+km_status km_run_try(km_tracking_run *run, const km_step_choice *first, km_run_choose choose, void *context);
 
-/* The end of a track whose step from `node` on the last sample fails with `end`. */
-void km_run_stop(km_entry_range *run, const km_node *node, const km_step_choice *way, km_step_end end);
-/* Asks the progress callback; false: cancelled. */
-bool km_run_goes_on(const km_entry_range *run, int sample);
+/* Locates and classifies the end of a track whose step from `node` at the last sample failed with `end`. */
+void km_run_stop(km_tracking_run *run, const km_node *node, const km_step_choice *choice, km_step_end end);
+/* Calls the progress callback; false: cancelled. */
+bool km_run_report_progress(const km_tracking_run *run, int sample);
 
-/* Min and sum of the objective over the samples, at greedy's own columns; the rate margin is the track's. */
+/* Minimum and sum of the objective over the samples. The columns are those of the path control; the rate margin is
+ * that of the track's own rates. */
 typedef struct km_run_value {
   double least, sum;
   int samples;
 } km_run_value;
-km_run_value km_run_evaluate(km_entry_range *run);
-/* What counts of a track: min, or mean of path-control. */
-double km_run_score(const km_entry_range *run, km_run_value value);
+km_run_value km_run_evaluate(km_tracking_run *run);
+/* Score of a track: minimum of the objective, mean for path-control. */
+double km_run_score(const km_tracking_run *run, km_run_value value);
 
-/* Without the digits that rounding may have changed, so that units and symmetric postures don't decide what an
- * optimisation prefers. */
+/* Rounds to multiples of 2⁻³³, so that rounding errors don't decide between equivalent tracks. */
 static inline double km_run_rounded(double value) {
   return nearbyint(value * 0x1p33) * 0x1p-33;
 }

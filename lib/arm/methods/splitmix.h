@@ -1,4 +1,4 @@
-/* Deterministic numbers: splitmix64. */
+/* SplitMix64: deterministic pseudo-random numbers (G. Steele, D. Lea and C. Flood 2014). */
 #ifndef KM_ARM_METHODS_SPLITMIX_H
 #define KM_ARM_METHODS_SPLITMIX_H
 

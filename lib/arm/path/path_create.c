@@ -1,24 +1,24 @@
-/* Paths from definitions: each segment begins where the one before ends. */
+/* Paths from definitions: each segment begins at the end of the previous one. */
 #include "arm/arm_arguments.h"
 #include "arm/path/path.h"
 #include "base/text.h"
 
 #include <string.h>
 
-/* A path that is being made: where it has come to. */
-typedef struct maker {
+/* Path under construction; `at` is the end pose of its last segment. */
+typedef struct path_builder {
   km_path *path;
   km_pose at;
-  km_path_fault *fault; /* what is being made of the plan */
-} maker;
+  km_path_fault *fault; /* part of the plan that is being built */
+} path_builder;
 
-static km_vec3 place_of(const maker *b, const double p[3]) {
+static km_vec3 position_of(const path_builder *b, const double p[3]) {
   km_pose pose = {km_rotation_identity(), km_vec3_from_array(p)};
   return km_arm_from_model(b->path->arm, &pose).p;
 }
 
-/* The turn from where the path is to the segment's R, as a rotation vector about a fixed axis. */
-static km_vec3 turn_to(const maker *b, const km_path_segment *g) {
+/* Rotation vector from the present orientation to the segment's R, about a fixed axis. */
+static km_vec3 rotation_to(const path_builder *b, const km_path_segment *g) {
   if (!g->turns)
     return (km_vec3){0, 0, 0};
   km_frame_pose end = {.p = {0, 0, 0}};
@@ -33,40 +33,41 @@ static km_vec3 direction_of(const double v[3]) {
   return km_vec3_scale(1.0 / km_vec3_norm(axis), axis);
 }
 
-static km_status make_helix(maker *b, const km_path_segment *g, km_segment *out, km_error *error) {
+static km_status make_helix(path_builder *b, const km_path_segment *g, km_segment *out, km_error *error) {
   out->kind = KM_SEGMENT_HELIX;
-  out->centre = place_of(b, g->center);
+  out->centre = position_of(b, g->center);
   out->axis = direction_of(g->axis);
   out->angle = g->full_turn ? 2.0 * M_PI : g->angle;
   out->rise = g->pitch / b->path->arm->length * out->angle / (2.0 * M_PI);
-  out->turn = g->turns_along ? km_vec3_scale(out->angle, out->axis) : turn_to(b, g);
+  out->turn = g->turns_along ? km_vec3_scale(out->angle, out->axis) : rotation_to(b, g);
   b->fault->key = "angle";
   return fabs(out->angle) <= 2000.0 * M_PI ? KM_OK : km_fail(error, KM_USAGE, "found more than 1000 turns");
 }
 
-static void make_line(const maker *b, const km_path_segment *g, km_segment *out) {
+static void make_line(const path_builder *b, const km_path_segment *g, km_segment *out) {
   out->kind = KM_SEGMENT_LINE;
   if (!g->in_place)
-    out->travel = km_vec3_sub(place_of(b, g->to), b->at.p);
-  out->turn = turn_to(b, g);
+    out->travel = km_vec3_sub(position_of(b, g->to), b->at.p);
+  out->turn = rotation_to(b, g);
 }
 
-static void make_weave(const maker *b, const km_path_segment *g, km_segment *out) {
+static void make_weave(const path_builder *b, const km_path_segment *g, km_segment *out) {
   out->kind = KM_SEGMENT_WEAVE;
-  out->travel = km_vec3_sub(place_of(b, g->to), b->at.p);
-  out->turn = turn_to(b, g);
+  out->travel = km_vec3_sub(position_of(b, g->to), b->at.p);
+  out->turn = rotation_to(b, g);
   out->waves = g->waves;
   out->sideways = km_vec3_scale(g->amplitude / b->path->arm->length, direction_of(g->sideways));
 }
 
-/* A spline's points, and before them where the path stands, which it begins with unless its first point does that. */
+/* Poses of a spline, preceded by the end of the previous segment; the spline begins there unless its first point is
+ * that pose. */
 typedef struct knots {
-  km_pose *poses;      /* [given + 1] */
-  const double *times; /* [given], or NULL */
-  int given, first;    /* first: index of the pose that it begins with, 0 or 1 */
+  km_pose *poses;      /* [given + 1] poses */
+  const double *times; /* [given] times, or NULL */
+  int given, first;    /* first: index of the first pose used, 0 or 1 */
 } knots;
 
-static km_status gather_points(maker *b, const km_path_segment *g, knots *out, km_error *error) {
+static km_status gather_points(path_builder *b, const km_path_segment *g, knots *out, km_error *error) {
   km_status status = km_check_list(g->points, g->point_count, "points of a spline", error);
   *out = (knots){.given = g->point_count, .times = g->times};
   for (int k = g->unturned > 0 ? g->unturned : 0; k < g->point_count && !status; ++k)
@@ -84,20 +85,20 @@ static km_status gather_points(maker *b, const km_path_segment *g, knots *out, k
       pose->R = out->poses[k].R;
   }
   b->fault->item = -1;
-  out->first = g->own_start || (g->point_count > 0 && km_poses_apart(&out->poses[0], &out->poses[1]) <= 1e-6);
+  out->first = g->own_start || (g->point_count > 0 && km_pose_distance(&out->poses[0], &out->poses[1]) <= 1e-6);
   int least = out->first ? 2 : 1;
   return g->point_count >= least
              ? KM_OK
              : km_fail(error, KM_USAGE, "found %d points; expected at least %d", g->point_count, least);
 }
 
-/* When the pose after `index` is reached, from the segment's begin. */
+/* Time of pose `index`, from the start of the segment. */
 static double time_at(const knots *k, int index) {
   return index > 0 ? k->times[index - 1] : 0.0;
 }
 
-/* Knots by the times, or by the length of the chords; from 0 to 1. */
-static km_status set_knots(maker *b, const knots *k, km_segment *out, km_error *error) {
+/* Sets the knots 0 … 1 by the times, else by chord lengths. */
+static km_status set_knots(path_builder *b, const knots *k, km_segment *out, km_error *error) {
   double second = b->path->arm->mechanism->model->units.time->si;
   out->knots = k->given + 1 - k->first;
   out->knot = KM_ARENA_NEW(&b->path->arena, double, (size_t)out->knots);
@@ -105,11 +106,11 @@ static km_status set_knots(maker *b, const knots *k, km_segment *out, km_error *
     return km_fail(error, KM_MEMORY, "out of memory for a spline of %d points", out->knots);
   for (int i = 1; i < out->knots; ++i) {
     int to = k->first + i;
-    double way = km_poses_apart(&k->poses[to - 1], &k->poses[to]);
+    double increment = km_pose_distance(&k->poses[to - 1], &k->poses[to]);
     b->fault->item = to - 1;
-    if (!(way > KM_SAME_POSE))
+    if (!(increment > KM_SAME_POSE))
       return km_fail(error, KM_USAGE, "the same pose as the one before; expected a way to go");
-    double from_time = k->times ? time_at(k, to - 1) : 0.0, to_time = k->times ? time_at(k, to) : way;
+    double from_time = k->times ? time_at(k, to - 1) : 0.0, to_time = k->times ? time_at(k, to) : increment;
     if (!(to_time > from_time && isfinite(to_time)))
       return km_fail(error, KM_USAGE, "time %s after %s; expected increasing times", KM_SHOWN(to_time),
                      KM_SHOWN(from_time));
@@ -122,7 +123,7 @@ static km_status set_knots(maker *b, const knots *k, km_segment *out, km_error *
   return KM_OK;
 }
 
-static km_status make_spline(maker *b, const km_path_segment *g, km_segment *out, km_error *error) {
+static km_status make_spline(path_builder *b, const km_path_segment *g, km_segment *out, km_error *error) {
   knots k;
   b->fault->key = "points";
   out->kind = KM_SEGMENT_SPLINE;
@@ -135,7 +136,7 @@ static km_status make_spline(maker *b, const km_path_segment *g, km_segment *out
   return status ? status : km_segment_fit(out, k.poses + k.first, &b->path->arena, error);
 }
 
-static km_status make_segment(maker *b, const km_path_segment *g, km_segment *out, km_error *error) {
+static km_status make_segment(path_builder *b, const km_path_segment *g, km_segment *out, km_error *error) {
   km_frame_pose end = {.p = {g->to[0], g->to[1], g->to[2]}};
   memcpy(end.R, g->turns ? g->R : (const double[]){1, 0, 0, 0, 1, 0, 0, 0, 1}, sizeof end.R);
   *out = (km_segment){.steps = g->steps, .start = b->at};
@@ -158,7 +159,7 @@ static km_status make_segment(maker *b, const km_path_segment *g, km_segment *ou
   }
 }
 
-static km_status make_segments(maker *b, const km_path_plan *plan, km_error *error) {
+static km_status make_segments(path_builder *b, const km_path_plan *plan, km_error *error) {
   km_path *path = b->path;
   path->segments = KM_ARENA_NEW(&path->arena, km_segment, (size_t)plan->segment_count);
   if (!path->segments)
@@ -177,9 +178,9 @@ static km_status make_segments(maker *b, const km_path_plan *plan, km_error *err
   return status;
 }
 
-km_status km_path_make(const km_arm *a, const km_path_plan *plan, const km_pose *start, km_path **out,
-                       km_path_fault *fault, km_error *error) {
-  maker b = {.path = KM_NEW(km_path, 1), .at = *start, .fault = fault};
+km_status km_path_build(const km_arm *a, const km_path_plan *plan, const km_pose *start, km_path **out,
+                        km_path_fault *fault, km_error *error) {
+  path_builder b = {.path = KM_NEW(km_path, 1), .at = *start, .fault = fault};
   if (!b.path)
     return km_fail(error, KM_MEMORY, "out of memory for a path");
   double second = a->mechanism->model->units.time->si;
@@ -194,7 +195,7 @@ km_status km_path_make(const km_arm *a, const km_path_plan *plan, const km_pose 
   return status;
 }
 
-static km_status check(const km_arm *a, const km_path_plan *plan, km_error *error) {
+static km_status check_plan(const km_arm *a, const km_path_plan *plan, km_error *error) {
   km_status status = km_check_given(a && plan, "arm or plan of a path", error);
   if (!status)
     status = km_check_pose(&plan->start, error);
@@ -207,7 +208,7 @@ km_status km_path_create(const km_arm *a, const km_path_plan *plan, km_path **ou
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
-  km_status status = check(a, plan, error);
+  km_status status = check_plan(a, plan, error);
   if (status)
     return status;
   km_path_fault fault = KM_PATH_NO_FAULT;
@@ -216,6 +217,6 @@ km_status km_path_create(const km_arm *a, const km_path_plan *plan, km_path **ou
   km_pose start = km_arm_pose_of(a, &plan->start);
   status = km_path_plan_check(plan, &fault, &found);
   if (!status)
-    status = km_path_make(a, plan, &start, out, &fault, &found);
+    status = km_path_build(a, plan, &start, out, &fault, &found);
   return status ? km_fail(error, status, "%s: %s", km_path_fault_text(&fault, where), found.text) : KM_OK;
 }

@@ -1,17 +1,20 @@
-/* The shapes that a path is made of. */
+/* Shapes of path segments: line, helix, weave, spline. Each gives pose and derivative by u = 0 … 1.
+ *
+ *   spline orientations between knots: q0 exp(w1 β1) exp(w2 β2) exp(w3 β3), β cumulative cubic Bernstein polynomials
+ *   body rate: Σ β_i'/h R_i w_i                     (M. Kim, M. Kim and S. Shin 1995; docs/theory.md 12.2) */
 #include "arm/path/path.h"
 
 #include <gsl/gsl_errno.h>
 #include <string.h>
 
-static km_rotation turned(km_vec3 by, const km_rotation *R) {
+static km_rotation has_rotation(km_vec3 by, const km_rotation *R) {
   km_rotation turn = km_quaternion_rotation(km_quaternion_exp(by));
   return km_rotation_product(&turn, R);
 }
 
 static km_pose line_pose(const km_segment *g, double u, km_twist *rate) {
   *rate = (km_twist){g->travel, g->turn};
-  return (km_pose){turned(km_vec3_scale(u, g->turn), &g->start.R), km_vec3_axpy(u, g->travel, g->start.p)};
+  return (km_pose){has_rotation(km_vec3_scale(u, g->turn), &g->start.R), km_vec3_axpy(u, g->travel, g->start.p)};
 }
 
 static km_pose helix_pose(const km_segment *g, double u, km_twist *rate) {
@@ -20,7 +23,7 @@ static km_pose helix_pose(const km_segment *g, double u, km_twist *rate) {
   km_vec3 p = km_vec3_axpy(u * g->rise, g->axis, km_vec3_add(g->centre, arm));
   rate->v = km_vec3_axpy(g->rise, g->axis, km_vec3_scale(g->angle, km_vec3_cross(g->axis, arm)));
   rate->w = g->turn;
-  return (km_pose){turned(km_vec3_scale(u, g->turn), &g->start.R), p};
+  return (km_pose){has_rotation(km_vec3_scale(u, g->turn), &g->start.R), p};
 }
 
 static km_pose weave_pose(const km_segment *g, double u, km_twist *rate) {
@@ -31,7 +34,7 @@ static km_pose weave_pose(const km_segment *g, double u, km_twist *rate) {
   return pose;
 }
 
-/* The cumulative Bernstein polynomials of degree 3 and their derivatives. */
+/* Cumulative Bernstein polynomials of degree 3 and their derivatives. */
 static void bernstein(double x, double value[3], double rate[3]) {
   double y = 1.0 - x;
   value[0] = 1.0 - y * y * y;
@@ -56,7 +59,7 @@ static km_pose spline_pose(const km_segment *g, double u, km_twist *rate) {
   km_quaternion q = g->piece[k].start;
   rate->v = km_vec3_from_array(v);
   rate->w = (km_vec3){0, 0, 0};
-  for (int i = 0; i < 3; ++i) { /* each factor turns about an axis of its own, fixed in the body before it */
+  for (int i = 0; i < 3; ++i) { /* each factor rotates about its own axis, fixed in the previous frame */
     km_rotation R = km_quaternion_rotation(q);
     rate->w = km_vec3_axpy(slope[i] / h, km_rotate(&R, g->piece[k].w[i]), rate->w);
     q = km_quaternion_product(q, km_quaternion_exp(km_vec3_scale(value[i], g->piece[k].w[i])));
@@ -77,14 +80,14 @@ km_pose km_segment_pose(const km_segment *g, double u, km_twist *rate) {
   }
 }
 
-/* From orientation a to b, in a's own axes, the short way. */
+/* Rotation vector from orientation a to b in the axes of a, at most half a turn. */
 static km_vec3 step_between(km_quaternion a, km_quaternion b) {
   return km_quaternion_log(km_quaternion_product(km_quaternion_conjugate(a), b));
 }
 
-/* Body rates at the knots: the mean of the rates before and after, each weighted with the other's span; at the ends
- * the only one. */
-static void fit_turns(km_segment *g, const km_quaternion *q, km_vec3 *step, km_vec3 *rate) {
+/* Fits the orientation pieces. The body rate at a knot is the mean of the rates before and after, weighted with the
+ * other interval; at the ends, the only rate. */
+static void fit_orientations(km_segment *g, const km_quaternion *q, km_vec3 *step, km_vec3 *rate) {
   int last = g->knots - 1;
   for (int k = 0; k < last; ++k)
     step[k] = km_vec3_scale(1.0 / (g->knot[k + 1] - g->knot[k]), step_between(q[k], q[k + 1]));
@@ -96,7 +99,7 @@ static void fit_turns(km_segment *g, const km_quaternion *q, km_vec3 *step, km_v
   }
   for (int k = 0; k < last; ++k) {
     double third = (g->knot[k + 1] - g->knot[k]) / 3.0;
-    km_turn_piece *piece = &g->piece[k];
+    km_orientation_piece *piece = &g->piece[k];
     piece->start = q[k];
     piece->w[0] = km_vec3_scale(third, rate[k]);
     piece->w[2] = km_vec3_scale(third, rate[k + 1]);
@@ -106,7 +109,7 @@ static void fit_turns(km_segment *g, const km_quaternion *q, km_vec3 *step, km_v
   }
 }
 
-static bool fit_place(km_segment *g, int axis, const km_pose *poses, double *value) {
+static bool fit_position(km_segment *g, int axis, const km_pose *poses, double *value) {
   for (int k = 0; k < g->knots; ++k)
     value[k] = axis == 0 ? poses[k].p.x : axis == 1 ? poses[k].p.y : poses[k].p.z;
   const gsl_interp_type *type = g->knots > 2 ? gsl_interp_cspline : gsl_interp_linear;
@@ -120,15 +123,15 @@ km_status km_segment_fit(km_segment *g, const km_pose *poses, km_arena *arena, k
   double *value = KM_ARENA_NEW(arena, double, count);
   km_quaternion *q = KM_ARENA_NEW(arena, km_quaternion, count);
   km_vec3 *step = KM_ARENA_NEW(arena, km_vec3, count), *rate = KM_ARENA_NEW(arena, km_vec3, count);
-  g->piece = KM_ARENA_NEW(arena, km_turn_piece, count);
-  bool whole = !arena->failed;
-  for (int axis = 0; axis < 3 && whole; ++axis)
-    whole = fit_place(g, axis, poses, value);
-  if (!whole)
+  g->piece = KM_ARENA_NEW(arena, km_orientation_piece, count);
+  bool is_ok = !arena->failed;
+  for (int axis = 0; axis < 3 && is_ok; ++axis)
+    is_ok = fit_position(g, axis, poses, value);
+  if (!is_ok)
     return km_fail(error, KM_MEMORY, "out of memory for a spline of %d points", g->knots);
   for (int k = 0; k < g->knots; ++k)
     q[k] = km_rotation_quaternion(&poses[k].R);
-  fit_turns(g, q, step, rate);
+  fit_orientations(g, q, step, rate);
   g->start = poses[0];
   return KM_OK;
 }

@@ -1,29 +1,30 @@
-/* All poses that hold an effector, as arcs of closed curves. */
+/* Self-motions as public records: one curve with its arcs within the limits; with two spare freedoms, a circle of
+ * directions (docs/theory.md 12.8). */
 #include "arm/ik/ik_branches.h"
 
 #include "arm/arm_arguments.h"
 
-static void add_row(const km_loop_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
+static void add_row(const km_selfmotion_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
   for (int k = 0; k < c->arm->n; ++k)
     q[k] += 2.0 * M_PI * shift[k];
-  km_arm_bring_within(c->arm, q);
+  km_arm_unwind_narrow(c->arm, q);
   out->row_arc[out->row_count] = arc;
   out->row_u[out->row_count] = u;
   for (int k = 0; k < c->arm->n; ++k)
-    out->row_q[out->row_count * c->arm->n + k] = km_arm_shown(c->arm, k, q[k]);
+    out->row_q[out->row_count * c->arm->n + k] = km_arm_to_units(c->arm, k, q[k]);
   out->row_count++;
 }
 
-/* The first and last round that an arc has poses of. */
-static int round_of(const km_loop_curve *c, double u) {
+/* Round of the closed curve that contains u. */
+static int round_of(const km_selfmotion_curve *c, double u) {
   return c->closed ? (int)floor(u / c->length) : 0;
 }
 
-/* End, points between, end. */
-static void add_arc(const km_loop_curve *c, km_selfmotion *out, int arc, const int *shift) {
+/* Rows of an arc: its end, the points between, the other end. */
+static void add_arc(const km_selfmotion_curve *c, km_selfmotion *out, int arc, const int *shift) {
   const int n = c->arm->n;
-  double from = out->arcs[arc].from, to = out->arcs[arc].to, q[KM_ARM_MOST];
-  if (km_loop_curve_at(c, from, q))
+  double from = out->arcs[arc].from, to = out->arcs[arc].to, q[KM_ARM_MAX_JOINTS];
+  if (km_selfmotion_curve_at(c, from, q))
     add_row(c, out, arc, from, shift, q);
   for (int round = round_of(c, from); round <= round_of(c, to); ++round)
     for (int i = 0; i < c->count; ++i) {
@@ -31,14 +32,14 @@ static void add_arc(const km_loop_curve *c, km_selfmotion *out, int arc, const i
       if (u <= from + 1e-9 || u >= to - 1e-9)
         continue;
       for (int k = 0; k < n; ++k)
-        q[k] = c->q[i * n + k] + round * km_loop_curve_turn(c, k);
+        q[k] = c->q[i * n + k] + round * km_selfmotion_curve_turn(c, k);
       add_row(c, out, arc, u, shift, q);
     }
-  if (km_loop_curve_at(c, to, q))
+  if (km_selfmotion_curve_at(c, to, q))
     add_row(c, out, arc, to, shift, q);
 }
 
-static bool add_rows(const km_loop_curve *c, const int *shift, km_selfmotion *out) {
+static bool add_rows(const km_selfmotion_curve *c, const int *shift, km_selfmotion *out) {
   size_t most = 2;
   for (int arc = 0; arc < out->arc_count; ++arc)
     most += (size_t)(round_of(c, out->arcs[arc].to) - round_of(c, out->arcs[arc].from) + 1) * (size_t)c->count + 2;
@@ -52,25 +53,25 @@ static bool add_rows(const km_loop_curve *c, const int *shift, km_selfmotion *ou
   return true;
 }
 
-km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_error *error) {
+km_status km_selfmotion_export(const km_selfmotion_curve *c, km_selfmotion *out, km_error *error) {
   const int n = c->arm->n;
   out->count = c->count;
   out->columns = n;
   out->closed = c->closed;
-  out->turns_on = km_loop_curve_runs_on(c);
+  out->turns_on = km_selfmotion_curve_continues(c);
   out->length = c->length;
   out->u = KM_NEW(double, (size_t)c->count);
   out->q = KM_NEW(double, (size_t)(c->count * n));
-  km_lifts lifts;
-  bool whole = km_loop_curve_lifts(c, &lifts) && out->u && out->q;
+  km_lifted_arcs lifts;
+  bool is_ok = km_selfmotion_curve_find_lifted_arcs(c, &lifts) && out->u && out->q;
   out->arcs = lifts.arcs;
   out->turn = lifts.turn;
-  out->arc_count = whole ? lifts.count : 0;
-  whole = whole && add_rows(c, lifts.shift, out);
+  out->arc_count = is_ok ? lifts.count : 0;
+  is_ok = is_ok && add_rows(c, lifts.shift, out);
   lifts.arcs = NULL;
   lifts.turn = NULL;
-  km_lifts_free(&lifts);
-  if (!whole)
+  km_lifted_arcs_free(&lifts);
+  if (!is_ok)
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
   out->whole = c->closed && !out->turns_on && out->arc_count > 0;
   for (int i = 0; i < out->arc_count; ++i)
@@ -78,7 +79,7 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
   for (int i = 0; i < c->count; ++i) {
     out->u[i] = c->u[i];
     for (int k = 0; k < n; ++k)
-      out->q[i * n + k] = km_arm_shown(c->arm, k, c->q[i * n + k]);
+      out->q[i * n + k] = km_arm_to_units(c->arm, k, c->q[i * n + k]);
     km_arm_update(c->arm, c->space, c->q + i * n);
     out->error = fmax(out->error, km_arm_error(c->arm, c->space, &c->target, NULL, NULL, NULL));
   }
@@ -86,11 +87,11 @@ km_status km_selfmotion_export(const km_loop_curve *c, km_selfmotion *out, km_er
   return KM_OK;
 }
 
-/* One direction of a surface of poses, up to its first limit: an arc of its own. */
-static bool add_direction(const km_loop_curve *c, km_selfmotion *out, int direction, km_error *error) {
+/* Adds one direction of a two-parameter self-motion, up to its first limit, as an arc. */
+static bool add_direction(const km_selfmotion_curve *c, km_selfmotion *out, int direction, km_error *error) {
   km_selfmotion one = {0};
-  bool whole = km_selfmotion_export(c, &one, error) == KM_OK;
-  int most = out->row_count + (whole ? one.row_count : 0);
+  bool is_ok = km_selfmotion_export(c, &one, error) == KM_OK;
+  int most = out->row_count + (is_ok ? one.row_count : 0);
   size_t n = (size_t)c->arm->n;
   int *arc = km_resize(out->row_arc, (size_t)most + 1, sizeof *arc);
   out->row_arc = arc ? arc : out->row_arc;
@@ -98,8 +99,8 @@ static bool add_direction(const km_loop_curve *c, km_selfmotion *out, int direct
   out->row_u = u ? u : out->row_u;
   double *q = km_resize(out->row_q, ((size_t)most + 1) * n, sizeof *q);
   out->row_q = q ? q : out->row_q;
-  whole = whole && arc && u && q;
-  bool starts = whole && one.arc_count > 0 && one.arcs[0].from <= 0.0;
+  is_ok = is_ok && arc && u && q;
+  bool starts = is_ok && one.arc_count > 0 && one.arcs[0].from <= 0.0;
   for (int i = 0; starts && i < one.row_count && one.row_arc[i] == 0; ++i, ++out->row_count) {
     arc[out->row_count] = direction;
     u[out->row_count] = one.row_u[i];
@@ -110,38 +111,38 @@ static bool add_direction(const km_loop_curve *c, km_selfmotion *out, int direct
   out->length = fmax(out->length, out->arcs[direction].to);
   out->error = fmax(out->error, one.error);
   km_selfmotion_free(&one);
-  return whole;
+  return is_ok;
 }
 
-static km_status stopped(km_error *error) {
+static km_status fail_cancelled(km_error *error) {
   return km_fail(error, KM_CANCELLED, "following the self-motion was cancelled");
 }
 
-/* A circle of directions in the first pose's two pose-control columns. */
+/* Follows a circle of directions, spanned by the two pose-control columns at the start. */
 static km_status follow_circle(const km_arm *a, km_arm_space *space, const double *start, km_progress progress,
                                void *context, km_selfmotion *out, km_error *error) {
   static const double none[KM_ARM_ROWS] = {0};
-  double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], sense[KM_ARM_MOST];
+  double path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS], sense[KM_ARM_MAX_JOINTS];
   km_pose target = space->pose;
   km_control_factor(a, space, none, NULL);
   km_control_columns(a, space, NULL, path, self);
   out->columns = a->n;
   out->arcs = KM_NEW(km_arc_span, KM_SELFMOTION_DIRECTIONS);
   out->arc_count = out->arcs ? KM_SELFMOTION_DIRECTIONS : 0;
-  bool whole = out->arcs != NULL, cancelled = false;
-  for (int d = 0; d < KM_SELFMOTION_DIRECTIONS && whole; ++d) {
+  bool is_ok = out->arcs != NULL, cancelled = false;
+  for (int d = 0; d < KM_SELFMOTION_DIRECTIONS && is_ok; ++d) {
     double around = 2.0 * M_PI * d / KM_SELFMOTION_DIRECTIONS;
     for (int k = 0; k < a->n; ++k)
       sense[k] = cos(around) * self[k] + sin(around) * self[a->n + k];
-    km_loop_curve curve = {
+    km_selfmotion_curve curve = {
         .arm = a, .space = space, .target = target, .sense = sense, .progress = progress, .context = context};
-    whole = km_loop_curve_follow(&curve, start, M_PI) && add_direction(&curve, out, d, error);
+    is_ok = km_selfmotion_curve_follow(&curve, start, M_PI) && add_direction(&curve, out, d, error);
     cancelled = curve.cancelled;
-    km_loop_curve_free(&curve);
+    km_selfmotion_curve_free(&curve);
   }
   if (cancelled)
-    return stopped(error);
-  return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a self-motion");
+    return fail_cancelled(error);
+  return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a self-motion");
 }
 
 km_status km_selfmotion_follow(const km_arm *a, const double *q, km_progress progress, void *context,
@@ -155,23 +156,24 @@ km_status km_selfmotion_follow(const km_arm *a, const double *q, km_progress pro
   if (fits)
     return fits;
   km_arm_space space;
-  double start[KM_ARM_MOST];
+  double start[KM_ARM_MAX_JOINTS];
   if (a->freedom != 1 && a->freedom != 2)
     return km_fail(error, KM_USAGE, "the arm has %d spare freedoms for its task; expected 1 or 2", a->freedom);
   if (!km_arm_space_create(a, &space))
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
   for (int k = 0; k < a->n; ++k)
-    start[k] = km_arm_read(a, k, q[k]);
+    start[k] = km_arm_from_units(a, k, q[k]);
   km_arm_update(a, &space, start);
   km_status status;
   if (a->freedom == 2) {
     status = follow_circle(a, &space, start, progress, context, out, error);
   } else {
-    km_loop_curve curve = {.arm = a, .space = &space, .target = space.pose, .progress = progress, .context = context};
-    status = km_loop_curve_follow(&curve, start, 200.0) ? km_selfmotion_export(&curve, out, error)
-             : curve.cancelled                          ? stopped(error)
-                                                        : km_fail(error, KM_MEMORY, "out of memory for a curve");
-    km_loop_curve_free(&curve);
+    km_selfmotion_curve curve = {
+        .arm = a, .space = &space, .target = space.pose, .progress = progress, .context = context};
+    status = km_selfmotion_curve_follow(&curve, start, 200.0) ? km_selfmotion_export(&curve, out, error)
+             : curve.cancelled                                ? fail_cancelled(error)
+                                                              : km_fail(error, KM_MEMORY, "out of memory for a curve");
+    km_selfmotion_curve_free(&curve);
   }
   km_arm_space_free(&space);
   return status;

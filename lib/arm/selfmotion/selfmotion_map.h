@@ -1,5 +1,5 @@
-/* The map of self-motions along a path: at stations of it, every pose that the arm can get to without moving the
- * effector. */
+/* Map of self-motions along a path: at stations of the path, all configurations that are reachable from a reference
+ * without moving the effector (docs/theory.md 12.8). */
 #ifndef KM_ARM_SELFMOTION_SELFMOTION_MAP_H
 #define KM_ARM_SELFMOTION_SELFMOTION_MAP_H
 
@@ -7,18 +7,18 @@
 #include "arm/path/path.h"
 #include "kmech/arm.h"
 
-/* A station: the self-motion through the reference pose there. u counts from it; on a closed curve from −length/2 to
- * length/2. */
+/* Station of a path: the self-motion through the reference configuration there. u is the arc length from the
+ * reference; on a closed curve −length/2 … length/2. */
 typedef struct km_station {
   int sample;
-  double s; /* model's unit */
+  double s; /* path metric, model's unit */
   bool closed;
-  double low, high; /* of u */
+  double low, high; /* range of u */
   int count;
-  double *u, *value; /* [count] increasing; the objective there */
-  km_arc_span *arcs; /* [arc_count] within the limits, cut to low … high */
+  double *u, *value; /* [count] increasing arc length; [count] objective */
+  km_arc_span *arcs; /* [arc_count] arcs within the limits, cut to low … high */
   int arc_count;
-  double *q; /* [count × n] in the arm's units */
+  double *q; /* [count × n] configurations in the arm's units */
 } km_station;
 
 typedef struct km_motion_map {
@@ -26,16 +26,16 @@ typedef struct km_motion_map {
   const km_arm *arm;
   int count;
   km_station *stations;
-  double reached; /* share of the path over which the reference could be carried */
+  double reached; /* part of the path over which the reference was continued */
 } km_motion_map;
 
-/* About `stations` stations. The reference is the start, carried along by the path-control column whatever the limits.
- * One spare freedom only (KM_USAGE). Free `*out` in any case. */
-km_status km_motion_map_make(const km_arm *arm, const km_path *path, const double *start, const km_objective *objective,
-                             int stations, km_motion_map *out, km_error *error);
+/* Computes a map with about `stations` stations. The reference begins at start[n] and follows the path-control
+ * column, limits ignored. KM_USAGE: the arm hasn't one spare freedom; KM_MEMORY. Free `*out` in any case. */
+km_status km_motion_map_create(const km_arm *arm, const km_path *path, const double *start,
+                               const km_objective *objective, int stations, km_motion_map *out, km_error *error);
 void km_motion_map_free(km_motion_map *map);
 
-/* Where q[n] lies on a station's curve; NaN if it lies on another one. */
+/* Arc length u of q[n] on a station's curve; NaN if q lies on another curve. */
 double km_station_find(const km_motion_map *map, const km_station *station, const double *q);
 
 #endif

@@ -1,4 +1,4 @@
-/* What a study says of joints, once the arm is known: their order, start, rates, and those that a method holds. */
+/* Joints of a path study, bound to the arm: their order, start values, rates, and the joints that a method fixes. */
 #include "arm/study/study_binding.h"
 
 #include "base/similar_names.h"
@@ -8,20 +8,20 @@
 #include <stdio.h>
 #include <string.h>
 
-static int column_named(const km_arm *a, const char *label) {
+static int find_column(const km_arm *a, const char *label) {
   for (int k = 0; k < a->n && label; ++k)
     if (strcmp(km_arm_label(a, k), label) == 0)
       return k;
   return -1;
 }
 
-/* One label of the order. */
-static bool place_label(km_binder *b, int index, bool *seen) {
+/* Stores one label of the order. */
+static bool store_label(km_binder *b, int index, bool *seen) {
   const km_arm *a = b->study->arm;
   const km_study_names *list = &b->def->coordinates;
   const char *label = list->items[index];
   char where[128];
-  int k = column_named(a, label);
+  int k = find_column(a, label);
   snprintf(where, sizeof where, "%s[%d]", list->place.text, index);
   const km_study_place at = {where, list->place.option};
   if (k < 0)
@@ -37,7 +37,7 @@ static bool place_label(km_binder *b, int index, bool *seen) {
 bool km_bind_order(km_binder *b) {
   const km_arm *a = b->study->arm;
   const km_study_names *list = &b->def->coordinates;
-  bool fine = true, seen[KM_ARM_MOST] = {false};
+  bool is_ok = true, seen[KM_ARM_MAX_JOINTS] = {false};
   b->order = KM_ARENA_NEW(&b->study->arena, int, (size_t)a->n);
   if (!b->order)
     return km_binder_memory(b);
@@ -48,12 +48,12 @@ bool km_bind_order(km_binder *b) {
                            "found %d joints; expected the %d on the way to the effector, from %s to %s", list->count,
                            a->n, km_arm_label(a, 0), km_arm_label(a, a->n - 1));
   for (int i = 0; i < list->count; ++i)
-    fine = place_label(b, i, seen) && fine;
-  return fine;
+    is_ok = store_label(b, i, seen) && is_ok;
+  return is_ok;
 }
 
-/* Numbers in the order of `coordinates`, into the arm's: out[n]. */
-static bool put_in_order(km_binder *b, const km_study_numbers *list, double *out) {
+/* Reorders values from the order of `coordinates` to that of the arm: out[n]. */
+static bool reorder(km_binder *b, const km_study_numbers *list, double *out) {
   const km_arm *a = b->study->arm;
   if (list->count != a->n)
     return km_binder_fault(b, &list->place, "found %d values; expected %d, one for each joint from %s to %s",
@@ -63,7 +63,7 @@ static bool put_in_order(km_binder *b, const km_study_numbers *list, double *out
   return true;
 }
 
-/* Does the path tell how fast it is followed? */
+/* True if the path states a speed or times. */
 static bool has_speed(const km_path_plan *plan) {
   bool timed = plan->speed > 0.0 || plan->turn_speed > 0.0;
   for (int i = 0; i < plan->segment_count && plan->segments; ++i)
@@ -71,8 +71,8 @@ static bool has_speed(const km_path_plan *plan) {
   return timed;
 }
 
-/* The drives' largest rates, which the model states. */
-static void take_drives(km_binder *b) {
+/* Sets the rates from the drives' max_rate in the model, if the path has a speed. */
+static void set_drive_rates(km_binder *b) {
   km_arm *a = b->study->arm;
   double second = a->mechanism->model->units.time->si;
   bool timed = has_speed(&b->def->path.plan), some = false;
@@ -91,29 +91,28 @@ static void take_drives(km_binder *b) {
 bool km_bind_rates(km_binder *b) {
   const km_study_numbers *list = &b->def->rates;
   km_arm *a = b->study->arm;
-  double rates[KM_ARM_MOST];
+  double rates[KM_ARM_MAX_JOINTS];
   km_error error;
   if (!list->items) {
-    take_drives(b);
+    set_drive_rates(b);
     return true;
   }
-  return put_in_order(b, list, rates) &&
-         km_binder_pass(b, &list->place, km_arm_set_rates(a, rates, a->n, &error), &error);
+  return reorder(b, list, rates) && km_binder_pass(b, &list->place, km_arm_set_rates(a, rates, a->n, &error), &error);
 }
 
 bool km_bind_start(km_binder *b, double *q) {
   const km_arm *a = b->study->arm;
   const km_study_numbers *list = &b->def->q0;
-  double given[KM_ARM_MOST];
-  if (list->items && !put_in_order(b, list, given))
+  double given[KM_ARM_MAX_JOINTS];
+  if (list->items && !reorder(b, list, given))
     return false;
   for (int k = 0; k < a->n; ++k)
-    q[k] = list->items ? km_arm_read(a, k, given[k]) : b->state->q[a->coordinate[k]] / a->unit[k];
+    q[k] = list->items ? km_arm_from_units(a, k, given[k]) : b->state->q[a->coordinate[k]] / a->unit[k];
   int out = list->items ? km_arm_limit_passed(a, q) : -1;
   return out < 0 ||
          km_binder_fault(b, &list->place, "%s at %s is outside its limits; expected %s to %s", km_arm_label(a, out),
-                         KM_SHOWN(km_arm_shown(a, out, q[out])), KM_SHOWN(km_arm_shown(a, out, a->low[out])),
-                         KM_SHOWN(km_arm_shown(a, out, a->high[out])));
+                         KM_SHOWN(km_arm_to_units(a, out, q[out])), KM_SHOWN(km_arm_to_units(a, out, a->low[out])),
+                         KM_SHOWN(km_arm_to_units(a, out, a->high[out])));
 }
 
 static bool unknown_joint(km_binder *b, const km_study_names *joints, const char *label) {
@@ -126,9 +125,9 @@ static bool unknown_joint(km_binder *b, const km_study_names *joints, const char
                          a->n, km_nearest_text(&nearest, names));
 }
 
-static bool hold_joint(km_binder *b, const km_study_names *joints, const char *label, km_method *out) {
+static bool add_fixed_joint(km_binder *b, const km_study_names *joints, const char *label, km_method *out) {
   const km_arm *a = b->study->arm;
-  int k = column_named(a, label);
+  int k = find_column(a, label);
   if (k < 0)
     return unknown_joint(b, joints, label ? label : "");
   if (out->joint_count == a->freedom || out->joint_count == KM_METHOD_JOINTS)
@@ -140,7 +139,7 @@ static bool hold_joint(km_binder *b, const km_study_names *joints, const char *l
 bool km_bind_methods(km_binder *b) {
   const km_study_def *def = b->def;
   km_study *s = b->study;
-  bool fine = true;
+  bool is_ok = true;
   s->objective = def->objective;
   s->method_count = def->method_count > 0 ? def->method_count : 1;
   s->methods = KM_ARENA_NEW(&s->arena, km_method, (size_t)s->method_count);
@@ -151,7 +150,7 @@ bool km_bind_methods(km_binder *b) {
     const km_study_names *joints = &def->methods[i].joints;
     s->methods[i] = def->methods[i].method;
     for (int k = 0; k < joints->count; ++k)
-      fine = hold_joint(b, joints, joints->items[k], &s->methods[i]) && fine;
+      is_ok = add_fixed_joint(b, joints, joints->items[k], &s->methods[i]) && is_ok;
   }
-  return fine;
+  return is_ok;
 }

@@ -1,12 +1,13 @@
-/* The path of a study, once the arm is known: its units, its start, and where in the text something is wrong. */
+/* Path of a path study, bound to the arm: units, start pose, and the place of errors in the text. */
 #include "arm/arm_arguments.h"
 #include "arm/study/study_binding.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* Poses whose turns are written as rotation vectors. */
-static const km_frame_pose *turned_poses(km_arena *arena, const km_path_segment *g, const double *turns, double angle) {
+/* Poses with orientations from rotation vectors. */
+static const km_frame_pose *poses_from_rotation_vectors(km_arena *arena, const km_path_segment *g, const double *turns,
+                                                        double angle) {
   km_frame_pose *poses = KM_ARENA_NEW(arena, km_frame_pose, (size_t)g->point_count);
   for (int k = 0; k < g->point_count && poses; ++k) {
     const double *turn = &turns[3 * k];
@@ -18,7 +19,7 @@ static const km_frame_pose *turned_poses(km_arena *arena, const km_path_segment 
   return poses;
 }
 
-/* The plan with its angles in radians. */
+/* Converts a plan to radians. */
 static bool convert(km_arena *arena, const km_study_path *path, double angle, km_path_plan *out) {
   km_path_segment *segments = KM_ARENA_NEW(arena, km_path_segment, (size_t)path->plan.segment_count);
   *out = path->plan;
@@ -29,11 +30,12 @@ static bool convert(km_arena *arena, const km_study_path *path, double angle, km
     segments[i].angle *= angle;
   }
   if (segments && path->turns)
-    segments[0].points = turned_poses(arena, &segments[0], path->turns, angle);
+    segments[0].points = poses_from_rotation_vectors(arena, &segments[0], path->turns, angle);
   return !arena->failed;
 }
 
-/* The effector's pose at q in the arm's units, with what the study says of the start in its place. */
+/* First pose of the path, in the arm's units: the effector's pose at q, with position or orientation replaced by
+ * stated ones. */
 static bool find_first_pose(km_binder *b, const double *q, km_pose *out) {
   const km_arm *a = b->study->arm;
   const km_study_path *path = &b->def->path;
@@ -51,8 +53,8 @@ static bool find_first_pose(km_binder *b, const double *q, km_pose *out) {
   return true;
 }
 
-/* The place of a fault: of poses in a file its line, else the segment's part. */
-static void tell(km_binder *b, const km_path_fault *fault, const km_error *found) {
+/* Reports a fault with its place: the line of a file of poses, else the part of the segment. */
+static void report_fault(km_binder *b, const km_path_fault *fault, const km_error *found) {
   const km_study_path *path = &b->def->path;
   char segment[KM_PATH_FAULT_TEXT], where[KM_ERROR_TEXT];
   km_study_place at = {where, path->place.option};
@@ -81,10 +83,10 @@ bool km_bind_path(km_binder *b, const double *q) {
   if (!status && !convert(&b->study->arena, path, b->mechanism->model->units.angle->si, &plan))
     return km_binder_memory(b);
   if (!status)
-    status = km_path_make(b->study->arm, &plan, &start, &b->study->path, &fault, &error);
+    status = km_path_build(b->study->arm, &plan, &start, &b->study->path, &fault, &error);
   if (status == KM_MEMORY)
     return km_binder_pass(b, &path->place, status, &error);
   if (status)
-    tell(b, &fault, &error);
+    report_fault(b, &fault, &error);
   return !status;
 }

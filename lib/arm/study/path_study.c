@@ -1,4 +1,4 @@
-/* Path studies: binding a definition to a mechanism. */
+/* Path studies: binding of a definition to a mechanism. */
 #include "arm/study/study_binding.h"
 
 #include "arm/ik/ik_branches.h"
@@ -58,40 +58,41 @@ static bool make_arm(km_binder *b) {
   return km_binder_pass(b, &b->def->effector.place, status, &error);
 }
 
-/* From q to the first pose of the path. That this fails is the track's first finding, not a fault of the study. */
+/* Finds the start by inverse kinematics from q to the first pose of the path. Failure isn't a fault of the study:
+ * its tracks then end at their start. */
 static void find_start(km_binder *b, const double *q) {
   km_study *s = b->study;
   const km_arm *a = s->arm;
-  double start[KM_ARM_MOST];
+  double start[KM_ARM_MAX_JOINTS];
   memcpy(start, q, (size_t)a->n * sizeof *q);
   if (s->path)
     s->start_status = km_arm_nearest(a, &s->path->points[0].pose, q, b->seed, NULL, NULL, start, &s->start_error);
   for (int k = 0; k < a->n; ++k) {
     double moved = start[k] - q[k];
     if (fabs(moved) < 1e-11)
-      start[k] = q[k]; /* was there already */
+      start[k] = q[k]; /* q was a solution already */
     s->start_moved = fmax(s->start_moved, fabs(moved));
-    s->start[k] = s->start_status ? (double)NAN : km_arm_shown(a, k, start[k]);
+    s->start[k] = s->start_status ? (double)NAN : km_arm_to_units(a, k, start[k]);
   }
 }
 
-static bool bind(km_binder *b) {
-  double q[KM_ARM_MOST];
+static bool bind_parts(km_binder *b) {
+  double q[KM_ARM_MAX_JOINTS];
   if (!make_arm(b) || !km_bind_order(b))
     return false;
   b->study->start = KM_ARENA_NEW(&b->study->arena, double, (size_t)b->study->arm->n);
   if (!b->study->start)
     return km_binder_memory(b);
-  bool fine = km_bind_rates(b);
-  fine = km_bind_methods(b) && fine;
-  if (!km_bind_start(b, q) || !km_bind_path(b, q) || !fine)
+  bool is_ok = km_bind_rates(b);
+  is_ok = km_bind_methods(b) && is_ok;
+  if (!km_bind_start(b, q) || !km_bind_path(b, q) || !is_ok)
     return false;
   find_start(b, q);
   return true;
 }
 
-static km_status check(const km_mechanism *mechanism, const km_state *state, const km_study_def *def, km_study **out,
-                       km_error *error) {
+static km_status check_arguments(const km_mechanism *mechanism, const km_state *state, const km_study_def *def,
+                                 km_study **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
@@ -109,7 +110,7 @@ static km_status check(const km_mechanism *mechanism, const km_state *state, con
 
 km_status km_study_bind(const km_mechanism *mechanism, const km_state *state, const km_study_def *def,
                         unsigned long seed, km_messages *messages, km_study **out, km_error *error) {
-  km_status fits = check(mechanism, state, def, out, error);
+  km_status fits = check_arguments(mechanism, state, def, out, error);
   if (fits)
     return fits;
   km_study *study = KM_NEW(km_study, 1);
@@ -122,7 +123,7 @@ km_status km_study_bind(const km_mechanism *mechanism, const km_state *state, co
                  .seed = seed,
                  .messages = messages,
                  .error = error};
-  km_status status = bind(&b) ? study->start_status : b.status;
+  km_status status = bind_parts(&b) ? study->start_status : b.status;
   if (status && status == study->start_status)
     km_fail(error, status, "%s", study->start_error.text);
   if (!status || study->start_status == KM_NO_RESULT)

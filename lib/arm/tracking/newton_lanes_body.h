@@ -1,4 +1,11 @@
-/* Newton's steps in vectors of WIDTH lanes, included once for each instruction set: NAME is the function. */
+/* One step along the path for several seven-joint arms at once: predictor, Newton's corrector, path-control column,
+ * checks of limits and rates (docs/theory.md 12.4). A vector register holds WIDTH lanes; each lane is one step.
+ *
+ *   predictor : q = q_0 + (c1 + tan_phi c2)/z ds
+ *   corrector : J x = e, moved + x orthogonal to the null vector; converged if |e| <= KM_NEWTON_CONVERGED
+ *   rates     : q_dot = c1/z speed + (c2 . mean) c2,  mean = (q - q_0)/dt
+ *
+ * The file is included once for each instruction set; NAME is the function that it defines. */
 #include "arm/tracking/seven_joint_arm.h"
 
 #include "spatial/simd_body.h"
@@ -20,7 +27,7 @@
 #define km_bits_of(x)   ((word)(x))
 #define km_number_of(x) ((vector)(x))
 
-/* Seven numbers of every lane. */
+/* Seven numbers of each lane. */
 typedef struct lanes_row {
   T at[SEVEN];
 } lanes_row;
@@ -68,93 +75,97 @@ static inline void lanes_subtract(lanes_row *x, T s, const lanes_row *v, int c) 
 
 #include "spatial/sincos_body.h"
 
-/* Found when they are asked for: all of them at once would leave the registers. */
-typedef struct lanes_turns {
+/* Sines and cosines are computed on demand: seven pairs exceed the registers. */
+typedef struct lanes_angles {
   const T *x;
-} lanes_turns;
+} lanes_angles;
 
-static inline lanes_turns lanes_turns_of(const T *x) {
-  return (lanes_turns){x};
+static inline lanes_angles lanes_angles_of(const T *x) {
+  return (lanes_angles){x};
 }
-static inline void lanes_turn_of(const lanes_turns *turns, int j, T *sine, T *cosine) {
-  lanes_sincos(turns->x[j], sine, cosine);
+static inline void lanes_sincos_of(const lanes_angles *angles, int j, T *sine, T *cosine) {
+  lanes_sincos(angles->x[j], sine, cosine);
 }
 #include "arm/tracking/seven_joint_arm_body.h"
 
-/* Where lanes are to go. */
+/* Target poses of the lanes. */
 typedef struct lanes_target {
   lanes_vec p, axes[3];
 } lanes_target;
 
-static inline lanes_vec vec_from(km_batch_number *components, int first) {
+static inline lanes_vec read_vec(km_batch_number *components, int first) {
   return (lanes_vec){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
 }
 
-/* What is left to the target: e[6]; lanes whose turn isn't small are taken out. Returns its length. */
-static inline vector left(const km_arm *a, const lanes_seven *k, const lanes_target *target, vector *e, mask *fit) {
-  vector sine2, trace;
+/* Pose error e[6] = (position, rotation vector) from the current to the target pose. Clears the lanes of *valid
+ * whose rotation isn't small. Returns the norm of e, positions scaled by arm->position_weight. */
+static inline vector pose_error(const km_arm *a, const lanes_seven *k, const lanes_target *target, vector *e,
+                                mask *valid) {
+  vector sine2, write_track;
   lanes_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
-  lanes_vec w = lanes_turn_left(k->R, target->axes, &sine2, &trace);
-  *fit &= below(sine2, all(KM_SMALL_TURN)) & below(all(1.0), trace);
+  lanes_vec w = lanes_rotation_error(k->R, target->axes, &sine2, &write_track);
+  *valid &= below(sine2, all(KM_SMALL_ROTATION)) & below(all(1.0), write_track);
   e[0] = v.x;
   e[1] = v.y;
   e[2] = v.z;
   e[3] = w.x;
   e[4] = w.y;
   e[5] = w.z;
-  return root(a->shrink * lanes_dot(v, v) + lanes_dot(w, w));
+  return root(a->position_weight * lanes_dot(v, v) + lanes_dot(w, w));
 }
 
-static inline mask regular(const lanes_seven *k) {
-  return below(k->largest * KM_SEVEN_REGULAR, k->least);
+static inline mask is_regular(const lanes_seven *k) {
+  return below(k->max_pivot * KM_SEVEN_MIN_PIVOT_RATIO, k->min_pivot);
 }
 
-/* km_node_predict of lanes from `first` on: the predictors into q, the correctors to expect into moved. Returns how long these
- * may be. */
+/* Predictor (km_node_predict) of the lanes from `first` on: q = q_0 + step + moved, where moved is the extrapolated
+ * correction. Returns the largest correction allowed: half the step. */
 static inline vector predict(const km_batch_start *from, int first, vector *q, vector *moved) {
-  vector inverse = 1.0 / get(from->z + first), tilt = get(from->tilt + first), ds = get(from->ds + first);
+  vector inverse = 1.0 / get(from->z + first), tan_phi = get(from->tan_phi + first), ds = get(from->ds + first);
   vector square = ZERO, far = ZERO;
   for (int i = 0; i < SEVEN; ++i) {
-    vector step = (get(from->path[i] + first) + tilt * get(from->null[i] + first)) * inverse * ds;
+    vector step = (get(from->path[i] + first) + tan_phi * get(from->null[i] + first)) * inverse * ds;
     square += step * step;
     moved[i] = 2.0 * get(from->last[i] + first) - get(from->before[i] + first);
     far += moved[i] * moved[i];
     q[i] = get(from->q[i] + first) + step;
   }
   vector most = 0.5 * root(square) + 1e-12;
-  mask near = at_most(root(far), most);
+  mask is_near = at_most(root(far), most);
   for (int i = 0; i < SEVEN; ++i) {
-    moved[i] = pick(near, moved[i], ZERO);
+    moved[i] = pick(is_near, moved[i], ZERO);
     q[i] += moved[i];
   }
   return most;
 }
 
-/* Steps of lanes first … first + WIDTH - 1, which end at q[7]. Returns the lanes that arrive; the Jacobian there is factored,
- * with the rates for their unit twists. */
-static inline mask reach(const km_arm *a, km_lanes *io, int first, vector *q, lanes_seven *k) {
+/* Predictor and Newton's corrector of the lanes first … first + WIDTH - 1, which end at q[7]. Returns the lanes that
+ * converged at regular configurations. The Jacobian there is factored, with the minimum-norm rates for the unit
+ * twists xi. */
+static inline mask newton_steps(const km_arm *a, km_lanes *io, int first, vector *q, lanes_seven *k) {
   const lanes_target target = {
-      vec_from(io->place, first),
-      {vec_from(io->axes[0], first), vec_from(io->axes[1], first), vec_from(io->axes[2], first)}};
-  vector e[6], moved[SEVEN], most = predict(&io->start, first, q, moved), far = ZERO, tries = ZERO;
-  mask fit = mask_of(io->used >> first & ((1u << WIDTH) - 1)), active = fit;
+      read_vec(io->place, first),
+      {read_vec(io->axes[0], first), read_vec(io->axes[1], first), read_vec(io->axes[2], first)}};
+  vector e[6], moved[SEVEN], most = predict(&io->start, first, q, moved), far = ZERO, jacobians = ZERO;
+  mask valid = mask_of(io->used >> first & ((1u << WIDTH) - 1)), active = valid;
   for (int i = 0; i < SEVEN; ++i) {
     far += moved[i] * moved[i];
-    fit &= at_most(size_of(q[i]), all(0.5 * KM_SINCOS_MAX_ANGLE));
+    valid &= at_most(size_of(q[i]), all(0.5 * KM_SINCOS_MAX_ANGLE));
   }
-  mask guessed = below(ZERO, far);
+  mask extrapolated = below(ZERO, far);
   for (int step = 0;; ++step) {
     lanes_forward(a, q, k);
-    tries += pick(active, all(1.0), ZERO);
-    vector rest = left(a, k, &target, e, &fit);
-    fit &= below(rest, all(KM_NEWTON_FAR));
-    active = fit & (below(all(KM_NEWTON_DONE), rest) | guessed);
-    guessed = mask_of(0); /* a guess is followed by a step at least, which takes its part along the null vector out */
-    if (!ANY(active) || step == KM_NEWTON_MOST)
+    jacobians += pick(active, all(1.0), ZERO);
+    vector rest = pose_error(a, k, &target, e, &valid);
+    valid &= below(rest, all(KM_NEWTON_DIVERGED));
+    active = valid & (below(all(KM_NEWTON_CONVERGED), rest) | extrapolated);
+    extrapolated = mask_of(0); /* an extrapolated correction needs one step at least, which removes its component along
+                           * the null vector */
+    if (!ANY(active) || step == KM_NEWTON_MAX_STEPS)
       break;
-    lanes_reduce(k);
+    lanes_factor_qr(k);
     lanes_find_null(k);
-    fit &= regular(k);
+    valid &= is_regular(k);
     lanes_row x = lanes_solve(k, e, -lanes_along_null(k, moved));
     vector sum = ZERO;
     for (int i = 0; i < SEVEN; ++i) {
@@ -162,19 +173,19 @@ static inline mask reach(const km_arm *a, km_lanes *io, int first, vector *q, la
       q[i] = pick(active, q[i] + x.at[i], q[i]);
       sum += moved[i] * moved[i];
     }
-    fit &= at_most(root(sum), most) | ~active;
+    valid &= at_most(root(sum), most) | ~active;
   }
   for (int i = 0; i < SEVEN; ++i)
     put(io->moved[i] + first, moved[i]);
-  put(io->tries + first, tries);
+  put(io->jacobians + first, jacobians);
   for (int r = 0; r < 6; ++r)
     e[r] = get(io->xi[r] + first);
   lanes_factor(k, e);
-  return fit & ~active & regular(k);
+  return valid & ~active & is_regular(k);
 }
 
-/* The columns of lanes from `first` on. */
-static inline void put_columns(km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+/* Writes configurations, null vectors, path-control columns and, if requested, singular values. */
+static inline void write_columns(km_lanes *io, int first, const vector *q, const lanes_seven *k) {
   vector path[SEVEN + 1], sigma[6];
   lanes_path_column(k, path);
   for (int i = 0; i < SEVEN; ++i) {
@@ -190,16 +201,18 @@ static inline void put_columns(km_lanes *io, int first, const vector *q, const l
     put(io->sigma[r] + first, sigma[r]);
 }
 
-/* Lanes where no joint is faster than it may: too_fast of tracker.c. */
-static inline mask slow(const km_arm *a, const vector *rates) {
+/* Lanes in which no joint exceeds its rate; as joint_over_rate of tracker.c. */
+static inline mask within_rates(const km_arm *a, const vector *rates) {
   mask kept = mask_of((1u << WIDTH) - 1);
   for (int i = 0; i < SEVEN; ++i)
     kept &= at_most(size_of(rates[i]), all(a->rate[i] * (1.0 + 1e-9)));
   return kept;
 }
 
-/* check of tracker.c for lanes from `first` on, where the step doesn't begin at the path's start. */
-static inline mask keep(const km_arm *a, const km_lanes *io, int first, const vector *q, const lanes_seven *k) {
+/* Lanes that satisfy limits and rates; as check_limits_and_rates of tracker.c, for steps that don't begin at the
+ * path's start. */
+static inline mask within_limits_and_rates(const km_arm *a, const km_lanes *io, int first, const vector *q,
+                                           const lanes_seven *k) {
   mask kept = mask_of((1u << WIDTH) - 1);
   vector mean[SEVEN], rates[SEVEN], along = ZERO, entry = get(io->path[SEVEN] + first);
   for (int i = 0; i < SEVEN; ++i) {
@@ -211,22 +224,22 @@ static inline mask keep(const km_arm *a, const km_lanes *io, int first, const ve
   vector scale = pick(below(ZERO, entry), get(io->start.speed + first) / entry, ZERO);
   for (int i = 0; i < SEVEN; ++i)
     rates[i] = get(io->path[i] + first) * scale + along * k->null.at[i];
-  return kept & slow(a, mean) & slow(a, rates);
+  return kept & within_rates(a, mean) & within_rates(a, rates);
 }
 
 unsigned NAME(const km_arm *a, km_lanes *io);
 unsigned NAME(const km_arm *a, km_lanes *io) {
   unsigned arrived = 0;
-  io->keeps = 0;
+  io->within = 0;
   for (int first = 0; first < KM_LANES; first += WIDTH) {
     lanes_seven k;
     vector q[SEVEN];
     if (!(io->used >> first & ((1u << WIDTH) - 1)))
       continue;
-    mask fit = reach(a, io, first, q, &k);
-    put_columns(io, first, q, &k);
-    arrived |= bits_of(fit) << first;
-    io->keeps |= bits_of(keep(a, io, first, q, &k)) << first;
+    mask valid = newton_steps(a, io, first, q, &k);
+    write_columns(io, first, q, &k);
+    arrived |= bits_of(valid) << first;
+    io->within |= bits_of(within_limits_and_rates(a, io, first, q, &k)) << first;
   }
   return arrived;
 }

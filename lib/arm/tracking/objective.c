@@ -1,4 +1,5 @@
-/* What objectives are worth at a pose. */
+/* Objectives of a configuration on a path: path control, manipulability, least singular value, limit distance, joint
+ * travel, rate margin (docs/theory.md 12.5). */
 #include "arm/tracking/objective.h"
 
 bool km_objective_by_mean(const km_objective *objective) {
@@ -20,9 +21,9 @@ double km_objective_rate_margin(const km_arm *a, const double *rates) {
   return least;
 }
 
-/* At the least rates that follow the path. */
+/* Rate margin at the minimum-norm rates that follow the path: path[k]/z · speed. */
 static double rate_margin(const km_arm *a, const double *path, double speed) {
-  double rates[KM_ARM_MOST], z = path[a->n];
+  double rates[KM_ARM_MAX_JOINTS], z = path[a->n];
   for (int k = 0; k < a->n; ++k)
     rates[k] = z > 0.0 ? path[k] / z * speed : (double)INFINITY;
   return km_objective_rate_margin(a, rates);

@@ -1,5 +1,6 @@
-/* Arms with seven joints for a whole pose: one spare freedom. A kernel of fixed size, for one pose and for eight side by
- * side with the same bits. */
+/* Kernel of fixed size for arms with seven joints and a pose task (one spare freedom): types and entry points. It
+ * exists for one configuration (km_one_*) and for batches of eight (km_lanes_*), which give the same bits
+ * (docs/theory.md 12.1). */
 #ifndef KM_ARM_TRACKING_SEVEN_JOINT_ARM_H
 #define KM_ARM_TRACKING_SEVEN_JOINT_ARM_H
 
@@ -10,24 +11,25 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { SEVEN = 7, KM_NEWTON_MOST = 16 };
-/* Newton's steps end with what is left below the first, and give up above the second. */
-#define KM_NEWTON_DONE 1e-12
-#define KM_NEWTON_FAR  10.0
-/* Turns whose sin² is below this are small. */
-#define KM_SMALL_TURN 1e-4
+enum { SEVEN = 7, KM_NEWTON_MAX_STEPS = 16 };
+/* Newton's method: the iteration converged if the pose error is below the first value (rounding of unit lengths),
+ * and diverged if it is above the second. */
+#define KM_NEWTON_CONVERGED 1e-12
+#define KM_NEWTON_DIVERGED  10.0
+/* Rotations with sin²θ below this use the series of θ/sin θ, whose next term is then below 1e-15. */
+#define KM_SMALL_ROTATION 1e-4
 
-/* Are these the arms that the kernel is for? */
+/* True if the kernel applies: seven joints, six rows. */
 static inline bool km_seven_fits(const km_arm *arm) {
   return arm->n == SEVEN && arm->rows == KM_ARM_ROWS;
 }
-/* Below this ratio of R's diagonal the Jacobian is left to pivoting. */
-#define KM_SEVEN_REGULAR 1e-6
+/* Below this ratio of smallest to largest diagonal entry of R, complete pivoting is used instead. */
+#define KM_SEVEN_MIN_PIVOT_RATIO 1e-6
 
-/* Loops of the kernel are short and wait for their sums: unrolled, they keep them in registers. */
+/* Short loops are unrolled, so that their sums stay in registers. */
 #define UNROLLED _Pragma("GCC unroll 8")
 
-/* Seven numbers two by two, and 0. */
+/* Seven numbers in pairs; the eighth is 0. */
 typedef struct km_one_row {
   km_pair pair[4];
 } km_one_row;
@@ -42,7 +44,7 @@ static inline void km_one_set(km_one_row *row, int i, double x) {
   km_pair old = row->pair[i / 2];
   row->pair[i / 2] = i % 2 ? (km_pair){old[0], x} : (km_pair){x, old[1]};
 }
-/* As copysign, of sizes without a sign: that one goes through memory with gcc 12, and waits for it. */
+/* copysign for non-negative sizes; gcc 12 compiles copysign with a store and a dependent load. */
 static inline double km_one_signed(double size, double x) {
   const km_bits sign = {INT64_MIN, 0};
   return km_pair_or((km_pair){size, 0.0}, km_pair_and((km_pair){x, 0.0}, (km_pair)sign))[0];
@@ -75,22 +77,22 @@ static inline void km_one_subtract(km_one_row *x, double s, const km_one_row *v,
     x->pair[i] -= (km_pair){s, s} * v->pair[i];
 }
 
-/* Two by two. */
-typedef struct km_one_turns {
+/* Sines and cosines of seven angles, in pairs. */
+typedef struct km_one_angles {
   km_two_numbers sine[4], cosine[4];
-} km_one_turns;
+} km_one_angles;
 
-static inline km_one_turns km_one_turns_of(const double *x) {
+static inline km_one_angles km_one_angles_of(const double *x) {
   const km_one_row row = km_one_row_of(x, 1);
-  km_one_turns turns;
+  km_one_angles angles;
   UNROLLED
   for (int i = 0; i < 4; ++i)
-    km_two_sincos(row.pair[i], &turns.sine[i], &turns.cosine[i]);
-  return turns;
+    km_two_sincos(row.pair[i], &angles.sine[i], &angles.cosine[i]);
+  return angles;
 }
-static inline void km_one_turn_of(const km_one_turns *turns, int j, double *sine, double *cosine) {
-  *sine = turns->sine[j / 2][j % 2];
-  *cosine = turns->cosine[j / 2][j % 2];
+static inline void km_one_sincos_of(const km_one_angles *angles, int j, double *sine, double *cosine) {
+  *sine = angles->sine[j / 2][j % 2];
+  *cosine = angles->cosine[j / 2][j % 2];
 }
 
 #define T                double
@@ -127,35 +129,38 @@ static inline void km_one_turn_of(const km_one_turns *turns, int j, double *sine
 #undef km_bits_of
 #undef km_number_of
 
-/* Eight steps side by side, lane by lane. */
+/* Batches of eight steps. */
 enum { KM_LANES = 8 };
 typedef double km_batch_number[KM_LANES];
 
-/* Where each begins, and what km_node_predict reads of that node and of the way from it. */
+/* Start of each lane's step: the data that km_node_predict reads. */
 typedef struct km_batch_start {
   km_batch_number q[SEVEN], path[SEVEN], z, null[SEVEN];
-  km_batch_number last[SEVEN], before[SEVEN]; /* the expected corrector is 2 last − before */
-  km_batch_number tilt, ds;
-  km_batch_number per_second, speed; /* 1 over the time that the step has, and dσ/dt where it ends */
+  km_batch_number last[SEVEN], before[SEVEN]; /* corrections of the last two steps; the extrapolated one is 2 last −
+                                               * before */
+  km_batch_number tan_phi, ds;
+  km_batch_number per_second, speed; /* 1/(time of the step), and dσ/dt at its end */
 } km_batch_start;
 
 typedef struct km_lanes {
   km_batch_start start;
-  /* What each is to reach: a pose, by its place and its axes' components, and the unit twist there. */
+  /* Targets: position and axes of the pose, and the unit twist of the path there. */
   km_batch_number place[3], axes[3][3], xi[6];
-  unsigned used; /* lanes (bits) that count; the others have numbers too */
+  unsigned used; /* bits of the lanes in use; the other lanes hold copies */
   bool want_sigma;
-  /* Out: the poses, how far they are from the predictor, and their columns. */
+  /* Results: configurations, their distances from the predictor, and their columns. */
   km_batch_number q[SEVEN], moved[SEVEN], path[SEVEN + 1], null[SEVEN];
-  km_batch_number sigma[6]; /* singular values in no order, if they are wanted */
-  km_batch_number tries;    /* Jacobians that each took */
-  unsigned keeps;           /* lanes that keep limits and rates, at the step's end and in its mean */
+  km_batch_number sigma[6];  /* singular values, unordered, if want_sigma */
+  km_batch_number jacobians; /* Jacobians computed by each lane */
+  unsigned within;           /* bits of the lanes that satisfy limits and rates, at the end of the step and in its
+                             * mean */
 } km_lanes;
 
-/* What lanes from `first` on are to reach: a pose, and a unit twist xi[6] there. */
-void km_lanes_aim(km_lanes *lanes, int first, const km_pose *target, const double *xi);
-/* The predictor, Newton's steps to the pose, then the columns for the unit twist, of every lane. Returns the lanes (bits)
- * that arrive at regular poses; the others are undefined. The same bits as one by one. */
-unsigned km_lanes_reach(const km_arm *arm, km_lanes *lanes);
+/* Sets the target pose and its unit twist xi[6] for the lanes from `first` on. */
+void km_lanes_set_target(km_lanes *lanes, int first, const km_pose *target, const double *xi);
+/* Computes predictor, Newton's corrector and columns of every lane in use. Returns the bits of the lanes that
+ * converged at regular configurations; results of other lanes are undefined. Each lane has the bits of a single
+ * step. */
+unsigned km_lanes_step(const km_arm *arm, km_lanes *lanes);
 
 #endif

@@ -1,46 +1,53 @@
-/* The kernel of arms with seven single-axis joints and a whole pose to keep, for one pose or for several side by side:
- * included once for each kind of number T (a double, or a vector of them). Every operation is the same for each lane,
- * nothing is contracted and nothing is summed across lanes: so a lane has the bits of the plain double.
+/* Kernel of arms with seven single-axis joints and a pose task: forward kinematics, Jacobian, QR factorisation,
+ * null vector, minimum-norm solution, singular values.
  *
- * What the includer defines: T; BITS, an unsigned integer of the same size, and NONE, 0 of it; FN(name); km_bits_of(x),
- * km_number_of(bits); ROOT(x); SIZE(x), |x|; SIGNED(size, x), a size with the sign of x; MASK, lane by lane whether
- * something holds, BELOW(a, b), ANY(mask), PICK(mask, a, b). And seven numbers as a FN(row), in registers as suits them:
- * FN(row_of)(x, step), FN(at)(&row, i), FN(set)(&row, i, x); FN(from)(&row, c), with 0 before place c; and
- * where a and v have 0 before place c: FN(product)(&a, &b, c), Σ a[i] b[i], being the sum of those of even places,
- * (6 + 2) + (4 + 0), and that of the others, 3 + (5 + 1); FN(subtract)(&x, s, &v, c), x −= s v. And the sines and cosines
- * of seven turns: FN(turns), FN(turns_of)(x[SEVEN]), FN(turn_of)(&turns, j, &sine, &cosine).
+ *   J^T = Q [R; 0]                 Householder reflections, 7 x 6
+ *   null vector = Q e_7
+ *   minimum norm: x = Q [R^-T b; 0]  satisfies J x = b;   x = Q [R^-T b; a] has the component a along the null vector
  *
- *   Jᵀ = Q [R; 0] by Householder's reflections (7 × 6). The last column of Q spans J's null space, and
- *   x = Q [R⁻ᵀ b; 0] is the least x with J x = b. */
+ * The file is included once for each kind of number T: a double, or a vector with one configuration per lane. All
+ * lanes do the same operations, nothing is fused and nothing is summed across lanes, so each lane has the bits of
+ * the double.
+ *
+ * The including file defines T; BITS, an unsigned integer of the same size, and NONE, its 0; FN(name), the prefix
+ * of all names; km_bits_of(x) and km_number_of(bits); ROOT(x); SIZE(x) = |x|; SIGNED(size, x), a size with the sign
+ * of x; MASK, a truth value per lane, with BELOW(a, b), ANY(mask), PICK(mask, a, b). It also defines FN(row), seven
+ * numbers in registers:
+ *
+ *   FN(row_of)(x, step), FN(at)(&row, i), FN(set)(&row, i, x);
+ *   FN(from)(&row, c)           the row with zeros before index c;
+ *   FN(product)(&a, &b, c)      sum a[i] b[i] of rows with zeros before c; order ((6 + 2) + (4 + 0)) + (3 + (5 + 1));
+ *   FN(subtract)(&x, s, &v, c)  x -= s v, v with zeros before index c;
+ *   FN(angles), FN(angles_of)(x[SEVEN]), FN(sincos_of)(&angles, j, &sine, &cosine)   of seven angles. */
 
 #include "spatial/vec3_body.h"
 
 typedef struct FN(seven) {
-  T jacobian[SEVEN][6]; /* by columns */
+  T jacobian[SEVEN][6]; /* column j: effector's linear, then angular velocity per unit of joint j */
   FN(vec) axis[SEVEN], point[SEVEN];
-  FN(vec) R[3], p; /* of the effector */
-  FN(row) v[6];    /* reflections: I − inverse · v vᵀ, v from place c on */
+  FN(vec) R[3], p; /* pose of the effector */
+  FN(row) v[6];    /* reflection c is I − inverse[c] v vᵀ; v is 0 before index c */
   T inverse[6];
-  T gram[6][6];                /* vᵢᵀ vⱼ of i < j */
-  T r[6][6], pivot_inverse[6]; /* R by rows; 1 over its diagonal */
-  T least, largest;            /* of |R's diagonal| */
-  FN(row) null, rates;         /* rates: the least ones along the path */
-  T path;                      /* entry of the path in the path-control column: 1/√(1 + |rates|²) */
+  T gram[6][6];                /* vᵢᵀ vⱼ for i < j */
+  T r[6][6], pivot_inverse[6]; /* R by rows; reciprocals of its diagonal */
+  T min_pivot, max_pivot;      /* extremes of |diagonal of R| */
+  FN(row) null, rates;         /* null vector; minimum-norm rates along the path */
+  T path;                      /* path entry z = 1/√(1 + |rates|²) */
 } FN(seven);
 
-/* R a of a constant vector. */
-static inline FN(vec) FN(turn)(const FN(vec) * R, km_vec3 a) {
+/* R a for a constant vector a. */
+static inline FN(vec) FN(rotate)(const FN(vec) * R, km_vec3 a) {
   return (FN(vec)){a.x * R[0].x + (a.y * R[1].x + a.z * R[2].x), a.x * R[0].y + (a.y * R[1].y + a.z * R[2].y),
                    a.x * R[0].z + (a.y * R[1].z + a.z * R[2].z)};
 }
 
-/* Axes, places, pose and Jacobian. */
+/* Forward kinematics: joint axes and points, pose of the effector, Jacobian (docs/theory.md 12.1). */
 static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   FN(vec) R[3], p;
   T value[SEVEN];
   for (int j = 0; j < SEVEN; ++j)
     value[j] = a->motions[j].sign * q[j];
-  const FN(turns) turns = FN(turns_of)(value);
+  const FN(angles) angles = FN(angles_of)(value);
   const km_pose *first = &a->motions[0].before;
   for (int i = 0; i < 3; ++i)
     R[i] = (FN(vec)){ZERO + first->R.axis[i].x, ZERO + first->R.axis[i].y, ZERO + first->R.axis[i].z};
@@ -48,11 +55,11 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   for (int j = 0; j < SEVEN; ++j) {
     const km_arm_motion *m = &a->motions[j];
     if (j > 0) {
-      FN(vec) step = FN(turn)(R, m->before.p);
+      FN(vec) step = FN(rotate)(R, m->before.p);
       p = (FN(vec)){p.x + step.x, p.y + step.y, p.z + step.z};
-      if (m->turned) {
-        FN(vec) x = FN(turn)(R, m->before.R.axis[0]), y = FN(turn)(R, m->before.R.axis[1]);
-        R[2] = FN(turn)(R, m->before.R.axis[2]);
+      if (m->has_rotation) {
+        FN(vec) x = FN(rotate)(R, m->before.R.axis[0]), y = FN(rotate)(R, m->before.R.axis[1]);
+        R[2] = FN(rotate)(R, m->before.R.axis[2]);
         R[0] = x;
         R[1] = y;
       }
@@ -65,13 +72,13 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
     if (m->primitive == KM_PRISMATIC)
       continue;
     T sine, cosine;
-    FN(turn_of)(&turns, j, &sine, &cosine);
+    FN(sincos_of)(&angles, j, &sine, &cosine);
     FN(turn_about)(R, m->axis, cosine, sine);
   }
-  FN(vec) tip = FN(turn)(R, a->tool.p);
+  FN(vec) tip = FN(rotate)(R, a->tool.p);
   k->p = (FN(vec)){p.x + tip.x, p.y + tip.y, p.z + tip.z};
   for (int i = 0; i < 3; ++i)
-    k->R[i] = FN(turn)(R, a->tool.R.axis[i]);
+    k->R[i] = FN(rotate)(R, a->tool.R.axis[i]);
   for (int j = 0; j < SEVEN; ++j) {
     const km_arm_motion *m = &a->motions[j];
     FN(vec) v = k->axis[j], w = {ZERO, ZERO, ZERO};
@@ -92,7 +99,7 @@ static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
   }
 }
 
-/* Reflection c of the Jacobian's rows A, and row c of R. */
+/* Householder reflection c of the columns A of Jᵀ, and row c of R. */
 static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
   const FN(row) row = FN(from)(&A[c], c), tail = FN(from)(&A[c], c + 1);
   T square = FN(product)(&row, &row, c), norm = ROOT(square), head = FN(at)(&A[c], c);
@@ -100,9 +107,9 @@ static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
   k->v[c] = tail;
   FN(set)(&k->v[c], c, first);
   k->inverse[c] = inverse;
-  k->pivot_inverse[c] = -inverse * first; /* 1 over −norm with the sign of head */
-  k->least = c == 0 ? norm : SMALLER(norm, k->least);
-  k->largest = c == 0 ? norm : LARGER(norm, k->largest);
+  k->pivot_inverse[c] = -inverse * first; /* −1/(norm with the sign of head) */
+  k->min_pivot = c == 0 ? norm : SMALLER(norm, k->min_pivot);
+  k->max_pivot = c == 0 ? norm : LARGER(norm, k->max_pivot);
   UNROLLED
   for (int j = c + 1; j < 6; ++j) {
     T at = FN(at)(&A[j], c), sum = (FN(product)(&tail, &A[j], c + 1) + first * at) * inverse;
@@ -111,16 +118,16 @@ static inline void FN(reflect)(FN(seven) * k, FN(row) * A, int c) {
   }
 }
 
-/* Column c of the products of the reflections. */
+/* Column c of the Gram matrix of the reflection vectors. */
 static inline void FN(set_gram)(FN(seven) * k, int c) {
   UNROLLED
   for (int i = 0; i < c; ++i)
     k->gram[i][c] = FN(product)(&k->v[i], &k->v[c], c);
 }
 
-/* Reflections and R of the Jacobian. */
-static inline void FN(reduce)(FN(seven) * k) {
-  FN(row) A[6]; /* columns of Jᵀ: rows of J */
+/* Householder QR factorisation of Jᵀ. */
+static inline void FN(factor_qr)(FN(seven) * k) {
+  FN(row) A[6]; /* columns of Jᵀ */
   UNROLLED
   for (int r = 0; r < 6; ++r)
     A[r] = FN(row_of)(&k->jacobian[0][r], 6);
@@ -132,7 +139,7 @@ static inline void FN(reduce)(FN(seven) * k) {
     FN(set_gram)(k, c);
 }
 
-/* [R⁻ᵀ b; last] of b[6]. */
+/* Forward substitution: [R⁻ᵀ b; last] for b[6]. */
 static inline FN(row) FN(substitute)(const FN(seven) * k, const T *b, T last) {
   T y[SEVEN];
   UNROLLED
@@ -147,9 +154,9 @@ static inline FN(row) FN(substitute)(const FN(seven) * k, const T *b, T last) {
   return FN(row_of)(y, 1);
 }
 
-/* Q x = x − V s, of products sum[c] = vᵀx. The products of the reflections among each other (Schreiber and Van Loan's compact
- * form) say what each leaves of the others' sums, so that none waits for what the one before has made of x. */
-static inline FN(row) FN(back_by_products)(const FN(seven) * k, T *sum, FN(row) x) {
+/* Q x = x − V s, given the products sum[c] = v_cᵀ x. The Gram matrix of the reflection vectors corrects the sums
+ * (compact WY form of Schreiber and Van Loan), so the reflections don't depend on intermediate values of x. */
+static inline FN(row) FN(apply_q_by_products)(const FN(seven) * k, T *sum, FN(row) x) {
   UNROLLED
   for (int c = 5; c >= 0; --c) {
     sum[c] *= k->inverse[c];
@@ -163,55 +170,55 @@ static inline FN(row) FN(back_by_products)(const FN(seven) * k, T *sum, FN(row) 
   return x;
 }
 
-/* Q x. */
-static inline FN(row) FN(turned_back)(const FN(seven) * k, FN(row) x) {
+/* Q x by the six reflections. */
+static inline FN(row) FN(apply_q)(const FN(seven) * k, FN(row) x) {
   T sum[6];
   UNROLLED
   for (int c = 0; c < 6; ++c)
     sum[c] = FN(product)(&k->v[c], &x, c);
-  return FN(back_by_products)(k, sum, x);
+  return FN(apply_q_by_products)(k, sum, x);
 }
 
-/* The x with J x = b that is `along` long along the null vector; the least one for 0. */
+/* Solution x of J x = b with the component `along` along the null vector; the minimum-norm solution for 0. */
 static inline FN(row) FN(solve)(const FN(seven) * k, const T *b, T along) {
-  return FN(turned_back)(k, FN(substitute)(k, b, along));
+  return FN(apply_q)(k, FN(substitute)(k, b, along));
 }
 
-/* The null vector, once the Jacobian is reduced. */
+/* Null vector Q e₇; requires FN(factor_qr). */
 static inline void FN(find_null)(FN(seven) * k) {
   const T last[SEVEN] = {ZERO, ZERO, ZERO, ZERO, ZERO, ZERO, ZERO + 1.0};
   T sum[6];
   UNROLLED
   for (int c = 0; c < 6; ++c)
     sum[c] = FN(at)(&k->v[c], 6);
-  k->null = FN(back_by_products)(k, sum, FN(row_of)(last, 1));
+  k->null = FN(apply_q_by_products)(k, sum, FN(row_of)(last, 1));
 }
 
-/* Reduces the Jacobian, and finds its null vector, the least rates with J rates = b, and the path's entry. */
+/* QR factorisation, null vector, minimum-norm rates with J rates = b, and path entry 1/√(1 + |rates|²). */
 static inline void FN(factor)(FN(seven) * k, const T *b) {
-  FN(reduce)(k);
+  FN(factor_qr)(k);
   FN(find_null)(k);
   FN(row) y = FN(substitute)(k, b, ZERO);
-  k->path = 1.0 / ROOT(1.0 + FN(product)(&y, &y, 0)); /* Q keeps lengths */
-  k->rates = FN(turned_back)(k, y);
+  k->path = 1.0 / ROOT(1.0 + FN(product)(&y, &y, 0)); /* Q preserves lengths */
+  k->rates = FN(apply_q)(k, y);
 }
 
-/* How far x[7] goes along the null vector. */
+/* Component of x[7] along the null vector. */
 static inline T FN(along_null)(const FN(seven) * k, const T *x) {
   FN(row) row = FN(row_of)(x, 1);
   return FN(product)(&k->null, &row, 0);
 }
 
-/* The turn from R to a target's axes, as a rotation vector in the inertial axes, for small ones: the skew part of the
- * difference is sin θ, and θ/sin θ a series. *sine2 is sin²θ, *trace 1 + 2 cos θ: where they aren't those of a small
- * turn the result is none. */
-static inline FN(vec) FN(turn_left)(const FN(vec) * R, const FN(vec) * target, T *sine2, T *trace) {
+/* Rotation vector from R to the target's axes, in inertial axes, for small angles: s = ½ Σ Rᵢ × targetᵢ has length
+ * sin θ, and θ/sin θ is a series. *sine2 = sin²θ and *trace = 1 + 2 cos θ show if the angle is small; the result is
+ * invalid otherwise. */
+static inline FN(vec) FN(rotation_error)(const FN(vec) * R, const FN(vec) * target, T *sine2, T *write_track) {
   FN(vec) s = {ZERO, ZERO, ZERO};
-  *trace = ZERO;
+  *write_track = ZERO;
   for (int i = 0; i < 3; ++i) {
     FN(vec) c = FN(cross)(R[i], target[i]);
     s = (FN(vec)){s.x + c.x, s.y + c.y, s.z + c.z};
-    *trace += FN(dot)(R[i], target[i]);
+    *write_track += FN(dot)(R[i], target[i]);
   }
   s = FN(scaled)(ZERO + 0.5, s);
   T x = FN(dot)(s, s);
@@ -219,7 +226,7 @@ static inline FN(vec) FN(turn_left)(const FN(vec) * R, const FN(vec) * target, T
   return FN(scaled)(1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (15.0 / 336.0))), s);
 }
 
-/* (rates, 1)/√(1 + |rates|²) into path[8]. */
+/* Path-control column path[8] = (rates, 1)/√(1 + |rates|²). */
 static inline void FN(path_column)(const FN(seven) * k, T *path) {
   UNROLLED
   for (int i = 0; i < SEVEN; ++i)
@@ -227,17 +234,17 @@ static inline void FN(path_column)(const FN(seven) * k, T *path) {
   path[SEVEN] = k->path;
 }
 
-/* Singular values of the Jacobian, in no order: one-sided Jacobi, which turns pairs of rows until all are at right
- * angles; their lengths are then the singular values. A pair at right angles stays as it is, to the bit. */
+/* Singular values of the Jacobian, unordered, by one-sided Jacobi rotations: pairs of rows are rotated until all
+ * rows are orthogonal; their lengths are then the singular values. Orthogonal pairs are left unchanged, to the bit. */
 static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
-  enum { MOST_SWEEPS = 30 };
+  enum { MAX_SWEEPS = 30 };
   T G[6][SEVEN];
   for (int r = 0; r < 6; ++r)
     for (int j = 0; j < SEVEN; ++j)
       G[r][j] = k->jacobian[j][r];
-  bool turned = true;
-  for (int sweep = 0; turned && sweep < MOST_SWEEPS; ++sweep) {
-    turned = false;
+  bool rotated = true;
+  for (int sweep = 0; rotated && sweep < MAX_SWEEPS; ++sweep) {
+    rotated = false;
     for (int i = 0; i < 5; ++i)
       for (int j = i + 1; j < 6; ++j) {
         T *x = G[i], *y = G[j], xx = x[0] * x[0], yy = y[0] * y[0], xy = x[0] * y[0];
@@ -249,7 +256,7 @@ static inline void FN(singular_values)(const FN(seven) * k, T *sigma) {
         MASK askew = BELOW(xx * yy * 1e-27, xy * xy);
         if (!ANY(askew))
           continue;
-        turned = true;
+        rotated = true;
         T zeta = (yy - xx) / (2.0 * xy), size = SIZE(zeta);
         T t = SIGNED(1.0 / (size + ROOT(1.0 + zeta * zeta)), zeta);
         T cosine = 1.0 / ROOT(1.0 + t * t), sine = cosine * t;

@@ -1,11 +1,13 @@
-/* What a task counts of a motion, and which of it the arm's motions can change at all. */
+/* Rows of a task (pose 6, axis 5, position 3), and the subspace of rows that the arm's motions can change. Rows outside
+ * it, such as out-of-plane rows of a planar arm, are removed. The subspace is the span of the Jacobian's columns at
+ * random configurations (docs/theory.md 12.1). */
 #include "arm/arm.h"
 #include "base/random.h"
 
 #include <string.h>
 
-/* A part of a column of unit size that is smaller is rounding. */
-static const double rounding = 1e-9;
+/* Component of a unit column below which it is rounding. */
+static const double column_rounding = 1e-9;
 
 int km_task_rows(km_task task) {
   return task == KM_TASK_POSE ? 6 : task == KM_TASK_AXIS ? 5 : 3;
@@ -41,8 +43,9 @@ void km_arm_task_rows(const km_arm *a, const km_rotation *effector, km_twist twi
   }
 }
 
-/* Takes out of x[count] what it has of the orthonormal vectors; its length then. */
-static double reject(const double (*basis)[KM_ARM_ROWS], int vectors, int count, double *x) {
+/* Gram-Schmidt, twice: subtracts from x[count] its projections on the orthonormal vectors. Returns the remaining
+ * length. */
+static double project_out(const double (*basis)[KM_ARM_ROWS], int vectors, int count, double *x) {
   double sum = 0.0;
   for (int pass = 0; pass < 2; ++pass)
     for (int i = 0; i < vectors; ++i) {
@@ -57,9 +60,9 @@ static double reject(const double (*basis)[KM_ARM_ROWS], int vectors, int count,
   return sqrt(sum);
 }
 
-/* x joins an orthonormal basis, if more than `least` of it is new. */
-static void join(double (*basis)[KM_ARM_ROWS], int *vectors, int count, double *x, double least) {
-  double length = *vectors < count ? reject((const double(*)[KM_ARM_ROWS])basis, *vectors, count, x) : 0.0;
+/* Extends an orthonormal basis by x if the part of x orthogonal to the basis is longer than `least`. */
+static void extend_basis(double (*basis)[KM_ARM_ROWS], int *vectors, int count, double *x, double least) {
+  double length = *vectors < count ? project_out((const double(*)[KM_ARM_ROWS])basis, *vectors, count, x) : 0.0;
   if (!(length > least))
     return;
   for (int r = 0; r < count; ++r)
@@ -67,9 +70,10 @@ static void join(double (*basis)[KM_ARM_ROWS], int *vectors, int count, double *
   ++*vectors;
 }
 
-/* An orthonormal basis of the columns of the Jacobian at random poses, which are almost surely as many as any poses have. */
+/* Orthonormal basis of the span of the Jacobian's columns at random configurations; with probability 1 it is the
+ * span over all configurations. Returns its dimension. */
 static int span_of_columns(const km_arm *a, km_arm_space *s, double (*basis)[KM_ARM_ROWS]) {
-  double q[KM_ARM_MOST], x[KM_ARM_ROWS];
+  double q[KM_ARM_MAX_JOINTS], x[KM_ARM_ROWS];
   uint64_t seed = 1;
   int found = 0;
   for (int pose = 0; pose < 4 * KM_ARM_ROWS && found < a->task_rows; ++pose) {
@@ -81,20 +85,20 @@ static int span_of_columns(const km_arm *a, km_arm_space *s, double (*basis)[KM_
       memcpy(x, s->jacobian + k * a->rows, (size_t)a->rows * sizeof *x);
       for (int r = 0; r < a->rows; ++r)
         largest = fmax(largest, fabs(x[r]));
-      join(basis, &found, a->rows, x, rounding * largest);
+      extend_basis(basis, &found, a->rows, x, column_rounding * largest);
     }
   }
   return found;
 }
 
-/* The same subspace by the axes that lie in it, and what is left. */
-static void turn_to_axes(const km_arm *a, const double (*span)[KM_ARM_ROWS], int vectors,
-                         double (*basis)[KM_ARM_ROWS]) {
+/* Rewrites a basis of a subspace: coordinate axes that lie in the subspace first, then an orthonormal complement. */
+static void align_with_axes(const km_arm *a, const double (*span)[KM_ARM_ROWS], int vectors,
+                            double (*basis)[KM_ARM_ROWS]) {
   int found = 0;
   for (int r = 0; r < a->task_rows; ++r) {
     double axis[KM_ARM_ROWS] = {0};
     axis[r] = 1.0;
-    if (reject(span, vectors, a->task_rows, axis) > rounding)
+    if (project_out(span, vectors, a->task_rows, axis) > column_rounding)
       continue;
     memset(basis[found], 0, sizeof *basis);
     basis[found++][r] = 1.0;
@@ -102,7 +106,7 @@ static void turn_to_axes(const km_arm *a, const double (*span)[KM_ARM_ROWS], int
   for (int i = 0; i < vectors; ++i) {
     double x[KM_ARM_ROWS];
     memcpy(x, span[i], sizeof x);
-    join(basis, &found, a->task_rows, x, rounding);
+    extend_basis(basis, &found, a->task_rows, x, column_rounding);
   }
 }
 
@@ -114,7 +118,7 @@ bool km_arm_find_rows(km_arm *a) {
     return false;
   int found = span_of_columns(a, &space, span);
   km_arm_space_free(&space);
-  turn_to_axes(a, (const double(*)[KM_ARM_ROWS])span, found, a->basis);
+  align_with_axes(a, (const double(*)[KM_ARM_ROWS])span, found, a->basis);
   a->rows = found;
   return true;
 }

@@ -1,4 +1,4 @@
-/* A track: a method's samples, checked and put into numbers. */
+/* Runs a method on a path and tabulates the track: joints, rates, path-control column, objectives, pose errors. */
 #include "arm/tracking/track.h"
 
 #include "arm/arm_arguments.h"
@@ -9,53 +9,53 @@
 #include <stdio.h>
 #include <string.h>
 
-static const km_method_run methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
-                                                  km_method_dls,    km_method_gradient,  km_method_dp,
-                                                  km_method_global};
+static const km_method_function methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
+                                                       km_method_dls,    km_method_gradient,  km_method_dp,
+                                                       km_method_global};
 
-/* One row's numbers, before they go into the table. */
+/* Configuration and path point of one row of the table. */
 typedef struct row {
   const double *q;
   km_path_point point;
   int sample;
 } row;
 
-/* A table that is being made; `whole` until a column is missing. */
-typedef struct table_maker {
+/* Table under construction; is_ok is false after a failed allocation. */
+typedef struct table_builder {
   km_table *table;
-  bool whole;
-} table_maker;
+  bool is_ok;
+} table_builder;
 
-static void add_column(table_maker *m, const char *name, const char *unit) {
-  m->whole = km_table_add_column(m->table, name, unit) >= 0 && m->whole;
+static void add_column(table_builder *m, const char *name, const char *unit) {
+  m->is_ok = km_table_add_column(m->table, name, unit) >= 0 && m->is_ok;
 }
 
-static void add_columns(table_maker *m, const km_arm *a, const char *prefix, const char *per) {
+static void add_columns(table_builder *m, const km_arm *a, const char *prefix, const char *per) {
   const km_model *model = a->mechanism->model;
   for (int k = 0; k < a->n; ++k) {
     km_text name = {0}, unit = {0};
     km_text_format(&name, "%s.%s", prefix, km_arm_label(a, k));
     if (per)
       km_text_format(&unit, "%s%s", km_model_coordinate_unit(model, a->coordinate[k]), per);
-    m->whole = m->whole && !name.failed && !unit.failed;
+    m->is_ok = m->is_ok && !name.failed && !unit.failed;
     add_column(m, name.data, per ? unit.data : NULL);
     km_text_free(&name);
     km_text_free(&unit);
   }
 }
 
-/* The objectives that every track reports, and those that it asks for. */
-static bool reported(const km_track *t, int kind) {
+/* True if the table has a column of this objective: always for the first ones, else if it has a weight. */
+static bool is_reported(const km_track *t, int kind) {
   return kind <= KM_LIMIT_DISTANCE || t->plan.objective.weight[kind] != 0.0;
 }
 
-/* NULL when out of memory. */
-static km_table *make_table(const km_track *t) {
+/* Creates the table with its columns; NULL if out of memory. */
+static km_table *create_table(const km_track *t) {
   const km_arm *a = t->arm;
   const char *length = a->mechanism->model->units.length->suffix;
-  table_maker m = {km_table_create(), true};
+  table_builder m = {km_table_create(), true};
   add_column(&m, "step", NULL);
-  m.whole = km_table_add_plain_column(m.table, "s", length) >= 0 && m.whole;
+  m.is_ok = km_table_add_plain_column(m.table, "s", length) >= 0 && m.is_ok;
   add_column(&m, "t", "s");
   add_columns(&m, a, "q", "");
   add_columns(&m, a, "v", "/s");
@@ -64,7 +64,7 @@ static km_table *make_table(const km_track *t) {
   for (int k = 0; k < KM_OBJECTIVES; ++k) {
     char name[64];
     snprintf(name, sizeof name, "objective.%s", km_objective_word((km_objective_kind)k));
-    if (reported(t, k))
+    if (is_reported(t, k))
       add_column(&m, name, NULL);
   }
   if (km_objective_single(&t->plan.objective) < 0)
@@ -72,39 +72,39 @@ static km_table *make_table(const km_track *t) {
   add_column(&m, "error_position", length);
   add_column(&m, "error_rotation", a->mechanism->model->units.angle->suffix);
   add_column(&m, "limit_margin", NULL);
-  if (m.whole)
+  if (m.is_ok)
     return m.table;
   km_table_free(m.table);
   return NULL;
 }
 
-/* Joint rates of the track where `space` stands: of the step that led here, at the start of the one that leads on. A
- * track that doesn't leave its start stands still. */
+/* Joint rates v[n] of the track at row r, for which `space` was updated: those of the step that ends here, at the
+ * start those of the step that begins here; 0 if the track has one row only. */
 static void rates_at(const km_track *t, km_arm_space *space, const double *xi, const row *r, const row *last,
                      const row *next, double *v) {
   const km_arm *a = t->arm;
   const row *from = last ? last : r, *to = last ? r : next;
-  double path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], mean[KM_ARM_MOST];
+  double path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS], mean[KM_ARM_MAX_JOINTS];
   memset(v, 0, (size_t)a->n * sizeof *v);
   if (!to)
     return;
   for (int k = 0; k < a->n; ++k)
     mean[k] = (to->q[k] - from->q[k]) / (to->point.t - from->point.t);
   if (t->plan.method.kind == KM_FIXED)
-    km_control_factor(a, space, xi, t->held);
+    km_control_factor(a, space, xi, t->fixed);
   km_control_columns(a, space, NULL, path, self);
   km_node_rates(a, path, self, r->point.speed, mean, v);
 }
 
-/* What the summary needs of a row. */
-typedef struct tally {
-  double rate; /* the largest, of column `rate_column` */
+/* Contribution of a row to the summary. */
+typedef struct row_summary {
+  double rate; /* largest joint rate, of joint `rate_column` */
   int rate_column;
   bool violates;
   double value, position, rotation, limit_margin;
-} tally;
+} row_summary;
 
-static void count_row(km_track *t, const row *r, const row *last, const tally *of) {
+static void count_row(km_track *t, const row *r, const row *last, const row_summary *of) {
   const km_arm *a = t->arm;
   km_track_summary *s = &t->summary;
   for (int k = 0; k < a->n && last; ++k)
@@ -121,8 +121,8 @@ static void count_row(km_track *t, const row *r, const row *last, const tally *o
   s->error_rotation = fmax(s->error_rotation, of->rotation);
 }
 
-/* Of the rates v, and of the limits. */
-static void look_at_limits(const km_arm *a, const double *q, const double *v, tally *of) {
+/* Checks limits and rates v[n] of a row. */
+static void check_row(const km_arm *a, const double *q, const double *v, row_summary *of) {
   of->violates = km_arm_limit_passed(a, q) >= 0;
   of->limit_margin = km_arm_limit_distance(a, q);
   for (int k = 0; k < a->n; ++k) {
@@ -134,12 +134,13 @@ static void look_at_limits(const km_arm *a, const double *q, const double *v, ta
   }
 }
 
-/* The cells of a row into `out`. */
+/* Computes the cells of a row and its contribution to the summary. */
 static void write_row(const km_track *t, km_arm_space *space, const row *r, const row *last, const row *next,
-                      double *out, tally *of) {
+                      double *out, row_summary *of) {
   const km_arm *a = t->arm;
-  double xi[KM_ARM_ROWS], path[KM_ARM_MOST + 1], self[KM_ARM_MOST * KM_ARM_MOST], values[KM_OBJECTIVES];
-  double position, rotation, v[KM_ARM_MOST];
+  double xi[KM_ARM_ROWS], path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS],
+      values[KM_OBJECTIVES];
+  double position, rotation, v[KM_ARM_MAX_JOINTS];
   km_arm_update(a, space, r->q);
   km_arm_task_rows(a, &space->pose.R, r->point.twist, xi);
   km_arm_error(a, space, &r->point.pose, NULL, &position, &rotation);
@@ -151,18 +152,18 @@ static void write_row(const km_track *t, km_arm_space *space, const row *r, cons
   of->value = km_objective_sum(&t->plan.objective, values);
   of->position = position * a->length;
   of->rotation = rotation / a->mechanism->model->units.angle->si;
-  look_at_limits(a, r->q, v, of);
+  check_row(a, r->q, v, of);
   *out++ = (double)r->sample;
   *out++ = r->point.s * a->length;
   *out++ = r->point.t;
   for (int k = 0; k < a->n; ++k)
-    *out++ = km_arm_shown(a, k, r->q[k]);
+    *out++ = km_arm_to_units(a, k, r->q[k]);
   for (int k = 0; k < a->n; ++k)
-    *out++ = km_arm_shown(a, k, v[k]);
+    *out++ = km_arm_to_units(a, k, v[k]);
   for (int k = 0; k <= a->n; ++k)
     *out++ = path[k];
   for (int k = 0; k < KM_OBJECTIVES; ++k)
-    if (reported(t, k))
+    if (is_reported(t, k))
       *out++ = values[k];
   if (km_objective_single(&t->plan.objective) < 0)
     *out++ = of->value;
@@ -171,25 +172,25 @@ static void write_row(const km_track *t, km_arm_space *space, const row *r, cons
   *out++ = values[KM_LIMIT_DISTANCE];
 }
 
-/* Of the samples that were reached, and of the end between two if there is one. */
-static row row_of(const km_entry_range *run, int index) {
+/* Row `index`: a sample that was reached, or the end of the track between two samples. */
+static row row_of(const km_tracking_run *run, int index) {
   const km_path *path = run->plan->path;
   if (index < run->reached)
     return (row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
   return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
 }
 
-/* Fewer rows than this are written sooner than a thread starts. */
+/* Fewest rows for which another thread pays off. */
 enum { ROWS_PAY = 16 };
 
-/* Rows that are written in pieces, on several threads. */
+/* Rows written in pieces by several threads. */
 typedef struct writing {
   const km_track *track;
-  const km_entry_range *run;
+  const km_tracking_run *run;
   km_arm_space *spaces; /* [pieces] */
   double *cells;
-  size_t width; /* of a row */
-  tally *tallies;
+  size_t width; /* cells of a row */
+  row_summary *summaries;
   int count, pieces;
 } writing;
 
@@ -201,41 +202,41 @@ static void write_piece(void *context, int piece) {
     row last = row_of(w->run, i > 0 ? i - 1 : i), here = row_of(w->run, i),
         next = row_of(w->run, i + 1 < w->count ? i + 1 : i);
     write_row(w->track, &w->spaces[piece], &here, i > 0 ? &last : NULL, i + 1 < w->count ? &next : NULL,
-              w->cells + (size_t)i * w->width, &w->tallies[i]);
+              w->cells + (size_t)i * w->width, &w->summaries[i]);
   }
 }
 
-/* False when out of memory. */
-static bool write_rows(km_track *t, km_entry_range *run, int count, km_arena *arena, tally **tallies) {
+/* Writes all rows, in parallel if there are many. False: out of memory. */
+static bool write_rows(km_track *t, km_tracking_run *run, int count, km_arena *arena, row_summary **summaries) {
   int most = t->plan.jobs < KM_MAX_THREADS ? t->plan.jobs : KM_MAX_THREADS;
   most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
   w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;
   w.width = km_table_columns(t->table);
-  w.tallies = *tallies = KM_ARENA_NEW(arena, tally, (size_t)count + 1);
+  w.summaries = *summaries = KM_ARENA_NEW(arena, row_summary, (size_t)count + 1);
   w.spaces = KM_ARENA_NEW(arena, km_arm_space, (size_t)w.pieces);
-  bool whole = !arena->failed && (w.cells || count == 0);
-  for (int i = 0; i < w.pieces && whole; ++i)
-    whole = km_arm_space_create(t->arm, &w.spaces[i]);
-  if (whole)
+  bool is_ok = !arena->failed && (w.cells || count == 0);
+  for (int i = 0; i < w.pieces && is_ok; ++i)
+    is_ok = km_arm_space_create(t->arm, &w.spaces[i]);
+  if (is_ok)
     km_team_run(w.pieces > 1 ? km_run_team(run) : NULL, w.pieces, write_piece, &w);
   for (int i = 0; i < w.pieces && w.spaces; ++i)
     km_arm_space_free(&w.spaces[i]);
-  return whole;
+  return is_ok;
 }
 
-static km_status fill(km_track *t, km_entry_range *run, km_error *error) {
+static km_status fill_table(km_track *t, km_tracking_run *run, km_error *error) {
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
   km_arena arena = {0};
-  tally *tallies = NULL;
+  row_summary *summaries = NULL;
   row last = {0}, here = {0};
-  memcpy(t->held, run->held, sizeof t->held);
-  t->table = make_table(t);
-  bool whole = t->table && write_rows(t, run, count, &arena, &tallies);
-  for (int i = 0; i < count && whole; ++i) {
+  memcpy(t->fixed, run->fixed, sizeof t->fixed);
+  t->table = create_table(t);
+  bool is_ok = t->table && write_rows(t, run, count, &arena, &summaries);
+  for (int i = 0; i < count && is_ok; ++i) {
     last = here;
     here = row_of(run, i);
-    count_row(t, &here, i > 0 ? &last : NULL, &tallies[i]);
+    count_row(t, &here, i > 0 ? &last : NULL, &summaries[i]);
   }
   km_arena_free(&arena);
   t->end = (km_track_end){run->stop,        run->column,
@@ -244,11 +245,11 @@ static km_status fill(km_track *t, km_entry_range *run, km_error *error) {
                           here.point.turn};
   if (count > 0)
     t->summary.objective_mean /= (double)count;
-  return whole ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a track");
+  return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a track");
 }
 
-/* A start that isn't on the path, or beyond its limits, is no start. */
-static bool starts(km_track *t, km_entry_range *run) {
+/* True if the start reaches the path's first pose to 1e-9 and is within the limits; sets the stop otherwise. */
+static bool start_is_valid(km_track *t, km_tracking_run *run) {
   double position;
   km_arm_update(t->arm, &run->space.arm, run->start);
   double left = km_arm_error(t->arm, &run->space.arm, &t->plan.path->points[0].pose, NULL, &position, NULL);
@@ -276,7 +277,7 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
   km_status fits = check_plan(arm, plan, error);
   if (fits)
     return fits;
-  km_entry_range run;
+  km_tracking_run run;
   km_track *t = KM_NEW(km_track, 1);
   if (!t)
     return km_fail(error, KM_MEMORY, "out of memory for a track");
@@ -288,13 +289,13 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   }
   double start = km_clock();
-  km_status status = starts(t, &run) ? methods[plan->method.kind](&run, error) : KM_PARTIAL;
+  km_status status = start_is_valid(t, &run) ? methods[plan->method.kind](&run, error) : KM_PARTIAL;
   t->summary.seconds = km_clock() - start;
   t->summary.evaluations = run.evaluations + run.space.arm.evaluations;
   t->summary.greedy_instead = run.greedy_instead;
   t->summary.converged = run.converged;
   t->summary.bounded = run.bounded;
-  km_status filled = status == KM_OK || status == KM_PARTIAL ? fill(t, &run, error) : status;
+  km_status filled = status == KM_OK || status == KM_PARTIAL ? fill_table(t, &run, error) : status;
   km_run_free(&run);
   if (filled) {
     km_track_free(t);

@@ -1,4 +1,4 @@
-/* The record of one method on one path. */
+/* The stored result of one method on one path. */
 #ifndef KM_ARM_TRACKING_TRACK_H
 #define KM_ARM_TRACKING_TRACK_H
 
@@ -10,7 +10,7 @@ struct km_track {
   km_table *table;
   km_track_end end;
   km_track_summary summary;
-  bool held[KM_ARM_MOST]; /* fixed: columns that don't move */
+  bool fixed[KM_ARM_MAX_JOINTS]; /* method fixed: joints that don't move */
 };
 
 #endif

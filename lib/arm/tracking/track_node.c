@@ -1,12 +1,17 @@
-/* One pose of a track: the directions that lead on from it, and how the steps that led to it bent. */
+/* Nodes of a path: a configuration with its columns. Predictor of a step, prediction of Newton's correction from
+ * the previous steps, and joint rates (docs/theory.md 12.4).
+ *
+ *   step  = (c1/z + tan_phi c2/z) ds                   z: path entry of c1
+ *   moved = 2 d_1 - d_2                                d_1, d_2: corrections of the last two steps of equal ds, tan_phi
+ *   rates = c1/z speed + sum_j (c2_j . mean) c2_j      mean: joint differences over the step's time */
 #include "arm/tracking/tracker.h"
 
 #include <string.h>
 
-/* Numbers of a node's arrays. */
+/* Number of doubles in a node's arrays. */
 static size_t node_size(const km_arm *a) {
   size_t n = (size_t)a->n, freedom = (size_t)a->freedom;
-  return n + (n + 1) + freedom * n + KM_NODE_BENDS * n + freedom;
+  return n + (n + 1) + freedom * n + KM_NODE_CORRECTIONS * n + freedom;
 }
 
 bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
@@ -16,15 +21,15 @@ bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
     return false;
   node->path = node->q + n;
   node->self = node->path + n + 1;
-  node->bend = node->self + freedom * n;
-  node->tilt = node->bend + KM_NODE_BENDS * n;
+  node->corrections = node->self + freedom * n;
+  node->tan_phi = node->corrections + KM_NODE_CORRECTIONS * n;
   return true;
 }
 
 void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
   memcpy(to->q, from->q, node_size(a) * sizeof *to->q);
   to->along = from->along;
-  to->bends = from->bends;
+  to->correction_count = from->correction_count;
   to->z = from->z;
   to->value = from->value;
 }
@@ -51,54 +56,55 @@ double km_joint_length(const double *x, int n) {
   return sqrt(sum);
 }
 
-/* δ = (c₁/z + tan φ·c₂/z)Δσ. */
-static void predict(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double *step) {
+/* Predictor step = (c₁/z + tan φ · c₂/z) Δσ. */
+static void predict(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds, double *step) {
   double inverse = 1.0 / here->z;
   for (int k = 0; k < a->n; ++k) {
     double rate = here->path[k];
-    for (int j = 0; way->tilt && j < a->freedom; ++j)
-      rate += way->tilt[j] * here->self[j * a->n + k];
+    for (int j = 0; choice->tan_phi && j < a->freedom; ++j)
+      rate += choice->tan_phi[j] * here->self[j * a->n + k];
     step[k] = rate * inverse * ds;
   }
 }
 
-int km_node_known_bends(const km_arm *a, const km_node *here, const km_step_choice *way, double ds) {
-  static const double same = 1e-6; /* of Δσ */
-  bool on = here->bends > 0 && fabs(ds - here->along) <= same * ds;
+int km_node_valid_corrections(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds) {
+  static const double same = 1e-6; /* relative to Δσ */
+  bool on = here->correction_count > 0 && fabs(ds - here->along) <= same * ds;
   for (int j = 0; j < a->freedom && on; ++j)
-    on = here->tilt[j] == (way->tilt ? way->tilt[j] : 0.0);
-  return on ? here->bends : 0;
+    on = here->tan_phi[j] == (choice->tan_phi ? choice->tan_phi[j] : 0.0);
+  return on ? here->correction_count : 0;
 }
 
-/* The corrector to expect of a step: the last ones drawn on along a line, 0 where there are none. */
-static void expect(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double most,
+/* Extrapolated correction `moved`: linear in the last two corrections, the last one if only one is valid, else 0;
+ * also 0 if longer than `most`. */
+static void expect(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds, double most,
                    double *moved) {
-  const double *last = here->bend, *before = last + a->n;
-  int known = km_node_known_bends(a, here, way, ds);
+  const double *last = here->corrections, *before = last + a->n;
+  int known = km_node_valid_corrections(a, here, choice, ds);
   for (int k = 0; k < a->n; ++k) {
-    bool moves = known > 0 && !(way->held && way->held[k]);
+    bool moves = known > 0 && !(choice->fixed && choice->fixed[k]);
     moved[k] = !moves ? 0.0 : known > 1 ? 2.0 * last[k] - before[k] : last[k];
   }
   if (known > 0 && !(km_joint_length(moved, a->n) <= most))
     memset(moved, 0, (size_t)a->n * sizeof *moved);
 }
 
-double km_node_predict(const km_arm *a, const km_node *here, const km_step_choice *way, double ds, double *step,
+double km_node_predict(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds, double *step,
                        double *moved) {
-  predict(a, here, way, ds, step);
-  double most = 0.5 * km_joint_length(step, a->n) + 1e-12; /* half the predictor, but for rounding */
-  expect(a, here, way, ds, most, moved);
+  predict(a, here, choice, ds, step);
+  double most = 0.5 * km_joint_length(step, a->n) + 1e-12; /* half the predictor, plus rounding */
+  expect(a, here, choice, ds, most, moved);
   return most;
 }
 
-void km_node_remember(const km_arm *a, const km_node *from, const km_step_choice *way, double ds, const double *moved,
-                      km_node *to) {
+void km_node_store_correction(const km_arm *a, const km_node *from, const km_step_choice *choice, double ds,
+                              const double *moved, km_node *to) {
   const size_t n = (size_t)a->n;
-  bool on = km_node_known_bends(a, from, way, ds) > 0;
-  memcpy(to->bend + n, from->bend, n * sizeof *moved);
-  memcpy(to->bend, moved, n * sizeof *moved);
+  bool on = km_node_valid_corrections(a, from, choice, ds) > 0;
+  memcpy(to->corrections + n, from->corrections, n * sizeof *moved);
+  memcpy(to->corrections, moved, n * sizeof *moved);
   for (int j = 0; j < a->freedom; ++j)
-    to->tilt[j] = way->tilt ? way->tilt[j] : 0.0;
+    to->tan_phi[j] = choice->tan_phi ? choice->tan_phi[j] : 0.0;
   to->along = ds;
-  to->bends = !on ? 1 : KM_NODE_BENDS;
+  to->correction_count = !on ? 1 : KM_NODE_CORRECTIONS;
 }

@@ -184,10 +184,10 @@ static void draw_track(const picture *p, int index, int number) {
     double u = (double)NAN;
     const km_station *s = i < p->map->count ? &p->map->stations[i] : NULL;
     if (s && (size_t)s->sample < km_table_rows(t->table) && s->sample <= t->end.sample) {
-      double q[KM_ARM_MOST];
+      double q[KM_ARM_MAX_JOINTS];
       const double *row = km_table_row(t->table, (size_t)s->sample) + km_table_span(t->table, "q.").first;
       for (int k = 0; k < t->arm->n; ++k)
-        q[k] = km_arm_read(t->arm, k, row[k]);
+        q[k] = km_arm_from_units(t->arm, k, row[k]);
       u = km_station_find(p->map, s, q);
     }
     bool jumps = count > 0 && fabs(u - last) > 0.4 * (p->frame.y_high - p->frame.y_low);
@@ -337,7 +337,7 @@ km_status km_tracks_map(const km_tracks *t, km_picture_format format, km_text *o
   if (status)
     return status;
   status =
-      km_motion_map_make(t->study->arm, t->study->path, t->study->start, &t->study->objective, STATIONS, &map, error);
+      km_motion_map_create(t->study->arm, t->study->path, t->study->start, &t->study->objective, STATIONS, &map, error);
   picture p = {.tracks = t, .map = &map};
   if (!status)
     status = km_canvas_create(format, page_width, page_height, out, &p.canvas, error);

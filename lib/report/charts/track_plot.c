@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ACROSS = 2, MOST_SERIES = KM_ARM_MOST + 1 };
+enum { ACROSS = 2, MOST_SERIES = KM_ARM_MAX_JOINTS + 1 };
 static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1};
 static const double cell_width = 400, cell_height = 230, head = 58, margin = 14;
 
@@ -77,7 +77,7 @@ static void add_joints(sheet *s, const km_track *t) {
   for (int k = 0; k < a->n; ++k) {
     double half = 0.5 * (a->high[k] - a->low[k]), middle = a->low[k] + half;
     if (half < (double)INFINITY)
-      add(s, t->table, column_of(t, "q.", k), 1.0 / km_arm_shown(a, k, half), km_arm_shown(a, k, middle),
+      add(s, t->table, column_of(t, "q.", k), 1.0 / km_arm_to_units(a, k, half), km_arm_to_units(a, k, middle),
           km_arm_label(a, k));
   }
   s->plot_count += s->plots[s->plot_count].count > 0;
@@ -118,7 +118,7 @@ static void add_speeds(sheet *s) {
     for (size_t r = 0; r < km_table_rows(t->table); ++r) {
       y[r] = 0.0;
       for (int k = 0; k < t->arm->n; ++k)
-        y[r] = fmax(y[r], fabs(km_arm_read(t->arm, k, km_table_row(t->table, r)[column_of(t, "v.", k)])));
+        y[r] = fmax(y[r], fabs(km_arm_from_units(t->arm, k, km_table_row(t->table, r)[column_of(t, "v.", k)])));
     }
   }
   s->plot_count++;
@@ -239,7 +239,7 @@ static bool pose_at(const km_track *t, km_state *state, size_t row, double *q, k
   const double *values = km_table_row(t->table, row) + column_of(t, "q.", 0);
   memcpy(q, m->start, (size_t)m->coordinate_count * sizeof *q);
   for (int k = 0; k < a->n; ++k)
-    q[a->coordinate[k]] = km_arm_read(a, k, values[k]) * a->unit[k];
+    q[a->coordinate[k]] = km_arm_from_units(a, k, values[k]) * a->unit[k];
   km_state_set(m, state, q);
   km_poses_compute(m, state);
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);

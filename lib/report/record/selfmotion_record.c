@@ -66,11 +66,11 @@ static bool add_motion_columns(const km_arm *a, km_table *table) {
 /* A row; `shown` in the model's units. */
 static bool add_motion_row(const km_arm *a, km_arm_space *space, km_table *table, double arc, double u,
                            const double *shown) {
-  double q[KM_ARM_MOST], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
+  double q[KM_ARM_MAX_JOINTS], sigma[KM_ARM_ROWS], product = 1.0, *row = km_table_add_row(table);
   if (!row)
     return false;
   for (int k = 0; k < a->n; ++k)
-    q[k] = km_arm_read(a, k, shown[k]);
+    q[k] = km_arm_from_units(a, k, shown[k]);
   km_arm_update(a, space, q);
   km_arm_singular_values(a, space, sigma);
   for (int r = 0; r < a->rows; ++r)
@@ -163,8 +163,8 @@ static bool is_sampled(const km_arm *a) {
 static double turns_of(const km_arm *a, const double *shown, int *first, int *last) {
   double count = 1.0;
   for (int k = 0; k < a->n; ++k) {
-    double q = km_arm_read(a, k, shown[k]);
-    km_arm_turn_range(a, k, q, q, &first[k], &last[k]);
+    double q = km_arm_from_units(a, k, shown[k]);
+    km_arm_full_turn_range(a, k, q, q, &first[k], &last[k]);
     count *= fmax(last[k] - first[k] + 1, 0);
   }
   return count;
@@ -172,7 +172,7 @@ static double turns_of(const km_arm *a, const double *shown, int *first, int *la
 
 static void add_turns(const km_arm *a, const double *shown, km_value *branch, km_arena *arena) {
   enum { MOST_LISTED = 1024 };
-  int first[KM_ARM_MOST], last[KM_ARM_MOST];
+  int first[KM_ARM_MAX_JOINTS], last[KM_ARM_MAX_JOINTS];
   double count = turns_of(a, shown, first, last);
   km_value_number(arena, branch, "poses_within_limits", count);
   km_value *list = km_value_add(arena, branch, "configurations", KM_LIST);
@@ -182,7 +182,7 @@ static void add_turns(const km_arm *a, const double *shown, km_value *branch, km
       int ways = last[k] - first[k] + 1, turn = first[k] + rest % ways;
       rest /= ways;
       km_value_number(arena, pose, km_arm_label(a, k),
-                      turn ? km_arm_shown(a, k, km_arm_read(a, k, shown[k]) + 2.0 * M_PI * turn) : shown[k]);
+                      turn ? km_arm_to_units(a, k, km_arm_from_units(a, k, shown[k]) + 2.0 * M_PI * turn) : shown[k]);
     }
   }
   km_value_boolean(arena, branch, "truncated", count > MOST_LISTED);
@@ -218,7 +218,7 @@ km_value *km_ik_solutions_record(const km_arm *a, const km_ik_solutions *b, cons
 }
 
 static void print_pose(const km_arm *a, const km_ik_solutions *b, int i, km_text *out) {
-  int first[KM_ARM_MOST], last[KM_ARM_MOST];
+  int first[KM_ARM_MAX_JOINTS], last[KM_ARM_MAX_JOINTS];
   double turns = a->freedom == 0 && b->margin[i] >= 0.0 ? turns_of(a, b->pose + i * a->n, first, last) : 1.0;
   km_text_add(out, a->freedom > 0   ? "one pose of a family"
                    : b->singular[i] ? "a singular pose, perhaps one of a family"

@@ -87,7 +87,7 @@ static double angle_shown(const km_arm *a, double angle) {
 static void add_held(const km_track *t, km_text *out) {
   int count = 0;
   for (int k = 0; k < t->arm->n; ++k)
-    if (t->held[k])
+    if (t->fixed[k])
       km_text_format(out, "%s %s", count++ ? "," : "with joint", km_arm_label(t->arm, k));
   km_text_add(out, " held the arm can't follow the path any further; with all its joints it could");
 }
@@ -107,15 +107,15 @@ void km_track_end_text(const km_track *t, km_text *out) {
   case KM_TRACK_LIMIT: {
     const double *last = km_table_row(t->table, km_table_rows(t->table) - 1);
     double q = last[km_table_span(t->table, "q.").first + (size_t)end->column],
-           low = km_arm_shown(a, end->column, a->low[end->column]),
-           high = km_arm_shown(a, end->column, a->high[end->column]);
+           low = km_arm_to_units(a, end->column, a->low[end->column]),
+           high = km_arm_to_units(a, end->column, a->high[end->column]);
     km_text_format(out, "joint %s is at its limit, %.9g %s", label, fabs(q - low) < fabs(q - high) ? low : high,
                    km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
     break;
   }
   case KM_TRACK_RATE:
     km_text_format(out, "joint %s would have to move faster than its %.9g %s/s", label,
-                   km_arm_shown(a, end->column, a->rate[end->column]),
+                   km_arm_to_units(a, end->column, a->rate[end->column]),
                    km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
     break;
   case KM_TRACK_SINGULAR:
