@@ -1,20 +1,25 @@
-/* The inward and the outward pass over clusters: accelerations from forces and velocity products. */
+/* Inward and outward pass over the clusters: accelerations from forces and velocity products, by articulated
+ * inertias (R. Featherstone 2008; K. Wehage 2016, sections 6.2-6.4; docs/theory.md 11.2).
+ *
+ *   inward  : D = Σ PᵀI P,  U = Σ I P,  b = Nᵀτ − Σ Pᵀ(p + I ζ);   D = L Δ Lᵀ
+ *             base: inertia Σ I − U D⁻¹ Uᵀ,  force Σ(p + I ζ) + U D⁻¹ b
+ *   outward : D u̇ = b − Uᵀ A_base,  q̈ = N u̇ + γ,  A = A_base + ζ + Σ P_k u̇_k */
 #include "dynamics/dynamics.h"
 
-/* A pivot of D below this part of its diagonal is rounding: nothing with mass moves there. */
-static const double no_mass = 1e-13;
+/* A pivot of D below this part of its diagonal entry is rounding: the motion moves no mass. */
+static const double massless_pivot = 1e-13;
 
-km_wrench km_node_force(const km_dynamics *d, int n, km_twist a) {
+km_wrench km_node_inertia_force(const km_dynamics *d, int n, km_twist a) {
   const km_node *node = &d->tree.nodes[n];
-  km_wrench w = node->massive ? km_inertia_times(&d->node[n].inertia, a) : (km_wrench){{0, 0, 0}, {0, 0, 0}};
-  return node->bears ? km_wrench_axpy(1.0, km_articulated_times(&d->articulated[n], a), w) : w;
+  km_wrench w = node->has_mass ? km_inertia_times(&d->node[n].inertia, a) : (km_wrench){{0, 0, 0}, {0, 0, 0}};
+  return node->is_base ? km_wrench_axpy(1.0, km_articulated_times(&d->articulated[n], a), w) : w;
 }
 
-static bool is_loaded(const km_dynamics *d, int n) {
-  return d->tree.nodes[n].massive || d->tree.nodes[n].bears;
+static bool has_inertia(const km_dynamics *d, int n) {
+  return d->tree.nodes[n].has_mass || d->tree.nodes[n].is_base;
 }
 
-/* ζ and the partial velocities of the cluster's nodes. */
+/* Computes ζ and the partial velocities P_k of the cluster's nodes. */
 static void partial_velocities(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
   int coordinates = cluster->coordinate_count, count = c->freedom;
   for (int i = 0; i < cluster->node_count; ++i) {
@@ -40,7 +45,7 @@ static void partial_velocities(km_dynamics *d, const km_cluster *cluster, const 
   }
 }
 
-/* Rotors that turn with the coordinates add a q̇² / 2 to the kinetic energy, and nothing to the base. */
+/* Adds armature inertias: a rotor contributes a q̇²/2 to the kinetic energy and nothing to the base. */
 static void add_armatures(const km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
   const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
   size_t n = (size_t)cluster->coordinate_count;
@@ -56,8 +61,8 @@ static void add_armatures(const km_dynamics *d, const km_cluster *cluster, const
   }
 }
 
-/* D, b and U of the cluster; returns the sum of p + I ζ over its nodes. */
-static km_wrench gather(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
+/* Computes D, b and U of the cluster; returns Σ(p + I ζ) over its nodes. */
+static km_wrench cluster_equations(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c) {
   const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
   int count = c->freedom;
@@ -75,14 +80,14 @@ static km_wrench gather(km_dynamics *d, const km_cluster *cluster, const km_clus
     int n = cluster->node_start + i;
     const km_twist *P = c->P + (size_t)i * (size_t)count;
     km_wrench r = d->node[n].p;
-    if (is_loaded(d, n))
-      r = km_wrench_axpy(1.0, km_node_force(d, n, d->node[n].zeta), r);
+    if (has_inertia(d, n))
+      r = km_wrench_axpy(1.0, km_node_inertia_force(d, n, d->node[n].zeta), r);
     sum = km_wrench_axpy(1.0, r, sum);
     for (int k = 0; k < count; ++k) {
       c->b[k] -= km_wrench_power(r, P[k]);
-      if (!is_loaded(d, n))
+      if (!has_inertia(d, n))
         continue;
-      km_wrench g = km_node_force(d, n, P[k]);
+      km_wrench g = km_node_inertia_force(d, n, P[k]);
       c->U[k] = km_wrench_axpy(1.0, g, c->U[k]);
       for (int l = 0; l <= k; ++l)
         c->D[k * count + l] += km_wrench_power(g, P[l]);
@@ -93,10 +98,10 @@ static km_wrench gather(km_dynamics *d, const km_cluster *cluster, const km_clus
 
 enum { NONE = -1 };
 
-/* D = L diag Lᵀ in place, by rows; NONE, or the row of a pivot that vanishes. */
-static int factor(double *D, int count) {
+/* Factors D = L Δ Lᵀ in place, by rows. Returns NONE, or the row of a vanishing pivot. */
+static int factor_ldlt(double *D, int count) {
   for (int k = 0; k < count; ++k) {
-    double *row = D + k * count, whole = row[k];
+    double *row = D + k * count, diagonal = row[k];
     for (int l = 0; l < k; ++l) {
       double sum = row[l];
       for (int o = 0; o < l; ++o)
@@ -108,29 +113,29 @@ static int factor(double *D, int count) {
       row[k] -= scaled * row[l];
       row[l] = scaled;
     }
-    if (!(row[k] > no_mass * whole))
+    if (!(row[k] > massless_pivot * diagonal))
       return k;
   }
   return NONE;
 }
 
-/* L⁻¹ b in place. */
+/* Forward substitution b ← L⁻¹ b. */
 static void substitute(const double *D, int count, double *b) {
   for (int k = 0; k < count; ++k)
     for (int l = 0; l < k; ++l)
       b[k] -= D[k * count + l] * b[l];
 }
 
-/* What the cluster does to its base: as a body of inertia Σ I − U D⁻¹ Uᵀ, with the force sum + U D⁻¹ b. With D = LΔLᵀ
- * and W = U L⁻ᵀ, which takes the place of U, that is Σ I − W Δ⁻¹ Wᵀ and sum + W Δ⁻¹ (L⁻¹ b). */
-static void load_base(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c, km_wrench sum) {
+/* Adds the cluster to its base as a body of inertia Σ I − U D⁻¹ Uᵀ with the force sum + U D⁻¹ b (reverse Schur
+ * complement). With D = L Δ Lᵀ and W = U L⁻ᵀ, which replaces U, these are Σ I − W Δ⁻¹ Wᵀ and sum + W Δ⁻¹ (L⁻¹ b). */
+static void add_to_base(km_dynamics *d, const km_cluster *cluster, const km_cluster_motion *c, km_wrench sum) {
   km_articulated *base = &d->articulated[cluster->base];
   int count = c->freedom;
   for (int i = 0; i < cluster->node_count; ++i) {
     int n = cluster->node_start + i;
-    if (d->tree.nodes[n].massive)
+    if (d->tree.nodes[n].has_mass)
       km_articulated_add_body(base, &d->node[n].inertia);
-    if (d->tree.nodes[n].bears)
+    if (d->tree.nodes[n].is_base)
       km_articulated_add(base, &d->articulated[n]);
   }
   for (int k = 0; k < count; ++k) {
@@ -143,46 +148,46 @@ static void load_base(km_dynamics *d, const km_cluster *cluster, const km_cluste
   d->node[cluster->base].p = km_wrench_axpy(1.0, sum, d->node[cluster->base].p);
 }
 
-/* u̇ from the base's acceleration (NULL: it stands), with the L⁻¹ b and the W that the inward pass left:
- * Lᵀ u̇ = Δ⁻¹ (L⁻¹ b − Wᵀ A). */
-static void accelerate(const km_cluster_motion *c, const km_twist *base, double *x) {
+/* Computes u̇ from the base's acceleration A (NULL: 0) by Lᵀ u̇ = Δ⁻¹ (L⁻¹ b − Wᵀ A), with L⁻¹ b and W of the inward
+ * pass. */
+static void solve_udot(const km_cluster_motion *c, const km_twist *base, double *x) {
   int count = c->freedom;
   for (int k = 0; k < count; ++k) {
-    double pushed = base ? c->b[k] - km_wrench_power(c->U[k], *base) : c->b[k];
-    x[k] = pushed / c->D[k * count + k];
+    double rhs = base ? c->b[k] - km_wrench_power(c->U[k], *base) : c->b[k];
+    x[k] = rhs / c->D[k * count + k];
   }
   for (int k = count - 1; k >= 0; --k)
     for (int l = k + 1; l < count; ++l)
       x[k] -= c->D[l * count + k] * x[l];
 }
 
-static km_dynamics_outcome inward(km_dynamics *d, int index) {
+static km_dynamics_outcome inward_pass(km_dynamics *d, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   km_cluster_motion *c = &d->cluster[index];
   partial_velocities(d, cluster, c);
-  km_wrench sum = gather(d, cluster, c);
+  km_wrench sum = cluster_equations(d, cluster, c);
   if (d->armature)
     add_armatures(d, cluster, c);
-  int vanished = factor(c->D, c->freedom);
-  if (vanished != NONE && isfinite(c->D[vanished * c->freedom + vanished])) {
-    d->massless = d->tree.coordinate_order[cluster->coordinate_start + c->independent[vanished]];
+  int vanishing_pivot = factor_ldlt(c->D, c->freedom);
+  if (vanishing_pivot != NONE && isfinite(c->D[vanishing_pivot * c->freedom + vanishing_pivot])) {
+    d->massless = d->tree.coordinate_order[cluster->coordinate_start + c->independent[vanishing_pivot]];
     return KM_DYNAMICS_MASSLESS;
   }
-  if (vanished != NONE)
+  if (vanishing_pivot != NONE)
     return KM_DYNAMICS_INFINITE;
   substitute(c->D, c->freedom, c->b);
   if (cluster->base > 0)
-    load_base(d, cluster, c, sum);
+    add_to_base(d, cluster, c, sum);
   return KM_DYNAMICS_DONE;
 }
 
-static void outward(km_dynamics *d, km_state *s, int index) {
+static void outward_pass(km_dynamics *d, km_state *s, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   const km_cluster_motion *c = &d->cluster[index];
   const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
   const km_twist *base = cluster->base ? &d->node[cluster->base].A : NULL;
   int count = c->freedom, n = cluster->coordinate_count;
-  accelerate(c, base, c->udot);
+  solve_udot(c, base, c->udot);
   for (int i = 0; i < n; ++i) {
     double sum = c->gamma[i];
     for (int k = 0; k < count; ++k)
@@ -202,11 +207,11 @@ km_dynamics_outcome km_tree_solve(km_dynamics *d, km_state *s) {
   km_dynamics_outcome outcome = KM_DYNAMICS_DONE;
   d->node[0].A = (km_twist){km_vec3_scale(-1.0, d->forces->stated_gravity), {0, 0, 0}};
   for (int n = 1; n < d->tree.node_count; ++n)
-    if (d->tree.nodes[n].bears)
+    if (d->tree.nodes[n].is_base)
       d->articulated[n] = (km_articulated){0};
   for (int i = d->tree.cluster_count - 1; i >= 0 && outcome == KM_DYNAMICS_DONE; --i)
-    outcome = inward(d, i);
+    outcome = inward_pass(d, i);
   for (int i = 0; i < d->tree.cluster_count && outcome == KM_DYNAMICS_DONE; ++i)
-    outward(d, s, i);
+    outward_pass(d, s, i);
   return outcome;
 }

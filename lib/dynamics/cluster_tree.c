@@ -1,26 +1,27 @@
-/* Building the tree of nodes and clusters from a mechanism. */
+/* Builds the tree of nodes and clusters of a mechanism (docs/theory.md 11.2). */
 #include "dynamics/cluster_tree.h"
 
 #include "topology/chain.h"
 
 #include <string.h>
 
-/* While clusters are found: nodes are numbered by level, and each knows a representative of its cluster. */
-typedef struct build {
+/* Work data of the construction: nodes numbered by level, clusters as union-find sets. */
+typedef struct tree_builder {
   const km_mechanism *m;
   km_tree *tree;
   int *level;  /* [node] primitive motions from the inertial frame */
-  int *leader; /* [node] union-find */
-  int *number; /* [node] its final number */
-  int *depth;  /* [node] of a leader: clusters between its own and the inertial frame. Workspace afterwards */
-} build;
+  int *leader; /* [node] union-find parent */
+  int *number; /* [node] final number */
+  int *depth;  /* [node] for the leader of a cluster: number of clusters between it and the inertial frame; then a
+                * work array */
+} tree_builder;
 
 double km_inertial_factor(const km_model *model) {
   static const km_dimension inertial = {.length = 1, .mass = 1, .time = -2, .force = -1};
   return km_units_factor(&model->units, inertial);
 }
 
-static void carry_body(build *w, int body, int node, const km_pose *in_node) {
+static void add_body(tree_builder *w, int body, int node, const km_pose *in_node) {
   km_tree *tree = w->tree;
   const km_model_body *def = &w->m->model->bodies[body];
   tree->node_of_body[body] = node;
@@ -33,17 +34,17 @@ static void carry_body(build *w, int body, int node, const km_pose *in_node) {
   there.I = km_symmetric_axpy(factor, there.I, (km_symmetric){0});
   tree->nodes[node].inertia = km_inertia_add(tree->nodes[node].inertia, there);
   for (int i = 0; i < 6; ++i)
-    tree->nodes[node].massive = tree->nodes[node].massive || def->inertia[i] != 0.0;
-  tree->nodes[node].massive = tree->nodes[node].massive || def->mass != 0.0;
+    tree->nodes[node].has_mass = tree->nodes[node].has_mass || def->inertia[i] != 0.0;
+  tree->nodes[node].has_mass = tree->nodes[node].has_mass || def->mass != 0.0;
 }
 
-static bool turns(const km_rotation *R) {
+static bool contains_rotation(const km_rotation *R) {
   const km_rotation one = km_rotation_identity();
   return memcmp(R, &one, sizeof one) != 0;
 }
 
-/* The nodes of one body's arc; the body is carried by the last one. */
-static void add_arc(build *w, const km_arc *arc) {
+/* Adds the nodes of one body's arc; the body belongs to the last one. */
+static void add_arc(tree_builder *w, const km_arc *arc) {
   const km_mechanism *m = w->m;
   km_tree *tree = w->tree;
   km_joint_traversal p;
@@ -61,31 +62,31 @@ static void add_arc(build *w, const km_arc *arc) {
                                   .pitch = km_pitch_per_radian(m->model, arc->joint, 1.0),
                                   .parent = node,
                                   .before = X,
-                                  .turned = turns(&X.R)};
+                                  .has_rotation = contains_rotation(&X.R)};
     w->level[next] = w->level[node] + 1;
     X = km_pose_identity();
     node = next;
   }
   X = km_pose_product(&X, &arc->after);
-  carry_body(w, arc->body, node, &X);
+  add_body(w, arc->body, node, &X);
 }
 
-static int leader_of(const build *w, int node) {
+static int find_leader(const tree_builder *w, int node) {
   while (w->leader[node] != node)
     node = w->leader[node] = w->leader[w->leader[node]];
   return node;
 }
 
-static int substructure_of(const build *w, int node) {
+static int substructure_of(const tree_builder *w, int node) {
   int joint = w->m->model->coordinates[w->tree->nodes[node].coordinate].joint;
   return w->m->topology.substructure_of_joint[joint];
 }
 
-static void join_substructures(build *w, int *first /* [substructure], -1 */) {
+static void join_substructures(tree_builder *w, int *first /* [substructure], -1 */) {
   for (int n = 1; n < w->tree->node_count; ++n) {
     int s = substructure_of(w, n);
     if (s >= 0 && first[s] >= 0)
-      w->leader[leader_of(w, n)] = leader_of(w, first[s]);
+      w->leader[find_leader(w, n)] = find_leader(w, first[s]);
     else if (s >= 0)
       first[s] = n;
   }
@@ -93,45 +94,45 @@ static void join_substructures(build *w, int *first /* [substructure], -1 */) {
 
 enum { NONE = -1, SEVERAL = -2 };
 
-/* Takes the deepest root's parent into the cluster until all roots of every cluster hang on one node. Each pass joins at
- * least two clusters or is the last. base[leader]: that node. */
-static void join_between(build *w, int *base, int *deepest) {
+/* Merges the parent of the deepest root into the cluster until all roots of every cluster have one parent,
+ * base[leader]. Each pass merges at least two clusters or is the last. */
+static void merge_clusters(tree_builder *w, int *base, int *golden_section) {
   const km_node *nodes = w->tree->nodes;
   for (bool joined = true; joined;) {
     joined = false;
     for (int n = 0; n < w->tree->node_count; ++n)
-      base[n] = deepest[n] = NONE;
+      base[n] = golden_section[n] = NONE;
     for (int n = 1; n < w->tree->node_count; ++n) {
-      int own = leader_of(w, n), parent = nodes[n].parent;
-      if (parent > 0 && leader_of(w, parent) == own)
+      int own = find_leader(w, n), parent = nodes[n].parent;
+      if (parent > 0 && find_leader(w, parent) == own)
         continue;
-      if (deepest[own] == NONE || w->level[parent] > w->level[deepest[own]])
-        deepest[own] = parent;
+      if (golden_section[own] == NONE || w->level[parent] > w->level[golden_section[own]])
+        golden_section[own] = parent;
       base[own] = base[own] == NONE || base[own] == parent ? parent : SEVERAL;
       joined = joined || base[own] == SEVERAL;
     }
     for (int n = 1; joined && n < w->tree->node_count; ++n)
       if (base[n] == SEVERAL)
-        w->leader[leader_of(w, deepest[n])] = leader_of(w, n);
+        w->leader[find_leader(w, golden_section[n])] = find_leader(w, n);
   }
 }
 
-/* Depth of a cluster: bases come before what hangs on them. */
-static int depth_of(build *w, const int *base, int leader) {
+/* Depth of a cluster in the tree of clusters; a base precedes the clusters that are attached to it. */
+static int depth_of(tree_builder *w, const int *base, int leader) {
   int depth = 0;
   while (base[leader] > 0) {
-    leader = leader_of(w, base[leader]);
+    leader = find_leader(w, base[leader]);
     ++depth;
   }
   return depth;
 }
 
-/* Leaders by depth, those of one depth by number: a counting sort. Returns how many. */
-static int order_leaders(build *w, const int *base, int *order, int *count) {
+/* Sorts leaders by depth, then by number (counting sort). Returns their number. */
+static int order_leaders(tree_builder *w, const int *base, int *order, int *count) {
   int nodes = w->tree->node_count;
   memset(count, 0, (size_t)nodes * sizeof *count);
   for (int n = 1; n < nodes; ++n) {
-    if (leader_of(w, n) != n)
+    if (find_leader(w, n) != n)
       continue;
     w->depth[n] = depth_of(w, base, n);
     count[w->depth[n] + 1]++;
@@ -139,19 +140,19 @@ static int order_leaders(build *w, const int *base, int *order, int *count) {
   for (int d = 1; d < nodes; ++d)
     count[d] += count[d - 1];
   for (int n = 1; n < nodes; ++n)
-    if (leader_of(w, n) == n)
+    if (find_leader(w, n) == n)
       order[count[w->depth[n]]++] = n;
   return nodes > 1 ? count[nodes - 2] : 0;
 }
 
-/* Numbers clusters by depth and then by their first node, and nodes by cluster. */
-static void number_nodes(build *w, const int *base, int *order, int *next) {
+/* Numbers clusters by depth, then by their first node, and nodes by cluster. */
+static void number_nodes(tree_builder *w, const int *base, int *order, int *next) {
   km_tree *tree = w->tree;
   tree->cluster_count = order_leaders(w, base, order, next);
-  int *size = w->depth; /* of a leader's cluster, from here on */
+  int *size = w->depth; /* size of a leader's cluster */
   memset(size, 0, (size_t)tree->node_count * sizeof *size);
   for (int n = 1; n < tree->node_count; ++n)
-    size[leader_of(w, n)]++;
+    size[find_leader(w, n)]++;
   for (int i = 0, start = 1; i < tree->cluster_count; ++i) {
     tree->clusters[i] = (km_cluster){.node_start = start, .node_count = size[order[i]]};
     next[order[i]] = start;
@@ -159,12 +160,12 @@ static void number_nodes(build *w, const int *base, int *order, int *next) {
   }
   w->number[0] = 0;
   for (int n = 1; n < tree->node_count; ++n)
-    w->number[n] = next[leader_of(w, n)]++;
+    w->number[n] = next[find_leader(w, n)]++;
   for (int i = 0; i < tree->cluster_count; ++i)
     tree->clusters[i].base = w->number[base[order[i]]];
 }
 
-static void move_nodes(build *w, km_node *old) {
+static void reorder_nodes(tree_builder *w, km_node *old) {
   km_tree *tree = w->tree;
   memcpy(old, tree->nodes, (size_t)tree->node_count * sizeof *old);
   for (int n = 1; n < tree->node_count; ++n) {
@@ -175,9 +176,9 @@ static void move_nodes(build *w, km_node *old) {
     tree->node_of_body[b] = w->number[tree->node_of_body[b]];
 }
 
-/* A cluster's substructures, and its coordinates: those of substructures in the order of their columns, then those in
- * none. place[coordinate] is its place in the cluster. */
-static void list_coordinates(build *w, int *place, bool *listed) {
+/* Lists the substructures and the coordinates of each cluster: coordinates of substructures in the order of their
+ * columns, then the others. place[coordinate] is the index within the cluster. */
+static void list_coordinates(tree_builder *w, int *index_in_cluster, bool *listed) {
   const km_mechanism *m = w->m;
   km_tree *tree = w->tree;
   int substructures = 0, coordinates = 0;
@@ -193,14 +194,14 @@ static void list_coordinates(build *w, int *place, bool *listed) {
       tree->substructure_order[substructures++] = s;
       for (int k = 0; k < m->substructures[s].columns; ++k) {
         int c = m->column_coordinate[m->substructures[s].column_start + k];
-        place[c] = coordinates - cluster->coordinate_start;
+        index_in_cluster[c] = coordinates - cluster->coordinate_start;
         tree->coordinate_order[coordinates++] = c;
       }
     }
     for (int n = cluster->node_start; n < cluster->node_start + cluster->node_count; ++n) {
       const km_node *node = &tree->nodes[n];
       for (int k = 0; k < node->freedom && substructure_of(w, n) < 0 && !m->held[node->coordinate]; ++k) {
-        place[node->coordinate + k] = coordinates - cluster->coordinate_start;
+        index_in_cluster[node->coordinate + k] = coordinates - cluster->coordinate_start;
         tree->coordinate_order[coordinates++] = node->coordinate + k;
       }
     }
@@ -209,18 +210,18 @@ static void list_coordinates(build *w, int *place, bool *listed) {
   }
 }
 
-static void mark_nodes(build *w, const int *place) {
+static void link_nodes(tree_builder *w, const int *index_in_cluster) {
   km_tree *tree = w->tree;
   for (int c = 0; c < w->m->coordinate_count; ++c)
     tree->node_of_coordinate[c] = -1;
   for (int n = 1; n < tree->node_count; ++n) {
     km_node *node = &tree->nodes[n];
-    node->local = w->m->held[node->coordinate] ? -1 : place[node->coordinate];
+    node->local = w->m->held[node->coordinate] ? -1 : index_in_cluster[node->coordinate];
     for (int k = 0; k < node->freedom; ++k)
       tree->node_of_coordinate[node->coordinate + k] = n;
   }
   for (int i = 0; i < tree->cluster_count; ++i)
-    tree->nodes[tree->clusters[i].base].bears = true;
+    tree->nodes[tree->clusters[i].base].is_base = true;
 }
 
 bool km_tree_build(const km_mechanism *m, km_arena *arena, km_tree *tree) {
@@ -235,12 +236,12 @@ bool km_tree_build(const km_mechanism *m, km_arena *arena, km_tree *tree) {
                     .node_of_body = KM_ARENA_NEW(arena, int, bodies),
                     .node_of_coordinate = KM_ARENA_NEW(arena, int, nodes),
                     .body_in_node = KM_ARENA_NEW(arena, km_pose, bodies)};
-  build w = {.m = m,
-             .tree = tree,
-             .level = KM_ARENA_NEW(&scratch, int, nodes),
-             .leader = KM_ARENA_NEW(&scratch, int, nodes),
-             .number = KM_ARENA_NEW(&scratch, int, nodes),
-             .depth = KM_ARENA_NEW(&scratch, int, nodes)};
+  tree_builder w = {.m = m,
+                    .tree = tree,
+                    .level = KM_ARENA_NEW(&scratch, int, nodes),
+                    .leader = KM_ARENA_NEW(&scratch, int, nodes),
+                    .number = KM_ARENA_NEW(&scratch, int, nodes),
+                    .depth = KM_ARENA_NEW(&scratch, int, nodes)};
   int *base = KM_ARENA_NEW(&scratch, int, nodes), *work = KM_ARENA_NEW(&scratch, int, nodes);
   int *next = KM_ARENA_NEW(&scratch, int, nodes + 1);
   int *first = KM_ARENA_NEW(&scratch, int, subs);
@@ -256,11 +257,11 @@ bool km_tree_build(const km_mechanism *m, km_arena *arena, km_tree *tree) {
     for (size_t s = 0; s < subs; ++s)
       first[s] = -1;
     join_substructures(&w, first);
-    join_between(&w, base, work);
+    merge_clusters(&w, base, work);
     number_nodes(&w, base, work, next);
-    move_nodes(&w, old);
+    reorder_nodes(&w, old);
     list_coordinates(&w, work, listed);
-    mark_nodes(&w, work);
+    link_nodes(&w, work);
   }
   km_arena_free(&scratch);
   return !arena->failed;

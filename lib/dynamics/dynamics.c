@@ -1,4 +1,5 @@
-/* Equations of motion: their space, one evaluation, energies and driving forces. */
+/* Equations of motion: workspace, one evaluation, energies, driving forces, inertia forces (docs/theory.md 11.1 to
+ * 11.3). */
 #include "dynamics/dynamics.h"
 
 #include "base/arguments.h"
@@ -7,7 +8,7 @@
 #include <gsl/gsl_errno.h>
 #include <string.h>
 
-static void take_armatures(km_dynamics *d) {
+static void set_armatures(km_dynamics *d) {
   const km_mechanism *m = d->mechanism;
   bool any = false;
   for (int c = 0; c < m->coordinate_count; ++c)
@@ -32,11 +33,11 @@ static bool allocate(km_dynamics *d) {
   d->step = KM_ARENA_NEW(arena, double, (size_t)m->largest_columns);
   d->driven_velocity = KM_ARENA_NEW(arena, km_twist, nodes);
   d->driven = KM_ARENA_NEW(arena, bool, coordinates);
-  d->renewed = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count);
+  d->repartitions = KM_ARENA_NEW(arena, int, (size_t)m->topology.substructure_count);
   d->driven_acceleration = KM_ARENA_NEW(arena, double, coordinates);
   for (int i = 0; i < d->tree.cluster_count && !arena->failed; ++i)
     d->cluster[i].gamma = KM_ARENA_NEW(arena, double, (size_t)d->tree.clusters[i].coordinate_count);
-  take_armatures(d);
+  set_armatures(d);
   return !arena->failed;
 }
 
@@ -58,7 +59,7 @@ km_status km_dynamics_create(const km_mechanism *m, km_forces *forces, km_dynami
   if (d) {
     d->mechanism = m;
     d->forces = forces;
-    d->closing = 1e-13;
+    d->closing_tolerance = 1e-13;
   }
   if (!d || !allocate(d))
     status = km_fail(error, KM_MEMORY, "out of memory for the equations of motion");
@@ -97,7 +98,7 @@ km_status km_dynamics_prescribe(km_dynamics *d, int coordinate, double value, do
   return KM_OK;
 }
 
-void km_dynamics_drive(km_dynamics *d, km_state *s, bool position) {
+void km_dynamics_apply_prescribed(km_dynamics *d, km_state *s, bool position) {
   for (int i = 0; i < km_prescribed_count(d->prescribed); ++i) {
     double motion[3];
     int c = km_prescribed_at(d->prescribed, i, s->time, motion);
@@ -109,8 +110,9 @@ void km_dynamics_drive(km_dynamics *d, km_state *s, bool position) {
   }
 }
 
-km_status km_dynamics_bring(km_dynamics *d, km_state *s, km_error *error) {
-  static const double near = 1e-3; /* radians or characteristic lengths: loops close from there at once */
+km_status km_dynamics_move_to_prescribed(km_dynamics *d, km_state *s, km_error *error) {
+  static const double near = 1e-3; /* radians or characteristic lengths: loops close from this distance without
+                                    * continuation */
   const km_mechanism *m = d->mechanism;
   int count = km_prescribed_count(d->prescribed);
   km_hold *goals = KM_NEW(km_hold, (size_t)count + 1);
@@ -128,13 +130,13 @@ km_status km_dynamics_bring(km_dynamics *d, km_state *s, km_error *error) {
   return status;
 }
 
-/* Keeps the origin near the mechanism: far from it the moments of its weights would lose digits. False where it is near
- * enough already. */
-static bool choose_origin(km_dynamics *d) {
+/* Moves the origin of moments to the mechanism if it is farther than the characteristic length, since moments of
+ * weights lose digits with distance. False: unchanged. */
+static bool update_origin(km_dynamics *d) {
   const km_tree *tree = &d->tree;
   for (int n = 1; n < tree->node_count; ++n) {
     km_vec3 away = d->node[n].pose.p;
-    if (!tree->nodes[n].massive)
+    if (!tree->nodes[n].has_mass)
       continue;
     if (!(km_vec3_norm(away) > d->mechanism->length) || !isfinite(away.x + away.y + away.z))
       return false;
@@ -144,7 +146,8 @@ static bool choose_origin(km_dynamics *d) {
   return false;
 }
 
-/* Forces at the nodes' poses and twists, into p of the nodes and τ of the coordinates. */
+/* Evaluates the forces at the nodes' poses and twists: subtracts wrenches from p of the nodes, sets τ of the
+ * coordinates. */
 static void apply_forces(km_dynamics *d, const km_state *s) {
   const km_mechanism *m = d->mechanism;
   const km_tree *tree = &d->tree;
@@ -164,26 +167,26 @@ static void apply_forces(km_dynamics *d, const km_state *s) {
   }
 }
 
-/* After km_tree_move. */
-static km_dynamics_outcome solve(km_dynamics *d, km_state *s) {
+/* Forces and accelerations; requires km_tree_move. */
+static km_dynamics_outcome solve_forces_and_accelerations(km_dynamics *d, km_state *s) {
   apply_forces(d, s);
   return km_tree_solve(d, s);
 }
 
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
-  km_dynamics_drive(d, s, true);
+  km_dynamics_apply_prescribed(d, s, true);
   if (!km_constraints_update(d, s, search))
     return KM_DYNAMICS_OPEN;
-  km_tree_move(d, s);
-  if (search && choose_origin(d))
-    km_tree_move(d, s);
-  km_dynamics_outcome outcome = solve(d, s);
-  return outcome == KM_DYNAMICS_DONE && d->press ? d->press(d->press_context, s) : outcome;
+  km_tree_update(d, s);
+  if (search && update_origin(d))
+    km_tree_update(d, s);
+  km_dynamics_outcome outcome = solve_forces_and_accelerations(d, s);
+  return outcome == KM_DYNAMICS_DONE && d->update_friction ? d->update_friction(d->friction_context, s) : outcome;
 }
 
 km_dynamics_outcome km_dynamics_resolve(km_dynamics *d, km_state *s) {
-  km_tree_move(d, s);
-  return solve(d, s);
+  km_tree_update(d, s);
+  return solve_forces_and_accelerations(d, s);
 }
 
 km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km_error *error) {
@@ -200,12 +203,12 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
   if (outcome == KM_DYNAMICS_INFINITE)
     return km_fail(error, KM_DIVERGED,
                    "rates or accelerations grow beyond all numbers; expected shorter steps, or weaker forces");
-  if (d->overdriven >= 0)
+  if (d->overprescribed >= 0)
     return km_fail(
         error, KM_DIVERGED,
         "the prescribed motions depend on each other: joint \"%s\" can't move otherwise than the others make it; "
         "expected one motion less",
-        model->coordinates[d->overdriven].label);
+        model->coordinates[d->overprescribed].label);
   return km_fail(error, KM_DIVERGED, "a loop can't be closed: the largest error is %g of its size", d->open);
 }
 
@@ -222,7 +225,7 @@ km_status km_dynamics_accelerate(km_dynamics *d, km_state *s, km_error *error) {
 double km_dynamics_kinetic(const km_dynamics *d, const km_state *s) {
   double sum = 0.0;
   for (int n = 1; n < d->tree.node_count; ++n)
-    if (d->tree.nodes[n].massive)
+    if (d->tree.nodes[n].has_mass)
       sum += 0.5 * km_wrench_power(km_inertia_times(&d->node[n].inertia, d->node[n].V), d->node[n].V);
   for (int c = 0; d->armature && c < d->mechanism->coordinate_count; ++c)
     sum += 0.5 * d->armature[c] * s->rate[c] * s->rate[c];
@@ -240,7 +243,7 @@ km_status km_dynamics_energy(km_dynamics *d, km_state *s, km_energy *out, km_err
                      .dissipation = f->moving->dissipation,
                      .motor_power = f->moving->motor_power};
   for (int n = 1; n < d->tree.node_count; ++n) {
-    if (!d->tree.nodes[n].massive)
+    if (!d->tree.nodes[n].has_mass)
       continue;
     const km_node_motion *node = &d->node[n];
     km_vec3 mc = km_vec3_axpy(node->inertia.m, f->origin, node->inertia.mc);
@@ -251,7 +254,7 @@ km_status km_dynamics_energy(km_dynamics *d, km_state *s, km_energy *out, km_err
   return KM_OK;
 }
 
-/* Σ Pᵀ(p + I A) − Nᵀτ of the driven coordinate k of a cluster. */
+/* Driving force Σ Pᵀ(p + I A) − Nᵀτ of the prescribed coordinate k of a cluster. */
 static double driving_force(const km_dynamics *d, const km_state *s, const km_cluster *cluster,
                             const km_cluster_motion *c, int k) {
   const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
@@ -268,7 +271,7 @@ static double driving_force(const km_dynamics *d, const km_state *s, const km_cl
     for (int f = 0; f < node->freedom && node->local >= 0; ++f)
       P = km_twist_axpy(N[node->local + f], d->column[node->coordinate + f], P);
     d->driven_velocity[n] = P;
-    force += km_wrench_power(d->node[n].p, P) + km_wrench_power(km_node_force(d, n, d->node[n].A), P);
+    force += km_wrench_power(d->node[n].p, P) + km_wrench_power(km_node_inertia_force(d, n, d->node[n].A), P);
   }
   return force;
 }
@@ -318,9 +321,9 @@ km_wrench km_dynamics_inertia_forces(const km_dynamics *d) {
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
   for (int n = 1; n < d->tree.node_count; ++n) {
     const km_node_motion *node = &d->node[n];
-    if (!d->tree.nodes[n].massive)
+    if (!d->tree.nodes[n].has_mass)
       continue;
-    km_twist a = node->A; /* without the inertial frame's acceleration, which stands for gravity */
+    km_twist a = node->A; /* the acceleration of the inertial frame, which represents gravity, is removed */
     a.v = km_vec3_add(a.v, d->forces->stated_gravity);
     km_wrench rate = km_wrench_axpy(1.0, km_inertia_times(&node->inertia, a),
                                     km_wrench_cross(node->V, km_inertia_times(&node->inertia, node->V)));
@@ -345,11 +348,11 @@ double km_dynamics_loop_error(const km_dynamics *d) {
 int km_dynamics_repartitions(const km_dynamics *d) {
   int sum = 0;
   for (int i = 0; d && i < d->mechanism->topology.substructure_count; ++i)
-    sum += d->renewed[i];
+    sum += d->repartitions[i];
   return sum;
 }
 
-void km_dynamics_forget_repartitions(km_dynamics *d) {
+void km_dynamics_reset_repartitions(km_dynamics *d) {
   for (int i = 0; i < d->mechanism->topology.substructure_count; ++i)
-    d->renewed[i] = 0;
+    d->repartitions[i] = 0;
 }

@@ -1,4 +1,5 @@
-/* Listing where forces and prescribed motions change their law. */
+/* Lists the corners: values of coordinates and times at which forces and prescribed motions change their law
+ * (docs/theory.md 11.6). */
 #include "dynamics/force_breakpoints.h"
 
 #include "dynamics/prescribed_motion.h"
@@ -12,7 +13,7 @@ static void add_value(const km_mechanism *m, km_corners *out, int coordinate, do
     out->corners[out->count++] = (km_corner){coordinate, value};
 }
 
-static int by_coordinate(const void *a, const void *b) {
+static int compare_corners(const void *a, const void *b) {
   const km_corner *x = a, *y = b;
   return x->coordinate != y->coordinate ? (x->coordinate > y->coordinate) - (x->coordinate < y->coordinate)
                                         : (x->value > y->value) - (x->value < y->value);
@@ -21,10 +22,10 @@ static int by_coordinate(const void *a, const void *b) {
 static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) {
   const km_mechanism *m = d->mechanism;
   const km_forces *f = d->forces;
-  size_t room = 2 * (size_t)f->moving->stop_count;
+  size_t capacity = 2 * (size_t)f->moving->stop_count;
   for (int i = 0; i < f->spring_count; ++i)
-    room += (size_t)f->springs[i]->law.knot_count;
-  out->corners = KM_ARENA_NEW(arena, km_corner, room);
+    capacity += (size_t)f->springs[i]->law.knot_count;
+  out->corners = KM_ARENA_NEW(arena, km_corner, capacity);
   for (int i = 0; i < f->moving->stop_count && out->corners; ++i) {
     add_value(m, out, f->moving->stops[i], m->low[f->moving->stops[i]]);
     add_value(m, out, f->moving->stops[i], m->high[f->moving->stops[i]]);
@@ -33,7 +34,7 @@ static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) 
     for (int k = 0; k < f->springs[i]->law.knot_count && f->springs[i]->input.coordinate >= 0; ++k)
       add_value(m, out, f->springs[i]->input.coordinate, f->springs[i]->law.knots[k]);
   if (out->corners)
-    qsort(out->corners, (size_t)out->count, sizeof *out->corners, by_coordinate);
+    qsort(out->corners, (size_t)out->count, sizeof *out->corners, compare_corners);
   return out->corners != NULL;
 }
 
@@ -42,8 +43,8 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Rows of a table (time, value) or knots, into out->times; NULL: they are counted. */
-static size_t take_times(km_corners *out, const double *times, int count, int stride) {
+/* Appends the times of table rows (time, value) or of knots to out->times; if that is NULL, only counts them. */
+static size_t append_times(km_corners *out, const double *times, int count, int stride) {
   for (int i = 0; i < count && out->times; ++i)
     out->times[out->time_count++] = times[stride * i];
   return (size_t)count;
@@ -57,13 +58,13 @@ static size_t list_times(const km_dynamics *d, km_corners *out) {
     const km_model_module *module = moving->modules[i];
     if (module->type != KM_MODULE_MOTOR)
       continue;
-    count += module->table_count ? take_times(out, module->table, module->table_count, 2)
-                                 : take_times(out, module->law.knots, module->law.knot_count, 1);
+    count += module->table_count ? append_times(out, module->table, module->table_count, 2)
+                                 : append_times(out, module->law.knots, module->law.knot_count, 1);
   }
   for (int j = 0; j < model->joint_count; ++j) {
     const km_joint_prescribed *p = &model->joints[j].prescribed;
     if (p->law == KM_MOTION_TABLE && !d->mechanism->held[model->joints[j].first_coordinate])
-      count += take_times(out, p->values, p->count, 2);
+      count += append_times(out, p->values, p->count, 2);
   }
   return count;
 }
@@ -84,7 +85,7 @@ int km_corners_above(const km_corners *c, int coordinate, double value) {
   int low = 0, high = c->count;
   while (low < high) {
     int middle = low + (high - low) / 2;
-    if (by_coordinate(&c->corners[middle], &wanted) > 0)
+    if (compare_corners(&c->corners[middle], &wanted) > 0)
       high = middle;
     else
       low = middle + 1;
@@ -93,7 +94,8 @@ int km_corners_above(const km_corners *c, int coordinate, double value) {
 }
 
 double km_corners_next(const km_corners *c, double time) {
-  int low = 0, high = c->time_count; /* times before `low` aren't after `time`, those from `high` on are */
+  int low = 0, high = c->time_count; /* binary search: times below index `low` are ≤ time, those from `high` on are >
+                                      * time */
   while (low < high) {
     int middle = low + (high - low) / 2;
     if (c->times[middle] > time)

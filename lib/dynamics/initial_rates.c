@@ -16,13 +16,13 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-/* A singular value of Z_S, whose largest is 1, up to which the statements don't decide a direction: what counts as a joint
- * at its dead centre. */
-static const double undecided = 3e-8;
-/* Residuals of stated rates up to this part of the largest rate are rounding. */
+/* Singular value of Z_S, relative to 1, up to which the statements do not determine a direction; the criterion of a
+ * joint at its dead point. */
+static const double singular_tolerance = 3e-8;
+/* Residuals of stated rates up to this part of the largest rate are rounding errors. */
 static const double rounding = 1e-13;
 
-/* The prescribed coordinates' part of the rates: with the others' independent rates 0. */
+/* Rates x due to the prescribed coordinates, with all other independent rates 0. */
 static void prescribed_part(const km_dynamics *d, const km_state *s, int index, double *x, double *direction) {
   const km_mechanism *m = d->mechanism;
   const km_substructure *sub = &m->substructures[index];
@@ -40,8 +40,8 @@ static void prescribed_part(const km_dynamics *d, const km_state *s, int index, 
   }
 }
 
-/* The null space of a substructure while its stated rates are met. */
-typedef struct fitting {
+/* Least-squares fit of the stated rates of one substructure. */
+typedef struct rate_fit {
   const km_state *s;
   const km_substructure *sub;
   const int *coordinate; /* [columns] */
@@ -52,21 +52,21 @@ typedef struct fitting {
   double *target; /* [columns] v0 */
   double *N;      /* [count x left] by columns */
   int left;       /* columns of N */
-} fitting;
+} rate_fit;
 
-/* v += D^-1 Z a. */
-static void add_motion(fitting *f, const double *a) {
+/* v ← v + D⁻¹ Z a. */
+static void add_motion(rate_fit *f, const double *a) {
   for (int i = 0; i < f->count; ++i)
     for (int k = 0; k < f->sub->columns; ++k)
       f->v[k] += a[i] * f->Z[(size_t)i * (size_t)f->sub->columns + (size_t)k] / f->weight[k];
 }
 
-static double residual(const fitting *f, int k) {
+static double residual(const rate_fit *f, int k) {
   return f->weight[k] * (f->target[k] - f->v[k]);
 }
 
 /* True if all stated rates are met already. */
-static bool is_met(const fitting *f) {
+static bool is_met(const rate_fit *f) {
   double largest = 0.0, worst = 0.0;
   for (int k = 0; k < f->sub->columns; ++k) {
     largest = fmax(largest, fabs(f->weight[k] * f->target[k]));
@@ -76,10 +76,10 @@ static bool is_met(const fitting *f) {
   return worst <= rounding * largest;
 }
 
-/* Of the singular value decomposition A = U S V^T: b = V S^+ U^T r, and N V_0 in place of N, V_0 the directions that A doesn't
- * see. */
-static void solve_least(fitting *f, gsl_matrix *U, const gsl_matrix *V, const gsl_vector *S, const double *r, double *a,
-                        double *kept) {
+/* Minimum-norm least squares by the singular value decomposition A = U S Vᵀ: b = V S⁺ Uᵀ r, a = N b. N becomes N V₀,
+ * with V₀ the null space of A. */
+static void solve_least_squares(rate_fit *f, gsl_matrix *U, const gsl_matrix *V, const gsl_vector *S, const double *r,
+                                double *a, double *kept) {
   size_t count = (size_t)f->count, left = (size_t)f->left, next = 0;
   memset(a, 0, count * sizeof *a);
   for (size_t j = 0; j < left; ++j) {
@@ -92,23 +92,23 @@ static void solve_least(fitting *f, gsl_matrix *U, const gsl_matrix *V, const gs
       for (size_t l = 0; l < left; ++l)
         direction[i] += f->N[l * count + i] * gsl_matrix_get(V, l, j);
     }
-    if (sigma <= undecided)
+    if (sigma <= singular_tolerance)
       next++;
-    for (size_t i = 0; sigma > undecided && i < count; ++i)
+    for (size_t i = 0; sigma > singular_tolerance && i < count; ++i)
       a[i] += along / sigma * direction[i];
   }
   memcpy(f->N, kept, next * count * sizeof *kept);
   f->left = (int)next;
 }
 
-/* Meets the rates of one source as far as those that came before leave it. */
-static bool meet(fitting *f, km_rate_source source) {
+/* Fits the rates of one source within the freedom that earlier sources left. */
+static bool fit_source(rate_fit *f, km_rate_source source) {
   size_t count = (size_t)f->count, left = (size_t)f->left, stated = 0, rows;
   for (int k = 0; k < f->sub->columns; ++k)
     stated += f->s->rate_source[f->coordinate[k]] == source;
   if (stated == 0 || left == 0)
     return true;
-  rows = stated > left ? stated : left; /* GSL wants at least as many rows as columns: rows of 0 change nothing */
+  rows = stated > left ? stated : left; /* GSL requires at least as many rows as columns: zero rows are appended */
   double *work = KM_NEW(double, rows *left + left * left + 2 * left + rows + count + count * left);
   if (!work)
     return false;
@@ -126,15 +126,15 @@ static bool meet(fitting *f, km_rate_source source) {
   }
   bool done = gsl_linalg_SV_decomp(&U.matrix, &V.matrix, &S.vector, &space.vector) == 0;
   if (done) {
-    solve_least(f, &U.matrix, &V.matrix, &S.vector, r, a, kept);
+    solve_least_squares(f, &U.matrix, &V.matrix, &S.vector, r, a, kept);
     add_motion(f, a);
   }
   km_free(work);
   return done;
 }
 
-/* The nearest rates that keep the loops, then the stated ones among them. */
-static bool fit(fitting *f) {
+/* Closest rates that satisfy the loops, then the stated rates within them. */
+static bool fit(rate_fit *f) {
   size_t count = (size_t)f->count;
   double *a = KM_NEW(double, count *(count + 1) + 1);
   if (!a)
@@ -147,7 +147,7 @@ static bool fit(fitting *f) {
   f->left = f->count;
   for (size_t i = 0; i < count; ++i)
     f->N[i * count + i] = 1.0;
-  bool done = is_met(f) || (meet(f, KM_RATE_CALLER) && meet(f, KM_RATE_MODEL));
+  bool done = is_met(f) || (fit_source(f, KM_RATE_CALLER) && fit_source(f, KM_RATE_MODEL));
   km_free(a);
   return done;
 }
@@ -156,12 +156,12 @@ static bool project(km_dynamics *d, km_state *s, int index, double *changed, dou
   const km_mechanism *m = d->mechanism;
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  fitting f = {.s = s,
-               .sub = sub,
-               .coordinate = m->column_coordinate + sub->column_start,
-               .weight = m->column_weight + sub->column_start,
-               .v = d->step,
-               .target = s->work};
+  rate_fit f = {.s = s,
+                .sub = sub,
+                .coordinate = m->column_coordinate + sub->column_start,
+                .weight = m->column_weight + sub->column_start,
+                .v = d->step,
+                .target = s->work};
   prescribed_part(d, s, index, f.v, s->projection);
   for (int k = 0; k < sub->columns; ++k)
     f.target[k] = s->rate[f.coordinate[k]] / m->unit[f.coordinate[k]];
@@ -190,16 +190,16 @@ km_status km_dynamics_project_rates(km_dynamics *d, km_state *s, double *change,
   if (status)
     return status;
   double changed = 0.0, size = 0.0;
-  status = km_dynamics_bring(d, s, error);
+  status = km_dynamics_move_to_prescribed(d, s, error);
   if (status)
     return status;
-  km_dynamics_drive(d, s, true);
+  km_dynamics_apply_prescribed(d, s, true);
   double *kept = KM_NEW(double, (size_t)s->mechanism->coordinate_count);
   if (!kept)
     return km_fail(error, KM_MEMORY, "out of memory for the rates");
   for (int c = 0; c < s->mechanism->coordinate_count; ++c)
     kept[c] = s->rate[c];
-  bool closed = km_constraints_update(d, s, true); /* pivots; its rates aren't the nearest ones */
+  bool closed = km_constraints_update(d, s, true); /* finds the pivots; its rates aren't the closest ones */
   for (int c = 0; c < s->mechanism->coordinate_count; ++c)
     s->rate[c] = kept[c];
   km_free(kept);

@@ -1,32 +1,34 @@
-/* Poses to come back to, and derivatives of accelerations. Private to dynamics/. */
+/* Stored configurations, and derivatives of accelerations by finite differences. Private to dynamics/. */
 #ifndef KM_DYNAMICS_LINEARISATION_H
 #define KM_DYNAMICS_LINEARISATION_H
 
 #include "dynamics/dynamics.h"
 #include "kmech/dynamics.h"
 
-/* A state to come back to, with its independent coordinates. */
-typedef struct km_rest_pose {
+/* Stored configuration and rates with the independent coordinates, to be restored after differences. */
+typedef struct km_stored_configuration {
   km_arena arena;
   int freedom;
-  double step;          /* of differences, radians or characteristic lengths */
+  double step;          /* step of differences, radians or characteristic lengths */
   int *independent;     /* [freedom] coordinates */
   double *q, *rate;     /* [coordinate] */
-  double *acceleration; /* [coordinate] workspace */
+  double *acceleration; /* [coordinate] work array */
   km_quaternion *ball;
-} km_rest_pose;
+} km_stored_configuration;
 
-/* After an evaluation. False when out of memory. */
-bool km_poise_take(const km_dynamics *dynamics, const km_state *state, km_rest_pose *out);
-void km_poise_restore(const km_rest_pose *poise, const km_mechanism *mechanism, km_state *state);
-void km_poise_free(km_rest_pose *poise);
+/* Stores the state; requires an evaluation. False: out of memory. */
+bool km_stored_configuration_create(const km_dynamics *dynamics, const km_state *state, km_stored_configuration *out);
+void km_stored_configuration_restore(const km_stored_configuration *stored, const km_mechanism *mechanism,
+                                     km_state *state);
+void km_stored_configuration_free(km_stored_configuration *stored);
 
-/* Adds to a coordinate, radians or the model's length; of a ball a turn about that axis of its parent frame. */
-void km_nudge(const km_mechanism *mechanism, km_state *state, int coordinate, double by);
+/* Adds an increment to a coordinate, radians or the model's length unit; for a ball, a rotation about that axis of
+ * its parent frame. */
+void km_coordinate_shift(const km_mechanism *mechanism, km_state *state, int coordinate, double by);
 
-/* K_ij: derivative of the acceleration of independent coordinate i by independent coordinate j, at rest or not.
- * work[2 freedom], K[freedom²] column-major. False where an evaluation fails. */
-bool km_stiffness_of_accelerations(km_dynamics *dynamics, km_state *state, const km_rest_pose *poise, double *work,
-                                   double *K);
+/* Computes K_ij = ∂a_i/∂u_j of the independent coordinates by central differences. work[2 freedom], K[freedom²]
+ * column-major. False: an evaluation failed. */
+bool km_stiffness_of_accelerations(km_dynamics *dynamics, km_state *state, const km_stored_configuration *stored,
+                                   double *work, double *K);
 
 #endif

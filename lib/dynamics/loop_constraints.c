@@ -1,4 +1,8 @@
-/* Closed loops in the equations of motion: partitions, dependent coordinates, rates and velocity products. */
+/* Closed loops in the equations of motion: partitions, dependent coordinates and rates, velocity products
+ * (docs/theory.md 11.3).
+ *
+ *   q_d ← q_d − (L U)⁻¹ e_p  until |e_p| ≤ tolerance/weakness;   q̇_d = −B q̇_i,  γ_d = U⁻¹ L⁻¹ γ_p
+ *   option: γ − 2 ω ė − ω² e  instead of closing            (J. Baumgarte 1972) */
 #include "dynamics/dynamics.h"
 
 #include "base/extrema.h"
@@ -7,13 +11,14 @@
 
 #include <string.h>
 
-enum { MOST_STEPS = 12 };
-static const double most_growth = 8.0;
-/* Error of the dependent coordinates at an accepted pose; what rounding may leave of many turns; longest step. Scaled. */
-static const double tightly = 1e-13, rounding = 1e-9, longest = 0.5;
-static const double least = 1e-15; /* rounding of a loop's error */
-/* A step by the last evaluation's pivots shrinks an error about as much. */
-static const double stale_gain = 20.0;
+enum { MAX_STEPS = 12 };
+static const double max_growth = 8.0;
+/* Scaled error of the dependent coordinates at an accepted configuration; error that rounding of multi-turn angles
+ * can leave; largest Newton step. */
+static const double accepted_tolerance = 1e-13, rounding = 1e-9, max_newton_step = 0.5;
+static const double loop_rounding = 1e-15; /* rounding error of a closure error */
+/* Approximate reduction of the error by a Newton step with the pivots of the previous evaluation. */
+static const double old_pivot_gain = 20.0;
 
 static double largest_primary(const km_partition *p, const double *error) {
   double largest = 0.0;
@@ -22,8 +27,8 @@ static double largest_primary(const km_partition *p, const double *error) {
   return largest;
 }
 
-/* Pivots at the present Jacobian, with the columns in s->forced independent if that is possible. */
-static bool factor(const km_mechanism *m, km_state *s, int index) {
+/* Factors the present Jacobian, with the columns in s->forced kept independent if possible. False: they can't be. */
+static bool factor_jacobian(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   int worst;
@@ -33,47 +38,47 @@ static bool factor(const km_mechanism *m, km_state *s, int index) {
   return !p->failed && !p->forced_dependent;
 }
 
-/* A new partition at the present Jacobian; prescribed columns stay independent. */
-static bool search_pivots(km_dynamics *d, km_state *s, int index) {
+/* Finds a new partition at the present Jacobian; prescribed columns stay independent. */
+static bool find_partition(km_dynamics *d, km_state *s, int index) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   const int *coordinate = d->mechanism->column_coordinate + sub->column_start;
   for (int k = 0; k < sub->columns; ++k)
     s->forced[k] = d->driven[coordinate[k]];
   s->pivot_driver[index] = KM_PRESCRIBED;
-  d->renewed[index]++;
-  bool found = factor(d->mechanism, s, index);
+  d->repartitions[index]++;
+  bool found = factor_jacobian(d->mechanism, s, index);
   const km_partition *p = &s->partition[index];
   for (int i = 0; i < p->rank && !found && p->forced_dependent; ++i)
     if (d->driven[coordinate[p->column[i]]])
-      d->overdriven = coordinate[p->column[i]];
+      d->overprescribed = coordinate[p->column[i]];
   return found;
 }
 
-/* Pivots in another order for the partition at hand, where that one is good and only pivots have become small. */
-static bool keep_partition(const km_mechanism *m, km_state *s, int index) {
+/* Refactors with another pivot order for the same partition, if its B is acceptable and only pivots became small. */
+static bool repivot_partition(const km_mechanism *m, km_state *s, int index) {
   km_partition *p = &s->partition[index];
   double pivoted_b = p->max_b_at_search;
   if (!km_is_b_growth_acceptable(p->max_b, pivoted_b))
     return false;
   for (int i = p->rank; i < p->columns; ++i)
     s->forced[p->column[i]] = true;
-  bool kept = factor(m, s, index);
-  p->max_b_at_search = pivoted_b; /* the partition is as old as it was */
+  bool kept = factor_jacobian(m, s, index);
+  p->max_b_at_search = pivoted_b; /* the partition itself is not newer */
   return kept;
 }
 
-/* Can the motion go on with these pivots until a pose is accepted? */
-static bool carries_on(const km_partition *p) {
-  return p->max_b <= most_growth * fmax(p->max_b_at_search, 1.0);
+/* True if the pivots are acceptable until the end of the step: max|B| has grown at most eightfold. */
+static bool is_usable_within_step(const km_partition *p) {
+  return p->max_b <= max_growth * fmax(p->max_b_at_search, 1.0);
 }
 
-/* Other pivots within a motion: first the dependent rates are made to follow by those that served up to here, so that the
- * motion doesn't jump to what the vector holds of its new independent coordinates. */
+/* Repartitions during a motion. First the dependent rates are computed with the old pivots, so that the motion does
+ * not jump to the vector's drifted values of its new independent coordinates. */
 static bool change_pivots(km_dynamics *d, km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const int *coordinate = m->column_coordinate + m->substructures[index].column_start;
   const km_partition *p = &s->partition[index];
-  bool follows = !d->feeds_back && isfinite(p->max_b);
+  bool follows = !d->uses_baumgarte && isfinite(p->max_b);
   memset(d->step, 0, (size_t)p->rank * sizeof *d->step);
   for (int k = 0; k < km_partition_freedom(p) && follows; ++k) {
     const double *B = km_partition_b(p, k);
@@ -83,11 +88,11 @@ static bool change_pivots(km_dynamics *d, km_state *s, int index) {
   }
   for (int i = 0; i < p->rank && follows; ++i)
     s->rate[coordinate[p->column[i]]] = d->step[i] * m->unit[coordinate[p->column[i]]];
-  d->repivoted = true;
-  return search_pivots(d, s, index);
+  d->changed_pivots = true;
+  return find_partition(d, s, index);
 }
 
-/* One step of the dependent coordinates by the pivots at hand; the others stay. False where it is none. */
+/* One Newton step of the dependent coordinates with the present pivots. False: too long or not finite. */
 static bool step_dependent(km_dynamics *d, km_state *s, int index) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   double size = 0.0;
@@ -96,14 +101,14 @@ static bool step_dependent(km_dynamics *d, km_state *s, int index) {
     d->step[k] = -d->step[k];
     size = fabs(d->step[k]) <= size ? size : fabs(d->step[k]);
   }
-  if (!(size < longest))
+  if (!(size < max_newton_step))
     return false;
   km_state_move(d->mechanism, s, sub, d->step);
   km_loops_recompute(d->mechanism, s, sub);
   return true;
 }
 
-/* The largest reciprocal of a pivot: by how much an error of the loops grows in the coordinates. */
+/* Largest reciprocal of a pivot: growth of a loop error in the coordinates. */
 static double weakness_of(const km_partition *p) {
   double largest = 1.0;
   for (int i = 0; i < p->rank; ++i)
@@ -111,24 +116,25 @@ static double weakness_of(const km_partition *p) {
   return largest;
 }
 
-/* The error at which loops count as closed: where constraints are weak it grows in the coordinates. */
-static double close_enough(const km_dynamics *d, const km_partition *p, bool search) {
-  return fmax((search ? tightly : d->closing) / weakness_of(p), least);
+/* Error at which loops count as closed, reduced by the weakness of the constraints. */
+static double closing_target(const km_dynamics *d, const km_partition *p, bool search) {
+  return fmax((search ? accepted_tolerance : d->closing_tolerance) / weakness_of(p), loop_rounding);
 }
 
-/* The pivots at hand on the present Jacobian; others where a pose is accepted and they don't serve any more. */
-static bool refresh(km_dynamics *d, km_state *s, int index, bool search) {
+/* Refactors the present Jacobian with the present pivots; finds others if they became unacceptable at an accepted
+ * configuration. */
+static bool refactor(km_dynamics *d, km_state *s, int index, bool search) {
   km_partition *p = &s->partition[index];
   if (km_partition_refactor(p, km_state_jacobian(s, &d->mechanism->substructures[index])))
     return true;
   d->stale = true;
   if (!search)
-    return carries_on(p);
-  return keep_partition(d->mechanism, s, index) || change_pivots(d, s, index);
+    return is_usable_within_step(p);
+  return repivot_partition(d->mechanism, s, index) || change_pivots(d, s, index);
 }
 
-/* Are the prescribed columns independent? The pivots at hand may be those of other equations that had this state. */
-static bool serves_drives(const km_dynamics *d, const km_partition *p, int index) {
+/* True if the prescribed columns are independent; the state's pivots can come from other equations of motion. */
+static bool are_prescribed_independent(const km_dynamics *d, const km_partition *p, int index) {
   const int *coordinate = d->mechanism->column_coordinate + d->mechanism->substructures[index].column_start;
   for (int i = 0; i < p->rank; ++i)
     if (d->driven[coordinate[p->column[i]]])
@@ -136,29 +142,29 @@ static bool serves_drives(const km_dynamics *d, const km_partition *p, int index
   return true;
 }
 
-/* Newton on the dependent coordinates, with pivots of the last evaluation where they are good enough for a step. Pivots and
- * Jacobian are then those of the closed pose. */
+/* Closes the loops by Newton's method on the dependent coordinates, with the previous pivots as long as they reduce
+ * the error. Pivots and Jacobian are finally those of the closed configuration. */
 static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   const km_substructure *sub = &d->mechanism->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_recompute(d->mechanism, s, sub);
-  bool served = s->pivot_driver[index] == KM_PRESCRIBED && serves_drives(d, p, index);
-  if (!served && !search_pivots(d, s, index))
+  bool is_valid = s->pivot_driver[index] == KM_PRESCRIBED && are_prescribed_independent(d, p, index);
+  if (!is_valid && !find_partition(d, s, index))
     return false;
   double error = largest_primary(p, km_state_error(s, sub)), last = HUGE_VAL;
-  bool fresh = false, open = !d->feeds_back || search;
+  bool fresh = false, open = !d->uses_baumgarte || search;
   d->residual = error <= d->residual ? d->residual : error;
   for (int steps = 0; open || !fresh;) {
-    double closed = close_enough(d, p, search);
-    if (!fresh && (!open || error <= closed || error > stale_gain * closed || !(error < 0.1 * last))) {
-      if (!refresh(d, s, index, search))
+    double closed = closing_target(d, p, search);
+    if (!fresh && (!open || error <= closed || error > old_pivot_gain * closed || !(error < 0.1 * last))) {
+      if (!refactor(d, s, index, search))
         return false;
       fresh = true;
       continue;
     }
-    if (error <= closed || (steps > 3 && error < rounding && !(error < 0.1 * last))) /* it doesn't become smaller */
+    if (error <= closed || (steps > 3 && error < rounding && !(error < 0.1 * last))) /* stagnation at rounding */
       break;
-    if (steps++ == MOST_STEPS || !step_dependent(d, s, index))
+    if (steps++ == MAX_STEPS || !step_dependent(d, s, index))
       return false;
     fresh = false;
     last = error;
@@ -168,10 +174,10 @@ static bool close_loops(km_dynamics *d, km_state *s, int index, bool search) {
   return true;
 }
 
-/* Room for the cluster's independent coordinates, at least for one, so that there are addresses to count from. Grows only where
- * a partition has more of them than ever before. */
-static bool reserve(km_dynamics *d, km_cluster_motion *c, const km_cluster *cluster, size_t count) {
-  if (count <= c->room && c->room > 0)
+/* Allocates the cluster's arrays for `count` independent coordinates, at least one. They grow only if a partition
+ * has more than before. */
+static bool reserve_cluster(km_dynamics *d, km_cluster_motion *c, const km_cluster *cluster, size_t count) {
+  if (count <= c->capacity && c->capacity > 0)
     return true;
   count = count > 0 ? count : 1;
   size_t n = (size_t)cluster->coordinate_count;
@@ -182,12 +188,12 @@ static bool reserve(km_dynamics *d, km_cluster_motion *c, const km_cluster *clus
   c->D = KM_ARENA_NEW(&d->arena, double, count *count);
   c->b = KM_ARENA_NEW(&d->arena, double, count);
   c->udot = KM_ARENA_NEW(&d->arena, double, count);
-  c->room = d->arena.failed ? 0 : count;
+  c->capacity = d->arena.failed ? 0 : count;
   return !d->arena.failed;
 }
 
-/* Which coordinates of the cluster are independent: those of each partition, then those in no substructure; of both
- * kinds first the free ones, then the prescribed. */
+/* Lists the cluster's independent coordinates: of each partition, then those in no substructure; free ones first,
+ * then prescribed ones. */
 static bool list_independent(km_dynamics *d, const km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const km_cluster *cluster = &d->tree.clusters[index];
@@ -201,7 +207,7 @@ static bool list_independent(km_dynamics *d, const km_state *s, int index) {
     count += (size_t)km_partition_freedom(&s->partition[sub]);
   }
   count += (size_t)(cluster->coordinate_count - in_substructures);
-  if (!reserve(d, c, cluster, count))
+  if (!reserve_cluster(d, c, cluster, count))
     return false;
   int k = 0;
   for (int pass = 0; pass < 2; ++pass) {
@@ -223,8 +229,8 @@ static bool list_independent(km_dynamics *d, const km_state *s, int index) {
   return true;
 }
 
-/* N of the cluster, in radians and the model's length unit. */
-static void fill_N(km_dynamics *d, const km_state *s, int index) {
+/* Computes N of the cluster, in radians and the model's length unit. */
+static void compute_N(km_dynamics *d, const km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const km_cluster *cluster = &d->tree.clusters[index];
   km_cluster_motion *c = &d->cluster[index];
@@ -240,10 +246,10 @@ static void fill_N(km_dynamics *d, const km_state *s, int index) {
     if (sub < 0)
       continue;
     const km_partition *p = &s->partition[sub];
-    int column = m->column_of[coordinates[own]], first = own - column, place = p->rank;
-    while (p->column[place] != column)
-      ++place;
-    const double *B = km_partition_b(p, place - p->rank);
+    int column = m->column_of[coordinates[own]], first = own - column, position = p->rank;
+    while (p->column[position] != column)
+      ++position;
+    const double *B = km_partition_b(p, position - p->rank);
     double inverse = 1.0 / m->unit[coordinates[own]];
     for (int i = 0; i < p->rank; ++i) {
       int dependent = first + p->column[i];
@@ -252,14 +258,14 @@ static void fill_N(km_dynamics *d, const km_state *s, int index) {
   }
 }
 
-/* The dependent rates, by the independent ones; where errors are fed back, rates stay as they are. */
-static void follow_rates(km_dynamics *d, km_state *s, int index) {
+/* Computes all rates from the independent ones, q̇ = N u. */
+static void project_rates(km_dynamics *d, km_state *s, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   const km_cluster_motion *c = &d->cluster[index];
   const int *coordinates = d->tree.coordinate_order + cluster->coordinate_start;
   int n = cluster->coordinate_count, count = c->freedom + c->driven;
   for (int i = 0; i < n; ++i)
-    c->gamma[i] = 0.0; /* the rates, until they are all known */
+    c->gamma[i] = 0.0; /* holds the rates until all are known */
   for (int k = 0; k < count; ++k) {
     const double *N = c->N + (size_t)k * (size_t)n;
     double rate = s->rate[coordinates[c->independent[k]]];
@@ -270,8 +276,8 @@ static void follow_rates(km_dynamics *d, km_state *s, int index) {
     s->rate[coordinates[i]] = c->gamma[i];
 }
 
-/* γ − 2ω ė − ω² e with ė = J q̇. */
-static void feed_back(km_dynamics *d, const km_state *s, const km_substructure *sub) {
+/* Baumgarte's stabilisation: γ ← γ − 2 ω ė − ω² e with ė = J q̇. */
+static void add_baumgarte(km_dynamics *d, const km_state *s, const km_substructure *sub) {
   const km_mechanism *m = d->mechanism;
   const km_pattern *pattern = &sub->pattern;
   const double *J = s->jacobian + sub->matrix_start, *e = s->error + sub->error_start, w = d->omega;
@@ -289,8 +295,8 @@ static void feed_back(km_dynamics *d, const km_state *s, const km_substructure *
   }
 }
 
-/* γ: of dependent coordinates the velocity products of their loops, and what prescribed accelerations make. */
-static void find_gamma(km_dynamics *d, km_state *s, int index) {
+/* Computes γ: velocity products of the loops for dependent coordinates, plus the prescribed accelerations. */
+static void compute_gamma(km_dynamics *d, km_state *s, int index) {
   const km_mechanism *m = d->mechanism;
   const km_cluster *cluster = &d->tree.clusters[index];
   km_cluster_motion *c = &d->cluster[index];
@@ -301,8 +307,8 @@ static void find_gamma(km_dynamics *d, km_state *s, int index) {
     int index_of = d->tree.substructure_order[cluster->substructure_start + i];
     const km_substructure *sub = &m->substructures[index_of];
     km_loops_velocity_products(m, s, sub, s->rate, d->row);
-    if (d->feeds_back)
-      feed_back(d, s, sub);
+    if (d->uses_baumgarte)
+      add_baumgarte(d, s, sub);
     km_partition_solve(&s->partition[index_of], d->row, d->step);
     for (int k = 0; k < sub->columns; ++k)
       c->gamma[first + k] = m->unit[coordinates[first + k]] * d->step[k];
@@ -317,28 +323,28 @@ static void find_gamma(km_dynamics *d, km_state *s, int index) {
   }
 }
 
-static bool update(km_dynamics *d, km_state *s, bool search) {
+static bool update_loops(km_dynamics *d, km_state *s, bool search) {
   const km_topology *t = &d->mechanism->topology;
   d->residual = 0.0;
   d->weakness = 1.0;
-  d->stale = d->repivoted = false;
-  d->overdriven = -1;
+  d->stale = d->changed_pivots = false;
+  d->overprescribed = -1;
   for (int i = 0; i < t->substructure_count; ++i)
     if (!close_loops(d, s, i, search))
       return false;
   for (int i = 0; i < d->tree.cluster_count; ++i) {
     if (!list_independent(d, s, i))
       return false;
-    fill_N(d, s, i);
-    if (!d->feeds_back || search)
-      follow_rates(d, s, i);
-    find_gamma(d, s, i);
+    compute_N(d, s, i);
+    if (!d->uses_baumgarte || search)
+      project_rates(d, s, i);
+    compute_gamma(d, s, i);
   }
   return true;
 }
 
 bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
-  bool closed = update(d, s, search);
+  bool closed = update_loops(d, s, search);
   if (!closed)
     d->open = d->residual;
   return closed;

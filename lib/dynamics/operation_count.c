@@ -1,29 +1,30 @@
-/* How many multiplications a solution of the equations of motion takes, by clusters and as one dense system. */
+/* Counts the multiplications of one solution of the equations of motion: by clusters, and as one dense system. */
 #include "dynamics/dynamics.h"
 
-/* A wrench of a body, of an articulated one; the product of a wrench and a twist, a twist's multiple. */
+/* Multiplications: inertia times twist of a body, of an articulated body; product of wrench and twist, multiple of a
+ * twist; square of a wrench. */
 enum { OF_BODY = 24, OF_ARTICULATED = 36, OF_SCREW = 6, OF_SQUARE = 21 };
 
-/* What km_tree_solve does for a cluster (acceleration_solve.c), pass by pass. */
+/* Multiplications of km_tree_solve for a cluster (acceleration_solve.c). */
 static double of_cluster(const km_dynamics *d, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   double k = d->cluster[index].freedom, n = cluster->coordinate_count, nodes = cluster->node_count, loaded = 0.0;
   double sum = OF_SCREW * nodes * (k + 1.0) + n * k;
   for (int i = cluster->node_start; i < cluster->node_start + cluster->node_count; ++i) {
     const km_node *node = &d->tree.nodes[i];
-    sum += (k + 1.0) * (OF_BODY * node->massive + OF_ARTICULATED * node->bears) + OF_SCREW * k;
-    loaded += node->massive || node->bears;
+    sum += (k + 1.0) * (OF_BODY * node->has_mass + OF_ARTICULATED * node->is_base) + OF_SCREW * k;
+    loaded += node->has_mass || node->is_base;
   }
   sum += OF_SCREW * loaded * 0.5 * k * (k + 1.0); /* D */
-  sum += k * (k + 1.0) * (k + 2.0) / 6.0 + k * k; /* its factors, and both substitutions */
+  sum += k * (k + 1.0) * (k + 2.0) / 6.0 + k * k; /* L Δ Lᵀ and both substitutions */
   sum += OF_SCREW * nodes * k + n * k + n;        /* outward */
   if (cluster->base > 0)
     sum += OF_SCREW * (0.5 * k * (k + 1.0) + k) + (OF_SQUARE + OF_SCREW) * k;
   return sum;
 }
 
-/* LDLᵀ of the bordered matrix with the primary rows of all loops, both substitutions, and the masses in it: a body's
- * inertia times a coordinate's column, times the columns of all that carry it. */
+/* Multiplications of the dense system: L Δ Lᵀ of the bordered matrix with the primary rows of all loops, both
+ * substitutions, and the mass matrix. */
 static double of_dense(const km_dynamics *d, const km_state *s) {
   const km_tree *tree = &d->tree;
   double size = 0.0, sum = 0.0;

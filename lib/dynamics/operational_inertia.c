@@ -1,4 +1,6 @@
-/* The inertia that a frame shows, seen through the motions that the loops leave. */
+/* Inverse operational-space inertia of a frame under the loop constraints (O. Khatib 1987).
+ *
+ *   Λ⁻¹ = J N (Nᵀ M N)⁻¹ (J N)ᵀ = Yᵀ Y,   Nᵀ M N = L Lᵀ,   Y = L⁻¹ (J N)ᵀ      N basis of the free motions */
 #include "base/arguments.h"
 #include "base/memory.h"
 #include "kinematics/body_poses.h"
@@ -7,17 +9,17 @@
 
 #include <math.h>
 
-/* Parts of one look: n coordinates, r free motions. */
-typedef struct look {
+/* Work data: n coordinates, r free motions. */
+typedef struct inertia_work {
   const km_mechanism *m;
   const km_state *s;
   km_arena arena;
   int r;
   double *N;      /* [n × r] */
-  double *twists; /* [6 × r] of one body's origin, by motion */
-  double *M;      /* [r × r] Nᵀ M N, then its Cholesky factor below the diagonal */
-  double *T;      /* [6 × r] J N of the frame, then L⁻¹ (J N)ᵀ by rows */
-} look;
+  double *twists; /* [6 × r] twists of one body's origin, by motion */
+  double *M;      /* [r × r] Nᵀ M N, then its Cholesky factor in the lower triangle */
+  double *T;      /* [6 × r] J N of the frame, then Y = L⁻¹ (J N)ᵀ by rows */
+} inertia_work;
 
 static int origin_of(const km_model *model, int body) {
   int frame = 0;
@@ -26,7 +28,7 @@ static int origin_of(const km_model *model, int body) {
   return frame;
 }
 
-static km_status fill_twists(const look *w, int frame, double *out, km_error *error) {
+static km_status fill_twists(const inertia_work *w, int frame, double *out, km_error *error) {
   km_status status = KM_OK;
   for (int f = 0; f < w->r && !status; ++f)
     status = km_frame_twist(w->m, w->s, frame, w->N + (size_t)f * (size_t)w->m->coordinate_count, out + 6 * f, error);
@@ -40,8 +42,8 @@ static km_vec3 inertia_times(const km_model_body *body, const km_rotation *R, km
                                 I[5] * a.x + I[4] * a.y + I[2] * a.z});
 }
 
-/* m v_f · v_g + ω_f · I ω_g, v of the centre of mass. */
-static void add_body(look *w, int b) {
+/* Adds a body to Nᵀ M N: m v_f · v_g + ω_f · I ω_g, v of the centre of mass. */
+static void add_body(inertia_work *w, int b) {
   const km_model_body *body = &w->m->model->bodies[b];
   const km_pose *X = &w->s->pose[b];
   km_vec3 c = km_rotate(&X->R, body->center_of_mass);
@@ -57,7 +59,7 @@ static void add_body(look *w, int b) {
   }
 }
 
-static void add_rotors(look *w) {
+static void add_rotors(inertia_work *w) {
   int n = w->m->coordinate_count;
   for (int f = 0; f < w->r; ++f)
     for (int g = 0; g <= f; ++g)
@@ -65,16 +67,17 @@ static void add_rotors(look *w) {
         w->M[f * w->r + g] += w->m->armature[c] * w->N[f * n + c] * w->N[g * n + c];
 }
 
-/* L of M = L Lᵀ; false where a motion moves no mass. Rows are scaled by their diagonal, so that units don't judge. */
-static bool factor(look *w) {
+/* Cholesky factorisation M = L Lᵀ; false if a motion moves no mass. The threshold is relative to the diagonal entry,
+ * so it is independent of units. */
+static bool factor_cholesky(inertia_work *w) {
   int r = w->r;
   for (int j = 0; j < r; ++j) {
-    double whole = w->M[j * r + j];
+    double diagonal = w->M[j * r + j];
     for (int i = j; i < r; ++i) {
       double sum = w->M[i * r + j];
       for (int k = 0; k < j; ++k)
         sum -= w->M[i * r + k] * w->M[j * r + k];
-      if (i == j && !(sum > 1e-12 * whole))
+      if (i == j && !(sum > 1e-12 * diagonal))
         return false;
       w->M[i * r + j] = i == j ? sqrt(sum) : sum / w->M[j * r + j];
     }
@@ -82,8 +85,8 @@ static bool factor(look *w) {
   return true;
 }
 
-/* Λ⁻¹ = Yᵀ Y, Y = L⁻¹ (J N)ᵀ. */
-static void form(look *w, double out[36]) {
+/* Computes Λ⁻¹ = Yᵀ Y with Y = L⁻¹ (J N)ᵀ. */
+static void compute_inverse(inertia_work *w, double out[36]) {
   int r = w->r;
   for (int row = 0; row < 6; ++row)
     for (int i = 0; i < r; ++i) {
@@ -100,7 +103,7 @@ static void form(look *w, double out[36]) {
     }
 }
 
-static km_status gather(look *w, int frame, double out[36], km_error *error) {
+static km_status compute(inertia_work *w, int frame, double out[36], km_error *error) {
   const km_model *model = w->m->model;
   size_t n = (size_t)w->m->coordinate_count;
   w->N = KM_ARENA_NEW(&w->arena, double, n *n);
@@ -119,9 +122,9 @@ static km_status gather(look *w, int frame, double out[36], km_error *error) {
   if (status)
     return status;
   add_rotors(w);
-  if (!factor(w))
+  if (!factor_cholesky(w))
     return km_fail(error, KM_MODEL, "a free motion moves no mass; expected masses, or the joint held");
-  form(w, out);
+  compute_inverse(w, out);
   return KM_OK;
 }
 
@@ -134,8 +137,8 @@ km_status km_frame_inverse_inertia(const km_mechanism *m, const km_state *s, int
     status = km_check_index(frame, m->model->frame_count, "frame", error);
   if (status)
     return status;
-  look w = {.m = m, .s = s};
-  status = gather(&w, frame, inverse, error);
+  inertia_work w = {.m = m, .s = s};
+  status = compute(&w, frame, inverse, error);
   km_arena_free(&w.arena);
   return status;
 }

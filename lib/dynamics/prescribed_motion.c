@@ -1,4 +1,5 @@
-/* Values, rates and accelerations of prescribed motions: polynomials, sines, cubic splines through tables. */
+/* Values, rates and accelerations of prescribed motions: polynomials, sines, cubic splines of tables
+ * (docs/theory.md 11.11). */
 #include "dynamics/prescribed_motion.h"
 
 #include "base/memory.h"
@@ -11,8 +12,8 @@ typedef struct law {
   double angle;                   /* radians per angle unit, for the phase */
   const km_joint_prescribed *def; /* NULL: value + rate · t */
   double value, rate;
-  gsl_spline *spline;      /* of a table */
-  gsl_interp_accel *place; /* where its last value was */
+  gsl_spline *spline;       /* spline of a table */
+  gsl_interp_accel *lookup; /* accelerator: interval of the last lookup */
 } law;
 
 struct km_prescribed {
@@ -25,8 +26,8 @@ static bool make_spline(law *l) {
   const gsl_interp_type *type = rows > 2 ? gsl_interp_cspline : gsl_interp_linear;
   double *t = KM_NEW(double, 2 * rows);
   l->spline = gsl_spline_alloc(type, rows);
-  l->place = gsl_interp_accel_alloc();
-  bool done = t && l->spline && l->place;
+  l->lookup = gsl_interp_accel_alloc();
+  bool done = t && l->spline && l->lookup;
   for (size_t i = 0; done && i < rows; ++i) {
     t[i] = l->def->values[2 * i];
     t[rows + i] = l->def->values[2 * i + 1];
@@ -66,7 +67,7 @@ km_status km_prescribed_create(const km_mechanism *m, km_prescribed **out, km_er
 void km_prescribed_free(km_prescribed *p) {
   for (int i = 0; p && p->laws && i < p->count; ++i) {
     gsl_spline_free(p->laws[i].spline);
-    gsl_interp_accel_free(p->laws[i].place);
+    gsl_interp_accel_free(p->laws[i].lookup);
   }
   if (p)
     km_free(p->laws);
@@ -79,7 +80,7 @@ void km_prescribed_set(km_prescribed *p, int coordinate, double value, double ra
     ++i;
   p->count += i == p->count;
   gsl_spline_free(p->laws[i].spline);
-  gsl_interp_accel_free(p->laws[i].place);
+  gsl_interp_accel_free(p->laws[i].lookup);
   p->laws[i] = (law){.coordinate = coordinate, .value = value, .rate = rate};
 }
 
@@ -96,21 +97,21 @@ static void polynomial_at(const km_joint_prescribed *def, double t, double motio
 }
 
 static void sine_at(const law *l, double t, double motion[3]) {
-  const double *v = l->def->values; /* offset, amplitude, frequency, phase */
+  const double *v = l->def->values; /* values: offset, amplitude, frequency, phase */
   double w = 2.0 * M_PI * v[2], angle = w * t + l->angle * v[3];
   motion[0] = v[0] + v[1] * sin(angle);
   motion[1] = v[1] * w * cos(angle);
   motion[2] = -v[1] * w * w * sin(angle);
 }
 
-/* Past its ends a table goes on with the slope that it has there. */
+/* Value, rate and acceleration of a table; beyond its ends it continues linearly. */
 static void table_at(const law *l, double t, double motion[3]) {
   const double *v = l->def->values;
   int last = l->def->count - 1;
   double inside = t < v[0] ? v[0] : t > v[2 * last] ? v[2 * last] : t;
-  motion[0] = gsl_spline_eval(l->spline, inside, l->place);
-  motion[1] = gsl_spline_eval_deriv(l->spline, inside, l->place);
-  motion[2] = inside == t ? gsl_spline_eval_deriv2(l->spline, inside, l->place) : 0.0;
+  motion[0] = gsl_spline_eval(l->spline, inside, l->lookup);
+  motion[1] = gsl_spline_eval_deriv(l->spline, inside, l->lookup);
+  motion[2] = inside == t ? gsl_spline_eval_deriv2(l->spline, inside, l->lookup) : 0.0;
   motion[0] += (t - inside) * motion[1];
 }
 

@@ -1,4 +1,8 @@
-/* Rest poses: Newton's method on accelerations, and falling to a stable one. */
+/* Rest configurations (equilibria): Newton's method on the accelerations, and pseudo-transient continuation to a
+ * stable one (C. Kelley and D. Keyes 1998; docs/theory.md 11.13).
+ *
+ *   Newton   : K x = −a,  K = ∂a/∂u at rest, by SVD without singular values below 1e-10
+ *   settling : (I/δ − K) x = a,  δ doubles while the accelerations do not grow */
 #include "kmech/dynamics.h"
 
 #include "base/arguments.h"
@@ -9,159 +13,169 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-enum { MOST_STEPS = 60, MOST_FALLING_STEPS = 2000, MOST_FALLS = 10 };
-static const double longest = 0.2;   /* of a step: radians or characteristic lengths */
-static const double straight = 1e-6; /* of the accelerations: what a step may miss where longer ones serve as well */
-static const double at_rest = 1e-11; /* a Newton step below this ends */
-static const double unheld = 1e-6;   /* radians or characteristic lengths per second², that no motion changes */
-static const double settled = 1e-3;  /* the same, that hardly moves anything */
-static const double push = 1e-2;     /* radians or characteristic lengths, away from a pose that isn't stable */
+enum { MAX_STEPS = 60, MAX_SETTLING_STEPS = 2000, MAX_PERTURBATIONS = 10 };
+static const double usual_max_step = 0.2; /* longest step, radians or characteristic lengths */
+static const double linear_tolerance =
+    1e-6;                                /* relative deviation from the predicted accelerations up to which longer steps
+                                      * are allowed */
+static const double at_rest = 1e-11;     /* Newton's method has converged below this step */
+static const double max_residual = 1e-6; /* radians or characteristic lengths per s²: residual acceleration that no
+                                      * motion removes */
+static const double settled_acceleration = 1e-3; /* radians or characteristic lengths per s²: settling ends below this
+                                      * acceleration */
+static const double perturbation = 1e-2; /* perturbation away from an unstable configuration, radians or characteristic
+                                      * lengths */
 
-static void stop(const km_mechanism *m, km_state *s) {
+static void set_rates_to_zero(const km_mechanism *m, km_state *s) {
   memset(s->rate, 0, (size_t)m->coordinate_count * sizeof *s->rate);
 }
 
-/* x = −K⁻¹ a by SVD: motions that change no force are left alone. */
+/* Newton step x = −K⁺ a by SVD; singular values below 1e-10 of the largest are dropped (motions that change no
+ * force). */
 static bool newton_step(const double *K, const double *a, int f, double *x) {
   gsl_matrix *U = gsl_matrix_alloc((size_t)f, (size_t)f), *V = gsl_matrix_alloc((size_t)f, (size_t)f);
   gsl_vector *S = gsl_vector_alloc((size_t)f), *b = gsl_vector_alloc((size_t)f), *w = gsl_vector_alloc((size_t)f);
   gsl_vector_view out = gsl_vector_view_array(x, (size_t)f);
-  bool good = U && V && S && b && w;
-  for (int r = 0; r < f && good; ++r) {
+  bool is_ok = U && V && S && b && w;
+  for (int r = 0; r < f && is_ok; ++r) {
     gsl_vector_set(b, (size_t)r, -a[r]);
     for (int c = 0; c < f; ++c)
       gsl_matrix_set(U, (size_t)r, (size_t)c, K[c * f + r]);
   }
-  good = good && gsl_linalg_SV_decomp(U, V, S, w) == 0;
-  for (int k = 1; k < f && good; ++k)
+  is_ok = is_ok && gsl_linalg_SV_decomp(U, V, S, w) == 0;
+  for (int k = 1; k < f && is_ok; ++k)
     if (gsl_vector_get(S, (size_t)k) < 1e-10 * gsl_vector_get(S, 0))
       gsl_vector_set(S, (size_t)k, 0.0);
-  good = good && gsl_linalg_SV_solve(U, V, S, b, &out.vector) == 0;
+  is_ok = is_ok && gsl_linalg_SV_solve(U, V, S, b, &out.vector) == 0;
   gsl_matrix_free(U);
   gsl_matrix_free(V);
   gsl_vector_free(S);
   gsl_vector_free(b);
   gsl_vector_free(w);
-  return good;
+  return is_ok;
 }
 
-/* A search for a rest pose, and its last step. */
-typedef struct search {
+/* Search for a rest configuration, and its last step. */
+typedef struct rest_search {
   km_dynamics *d;
   km_state *s;
-  km_rest_pose poise; /* where the step began: freedom, independent coordinates, their accelerations */
+  km_stored_configuration stored; /* start of the step: freedom, independent coordinates, their accelerations */
   double *K, *x, *work;
-  double reach;    /* no step is longer, scaled */
-  double foretold; /* the largest acceleration that the step should have left, scaled; 0: it wasn't shortened */
-  double size;     /* of the step before it was shortened, scaled */
-  double hardest;  /* the largest acceleration before it, in radians or characteristic lengths per second² */
-  double left;     /* the same of the accelerations that no step takes away, with its coordinate */
+  double max_step; /* largest step allowed, scaled */
+  double
+      predicted_acceleration; /* predicted largest acceleration after a shortened step, scaled; 0: the step wasn't shortened */
+  double size;                /* length of the step before shortening, scaled */
+  double max_acceleration; /* largest acceleration before the step, radians or characteristic lengths per s² */
+  double residual;         /* largest residual acceleration that no step removes, and its coordinate */
   int coordinate;
-} search;
+} rest_search;
 
-static double scaled_acceleration(const search *e, int k, double acceleration) {
+static double scaled_acceleration(const rest_search *e, int k, double acceleration) {
   const km_mechanism *m = e->d->mechanism;
   double second = 1.0 / m->model->units.time->si;
-  return fabs(acceleration) * m->scale[e->poise.independent[k]] * second * second;
+  return fabs(acceleration) * m->scale[e->stored.independent[k]] * second * second;
 }
 
-static void forget(search *e) {
-  km_poise_free(&e->poise);
+static void release(rest_search *e) {
+  km_stored_configuration_free(&e->stored);
   km_free(e->K);
   km_free(e->x);
   km_free(e->work);
-  e->poise = (km_rest_pose){0};
+  e->stored = (km_stored_configuration){0};
   e->K = e->x = e->work = NULL;
 }
 
-/* Accelerations at rest and K there. KM_OK, KM_DIVERGED, which its caller words, KM_MODEL … */
-static km_status look(search *e, km_error *error) {
-  stop(e->d->mechanism, e->s);
-  forget(e);
+/* Computes the accelerations at rest and K. KM_DIVERGED comes without a message; the caller adds it. */
+static km_status evaluate_at_rest(rest_search *e, km_error *error) {
+  set_rates_to_zero(e->d->mechanism, e->s);
+  release(e);
   km_status status = km_dynamics_accelerate(e->d, e->s, error);
   if (status)
     return status;
-  bool memory = km_poise_take(e->d, e->s, &e->poise);
-  size_t f = (size_t)e->poise.freedom;
+  bool memory = km_stored_configuration_create(e->d, e->s, &e->stored);
+  size_t f = (size_t)e->stored.freedom;
   e->K = KM_NEW(double, f *f + 1);
   e->x = KM_NEW(double, f + 1);
   e->work = KM_NEW(double, 2 * f + 1);
   if (!memory || !e->K || !e->x || !e->work)
     return km_fail(error, KM_MEMORY, "out of memory for a rest pose");
-  e->hardest = 0.0;
-  for (int k = 0; k < e->poise.freedom; ++k) {
-    e->poise.acceleration[k] = e->s->acceleration[e->poise.independent[k]];
-    e->hardest = fmax(e->hardest, scaled_acceleration(e, k, e->poise.acceleration[k]));
+  e->max_acceleration = 0.0;
+  for (int k = 0; k < e->stored.freedom; ++k) {
+    e->stored.acceleration[k] = e->s->acceleration[e->stored.independent[k]];
+    e->max_acceleration = fmax(e->max_acceleration, scaled_acceleration(e, k, e->stored.acceleration[k]));
   }
-  return km_stiffness_of_accelerations(e->d, e->s, &e->poise, e->work, e->K) ? KM_OK : KM_DIVERGED;
+  return km_stiffness_of_accelerations(e->d, e->s, &e->stored, e->work, e->K) ? KM_OK : KM_DIVERGED;
 }
 
-/* a + K x, beyond what rounding makes of it. */
-static void see_left(search *e) {
-  int f = e->poise.freedom;
-  e->left = 0.0;
+/* Residual a + K x, reduced by its rounding error. */
+static void compute_residual(rest_search *e) {
+  int f = e->stored.freedom;
+  e->residual = 0.0;
   for (int r = 0; r < f; ++r) {
-    double sum = e->poise.acceleration[r], size = fabs(sum);
+    double sum = e->stored.acceleration[r], size = fabs(sum);
     for (int c = 0; c < f; ++c) {
       sum += e->K[c * f + r] * e->x[c];
       size += fabs(e->K[c * f + r]);
     }
-    double left = scaled_acceleration(e, r, fmax(fabs(sum) - 1e-9 * size, 0.0));
-    if (left > e->left) {
-      e->left = left;
-      e->coordinate = e->poise.independent[r];
+    double residual = scaled_acceleration(e, r, fmax(fabs(sum) - 1e-9 * size, 0.0));
+    if (residual > e->residual) {
+      e->residual = residual;
+      e->coordinate = e->stored.independent[r];
     }
   }
 }
 
-/* Where a step that was shortened has left what it should have, longer ones serve as well: a spring is far from its rest. */
-static void adapt_reach(search *e) {
-  if (e->foretold > 0.0 && fabs(e->hardest - e->foretold) <= straight * e->foretold)
-    e->reach *= 4.0;
+/* Step control: the longest step grows fourfold if a shortened step had the predicted effect (linear springs), else
+ * it shrinks. */
+static void adapt_reach(rest_search *e) {
+  if (e->predicted_acceleration > 0.0 &&
+      fabs(e->max_acceleration - e->predicted_acceleration) <= linear_tolerance * e->predicted_acceleration)
+    e->max_step *= 4.0;
   else
-    e->reach = fmax(longest, 0.25 * e->reach);
+    e->max_step = fmax(usual_max_step, 0.25 * e->max_step);
 }
 
-static double size_of(const search *e) {
+static double step_length(const rest_search *e) {
   double size = 0.0;
-  for (int k = 0; k < e->poise.freedom; ++k)
-    size = km_larger_or_nan(fabs(e->x[k]) * e->d->mechanism->scale[e->poise.independent[k]], size);
+  for (int k = 0; k < e->stored.freedom; ++k)
+    size = km_larger_or_nan(fabs(e->x[k]) * e->d->mechanism->scale[e->stored.independent[k]], size);
   return size;
 }
 
-/* Goes along x as far as the reach allows. `shortened`: it is shorter already than it might be. False where it isn't finite. */
-static bool move(search *e, bool shortened) {
+/* Moves along x, shortened to the longest step, and predicts the accelerations after it. `shortened`: x itself was
+ * shortened. False: not finite. */
+static bool take_step(rest_search *e, bool shortened) {
   const km_mechanism *m = e->d->mechanism;
-  int f = e->poise.freedom;
-  e->size = size_of(e);
-  double share = e->size > e->reach ? e->reach / e->size : 1.0;
-  e->foretold = 0.0;
-  for (int r = 0; r < f && (shortened || share < 1.0); ++r) {
-    double sum = e->poise.acceleration[r];
+  int f = e->stored.freedom;
+  e->size = step_length(e);
+  double error_share = e->size > e->max_step ? e->max_step / e->size : 1.0;
+  e->predicted_acceleration = 0.0;
+  for (int r = 0; r < f && (shortened || error_share < 1.0); ++r) {
+    double sum = e->stored.acceleration[r];
     for (int c = 0; c < f; ++c)
-      sum += share * e->K[c * f + r] * e->x[c];
-    e->foretold = fmax(e->foretold, scaled_acceleration(e, r, sum));
+      sum += error_share * e->K[c * f + r] * e->x[c];
+    e->predicted_acceleration = fmax(e->predicted_acceleration, scaled_acceleration(e, r, sum));
   }
   for (int k = 0; k < f && isfinite(e->size); ++k)
-    km_nudge(m, e->s, e->poise.independent[k], share * e->x[k]);
+    km_coordinate_shift(m, e->s, e->stored.independent[k], error_share * e->x[k]);
   return isfinite(e->size);
 }
 
-/* A step of Newton's method. */
-static km_status step_once(search *e, km_error *error) {
-  km_status status = look(e, error);
+/* One step of Newton's method. */
+static km_status newton_iteration(rest_search *e, km_error *error) {
+  km_status status = evaluate_at_rest(e, error);
   if (status)
     return status;
   adapt_reach(e);
-  if (e->poise.freedom && !newton_step(e->K, e->poise.acceleration, e->poise.freedom, e->x))
+  if (e->stored.freedom && !newton_step(e->K, e->stored.acceleration, e->stored.freedom, e->x))
     return KM_DIVERGED;
-  see_left(e);
-  return move(e, false) ? KM_OK : KM_DIVERGED;
+  compute_residual(e);
+  return take_step(e, false) ? KM_OK : KM_DIVERGED;
 }
 
-/* The largest real part of K's eigenvalues: > 0 where a deviation grows. */
-static km_status fastest_growth(const search *e, double *out, km_error *error) {
-  size_t f = (size_t)e->poise.freedom;
+/* Largest real part of K's eigenvalues; > 0: a deviation grows. */
+static km_status fastest_growth(const rest_search *e, double *out, km_error *error) {
+  size_t f = (size_t)e->stored.freedom;
   double *A = KM_NEW(double, f *f), *vectors = KM_NEW(double, f *f), *real = KM_NEW(double, 2 * f);
   km_status status = A && vectors && real ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a rest pose");
   if (!status) {
@@ -177,142 +191,144 @@ static km_status fastest_growth(const search *e, double *out, km_error *error) {
   return status;
 }
 
-/* Falling: steps of ẋ = a by Euler's implicit method, (I/δ − K) x = a. Stiff parts don't shorten them. */
-typedef struct falling {
-  double delta;     /* time², 0: not yet chosen */
-  double last;      /* `hardest` before the last step */
-  km_state *before; /* where the last step began */
-} falling;
+/* Settling: implicit Euler steps of ẋ = a, (I/δ − K) x = a. Stiff parts don't limit the step. */
+typedef struct settling_state {
+  double delta;     /* time²; 0: not yet chosen */
+  double last;      /* largest acceleration before the last step */
+  km_state *before; /* state before the last step */
+} settling_state;
 
-/* δ grows while the accelerations don't (C. Kelley, D. Keyes, Convergence analysis of pseudo-transient continuation, 1998), but stays so
- * short that steps lead away from a pose that isn't stable. */
-static km_status choose_delta(const search *e, falling *f, km_error *error) {
+/* Choice of δ: it doubles while the accelerations don't grow (pseudo-transient continuation, C. Kelley and D. Keyes
+ * 1998), up to half the reciprocal of the largest growth rate, so that steps leave an unstable configuration. */
+static km_status choose_delta(const rest_search *e, settling_state *f, km_error *error) {
   double growth, time = e->d->mechanism->model->units.time->si;
   km_status status = fastest_growth(e, &growth, error);
   if (status)
     return status;
-  f->delta *= e->hardest < 1.1 * f->last ? 2.0 : f->last / e->hardest;
-  f->delta = f->delta > 0.0 ? f->delta : longest / (e->hardest * time * time);
+  f->delta *= e->max_acceleration < 1.1 * f->last ? 2.0 : f->last / e->max_acceleration;
+  f->delta = f->delta > 0.0 ? f->delta : usual_max_step / (e->max_acceleration * time * time);
   if (growth > 0.0)
     f->delta = fmin(f->delta, 0.5 / growth);
   return KM_OK;
 }
 
-/* x = (I/δ − K)⁻¹ a */
-static bool solve_implicit(search *e, double delta) {
-  int f = e->poise.freedom;
+/* Solves x = (I/δ − K)⁻¹ a. */
+static bool solve_implicit(rest_search *e, double delta) {
+  int f = e->stored.freedom;
   for (int k = 0; k < f; ++k)
     e->K[k * f + k] -= 1.0 / delta;
-  bool solved = newton_step(e->K, e->poise.acceleration, f, e->x);
+  bool solved = newton_step(e->K, e->stored.acceleration, f, e->x);
   for (int k = 0; k < f; ++k)
     e->K[k * f + k] += 1.0 / delta;
   return solved;
 }
 
-/* KM_DIVERGED: no step can be made from here, or the last one has led to far greater accelerations, as deep in a stop. */
-static km_status fall_once(search *e, falling *f, km_error *error) {
+/* One settling step. KM_DIVERGED: no step is possible, or the last one increased the accelerations tenfold, as deep
+ * in a stop. */
+static km_status settle_step(rest_search *e, settling_state *f, km_error *error) {
   static const double far_greater = 10.0;
-  km_status status = look(e, error);
-  if (status || e->poise.freedom == 0 || e->hardest <= settled)
+  km_status status = evaluate_at_rest(e, error);
+  if (status || e->stored.freedom == 0 || e->max_acceleration <= settled_acceleration)
     return status;
-  if (e->hardest > far_greater * f->last)
+  if (e->max_acceleration > far_greater * f->last)
     return KM_DIVERGED;
   adapt_reach(e);
   status = choose_delta(e, f, error);
   if (status)
     return status;
   km_state_copy(e->d->mechanism, f->before, e->s);
-  f->last = e->hardest;
+  f->last = e->max_acceleration;
   bool shortened = false;
   bool solved = solve_implicit(e, f->delta);
-  for (double size = size_of(e); solved && size > e->reach;
-       size = size_of(e)) { /* soft parts then don't hold up stiff ones */
-    f->delta *= fmax(0.9 * e->reach / size, 0.1);
+  for (double size = step_length(e); solved && size > e->max_step;
+       size = step_length(e)) { /* δ is reduced instead of scaling x, so that soft parts don't slow down stiff ones */
+    f->delta *= fmax(0.9 * e->max_step / size, 0.1);
     solved = solve_implicit(e, f->delta);
     shortened = true;
   }
-  return solved && move(e, shortened) ? KM_OK : KM_DIVERGED;
+  return solved && take_step(e, shortened) ? KM_OK : KM_DIVERGED;
 }
 
-/* Falls until hardly anything accelerates. Behind a step that was too long a shorter one is made. */
-static km_status fall(search *e, km_progress progress, void *context, km_error *error) {
-  enum { MOST_RETRIES = 30 };
-  falling f = {.last = HUGE_VAL};
+/* Settling until the accelerations are small. A step that was too long is repeated with a tenth of δ. */
+static km_status settle(rest_search *e, km_progress progress, void *context, km_error *error) {
+  enum { MAX_RETRIES = 30 };
+  settling_state f = {.last = HUGE_VAL};
   int retries = 0;
   km_status status = km_state_create(e->d->mechanism, &f.before, error);
-  e->hardest = HUGE_VAL;
-  for (int i = 0; i < MOST_FALLING_STEPS && !status && e->hardest > settled; ++i) {
-    status = fall_once(e, &f, error);
+  e->max_acceleration = HUGE_VAL;
+  for (int i = 0; i < MAX_SETTLING_STEPS && !status && e->max_acceleration > settled_acceleration; ++i) {
+    status = settle_step(e, &f, error);
     retries = status == KM_DIVERGED ? retries + 1 : 0;
-    if (status == KM_DIVERGED && f.delta > 0.0 && retries < MOST_RETRIES) {
+    if (status == KM_DIVERGED && f.delta > 0.0 && retries < MAX_RETRIES) {
       km_state_copy(e->d->mechanism, e->s, f.before);
       f.delta *= 0.1;
-      e->hardest = HUGE_VAL;
+      e->max_acceleration = HUGE_VAL;
       status = KM_OK;
     }
-    if (!status && progress && !progress(context, (double)i / MOST_FALLING_STEPS))
+    if (!status && progress && !progress(context, (double)i / MAX_SETTLING_STEPS))
       status = km_fail(error, KM_CANCELLED, "cancelled while settling");
   }
   km_state_free(f.before);
   return status;
 }
 
-/* Newton's method. From a step that was too long for the loops it goes back, and on by short ones. */
-static km_status find(search *e, km_error *error) {
+/* Newton's method. If a long step fails to close the loops, it is undone and short ones follow. */
+static km_status find_by_newton(rest_search *e, km_error *error) {
   km_state *before = NULL;
   km_status status = km_state_create(e->d->mechanism, &before, error);
   e->size = HUGE_VAL;
-  for (int i = 0; i < MOST_STEPS && !status && !(e->size <= at_rest); ++i) {
-    bool far = e->reach > longest;
+  for (int i = 0; i < MAX_STEPS && !status && !(e->size <= at_rest); ++i) {
+    bool far = e->max_step > usual_max_step;
     if (!far)
       km_state_copy(e->d->mechanism, before, e->s);
-    status = step_once(e, error);
+    status = newton_iteration(e, error);
     if (status == KM_DIVERGED && far) {
       km_state_copy(e->d->mechanism, e->s, before);
-      e->reach = longest;
-      e->foretold = 0.0;
+      e->max_step = usual_max_step;
+      e->predicted_acceleration = 0.0;
       status = KM_OK;
     }
   }
   km_state_free(before);
   if (!status && !(e->size <= 1e3 * at_rest))
     status = km_fail(error, KM_NO_RESULT, "no rest pose was found from here");
-  if (!status && e->left > unheld)
+  if (!status && e->residual > max_residual)
     status = km_fail(error, KM_NO_RESULT,
                      "no rest pose was found: nothing near here holds joint \"%s\" against what acts on it",
                      e->d->mechanism->model->coordinates[e->coordinate].label);
   return status;
 }
 
-/* Goes a little along the mode that grows fastest. `left`: it is at rest in a pose that isn't stable. */
-static km_status push_away(search *e, bool *left, km_error *error) {
+/* Moves a small distance along the fastest growing mode. *unstable: the rest configuration was unstable. */
+static km_status perturb(rest_search *e, bool *is_unstable, km_error *error) {
   const km_mechanism *m = e->d->mechanism;
   km_linear l;
   km_status status = km_linearise(e->d, e->s, &l, error);
-  *left = !status && km_linear_stability(&l) == KM_UNSTABLE;
+  *is_unstable = !status && km_linear_stability(&l) == KM_UNSTABLE;
   int fastest = 0;
-  for (int k = 1; k < 2 * l.freedom && *left; ++k)
+  for (int k = 1; k < 2 * l.freedom && *is_unstable; ++k)
     fastest = l.real[k] > l.real[fastest] ? k : fastest;
-  for (int k = 0; k < l.freedom && *left; ++k) {
+  for (int k = 0; k < l.freedom && *is_unstable; ++k) {
     int c = l.independent[k];
-    km_nudge(m, e->s, c, push * l.modes[(size_t)fastest * 2 * (size_t)l.coordinate_count + (size_t)c]);
+    km_coordinate_shift(m, e->s, c,
+                        perturbation * l.modes[(size_t)fastest * 2 * (size_t)l.coordinate_count + (size_t)c]);
   }
   km_linear_free(&l);
   return status;
 }
 
-/* A stable pose, by falling from every other one that it comes to. */
-static km_status find_stable(search *e, km_progress progress, void *context, km_error *error) {
-  bool left = true;
+/* Finds a stable rest configuration: settling, Newton's method, and a perturbation from every unstable one. */
+static km_status find_stable(rest_search *e, km_progress progress, void *context, km_error *error) {
+  bool is_unstable = true;
   km_status status = KM_OK;
-  for (int i = 0; i < MOST_FALLS && left && !status; ++i) {
-    status = fall(e, progress, context, error);
+  for (int i = 0; i < MAX_PERTURBATIONS && is_unstable && !status; ++i) {
+    status = settle(e, progress, context, error);
     if (!status)
-      status = find(e, error);
+      status = find_by_newton(e, error);
     if (!status)
-      status = push_away(e, &left, error);
+      status = perturb(e, &is_unstable, error);
   }
-  return status || !left ? status : km_fail(error, KM_NO_RESULT, "no stable rest pose was found from here");
+  return status || !is_unstable ? status : km_fail(error, KM_NO_RESULT, "no stable rest pose was found from here");
 }
 
 km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_progress progress, void *context,
@@ -322,16 +338,16 @@ km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_prog
     status = km_check_state(d->mechanism, s, error);
   if (status)
     return status;
-  status = km_dynamics_bring(d, s, error);
+  status = km_dynamics_move_to_prescribed(d, s, error);
   if (status)
     return status;
-  search e = {.d = d, .s = s, .reach = longest};
-  status = settles ? find_stable(&e, progress, context, error) : find(&e, error);
-  forget(&e);
+  rest_search e = {.d = d, .s = s, .max_step = usual_max_step};
+  status = settles ? find_stable(&e, progress, context, error) : find_by_newton(&e, error);
+  release(&e);
   if (status == KM_DIVERGED)
     status = km_fail(error, KM_NO_RESULT, "no rest pose was found: the loops can't be closed on the way");
   if (!status || status == KM_NO_RESULT) {
-    stop(d->mechanism, s);
+    set_rates_to_zero(d->mechanism, s);
     km_dynamics_evaluate(d, s, true);
   }
   return status;

@@ -1,13 +1,13 @@
-/* Runs over time: their space, going on to a time, and the crossings on the way. */
+/* Simulation runs: workspace, advance to a time, crossings on the way (docs/theory.md 11.5 and 11.6). */
 #include "dynamics/simulation.h"
 
 #include "base/arguments.h"
 
 #include <string.h>
 
-/* Errors of steps add up: a step may have this part of the error that is asked for. */
-static const double share = 0.05;
-/* A step's relative error: 45 roundings of a double. With less allowed, rounding decides which steps are made. */
+/* Errors of steps accumulate: a step may have this part of the stated error. */
+static const double error_share = 0.05;
+/* Least relative error of a step: 45 units of rounding. Below it, rounding errors would control the steps. */
 static const double least_step_error = 1e-14;
 
 km_simulation_def km_simulation_default(void) {
@@ -40,14 +40,14 @@ static km_status check_def(const km_mechanism *m, const km_simulation_def *def, 
   return status;
 }
 
-/* Places in the vector. */
-static bool lay_out(km_simulation *run) {
+/* Assigns the indices in the vector and allocates the arrays. */
+static bool allocate_arrays(km_simulation *run) {
   const km_mechanism *m = run->dynamics->mechanism;
   int next = 0;
-  run->place = KM_ARENA_NEW(&run->arena, int, (size_t)m->coordinate_count);
-  for (int c = 0; run->place && c < m->coordinate_count; ++c) {
+  run->value_index = KM_ARENA_NEW(&run->arena, int, (size_t)m->coordinate_count);
+  for (int c = 0; run->value_index && c < m->coordinate_count; ++c) {
     int ball = m->ball_of[c];
-    run->place[c] = ball >= 0 && m->ball_coordinate[ball] != c ? -1 : next;
+    run->value_index[c] = ball >= 0 && m->ball_coordinate[ball] != c ? -1 : next;
     next += ball < 0 ? 1 : m->ball_coordinate[ball] == c ? 4 : 0;
   }
   run->rate_start = next;
@@ -59,31 +59,31 @@ static bool lay_out(km_simulation *run) {
   run->ydot = KM_ARENA_NEW(&run->arena, double, n);
   run->at = KM_ARENA_NEW(&run->arena, double, n);
   run->shift = KM_ARENA_NEW(&run->arena, double, n);
-  run->seen = KM_ARENA_NEW(&run->arena, double, n);
+  run->shifted = KM_ARENA_NEW(&run->arena, double, n);
   run->closed = KM_ARENA_NEW(&run->arena, double, n);
   run->before = KM_ARENA_NEW(&run->arena, double, n);
   run->slope = KM_ARENA_NEW(&run->arena, double, n);
-  run->good = KM_ARENA_NEW(&run->arena, double, n);
-  run->good_shift = KM_ARENA_NEW(&run->arena, double, n);
+  run->accepted = KM_ARENA_NEW(&run->arena, double, n);
+  run->accepted_shift = KM_ARENA_NEW(&run->arena, double, n);
   run->tolerance = KM_ARENA_NEW(&run->arena, double, n);
   run->stage = KM_ARENA_NEW(&run->arena, double, (KM_STAGES + 2) * n);
-  run->kept = KM_ARENA_NEW(&run->arena, double, KM_STAGES *n);
+  run->kept_stages = KM_ARENA_NEW(&run->arena, double, KM_STAGES *n);
   run->crossings = KM_ARENA_NEW(&run->arena, km_crossing, crossings);
   run->side = KM_ARENA_NEW(&run->arena, double, crossings);
   bool listed = km_corners_list(run->dynamics, &run->arena, &run->corners);
   bool adams = run->def.integrator == KM_INTEGRATOR_ADAMS;
-  return listed && km_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
+  return listed && km_method_choice_create(&run->choice, adams ? KM_ADAMS : KM_BDF, !adams, run->size, &run->arena);
 }
 
-/* Errors are compared in radians and characteristic lengths, rates per second; works by work_error.c. */
+/* Sets the absolute tolerances: radians and characteristic lengths, rates per second; works by work_error.c. */
 static void set_tolerances(km_simulation *run) {
   const km_mechanism *m = run->dynamics->mechanism;
   double absolute = run->def.absolute, second = m->model->units.time->si;
   for (int i = 0; i < run->size; ++i)
     run->tolerance[i] = absolute;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    if (run->place[c] >= 0)
-      run->tolerance[run->place[c]] = absolute / m->scale[c];
+    if (run->value_index[c] >= 0)
+      run->tolerance[run->value_index[c]] = absolute / m->scale[c];
     run->tolerance[run->rate_start + c] = absolute / m->scale[c] * second;
   }
   for (int i = run->work_start; i < run->size; ++i)
@@ -99,9 +99,9 @@ static km_status begin(km_simulation *run, km_error *error) {
     run->crossings[i].value *= km_model_coordinate_factor(d->mechanism->model, def->crossings[i].coordinate);
   }
   run->time = run->last_time = s->time;
-  d->feeds_back = def->stabilisation == KM_STABILISE_BAUMGARTE;
+  d->uses_baumgarte = def->stabilisation == KM_STABILISE_BAUMGARTE;
   d->omega = 0.0;
-  d->closing = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
+  d->closing_tolerance = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
   memset(d->forces->moving->memory, 0, (size_t)d->forces->moving->memory_count * sizeof(double));
   km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
@@ -110,7 +110,7 @@ static km_status begin(km_simulation *run, km_error *error) {
     return status;
   km_simulation_pack(run, run->y);
   km_crossings_begin(run);
-  km_dynamics_forget_repartitions(d);
+  km_dynamics_reset_repartitions(d);
   km_simulation_begin_works(run);
   return def->integrator == KM_INTEGRATOR_FIXED ? KM_OK : km_cvode_create(run, error);
 }
@@ -131,9 +131,9 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
   if (!run)
     return km_fail(error, KM_MEMORY, "out of memory for the run");
   *run = (km_simulation){.dynamics = d, .state = s, .def = *def, .stop = HUGE_VAL, .due_time = HUGE_VAL};
-  run->def.relative = fmax(share * def->relative, least_step_error);
-  run->def.absolute *= share;
-  status = lay_out(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
+  run->def.relative = fmax(error_share * def->relative, least_step_error);
+  run->def.absolute *= error_share;
+  status = allocate_arrays(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the run");
   if (!status) {
     set_tolerances(run);
     status = begin(run, error);
@@ -148,78 +148,79 @@ km_status km_simulation_create(km_dynamics *d, km_state *s, const km_simulation_
 void km_simulation_free(km_simulation *run) {
   if (!run)
     return;
-  run->dynamics->feeds_back = false;
-  run->dynamics->closing = 1e-13;
+  run->dynamics->uses_baumgarte = false;
+  run->dynamics->closing_tolerance = 1e-13;
   km_cvode_free(run->cvode);
-  km_free(run->met);
+  km_free(run->crossings_met);
   km_arena_free(&run->arena);
   km_free(run);
 }
 
-bool km_simulation_between(const km_simulation *run, double time, double *y) {
+bool km_simulation_interpolate(const km_simulation *run, double time, double *y) {
   if (!(run->time > run->last_time))
     memcpy(y, run->y, (size_t)run->size * sizeof *y);
-  else if (run->way == KM_STEP_CVODE)
-    return km_cvode_between(run, time, y);
-  else if (run->way == KM_STEP_COLLOCATION)
-    km_collocation_between(run, time, y);
+  else if (run->step_method == KM_STEP_CVODE)
+    return km_cvode_interpolate(run, time, y);
+  else if (run->step_method == KM_STEP_COLLOCATION)
+    km_collocation_interpolate(run, time, y);
   else
-    km_fixed_between(run, time, y);
+    km_fixed_interpolate(run, time, y);
   return true;
 }
 
-/* From where the last step began, by steps that come to `time`, since it has passed over something there. */
-static bool go_back(km_simulation *run, double time) {
-  memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
-  memcpy(run->shift, run->good_shift, (size_t)run->size * sizeof *run->shift);
+/* Returns to the start of the last step; the following steps end at `time`, where the step passed over a corner. */
+static bool restore_step(km_simulation *run, double time) {
+  memcpy(run->y, run->accepted, (size_t)run->size * sizeof *run->y);
+  memcpy(run->shift, run->accepted_shift, (size_t)run->size * sizeof *run->shift);
   run->time = run->last_time;
-  run->usual = run->usual_before;
+  run->typical_step = run->typical_step_before;
   run->due_time = time;
   run->rejected_over++;
   return km_cvode_restart(run);
 }
 
-/* One step, without what it may have passed over. */
+/* One step; repeated if it passed over a corner. */
 static km_status make_step(km_simulation *run, km_error *error) {
   run->last_time = run->time;
-  run->usual_before = run->usual;
-  memcpy(run->good, run->y, (size_t)run->size * sizeof *run->y);
-  memcpy(run->good_shift, run->shift, (size_t)run->size * sizeof *run->shift);
+  run->typical_step_before = run->typical_step;
+  memcpy(run->accepted, run->y, (size_t)run->size * sizeof *run->y);
+  memcpy(run->accepted_shift, run->shift, (size_t)run->size * sizeof *run->shift);
   if (!run->cvode)
     return km_fixed_step(run, error);
   km_status status = km_cvode_step(run, error);
   double missed = status ? HUGE_VAL : km_simulation_passed_over(run);
   if (missed == HUGE_VAL)
     return status;
-  return go_back(run, missed) ? km_cvode_step(run, error)
-                              : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+  return restore_step(run, missed) ? km_cvode_step(run, error)
+                                   : km_fail(error, KM_MEMORY, "out of memory for the integrator");
 }
 
 static km_status step(km_simulation *run, km_error *error) {
   km_status status = make_step(run, error);
   if (status)
     return status;
-  if (run->cvode && run->dynamics->stale && !km_simulation_settle(run, run->y, run->time, false))
+  if (run->cvode && run->dynamics->stale && !km_simulation_accept(run, run->y, run->time, false))
     return km_dynamics_fail(run->dynamics, run->outcome, error);
   return km_crossings_find(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
 }
 
-/* The state at a time within the last step. */
-static km_status show(km_simulation *run, double time, km_error *error) {
-  if (!km_simulation_between(run, time, run->at))
+/* Sets the state to a time within the last step. */
+static km_status set_state_at(km_simulation *run, double time, km_error *error) {
+  if (!km_simulation_interpolate(run, time, run->at))
     return km_fail(error, KM_INTERNAL, "time %g isn't within the last step", time);
-  bool tight = !run->dynamics->feeds_back;
-  double closing = run->dynamics->closing;
-  run->dynamics->closing = tight ? 1e-13 : closing;
-  bool good = km_simulation_derivative(run, time, run->at, run->ydot);
-  run->dynamics->closing = closing;
+  bool tight = !run->dynamics->uses_baumgarte;
+  double closing_tolerance = run->dynamics->closing_tolerance;
+  run->dynamics->closing_tolerance = tight ? 1e-13 : closing_tolerance;
+  bool is_ok = km_simulation_derivative(run, time, run->at, run->ydot);
+  run->dynamics->closing_tolerance = closing_tolerance;
   run->evaluations--;
-  if (good && km_simulation_noise(run, run->usual) > 1.0) { /* the vector's rates are better than those that follow */
-    memcpy(run->state->rate, run->seen + run->rate_start,
+  if (is_ok && km_simulation_noise(run, run->typical_step) > 1.0) { /* the vector's rates are more accurate than the
+                                                             * projected ones */
+    memcpy(run->state->rate, run->shifted + run->rate_start,
            (size_t)run->dynamics->mechanism->coordinate_count * sizeof(double));
-    km_tree_move(run->dynamics, run->state);
+    km_tree_update(run->dynamics, run->state);
   }
-  return good ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
+  return is_ok ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
 km_status km_simulation_advance(km_simulation *run, double time, km_progress progress, void *context, km_error *error) {
@@ -229,8 +230,8 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
   if (!isfinite(time) || !(time >= run->last_time) || !(time <= run->def.end))
     return km_fail(error, KM_USAGE, "time %g; expected one from %g to %g", time, run->last_time, run->def.end);
   double from = run->time;
-  if (run->halted) /* the last step goes on behind the crossing that ended the run */
-    km_crossings_tell(run);
+  if (run->halted) /* the last step continues beyond the crossing that ended the run */
+    km_crossings_report(run);
   run->halted = false;
   while (run->time < time && run->time < run->stop && !status) {
     status = step(run, error);
@@ -238,13 +239,13 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
       return km_fail(error, KM_CANCELLED, "cancelled at time %g", run->time);
   }
   if (status) {
-    memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
+    memcpy(run->y, run->accepted, (size_t)run->size * sizeof *run->y);
     km_simulation_derivative(run, run->last_time, run->y, run->ydot);
     memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
     return status;
   }
-  bool stops = run->stop <= time; /* else it may be met later in the last step */
-  status = show(run, stops ? run->stop : time, error);
+  bool stops = run->stop <= time; /* otherwise it lies later in the last step */
+  status = set_state_at(run, stops ? run->stop : time, error);
   run->halted = stops;
   return !status && stops ? KM_PARTIAL : status;
 }
@@ -260,16 +261,16 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .dissipated = run->at[run->work_start],
                                  .motor_work = run->at[run->work_start + 1],
                                  .rest_energy = km_simulation_rest_energy(run),
-                                 .relative = run->def.relative / share,
+                                 .relative = run->def.relative / error_share,
                                  .stiff = run->choice.method == KM_BDF};
 }
 
 int km_simulation_crossing_count(const km_simulation *run) {
-  return run ? (int)run->told : 0;
+  return run ? (int)run->reported : 0;
 }
 
 km_crossing_met km_simulation_crossing(const km_simulation *run, int index) {
-  if (!run || index < 0 || (size_t)index >= run->told)
+  if (!run || index < 0 || (size_t)index >= run->reported)
     return (km_crossing_met){.crossing = -1, .time = nan("")};
-  return run->met[index];
+  return run->crossings_met[index];
 }

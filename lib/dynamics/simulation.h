@@ -1,4 +1,4 @@
-/* A run: the integrator's vector, its derivative, and what steps are made by. Private to dynamics/. */
+/* A simulation run: the integrator's vector, its derivative, and the state of step control. Private to dynamics/. */
 #ifndef KM_DYNAMICS_SIMULATION_H
 #define KM_DYNAMICS_SIMULATION_H
 
@@ -9,114 +9,117 @@
 
 typedef struct km_cvode km_cvode;
 
-/* The vector's size is a multiple of this; components past the last are 0 and count for nothing. */
+/* The vector's size is a multiple of this; padding components are 0 and have no weight. */
 enum { KM_VECTOR_LANES = 4 };
 
-enum { KM_STAGES = 6 }; /* of collocation */
+enum { KM_STAGES = 6 }; /* stages of collocation */
 
-enum { KM_WORKS = 2 }; /* dissipated; given by motors */
+enum { KM_WORKS = 2 }; /* dissipated work; work of motors */
 
-typedef enum km_step_way { KM_STEP_CVODE, KM_STEP_RUNGE_KUTTA, KM_STEP_COLLOCATION } km_step_way;
+typedef enum km_step_method { KM_STEP_CVODE, KM_STEP_RUNGE_KUTTA, KM_STEP_COLLOCATION } km_step_method;
 
 struct km_simulation {
   km_arena arena;
   km_dynamics *dynamics;
   km_state *state;
   km_simulation_def def;
-  km_crossing *crossings; /* values in radians and the model's length unit */
-  /* The vector: a value of every coordinate (four of a ball), its rates, the internal states of forces, and the work
-   * that was dissipated and that motors gave. */
+  km_crossing *crossings; /* crossings with values in radians and the model's length unit */
+  /* Vector: values of coordinates (quaternions of balls), rates, internal states of forces, dissipated work, motor
+   * work. */
   int size, rate_start, memory_start, work_start;
-  int *place;             /* [coordinate] of its value; of a ball's first one the quaternion's */
-  double *y, *ydot;       /* [size] at `time` */
-  double *shift;          /* [size] what the state has more than the vector, since pivots changed (integrator_vector.c) */
-  double *seen, *closed;  /* [size] the vector with it, at the last evaluation; and the state that it became */
-  double *tolerance;      /* [size] absolute; of works infinity: work_error.c has theirs */
-  double *stage;          /* [(KM_STAGES + 2) × size] of steps that aren't CVODE's */
-  double *kept;           /* [KM_STAGES × size] those of collocation that the last step was made with */
-  double *before, *slope; /* [size] the vector before the last fixed step, and its derivative */
-  double *good;           /* [size] the vector before the last step, … */
-  double *good_shift;     /* … and its shift */
-  double last_time;       /* before the last step */
-  double usual;           /* length of a step that counts as usual; and before the last step */
-  double usual_before;
-  double usual_energy, largest_energy; /* what the works may err by goes by (work_error.c) */
-  km_step_way way;                     /* how the last step was made */
+  int *value_index; /* [coordinate] index of its value; for a ball's first coordinate, index of the quaternion */
+  double *y, *ydot; /* [size] vector and derivative at `time` */
+  double *shift;    /* [size] state minus vector since pivots changed (integrator_vector.c) */
+  double *shifted, *closed; /* [size] vector plus shift at the last evaluation; state after closing the loops */
+  double *tolerance;        /* [size] absolute tolerances; infinity for works, see work_error.c */
+  double *stage;            /* [(KM_STAGES + 2) × size] stages of steps that aren't CVODE's */
+  double *kept_stages;      /* [KM_STAGES × size] collocation stages of the last step */
+  double *before, *slope;   /* [size] vector and derivative before the last fixed step */
+  double *accepted;         /* [size] vector before the last step */
+  double *accepted_shift;   /* [size] shift before the last step */
+  double last_time;         /* time before the last step */
+  double typical_step;      /* typical step length, and its value before the last step */
+  double typical_step_before;
+  double unit_energy, largest_energy; /* energies for the tolerance of works (work_error.c) */
+  km_step_method step_method;         /* method of the last step */
   double time;
-  km_dynamics_outcome outcome; /* of the last evaluation that failed */
+  km_dynamics_outcome outcome; /* outcome of the last failed evaluation */
   long steps, evaluations, rejected;
-  km_choice choice;  /* between CVODE's methods */
-  double operations; /* beside evaluations, so far */
-  int unchecked;     /* steps to come that don't look for it */
-  bool noisy;        /* CVODE has stopped before a pose where accelerations are rounding */
+  km_method_choice choice; /* choice between CVODE's methods */
+  double operations;       /* operations of linear algebra, besides evaluations */
+  int unchecked;           /* remaining steps without a check of noise */
+  bool is_noisy;           /* CVODE stopped before a configuration where accelerations are dominated by rounding */
   km_corners corners;
-  double due_time;    /* steps end there, since a longer one would pass over something; infinity: nowhere */
-  long rejected_over; /* steps that had passed over something */
-  km_crossing_met *met;
-  size_t met_count, met_room;
-  size_t told;     /* of these, up to the first that ends the run; those behind it wait until the run goes on */
-  double *at;      /* [size] the vector between steps */
-  double *side;    /* [crossing] coordinate less value at the last step */
-  double stop;     /* when the last crossing that is told was met, if it ends the run; else infinite */
-  bool halted;     /* the run has come there */
-  km_cvode *cvode; /* NULL: fixed steps */
+  double due_time;    /* time at which a step must end, because a longer one passed over a corner; infinity: none */
+  long rejected_over; /* steps repeated because they passed over a corner */
+  km_crossing_met *crossings_met;
+  size_t crossings_met_count, crossings_met_capacity;
+  size_t reported; /* crossings reported so far, up to the first that ends the run; later ones wait until the run
+                    * continues */
+  double *at;      /* [size] vector between steps */
+  double *side;    /* [crossing] coordinate minus value at the last step */
+  double stop;     /* time of the last reported crossing if it ends the run; else infinity */
+  bool halted;     /* the run has stopped there */
+  km_cvode *cvode; /* integrator; NULL: fixed steps */
 };
 
-/* The state from the vector, and back. */
+/* Copies the vector to the state; km_simulation_pack copies back. */
 void km_simulation_unpack(km_simulation *run, const double *y, double time);
 void km_simulation_pack(km_simulation *run, double *y);
-/* From here on the state at the last evaluation is what the vector there means (integrator_vector.c). */
+/* Sets the shift so that the vector of the last evaluation represents its closed state (integrator_vector.c). */
 void km_simulation_shift(km_simulation *run);
-/* The vector's derivative. False where an evaluation fails: the step is too long. */
+/* Computes the vector's derivative. False: an evaluation failed, the step is too long. */
 bool km_simulation_derivative(km_simulation *run, double time, const double *y, double *ydot);
-/* Closes the loops of an accepted pose tightly and renews partitions that ask for it; what the state then is goes back into
- * the vector where `keep`. */
-bool km_simulation_settle(km_simulation *run, double *y, double time, bool keep);
+/* Closes the loops of an accepted configuration tightly and renews partitions where requested. If `keep`, the closed
+ * state is written back to the vector. */
+bool km_simulation_accept(km_simulation *run, double *y, double time, bool keep);
 
-/* Before the first step, at an evaluated state; and after every step. */
+/* Initialises the tolerance of works at an evaluated state before the first step. */
 void km_simulation_begin_works(km_simulation *run);
-void km_simulation_watch_works(km_simulation *run);
-/* The kinetic energy of rates as small as the absolute error allowed. */
+void km_simulation_update_works(km_simulation *run);
+/* Kinetic energy of rates of the size of the absolute error allowed. */
 double km_simulation_rest_energy(const km_simulation *run);
-/* What a work of this size may err by in a step. */
+/* Error allowed for a work of this size in a step. */
 double km_simulation_work_tolerance(const km_simulation *run, double work);
 
-/* One step, not past the definition's end. KM_DIVERGED, KM_MEMORY. */
+/* Creates the integrator. Steps of km_cvode_step and km_fixed_step don't pass the definition's end. KM_DIVERGED,
+ * KM_MEMORY. */
 km_status km_cvode_create(km_simulation *run, km_error *error);
 void km_cvode_free(km_cvode *cvode);
 km_status km_cvode_step(km_simulation *run, km_error *error);
-/* Gives an N_Vector of NVECTOR_SERIAL, and all that CVODE clones from it, faster operations: its size is a multiple of
+/* Replaces the operations of an N_Vector of NVECTOR_SERIAL and of its clones by SIMD ones. Its size is a multiple of
  * KM_VECTOR_LANES. */
 void km_vector_use_lanes(void *vector);
 km_status km_fixed_step(km_simulation *run, km_error *error);
-/* The largest rate at the last evaluation, in radians or characteristic lengths per time. */
+/* Largest rate at the last evaluation, in radians or characteristic lengths per time. */
 double km_simulation_speed(const km_simulation *run);
-/* Where constraints hardly determine the motion for a moment, with a smallest pivot δ, poses are known to ε/δ and accelerations to
- * ε v²/δ³. What that leaves in a step of length h at the last evaluation, over the error allowed. */
+/* Rounding error of a step of length h at weak constraints, over the error allowed: with a smallest pivot δ,
+ * configurations are known to ε/δ and accelerations to ε v²/δ³. */
 double km_simulation_noise(const km_simulation *run, double h);
-/* The stages of a step of length h, the largest noise at one of them and that at the last one, both for a usual step;
- * false where there are none. */
+/* Computes the stages of a collocation step of length h, the largest noise of a stage and that of the last one, for
+ * a typical step length. False: no convergence. */
 bool km_collocation_try(km_simulation *run, double h, double *noise, double *after);
-/* The step with the stages that were kept; false, with the vector as it was, where it fails. */
+/* Stores the stages of the last trial; km_collocation_step makes the step with them. False, with the vector
+ * unchanged: it failed. */
 void km_collocation_keep(km_simulation *run);
 bool km_collocation_step(km_simulation *run, double h);
-/* CVODE begins anew, at the vector and the time. */
+/* Restarts CVODE at the present vector and time. */
 bool km_cvode_restart(km_simulation *run);
 
-/* The crossings of the last step, in order of time. False when out of memory. */
+/* Finds the crossings of the last step, sorted by time. False: out of memory. */
 bool km_crossings_find(km_simulation *run);
-/* Tells the crossings that wait to be told, up to the first that ends the run. */
-void km_crossings_tell(km_simulation *run);
-/* Before the first step. A value at which a coordinate begins isn't passed by leaving it. */
+/* Reports the waiting crossings up to the first that ends the run. */
+void km_crossings_report(km_simulation *run);
+/* Initialises the crossings before the first step. Leaving the initial value is no crossing. */
 void km_crossings_begin(km_simulation *run);
-/* A time within the last step at which a coordinate is beyond one of run->corners, though at both ends of the step it isn't:
- * no evaluation has seen it. Infinity: there is none. O(corners) but for coordinates that came near to one. */
+/* Time within the last step at which a coordinate is beyond a corner although it isn't at both ends of the step, so
+ * that no evaluation noticed it. Infinity: none. O(corners), plus the search near a corner. */
 double km_simulation_passed_over(km_simulation *run);
 
-/* The vector at a time within the last step. */
-bool km_simulation_between(const km_simulation *run, double time, double *y);
-bool km_cvode_between(const km_simulation *run, double time, double *y);
-void km_fixed_between(const km_simulation *run, double time, double *y);
-void km_collocation_between(const km_simulation *run, double time, double *y);
+/* Interpolates the vector at a time within the last step (dense output). */
+bool km_simulation_interpolate(const km_simulation *run, double time, double *y);
+bool km_cvode_interpolate(const km_simulation *run, double time, double *y);
+void km_fixed_interpolate(const km_simulation *run, double time, double *y);
+void km_collocation_interpolate(const km_simulation *run, double time, double *y);
 
 #endif

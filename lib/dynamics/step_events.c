@@ -1,26 +1,27 @@
-/* Values that coordinates pass within a step: those that are asked for, and those at which forces change. */
+/* Event location within a step: crossings of stated values, and corners of force laws that a step passed over
+ * (docs/theory.md 11.6). */
 #include "dynamics/simulation.h"
 
 #include <string.h>
 
-/* How far a coordinate is beyond a value. */
-static double beyond(const km_simulation *run, const double *y, int coordinate, double value) {
-  int place = run->place[coordinate];
-  return y[place] + run->shift[place] - value;
+/* Coordinate minus value. */
+static double difference(const km_simulation *run, const double *y, int coordinate, double value) {
+  int value_index = run->value_index[coordinate];
+  return y[value_index] + run->shift[value_index] - value;
 }
 
-static double beyond_at(km_simulation *run, double time, int coordinate, double value) {
-  return km_simulation_between(run, time, run->at) ? beyond(run, run->at, coordinate, value) : nan("");
+static double difference_at(km_simulation *run, double time, int coordinate, double value) {
+  return km_simulation_interpolate(run, time, run->at) ? difference(run, run->at, coordinate, value) : nan("");
 }
 
-/* Where a coordinate passes the value between two times of the last step, at which it is `fa` and `fb` beyond it, by bisection
- * and secants in turn. */
+/* Locates the passage of a coordinate through a value between two times, with the differences fa and fb there:
+ * secants, every third step bisection. */
 static double locate(km_simulation *run, const km_corner *at, double a, double fa, double b, double fb) {
   for (int i = 0; i < 100 && b - a > 1e-15 * (fabs(a) + fabs(b)); ++i) {
     double t = i % 3 == 2 ? 0.5 * (a + b) : a - fa * (b - a) / (fb - fa);
     if (!(t > a && t < b))
       t = 0.5 * (a + b);
-    double f = beyond_at(run, t, at->coordinate, at->value);
+    double f = difference_at(run, t, at->coordinate, at->value);
     if (isnan(f))
       break;
     if ((f > 0.0) == (fa > 0.0)) {
@@ -34,14 +35,14 @@ static double locate(km_simulation *run, const km_corner *at, double a, double f
   return b;
 }
 
-/* Golden sections towards the least of `sign` times the coordinate between two times: the first one found at which it is beyond the
- * value by more than `depth`. Infinity: it never is. */
-static double deepest(km_simulation *run, const km_corner *at, double sign, double depth, double a, double b) {
+/* Golden-section search for the minimum of sign · coordinate between two times; returns the first time at which it
+ * is beyond the value by more than `depth`. Infinity: none. */
+static double golden_section(km_simulation *run, const km_corner *at, double sign, double depth, double a, double b) {
   enum { SECTIONS = 40 };
   static const double golden = 0.38196601125010515;
   double t[2] = {a + golden * (b - a), b - golden * (b - a)}, f[2];
   for (int i = 0; i < 2; ++i)
-    f[i] = sign * beyond_at(run, t[i], at->coordinate, at->value);
+    f[i] = sign * difference_at(run, t[i], at->coordinate, at->value);
   for (int i = 0; i < SECTIONS; ++i) {
     int less = f[1] < f[0];
     if (f[less] < -depth)
@@ -56,94 +57,96 @@ static double deepest(km_simulation *run, const km_corner *at, double sign, doub
       f[1] = f[0];
     }
     t[less] = less ? b - golden * (b - a) : a + golden * (b - a);
-    f[less] = sign * beyond_at(run, t[less], at->coordinate, at->value);
+    f[less] = sign * difference_at(run, t[less], at->coordinate, at->value);
   }
   return HUGE_VAL;
 }
 
-/* A time within the last step at which a coordinate is on the other side of the value than at both ends, by more than `depth`. */
-static double excursion(km_simulation *run, const km_corner *at, double depth) {
+/* Time within the last step at which a coordinate is on the other side of the value than at both ends, by more than
+ * `depth`: eight samples, then golden sections. */
+static double find_excursion(km_simulation *run, const km_corner *at, double depth) {
   enum { PARTS = 8 };
   double h = (run->time - run->last_time) / PARTS, f[PARTS + 1];
-  f[0] = beyond(run, run->good, at->coordinate, at->value);
-  f[PARTS] = beyond(run, run->y, at->coordinate, at->value);
+  f[0] = difference(run, run->accepted, at->coordinate, at->value);
+  f[PARTS] = difference(run, run->y, at->coordinate, at->value);
   double sign = f[0] > 0.0 || (f[0] == 0.0 && f[PARTS] > 0.0) ? 1.0 : -1.0;
   int least = 0;
   for (int k = 1; k < PARTS; ++k) {
-    f[k] = beyond_at(run, run->last_time + k * h, at->coordinate, at->value);
+    f[k] = difference_at(run, run->last_time + k * h, at->coordinate, at->value);
     if (sign * f[k] < -depth)
       return run->last_time + k * h;
     least = sign * f[k] < sign * f[least] ? k : least;
   }
   if (least == 0 || sign * f[PARTS] <= sign * f[least])
     return HUGE_VAL;
-  return deepest(run, at, sign, depth, run->last_time + (least - 1) * h, run->last_time + (least + 1) * h);
+  return golden_section(run, at, sign, depth, run->last_time + (least - 1) * h, run->last_time + (least + 1) * h);
 }
 
-/* Can the coordinate have passed the value and come back? By the rates at both ends of the step. */
-static bool may_have_passed(const km_simulation *run, const km_corner *at) {
+/* True if the coordinate can have passed the value and returned, judged by the rates at both ends of the step. */
+static bool can_have_passed(const km_simulation *run, const km_corner *at) {
   int rate = run->rate_start + at->coordinate;
-  double one = beyond(run, run->good, at->coordinate, at->value);
-  double other = beyond(run, run->y, at->coordinate, at->value);
+  double one = difference(run, run->accepted, at->coordinate, at->value);
+  double other = difference(run, run->y, at->coordinate, at->value);
   double h = run->time - run->last_time;
-  double way = h * (fabs(run->good[rate] + run->shift[rate]) + fabs(run->y[rate] + run->shift[rate]));
-  return one * other >= 0.0 && fmin(fabs(one), fabs(other)) <= way + fabs(other - one);
+  double distance = h * (fabs(run->accepted[rate] + run->shift[rate]) + fabs(run->y[rate] + run->shift[rate]));
+  return one * other >= 0.0 && fmin(fabs(one), fabs(other)) <= distance + fabs(other - one);
 }
 
-/* Of a corner that the coordinate has come back to the same side of. */
-static double passed_over(km_simulation *run, int corner, int coordinate) {
+/* Time at which the step passed over a corner and returned; infinity: it didn't. */
+static double time_passed_over(km_simulation *run, int corner, int coordinate) {
   if (corner < 0 || corner >= run->corners.count || run->corners.corners[corner].coordinate != coordinate)
     return HUGE_VAL;
   const km_corner *at = &run->corners.corners[corner];
-  double error = run->tolerance[run->place[coordinate]]; /* how deep it is isn't known any better */
-  return may_have_passed(run, at) ? excursion(run, at, error) : HUGE_VAL;
+  double error = run->tolerance[run->value_index[coordinate]]; /* the coordinate isn't known more accurately */
+  return can_have_passed(run, at) ? find_excursion(run, at, error) : HUGE_VAL;
 }
 
-/* Whatever passes a corner and comes back has passed the nearest one beyond both ends of the step, or at one of them. */
+/* A coordinate that passes a corner and returns has passed the closest corner beyond both ends of the step. */
 double km_simulation_passed_over(km_simulation *run) {
   const km_corners *all = &run->corners;
   double first = HUGE_VAL;
   for (int i = 0; i < all->count; i = km_corners_above(all, all->corners[i].coordinate, HUGE_VAL)) {
     int c = all->corners[i].coordinate;
-    double one = beyond(run, run->good, c, 0.0), other = beyond(run, run->y, c, 0.0);
+    double one = difference(run, run->accepted, c, 0.0), other = difference(run, run->y, c, 0.0);
     int above = km_corners_above(all, c, nextafter(fmax(one, other), -HUGE_VAL));
     int below = km_corners_above(all, c, fmin(one, other)) - 1;
-    first = fmin(first, fmin(passed_over(run, above, c), passed_over(run, below, c)));
+    first = fmin(first, fmin(time_passed_over(run, above, c), time_passed_over(run, below, c)));
   }
   return first;
 }
 
 void km_crossings_begin(km_simulation *run) {
   for (int i = 0; i < run->def.crossing_count; ++i)
-    run->side[i] = beyond(run, run->y, run->crossings[i].coordinate, run->crossings[i].value);
+    run->side[i] = difference(run, run->y, run->crossings[i].coordinate, run->crossings[i].value);
 }
 
-void km_crossings_tell(km_simulation *run) {
+void km_crossings_report(km_simulation *run) {
   run->stop = HUGE_VAL;
-  while (run->told < run->met_count && run->met[run->told].time <= run->stop) {
-    const km_crossing_met *met = &run->met[run->told++];
-    if (run->crossings[met->crossing].stops)
-      run->stop = met->time;
+  while (run->reported < run->crossings_met_count && run->crossings_met[run->reported].time <= run->stop) {
+    const km_crossing_met *crossings_met = &run->crossings_met[run->reported++];
+    if (run->crossings[crossings_met->crossing].stops)
+      run->stop = crossings_met->time;
   }
 }
 
-/* Among those of the last step, which begin at `first`, by time. False when out of memory. */
-static bool add(km_simulation *run, size_t first, km_crossing_met met) {
-  if (!km_reserve((void **)&run->met, &run->met_room, run->met_count + 1, sizeof *run->met))
+/* Inserts a crossing among those of the last step, which begin at `first`, sorted by time. False: out of memory. */
+static bool add(km_simulation *run, size_t first, km_crossing_met crossings_met) {
+  if (!km_reserve((void **)&run->crossings_met, &run->crossings_met_capacity, run->crossings_met_count + 1,
+                  sizeof *run->crossings_met))
     return false;
-  size_t at = run->met_count++;
-  for (; at > first && run->met[at - 1].time > met.time; --at)
-    run->met[at] = run->met[at - 1];
-  run->met[at] = met;
+  size_t at = run->crossings_met_count++;
+  for (; at > first && run->crossings_met[at - 1].time > crossings_met.time; --at)
+    run->crossings_met[at] = run->crossings_met[at - 1];
+  run->crossings_met[at] = crossings_met;
   return true;
 }
 
-/* Both, of a coordinate that comes back within the step. */
+/* Adds both crossings of a coordinate that passes the value and returns within the step. */
 static bool add_pair(km_simulation *run, size_t first, int crossing, const km_corner *at, double now) {
-  double t = may_have_passed(run, at) ? excursion(run, at, 0.0) : HUGE_VAL;
+  double t = can_have_passed(run, at) ? find_excursion(run, at, 0.0) : HUGE_VAL;
   if (t == HUGE_VAL)
     return true;
-  double f = beyond_at(run, t, at->coordinate, at->value);
+  double f = difference_at(run, t, at->coordinate, at->value);
   double there = locate(run, at, run->last_time, run->side[crossing], t, f);
   double back = locate(run, at, t, f, run->time, now);
   int sense = now > 0.0 ? 1 : -1;
@@ -152,23 +155,23 @@ static bool add_pair(km_simulation *run, size_t first, int crossing, const km_co
 }
 
 bool km_crossings_find(km_simulation *run) {
-  size_t first = run->met_count;
-  bool whole = true;
-  for (int i = 0; i < run->def.crossing_count && whole; ++i) {
+  size_t first = run->crossings_met_count;
+  bool is_ok = true;
+  for (int i = 0; i < run->def.crossing_count && is_ok; ++i) {
     const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
-    double now = beyond(run, run->y, at.coordinate, at.value);
-    if (run->side[i] == 0.0) /* it began there, and hadn't left */
+    double now = difference(run, run->y, at.coordinate, at.value);
+    if (run->side[i] == 0.0) /* it began at the value and hadn't left it */
       run->side[i] = now;
-    if (now == 0.0 || run->side[i] == now) /* it hasn't passed yet */
+    if (now == 0.0 || run->side[i] == now) /* not passed yet */
       continue;
     if ((now > 0.0) == (run->side[i] > 0.0)) {
-      whole = add_pair(run, first, i, &at, now);
+      is_ok = add_pair(run, first, i, &at, now);
     } else {
       double time = locate(run, &at, run->last_time, run->side[i], run->time, now);
-      whole = add(run, first, (km_crossing_met){i, time, now > 0.0 ? 1 : -1});
+      is_ok = add(run, first, (km_crossing_met){i, time, now > 0.0 ? 1 : -1});
     }
     run->side[i] = now;
   }
-  km_crossings_tell(run);
-  return whole;
+  km_crossings_report(run);
+  return is_ok;
 }

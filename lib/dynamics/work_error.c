@@ -1,13 +1,15 @@
-/* The error that the works of a run may have: what is dissipated and what motors give.
+/* Error allowed for the works of a run: dissipated work and motor work (docs/theory.md 11.5).
  *
- * A rate that errs by ε v + δ lets the kinetic energy T err by about 2 ε T + δ m v. The works may err by ε of the largest
- * T so far, or of themselves, and by δ of the energy that everything has at a radian or a characteristic length per second:
- * where they are as smooth as the motion, its steps are short enough for them too. They aren't where a body flies freely
- * while the stop that it has left still gives out what it stored. */
+ *   tolerance = ε max(T_max, |work|) + δ E_1      T_max largest kinetic energy so far
+ *   E_1 = energy of all bodies and drives at a rate of one radian and one characteristic length per second
+ *
+ * A rate error of ε v + δ changes the kinetic energy by about 2 ε T + δ m v. Works that are as smooth as the motion
+ * satisfy this tolerance with the motion's own steps. They aren't where a body flies freely while the stop that it
+ * left still relaxes. */
 #include "dynamics/simulation.h"
 
-/* The energy of all bodies and drives at a radian and a characteristic length per second. */
-static double usual_energy(const km_dynamics *d) {
+/* Kinetic energy of all bodies and drives at one radian and one characteristic length per second. */
+static double unit_energy(const km_dynamics *d) {
   const km_mechanism *m = d->mechanism;
   double second = m->model->units.time->si, sum = 0.0;
   for (int n = 1; n < d->tree.node_count; ++n) {
@@ -20,21 +22,21 @@ static double usual_energy(const km_dynamics *d) {
 }
 
 void km_simulation_begin_works(km_simulation *run) {
-  run->usual_energy = usual_energy(run->dynamics);
+  run->unit_energy = unit_energy(run->dynamics);
   run->largest_energy = 0.0;
-  km_simulation_watch_works(run);
+  km_simulation_update_works(run);
 }
 
-void km_simulation_watch_works(km_simulation *run) {
+void km_simulation_update_works(km_simulation *run) {
   run->largest_energy = fmax(run->largest_energy, km_dynamics_kinetic(run->dynamics, run->state));
 }
 
 double km_simulation_rest_energy(const km_simulation *run) {
-  return run->def.absolute * run->def.absolute * run->usual_energy;
+  return run->def.absolute * run->def.absolute * run->unit_energy;
 }
 
 double km_simulation_work_tolerance(const km_simulation *run, double work) {
   double size = fmax(run->largest_energy, fabs(work));
-  double out = run->def.relative * size + run->def.absolute * run->usual_energy;
-  return out > 0.0 ? out : HUGE_VAL; /* nothing tells yet how large works will be */
+  double out = run->def.relative * size + run->def.absolute * run->unit_energy;
+  return out > 0.0 ? out : HUGE_VAL; /* the size of the works is still unknown */
 }

@@ -16,7 +16,7 @@ struct km_dynamic_friction {
 };
 
 /* Iterations, and the change at which they end, over the sum of all forces. */
-enum { MOST_ROUNDS = 100 };
+enum { MAX_ROUNDS = 100 };
 static const double settled = 1e-12;
 
 /* The friction that acts on a surface with a normal force of 1, along its way; against it is negative. */
@@ -56,7 +56,7 @@ static km_dynamics_outcome press(void *context, km_state *s) {
   km_dynamic_friction *w = context;
   km_dynamics *d = w->dynamics;
   double *pressed = d->forces->moving->pressed;
-  for (int round = 0; round < MOST_ROUNDS; ++round) {
+  for (int round = 0; round < MAX_ROUNDS; ++round) {
     double change = 0.0;
     find_reactions(w, s);
     if (!sum_friction(w, s))
@@ -86,8 +86,8 @@ static bool reserve(km_dynamic_friction *w) {
     return false;
   w->count = km_surfaces_list(m, w->surface);
   w->dynamics->forces->moving->pressed = pressed;
-  w->dynamics->press = press;
-  w->dynamics->press_context = w;
+  w->dynamics->update_friction = press;
+  w->dynamics->friction_context = w;
   return true;
 }
 
@@ -122,7 +122,7 @@ void km_dynamic_friction_free(km_dynamic_friction *w) {
   if (!w)
     return;
   w->dynamics->forces->moving->pressed = NULL;
-  w->dynamics->press = NULL;
+  w->dynamics->update_friction = NULL;
   km_statics_free(&w->statics);
   km_arena_free(&w->arena);
   km_free(w);

@@ -5,7 +5,7 @@
 #include "history/inverse_peaks.h"
 
 /* Steps of the time between two rows, at most: dependent coordinates are predicted by their rates. */
-enum { MOST_PARTS = 64 };
+enum { MAX_PARTS = 64 };
 static const double longest_move = 0.1; /* radians or characteristic lengths in one part */
 
 static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_error *error) {
@@ -49,7 +49,7 @@ static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error
   for (int c = 0; c < w->m->coordinate_count; ++c)
     s->rate[c] = 0.0;
   if (!status)
-    status = km_dynamics_bring(w->dynamics, s, error);
+    status = km_dynamics_move_to_prescribed(w->dynamics, s, error);
   if (!status)
     status = km_dynamics_accelerate(w->dynamics, s, error);
   if (!status)
@@ -93,14 +93,14 @@ static km_status too_far(const km_history_writer *w, double step, km_error *erro
 static km_status go_to(km_history_writer *w, double time, km_error *error) {
   km_state *s = w->state;
   double from = s->time, wanted = parts_of(w->m, s, time - from);
-  int parts = (int)fmin(wanted, MOST_PARTS);
+  int parts = (int)fmin(wanted, MAX_PARTS);
   for (int i = 1; i <= parts; ++i) {
     double next = i == parts ? time : from + (time - from) * i / parts;
     predict(w->m, s, next - s->time);
     s->time = next;
     km_status status = km_dynamics_accelerate(w->dynamics, s, error);
     if (status)
-      return status == KM_DIVERGED && wanted > MOST_PARTS ? too_far(w, time - from, error) : status;
+      return status == KM_DIVERGED && wanted > MAX_PARTS ? too_far(w, time - from, error) : status;
   }
   return KM_OK;
 }

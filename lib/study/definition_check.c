@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_DESIGNS = 1000000000 };
+enum { MAX_DESIGNS = 1000000000 };
 
 km_design_study_def km_design_study_default(void) {
   return (km_design_study_def){0};
@@ -92,8 +92,8 @@ static km_status check_axes(const km_design_study_def *def, km_error *error) {
         return km_fail(error, KM_USAGE, "grid.%.80s: it has two axes", name);
     designs *= axis->count;
   }
-  if (designs > MOST_DESIGNS)
-    return km_fail(error, KM_USAGE, "grid: found %.10g designs; expected at most %d", designs, MOST_DESIGNS);
+  if (designs > MAX_DESIGNS)
+    return km_fail(error, KM_USAGE, "grid: found %.10g designs; expected at most %d", designs, MAX_DESIGNS);
   return status;
 }
 
@@ -121,9 +121,9 @@ static km_status check_spread(const km_design_study_def *def, const km_design_sp
 
 static km_status check_sample(const km_design_study_def *def, const km_design_sample *s, km_error *error) {
   int width = km_sampler_width(s);
-  if (s->count < 1 || s->count > MOST_DESIGNS / width)
+  if (s->count < 1 || s->count > MAX_DESIGNS / width)
     return km_fail(error, KM_USAGE, "sample.count: found %d%s; expected 1 to %d%s", s->count,
-                   width > 1 ? ", each of several designs for the indices" : "", MOST_DESIGNS / width,
+                   width > 1 ? ", each of several designs for the indices" : "", MAX_DESIGNS / width,
                    width > 1 ? "" : " designs in all");
   if ((unsigned)s->method > KM_SAMPLING_LIST)
     return km_fail(error, KM_USAGE, "sample.method: there is no such method");
@@ -185,10 +185,10 @@ static km_status check_optimise(const km_design_study_def *def, const km_design_
   if (!status && (o->evaluations < 1 || o->starts < 1))
     status = km_fail(error, KM_USAGE, "optimise: found %d evaluations and %d starts; expected at least one of each",
                      o->evaluations, o->starts);
-  if (!status && (double)o->evaluations * (o->starts + 2.0) > MOST_DESIGNS)
+  if (!status && (double)o->evaluations * (o->starts + 2.0) > MAX_DESIGNS)
     status = km_fail(error, KM_USAGE,
                      "optimise: found %d evaluations of each of %d starts; expected at most %d designs in all",
-                     o->evaluations, o->starts, MOST_DESIGNS);
+                     o->evaluations, o->starts, MAX_DESIGNS);
   if (!status && !(o->tolerance >= 0.0 && o->tolerance < 1.0))
     status =
         km_fail(error, KM_USAGE, "optimise.tolerance: found %g; expected at least 0 and less than 1", o->tolerance);

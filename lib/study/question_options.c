@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_NAMES = 16 };
+enum { MAX_NAMES = 16 };
 
 static const km_option *find_option(const char *kind, const char *name) {
   for (int k = 0; k < km_question_kinds(); ++k)
@@ -29,7 +29,7 @@ static km_status numbers_of(const km_design_option *o, int count, const char *wh
 /* A frame by "body/frame": names with slashes between them. */
 static km_status find_frame(const km_model *model, const char *text, size_t length, km_arena *arena, int *frame,
                             km_error *error) {
-  const char *names[MOST_NAMES];
+  const char *names[MAX_NAMES];
   size_t count = 0;
   char *copy = KM_ARENA_NEW(arena, char, length + 1);
   if (!copy)
@@ -37,7 +37,7 @@ static km_status find_frame(const km_model *model, const char *text, size_t leng
   memcpy(copy, text, length);
   names[count++] = copy;
   for (char *c = copy; *c; ++c)
-    if (*c == '/' && count < MOST_NAMES) {
+    if (*c == '/' && count < MAX_NAMES) {
       *c = '\0';
       names[count++] = c + 1;
     }

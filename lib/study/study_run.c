@@ -10,7 +10,7 @@
 
 #include <math.h>
 
-enum { LEAST_ROOM = 768, MOST_ROOM = 4096, MOST_JOBS = 1024, FIRST_CHECK = 64 };
+enum { LEAST_ROOM = 768, MAX_ROOM = 4096, MAX_JOBS = 1024, FIRST_CHECK = 64 };
 
 /* A batch is to take about so long, see km_batch_next_size: what a killed run loses, and how soon one stops. */
 static const double batch_seconds = 0.1;
@@ -126,7 +126,7 @@ static km_status run_designs(run *r, int jobs, km_error *error) {
   if (s->def->sample && s->def->sample->accuracy_figure)
     r->figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
   s->stopped_at = 0;
-  int room = jobs * LEAST_ROOM < MOST_ROOM ? jobs * LEAST_ROOM : MOST_ROOM; /* at least one a thread */
+  int room = jobs * LEAST_ROOM < MAX_ROOM ? jobs * LEAST_ROOM : MAX_ROOM; /* at least one a thread */
   km_status status = km_evaluation_open(&r->batch, s, r->compute ? jobs : 0, room, error);
   r->size = r->compute ? jobs : room;
   if (!status)
@@ -150,9 +150,8 @@ static km_status start(km_design_study *s, km_error *error) {
 }
 
 static km_status check_jobs(int jobs, km_error *error) {
-  return jobs >= 1 && jobs <= MOST_JOBS
-             ? KM_OK
-             : km_fail(error, KM_USAGE, "found %d threads; expected 1 to %d", jobs, MOST_JOBS);
+  return jobs >= 1 && jobs <= MAX_JOBS ? KM_OK
+                                       : km_fail(error, KM_USAGE, "found %d threads; expected 1 to %d", jobs, MAX_JOBS);
 }
 
 km_status km_design_study_run(km_design_study *s, int jobs, km_progress progress, void *context, km_error *error) {

@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-enum { MOST_PIECE = 4096 };
+enum { MAX_PIECE = 4096 };
 static const double piece_seconds = 0.5;
 
 /* The first number of a message. */
@@ -169,7 +169,7 @@ static km_status store_answers(km_worker_processes *c, int from, reading *r, km_
     }
     c->study->computed++;
   }
-  m->size = km_batch_next_size(m->size, seconds, piece_seconds, 1, MOST_PIECE);
+  m->size = km_batch_next_size(m->size, seconds, piece_seconds, 1, MAX_PIECE);
   m->outstanding = 0;
   return status || r->good ? status : km_fail(error, KM_IO, "rank %d sent an answer that can't be read", from);
 }
@@ -211,10 +211,10 @@ void km_design_workers_stop(const km_design_workers *c) {
 static km_status answer_piece(km_evaluation *b, reading *r, km_text *reply, km_error *error) {
   const km_design_study *s = b->study;
   double values[KM_MAX_DESIGN_PARAMETERS], begin = km_clock(), seconds;
-  int designs[MOST_PIECE], wanted[MOST_PIECE], questions = s->def->question_count;
+  int designs[MAX_PIECE], wanted[MAX_PIECE], questions = s->def->question_count;
   km_status status = KM_OK;
   km_evaluation_clear(b);
-  while (r->good && r->left && !status && b->count < MOST_PIECE) {
+  while (r->good && r->left && !status && b->count < MAX_PIECE) {
     int i = b->count;
     designs[i] = take_whole(r);
     wanted[i] = take_whole(r);
@@ -268,7 +268,7 @@ km_status km_design_study_run_worker(km_design_study *s, int jobs, const km_desi
     status = km_fail(error, KM_USAGE, "found %d threads; expected 1 to 1024", jobs);
   if (status)
     return status;
-  status = km_evaluation_open(&batch, s, jobs, MOST_PIECE, &found);
+  status = km_evaluation_open(&batch, s, jobs, MAX_PIECE, &found);
   if (!status)
     status = serve(&batch, c, &found);
   km_evaluation_close(&batch);

@@ -183,13 +183,13 @@ typedef struct walker {
   km_tracker tracker;
   km_tracker_space space;
   km_arena arena;
-  km_node start, nodes[2], siblings[KM_STEP_BATCH];
+  km_path_node start, nodes[2], siblings[KM_STEP_BATCH];
 } walker;
 
 static void run_steps(void *context) {
   static const km_step_choice greedy_choice = {0};
   walker *w = context;
-  km_node_copy(w->tracker.arm, &w->nodes[0], &w->start);
+  km_path_node_copy(w->tracker.arm, &w->nodes[0], &w->start);
   for (int i = 0; i < w->study->path->samples - 1; ++i)
     if (km_tracker_step(&w->tracker, &w->space, i, 1.0, &w->nodes[i % 2], &greedy_choice, &w->nodes[1 - i % 2]).stop)
       bench_fail(name, "the track stops");
@@ -200,8 +200,8 @@ static const double tan_phis[KM_STEP_BATCH] = {-0.5, -0.3, -0.1, 0.0, 0.1, 0.2, 
 
 static void run_abreast(void *context) {
   walker *w = context;
-  const km_node *from[KM_STEP_BATCH];
-  km_node *to[KM_STEP_BATCH];
+  const km_path_node *from[KM_STEP_BATCH];
+  km_path_node *to[KM_STEP_BATCH];
   km_step_choice choices[KM_STEP_BATCH];
   km_step_end ends[KM_STEP_BATCH];
   static const int samples[KM_STEP_BATCH] = {0};
@@ -251,11 +251,11 @@ static walker walker_of(const km_study *study, int jobs) {
   static const km_step_choice greedy_choice = {0};
   walker w = {.study = study, .jobs = jobs, .tracker = {study->arm, study->path, &study->objective}};
   double q[N];
-  bool is_ok = km_tracker_space_create(study->arm, &w.space) && km_node_create(study->arm, &w.arena, &w.start);
+  bool is_ok = km_tracker_space_create(study->arm, &w.space) && km_path_node_create(study->arm, &w.arena, &w.start);
   for (int i = 0; i < 2 && is_ok; ++i)
-    is_ok = km_node_create(study->arm, &w.arena, &w.nodes[i]);
+    is_ok = km_path_node_create(study->arm, &w.arena, &w.nodes[i]);
   for (int i = 0; i < KM_STEP_BATCH && is_ok; ++i)
-    is_ok = km_node_create(study->arm, &w.arena, &w.siblings[i]);
+    is_ok = km_path_node_create(study->arm, &w.arena, &w.siblings[i]);
   if (!is_ok)
     bench_fail(name, "out of memory");
   for (int k = 0; k < N; ++k)

@@ -79,7 +79,7 @@ static void test_excavator_drop(void **data) {
   int renewed[128] = {0}; /* label of a substructure's first joint */
   for (int i = 0; i < f.mechanism->topology.substructure_count; ++i) {
     int first = f.mechanism->column_coordinate[f.mechanism->substructures[i].column_start];
-    renewed[(int)f.model->coordinates[first].label[0]] = m.dynamics->renewed[i];
+    renewed[(int)f.model->coordinates[first].label[0]] = m.dynamics->repartitions[i];
   }
   assert_int_equal(renewed['D'], 0);
   assert_true(renewed['E'] > renewed['C']);

@@ -320,10 +320,10 @@ static void lanes_have_the_same_bits(void **state) {
     const km_tracker tracker = {study->arm, study->path, &study->objective};
     km_tracker_space space;
     km_arena arena = {0};
-    km_node from[KM_STEP_BATCH], to[KM_STEP_BATCH], one;
-    assert_true(km_tracker_space_create(study->arm, &space) && km_node_create(study->arm, &arena, &one));
-    const km_node *start_is_valid[KM_STEP_BATCH];
-    km_node *ends_at[KM_STEP_BATCH];
+    km_path_node from[KM_STEP_BATCH], to[KM_STEP_BATCH], one;
+    assert_true(km_tracker_space_create(study->arm, &space) && km_path_node_create(study->arm, &arena, &one));
+    const km_path_node *start_is_valid[KM_STEP_BATCH];
+    km_path_node *ends_at[KM_STEP_BATCH];
     km_step_choice choices[KM_STEP_BATCH];
     km_step_end ends[KM_STEP_BATCH];
     double tan_phi[KM_STEP_BATCH], q[7];
@@ -332,7 +332,7 @@ static void lanes_have_the_same_bits(void **state) {
     int count = 2 + below(&r, KM_STEP_BATCH - 1);
     for (int l = 0; l < KM_STEP_BATCH; ++l) {
       static const km_step_choice greedy_choice = {0};
-      assert_true(km_node_create(study->arm, &arena, &from[l]) && km_node_create(study->arm, &arena, &to[l]));
+      assert_true(km_path_node_create(study->arm, &arena, &from[l]) && km_path_node_create(study->arm, &arena, &to[l]));
       km_tracker_compute_node(&tracker, &space, 0, q, &greedy_choice, &from[l]);
       tan_phi[l] = uniform(&r, -3.0, 3.0);
       choices[l] = (km_step_choice){.tan_phi = &tan_phi[l]};
@@ -342,7 +342,7 @@ static void lanes_have_the_same_bits(void **state) {
     int samples[KM_STEP_BATCH] = {0}, last = study->path->samples - 1;
     for (int l = 1; l < count && last > 1; l += 2) /* some are a sample ahead of the others */
       if (!km_tracker_step(&tracker, &space, 0, 1.0, &from[l], &choices[l], &one).stop) {
-        km_node_copy(study->arm, &from[l], &one);
+        km_path_node_copy(study->arm, &from[l], &one);
         samples[l] = 1;
       }
     for (int k = 0; k < last - 1 && k < 4; ++k) {
@@ -363,7 +363,7 @@ static void lanes_have_the_same_bits(void **state) {
         assert_memory_equal(one.self, to[l].self, 7 * sizeof(double));
         assert_memory_equal(one.corrections, to[l].corrections, 7 * sizeof(double));
         assert_memory_equal(&one.value, &to[l].value, sizeof(double));
-        km_node_copy(study->arm, &from[l], &one);
+        km_path_node_copy(study->arm, &from[l], &one);
         samples[l]++;
       }
       assert_true(space.arm.evaluations - before == 2 * abreast && told == abreast);
@@ -389,7 +389,7 @@ static void lanes_have_the_same_bits(void **state) {
 }
 
 /* The predictor of a whole step: (c₁/z + tan φ·c₂/z)Δσ from a node. */
-static void predicted(const km_arm *a, const km_node *from, const double *tan_phi, double ds, double *q) {
+static void predicted(const km_arm *a, const km_path_node *from, const double *tan_phi, double ds, double *q) {
   for (int k = 0; k < a->n; ++k) {
     double rate = from->path[k];
     for (int j = 0; j < a->freedom; ++j)
@@ -422,9 +422,9 @@ static void steps_end_nearest_to_their_predictors(void **state) {
     const km_tracker tracker = {a, study->path, &study->objective};
     km_tracker_space space;
     km_arena arena = {0};
-    km_node here, there, alone;
-    assert_true(km_tracker_space_create(a, &space) && km_node_create(a, &arena, &here) &&
-                km_node_create(a, &arena, &there) && km_node_create(a, &arena, &alone));
+    km_path_node here, there, alone;
+    assert_true(km_tracker_space_create(a, &space) && km_path_node_create(a, &arena, &here) &&
+                km_path_node_create(a, &arena, &there) && km_path_node_create(a, &arena, &alone));
     const km_step_choice choice = {.tan_phi = cases[i].tan_phis};
     double q[KM_ARM_MAX_JOINTS], d[KM_ARM_MAX_JOINTS];
     for (int k = 0; k < a->n; ++k)
@@ -448,7 +448,7 @@ static void steps_end_nearest_to_their_predictors(void **state) {
       km_tracker_step(&tracker, &space, sample, 1.0, &here, &choice, &alone);
       for (int k = 0; k < a->n; ++k)
         assert_near(alone.q[k], there.q[k], 1e-11 + 20.0 * size * size);
-      km_node_copy(a, &here, &there);
+      km_path_node_copy(a, &here, &there);
     }
     assert_int_equal(steps, 2 * 60);
     km_tracker_space_free(&space);

@@ -30,11 +30,11 @@ static void bias(moving *m, km_wrench *out) {
   const km_forces *f = d->forces;
   km_twist *A = calloc((size_t)tree->node_count, sizeof *A);
   A[0] = (km_twist){km_vec3_scale(-1.0, f->stated_gravity), {0, 0, 0}};
-  km_tree_move(d, m->f.state);
+  km_tree_update(d, m->f.state);
   for (int n = 1; n < tree->node_count; ++n) {
     A[n] = km_twist_axpy(1.0, d->node[n].zeta, A[tree->nodes[n].parent]);
     out[n] = km_wrench_axpy(1.0, d->node[n].p, km_inertia_times(&d->node[n].inertia, A[n]));
-    if (!tree->nodes[n].massive)
+    if (!tree->nodes[n].has_mass)
       out[n] = d->node[n].p;
   }
   for (int i = 0; i < f->moving->touched_count; ++i) {
@@ -59,7 +59,7 @@ static void fill_masses(moving *m, bordered *s) {
       if (!carries(tree, n, o))
         continue;
       s->b[i] -= km_wrench_power(w[o], d->column[i]);
-      for (int j = 0; j < s->coordinates && tree->nodes[o].massive; ++j) {
+      for (int j = 0; j < s->coordinates && tree->nodes[o].has_mass; ++j) {
         int k = tree->node_of_coordinate[j];
         if (k > 0 && carries(tree, k, o))
           *entry(s, i, j) += km_wrench_power(km_inertia_times(&d->node[o].inertia, d->column[j]), d->column[i]);

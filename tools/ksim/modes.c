@@ -16,14 +16,14 @@ static void describe(const ksim_modes *m, int k, km_text *out) {
   double second = km_model_units(m->pose->model).time->si;
   double re = m->linear->real[k] / second, im = m->linear->imaginary[k] / second;
   switch (km_linear_kind_of(m->linear, k)) {
-  case KM_LINEAR_STILL:
+  case KM_LINEAR_ZERO:
     km_text_add(out, "a motion that nothing drives back");
     break;
-  case KM_LINEAR_SWINGS:
+  case KM_LINEAR_OSCILLATES:
     km_text_format(out, "swings at %.5g Hz, damping %.4g", im / (2.0 * M_PI),
                    fabs(re) > 1e-9 * im ? -re / hypot(re, im) : 0.0);
     break;
-  case KM_LINEAR_DIES:
+  case KM_LINEAR_DECAYS:
     km_text_format(out, "dies away in %.4g s", -1.0 / re);
     break;
   case KM_LINEAR_GROWS:

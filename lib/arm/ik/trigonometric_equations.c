@@ -2,8 +2,8 @@
  *
  *   e0 cos x + e1 sin x + e2 cos y + e3 sin y + e4 = 0    (two rows)
  *
- * Solving both rows for (cos x, sin x) and cos²x + sin²x = 1 gives a trigonometric quadratic in y. With z = exp(i
- * y) it is a polynomial of degree 4; real angles are its roots on the unit circle. */
+ * Solving both rows for (cos x, sin x) and cos²x + sin²x = 1 gives a trigonometric quadratic in y. As a
+ * polynomial of degree 4 in z = exp(iy), its roots on the unit circle are the real angles. */
 #include "arm/ik/trigonometric_equations.h"
 
 #include <complex.h>

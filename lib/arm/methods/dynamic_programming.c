@@ -25,7 +25,7 @@ static void advance_states(km_dp_grid *g, int worker, int first, int count) {
   km_tracking_run *run = g->run;
   const size_t n = (size_t)run->arm->n;
   const km_dp_stage *last = &g->stages[g->now - 1], *now = &g->stages[g->now];
-  km_node *here = &g->here[worker * KM_STEP_BATCH];
+  km_path_node *here = &g->here[worker * KM_STEP_BATCH];
   bool alive[KM_STEP_BATCH];
   for (int l = 0; l < count; ++l) {
     const km_dp_state *from = &last->states[(first + l) / g->actions];
@@ -35,11 +35,11 @@ static void advance_states(km_dp_grid *g, int worker, int first, int count) {
     to->parent = (first + l) / g->actions;
     to->samples = from->samples;
     alive[l] = true;
-    km_node_copy(run->arm, &here[l], &from->node);
+    km_path_node_copy(run->arm, &here[l], &from->node);
   }
   for (int k = 0; k < now->length; ++k) {
-    const km_node *from[KM_STEP_BATCH];
-    km_node *at[KM_STEP_BATCH];
+    const km_path_node *from[KM_STEP_BATCH];
+    km_path_node *at[KM_STEP_BATCH];
     km_step_choice choices[KM_STEP_BATCH];
     km_step_end ends[KM_STEP_BATCH];
     int lane[KM_STEP_BATCH], samples[KM_STEP_BATCH], batch = 0;
@@ -67,7 +67,7 @@ static void advance_states(km_dp_grid *g, int worker, int first, int count) {
       to->least = fmin(to->least, to->node.value);
       to->sum += to->node.value;
       to->samples++;
-      km_node_copy(run->arm, &here[lane[i]], &to->node);
+      km_path_node_copy(run->arm, &here[lane[i]], &to->node);
     }
   }
 }
@@ -141,13 +141,13 @@ static km_status stop_early(km_dp_grid *g) {
       best = i;
   write_track(g, g->now, &g->arrivals[best]);
   const km_step_choice choice = {.tan_phi = g->tan_phis + (best % g->actions) * run->arm->freedom};
-  km_node node = g->here[0], next = run->space.here;
+  km_path_node node = g->here[0], next = run->space.here;
   static const km_step_choice greedy_choice = {0};
   int sample = run->reached - 1;
   km_tracker_compute_node(&run->tracker, &run->space, sample, run->q + (size_t)sample * (size_t)run->arm->n,
                           &greedy_choice, &node);
   km_arena arena = {0};
-  if (km_node_create(run->arm, &arena, &next))
+  if (km_path_node_create(run->arm, &arena, &next))
     km_run_stop(run, &node, &choice, km_tracker_step(&run->tracker, &run->space, sample, 1.0, &node, &choice, &next));
   km_arena_free(&arena);
   if (run->stop ==
@@ -165,12 +165,12 @@ static bool begin(km_dp_grid *g) {
   g->workers = run->plan->jobs > 1 ? run->plan->jobs : 1;
   g->stages = KM_ARENA_NEW(&g->arena, km_dp_stage, (size_t)g->stage_count + 1);
   g->spaces = KM_ARENA_NEW(&g->arena, km_tracker_space, (size_t)g->workers);
-  g->here = KM_ARENA_NEW(&g->arena, km_node, (size_t)g->workers * KM_STEP_BATCH);
+  g->here = KM_ARENA_NEW(&g->arena, km_path_node, (size_t)g->workers * KM_STEP_BATCH);
   bool is_ok = !g->arena.failed;
   for (int i = 0; i < g->workers && is_ok; ++i)
     is_ok = km_tracker_space_create(run->arm, &g->spaces[i]);
   for (int i = 0; i < g->workers * KM_STEP_BATCH && is_ok; ++i)
-    is_ok = km_node_create(run->arm, &g->arena, &g->here[i]);
+    is_ok = km_path_node_create(run->arm, &g->arena, &g->here[i]);
   if (is_ok)
     g->stages[0].states = KM_ARENA_NEW(&g->arena, km_dp_state, 1);
   is_ok = is_ok && !g->arena.failed;

@@ -9,7 +9,7 @@ typedef struct km_dp_state {
   int parent;  /* index of the parent in the previous stage */
   int samples; /* samples reached since the start */
   double *q;   /* [stage length × n] configurations of the stage that ends here */
-  km_node node;
+  km_path_node node;
 } km_dp_state;
 
 typedef struct km_dp_stage {
@@ -31,7 +31,7 @@ typedef struct km_dp_grid {
   km_dp_state *arrivals; /* [states · actions] */
   size_t arrival_capacity;
   km_tracker_space *spaces;
-  km_node *here;
+  km_path_node *here;
 } km_dp_grid;
 
 /* True if a is better than b: more samples, then the objective's aggregate (minimum or sum), then the other

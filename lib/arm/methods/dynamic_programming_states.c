@@ -37,15 +37,15 @@ static bool is_near(const km_arm *a, const double *x, const double *y, double sp
 
 km_dp_state km_dp_make_state(km_dp_grid *g, int length) {
   km_dp_state s = {.q = KM_ARENA_NEW(&g->arena, double, (size_t)length *(size_t)g->run->arm->n)};
-  km_node_create(g->run->arm, &g->arena, &s.node);
+  km_path_node_create(g->run->arm, &g->arena, &s.node);
   return s;
 }
 
 static void copy_state(const km_dp_grid *g, km_dp_state *to, const km_dp_state *from, int length) {
   double *q = to->q;
-  km_node node = to->node;
+  km_path_node node = to->node;
   memcpy(q, from->q, (size_t)length * (size_t)g->run->arm->n * sizeof *q);
-  km_node_copy(g->run->arm, &node, &from->node);
+  km_path_node_copy(g->run->arm, &node, &from->node);
   *to = *from;
   to->q = q;
   to->node = node;

@@ -18,7 +18,7 @@ typedef struct problem {
   int tried;
 } problem;
 
-static void choose(void *context, km_tracking_run *run, int sample, const km_node *node, km_step_choice *choice) {
+static void choose(void *context, km_tracking_run *run, int sample, const km_path_node *node, km_step_choice *choice) {
   problem *p = context;
   (void)node;
   const int knots = run->plan->method.knots, freedom = run->arm->freedom;

@@ -6,12 +6,12 @@
 
 typedef struct gradient_search {
   double tan_phi[KM_ARM_MAX_JOINTS];
-  km_node probe;
+  km_path_node probe;
 } gradient_search;
 
 /* Objective at a small distance along a pose-control column. The configuration leaves the path by the square of the
  * distance. */
-static double objective_along(km_tracking_run *run, gradient_search *c, int sample, const km_node *node,
+static double objective_along(km_tracking_run *run, gradient_search *c, int sample, const km_path_node *node,
                               const double *column, double distance) {
   static const km_step_choice greedy_choice = {0};
   double q[KM_ARM_MAX_JOINTS];
@@ -21,7 +21,7 @@ static double objective_along(km_tracking_run *run, gradient_search *c, int samp
   return c->probe.value;
 }
 
-static void choose(void *context, km_tracking_run *run, int sample, const km_node *node, km_step_choice *choice) {
+static void choose(void *context, km_tracking_run *run, int sample, const km_path_node *node, km_step_choice *choice) {
   static const double h = 1e-4;
   gradient_search *c = context;
   const km_method *method = &run->plan->method;
@@ -43,7 +43,7 @@ static void choose(void *context, km_tracking_run *run, int sample, const km_nod
 km_status km_method_gradient(km_tracking_run *run, km_error *error) {
   static const km_step_choice greedy_choice = {0};
   gradient_search c;
-  if (!km_node_create(run->arm, &run->arena, &c.probe))
+  if (!km_path_node_create(run->arm, &run->arena, &c.probe))
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   return km_run_steps(run, &greedy_choice, choose, &c, error);
 }

@@ -47,7 +47,7 @@ typedef struct branch_state {
   int level, index;
   int first_sample, steps; /* samples from the root to the start of the level; samples of the level */
   km_look_node node;
-  km_node *here, *there; /* current node, and end of its next step */
+  km_path_node *here, *there; /* current node, and end of its next step */
 } branch_state;
 
 /* Initialises a branch with the end and the aggregates of its parent. */
@@ -62,12 +62,12 @@ static void inherit_parent(const km_look_tree *t, branch_state *w) {
     w->node.alive = parent->alive;
   }
   if (w->node.alive)
-    km_node_copy(t->run->arm, w->here, parent ? &parent->end : &w->of->root);
+    km_path_node_copy(t->run->arm, w->here, parent ? &parent->end : &w->of->root);
 }
 
 /* Creates the branch state of item `item`: nodes of the level, followed by nodes of the first levels of the next
  * trees. */
-static branch_state begin_branch(const km_look_tree *t, int level, int item, km_node *branch_nodes) {
+static branch_state begin_branch(const km_look_tree *t, int level, int item, km_path_node *branch_nodes) {
   int behind = item - t->shares[level].count;
   bool own = behind < 0;
   branch_state w = {.of = own ? t->now : t->next[behind / t->branches],
@@ -85,7 +85,7 @@ static branch_state begin_branch(const km_look_tree *t, int level, int item, km_
 /* Records the outcome of step k of a branch. */
 static void record_step(const km_look_tree *t, branch_state *w, int k, km_step_end step) {
   km_look_node *node = &w->node;
-  km_node *end = w->there;
+  km_path_node *end = w->there;
   bool first = w->first_sample + k == 0;
   node->evaluations += step.evaluations;
   if (first && w->index == (t->branches - 1) / 2)
@@ -95,7 +95,7 @@ static void record_step(const km_look_tree *t, branch_state *w, int k, km_step_e
     return;
   }
   if (first)
-    km_node_copy(t->run->arm, &w->of->first[w->index], end);
+    km_path_node_copy(t->run->arm, &w->of->first[w->index], end);
   node->least = end->value < node->least ? end->value : node->least;
   node->sum += end->value;
   node->samples++;
@@ -107,8 +107,8 @@ static void record_step(const km_look_tree *t, branch_state *w, int k, km_step_e
 static int advance_branches(km_look_tree *t, int worker, int k, int count, branch_state *all) {
   km_tracking_run *run = t->run;
   km_tracker_space *space = &t->spaces[worker];
-  const km_node *from[KM_STEP_BATCH];
-  km_node *to[KM_STEP_BATCH];
+  const km_path_node *from[KM_STEP_BATCH];
+  km_path_node *to[KM_STEP_BATCH];
   km_step_choice choices[KM_STEP_BATCH];
   km_step_end ends[KM_STEP_BATCH];
   int lane[KM_STEP_BATCH], samples[KM_STEP_BATCH], batch = 0;
@@ -139,7 +139,7 @@ static void store_branch(const km_look_tree *t, int worker, const branch_state *
   km_look_node *node = km_look_node_at(t, w->of, w->level, w->index);
   *node = w->node;
   if (node->alive)
-    km_node_copy(t->run->arm, &node->end, w->here);
+    km_path_node_copy(t->run->arm, &node->end, w->here);
   if (w->of != t->now)
     t->spaces[worker].arm.evaluations -= node->evaluations;
 }
@@ -159,7 +159,7 @@ static int item_at(const km_look_share *s, int worker, int k) {
 /* Advances up to KM_STEP_BATCH branches over a level, as a batch. */
 static void grow_group(km_look_tree *t, int level, int worker, int first, int count) {
   branch_state all[KM_STEP_BATCH];
-  km_node *branch_nodes = &t->branch_nodes[worker * 2 * KM_STEP_BATCH];
+  km_path_node *branch_nodes = &t->branch_nodes[worker * 2 * KM_STEP_BATCH];
   for (int l = 0; l < count; ++l)
     all[l] = begin_branch(t, level, item_at(&t->shares[level], worker, first + l), &branch_nodes[2 * l]);
   for (int k = 0; k < t->stride && advance_branches(t, worker, k, count, all) > 0; ++k)
@@ -227,7 +227,7 @@ static int add_guess(km_look_tree *t, int count, int branch) {
     return count;
   next->branch_guess = branch;
   next->sample = now->sample + 1;
-  km_node_copy(t->run->arm, &next->root, &now->first[branch]);
+  km_path_node_copy(t->run->arm, &next->root, &now->first[branch]);
   return count + 1;
 }
 
@@ -258,12 +258,12 @@ static km_look_root_level *create_root_level(km_look_tree *t) {
   const km_arm *a = t->run->arm;
   km_arena *arena = &t->run->arena;
   km_look_root_level *b = KM_ARENA_NEW(arena, km_look_root_level, 1);
-  if (!b || !km_node_create(a, arena, &b->root))
+  if (!b || !km_path_node_create(a, arena, &b->root))
     return NULL;
   b->nodes = KM_ARENA_NEW(arena, km_look_node, (size_t)t->branches);
-  b->first = KM_ARENA_NEW(arena, km_node, (size_t)t->branches);
+  b->first = KM_ARENA_NEW(arena, km_path_node, (size_t)t->branches);
   for (int i = 0; i < t->branches && !arena->failed; ++i)
-    if (!km_node_create(a, arena, &b->nodes[i].end) || !km_node_create(a, arena, &b->first[i]))
+    if (!km_path_node_create(a, arena, &b->nodes[i].end) || !km_path_node_create(a, arena, &b->first[i]))
       return NULL;
   return b;
 }
@@ -292,17 +292,17 @@ bool km_look_tree_create(km_look_tree *t, km_tracking_run *run) {
   t->tan_phis = KM_ARENA_NEW(arena, double, (size_t)t->branches *(size_t)(a->freedom > 0 ? a->freedom : 1));
   t->spaces = KM_ARENA_NEW(arena, km_tracker_space, (size_t)t->workers);
   const int branch_nodes = t->workers * KM_STEP_BATCH * 2;
-  t->branch_nodes = KM_ARENA_NEW(arena, km_node, (size_t)branch_nodes);
+  t->branch_nodes = KM_ARENA_NEW(arena, km_path_node, (size_t)branch_nodes);
   t->now = create_root_level(t);
   bool is_ok = t->now && t->shares;
   for (int i = 0; i < KM_LOOK_GUESSES && is_ok; ++i)
     is_ok = (t->next[i] = create_root_level(t)) != NULL;
   for (long long i = 0; i < count && is_ok; ++i)
-    is_ok = km_node_create(a, arena, &t->nodes[i].end);
+    is_ok = km_path_node_create(a, arena, &t->nodes[i].end);
   for (int i = 0; i < t->workers && is_ok; ++i)
     is_ok = km_tracker_space_create(a, &t->spaces[i]);
   for (int i = 0; i < branch_nodes && is_ok; ++i)
-    is_ok = km_node_create(a, arena, &t->branch_nodes[i]);
+    is_ok = km_path_node_create(a, arena, &t->branch_nodes[i]);
   if (is_ok)
     set_tilts(t);
   return is_ok;
@@ -346,6 +346,6 @@ void km_look_tree_recede(km_look_tree *t, int branch) {
   t->is_grown = adopt_guess(t, branch);
   if (t->is_grown)
     return;
-  km_node_copy(t->run->arm, &t->now->root, &t->now->first[branch]);
+  km_path_node_copy(t->run->arm, &t->now->root, &t->now->first[branch]);
   t->now->sample++;
 }

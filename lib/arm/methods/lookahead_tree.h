@@ -5,7 +5,7 @@
 #include "arm/methods/method.h"
 
 typedef struct km_look_node {
-  km_node end;       /* node at the end of the level */
+  km_path_node end;  /* node at the end of the level */
   double least, sum; /* minimum and sum of the objective from the root (excluded) */
   int samples;       /* samples reached since the root */
   bool alive;
@@ -17,9 +17,9 @@ enum { KM_LOOK_GUESSES = 2 };
 
 /* Root and first level of a tree. */
 typedef struct km_look_root_level {
-  km_node root;
+  km_path_node root;
   km_look_node *nodes; /* [branches] nodes of the first level */
-  km_node *first;      /* [branches] nodes one sample after the root */
+  km_path_node *first; /* [branches] nodes one sample after the root */
   km_step_end middle;  /* outcome of the first step of the middle branch (φ = 0) */
   int sample;          /* sample of the root */
   int branch_guess;    /* speculative tree: the branch whose first step ends at its root */
@@ -35,11 +35,11 @@ typedef struct km_look_share {
 typedef struct km_look_tree {
   km_tracking_run *run;
   int branches, levels, stride, workers;
-  km_look_node *nodes;      /* nodes by level from the second one on; the children of node i begin at i · branches */
-  int *level_start;         /* [levels + 1] index of each level's first node, from the second level on */
-  double *tan_phis;         /* [branches × freedom] */
-  km_tracker_space *spaces; /* [workers] */
-  km_node *branch_nodes;    /* [workers × KM_WALK_ABREAST × 2] */
+  km_look_node *nodes;        /* nodes by level from the second one on; the children of node i begin at i · branches */
+  int *level_start;           /* [levels + 1] index of each level's first node, from the second level on */
+  double *tan_phis;           /* [branches × freedom] */
+  km_tracker_space *spaces;   /* [workers] */
+  km_path_node *branch_nodes; /* [workers × KM_WALK_ABREAST × 2] */
   km_look_root_level *now, *next[KM_LOOK_GUESSES]; /* first levels of the current tree and of the speculative next
                                                     * trees */
   km_look_share *shares;                           /* [levels] */

@@ -12,12 +12,12 @@ typedef struct km_tracking_run {
   km_tracker tracker;
   km_tracker_space space;
   km_arena arena;
-  km_node node, next; /* nodes of km_run_steps */
-  double *start;      /* [n] */
-  double *q;          /* [samples × n] */
-  int reached;        /* samples in q */
-  double *last;       /* [n] configuration at the end of the track, if between samples */
-  double fraction;    /* part of the interval after the last sample that is covered; 0: the track ends on the sample */
+  km_path_node node, next; /* nodes of km_run_steps */
+  double *start;           /* [n] */
+  double *q;               /* [samples × n] */
+  int reached;             /* samples in q */
+  double *last;            /* [n] configuration at the end of the track, if between samples */
+  double fraction; /* part of the interval after the last sample that is covered; 0: the track ends on the sample */
   km_track_stop stop;
   int column;
   bool fixed[KM_ARM_MAX_JOINTS]; /* method fixed: joints that don't move */
@@ -47,7 +47,7 @@ km_status km_method_dp(km_tracking_run *run, km_error *error);
 km_status km_method_global(km_tracking_run *run, km_error *error);
 
 /* Chooses the next step from a node at a sample; may use the run's workspace. */
-typedef void (*km_run_choose)(void *context, km_tracking_run *run, int sample, const km_node *node,
+typedef void (*km_run_choose)(void *context, km_tracking_run *run, int sample, const km_path_node *node,
                               km_step_choice *choice);
 /* Advances along the path sample by sample, with the steps that `choose` returns (NULL: always `first`). */
 km_status km_run_steps(km_tracking_run *run, const km_step_choice *first, km_run_choose choose, void *context,
@@ -57,7 +57,7 @@ km_status km_run_steps(km_tracking_run *run, const km_step_choice *first, km_run
 km_status km_run_try(km_tracking_run *run, const km_step_choice *first, km_run_choose choose, void *context);
 
 /* Locates and classifies the end of a track whose step from `node` at the last sample failed with `end`. */
-void km_run_stop(km_tracking_run *run, const km_node *node, const km_step_choice *choice, km_step_end end);
+void km_run_stop(km_tracking_run *run, const km_path_node *node, const km_step_choice *choice, km_step_end end);
 /* Calls the progress callback; false: cancelled. */
 bool km_run_report_progress(const km_tracking_run *run, int sample);
 

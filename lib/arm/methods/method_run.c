@@ -12,7 +12,7 @@ bool km_run_create(const km_arm *a, const km_track_plan *plan, km_tracking_run *
   run->start = KM_ARENA_NEW(&run->arena, double, n);
   run->last = KM_ARENA_NEW(&run->arena, double, n);
   run->q = KM_ARENA_NEW(&run->arena, double, n *(size_t)plan->path->samples);
-  if (km_node_create(a, &run->arena, &run->node) && km_node_create(a, &run->arena, &run->next) &&
+  if (km_path_node_create(a, &run->arena, &run->node) && km_path_node_create(a, &run->arena, &run->next) &&
       km_tracker_space_create(a, &run->space)) {
     for (int k = 0; k < a->n; ++k)
       run->start[k] = km_arm_from_units(a, k, plan->start[k]);
@@ -75,8 +75,8 @@ static bool at_limit(const km_arm *a, const double *q, int column) {
   return fmin(fabs(q[column] - a->low[column]), fabs(a->high[column] - q[column])) <= is_near * (1.0 + fabs(q[column]));
 }
 
-void km_run_stop(km_tracking_run *run, const km_node *node, const km_step_choice *choice, km_step_end end) {
-  km_node at = {.q = run->last};
+void km_run_stop(km_tracking_run *run, const km_path_node *node, const km_step_choice *choice, km_step_end end) {
+  km_path_node at = {.q = run->last};
   km_arena arena = {0};
   int sample = run->reached - 1;
   run->stop = end.stop;
@@ -84,16 +84,16 @@ void km_run_stop(km_tracking_run *run, const km_node *node, const km_step_choice
   run->fraction = 0.0;
   if (end.stop == KM_TRACK_COMPLETE)
     return;
-  if (!km_node_create(run->arm, &arena, &at))
+  if (!km_path_node_create(run->arm, &arena, &at))
     return;
-  km_node_copy(run->arm, &at, node);
+  km_path_node_copy(run->arm, &at, node);
   if (end.stop != KM_TRACK_RATE) { /* a limit or a rate can end the track before the singular configuration */
     end = km_tracker_find_end(&run->tracker, &run->space, sample, node, choice, end, 1.0, &at);
     run->fraction = end.fraction;
   }
   if (run->fraction < 1e-9) { /* rates of a shorter step are rounding */
     run->fraction = 0.0;
-    km_node_copy(run->arm, &at, node);
+    km_path_node_copy(run->arm, &at, node);
   }
   if (end.stop == KM_TRACK_LIMIT && !at_limit(run->arm, at.q, end.column))
     end = (km_step_end){.stop = KM_TRACK_SINGULAR, .column = -1, .fraction = end.fraction};
@@ -107,7 +107,7 @@ void km_run_stop(km_tracking_run *run, const km_node *node, const km_step_choice
   km_arena_free(&arena);
 }
 
-static void append_sample(km_tracking_run *run, const km_node *node) {
+static void append_sample(km_tracking_run *run, const km_path_node *node) {
   memcpy(run->q + (size_t)run->reached * (size_t)run->arm->n, node->q, (size_t)run->arm->n * sizeof *node->q);
   run->reached++;
 }
@@ -120,7 +120,7 @@ static km_step_end advance(km_tracking_run *run, const km_step_choice *first, km
     choose(context, run, run->reached - 1, &run->node, choice);
   km_step_end end = km_tracker_step(&run->tracker, &run->space, run->reached - 1, 1.0, &run->node, choice, &run->next);
   if (!end.stop) {
-    km_node_copy(run->arm, &run->node, &run->next);
+    km_path_node_copy(run->arm, &run->node, &run->next);
     append_sample(run, &run->node);
   }
   return end;
@@ -172,7 +172,7 @@ static double rate_margin_correction(km_tracking_run *run, int sample) {
   const double *q = run->q + (size_t)first * (size_t)a->n;
   for (int k = 0; k < a->n; ++k)
     mean[k] = (q[a->n + k] - q[k]) / (points[first + 1].t - points[first].t);
-  km_node_rates(a, run->next.path, run->next.self, points[sample].speed, mean, rates);
+  km_path_node_rates(a, run->next.path, run->next.self, points[sample].speed, mean, rates);
   km_objective_values(a, &run->space.arm, run->next.q, run->next.path, points[sample].speed, &only, values);
   return weight * (km_objective_rate_margin(a, rates) - values[KM_RATE_MARGIN]);
 }

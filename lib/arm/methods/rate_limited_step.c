@@ -15,7 +15,7 @@ bool km_tracker_rated(const km_arm *a) {
 
 /* Cyclic projection: moves tan_phi, joint by joint, by the least distance at which the joint's rate is (1 − margin)
  * of its limit, until all rates are below (1 − margin/2). False: no such tan_phi, or not found. */
-static bool limit_rates(const km_arm *a, const km_node *node, double speed, double margin, double *tan_phi) {
+static bool limit_rates(const km_arm *a, const km_path_node *node, double speed, double margin, double *tan_phi) {
   enum { MAX_SWEEPS = 100 };
   const double scale = speed / node->z;
   for (int sweep = 0; sweep < MAX_SWEEPS; ++sweep) {
@@ -42,8 +42,8 @@ static bool limit_rates(const km_arm *a, const km_node *node, double speed, doub
   return false;
 }
 
-km_step_end km_tracker_ease(const km_tracker *w, km_tracker_space *s, int sample, const km_node *from,
-                            const km_step_choice *choice, km_step_end end, km_node *to) {
+km_step_end km_tracker_ease(const km_tracker *w, km_tracker_space *s, int sample, const km_path_node *from,
+                            const km_step_choice *choice, km_step_end end, km_path_node *to) {
   static const double margins[] = {0.001, 0.01, 0.03, 0.1}; /* relative margins, tried in turn, because rates grow
                                                              * along the step */
   const size_t size = (size_t)w->arm->freedom * sizeof *choice->tan_phi;

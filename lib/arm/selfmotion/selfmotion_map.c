@@ -13,7 +13,7 @@ typedef struct map_builder {
   km_arm free_arm; /* the arm without limits and rates */
   km_arm_space space;
   km_tracker_space tracker_space;
-  km_node here, next;
+  km_path_node here, next;
 } map_builder;
 
 static double signed_arc_length(const km_selfmotion_curve *c, double u) {
@@ -97,7 +97,7 @@ static bool trace_reference(map_builder *m, const double *start, int stations) {
       return false;
     if (i == samples - 1 || km_tracker_step(&w, &m->tracker_space, i, 1.0, &m->here, &greedy_choice, &m->next).stop)
       break;
-    km_node_copy(&m->free_arm, &m->here, &m->next);
+    km_path_node_copy(&m->free_arm, &m->here, &m->next);
   }
   m->out->reached = m->path->points[i].s / m->path->points[samples - 1].s;
   return true;
@@ -110,7 +110,7 @@ static bool prepare(map_builder *m, km_arena *arena, const km_arm *arm, int stat
   m->free_arm.high = KM_ARENA_NEW(arena, double, n);
   m->free_arm.rate = KM_ARENA_NEW(arena, double, n);
   m->out->stations = KM_ARENA_NEW(arena, km_station, (size_t)stations + 3);
-  if (arena->failed || !km_node_create(arm, arena, &m->here) || !km_node_create(arm, arena, &m->next))
+  if (arena->failed || !km_path_node_create(arm, arena, &m->here) || !km_path_node_create(arm, arena, &m->next))
     return false;
   for (size_t k = 0; k < n; ++k) {
     m->free_arm.low[k] = -(double)INFINITY;

@@ -133,7 +133,7 @@ static inline void km_one_sincos_of(const km_one_angles *angles, int j, double *
 enum { KM_LANES = 8 };
 typedef double km_batch_number[KM_LANES];
 
-/* Start of each lane's step: the data that km_node_predict reads. */
+/* Start of each lane's step: the data that km_path_node_predict reads. */
 typedef struct km_batch_start {
   km_batch_number q[SEVEN], path[SEVEN], z, null[SEVEN];
   km_batch_number last[SEVEN], before[SEVEN]; /* corrections of the last two steps; the extrapolated one is 2 last −

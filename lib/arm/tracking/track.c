@@ -93,7 +93,7 @@ static void rates_at(const km_track *t, km_arm_space *space, const double *xi, c
   if (t->plan.method.kind == KM_FIXED)
     km_control_factor(a, space, xi, t->fixed);
   km_control_columns(a, space, NULL, path, self);
-  km_node_rates(a, path, self, r->point.speed, mean, v);
+  km_path_node_rates(a, path, self, r->point.speed, mean, v);
 }
 
 /* Contribution of a row to the summary. */

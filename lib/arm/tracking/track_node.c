@@ -14,9 +14,9 @@ static size_t node_size(const km_arm *a) {
   return n + (n + 1) + freedom * n + KM_NODE_CORRECTIONS * n + freedom;
 }
 
-bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
+bool km_path_node_create(const km_arm *a, km_arena *arena, km_path_node *node) {
   size_t n = (size_t)a->n, freedom = (size_t)a->freedom;
-  *node = (km_node){.q = KM_ARENA_NEW(arena, double, node_size(a))};
+  *node = (km_path_node){.q = KM_ARENA_NEW(arena, double, node_size(a))};
   if (!node->q)
     return false;
   node->path = node->q + n;
@@ -26,7 +26,7 @@ bool km_node_create(const km_arm *a, km_arena *arena, km_node *node) {
   return true;
 }
 
-void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
+void km_path_node_copy(const km_arm *a, km_path_node *to, const km_path_node *from) {
   memcpy(to->q, from->q, node_size(a) * sizeof *to->q);
   to->along = from->along;
   to->correction_count = from->correction_count;
@@ -34,8 +34,8 @@ void km_node_copy(const km_arm *a, km_node *to, const km_node *from) {
   to->value = from->value;
 }
 
-void km_node_rates(const km_arm *a, const double *path, const double *self, double speed, const double *mean,
-                   double *rates) {
+void km_path_node_rates(const km_arm *a, const double *path, const double *self, double speed, const double *mean,
+                        double *rates) {
   const double scale = path[a->n] > 0.0 ? speed / path[a->n] : 0.0;
   for (int k = 0; k < a->n; ++k)
     rates[k] = path[k] * scale;
@@ -57,7 +57,7 @@ double km_joint_length(const double *x, int n) {
 }
 
 /* Predictor step = (c₁/z + tan φ · c₂/z) Δσ. */
-static void predict(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds, double *step) {
+static void predict(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds, double *step) {
   double inverse = 1.0 / here->z;
   for (int k = 0; k < a->n; ++k) {
     double rate = here->path[k];
@@ -67,7 +67,7 @@ static void predict(const km_arm *a, const km_node *here, const km_step_choice *
   }
 }
 
-int km_node_valid_corrections(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds) {
+int km_path_node_valid_corrections(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds) {
   static const double same = 1e-6; /* relative to Δσ */
   bool on = here->correction_count > 0 && fabs(ds - here->along) <= same * ds;
   for (int j = 0; j < a->freedom && on; ++j)
@@ -77,10 +77,10 @@ int km_node_valid_corrections(const km_arm *a, const km_node *here, const km_ste
 
 /* Extrapolated correction `moved`: linear in the last two corrections, the last one if only one is valid, else 0;
  * also 0 if longer than `most`. */
-static void expect(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds, double most,
+static void expect(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds, double most,
                    double *moved) {
   const double *last = here->corrections, *before = last + a->n;
-  int known = km_node_valid_corrections(a, here, choice, ds);
+  int known = km_path_node_valid_corrections(a, here, choice, ds);
   for (int k = 0; k < a->n; ++k) {
     bool moves = known > 0 && !(choice->fixed && choice->fixed[k]);
     moved[k] = !moves ? 0.0 : known > 1 ? 2.0 * last[k] - before[k] : last[k];
@@ -89,18 +89,18 @@ static void expect(const km_arm *a, const km_node *here, const km_step_choice *c
     memset(moved, 0, (size_t)a->n * sizeof *moved);
 }
 
-double km_node_predict(const km_arm *a, const km_node *here, const km_step_choice *choice, double ds, double *step,
-                       double *moved) {
+double km_path_node_predict(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds,
+                            double *step, double *moved) {
   predict(a, here, choice, ds, step);
   double most = 0.5 * km_joint_length(step, a->n) + 1e-12; /* half the predictor, plus rounding */
   expect(a, here, choice, ds, most, moved);
   return most;
 }
 
-void km_node_store_correction(const km_arm *a, const km_node *from, const km_step_choice *choice, double ds,
-                              const double *moved, km_node *to) {
+void km_path_node_store_correction(const km_arm *a, const km_path_node *from, const km_step_choice *choice, double ds,
+                                   const double *moved, km_path_node *to) {
   const size_t n = (size_t)a->n;
-  bool on = km_node_valid_corrections(a, from, choice, ds) > 0;
+  bool on = km_path_node_valid_corrections(a, from, choice, ds) > 0;
   memcpy(to->corrections + n, from->corrections, n * sizeof *moved);
   memcpy(to->corrections, moved, n * sizeof *moved);
   for (int j = 0; j < a->freedom; ++j)

@@ -7,7 +7,7 @@
 
 bool km_tracker_space_create(const km_arm *a, km_tracker_space *s) {
   *s = (km_tracker_space){0};
-  if (km_arm_space_create(a, &s->arm) && km_node_create(a, &s->arm.arena, &s->here))
+  if (km_arm_space_create(a, &s->arm) && km_path_node_create(a, &s->arm.arena, &s->here))
     return true;
   km_tracker_space_free(s);
   return false;
@@ -19,7 +19,7 @@ void km_tracker_space_free(km_tracker_space *s) {
 
 /* Computes the columns and the objective of a node, for whose q the space was updated. */
 static void compute_columns(const km_tracker *w, km_tracker_space *s, const km_path_point *point,
-                            const km_step_choice *choice, const double *guide, km_node *node) {
+                            const km_step_choice *choice, const double *guide, km_path_node *node) {
   double xi[KM_ARM_ROWS], values[KM_OBJECTIVES];
   km_arm_task_rows(w->arm, &s->arm.pose.R, point->twist, xi);
   km_control_factor(w->arm, &s->arm, xi, choice->fixed);
@@ -44,7 +44,7 @@ static void orient_columns(const km_arm *a, double *self) {
 }
 
 void km_tracker_compute_node(const km_tracker *w, km_tracker_space *s, int sample, const double *q,
-                             const km_step_choice *choice, km_node *out) {
+                             const km_step_choice *choice, km_path_node *out) {
   memmove(out->q, q, (size_t)w->arm->n * sizeof *q);
   km_arm_update(w->arm, &s->arm, q);
   compute_columns(w, s, &w->path->points[sample], choice, NULL, out);
@@ -87,7 +87,7 @@ static void damped_rates(const km_arm *a, const km_arm_space *s, const double *x
 /* Damped rates if the smallest singular value is below choice->below, with λ² = λ₀² (1 − (σ_min/below)²); false
  * otherwise. */
 static bool find_damped_rates(const km_tracker *w, km_tracker_space *s, const km_path_point *point,
-                              const km_step_choice *choice, const km_node *here, double *rates) {
+                              const km_step_choice *choice, const km_path_node *here, double *rates) {
   double sigma[KM_ARM_ROWS], xi[KM_ARM_ROWS];
   km_arm_update(w->arm, &s->arm, here->q);
   km_arm_singular_values(w->arm, &s->arm, sigma);
@@ -132,21 +132,21 @@ static bool correct(const km_tracker *w, km_tracker_space *s, const km_path_poin
 /* One step from space->here to a point: predictor (damped near singular configurations), then corrector. False:
  * rejected. */
 static bool try_step(const km_tracker *w, km_tracker_space *s, const km_path_point *from, const km_path_point *point,
-                     const km_step_choice *choice, km_node *to) {
+                     const km_step_choice *choice, km_path_node *to) {
   const km_arm *a = w->arm;
-  const km_node *here = &s->here;
+  const km_path_node *here = &s->here;
   double ds = point->s - from->s, step[KM_ARM_MAX_JOINTS], moved[KM_ARM_MAX_JOINTS] = {0}, most = 1.0;
   if (choice->damping > 0.0 && find_damped_rates(w, s, from, choice, here, step)) {
     for (int k = 0; k < a->n; ++k)
       step[k] *= ds; /* the corrector makes up for the damping, so it may be as long as a step */
   } else {
-    most = km_node_predict(a, here, choice, ds, step, moved);
+    most = km_path_node_predict(a, here, choice, ds, step, moved);
   }
   for (int k = 0; k < a->n; ++k)
     to->q[k] = here->q[k] + step[k] + moved[k];
   if (!correct(w, s, point, choice, most, to->q, moved))
     return false;
-  km_node_store_correction(a, here, choice, ds, moved, to);
+  km_path_node_store_correction(a, here, choice, ds, moved, to);
   return true;
 }
 
@@ -161,7 +161,7 @@ static int joint_over_rate(const km_arm *a, const double *rates) {
 static const km_step_end complete = {.stop = KM_TRACK_COMPLETE, .column = -1, .fraction = 1.0};
 
 static km_step_end check_limits_and_rates(const km_tracker *w, int sample, const km_path_point *point,
-                                          const km_node *from, const km_node *to) {
+                                          const km_path_node *from, const km_path_node *to) {
   const km_arm *a = w->arm;
   km_step_end end = complete;
   end.column = km_arm_limit_passed(a, to->q);
@@ -175,24 +175,24 @@ static km_step_end check_limits_and_rates(const km_tracker *w, int sample, const
     mean[k] = (to->q[k] - from->q[k]) * per_second;
   end.column = joint_over_rate(a, mean);
   if (end.column < 0) {
-    km_node_rates(a, to->path, to->self, point->speed, mean, rates);
+    km_path_node_rates(a, to->path, to->self, point->speed, mean, rates);
     end.column = joint_over_rate(a, rates);
   }
   if (end.column < 0 && sample == 0) { /* other samples were checked as ends of steps */
-    km_node_rates(a, from->path, from->self, w->path->points[0].speed, mean, rates);
+    km_path_node_rates(a, from->path, from->self, w->path->points[0].speed, mean, rates);
     end.column = joint_over_rate(a, rates);
   }
   end.stop = end.column >= 0 ? KM_TRACK_RATE : KM_TRACK_COMPLETE;
   return end;
 }
 
-km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample, double fraction, const km_node *from,
-                            const km_step_choice *choice, km_node *to) {
+km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample, double fraction,
+                            const km_path_node *from, const km_step_choice *choice, km_path_node *to) {
   enum { MAX_PARTIAL_STEPS = 5000 };
   static const double least = 1e-10; /* least step, relative to the interval: shorter ones are rounding */
   km_path_point here = w->path->points[sample];
   double done = 0.0, h = fraction;
-  km_node_copy(w->arm, &s->here, from);
+  km_path_node_copy(w->arm, &s->here, from);
   for (int jacobians = 0; done < fraction; ++jacobians) {
     if (jacobians == (choice->tries ? choice->tries : MAX_PARTIAL_STEPS) || h < least * fraction ||
         s->here.z < KM_PATH_ENTRY_LEAST)
@@ -204,7 +204,7 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
       continue;
     }
     compute_columns(w, s, &point, choice, s->here.self, to);
-    km_node_copy(w->arm, &s->here, to);
+    km_path_node_copy(w->arm, &s->here, to);
     here = point;
     done = next;
     h *= 2.0;
@@ -215,7 +215,7 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
 /* Copies the result of lane l into a node. Jacobians of lanes that failed aren't counted: they are repeated as
  * single steps, so counts don't depend on batching. */
 static void read_lane(const km_tracker *w, km_tracker_space *s, int sample, const km_lanes *lanes, int l,
-                      const km_node *from, const km_step_choice *choice, km_node *to) {
+                      const km_path_node *from, const km_step_choice *choice, km_path_node *to) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
   double side = 0.0, values[KM_OBJECTIVES], moved[SEVEN];
   for (int i = 0; i < SEVEN; ++i) {
@@ -231,19 +231,19 @@ static void read_lane(const km_tracker *w, km_tracker_space *s, int sample, cons
   s->arm.sigma_valid = lanes->want_sigma;
   s->arm.evaluations += (unsigned long)lanes->jacobians[l];
   to->z = to->path[SEVEN] = lanes->path[SEVEN][l];
-  km_node_store_correction(w->arm, from, choice, point->s - here->s, moved, to);
+  km_path_node_store_correction(w->arm, from, choice, point->s - here->s, moved, to);
   if (!w->objective)
     return;
   km_objective_values(w->arm, &s->arm, to->q, to->path, point->speed, w->objective, values);
   to->value = km_objective_sum(w->objective, values);
 }
 
-/* Copies the data that km_node_predict reads of a node into lane l. */
-static void write_lane(const km_tracker *w, int sample, int l, const km_node *from, const km_step_choice *choice,
+/* Copies the data that km_path_node_predict reads of a node into lane l. */
+static void write_lane(const km_tracker *w, int sample, int l, const km_path_node *from, const km_step_choice *choice,
                        km_batch_start *start) {
   const km_path_point *here = &w->path->points[sample], *point = here + 1;
   const double ds = point->s - here->s, *last = from->corrections, *before = from->corrections + SEVEN;
-  const int known = km_node_valid_corrections(w->arm, from, choice, ds);
+  const int known = km_path_node_valid_corrections(w->arm, from, choice, ds);
   for (int i = 0; i < SEVEN; ++i) {
     start->q[i][l] = from->q[i];
     start->path[i][l] = from->path[i];
@@ -260,7 +260,7 @@ static void write_lane(const km_tracker *w, int sample, int l, const km_node *fr
 
 /* Fills the lanes with the steps whose path entry is large enough. Returns their bits; the other lanes get a copy of
  * one of them, so that they compute with finite numbers. */
-static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, const km_node *const *from,
+static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, const km_path_node *const *from,
                            const km_step_choice *choices, km_lanes *lanes) {
   unsigned used = 0;
   int aimed = -1; /* start sample of the interval whose end is the current target */
@@ -285,7 +285,7 @@ static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, c
 }
 
 void km_tracker_steps(const km_tracker *w, km_tracker_space *s, const int *samples, int count,
-                      const km_node *const *from, const km_step_choice *choices, km_node *const *to,
+                      const km_path_node *const *from, const km_step_choice *choices, km_path_node *const *to,
                       km_step_end *ends) {
   km_lanes lanes; /* large, so unused parts stay uninitialised */
   unsigned done = 0;
@@ -321,8 +321,8 @@ static int joint_over_limit(const km_arm *a, const double *q) {
 
 /* Bisection between a step that satisfies limits and rates and one that doesn't. No smoothness is assumed: another
  * limit can come first, and long steps are curved. */
-km_step_end km_tracker_find_end(const km_tracker *w, km_tracker_space *s, int sample, const km_node *from,
-                                const km_step_choice *choice, km_step_end end, double outside, km_node *to) {
+km_step_end km_tracker_find_end(const km_tracker *w, km_tracker_space *s, int sample, const km_path_node *from,
+                                const km_step_choice *choice, km_step_end end, double outside, km_path_node *to) {
   double inside = 0.0;
   while (outside - inside > 1e-13) {
     double x = 0.5 * (inside + outside);
@@ -341,6 +341,6 @@ km_step_end km_tracker_find_end(const km_tracker *w, km_tracker_space *s, int sa
   if (inside > 0.0)
     km_tracker_step(w, s, sample, inside, from, choice, to);
   else
-    km_node_copy(w->arm, to, from);
+    km_path_node_copy(w->arm, to, from);
   return end;
 }

@@ -8,7 +8,7 @@
 
 /* A configuration on the path with its columns. Its arrays are one block of an arena. */
 enum { KM_NODE_CORRECTIONS = 2 };
-typedef struct km_node {
+typedef struct km_path_node {
   double *q;            /* [n] */
   double *path;         /* [n + 1] path-control column */
   double *self;         /* [freedom × n] pose-control columns, oriented as those of the previous node */
@@ -19,10 +19,10 @@ typedef struct km_node {
   int correction_count; /* number of known corrections */
   double z;             /* path entry of c₁ */
   double value;         /* value of the objective */
-} km_node;
+} km_path_node;
 
-bool km_node_create(const km_arm *arm, km_arena *arena, km_node *node);
-void km_node_copy(const km_arm *arm, km_node *to, const km_node *from);
+bool km_path_node_create(const km_arm *arm, km_arena *arena, km_path_node *node);
+void km_path_node_copy(const km_arm *arm, km_path_node *to, const km_path_node *from);
 
 typedef struct km_tracker {
   const km_arm *arm;
@@ -33,7 +33,7 @@ typedef struct km_tracker {
 /* Workspace of one thread. */
 typedef struct km_tracker_space {
   km_arm_space arm;
-  km_node here; /* intermediate node of a halved step */
+  km_path_node here; /* intermediate node of a halved step */
 } km_tracker_space;
 
 bool km_tracker_space_create(const km_arm *arm, km_tracker_space *space);
@@ -51,24 +51,25 @@ typedef struct km_step_choice {
 /* Joint rates [n] of a track at a configuration with these columns: c₁/z · speed (minimum norm along the path) plus
  * the part of mean[n] along the self-motions. mean[n] are the average rates of a step that begins or ends here. With
  * fixed joints, their columns give their rates. */
-void km_node_rates(const km_arm *arm, const double *path, const double *self, double speed, const double *mean,
-                   double *rates);
+void km_path_node_rates(const km_arm *arm, const double *path, const double *self, double speed, const double *mean,
+                        double *rates);
 
 /* Predictor of a step by Δσ from a node: step[n] = (c₁/z + tan φ · c₂/z) Δσ, and the extrapolated correction
  * moved[n], 0 if the previous steps had another Δσ or φ. Returns the largest correction allowed: half the length of
  * step. */
-double km_node_predict(const km_arm *arm, const km_node *here, const km_step_choice *choice, double ds, double *step,
-                       double *moved);
+double km_path_node_predict(const km_arm *arm, const km_path_node *here, const km_step_choice *choice, double ds,
+                            double *step, double *moved);
 
 /* Number of stored corrections that are valid for a step by Δσ: those of steps with the same Δσ and tan φ. */
-int km_node_valid_corrections(const km_arm *arm, const km_node *here, const km_step_choice *choice, double ds);
+int km_path_node_valid_corrections(const km_arm *arm, const km_path_node *here, const km_step_choice *choice,
+                                   double ds);
 
 /* Euclidean norm √(Σ xᵢ²) of joint values. */
 double km_joint_length(const double *x, int n);
 
 /* Stores the correction moved[n] of a step in the node at its end. */
-void km_node_store_correction(const km_arm *arm, const km_node *from, const km_step_choice *choice, double ds,
-                              const double *moved, km_node *to);
+void km_path_node_store_correction(const km_arm *arm, const km_path_node *from, const km_step_choice *choice, double ds,
+                                   const double *moved, km_path_node *to);
 
 /* Outcome of a step: the reason why it stopped, and the fraction it covered. */
 typedef struct km_step_end {
@@ -80,7 +81,7 @@ typedef struct km_step_end {
 
 /* Computes the node of a configuration q[n] that has the pose of a sample. */
 void km_tracker_compute_node(const km_tracker *tracker, km_tracker_space *space, int sample, const double *q,
-                             const km_step_choice *choice, km_node *out);
+                             const km_step_choice *choice, km_path_node *out);
 
 /* Advances from a node at `sample` over a fraction of the next interval: predictor (c₁/z + tan φ · c₂/z) Δσ, then
  * Newton's method to 1e-12 for the configuration closest to the predictor. If the correction exceeds half the
@@ -88,24 +89,26 @@ void km_tracker_compute_node(const km_tracker *tracker, km_tracker_space *space,
  * extrapolated correction 2 d₁ − d₂; the result is the same closest configuration, with one Jacobian less. Limits
  * and rates are checked at the end only. */
 km_step_end km_tracker_step(const km_tracker *tracker, km_tracker_space *space, int sample, double fraction,
-                            const km_node *from, const km_step_choice *choice, km_node *to);
+                            const km_path_node *from, const km_step_choice *choice, km_path_node *to);
 
 /* Advances up to KM_STEP_BATCH nodes by one sample each, as a batch if the arm has seven joints. Choices state tan φ
  * only. The results have the bits of km_tracker_step. */
 enum { KM_STEP_BATCH = 8 };
 void km_tracker_steps(const km_tracker *tracker, km_tracker_space *space, const int *samples, int count,
-                      const km_node *const *from, const km_step_choice *choices, km_node *const *to, km_step_end *ends);
+                      const km_path_node *const *from, const km_step_choice *choices, km_path_node *const *to,
+                      km_step_end *ends);
 
 /* Easing of a step that failed with `end`: if a joint rate was exceeded, repeats the step with the closest tan φ
  * that satisfies the rates at the node, with growing margins. Returns the final outcome. */
-km_step_end km_tracker_ease(const km_tracker *tracker, km_tracker_space *space, int sample, const km_node *from,
-                            const km_step_choice *choice, km_step_end end, km_node *to);
+km_step_end km_tracker_ease(const km_tracker *tracker, km_tracker_space *space, int sample, const km_path_node *from,
+                            const km_step_choice *choice, km_step_end end, km_path_node *to);
 /* True if a joint of the arm has a rate. */
 bool km_tracker_rated(const km_arm *arm);
 
 /* Locates the end of a track by bisection. The step to the fraction `outside` failed with `end`. Finds the largest
  * fraction that satisfies limits and rates (end.fraction), the node there, and the stop just past it. */
-km_step_end km_tracker_find_end(const km_tracker *tracker, km_tracker_space *space, int sample, const km_node *from,
-                                const km_step_choice *choice, km_step_end end, double outside, km_node *to);
+km_step_end km_tracker_find_end(const km_tracker *tracker, km_tracker_space *space, int sample,
+                                const km_path_node *from, const km_step_choice *choice, km_step_end end, double outside,
+                                km_path_node *to);
 
 #endif

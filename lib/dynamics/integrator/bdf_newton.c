@@ -1,4 +1,7 @@
-/* The linear systems of BDF's Newton iterations, over the components that a derivative depends on. */
+/* Linear systems of BDF's Newton iteration, reduced to the components C on which the derivative depends
+ * (docs/theory.md 11.5).
+ *
+ *   (I − γ J) x = b,  J = ∂f/∂y with non-zero columns C only:  (I − γ J_CC) x_C = b_C,   x = b + γ J_C x_C elsewhere */
 #include "dynamics/integrator/bdf_newton.h"
 
 #include <nvector/nvector_serial.h>
@@ -6,87 +9,86 @@
 
 #include <string.h>
 
-/* Symbols: C the components that f depends on, J_C their columns of J = ∂f/∂y. (I − γ J) x = b is
- * (I − γ J_CC) x_C = b_C, and x = b + γ J_C x_C elsewhere. */
-
 struct km_newton {
   km_simulation *run;
-  SUNMatrix matrix; /* without content of its own: what is below stands for it */
+  SUNMatrix matrix; /* no content; the fields below replace it */
   SUNLinearSolver solver;
-  int count;      /* of C */
-  int *component; /* [count] */
-  double *J;      /* [count × size] J_C, one column after the other */
-  double *M;      /* [count²] LU of I − γ J_CC, by columns */
-  size_t J_room, M_room;
-  double **column;     /* [count] of M */
-  sunindextype *pivot; /* [count] */
-  double *beside;      /* [size] a vector beside the present one, and the derivative at that one */
-  double *x;           /* [count] */
+  int count;      /* number of components in C */
+  int *component; /* [count] components C */
+  double *J;      /* [count × size] J_C, column-major */
+  double *M;      /* [count²] LU factors of I − γ J_CC, column-major */
+  size_t J_capacity, M_capacity;
+  double **column;     /* [count] pointers to the columns of M */
+  sunindextype *pivot; /* [count] components C */
+  double *work;        /* [size] shifted vector, then the derivative at the present one */
+  double *x;           /* [count] components C */
   double gamma;
-  int repartitions; /* when J was found */
+  int repartitions; /* number of repartitions when J was computed */
 };
 
-/* Of a difference, in radians, characteristic lengths and those per second: beside it the loops' errors are small. */
-static const double difference = 1e-7, tightly = 1e-13;
+/* Step of the differences, in radians, characteristic lengths and these per second; closing error of loops
+ * meanwhile, which is small compared with it. */
+static const double difference = 1e-7, accepted_tolerance = 1e-13;
 
 static void add(km_newton *n, int component) {
   n->component[n->count++] = component;
 }
 
-/* What an evaluation reads of the vector (integrator_vector.c): of balls the whole quaternion; all where errors are fed back. */
+/* Lists the components that an evaluation reads (integrator_vector.c): independent coordinates, their rates,
+ * quaternions of balls, internal states; all with Baumgarte's stabilisation. */
 static void list_components(km_newton *n) {
   const km_simulation *run = n->run;
   const km_dynamics *d = run->dynamics;
   const km_mechanism *m = d->mechanism;
   n->count = 0;
-  for (int i = 0; i < run->memory_start && d->feeds_back; ++i)
+  for (int i = 0; i < run->memory_start && d->uses_baumgarte; ++i)
     add(n, i);
-  for (int i = 0; i < d->tree.cluster_count && !d->feeds_back; ++i) {
+  for (int i = 0; i < d->tree.cluster_count && !d->uses_baumgarte; ++i) {
     const int *coordinates = d->tree.coordinate_order + d->tree.clusters[i].coordinate_start;
     for (int k = 0; k < d->cluster[i].freedom; ++k) {
       int c = coordinates[d->cluster[i].independent[k]];
       add(n, run->rate_start + c);
       if (m->ball_of[c] < 0)
-        add(n, run->place[c]);
+        add(n, run->value_index[c]);
     }
   }
-  for (int b = 0; b < m->ball_count && !d->feeds_back; ++b)
+  for (int b = 0; b < m->ball_count && !d->uses_baumgarte; ++b)
     for (int k = 0; k < 4 && !m->held[m->ball_coordinate[b]]; ++k)
-      add(n, run->place[m->ball_coordinate[b]] + k);
+      add(n, run->value_index[m->ball_coordinate[b]] + k);
   for (int i = run->memory_start; i < run->work_start; ++i)
     add(n, i);
 }
 
 static bool reserve(km_newton *n) {
   size_t count = (size_t)n->count;
-  return km_reserve((void **)&n->J, &n->J_room, count * (size_t)n->run->size, sizeof *n->J) &&
-         km_reserve((void **)&n->M, &n->M_room, count * count, sizeof *n->M);
+  return km_reserve((void **)&n->J, &n->J_capacity, count * (size_t)n->run->size, sizeof *n->J) &&
+         km_reserve((void **)&n->M, &n->M_capacity, count * count, sizeof *n->M);
 }
 
-/* J_C about y, where n->J has its space. The evaluation at y itself comes last: the run goes on from there. */
+/* Computes J_C at y by forward differences. The evaluation at y itself is the last one, so the state is that of y. */
 static bool differentiate(km_newton *n, double t, const double *y) {
   km_simulation *run = n->run;
   size_t size = (size_t)run->size;
-  double closing = run->dynamics->closing, *f = n->beside;
-  bool good = true;
-  run->dynamics->closing = fmin(closing, tightly);
-  for (int k = 0; k < n->count && good; ++k) {
+  double closing_tolerance = run->dynamics->closing_tolerance, *f = n->work;
+  bool is_ok = true;
+  run->dynamics->closing_tolerance = fmin(closing_tolerance, accepted_tolerance);
+  for (int k = 0; k < n->count && is_ok; ++k) {
     int i = n->component[k];
     double by = difference * fmax(run->tolerance[i] / run->def.absolute, fabs(y[i]));
-    memcpy(n->beside, y, size * sizeof *y);
-    n->beside[i] += by;
-    n->x[k] = 1.0 / (n->beside[i] - y[i]);
-    good = km_simulation_derivative(run, t, n->beside, n->J + (size_t)k * size);
+    memcpy(n->work, y, size * sizeof *y);
+    n->work[i] += by;
+    n->x[k] = 1.0 / (n->work[i] - y[i]);
+    is_ok = km_simulation_derivative(run, t, n->work, n->J + (size_t)k * size);
   }
-  good = good && km_simulation_derivative(run, t, y, f);
-  for (int k = 0; k < n->count && good; ++k) {
+  is_ok = is_ok && km_simulation_derivative(run, t, y, f);
+  for (int k = 0; k < n->count && is_ok; ++k) {
     double *column = n->J + (size_t)k * size;
     for (size_t i = 0; i < size; ++i)
       column[i] = n->x[k] * (column[i] - f[i]);
   }
-  run->dynamics->closing = closing;
+  run->dynamics->closing_tolerance = closing_tolerance;
   n->repartitions = km_dynamics_repartitions(run->dynamics);
-  return good;
+  return is_ok;
 }
 
 static bool factor(km_newton *n) {
@@ -103,24 +105,24 @@ static bool factor(km_newton *n) {
   return n->count == 0 || SUNDlsMat_denseGETRF(n->column, n->count, n->count, n->pivot) == 0;
 }
 
-/* What CVODE is told: to go on, to try a shorter step, to give up. */
-enum { GO_ON = 0, RETRY = 1, GIVE_UP = -1 };
+/* Return codes for CVODE: success, recoverable failure (shorter step), unrecoverable failure. */
+enum { SUCCESS = 0, RECOVERABLE = 1, UNRECOVERABLE = -1 };
 
-static int prepare(realtype t, N_Vector y, N_Vector f, SUNMatrix A, booleantype known, booleantype *renewed,
+static int prepare(realtype t, N_Vector y, N_Vector f, SUNMatrix A, booleantype known, booleantype *repartitions,
                    realtype gamma, void *data, N_Vector a, N_Vector b, N_Vector c) {
   km_newton *n = (km_newton *)A->content;
   (void)f, (void)data, (void)a, (void)b, (void)c;
-  *renewed = !known || n->repartitions != km_dynamics_repartitions(n->run->dynamics);
-  if (*renewed) {
+  *repartitions = !known || n->repartitions != km_dynamics_repartitions(n->run->dynamics);
+  if (*repartitions) {
     list_components(n);
     n->run->arena.failed = n->run->arena.failed || !reserve(n);
     if (n->run->arena.failed)
-      return GIVE_UP;
+      return UNRECOVERABLE;
     if (!differentiate(n, t, NV_DATA_S(y)))
-      return RETRY;
+      return RECOVERABLE;
   }
   n->gamma = gamma;
-  return factor(n) ? GO_ON : RETRY;
+  return factor(n) ? SUCCESS : RECOVERABLE;
 }
 
 static int solve(SUNLinearSolver solver, SUNMatrix A, N_Vector out, N_Vector right, realtype tolerance) {
@@ -131,7 +133,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix A, N_Vector out, N_Vector rig
   (void)A, (void)tolerance;
   for (int k = 0; k < n->count; ++k)
     n->x[k] = b[n->component[k]];
-  if (n->count > 0) /* else nothing moves freely */
+  if (n->count > 0) /* 0: no free motion */
     SUNDlsMat_denseGETRS(n->column, n->count, n->pivot, n->x);
   memmove(x, b, size * sizeof *x);
   for (int k = 0; k < n->count; ++k) {
@@ -143,7 +145,7 @@ static int solve(SUNLinearSolver solver, SUNMatrix A, N_Vector out, N_Vector rig
   for (int k = 0; k < n->count; ++k)
     x[n->component[k]] = n->x[k];
   n->run->operations += 2.0 * n->count * (n->count + (double)size);
-  return GO_ON;
+  return SUCCESS;
 }
 
 static SUNLinearSolver_Type solver_type(SUNLinearSolver solver) {
@@ -163,9 +165,9 @@ static bool allocate(km_newton *n, SUNContext context) {
   n->component = KM_NEW(int, size);
   n->column = KM_NEW(double *, size);
   n->pivot = KM_NEW(sunindextype, size);
-  n->beside = KM_NEW(double, size);
+  n->work = KM_NEW(double, size);
   n->x = KM_NEW(double, size);
-  return n->solver && n->matrix && n->component && n->column && n->pivot && n->beside && n->x;
+  return n->solver && n->matrix && n->component && n->column && n->pivot && n->work && n->x;
 }
 
 km_newton *km_newton_create(km_simulation *run, void *cvode, SUNContext context) {
@@ -173,15 +175,15 @@ km_newton *km_newton_create(km_simulation *run, void *cvode, SUNContext context)
   if (!n)
     return NULL;
   n->run = run;
-  bool good = allocate(n, context);
-  if (good) {
+  bool is_ok = allocate(n, context);
+  if (is_ok) {
     n->solver->content = n->matrix->content = n;
     n->solver->ops->gettype = solver_type;
     n->solver->ops->solve = solve;
     n->matrix->ops->getid = matrix_id;
-    good = !CVodeSetLinearSolver(cvode, n->solver, n->matrix) && !CVodeSetLinSysFn(cvode, prepare);
+    is_ok = !CVodeSetLinearSolver(cvode, n->solver, n->matrix) && !CVodeSetLinSysFn(cvode, prepare);
   }
-  if (good)
+  if (is_ok)
     return n;
   km_newton_free(n);
   return NULL;
@@ -197,7 +199,7 @@ void km_newton_free(km_newton *n) {
   km_free(n->component);
   km_free(n->column);
   km_free(n->pivot);
-  km_free(n->beside);
+  km_free(n->work);
   km_free(n->x);
   km_free(n->J);
   km_free(n->M);

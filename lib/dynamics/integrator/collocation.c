@@ -1,27 +1,32 @@
-/* One step of Gauss's collocation: order 12 from six evaluations that lie where the caller can see them. */
+/* One step of Gauss collocation with six stages: order 12 (E. Hairer and G. Wanner 1996, IV.5; docs/theory.md
+ * 11.5).
+ *
+ *   y'(t + θ h) = Σ k_i ℓ_i(θ),  k_i = f(y(t + c_i h)),  ℓ_i Lagrange polynomials of the nodes c_i
+ *   stages by fixed-point iteration;   y(t + h) = y + h Σ b_i k_i
+ *
+ * Its evaluations lie before and after a configuration where constraints are weak, so the step passes over it. */
 #include "dynamics/simulation.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Truncation: the coefficients of f in Legendre's polynomials over the step, c_j = (2j + 1) Σ b_i P_j(2 c_i - 1) k_i, decay
- * like r^j where the step resolves the motion; what the quadrature doesn't see begins with c_12 (L. N. Trefethen,
- * Approximation Theory and Approximation Practice, chapter 8). */
+/* Weights b_i of the Gauss quadrature. Truncation estimate: the Legendre coefficients of f over the step, c_j = (2j
+ * + 1) Σ b_i P_j(2 c_i − 1) k_i, decay like r^j if the step resolves the motion; the quadrature error begins with
+ * c_12 (L. N. Trefethen, Approximation Theory and Approximation Practice, chapter 8). */
 static const double weight_of_node[KM_STAGES] = {0.085662246189585172, 0.18038078652406930, 0.23395696728634552,
                                                  0.23395696728634552,  0.18038078652406930, 0.085662246189585172};
 
-/* y' = Σ k_i ℓ_i(θ) over the step, θ from 0 to 1, ℓ_i Lagrange's polynomials of the nodes c_i, k_i = f(y(c_i)): E. Hairer,
- * G. Wanner, Solving Ordinary Differential Equations II, IV.5. Roots of Legendre's polynomial of degree 6 on [0, 1]. */
+/* Nodes c_i: roots of the Legendre polynomial of degree 6 on [0, 1]. */
 static const double node[KM_STAGES] = {0.033765242898423975, 0.16939530676686776, 0.38069040695840156,
                                        0.61930959304159849,  0.83060469323313224, 0.96623475710157603};
-enum { MOST_ROUNDS = 30 };
-/* Rounds are repeated until a stage changes by so little, over the error allowed; or until rounding stops them. */
-static const double settled = 1e-2;
+enum { MAX_ROUNDS = 30 };
+/* The fixed-point iteration ends when the stages change by less than this part of the error allowed, or stagnate. */
+static const double settled_acceleration = 1e-2;
 
-/* ∫ ℓ_i from 0 to θ, for every i. */
+/* Integrals of the Lagrange polynomials: ∫ ℓ_i from 0 to θ. */
 static void integrals(double theta, double out[KM_STAGES]) {
   for (int i = 0; i < KM_STAGES; ++i) {
-    double p[KM_STAGES + 1] = {1.0}; /* ℓ_i by its coefficients, lowest power first */
+    double p[KM_STAGES + 1] = {1.0}; /* coefficients of ℓ_i, lowest power first */
     int degree = 0;
     for (int j = 0; j < KM_STAGES; ++j) {
       if (j == i)
@@ -37,7 +42,7 @@ static void integrals(double theta, double out[KM_STAGES]) {
   }
 }
 
-/* y + h Σ weight_i k_i */
+/* out = y + h Σ weight_i k_i. */
 static void combine(const double *stage, size_t n, const double *y, double h, const double weight[KM_STAGES],
                     double *out) {
   for (size_t c = 0; c < n; ++c) {
@@ -48,8 +53,8 @@ static void combine(const double *stage, size_t n, const double *y, double h, co
   }
 }
 
-/* The largest change of a stage, over the error that steps may have; what is evaluated goes into `stage`. */
-static double replace(const km_simulation *run, double *stage, const double *evaluated, double h) {
+/* Stores an evaluated stage; returns its largest change over the error allowed. */
+static double store_stage(const km_simulation *run, double *stage, const double *evaluated, double h) {
   double largest = 0.0;
   for (int c = 0; c < run->size; ++c) {
     largest = fmax(largest, fabs(h * (evaluated[c] - stage[c])) / run->tolerance[c]);
@@ -58,8 +63,8 @@ static double replace(const km_simulation *run, double *stage, const double *eva
   return largest;
 }
 
-/* The truncation error of a step with these stages, over the error allowed: c_0 r^10, r the larger one of (c_4 / c_0)^(1/4) and
- * (c_5 / c_0)^(1/5), since a motion that is symmetric about the step's middle has no odd coefficients. */
+/* Truncation error of a step over the error allowed: c_0 r^10 with r the larger of (c_4/c_0)^(1/4) and
+ * (c_5/c_0)^(1/5). Both are needed, because a motion symmetric about the middle of the step has no odd coefficients. */
 static double truncation(const km_simulation *run, double h) {
   size_t n = (size_t)run->size;
   double p4[KM_STAGES], p5[KM_STAGES], first = 0.0, fourth = 0.0, fifth = 0.0;
@@ -94,27 +99,27 @@ bool km_collocation_try(km_simulation *run, double h, double *noise, double *aft
     memcpy(run->stage + (size_t)i * n, slope, n * sizeof *slope);
   double change = HUGE_VAL, last = HUGE_VAL;
   *noise = *after = 0.0;
-  for (int round = 0; change > settled && !(round > 6 && change > 0.3 * last); ++round) {
+  for (int round = 0; change > settled_acceleration && !(round > 6 && change > 0.3 * last); ++round) {
     last = change;
     change = 0.0;
-    if (round == MOST_ROUNDS)
+    if (round == MAX_ROUNDS)
       return false;
     *noise = 0.0;
     for (int i = 0; i < KM_STAGES; ++i) {
       combine(run->stage, n, run->y, h, weight[i], at);
       if (!km_simulation_derivative(run, run->time + node[i] * h, at, slope))
         return false;
-      *after = km_simulation_noise(run, run->usual);
+      *after = km_simulation_noise(run, run->typical_step);
       *noise = fmax(*noise, *after);
-      change = fmax(change, replace(run, run->stage + (size_t)i * n, slope, h));
+      change = fmax(change, store_stage(run, run->stage + (size_t)i * n, slope, h));
     }
   }
-  *noise = fmax(fmax(*noise, truncation(run, h)), change - settled);
+  *noise = fmax(fmax(*noise, truncation(run, h)), change - settled_acceleration);
   return true;
 }
 
 void km_collocation_keep(km_simulation *run) {
-  memcpy(run->kept, run->stage, KM_STAGES * (size_t)run->size * sizeof *run->kept);
+  memcpy(run->kept_stages, run->stage, KM_STAGES * (size_t)run->size * sizeof *run->kept_stages);
 }
 
 bool km_collocation_step(km_simulation *run, double h) {
@@ -122,19 +127,19 @@ bool km_collocation_step(km_simulation *run, double h) {
   double weight[KM_STAGES];
   integrals(1.0, weight);
   memcpy(run->before, run->y, n * sizeof *run->y);
-  combine(run->kept, n, run->before, h, weight, run->y);
-  if (!km_simulation_settle(run, run->y, run->time + h, true)) {
+  combine(run->kept_stages, n, run->before, h, weight, run->y);
+  if (!km_simulation_accept(run, run->y, run->time + h, true)) {
     memcpy(run->y, run->before, n * sizeof *run->y);
     return false;
   }
   run->time += h;
   run->steps++;
-  run->way = KM_STEP_COLLOCATION;
+  run->step_method = KM_STEP_COLLOCATION;
   return true;
 }
 
-void km_collocation_between(const km_simulation *run, double time, double *y) {
+void km_collocation_interpolate(const km_simulation *run, double time, double *y) {
   double weight[KM_STAGES], h = run->time - run->last_time;
   integrals((time - run->last_time) / h, weight);
-  combine(run->kept, (size_t)run->size, run->before, h, weight, y);
+  combine(run->kept_stages, (size_t)run->size, run->before, h, weight, y);
 }

@@ -1,5 +1,6 @@
-/* Steps of variable order and length by SUNDIALS' CVODE (A. Hindmarsh and others, 2005): Adams with functional
- * iteration, and BDF with Newton's method where the motion is stiff. */
+/* Steps of variable order and size by CVODE (A. Hindmarsh and others 2005): Adams with functional iteration, BDF
+ * with Newton's method for stiff motions, and a collocation step over configurations with weak constraints
+ * (docs/theory.md 11.5). */
 #include "dynamics/integrator/bdf_newton.h"
 
 #include <cvode/cvode.h>
@@ -11,34 +12,34 @@
 struct km_cvode {
   SUNContext context;
   void *memory;
-  N_Vector y, at; /* the run's vector, and one whose numbers are the caller's */
+  N_Vector y, at; /* the run's vector, and one with the caller's data */
   SUNNonlinearSolver functional;
   km_newton *newton;
-  bool due; /* the other method's turn has come */
+  bool change_due; /* a change to the other method is due */
 };
 
-/* What rounding may make of a step, over the error allowed. */
-static const double most_noise = 0.1, useless_noise = 1e6;
-/* The longest step over a singular pose: radians or characteristic lengths. */
-static const double most_motion = 0.5;
-/* Steps that are made as they come where there was no such step. */
+/* Largest noise of a step, over the error allowed; noise above which a collocation step is useless. */
+static const double max_noise = 0.1, useless_noise = 1e6;
+/* Longest collocation step over a singular configuration, radians or characteristic lengths. */
+static const double max_motion = 0.5;
+/* Number of steps without a check of noise if no collocation step was possible. */
 enum { UNCHECKED_STEPS = 50 };
-/* What an evaluation tells CVODE: to go on, or to try a shorter step. */
-enum { GO_ON = 0, RETRY = 1 };
+/* Return codes for CVODE: success, recoverable failure (shorter step). */
+enum { SUCCESS = 0, RECOVERABLE = 1 };
 
-/* A step isn't made where accelerations are rounding. */
+/* Right side for CVODE; fails where accelerations are dominated by rounding. */
 static int derivative(double t, N_Vector y, N_Vector ydot, void *data) {
   km_simulation *run = (km_simulation *)data;
   if (!km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)))
-    return RETRY;
-  km_choice_see(&run->choice, t, NV_DATA_S(y), NV_DATA_S(ydot), run->tolerance);
-  if (run->unchecked || !(km_simulation_noise(run, run->usual) > most_noise))
-    return GO_ON;
-  run->noisy = true;
-  return RETRY;
+    return RECOVERABLE;
+  km_method_choice_evaluation(&run->choice, t, NV_DATA_S(y), NV_DATA_S(ydot), run->tolerance);
+  if (run->unchecked || !(km_simulation_noise(run, run->typical_step) > max_noise))
+    return SUCCESS;
+  run->is_noisy = true;
+  return RECOVERABLE;
 }
 
-/* 1 over the error that a component may have. */
+/* Error weights: 1/(relative · |y_i| + absolute_i). */
 static int weights(N_Vector y, N_Vector ewt, void *data) {
   const km_simulation *run = (const km_simulation *)data;
   const double *value = NV_DATA_S(y), *tolerance = run->tolerance;
@@ -50,7 +51,7 @@ static int weights(N_Vector y, N_Vector ewt, void *data) {
   return 0;
 }
 
-static void silent(int code, const char *module, const char *function, char *text, void *data) {
+static void ignore_error(int code, const char *module, const char *function, char *text, void *data) {
   (void)code;
   (void)module;
   (void)function;
@@ -58,10 +59,10 @@ static void silent(int code, const char *module, const char *function, char *tex
   (void)data;
 }
 
-static bool start(km_simulation *run, km_cvode *c) {
+static bool create_integrator(km_simulation *run, km_cvode *c) {
   bool bdf = run->choice.method == KM_BDF;
   c->memory = CVodeCreate(bdf ? CV_BDF : CV_ADAMS, c->context);
-  if (!c->memory || CVodeSetErrHandlerFn(c->memory, silent, NULL) ||
+  if (!c->memory || CVodeSetErrHandlerFn(c->memory, ignore_error, NULL) ||
       CVodeInit(c->memory, derivative, run->time, c->y) || CVodeWFtolerances(c->memory, weights) ||
       CVodeSetUserData(c->memory, run) || CVodeSetMaxNumSteps(c->memory, -1))
     return false;
@@ -75,7 +76,7 @@ static bool start(km_simulation *run, km_cvode *c) {
   return c->functional && !CVodeSetNonlinearSolver(c->memory, c->functional);
 }
 
-static void stop(km_cvode *c) {
+static void free_integrator(km_cvode *c) {
   CVodeFree(&c->memory);
   if (c->functional)
     SUNNonlinSolFree(c->functional);
@@ -93,13 +94,15 @@ km_status km_cvode_create(km_simulation *run, km_error *error) {
   }
   if (c && c->y)
     km_vector_use_lanes(c->y);
-  return c && c->y && c->at && start(run, c) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+  return c && c->y && c->at && create_integrator(run, c)
+             ? KM_OK
+             : km_fail(error, KM_MEMORY, "out of memory for the integrator");
 }
 
 void km_cvode_free(km_cvode *c) {
   if (!c)
     return;
-  stop(c);
+  free_integrator(c);
   if (c->y)
     N_VDestroy(c->y);
   if (c->at)
@@ -108,40 +111,40 @@ void km_cvode_free(km_cvode *c) {
   km_free(c);
 }
 
-/* The other method from the present vector on. */
+/* Changes to the other method at the present vector. */
 static bool change_method(km_simulation *run) {
   km_cvode *c = run->cvode;
-  c->due = false;
-  km_choice_change(&run->choice);
-  stop(c);
-  return start(run, c);
+  c->change_due = false;
+  km_method_choice_change(&run->choice);
+  free_integrator(c);
+  return create_integrator(run, c);
 }
 
-/* Evaluations so far, and as many as have taken the time of what Newton's method computed beside them. */
+/* Work so far, in evaluations: evaluations plus the equivalent of Newton's linear algebra. */
 static double work_of(const km_simulation *run) {
-  static const double operations = 64.0; /* of an evaluation, a component */
+  static const double operations = 64.0; /* operations of an evaluation per component */
   return (double)run->evaluations + run->operations / (operations * run->size);
 }
 
-/* The ω with which the rounding of a loop's error stays an acceleration within the error allowed: the first steps, which
- * are very short, would ask for far more. */
-static double firmest(const km_simulation *run) {
+/* Largest ω of Baumgarte's stabilisation at which the rounding of a loop error causes an acceleration within the
+ * error allowed. Without this bound the first, very short steps would have a far larger ω. */
+static double max_omega(const km_simulation *run) {
   static const double rounding = 1e-14;
   return sqrt(run->def.absolute / rounding) * run->dynamics->mechanism->model->units.time->si;
 }
 
-static void adapt(km_simulation *run) {
+static void update_step_control(km_simulation *run) {
   double h;
   int order;
   CVodeGetLastStep(run->cvode->memory, &h);
   CVodeGetLastOrder(run->cvode->memory, &order);
   km_simulation_shift(run);
-  run->dynamics->omega = h > 0.0 ? fmin(0.005 * km_stability_limit(order) / h, firmest(run)) : 0.0;
-  const km_taken_step step = {run->time, h, order, work_of(run)};
-  run->cvode->due = km_choice_step(&run->choice, &step, run->tolerance);
+  run->dynamics->omega = h > 0.0 ? fmin(0.005 * km_stability_limit(order) / h, max_omega(run)) : 0.0;
+  const km_step_record step = {run->time, h, order, work_of(run)};
+  run->cvode->change_due = km_method_choice_step(&run->choice, &step, run->tolerance);
 }
 
-static km_status why(const km_simulation *run, int flag, double h, km_error *error) {
+static km_status report_failure(const km_simulation *run, int flag, double h, km_error *error) {
   if (run->outcome != KM_DYNAMICS_DONE)
     return km_dynamics_fail(run->dynamics, run->outcome, error);
   if (flag == CV_MEM_FAIL || flag == CV_MEM_NULL || run->arena.failed)
@@ -153,25 +156,26 @@ bool km_cvode_restart(km_simulation *run) {
   return CVodeReInit(run->cvode->memory, run->time, run->cvode->y) == CV_SUCCESS;
 }
 
-/* One step over a pose where constraints lose their grip, whose evaluations lie before and behind it; and a new start. Of
- * several lengths the first that sees well, else the one that sees best, rather one whose end sees well. */
-static bool pass_over(km_simulation *run) {
-  double chosen = 0.0, least = HUGE_VAL, longest = most_motion / km_simulation_speed(run);
-  bool over = false; /* `chosen` ends behind the pose */
-  for (double h = run->usual; h < 20.0 * run->usual && h < longest && least > most_noise; h *= 1.07) {
+/* Passes over a configuration with weak constraints by one collocation step, whose stages lie before and after it,
+ * and restarts CVODE. Takes the first step length with small noise, else the one with the least noise, preferring
+ * steps whose end has small noise. */
+static bool step_over_weak_constraints(km_simulation *run) {
+  double chosen = 0.0, least = HUGE_VAL, longest = max_motion / km_simulation_speed(run);
+  bool over = false; /* `chosen` ends after the configuration */
+  for (double h = run->typical_step; h < 20.0 * run->typical_step && h < longest && least > max_noise; h *= 1.07) {
     double step = fmin(h, run->def.end - run->time), noise, after;
     if (!(step > 0.0) || !km_collocation_try(run, step, &noise, &after) || noise > useless_noise)
       continue;
-    bool ends = after <= most_noise || run->time + step >= run->def.end;
+    bool ends = after <= max_noise || run->time + step >= run->def.end;
     if ((over && !ends) || (over == ends && !(noise < least)))
       continue;
     chosen = step;
-    least = ends ? noise : fmax(noise, 2.0 * most_noise);
+    least = ends ? noise : fmax(noise, 2.0 * max_noise);
     over = ends;
     km_collocation_keep(run);
   }
   run->outcome = KM_DYNAMICS_DONE;
-  run->noisy = run->noisy && !(chosen > 0.0);
+  run->is_noisy = run->is_noisy && !(chosen > 0.0);
   return chosen > 0.0 && km_collocation_step(run, chosen) && km_cvode_restart(run);
 }
 
@@ -179,22 +183,22 @@ static void accept_step(km_simulation *run, double t) {
   double h;
   CVodeGetNumErrTestFails(run->cvode->memory, &run->rejected);
   CVodeGetLastStep(run->cvode->memory, &h);
-  run->usual = fmax(h, 0.998 * run->usual);
+  run->typical_step = fmax(h, 0.998 * run->typical_step);
   run->unchecked -= run->unchecked > 0;
   run->time = t;
   run->steps++;
-  km_simulation_watch_works(run);
-  adapt(run);
+  km_simulation_update_works(run);
+  update_step_control(run);
 }
 
-/* Some steps as they come, however much of them is rounding. */
-static bool go_on_unchecked(km_simulation *run) {
+/* Continues for some steps without the check of noise. */
+static bool continue_unchecked(km_simulation *run) {
   run->unchecked = UNCHECKED_STEPS;
-  run->noisy = false;
+  run->is_noisy = false;
   return km_cvode_restart(run);
 }
 
-/* A step ends where the run does, where a law in time has a corner, and where one before has passed over something. */
+/* Sets the end of the step: end of the run, next corner in time, or the time of a passed-over corner. */
 static bool set_stop_time(km_simulation *run) {
   if (run->due_time <= run->time)
     run->due_time = HUGE_VAL;
@@ -202,17 +206,17 @@ static bool set_stop_time(km_simulation *run) {
   return !isfinite(time) || CVodeSetStopTime(run->cvode->memory, time) == CV_SUCCESS;
 }
 
-/* A step of CVODE. Where it couldn't be made, the vector is as it was. */
+/* One step of CVODE. If it fails, the vector is restored. */
 static int try_step(km_simulation *run) {
   double t = run->time;
   run->outcome = KM_DYNAMICS_DONE;
-  run->way = KM_STEP_CVODE;
-  run->noisy = false;
+  run->step_method = KM_STEP_CVODE;
+  run->is_noisy = false;
   if (!set_stop_time(run))
     return CV_MEM_NULL;
   int flag = CVode(run->cvode->memory, run->time + 1.0, run->cvode->y, &t, CV_ONE_STEP);
   if (flag < 0)
-    memcpy(run->y, run->good, (size_t)run->size * sizeof *run->y);
+    memcpy(run->y, run->accepted, (size_t)run->size * sizeof *run->y);
   else
     accept_step(run, t);
   return flag;
@@ -220,30 +224,30 @@ static int try_step(km_simulation *run) {
 
 km_status km_cvode_step(km_simulation *run, km_error *error) {
   km_cvode *c = run->cvode;
-  if (c->due && !change_method(run)) /* not before: between steps the past of this method is asked for */
+  if (c->change_due && !change_method(run)) /* not earlier: dense output needs this method's history */
     return km_fail(error, KM_MEMORY, "out of memory for the integrator");
-  if (run->noisy && pass_over(run)) /* CVODE has come near, by steps that became shorter */
+  if (run->is_noisy && step_over_weak_constraints(run)) /* CVODE approached the configuration by ever shorter steps */
     return KM_OK;
-  if (run->noisy && !go_on_unchecked(run))
+  if (run->is_noisy && !continue_unchecked(run))
     return km_fail(error, KM_MEMORY, "out of memory for the integrator");
   int flag = try_step(run);
   if (flag >= 0)
     return KM_OK;
   km_dynamics_outcome outcome = run->outcome;
-  if (run->usual > 0.0 && pass_over(run))
+  if (run->typical_step > 0.0 && step_over_weak_constraints(run))
     return KM_OK;
-  if (run->noisy && go_on_unchecked(run))
+  if (run->is_noisy && continue_unchecked(run))
     return km_cvode_step(run, error);
-  c->due = km_choice_fail(&run->choice);
-  if (c->due)
+  c->change_due = km_method_choice_failure(&run->choice);
+  if (c->change_due)
     return km_cvode_step(run, error);
   double h;
   run->outcome = outcome;
   CVodeGetCurrentStep(c->memory, &h);
-  return why(run, flag, h, error);
+  return report_failure(run, flag, h, error);
 }
 
-bool km_cvode_between(const km_simulation *run, double time, double *y) {
+bool km_cvode_interpolate(const km_simulation *run, double time, double *y) {
   N_VSetArrayPointer(y, run->cvode->at);
   return CVodeGetDky(run->cvode->memory, time, 0, run->cvode->at) == CV_SUCCESS;
 }

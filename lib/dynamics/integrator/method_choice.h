@@ -1,54 +1,56 @@
-/* Which method of integration goes further for the same work. Private to dynamics/.
+/* Choice of the integration method that advances further for the same work. Private to dynamics/.
  *
- * Adams' method with functional iteration is the cheaper one a step, but where ρ is the largest rate of the motion, h ρ
- * can't pass a limit of stability. BDF has no such limit and solves equations in every step. Where Adams' steps have been
- * near their limit, BDF is tried; of two methods the one is kept whose steps went further for their work. The other
- * one is tried again after a while: contacts come and go. */
+ * Adams' method with functional iteration needs less work per step, but is stable only up to a limit of h ρ, with ρ
+ * the largest rate of the motion. BDF has no such limit and solves linear equations in every step. BDF is tried if
+ * Adams' steps were near their limit. The method whose steps advanced further for their work is kept; the other one
+ * is tried again later, because contacts begin and end. */
 #ifndef KM_DYNAMICS_INTEGRATOR_METHOD_CHOICE_H
 #define KM_DYNAMICS_INTEGRATOR_METHOD_CHOICE_H
 
 #include "base/memory.h"
 
-typedef enum km_method { KM_ADAMS, KM_BDF } km_method;
+typedef enum km_integration_method { KM_ADAMS, KM_BDF } km_integration_method;
 
-/* A number of steps that is looked at as a whole. */
+/* Window of steps that are judged together. */
 typedef struct km_window {
-  double *y, *f;     /* [size] where it began */
-  double time, work; /* when it began */
-  int strained, low; /* steps that only stability kept short, steps of a low order */
+  double *y, *f;              /* [size] vector and derivative at its start */
+  double time, work;          /* time and work at its start */
+  int stability_limited, low; /* steps limited by stability; steps of low order */
 } km_window;
 
-typedef struct km_choice {
-  km_method method;
-  bool bound;          /* the caller has chosen it */
-  int size;            /* of the vector */
-  double *y, *f, time; /* of the last evaluation */
-  double largest;      /* ρ, as pairs of evaluations at one time tell it */
-  long steps;          /* since the method began */
-  int windows;         /* since then */
+typedef struct km_method_choice {
+  km_integration_method method;
+  bool is_fixed;       /* the method is fixed by the caller */
+  int size;            /* size of the vector */
+  double *y, *f, time; /* vector, derivative and time of the last evaluation */
+  double largest;      /* ρ, estimated from pairs of evaluations at one time */
+  long steps;          /* steps since the method began */
+  int windows;         /* windows since the method began */
   km_window window;
-  double rival;    /* how far the method that was left went for its work, while this one is tried; 0: it isn't */
-  int patience[2]; /* [method] windows until the other one is tried */
-} km_choice;
+  double rival_progress; /* progress per work of the previous method during a trial; 0: no trial */
+  int patience[2];       /* [method] windows until the other method is tried */
+} km_method_choice;
 
-typedef struct km_taken_step {
-  double time, length; /* at its end */
+typedef struct km_step_record {
+  double time, length; /* time at its end, and its length */
   int order;
-  double work; /* since the run began */
-} km_taken_step;
+  double work; /* work since the start of the run */
+} km_step_record;
 
-/* False (and arena->failed) when out of memory. */
-bool km_choice_create(km_choice *choice, km_method method, bool bound, int size, km_arena *arena);
-/* An evaluation of y' = f(t, y); `tolerance`[size] is what components are compared by. */
-void km_choice_see(km_choice *choice, double t, const double *y, const double *f, const double *tolerance);
-/* After a step. True: the other method's turn has come. */
-bool km_choice_step(km_choice *choice, const km_taken_step *step, const double *tolerance);
-/* A step failed. True: this method was only tried, so that the other one's turn has come. */
-bool km_choice_fail(km_choice *choice);
-/* The other method from here on. */
-void km_choice_change(km_choice *choice);
+/* Initialises the choice. False, with arena->failed: out of memory. */
+bool km_method_choice_create(km_method_choice *choice, km_integration_method method, bool is_fixed, int size,
+                             km_arena *arena);
+/* Records an evaluation of y' = f(t, y), to estimate ρ; tolerance[size] are the weights of components. */
+void km_method_choice_evaluation(km_method_choice *choice, double t, const double *y, const double *f,
+                                 const double *tolerance);
+/* Records a step. True: change to the other method. */
+bool km_method_choice_step(km_method_choice *choice, const km_step_record *step, const double *tolerance);
+/* Records a failed step. True: this method was on trial, change back. */
+bool km_method_choice_failure(km_method_choice *choice);
+/* Changes the method. */
+void km_method_choice_change(km_method_choice *choice);
 
-/* The part of a step times the largest rate up to which Adams' method of an order is stable (thesis table 19). */
+/* Stability limit of h ρ for Adams' method of an order (thesis table 19). */
 double km_stability_limit(int order);
 
 #endif

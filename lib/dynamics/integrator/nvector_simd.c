@@ -1,4 +1,4 @@
-/* The operations on vectors that CVODE's steps consist of, in lanes: its own serial ones take a component at a time. */
+/* Vector operations of CVODE's steps in SIMD lanes; CVODE's serial ones process one component at a time. */
 #include "dynamics/simulation.h"
 
 #include <nvector/nvector_serial.h>
@@ -41,7 +41,7 @@ static void set_all(realtype a, N_Vector z) {
     to[i] = value;
 }
 
-/* √(Σ (x w)² / n) */
+/* Weighted root mean square √(Σ (x w)²/n). */
 static realtype weighted_norm(N_Vector x, N_Vector w) {
   const lane4 *value = lanes_of(x), *weight = lanes_of(w);
   lane4 sum = {0.0, 0.0, 0.0, 0.0};

@@ -1,9 +1,10 @@
-/* Runge-Kutta steps of order 4 with the loops closed after each: bounded work per step. */
+/* Fixed steps of the classical Runge-Kutta method of order 4, with the loops closed after each step: bounded work
+ * per step. */
 #include "dynamics/simulation.h"
 
 #include <string.h>
 
-/* y + Σ over stages of h · weight · derivative. */
+/* out = y + h · slope. */
 static void combine(const km_simulation *run, const double *slope, double h, double *out) {
   for (int i = 0; i < run->size; ++i)
     out[i] = run->y[i] + h * slope[i];
@@ -12,16 +13,16 @@ static void combine(const km_simulation *run, const double *slope, double h, dou
 static bool make_step(km_simulation *run, double h, double to) {
   size_t n = (size_t)run->size;
   double *k1 = run->stage, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *at = k4 + n, t = run->time;
-  bool good = km_simulation_derivative(run, t, run->y, k1);
+  bool is_ok = km_simulation_derivative(run, t, run->y, k1);
   combine(run, k1, 0.5 * h, at);
-  good = good && km_simulation_derivative(run, t + 0.5 * h, at, k2);
+  is_ok = is_ok && km_simulation_derivative(run, t + 0.5 * h, at, k2);
   combine(run, k2, 0.5 * h, at);
-  good = good && km_simulation_derivative(run, t + 0.5 * h, at, k3);
+  is_ok = is_ok && km_simulation_derivative(run, t + 0.5 * h, at, k3);
   combine(run, k3, h, at);
-  good = good && km_simulation_derivative(run, t + h, at, k4);
-  for (size_t i = 0; i < n && good; ++i)
+  is_ok = is_ok && km_simulation_derivative(run, t + h, at, k4);
+  for (size_t i = 0; i < n && is_ok; ++i)
     at[i] = run->y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
-  if (!good || !km_simulation_settle(run, at, t + h, true))
+  if (!is_ok || !km_simulation_accept(run, at, t + h, true))
     return false;
   memcpy(run->before, run->y, n * sizeof *at);
   memcpy(run->slope, k1, n * sizeof *at);
@@ -33,16 +34,15 @@ static bool make_step(km_simulation *run, double h, double to) {
 
 km_status km_fixed_step(km_simulation *run, km_error *error) {
   double h = run->def.max_step, left = run->def.end - run->time;
-  bool last = left < h * (1.0 + 1e-9); /* rather a little longer than followed by a tiny one */
+  bool last = left < h * (1.0 + 1e-9); /* slightly longer rather than followed by a tiny step */
   h = last ? left : h;
-  run->way = KM_STEP_RUNGE_KUTTA;
+  run->step_method = KM_STEP_RUNGE_KUTTA;
   return make_step(run, h, last ? run->def.end : run->time + h) ? KM_OK
                                                                 : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
-/* The cubic with the values at both ends, the slope at the first, and a last slope that the step's mean gives: good to
- * the third order, for what is shown between steps. */
-void km_fixed_between(const km_simulation *run, double time, double *y) {
+/* Quadratic interpolant with the values at both ends and the slope at the first one, for output between steps. */
+void km_fixed_interpolate(const km_simulation *run, double time, double *y) {
   double h = run->time - run->last_time, x = (time - run->last_time) / h;
   for (int i = 0; i < run->size; ++i) {
     double change = run->y[i] - run->before[i], slope = h * run->slope[i];

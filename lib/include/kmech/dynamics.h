@@ -285,8 +285,9 @@ typedef struct km_linear {
   double *modes;   /* [coordinates × 2 freedom × 2] the coordinates' parts of the eigenvectors: real, imaginary; the
                         * largest scaled entry has length 1 */
   double residual; /* largest acceleration of an independent coordinate at the pose, scaled, over s²: 0 at rest */
-  double *doubt;   /* [2 freedom] per time unit: up to this size an eigenvalue may be 0, by the differences' errors */
-  double noise;    /* per time unit: what the errors of differences of such accelerations make of an eigenvalue 0 */
+  double
+      *error_bound; /* [2 freedom] per time unit: up to this size an eigenvalue may be 0, by the differences' errors */
+  double noise;     /* per time unit: what the errors of differences of such accelerations make of an eigenvalue 0 */
 } km_linear;
 
 /* Differences of ±1e-5 (radians, characteristic lengths, and these per second) of the accelerations, which err by about
@@ -299,10 +300,10 @@ KM_API void km_linear_free(km_linear *linear);
 
 /* What happens to a deviation in a mode. */
 typedef enum km_linear_kind {
-  KM_LINEAR_STILL,  /* the eigenvalue is 0 but for the differences: it stays */
-  KM_LINEAR_SWINGS, /* the eigenvalue is complex, one of a pair */
-  KM_LINEAR_DIES,   /* real and negative */
-  KM_LINEAR_GROWS   /* real and positive */
+  KM_LINEAR_ZERO,       /* the eigenvalue is 0 but for the differences: it stays */
+  KM_LINEAR_OSCILLATES, /* the eigenvalue is complex, one of a pair */
+  KM_LINEAR_DECAYS,     /* real and negative */
+  KM_LINEAR_GROWS       /* real and positive */
 } km_linear_kind;
 /* KM_LINEAR_STILL without such an eigenvalue. O(freedom). */
 KM_API km_linear_kind km_linear_kind_of(const km_linear *linear, int eigenvalue);

@@ -46,12 +46,12 @@ void km_linear_print(const km_mechanism *m, const km_linear *l, km_text *out) {
     km_linear_kind kind = km_linear_kind_of(l, k);
     if (im < 0.0)
       continue;
-    if (kind == KM_LINEAR_STILL)
+    if (kind == KM_LINEAR_ZERO)
       km_text_format(out, "  %-14s %-12s %-12s ", "0", "-", "-");
-    else if (kind == KM_LINEAR_SWINGS)
+    else if (kind == KM_LINEAR_OSCILLATES)
       km_text_format(out, "  %-14.6g %-12.6g %-12.4g ", im / (2.0 * M_PI), 2.0 * M_PI / im, damping);
     else
-      km_text_format(out, "  %-14s %-12s %s %-8.4g ", kind == KM_LINEAR_DIES ? "dies away" : "grows", "-", "in s",
+      km_text_format(out, "  %-14s %-12s %s %-8.4g ", kind == KM_LINEAR_DECAYS ? "dies away" : "grows", "-", "in s",
                      1.0 / fabs(re));
     add_movers(m, l, k, out);
     km_text_add(out, "\n");

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_BANDED = 10000 };
+enum { MAX_BANDED = 10000 };
 
 typedef struct ranked {
   double value;
@@ -280,7 +280,7 @@ km_status km_design_study_bands(km_design_study *s, int question, int band, int 
   if (!quantiles || !counts)
     return KM_OK;
   int designs = km_design_study_designs(s);
-  designs = designs < MOST_BANDED ? designs : MOST_BANDED;
+  designs = designs < MAX_BANDED ? designs : MAX_BANDED;
   double *values = KM_NEW(double, (size_t)designs *(size_t)*rows + 1), *sorted = KM_NEW(double, (size_t)designs + 1);
   status = values && sorted ? read_bands(s, question, band, designs, values, error)
                             : km_fail(error, KM_MEMORY, "out of memory for bands");
