@@ -51,7 +51,7 @@ km_status km_dynamics_create(const km_mechanism *m, km_forces *forces, km_dynami
   if (!status && forces->mechanism != m)
     status = km_fail(error, KM_USAGE, "the forces are those of another mechanism");
   if (!status)
-    status = km_forces_follow_motion(forces, error);
+    status = km_forces_prepare_motion(forces, error);
   if (status)
     return status;
   gsl_set_error_handler_off();
@@ -153,15 +153,15 @@ static void apply_forces(km_dynamics *d, const km_state *s) {
   const km_tree *tree = &d->tree;
   km_forces *f = d->forces;
   const km_moving_forces *moving = f->moving;
-  for (int i = 0; i < moving->touched_count; ++i) {
-    int body = moving->touched[i];
+  for (int i = 0; i < moving->loaded_body_count; ++i) {
+    int body = moving->loaded_bodies[i];
     const km_node_motion *node = &d->node[tree->node_of_body[body]];
     f->pose[body] = km_pose_product(&node->pose, &tree->body_in_node[body]);
     f->twist[body] = node->V;
   }
   km_forces_update_moving(m, s, f);
-  for (int i = 0; i < moving->touched_count; ++i) {
-    int body = moving->touched[i];
+  for (int i = 0; i < moving->loaded_body_count; ++i) {
+    int body = moving->loaded_bodies[i];
     km_node_motion *node = &d->node[tree->node_of_body[body]];
     node->p = km_wrench_axpy(-1.0, f->body[body], node->p);
   }

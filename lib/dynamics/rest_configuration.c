@@ -61,12 +61,11 @@ typedef struct rest_search {
   km_state *s;
   km_stored_configuration stored; /* start of the step: freedom, independent coordinates, their accelerations */
   double *K, *x, *work;
-  double max_step; /* largest step allowed, scaled */
-  double
-      predicted_acceleration; /* predicted largest acceleration after a shortened step, scaled; 0: the step wasn't shortened */
-  double size;                /* length of the step before shortening, scaled */
-  double max_acceleration; /* largest acceleration before the step, radians or characteristic lengths per s² */
-  double residual;         /* largest residual acceleration that no step removes, and its coordinate */
+  double max_step;               /* largest step allowed, scaled */
+  double predicted_acceleration; /* largest acceleration predicted after a shortened step, scaled; 0: not shortened */
+  double size;                   /* length of the step before shortening, scaled */
+  double max_acceleration;       /* largest acceleration before the step, radians or characteristic lengths per s² */
+  double residual;               /* largest residual acceleration that no step removes, and its coordinate */
   int coordinate;
 } rest_search;
 

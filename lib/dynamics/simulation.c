@@ -52,7 +52,7 @@ static bool allocate_arrays(km_simulation *run) {
   }
   run->rate_start = next;
   run->memory_start = run->rate_start + m->coordinate_count;
-  run->work_start = run->memory_start + run->dynamics->forces->moving->memory_count;
+  run->work_start = run->memory_start + run->dynamics->forces->moving->state_count;
   run->size = (run->work_start + KM_WORKS + KM_VECTOR_LANES - 1) / KM_VECTOR_LANES * KM_VECTOR_LANES;
   size_t n = (size_t)run->size, crossings = (size_t)run->def.crossing_count;
   run->y = KM_ARENA_NEW(&run->arena, double, n);
@@ -102,7 +102,7 @@ static km_status begin(km_simulation *run, km_error *error) {
   d->uses_baumgarte = def->stabilisation == KM_STABILISE_BAUMGARTE;
   d->omega = 0.0;
   d->closing_tolerance = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
-  memset(d->forces->moving->memory, 0, (size_t)d->forces->moving->memory_count * sizeof(double));
+  memset(d->forces->moving->internal_state, 0, (size_t)d->forces->moving->state_count * sizeof(double));
   km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
     status = km_dynamics_accelerate(d, s, error);

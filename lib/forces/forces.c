@@ -1,4 +1,4 @@
-/* Gravity and loads at a pose. */
+/* Applied forces of a static balance at a configuration: weights, loads, springs (docs/theory.md 9.1 and 11.8). */
 #include "forces/forces.h"
 
 #include "base/arguments.h"
@@ -46,7 +46,7 @@ km_status km_forces_create(const km_mechanism *m, const double gravity[3], const
   f->load_count = load_count;
   if (load_count)
     memcpy(f->loads, loads, (size_t)load_count * sizeof *loads);
-  km_status status = km_springs_gather(m->model, f, error);
+  km_status status = km_springs_collect(m->model, f, error);
   if (status)
     km_forces_free(f);
   else

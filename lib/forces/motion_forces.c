@@ -1,26 +1,30 @@
-/* Forces of a mechanism that moves, beside springs: their list, their sum, and the power that they take and give. */
+/* Forces that act during a motion: dampers, stops, friction, motors, controllers, tyres, with dissipated and
+ * supplied power (docs/theory.md 11.8).
+ *
+ *   stop   : F = k x + b v beyond a limit, never pulling;   dissipates (F − k x) v
+ *   friction: −F s(v),  s = 1 above the stiction speed, else x (2 − x)      PID: k_p e + k_i ∫e + k_d ė */
 #include "forces/motion_forces.h"
 
 #include <string.h>
 
-static void touch(km_moving_forces *out, bool *seen, int body) {
-  if (!seen[body])
-    out->touched[out->touched_count++] = body;
-  seen[body] = true;
+static void add_loaded_body(km_moving_forces *out, bool *is_listed, int body) {
+  if (!is_listed[body])
+    out->loaded_bodies[out->loaded_body_count++] = body;
+  is_listed[body] = true;
 }
 
-static void touch_port(const km_model *model, km_moving_forces *out, bool *seen, const km_module_port *port) {
+static void add_loaded_port(const km_model *model, km_moving_forces *out, bool *is_listed, const km_module_port *port) {
   for (int side = 0; side < 2 && port->coordinate < 0; ++side)
-    touch(out, seen, model->frames[port->frame[side]].body);
+    add_loaded_body(out, is_listed, model->frames[port->frame[side]].body);
 }
 
-static void list_bodies(const km_model *model, const km_forces *f, bool *seen) {
+static void list_loaded_bodies(const km_model *model, const km_forces *f, bool *is_listed) {
   km_moving_forces *out = f->moving;
   for (int i = 0; i < f->load_count; ++i)
-    touch(out, seen, model->frames[f->loads[i].frame].body);
+    add_loaded_body(out, is_listed, model->frames[f->loads[i].frame].body);
   for (int i = 0; i < model->module_count; ++i) {
-    touch_port(model, out, seen, &model->modules[i].input);
-    touch_port(model, out, seen, &model->modules[i].output);
+    add_loaded_port(model, out, is_listed, &model->modules[i].input);
+    add_loaded_port(model, out, is_listed, &model->modules[i].output);
   }
 }
 
@@ -39,11 +43,11 @@ static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
     if (has_stop(m, c))
       out->stops[out->stop_count++] = c;
     if (def->friction > 0.0)
-      out->rubbing[out->rubbing_count++] = c;
+      out->constant_friction[out->constant_friction_count++] = c;
   }
 }
 
-static int memory_need(km_module_type type) {
+static int internal_state_count(km_module_type type) {
   return type == KM_MODULE_PID ? 1 : type == KM_MODULE_TIRE ? 2 : 0;
 }
 
@@ -52,9 +56,9 @@ static void list_modules(const km_model *model, km_moving_forces *out) {
     const km_model_module *module = &model->modules[i];
     if (module->type == KM_MODULE_STIFFNESS)
       continue;
-    out->memory_of[out->module_count] = out->memory_count;
+    out->first_state_of[out->module_count] = out->state_count;
     out->modules[out->module_count++] = module;
-    out->memory_count += memory_need(module->type);
+    out->state_count += internal_state_count(module->type);
   }
 }
 
@@ -84,7 +88,8 @@ static km_status check_tires(const km_model *model, km_error *error) {
   return KM_OK;
 }
 
-/* A ball's component isn't what a torque about its axis turns: a stop of it would give or take energy by the way. */
+/* Rejects stops of single components of a ball: a component's rate isn't conjugate to the torque about its axis, so
+ * such a stop would not conserve energy. */
 static km_status check_stops(const km_mechanism *m, km_error *error) {
   for (int c = 0; c < m->coordinate_count; ++c)
     if (m->ball_of[c] >= 0 && !m->held[c] && has_stop(m, c) && (isfinite(m->low[c]) || isfinite(m->high[c])))
@@ -93,7 +98,7 @@ static km_status check_stops(const km_mechanism *m, km_error *error) {
   return KM_OK;
 }
 
-km_status km_forces_follow_motion(km_forces *f, km_error *error) {
+km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
   if (f->moving)
     return KM_OK;
   const km_mechanism *m = f->mechanism;
@@ -105,21 +110,21 @@ km_status km_forces_follow_motion(km_forces *f, km_error *error) {
   km_arena *arena = &f->arena, scratch = {0};
   size_t bodies = (size_t)m->topology.body_count, coordinates = (size_t)m->coordinate_count;
   size_t modules = (size_t)m->model->module_count;
-  bool *seen = KM_ARENA_NEW(&scratch, bool, bodies);
+  bool *is_listed = KM_ARENA_NEW(&scratch, bool, bodies);
   km_moving_forces *out = KM_ARENA_NEW(arena, km_moving_forces, 1);
   if (out)
-    *out = (km_moving_forces){.touched = KM_ARENA_NEW(arena, int, bodies),
+    *out = (km_moving_forces){.loaded_bodies = KM_ARENA_NEW(arena, int, bodies),
                               .dampers = KM_ARENA_NEW(arena, int, coordinates),
                               .stops = KM_ARENA_NEW(arena, int, coordinates),
-                              .rubbing = KM_ARENA_NEW(arena, int, coordinates),
+                              .constant_friction = KM_ARENA_NEW(arena, int, coordinates),
                               .modules = KM_ARENA_NEW(arena, const km_model_module *, modules),
-                              .memory_of = KM_ARENA_NEW(arena, int, modules),
-                              .memory = KM_ARENA_NEW(arena, double, 2 * modules),
-                              .rate = KM_ARENA_NEW(arena, double, 2 * modules),
-                              .drive = KM_ARENA_NEW(arena, double, coordinates)};
+                              .first_state_of = KM_ARENA_NEW(arena, int, modules),
+                              .internal_state = KM_ARENA_NEW(arena, double, 2 * modules),
+                              .internal_rate = KM_ARENA_NEW(arena, double, 2 * modules),
+                              .drive_force = KM_ARENA_NEW(arena, double, coordinates)};
   if (!arena->failed && !scratch.failed) {
     f->moving = out;
-    list_bodies(m->model, f, seen);
+    list_loaded_bodies(m->model, f, is_listed);
     list_coordinates(m, out);
     list_modules(m->model, out);
   }
@@ -136,30 +141,30 @@ static void add_dampers(const km_mechanism *m, const km_state *s, km_forces *f) 
   }
 }
 
-/* How far a coordinate is beyond its limits: above (> 0) or below (< 0). */
+/* Excess of a coordinate over its limits: above (> 0) or below (< 0). */
 static double beyond(const km_mechanism *m, const km_state *s, int c) {
   return s->q[c] > m->high[c] ? s->q[c] - m->high[c] : s->q[c] < m->low[c] ? s->q[c] - m->low[c] : 0.0;
 }
 
-/* A push against a rate, k x + b v, that never pulls. What it takes is what it doesn't store. */
-static double push_of(const km_joint_stop *stop, double x, double v, km_forces *f) {
-  double push = stop->stiffness * x + stop->damping * v;
-  push = push * x > 0.0 ? push : 0.0;
-  f->moving->dissipation += (push - stop->stiffness * x) * v;
-  return push;
+/* Stop force k x + b v, never pulling; adds the power that isn't stored to the dissipation. */
+static double stop_force(const km_joint_stop *stop, double x, double v, km_forces *f) {
+  double force = stop->stiffness * x + stop->damping * v;
+  force = force * x > 0.0 ? force : 0.0;
+  f->moving->dissipation += (force - stop->stiffness * x) * v;
+  return force;
 }
 
-/* The angle of a ball grows along its own axis, q/|q|: the same in both frames. */
+/* Stop of a ball's angle |q|; its force acts along q/|q|, which is equal in both frames. */
 static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km_forces *f) {
   const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
   double x = km_state_ball_excess(m, c, &s->q[c]);
   if (!(x > 0.0))
     return;
   km_vec3 q = km_vec3_from_array(&s->q[c]), u = km_vec3_scale(1.0 / km_vec3_norm(q), q);
-  double push = push_of(stop, x, km_vec3_dot(u, km_vec3_from_array(&s->rate[c])), f);
-  f->joint[c] -= push * u.x;
-  f->joint[c + 1] -= push * u.y;
-  f->joint[c + 2] -= push * u.z;
+  double force = stop_force(stop, x, km_vec3_dot(u, km_vec3_from_array(&s->rate[c])), f);
+  f->joint[c] -= force * u.x;
+  f->joint[c + 1] -= force * u.y;
+  f->joint[c + 2] -= force * u.z;
 }
 
 static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
@@ -168,7 +173,7 @@ static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
     const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
     double x = beyond(m, s, c);
     if (x != 0.0)
-      f->joint[c] -= push_of(stop, x, s->rate[c], f);
+      f->joint[c] -= stop_force(stop, x, s->rate[c], f);
     add_stop_of_ball(m, s, c, f);
   }
 }
@@ -178,8 +183,8 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
   for (int i = 0; i < f->moving->stop_count; ++i) {
     int c = f->moving->stops[i];
     double x = beyond(m, s, c);
-    double turned = fmax(km_state_ball_excess(m, c, &s->q[c]), 0.0);
-    energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * (x * x + turned * turned);
+    double excess = fmax(km_state_ball_excess(m, c, &s->q[c]), 0.0);
+    energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * (x * x + excess * excess);
   }
   return energy;
 }
@@ -194,9 +199,9 @@ double km_slip_share(double speed, double stiction) {
   return copysign(x < 1.0 ? x * (2.0 - x) : 1.0, speed);
 }
 
-/* Below which rate a coordinate counts as sticking; -1: of a distance between frames. A hinge's surfaces slide at its friction's
- * radius, or at the characteristic length. */
-static double sticking_rate(const km_mechanism *m, int c) {
+/* Rate of a coordinate that corresponds to the stiction speed; −1: distance between frames. A hinge slides at its
+ * friction radius, by default at the characteristic length. */
+static double stiction_rate(const km_mechanism *m, int c) {
   if (c < 0)
     return km_stiction_speed(m, NULL);
   const km_model_coordinate *def = &m->model->coordinates[c];
@@ -205,25 +210,25 @@ static double sticking_rate(const km_mechanism *m, int c) {
   return km_stiction_speed(m, friction) / (km_model_coordinate_is_length(m->model, c) ? 1.0 : radius);
 }
 
-/* Constant friction. */
+/* Adds constant joint friction −F s(v). */
 static void add_friction(const km_mechanism *m, const km_state *s, km_forces *f) {
-  for (int i = 0; i < f->moving->rubbing_count && !f->moving->frictionless; ++i) {
-    int c = f->moving->rubbing[i];
-    double force = -m->model->coordinates[c].friction * km_slip_share(s->rate[c], sticking_rate(m, c));
+  for (int i = 0; i < f->moving->constant_friction_count && !f->moving->frictionless; ++i) {
+    int c = f->moving->constant_friction[i];
+    double force = -m->model->coordinates[c].friction * km_slip_share(s->rate[c], stiction_rate(m, c));
     f->joint[c] += force;
     f->moving->dissipation -= force * s->rate[c];
   }
 }
 
-static void add_pressed(const km_mechanism *m, const km_state *s, km_forces *f) {
-  const double *pressed = f->moving->pressed;
-  for (int c = 0; pressed && c < m->coordinate_count; ++c) {
-    f->joint[c] += pressed[c];
-    f->moving->dissipation -= pressed[c] * s->rate[c];
+static void add_reaction_friction(const km_mechanism *m, const km_state *s, km_forces *f) {
+  const double *friction = f->moving->reaction_friction;
+  for (int c = 0; friction && c < m->coordinate_count; ++c) {
+    f->joint[c] += friction[c];
+    f->moving->dissipation -= friction[c] * s->rate[c];
   }
 }
 
-/* A table's rows are joined by lines; before its first and past its last row the force stays. */
+/* Motor force at a time: linear interpolation of a table, constant beyond its ends; else the law. */
 double km_motor_force(const km_model_module *module, double time) {
   const double *t = module->table;
   int rows = module->table_count;
@@ -237,18 +242,19 @@ double km_motor_force(const km_model_module *module, double time) {
   return t[2 * rows - 1];
 }
 
-/* A motor's force or a controller's, and its power. */
-static void drive(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module, double force) {
+/* Adds the force of a motor or controller and its power. */
+static void add_drive_force(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module,
+                            double force) {
   int c = module->output.coordinate;
-  f->moving->motor_power += force * km_module_push(m, s, f, module, force);
+  f->moving->motor_power += force * km_module_apply(m, s, f, module, force);
   if (c >= 0)
-    f->moving->drive[c] += km_length_sense(m, s, c) * force;
+    f->moving->drive_force[c] += km_length_sense(m, s, c) * force;
 }
 
 static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
-  int memory = moving->memory_of[index];
+  int state = moving->first_state_of[index];
   double rate;
   switch (module->type) {
   case KM_MODULE_DAMPING:
@@ -256,21 +262,22 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
     if (module->type == KM_MODULE_FRICTION && moving->frictionless)
       break;
     km_module_input(m, s, f, module, &rate);
-    double force = km_law_resistance(&module->law, rate, sticking_rate(m, module->input.coordinate));
-    moving->dissipation -= force * km_module_push(m, s, f, module, force);
+    double force = km_law_resistance(&module->law, rate, stiction_rate(m, module->input.coordinate));
+    moving->dissipation -= force * km_module_apply(m, s, f, module, force);
     break;
   }
   case KM_MODULE_MOTOR:
-    drive(m, s, f, module, km_motor_force(module, s->time));
+    add_drive_force(m, s, f, module, km_motor_force(module, s->time));
     break;
   case KM_MODULE_PID: {
     double error = module->reference - km_module_input(m, s, f, module, &rate);
-    moving->rate[memory] = error;
-    drive(m, s, f, module, module->kp * error + module->ki * moving->memory[memory] - module->kd * rate);
+    moving->internal_rate[state] = error;
+    add_drive_force(m, s, f, module,
+                    module->kp * error + module->ki * moving->internal_state[state] - module->kd * rate);
     break;
   }
   case KM_MODULE_TIRE:
-    km_tire_push(m, f, index);
+    km_tire_apply(m, f, index);
     break;
   default:
     break;
@@ -297,17 +304,17 @@ static double power_of_loads(const km_mechanism *m, const km_forces *f) {
 void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces *f) {
   km_moving_forces *moving = f->moving;
   moving->dissipation = moving->motor_power = 0.0;
-  for (int i = 0; i < moving->touched_count; ++i)
-    f->body[moving->touched[i]] = (km_wrench){{0, 0, 0}, {0, 0, 0}};
+  for (int i = 0; i < moving->loaded_body_count; ++i)
+    f->body[moving->loaded_bodies[i]] = (km_wrench){{0, 0, 0}, {0, 0, 0}};
   memcpy(f->joint, f->extra, (size_t)m->coordinate_count * sizeof *f->joint);
   moving->motor_power += km_springs_add(m, s, f);
   add_dampers(m, s, f);
   add_stops(m, s, f);
   add_friction(m, s, f);
-  add_pressed(m, s, f);
+  add_reaction_friction(m, s, f);
   for (int i = 0; i < moving->module_count; ++i)
     if (moving->modules[i]->output.coordinate >= 0)
-      moving->drive[moving->modules[i]->output.coordinate] = 0.0;
+      moving->drive_force[moving->modules[i]->output.coordinate] = 0.0;
   for (int i = 0; i < moving->module_count; ++i)
     add_module(m, s, f, i);
   if (f->load_count) {

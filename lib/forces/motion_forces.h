@@ -1,43 +1,45 @@
-/* What acts on a mechanism only while it moves: damping, stops, friction, motors, controllers, tyres. */
+/* Forces that act only during a motion: damping, stops, friction, motors, controllers, tyres. */
 #ifndef KM_FORCES_MOTION_FORCES_H
 #define KM_FORCES_MOTION_FORCES_H
 
 #include "forces/forces.h"
 
 typedef struct km_moving_forces {
-  int touched_count, damper_count, stop_count, rubbing_count, module_count, memory_count;
-  int *touched;                   /* bodies that forces act on: their poses and twists must be known */
-  int *dampers, *stops, *rubbing; /* coordinates */
+  int loaded_body_count, damper_count, stop_count, constant_friction_count, module_count, state_count;
+  int *loaded_bodies;                       /* bodies with forces; their poses and twists must be set */
+  int *dampers, *stops, *constant_friction; /* coordinates with damping, stops, constant friction */
   const km_model_module **modules;
-  int *memory_of;     /* [module] its first internal state */
-  double *memory;     /* [memory_count] internal states: ∫e of a controller, the slips of a tyre */
-  double *rate;       /* [memory_count] their rates at the last update */
-  double *drive;      /* [coordinate] what motors and controllers gave in joints at the last update */
-  bool frictionless;  /* slopes are asked for: friction that stands has none, and is left out */
-  double *pressed;    /* [coordinate] friction by what presses, which an analysis sets; NULL: none */
-  double dissipation; /* power that dampers, friction and stops took at the last update: positive */
-  double motor_power; /* power that motors, controllers, loads, and springs that act where they don't measure gave */
+  int *first_state_of;       /* [module] index of its first internal state */
+  double *internal_state;    /* [state_count] internal states: ∫e of a controller, slips of a tyre */
+  double *internal_rate;     /* [state_count] rates of the internal states at the last update */
+  double *drive_force;       /* [coordinate] joint forces of motors and controllers at the last update */
+  bool frictionless;         /* linearisation at rest: friction is omitted, because it has no slope at rest */
+  double *reaction_friction; /* [coordinate] friction by reactions, set by an analysis; NULL: none */
+  double dissipation;        /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
+  double motor_power; /* power supplied by motors, controllers, loads, and springs that act where they don't measure */
 } km_moving_forces;
 
-/* Makes room for what acts in a motion. KM_MEMORY. */
-km_status km_forces_follow_motion(km_forces *forces, km_error *error);
+/* Prepares the forces of motion. KM_MODEL: a tyre or stop that a motion can't use; KM_MEMORY. */
+km_status km_forces_prepare_motion(km_forces *forces, km_error *error);
 
-/* Every force but weights at the state's coordinates, rates and time: of bodies that `touched` lists, poses and twists
- * are given. Never allocates. O(forces). */
+/* Computes all forces except weights at the state's coordinates, rates and time. Poses and twists of the bodies in
+ * `loaded_bodies` must be set. Never allocates. O(forces). */
 void km_forces_update_moving(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 
-/* Energy that stops store beside km_springs_energy. */
+/* Energy stored in stops. */
 double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
 
-/* The share of friction that acts at a speed: all of it from the stiction speed on, below it a parabola through 0. */
+/* Part s of the friction that acts at a speed: 1 above the stiction speed, below it x (2 − x), x = speed/stiction
+ * speed; with the sign of the speed. */
 double km_slip_share(double speed, double stiction);
-/* That speed, in the model's units: a joint's own (NULL: none), else a thousandth of the characteristic length per second. */
+/* Stiction speed in the model's units: the joint's (NULL: none), else 1/1000 of the characteristic length per
+ * second. */
 double km_stiction_speed(const km_mechanism *mechanism, const km_joint_friction *friction);
 
 /* Value of a motor's law at a time. */
 double km_motor_force(const km_model_module *module, double time);
 
-/* Tyre `index` of the moving forces: its force on the wheel and the road, and the rates of its slips. */
-void km_tire_push(const km_mechanism *mechanism, km_forces *forces, int index);
+/* Adds the forces of tyre `index` on wheel and road, and computes the rates of its slips. */
+void km_tire_apply(const km_mechanism *mechanism, km_forces *forces, int index);
 
 #endif

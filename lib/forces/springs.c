@@ -1,8 +1,9 @@
-/* Force modules of type stiffness: a force from a displacement, between frames or in a joint. */
+/* Springs: force modules of type stiffness, a piecewise polynomial of a displacement between frames or in a joint
+ * (docs/theory.md 11.8). */
 #include "forces/forces.h"
 #include "forces/motion_forces.h"
 
-/* Of places, over the lengths that they are found by. */
+/* Rounding of positions, relative to the lengths that they result from. */
 static const double rounding = 1e-11;
 
 static double piece_force(const km_law *law, int piece, double x) {
@@ -19,7 +20,8 @@ double km_law_force(const km_law *law, double x) {
   return piece_force(law, piece, x);
 }
 
-/* How far the jump at a knot is spread: up to half the way to the next knot, so that no two of them overlap. */
+/* Half width over which the jump at a knot is spread: at most half the distance to the next knot, so that spreads
+ * don't overlap. */
 static double spread_at(const km_law *law, int knot, double width) {
   if (knot > 0)
     width = fmin(width, 0.5 * (law->knots[knot] - law->knots[knot - 1]));
@@ -46,7 +48,7 @@ double km_law_work(const km_law *law, double x) {
   while (piece < law->knot_count && 0.0 >= law->knots[piece])
     ++piece;
   for (bool last = false; !last;) {
-    /* To the knot that comes next on the way, or to x. */
+    /* integrates to the next knot, or to x */
     int knot = step > 0 ? piece : piece - 1;
     double to = x;
     last = knot < 0 || knot >= law->knot_count || (x - law->knots[knot]) * step <= 0.0;
@@ -65,7 +67,7 @@ double km_law_work(const km_law *law, double x) {
   return work;
 }
 
-km_status km_springs_gather(const km_model *model, km_forces *f, km_error *error) {
+km_status km_springs_collect(const km_model *model, km_forces *f, km_error *error) {
   f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
   for (int i = 0; i < model->module_count && f->springs; ++i)
     if (model->modules[i].type == KM_MODULE_STIFFNESS)
@@ -77,19 +79,19 @@ km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_module_po
   const km_model_frame *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
   km_pose A = km_pose_product(&f->pose[a->body], &a->pose);
   km_line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
-  km_vec3 way = km_vec3_sub(l.to, l.from);
+  km_vec3 offset = km_vec3_sub(l.to, l.from);
   km_twist va = f->twist[a->body], vb = f->twist[b->body];
-  /* Of the child's point against the parent's body: about an axis that turns with the parent its rate along the axis is
-   * that of the displacement, and along the line between the points it is the distance's. */
+  /* Velocity of the child's point relative to the parent's body: along an axis of the parent it is the rate of the
+   * displacement, along the line between the points the rate of the distance. */
   km_vec3 rate =
       km_vec3_sub(km_vec3_add(vb.v, km_vec3_cross(vb.w, l.to)), km_vec3_add(va.v, km_vec3_cross(va.w, l.to)));
   if (distance == KM_DISTANCE_EUCLID) {
-    const double nothing = rounding * (m->length + km_vec3_norm(l.from));
-    l.displacement = km_vec3_norm(way);
-    l.along = l.displacement > nothing ? km_vec3_scale(1.0 / l.displacement, way) : (km_vec3){0, 0, 0};
+    const double coincident = rounding * (m->length + km_vec3_norm(l.from));
+    l.displacement = km_vec3_norm(offset);
+    l.along = l.displacement > coincident ? km_vec3_scale(1.0 / l.displacement, offset) : (km_vec3){0, 0, 0};
   } else {
     l.along = A.R.axis[distance - KM_DISTANCE_X];
-    l.displacement = km_vec3_dot(l.along, way);
+    l.displacement = km_vec3_dot(l.along, offset);
   }
   l.rate = km_vec3_dot(l.along, rate);
   return l;
@@ -112,10 +114,10 @@ double km_module_input(const km_mechanism *m, const km_state *s, const km_forces
   return l.displacement;
 }
 
-/* Between frames both forces act at the child's point: along a parent's axis their line must pass through it, so that
- * the power is that of the displacement. */
-double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module,
-                      double force) {
+/* Between frames both forces act at the child's point, so that their power is force · rate of the displacement also
+ * for a displacement along a parent's axis. */
+double km_module_apply(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module,
+                       double force) {
   const km_vec3 none = {0, 0, 0};
   int c = module->output.coordinate;
   if (c >= 0) {
@@ -130,8 +132,9 @@ double km_module_push(const km_mechanism *m, const km_state *s, km_forces *f, co
   return l.rate;
 }
 
-/* Does it act where it measures? A ball's coordinate isn't what its torque turns by: work depends on the way then. */
-static bool stores(const km_mechanism *m, const km_model_module *module) {
+/* True if a spring is conservative: it acts where it measures, and not on a ball's coordinate, whose rate isn't
+ * conjugate to its torque. */
+static bool is_conservative(const km_mechanism *m, const km_model_module *module) {
   const km_module_port *in = &module->input, *out = &module->output;
   if (in->coordinate >= 0 || out->coordinate >= 0)
     return in->coordinate == out->coordinate && m->ball_of[in->coordinate] < 0;
@@ -139,20 +142,20 @@ static bool stores(const km_mechanism *m, const km_model_module *module) {
 }
 
 double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
-  double rate, given = 0.0;
+  double rate, power_supplied = 0.0;
   for (int i = 0; i < f->spring_count; ++i) {
     double force = km_law_force(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
-    double power = force * km_module_push(m, s, f, f->springs[i], force);
-    if (!stores(m, f->springs[i]))
-      given += power;
+    double power = force * km_module_apply(m, s, f, f->springs[i], force);
+    if (!is_conservative(m, f->springs[i]))
+      power_supplied += power;
   }
-  return given;
+  return power_supplied;
 }
 
 double km_springs_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
   double rate, energy = 0.0;
   for (int i = 0; i < f->spring_count; ++i)
-    if (stores(m, f->springs[i]))
+    if (is_conservative(m, f->springs[i]))
       energy -= km_law_work(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
   return energy;
 }

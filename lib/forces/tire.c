@@ -1,37 +1,45 @@
-/* Fiala's tyre on a plane, with relaxation of both slips. */
+/* Fiala's tyre on a plane with relaxation of both slips (E. Fiala 1954; K. Wehage 2016, section 7.4; docs/theory.md
+ * 11.10).
+ *
+ *   μ = μ_max − (μ_max − μ_min) s_s,  s_s = min(1, √(s_x² + tan²α));   F_z = k_z depth − b_z v_z ≥ 0
+ *   ṡ_x = −(v_sx + |v_x| s_x)/x_RL,   α̇ = (v_y − |v_x| tan α)/y_RL
+ *   F_x = C_s s_x  for |s_x| ≤ μF_z/(2 C_s),  else  sgn(s_x) (μF_z − (μF_z)²/(4 |s_x| C_s))
+ *   H = 1 − C_α |tan α|/(3 μF_z),  F_y = −μF_z (1 − H³) sgn α,  M_z = μF_z w (1 − H) H³ sgn α;   M_y = −C_R F_z s(r ω)
+ *
+ * s_x longitudinal slip, α lateral slip angle, C_s and C_α stiffnesses, x_RL and y_RL relaxation lengths. The road
+ * is the plane z = 0 of the parent frame; the wheel rotates about y of the child frame; x points in the rolling
+ * direction of a positive rotation. */
 #include "forces/motion_forces.h"
 
-/* Symbols: s_x longitudinal slip, α lateral slip angle, s_s comprehensive slip, μ friction at it, F_z load, C_s and C_α
- * stiffnesses (E. Fiala, Seitenkräfte am rollenden Luftreifen, 1954, as thesis chapter 6 has it). The road is the plane z = 0 of the parent
- * frame; the wheel turns about y of the child frame. x points to where a wheel that turns about +y rolls. */
-
-typedef struct contact {
-  km_vec3 x, y, z, point, center; /* the wheel's directions on the road; where it touches; its centre */
-  double depth, vx, vy, vz, vsx;  /* speeds of the wheel's centre, and of the tyre's surface over the road */
+typedef struct tyre_contact {
+  km_vec3 x, y, z, point, center; /* rolling, lateral and normal direction; contact point; wheel centre */
+  double depth, vx, vy, vz, vsx;  /* penetration; velocities of the contact point below the wheel centre, and
+                                   * longitudinal slip velocity */
   double spin;
-} contact;
+} tyre_contact;
 
-static contact touch(const km_mechanism *m, const km_forces *f, const km_model_module *module) {
+static tyre_contact find_contact(const km_mechanism *m, const km_forces *f, const km_model_module *module) {
   const km_model_frame *road = &m->model->frames[module->output.frame[0]];
   const km_model_frame *wheel = &m->model->frames[module->output.frame[1]];
   km_pose R = km_pose_product(&f->pose[road->body], &road->pose);
   km_pose W = km_pose_product(&f->pose[wheel->body], &wheel->pose);
   km_twist v = km_twist_axpy(-1.0, f->twist[road->body], f->twist[wheel->body]);
-  contact c = {.z = R.R.axis[2], .center = W.p};
+  tyre_contact c = {.z = R.R.axis[2], .center = W.p};
   km_vec3 axle = W.R.axis[1], x = km_vec3_cross(axle, c.z);
   double upright = km_vec3_norm(x), height = km_vec3_dot(c.z, km_vec3_sub(W.p, R.p));
-  if (!(upright > 1e-6)) /* the wheel lies on its side */
+  if (!(upright > 1e-6)) /* the wheel lies flat */
     return c;
   c.x = km_vec3_scale(1.0 / upright, x);
   c.y = km_vec3_cross(c.z, c.x);
-  /* The lowest point of the disc: down the wheel's own plane. */
+  /* Contact point: lowest point of the disc, in the wheel's plane. */
   km_vec3 up = km_vec3_cross(c.x, axle);
   double reach = height / upright;
   c.depth = module->tire.radius - reach;
   c.point = km_vec3_axpy(-reach, up, c.center);
   km_vec3 centre_speed = km_vec3_add(v.v, km_vec3_cross(v.w, c.center));
   c.spin = km_vec3_dot(v.w, axle);
-  km_vec3 carried = km_vec3_axpy(-c.spin, axle, v.w); /* without the spin: the point stays below the centre */
+  km_vec3 carried = km_vec3_axpy(-c.spin, axle, v.w); /* angular velocity without spin: the contact point stays below
+                                                       * the centre */
   km_vec3 speed = km_vec3_add(centre_speed, km_vec3_cross(carried, km_vec3_sub(c.point, c.center)));
   c.vx = km_vec3_dot(c.x, speed);
   c.vy = km_vec3_dot(c.y, speed);
@@ -44,15 +52,16 @@ static double sign_of(double x) {
   return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0;
 }
 
-void km_tire_push(const km_mechanism *m, km_forces *f, int index) {
+void km_tire_apply(const km_mechanism *m, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
   const km_tire *tire = &module->tire;
-  double *memory = moving->memory + moving->memory_of[index], *rate = moving->rate + moving->memory_of[index];
-  contact c = touch(m, f, module);
+  double *state = moving->internal_state + moving->first_state_of[index],
+         *rate = moving->internal_rate + moving->first_state_of[index];
+  tyre_contact c = find_contact(m, f, module);
   double load = c.depth > 0.0 ? tire->stiffness * c.depth - tire->damping * c.vz : 0.0;
   load = load > 0.0 ? load : 0.0;
-  double sx = memory[0], tangent = tan(memory[1]);
+  double sx = state[0], tangent = tan(state[1]);
   rate[0] = -(c.vsx + fabs(c.vx) * sx) / tire->relaxation[0];
   rate[1] = (c.vy - fabs(c.vx) * tangent) / tire->relaxation[1];
   if (!(load > 0.0))

@@ -1,4 +1,8 @@
-/* Friction by what presses joints' surfaces together, in a motion. */
+/* Joint friction by reactions during a motion (docs/theory.md 11.9).
+ *
+ *   F_c = −μ s(v) (slip arm) N_c(R),   R(q̈, F) reactions of a balance with inertia forces,   q̈ = q̈(F)
+ *
+ * Fixed-point iteration between friction, accelerations and reactions. */
 #include "history/dynamic_friction.h"
 
 #include "transfer/friction_surfaces.h"
@@ -11,15 +15,15 @@ struct km_dynamic_friction {
   km_statics statics;
   int count;
   km_surface *surface; /* [count] by coordinate */
-  double *sum;         /* [coordinate] the friction along it, of all its surfaces */
-  double *driving;     /* [coordinate] forces of prescribed motions; 0 elsewhere */
+  double *sum;         /* [coordinate] friction of all its surfaces */
+  double *driving;     /* [coordinate] driving forces of prescribed motions; 0 elsewhere */
 };
 
-/* Iterations, and the change at which they end, over the sum of all forces. */
+/* Largest number of iterations; change at convergence, relative to the sum of all forces. */
 enum { MAX_ROUNDS = 100 };
-static const double settled = 1e-12;
+static const double friction_tolerance = 1e-12;
 
-/* The friction that acts on a surface with a normal force of 1, along its way; against it is negative. */
+/* Friction per unit of normal force, along the slip; its sign is that of the rate. */
 static double coefficient_of(const km_mechanism *m, const km_state *s, int c) {
   const km_joint_friction *friction = &m->model->joints[m->model->coordinates[c].joint].friction;
   double speed = km_slip_speed(m, s->rate, c), arm = km_slip_arm(m, c);
@@ -28,7 +32,7 @@ static double coefficient_of(const km_mechanism *m, const km_state *s, int c) {
   return friction->coefficient * km_slip_share(speed, km_stiction_speed(m, friction)) * arm * s->rate[c] / speed;
 }
 
-/* What every joint carries at the present accelerations. */
+/* Computes the reactions of all joints at the present accelerations. */
 static void find_reactions(km_dynamic_friction *w, km_state *s) {
   km_dynamics *d = w->dynamics;
   for (int c = 0; c < d->mechanism->coordinate_count; ++c)
@@ -37,7 +41,7 @@ static void find_reactions(km_dynamic_friction *w, km_state *s) {
   km_statics_bear(d->mechanism, s, d->forces, w->driving, &w->statics);
 }
 
-/* The friction along every coordinate at the present reactions; false where a thread jams. */
+/* Computes the friction of every coordinate at the present reactions; false: a screw thread jams. */
 static bool sum_friction(km_dynamic_friction *w, const km_state *s) {
   const km_mechanism *m = w->dynamics->mechanism;
   for (int i = 0; i < w->count; ++i) {
@@ -52,10 +56,10 @@ static bool sum_friction(km_dynamic_friction *w, const km_state *s) {
   return true;
 }
 
-static km_dynamics_outcome press(void *context, km_state *s) {
+static km_dynamics_outcome iterate_friction(void *context, km_state *s) {
   km_dynamic_friction *w = context;
   km_dynamics *d = w->dynamics;
-  double *pressed = d->forces->moving->pressed;
+  double *friction = d->forces->moving->reaction_friction;
   for (int round = 0; round < MAX_ROUNDS; ++round) {
     double change = 0.0;
     find_reactions(w, s);
@@ -63,10 +67,10 @@ static km_dynamics_outcome press(void *context, km_state *s) {
       return KM_DYNAMICS_JAMMED;
     for (int i = 0; i < w->count; ++i) {
       int c = w->surface[i].coordinate;
-      change = fmax(change, fabs(w->sum[c] - pressed[c]) / km_slip_arm(d->mechanism, c));
-      pressed[c] = w->sum[c];
+      change = fmax(change, fabs(w->sum[c] - friction[c]) / km_slip_arm(d->mechanism, c));
+      friction[c] = w->sum[c];
     }
-    if (change <= settled * d->forces->force_size)
+    if (change <= friction_tolerance * d->forces->force_size)
       return KM_DYNAMICS_DONE;
     km_dynamics_outcome outcome = km_dynamics_resolve(d, s);
     if (outcome != KM_DYNAMICS_DONE)
@@ -81,17 +85,17 @@ static bool reserve(km_dynamic_friction *w) {
   w->surface = KM_ARENA_NEW(&w->arena, km_surface, 2 * n);
   w->driving = KM_ARENA_NEW(&w->arena, double, n);
   w->sum = KM_ARENA_NEW(&w->arena, double, n);
-  double *pressed = KM_ARENA_NEW(&w->arena, double, n);
+  double *friction = KM_ARENA_NEW(&w->arena, double, n);
   if (w->arena.failed)
     return false;
   w->count = km_surfaces_list(m, w->surface);
-  w->dynamics->forces->moving->pressed = pressed;
-  w->dynamics->update_friction = press;
+  w->dynamics->forces->moving->reaction_friction = friction;
+  w->dynamics->update_friction = iterate_friction;
   w->dynamics->friction_context = w;
   return true;
 }
 
-static bool rubs(const km_mechanism *m) {
+static bool has_friction(const km_mechanism *m) {
   for (int c = 0; c < m->coordinate_count; ++c)
     if (!m->held[c] && m->model->joints[m->model->coordinates[c].joint].friction.coefficient > 0.0 &&
         km_slip_arm(m, c) > 0.0)
@@ -102,7 +106,7 @@ static bool rubs(const km_mechanism *m) {
 km_status km_dynamic_friction_create(km_dynamics *d, km_dynamic_friction **out, km_error *error) {
   static const int none[1] = {0};
   *out = NULL;
-  if (!rubs(d->mechanism))
+  if (!has_friction(d->mechanism))
     return KM_OK;
   km_dynamic_friction *w = KM_NEW(km_dynamic_friction, 1);
   if (!w)
@@ -121,7 +125,7 @@ km_status km_dynamic_friction_create(km_dynamics *d, km_dynamic_friction **out, 
 void km_dynamic_friction_free(km_dynamic_friction *w) {
   if (!w)
     return;
-  w->dynamics->forces->moving->pressed = NULL;
+  w->dynamics->forces->moving->reaction_friction = NULL;
   w->dynamics->update_friction = NULL;
   km_statics_free(&w->statics);
   km_arena_free(&w->arena);

@@ -1,12 +1,12 @@
-/* Limits of joints that a motion over time passes, where no stop acts. */
+/* Joint limits without a stop that a motion over time passes. */
 #include "history/history_limits.h"
 
 #include "base/arguments.h"
 #include "kinematics/state.h"
 
-/* A joint that starts at its limit and comes back to it is within this much of it, in radians and characteristic lengths: as
- * many times the error that the integration may have, or the rounding of a motion that is known. */
-static const double errors_allowed = 100.0, rounding = 1e-9;
+/* Tolerance of a limit, so that a joint that starts at its limit and returns to it doesn't pass it: this multiple of
+ * the integration's error, or rounding of a prescribed motion, in radians and characteristic lengths. */
+static const double error_multiple = 100.0, rounding = 1e-9;
 
 static bool has_acting_stop(const km_moving_forces *moving, int coordinate) {
   for (int i = 0; i < moving->stop_count; ++i)
@@ -15,11 +15,11 @@ static bool has_acting_stop(const km_moving_forces *moving, int coordinate) {
   return false;
 }
 
-km_status km_limits_watch(km_limit_watch *w, const km_mechanism *m, const km_forces *forces,
-                          const km_simulation_def *simulation, km_error *error) {
-  *w = (km_limit_watch){.m = m, .slack = rounding, .user_count = simulation ? simulation->crossing_count : 0};
+km_status km_limits_monitor_begin(km_limit_monitor *w, const km_mechanism *m, const km_forces *forces,
+                                  const km_simulation_def *simulation, km_error *error) {
+  *w = (km_limit_monitor){.m = m, .slack = rounding, .user_count = simulation ? simulation->crossing_count : 0};
   if (simulation)
-    w->slack = fmax(rounding, errors_allowed * (simulation->absolute + simulation->relative));
+    w->slack = fmax(rounding, error_multiple * (simulation->absolute + simulation->relative));
   w->limit = KM_NEW(km_passed_limit, (size_t)m->coordinate_count + 1);
   w->is_passed = KM_NEW(bool, (size_t)m->coordinate_count + 1);
   w->crossings = KM_NEW(km_crossing, 2 * (size_t)m->coordinate_count + (size_t)w->user_count + 1);
@@ -39,7 +39,7 @@ km_status km_limits_watch(km_limit_watch *w, const km_mechanism *m, const km_for
   return KM_OK;
 }
 
-void km_limits_row(km_limit_watch *w, const km_state *s) {
+void km_limits_row(km_limit_monitor *w, const km_state *s) {
   for (int i = 0; i < w->count; ++i) {
     km_passed_limit *limit = &w->limit[i];
     int c = limit->coordinate;
@@ -56,7 +56,7 @@ void km_limits_row(km_limit_watch *w, const km_state *s) {
   }
 }
 
-bool km_limits_crossed(km_limit_watch *w, const km_crossing_met *met) {
+bool km_limits_crossed(km_limit_monitor *w, const km_crossing_met *met) {
   if (met->crossing < w->user_count)
     return false;
   const km_crossing *at = &w->crossings[met->crossing];
@@ -75,12 +75,12 @@ bool km_limits_crossed(km_limit_watch *w, const km_crossing_met *met) {
   return true;
 }
 
-void km_limits_report(km_limit_watch *w, km_history *h) {
+void km_limits_report(km_limit_monitor *w, km_history *h) {
   h->limits = w->limit;
   for (int i = 0; i < w->count; ++i)
     if (w->is_passed[i])
       h->limits[h->limit_count++] = w->limit[i];
   km_free(w->is_passed);
   km_free(w->crossings);
-  *w = (km_limit_watch){0};
+  *w = (km_limit_monitor){0};
 }

@@ -1,4 +1,4 @@
-/* The table of a motion over time: its columns and rows. */
+/* Table of a motion over time: columns, rows, energies, shaking force, reactions. */
 #include "history/history_table.h"
 
 #include "base/arguments.h"
@@ -9,14 +9,14 @@
 
 #include <string.h>
 
-/* "frame." "crank/tip" ".x" */
-static void column(km_table *table, bool *failed, const char *unit, const char *prefix, const char *name,
-                   const char *suffix) {
+/* Adds a column with the name prefix + name + suffix, such as "frame." "crank/tip" ".x". */
+static void add_column(km_table *table, bool *failed, const char *unit, const char *prefix, const char *name,
+                       const char *suffix) {
   *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
 }
 
-/* A coordinate's unit over the time unit, once or squared; or its force. Borrowed from `text`. */
-static const char *unit_of(const km_model *model, int coordinate, const char *suffix, km_text *text) {
+/* Unit of a rate or acceleration of a coordinate; valid while `text` is. */
+static const char *rate_unit(const km_model *model, int coordinate, const char *suffix, km_text *text) {
   text->size = 0;
   km_text_format(text, "%s/%s%s", km_model_coordinate_unit(model, coordinate), model->units.time->suffix, suffix);
   return text->failed ? "" : text->data;
@@ -26,17 +26,17 @@ static void coordinate_columns(const km_history_writer *w, km_table *table, bool
   const km_model *model = w->m->model;
   km_text unit = {0};
   for (int c = 0; c < model->coordinate_count; ++c)
-    column(table, failed, km_model_coordinate_unit(model, c), "q.", model->coordinates[c].label, "");
+    add_column(table, failed, km_model_coordinate_unit(model, c), "q.", model->coordinates[c].label, "");
   for (int c = 0; c < model->coordinate_count; ++c)
-    column(table, failed, unit_of(model, c, "", &unit), "v.", model->coordinates[c].label, "");
+    add_column(table, failed, rate_unit(model, c, "", &unit), "v.", model->coordinates[c].label, "");
   for (int c = 0; c < model->coordinate_count; ++c)
-    column(table, failed, unit_of(model, c, "^2", &unit), "a.", model->coordinates[c].label, "");
+    add_column(table, failed, rate_unit(model, c, "^2", &unit), "a.", model->coordinates[c].label, "");
   for (int c = 0; c < model->coordinate_count; ++c) {
     if (!w->dynamics->driven[c])
       continue;
     unit.size = 0;
     km_force_unit(model, c, &unit);
-    column(table, failed, unit.failed ? "" : unit.data, "f.", model->coordinates[c].label, "");
+    add_column(table, failed, unit.failed ? "" : unit.data, "f.", model->coordinates[c].label, "");
   }
   *failed = *failed || unit.failed;
   km_text_free(&unit);
@@ -47,28 +47,28 @@ static void figure_columns(const km_history_writer *w, km_table *table, bool *fa
   km_text unit = {0};
   km_torque_unit(w->m->model, &unit);
   for (int i = 0; i < (w->simulation ? 4 : 2); ++i)
-    column(table, failed, unit.failed ? "" : unit.data, energies[i], "", "");
+    add_column(table, failed, unit.failed ? "" : unit.data, energies[i], "", "");
   *failed = *failed || unit.failed;
   km_text_free(&unit);
-  column(table, failed, NULL, "loop_error", "", "");
+  add_column(table, failed, NULL, "loop_error", "", "");
   if (!w->simulation)
     return;
-  column(table, failed, NULL, "evaluations", "", "");
-  column(table, failed, NULL, "repartitions", "", "");
+  add_column(table, failed, NULL, "evaluations", "", "");
+  add_column(table, failed, NULL, "repartitions", "", "");
 }
 
-/* What a motion does to the ground beside weights. */
+/* Columns of the shaking force and moment. */
 static void shaking_columns(const km_history_writer *w, km_table *table, bool *failed) {
   static const char *const parts[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
   const km_model *model = w->m->model;
   km_text torque = {0};
   km_torque_unit(model, &torque);
   for (int k = 0; k < 6; ++k)
-    column(table, failed,
-           k < 3           ? model->units.force->suffix
-           : torque.failed ? ""
-                           : torque.data,
-           "shaking.", parts[k], "");
+    add_column(table, failed,
+               k < 3           ? model->units.force->suffix
+               : torque.failed ? ""
+                               : torque.data,
+               "shaking.", parts[k], "");
   *failed = *failed || torque.failed;
   km_text_free(&torque);
 }
@@ -82,7 +82,7 @@ static void frame_columns(const km_history_writer *w, km_table *table, bool *fai
     km_text unit = {0};
     km_text_format(&unit, "%s%s%s%s", units->length->suffix, order ? "/" : "", order ? units->time->suffix : "",
                    suffixes[order]);
-    column(table, failed, unit.failed ? "" : unit.data, "frame.", w->frames[i / 9].name, parts[order][i % 3]);
+    add_column(table, failed, unit.failed ? "" : unit.data, "frame.", w->frames[i / 9].name, parts[order][i % 3]);
     *failed = *failed || unit.failed;
     km_text_free(&unit);
   }
@@ -95,22 +95,22 @@ static void reaction_columns(const km_history_writer *w, km_table *table, bool *
   km_torque_unit(model, &torque);
   for (int j = 0; j < model->joint_count; ++j)
     for (int k = 0; k < 6; ++k)
-      column(table, failed,
-             k < 3           ? model->units.force->suffix
-             : torque.failed ? ""
-                             : torque.data,
-             "r.", model->joints[j].label, parts[k]);
+      add_column(table, failed,
+                 k < 3           ? model->units.force->suffix
+                 : torque.failed ? ""
+                                 : torque.data,
+                 "r.", model->joints[j].label, parts[k]);
   *failed = *failed || torque.failed;
   km_text_free(&torque);
 }
 
-static km_status make_table(km_history_writer *w, km_error *error) {
+static km_status create_table(km_history_writer *w, km_error *error) {
   const km_model *model = w->m->model;
   bool failed = false;
   km_table *table = w->out->table = km_table_create();
   if (!table)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
-  column(table, &failed, model->units.time->suffix, "t", "", "");
+  add_column(table, &failed, model->units.time->suffix, "t", "", "");
   coordinate_columns(w, table, &failed);
   figure_columns(w, table, &failed);
   if (w->shaking)
@@ -119,14 +119,14 @@ static km_status make_table(km_history_writer *w, km_error *error) {
   if (w->reactions)
     reaction_columns(w, table, &failed);
   for (int c = 0; w->mobility && c < model->coordinate_count; ++c)
-    column(table, &failed, NULL, "m.", model->coordinates[c].label, "");
+    add_column(table, &failed, NULL, "m.", model->coordinates[c].label, "");
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the table") : KM_OK;
 }
 
 static double *write_coordinates(const km_history_writer *w, double *out) {
   const km_mechanism *m = w->m;
   km_state *s = w->state;
-  for (int b = 0; b < m->ball_count; ++b) { /* the vector nearest to the last row's */
+  for (int b = 0; b < m->ball_count; ++b) { /* the rotation vector closest to that of the last row */
     double *q = &s->q[m->ball_coordinate[b]];
     km_vec3 v = km_quaternion_log_near(s->ball[b], km_vec3_from_array(q));
     q[0] = v.x;
@@ -178,7 +178,7 @@ static double *write_figures(km_history_writer *w, double *out) {
   return out;
 }
 
-/* −Σ of the rates of the bodies' momenta, about the inertial origin. */
+/* Shaking force and moment: minus the sum of the rates of all momenta, about the inertial origin. */
 static double *write_shaking(const km_history_writer *w, double *out) {
   km_wrench sum =
       km_wrench_about(km_dynamics_inertia_forces(w->dynamics), km_vec3_scale(-1.0, w->dynamics->forces->origin));
@@ -187,7 +187,8 @@ static double *write_shaking(const km_history_writer *w, double *out) {
   return out + 6;
 }
 
-/* Place, velocity and ordinary acceleration of a frame's origin: v̇ + ω̇ × x + ω × (v + ω × x), gravity put back. */
+/* Position, velocity and acceleration of a frame's origin: v̇ + ω̇ × x + ω × (v + ω × x), with the gravity term
+ * removed. */
 static double *write_frame(const km_history_writer *w, int frame, double *out) {
   const km_dynamics *d = w->dynamics;
   const km_model_frame *def = &w->m->model->frames[frame];
@@ -210,7 +211,7 @@ static double *write_frame(const km_history_writer *w, int frame, double *out) {
 static km_status write_reactions(km_history_writer *w, double **cells, km_error *error) {
   double *out = *cells;
   km_dynamics_balance(w->dynamics, w->state);
-  if (km_statics_balance(w->m, w->look, w->forces, &w->statics))
+  if (km_statics_balance(w->m, w->probe, w->forces, &w->statics))
     return km_fail(error, KM_MEMORY, "out of memory for the reactions");
   for (int j = 0; j < w->m->model->joint_count; ++j) {
     memcpy(out, w->statics.reactions[j].force, 3 * sizeof *out);
@@ -221,17 +222,17 @@ static km_status write_reactions(km_history_writer *w, double **cells, km_error 
   return KM_OK;
 }
 
-/* What the drive of a coordinate gives: prescribed, or by motors and controllers. */
-static double drive_of(const km_history_writer *w, int c) {
+/* Force of the drive of a coordinate: driving force of a prescribed motion plus motors and controllers. */
+static double drive_force(const km_history_writer *w, int c) {
   const km_dynamics *d = w->dynamics;
-  double given = d->forces->moving->drive[c];
-  return d->driven[c] ? given + km_dynamics_driving_force(d, w->state, c) : given;
+  double settings = d->forces->moving->drive_force[c];
+  return d->driven[c] ? settings + km_dynamics_driving_force(d, w->state, c) : settings;
 }
 
-static void watch_drives(km_history_writer *w) {
-  for (int i = 0; i < w->watched_count; ++i) {
-    km_exceeded *e = &w->watched[i];
-    double now = e->of_force ? drive_of(w, e->coordinate) : km_state_rate(w->state, e->coordinate);
+static void monitor_drives(km_history_writer *w) {
+  for (int i = 0; i < w->monitored_count; ++i) {
+    km_exceeded *e = &w->monitored[i];
+    double now = e->of_force ? drive_force(w, e->coordinate) : km_state_rate(w->state, e->coordinate);
     if (!(fabs(now) > fabs(e->most)))
       continue;
     e->most = now;
@@ -239,30 +240,30 @@ static void watch_drives(km_history_writer *w) {
   }
 }
 
-static bool list_watched(km_history_writer *w) {
+static bool list_monitored(km_history_writer *w) {
   const km_mechanism *m = w->m;
-  w->watched = KM_NEW(km_exceeded, 2 * (size_t)m->coordinate_count + 1);
-  for (int c = 0; w->watched && c < m->coordinate_count; ++c) {
+  w->monitored = KM_NEW(km_exceeded, 2 * (size_t)m->coordinate_count + 1);
+  for (int c = 0; w->monitored && c < m->coordinate_count; ++c) {
     if (isfinite(m->max_force[c]))
-      w->watched[w->watched_count++] = (km_exceeded){.coordinate = c, .of_force = true, .bound = m->max_force[c]};
+      w->monitored[w->monitored_count++] = (km_exceeded){.coordinate = c, .of_force = true, .bound = m->max_force[c]};
     if (isfinite(m->max_rate[c]))
-      w->watched[w->watched_count++] =
+      w->monitored[w->monitored_count++] =
           (km_exceeded){.coordinate = c, .bound = m->max_rate[c] / km_model_coordinate_factor(m->model, c)};
   }
-  return w->watched != NULL;
+  return w->monitored != NULL;
 }
 
-/* Of what was watched, what went beyond its bound. */
-static void hand_over_exceeded(km_history_writer *w) {
+/* Moves the drives that exceeded their bounds to the result. */
+static void move_exceeded(km_history_writer *w) {
   km_history *h = w->out;
-  h->exceeded = w->watched;
-  for (int i = 0; i < w->watched_count; ++i)
-    if (fabs(w->watched[i].most) > w->watched[i].bound * (1.0 + 1e-9))
-      h->exceeded[h->exceeded_count++] = w->watched[i];
+  h->exceeded = w->monitored;
+  for (int i = 0; i < w->monitored_count; ++i)
+    if (fabs(w->monitored[i].most) > w->monitored[i].bound * (1.0 + 1e-9))
+      h->exceeded[h->exceeded_count++] = w->monitored[i];
 }
 
-km_status km_history_watch_limits(km_history_writer *w, km_simulation_def *simulation, km_error *error) {
-  km_status status = km_limits_watch(&w->limits, w->m, w->forces, simulation, error);
+km_status km_history_monitor_limits(km_history_writer *w, km_simulation_def *simulation, km_error *error) {
+  km_status status = km_limits_monitor_begin(&w->limits, w->m, w->forces, simulation, error);
   if (!status && simulation) {
     simulation->crossings = w->limits.crossings;
     simulation->crossing_count = w->limits.crossing_count;
@@ -275,7 +276,7 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
   if (!out)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
   *out++ = w->state->time;
-  watch_drives(w);
+  monitor_drives(w);
   km_limits_row(&w->limits, w->state);
   out = write_coordinates(w, out);
   out = write_figures(w, out);
@@ -283,24 +284,24 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
     out = write_shaking(w, out);
   for (int i = 0; i < w->frame_count; ++i)
     out = write_frame(w, w->frames[i].frame, out);
-  if (!w->look)
+  if (!w->probe)
     return KM_OK;
   km_mobility mobility;
-  km_state_copy(w->m, w->look, w->state);
-  km_status status = km_mobility_compute(w->m, w->look, &mobility)
+  km_state_copy(w->m, w->probe, w->state);
+  km_status status = km_mobility_compute(w->m, w->probe, &mobility)
                          ? km_fail(error, KM_MEMORY, "out of memory for the mobility")
                          : KM_OK;
   if (!status && w->reactions)
     status = write_reactions(w, &out, error);
   for (int c = 0; w->mobility && c < w->m->coordinate_count && !status; ++c)
-    *out++ = km_mobility_number(w->look, c);
+    *out++ = km_mobility_number(w->probe, c);
   if (status)
     km_table_drop_row(w->out->table);
   return status;
 }
 
-/* Prescribed joints are the actuators of the balance. */
-static km_status make_statics(km_history_writer *w, km_error *error) {
+/* Creates the static balance; prescribed joints are its actuators. */
+static km_status create_statics(km_history_writer *w, km_error *error) {
   int *driven = KM_NEW(int, (size_t)w->m->coordinate_count + 1), count = 0;
   if (!driven)
     return km_fail(error, KM_MEMORY, "out of memory for the reactions");
@@ -316,13 +317,13 @@ km_status km_history_begin(km_history_writer *w, km_error *error) {
   km_energy energy;
   km_status status = KM_OK;
   if (w->reactions || w->mobility)
-    status = km_state_create(w->m, &w->look, error);
+    status = km_state_create(w->m, &w->probe, error);
   if (!status && w->reactions)
-    status = make_statics(w, error);
-  if (!status && !list_watched(w))
+    status = create_statics(w, error);
+  if (!status && !list_monitored(w))
     status = km_fail(error, KM_MEMORY, "out of memory for what drives give");
   if (!status)
-    status = make_table(w, error);
+    status = create_table(w, error);
   if (status)
     return status;
   km_dynamics_energy(w->dynamics, w->state, &energy, NULL);
@@ -346,12 +347,12 @@ km_status km_history_end(km_history_writer *w, km_status status, const km_error 
     w->out->why = *why;
     km_fail(error, status, "%s", why->text);
   }
-  hand_over_exceeded(w);
+  move_exceeded(w);
   km_limits_report(&w->limits, w->out);
   km_statics_free(&w->statics);
-  km_state_free(w->look);
+  km_state_free(w->probe);
   km_simulation_free(w->simulation);
-  km_dynamic_friction_free(w->rubbing);
+  km_dynamic_friction_free(w->friction);
   km_dynamics_free(w->dynamics);
   return status;
 }

@@ -1,12 +1,13 @@
-/* Inverse dynamics: rows of a motion that is prescribed as a whole. */
+/* Inverse dynamics: driving forces of a fully prescribed motion, row by row, without integration (docs/theory.md
+ * 11.11). */
 #include "kmech/dynamics.h"
 
 #include "base/arguments.h"
 #include "history/inverse_peaks.h"
 
-/* Steps of the time between two rows, at most: dependent coordinates are predicted by their rates. */
+/* Largest number of parts of the time between two rows; coordinates are predicted by their rates. */
 enum { MAX_PARTS = 64 };
-static const double longest_move = 0.1; /* radians or characteristic lengths in one part */
+static const double max_motion = 0.1; /* largest motion in one part, radians or characteristic lengths */
 
 static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_error *error) {
   if (!(def->until > 0.0) || !isfinite(def->until))
@@ -19,7 +20,7 @@ static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_
   return status ? status : km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 
-static km_status no_freedom_left(const km_history_writer *w, km_error *error) {
+static km_status check_no_freedom(const km_history_writer *w, km_error *error) {
   const km_dynamics *d = w->dynamics;
   if (km_prescribed_count(d->prescribed) == 0)
     return km_fail(error, KM_USAGE, "no motion is prescribed; expected a rate of a joint");
@@ -37,7 +38,7 @@ static km_status no_freedom_left(const km_history_writer *w, km_error *error) {
   return KM_OK;
 }
 
-static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error *error) {
+static km_status start(km_history_writer *w, const km_inverse_def *def, km_error *error) {
   km_state *s = w->state;
   s->time = 0.0;
   km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
@@ -45,7 +46,7 @@ static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error
     status = km_dynamics_prescribe(w->dynamics, def->rates[i].coordinate,
                                    km_state_coordinate(s, def->rates[i].coordinate), def->rates[i].rate, error);
   if (!status)
-    status = km_dynamic_friction_create(w->dynamics, &w->rubbing, error);
+    status = km_dynamic_friction_create(w->dynamics, &w->friction, error);
   for (int c = 0; c < w->m->coordinate_count; ++c)
     s->rate[c] = 0.0;
   if (!status)
@@ -53,15 +54,15 @@ static km_status begin(km_history_writer *w, const km_inverse_def *def, km_error
   if (!status)
     status = km_dynamics_accelerate(w->dynamics, s, error);
   if (!status)
-    status = no_freedom_left(w, error);
+    status = check_no_freedom(w, error);
   if (!status)
-    status = km_history_watch_limits(w, NULL, error);
+    status = km_history_monitor_limits(w, NULL, error);
   if (!status)
     status = km_history_begin(w, error);
   return status ? status : km_history_row(w, error);
 }
 
-/* Predicts every coordinate by its rate and acceleration; the loops then close from there. */
+/* Taylor predictor q + q̇ dt + q̈ dt²/2 of all coordinates; the loops are closed from there. */
 static void predict(const km_mechanism *m, km_state *s, double dt) {
   for (int c = 0; c < m->coordinate_count; ++c)
     if (m->ball_of[c] < 0)
@@ -73,15 +74,15 @@ static void predict(const km_mechanism *m, km_state *s, double dt) {
   }
 }
 
-/* How many parts of a step of time would be short enough: whole, and more than MOST_PARTS where rows are too far apart. */
-static double parts_of(const km_mechanism *m, const km_state *s, double dt) {
+/* Number of parts of a time step that keeps each motion below max_motion; it can exceed MAX_PARTS. */
+static double parts_needed(const km_mechanism *m, const km_state *s, double dt) {
   double largest = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c)
     largest = fmax(largest, fabs(s->rate[c] * dt * m->scale[c]));
-  return ceil(largest / longest_move) + 1.0;
+  return ceil(largest / max_motion) + 1.0;
 }
 
-static km_status too_far(const km_history_writer *w, double step, km_error *error) {
+static km_status fail_rows_too_far(const km_history_writer *w, double step, km_error *error) {
   const char *unit = w->m->model->units.time->suffix;
   return km_fail(
       error, KM_PARTIAL,
@@ -90,26 +91,26 @@ static km_status too_far(const km_history_writer *w, double step, km_error *erro
       w->state->time, unit, step, unit);
 }
 
-static km_status go_to(km_history_writer *w, double time, km_error *error) {
+static km_status advance_to(km_history_writer *w, double time, km_error *error) {
   km_state *s = w->state;
-  double from = s->time, wanted = parts_of(w->m, s, time - from);
-  int parts = (int)fmin(wanted, MAX_PARTS);
+  double from = s->time, parts_wanted = parts_needed(w->m, s, time - from);
+  int parts = (int)fmin(parts_wanted, MAX_PARTS);
   for (int i = 1; i <= parts; ++i) {
     double next = i == parts ? time : from + (time - from) * i / parts;
     predict(w->m, s, next - s->time);
     s->time = next;
     km_status status = km_dynamics_accelerate(w->dynamics, s, error);
     if (status)
-      return status == KM_DIVERGED && wanted > MAX_PARTS ? too_far(w, time - from, error) : status;
+      return status == KM_DIVERGED && parts_wanted > MAX_PARTS ? fail_rows_too_far(w, time - from, error) : status;
   }
   return KM_OK;
 }
 
-static km_status go_on(km_history_writer *w, const km_inverse_def *def, km_error *error) {
+static km_status write_rows(km_history_writer *w, const km_inverse_def *def, km_error *error) {
   km_error why;
   for (int row = 1; row <= def->steps; ++row) {
     double time = def->until * row / def->steps;
-    km_status status = go_to(w, time, &why);
+    km_status status = advance_to(w, time, &why);
     if (status == KM_DIVERGED)
       return km_fail(error, KM_PARTIAL,
                      "at %.9g %s the drive can't go on: it is at a dead point, or a link's reach ends", w->state->time,
@@ -142,11 +143,11 @@ km_status km_inverse_run(const km_mechanism *m, km_forces *forces, km_state *sta
                          .forces = forces,
                          .state = state,
                          .out = out};
-  status = begin(&w, def, &own);
+  status = start(&w, def, &own);
   if (!status)
-    status = go_on(&w, def, &own);
+    status = write_rows(&w, def, &own);
   if (out->table && km_table_rows(out->table) > 0) {
-    km_status found = km_inverse_find_peaks(&w, go_to, status ? NULL : &own);
+    km_status found = km_inverse_find_peaks(&w, advance_to, status ? NULL : &own);
     status = status ? status : found;
   }
   return km_history_end(&w, status, &own, error);

@@ -1,36 +1,37 @@
-/* Largest and root mean square forces of a prescribed motion, between rows too.
+/* Peaks and root mean square of the forces of a prescribed motion, also between rows (docs/theory.md 11.11).
  *
- *   peak : max |f(t)|; a row that is at least as large as both neighbours brackets a maximum, found by golden sections of the
- *          motion itself (Kiefer 1953), where the parabola through the three lets it exceed the largest row
- *   rms  : sqrt(1/T integral f^2 dt) by the trapezoidal rule, exact to rounding for smooth forces over a whole turn */
+ *   peak : max |f(t)|; a row not below its neighbours brackets a maximum, found by golden sections of the motion itself
+ *          (J. Kiefer 1953), if the parabola through the three rows can exceed the largest row
+ *   rms  : sqrt(1/T integral f^2 dt) by the trapezoidal rule, exact to rounding for smooth forces over a full period */
 #include "history/inverse_peaks.h"
 
 #include "base/arguments.h"
 #include "base/table.h"
 
-enum { SECTIONS = 32 };                /* of two rows' time: 4e-7 of it, 1e-13 of the peak */
-static const double overshoot = 1e-12; /* of the row: a maximum between rows that is larger by less is the row's */
+enum { SECTIONS = 32 };                /* reduces the bracket to 4e-7 of its length, the peak's error to 1e-13 */
+static const double overshoot = 1e-12; /* relative to the row: a maximum between rows that exceeds it by less is
+                                        * ignored */
 
 typedef struct peak_search {
   km_history_writer *w;
-  km_inverse_motion *go_to;
+  km_inverse_motion *advance_to;
   const km_force_peak *peak;
-  size_t row; /* from which the motion goes on */
+  size_t row; /* row from which the motion is continued */
 } peak_search;
 
-static double size_of(const double *f, int count) {
+static double magnitude(const double *f, int count) {
   double square = 0.0;
   for (int k = 0; k < count; ++k)
     square += f[k] * f[k];
   return count == 1 ? fabs(f[0]) : sqrt(square);
 }
 
-static double size_in_row(const km_history_writer *w, const km_force_peak *peak, size_t row) {
-  return size_of(km_table_row(w->out->table, row) + peak->column, peak->parts);
+static double magnitude_in_row(const km_history_writer *w, const km_force_peak *peak, size_t row) {
+  return magnitude(km_table_row(w->out->table, row) + peak->column, peak->parts);
 }
 
-/* Brings the state to a row. */
-static km_status restore(km_history_writer *w, size_t row) {
+/* Sets the state to a row. */
+static km_status set_state_to_row(km_history_writer *w, size_t row) {
   const double *values = km_table_row(w->out->table, row);
   int count = w->m->coordinate_count;
   km_status status = km_state_set_coordinates(w->m, w->state, values + 1, NULL);
@@ -40,18 +41,18 @@ static km_status restore(km_history_writer *w, size_t row) {
   return status ? status : km_dynamics_accelerate(w->dynamics, w->state, NULL);
 }
 
-/* The quantity at a time after the row; NaN where the motion doesn't come to it. */
+/* Value of the quantity at a time after the row; NaN: the motion can't reach it. */
 static double value_at(const peak_search *p, double time) {
   km_history_writer *w = p->w;
-  if (restore(w, p->row) || p->go_to(w, time, NULL))
+  if (set_state_to_row(w, p->row) || p->advance_to(w, time, NULL))
     return nan("");
   if (p->peak->parts == 1)
     return km_dynamics_driving_force(w->dynamics, w->state, p->peak->coordinate);
   return km_vec3_norm(km_dynamics_inertia_forces(w->dynamics).f);
 }
 
-/* Golden sections between the neighbours of a row. */
-static void search(const peak_search *p, double a, double b, km_force_peak *peak) {
+/* Golden-section search for the maximum between the neighbours of a row. */
+static void golden_section(const peak_search *p, double a, double b, km_force_peak *peak) {
   static const double golden = 0.38196601125010515;
   double t[2] = {a + golden * (b - a), b - golden * (b - a)};
   double f[2] = {value_at(p, t[0]), value_at(p, t[1])};
@@ -75,39 +76,39 @@ static void search(const peak_search *p, double a, double b, km_force_peak *peak
   }
 }
 
-/* Returns by how much the parabola through three neighbours, a <= b >= c, rises above b. */
-static double rise(double a, double b, double c) {
-  double bend = 2.0 * b - a - c, slope = 0.5 * (c - a);
-  return bend > 0.0 ? 0.5 * slope * slope / bend : 0.0;
+/* Height above b of the vertex of the parabola through three equidistant values a ≤ b ≥ c. */
+static double parabola_rise(double a, double b, double c) {
+  double curvature = 2.0 * b - a - c, slope = 0.5 * (c - a);
+  return curvature > 0.0 ? 0.5 * slope * slope / curvature : 0.0;
 }
 
-static void find_peak(km_history_writer *w, km_inverse_motion *go_to, km_force_peak *peak) {
+static void find_peak(km_history_writer *w, km_inverse_motion *advance_to, km_force_peak *peak) {
   const km_table *table = w->out->table;
   size_t rows = km_table_rows(table), most = 0;
   double square = 0.0;
   for (size_t r = 0; r < rows; ++r) {
-    double size = size_in_row(w, peak, r);
-    most = size > size_in_row(w, peak, most) ? r : most;
+    double size = magnitude_in_row(w, peak, r);
+    most = size > magnitude_in_row(w, peak, most) ? r : most;
     if (r > 0)
       square += 0.5 * (km_table_row(table, r)[0] - km_table_row(table, r - 1)[0]) *
-                (size * size + pow(size_in_row(w, peak, r - 1), 2.0));
+                (size * size + pow(magnitude_in_row(w, peak, r - 1), 2.0));
   }
   const double *row = km_table_row(table, most);
-  double largest = size_in_row(w, peak, most), span = km_table_row(table, rows - 1)[0];
+  double largest = magnitude_in_row(w, peak, most), span = km_table_row(table, rows - 1)[0];
   peak->rms = span > 0.0 ? sqrt(square / span) : largest;
   peak->value = peak->parts == 1 ? row[peak->column] : largest;
   peak->time = row[0];
   for (size_t r = 1; r + 1 < rows; ++r) {
-    double a = size_in_row(w, peak, r - 1), b = size_in_row(w, peak, r), c = size_in_row(w, peak, r + 1);
-    double above = rise(a, b, c);
+    double a = magnitude_in_row(w, peak, r - 1), b = magnitude_in_row(w, peak, r), c = magnitude_in_row(w, peak, r + 1);
+    double above = parabola_rise(a, b, c);
     if (a > b || c > b || above <= overshoot * b || b + 2.0 * above < largest)
       continue;
-    const peak_search p = {w, go_to, peak, r - 1};
-    search(&p, km_table_row(table, r - 1)[0], km_table_row(table, r + 1)[0], peak);
+    const peak_search p = {w, advance_to, peak, r - 1};
+    golden_section(&p, km_table_row(table, r - 1)[0], km_table_row(table, r + 1)[0], peak);
   }
 }
 
-km_status km_inverse_find_peaks(km_history_writer *w, km_inverse_motion *go_to, km_error *error) {
+km_status km_inverse_find_peaks(km_history_writer *w, km_inverse_motion *advance_to, km_error *error) {
   km_history *h = w->out;
   km_span driven = km_table_span(h->table, "f."), shaking = km_table_span(h->table, "shaking.");
   size_t rows = km_table_rows(h->table);
@@ -120,7 +121,7 @@ km_status km_inverse_find_peaks(km_history_writer *w, km_inverse_motion *go_to, 
       h->peaks[h->peak_count++] = (km_force_peak){.coordinate = c, .column = next++, .parts = 1};
   h->peaks[h->peak_count++] = (km_force_peak){.coordinate = -1, .column = shaking.first, .parts = 3};
   for (int i = 0; i < h->peak_count; ++i)
-    find_peak(w, go_to, &h->peaks[i]);
-  restore(w, rows - 1);
+    find_peak(w, advance_to, &h->peaks[i]);
+  set_state_to_row(w, rows - 1);
   return KM_OK;
 }

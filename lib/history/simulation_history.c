@@ -1,24 +1,24 @@
-/* A simulation row by row: its columns, and what stands in them. */
+/* Table of a simulation: start, rows at equal intervals, crossings, changed initial rates. */
 #include "base/arguments.h"
 #include "history/history_table.h"
 #include "kmech/sweep.h"
 
 #include <string.h>
 
-static const double default_span = 10.0; /* seconds */
+static const double default_span = 10.0; /* default duration, seconds */
 enum { DEFAULT_ROWS = 200 };
 
 km_history_def km_history_default(const km_model *model) {
   km_history_def def = {.simulation = km_simulation_default()};
   if (!model)
     return def;
-  const km_simulation_settings *given = &model->simulation;
-  def.until = given->span > 0.0 ? given->span : default_span / model->units.time->si;
-  def.every = given->step > 0.0 ? given->step : def.until / DEFAULT_ROWS;
-  if (given->relative > 0.0)
-    def.simulation.relative = given->relative;
-  if (given->absolute > 0.0)
-    def.simulation.absolute = given->absolute;
+  const km_simulation_settings *settings = &model->simulation;
+  def.until = settings->span > 0.0 ? settings->span : default_span / model->units.time->si;
+  def.every = settings->step > 0.0 ? settings->step : def.until / DEFAULT_ROWS;
+  if (settings->relative > 0.0)
+    def.simulation.relative = settings->relative;
+  if (settings->absolute > 0.0)
+    def.simulation.absolute = settings->absolute;
   return def;
 }
 
@@ -31,15 +31,15 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
     return km_fail(error, KM_USAGE, "%g between rows up to %g; expected at most %d rows", def->every, def->until,
                    KM_MAX_SWEEP_STEPS);
   double longest = def->simulation.max_step;
-  if (longest > 0.0 && def->until + longest == def->until) /* time would stand still */
+  if (longest > 0.0 && def->until + longest == def->until) /* rounding would leave the time unchanged */
     return km_fail(error, KM_USAGE, "longest step %g; expected one that a time of %g can grow by", longest, def->until);
   return km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 
-/* Stated rates that the loops change by more than this part of the largest one are reported. */
+/* Stated rates that the projection changes by more than this part of the largest one are reported. */
 static const double least_change = 1e-9;
 
-/* Lists the stated rates that the start doesn't have; `stated`: as they were before the loops were kept. */
+/* Lists the stated rates that were changed by the projection on the loops; `stated` are the rates before it. */
 static void list_changed_rates(const km_history_writer *w, const double *stated) {
   const km_mechanism *m = w->m;
   km_history *h = w->out;
@@ -57,7 +57,7 @@ static void list_changed_rates(const km_history_writer *w, const double *stated)
   }
 }
 
-/* Rates that keep the loops, the stated ones among them. */
+/* Computes initial rates that satisfy the loops, closest to the stated ones. */
 static km_status start_rates(km_history_writer *w, km_error *error) {
   size_t count = (size_t)w->m->coordinate_count;
   double *stated = KM_NEW(double, count + 1);
@@ -73,17 +73,17 @@ static km_status start_rates(km_history_writer *w, km_error *error) {
   return status;
 }
 
-static km_status begin(km_history_writer *w, const km_history_def *def, km_error *error) {
+static km_status start(km_history_writer *w, const km_history_def *def, km_error *error) {
   km_simulation_def simulation = def->simulation;
   simulation.end = def->until;
   w->state->time = def->start;
   km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
   if (!status)
-    status = km_dynamic_friction_create(w->dynamics, &w->rubbing, error);
+    status = km_dynamic_friction_create(w->dynamics, &w->friction, error);
   if (!status)
     status = start_rates(w, error);
   if (!status)
-    status = km_history_watch_limits(w, &simulation, error);
+    status = km_history_monitor_limits(w, &simulation, error);
   if (!status)
     status = km_simulation_create(w->dynamics, w->state, &simulation, &w->simulation, error);
   if (!status)
@@ -91,8 +91,8 @@ static km_status begin(km_history_writer *w, const km_history_def *def, km_error
   return status ? status : km_history_row(w, error);
 }
 
-/* Rows at multiples of `every` and at the end; the last one is where the run stopped. */
-static km_status go_on(km_history_writer *w, const km_history_def *def, km_error *error) {
+/* Writes rows at multiples of `every` and at the end; the last row is where the run stopped. */
+static km_status write_rows(km_history_writer *w, const km_history_def *def, km_error *error) {
   double until = def->until, every = def->every;
   km_status status = KM_OK;
   for (long row = 1; !status && w->state->time < until; ++row) {
@@ -110,7 +110,7 @@ static km_status go_on(km_history_writer *w, const km_history_def *def, km_error
   return status;
 }
 
-static km_status take_crossings(km_history_writer *w, km_status status, km_error *error) {
+static km_status copy_crossings(km_history_writer *w, km_status status, km_error *error) {
   km_history *h = w->out;
   int count = km_simulation_crossing_count(w->simulation);
   h->crossings = KM_NEW(km_crossing_met, (size_t)count + 1);
@@ -141,11 +141,11 @@ km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *sta
                          .forces = forces,
                          .state = state,
                          .out = out};
-  status = begin(&w, def, &own);
+  status = start(&w, def, &own);
   if (!status)
-    status = go_on(&w, def, &own);
+    status = write_rows(&w, def, &own);
   if (w.simulation)
-    status = take_crossings(&w, status, &own);
+    status = copy_crossings(&w, status, &own);
   return km_history_end(&w, status, status == KM_PARTIAL ? NULL : &own, error);
 }
 

@@ -1,4 +1,4 @@
-/* A hash table from designs to answers, with open addresses. What an answer is made of lies in one piece of memory. */
+/* Hash table from designs to answers, with open addressing. Each answer is one block of memory. */
 #include "study/answer_cache.h"
 
 #include "base/memory.h"
@@ -13,10 +13,10 @@ struct km_cached_answer {
   km_design_outcome outcome;
   const char *reason;
   bool has_bands;
-  double numbers[]; /* the key, the figures, the bands */
+  double numbers[]; /* key, figures, bands */
 };
 
-/* FNV-1a by words, and MurmurHash3's last mixing, since numbers differ in their upper bits most. */
+/* FNV-1a by 64-bit words with the finaliser of MurmurHash3, because doubles differ mostly in their upper bits. */
 static uint64_t hash(int question, const double *key, int count) {
   uint64_t h = 14695981039346656037u ^ (uint64_t)(unsigned)question;
   for (int i = 0; i < count; ++i) {
@@ -30,15 +30,16 @@ static uint64_t hash(int question, const double *key, int count) {
   return h ^ (h >> 33);
 }
 
-static bool is_of(const km_cached_answer *a, uint64_t h, const km_store_shape *shape, const double *key) {
+static bool matches(const km_cached_answer *a, uint64_t h, const km_store_shape *shape, const double *key) {
   return a->hash == h && a->question == shape->question &&
          memcmp(a->numbers, key, (size_t)shape->parameters * sizeof *key) == 0;
 }
 
-/* The slot of the design, or the empty one where it would go. */
-static km_cached_answer **slot(const km_answer_cache *map, uint64_t h, const km_store_shape *shape, const double *key) {
+/* Slot of the design, or the empty slot for it (linear probing). */
+static km_cached_answer **find_slot(const km_answer_cache *map, uint64_t h, const km_store_shape *shape,
+                                    const double *key) {
   size_t i = h & (map->capacity - 1);
-  while (map->slots[i] && !is_of(map->slots[i], h, shape, key))
+  while (map->slots[i] && !matches(map->slots[i], h, shape, key))
     i = (i + 1) & (map->capacity - 1);
   return &map->slots[i];
 }
@@ -66,8 +67,8 @@ static bool has_bands(const km_store_shape *shape, const km_design_answer *a) {
   return shape->band_numbers && a->outcome <= KM_DESIGN_SHORT;
 }
 
-static km_cached_answer *copy_of(km_answer_cache *map, uint64_t h, const km_store_shape *shape, const double *key,
-                                 const km_design_answer *a) {
+static km_cached_answer *copy_answer(km_answer_cache *map, uint64_t h, const km_store_shape *shape, const double *key,
+                                     const km_design_answer *a) {
   const size_t parameters = (size_t)shape->parameters, figures = (size_t)shape->figures;
   const size_t bands = has_bands(shape, a) ? (size_t)shape->band_numbers : 0;
   const size_t numbers = (parameters + figures + bands) * sizeof(double);
@@ -88,7 +89,7 @@ bool km_answer_cache_put(km_answer_cache *map, const km_store_shape *shape, cons
   if (2 * (map->count + 1) > map->capacity && !grow(map))
     return false;
   const uint64_t h = hash(shape->question, key, shape->parameters);
-  km_cached_answer *copy = copy_of(map, h, shape, key, answer), **at = slot(map, h, shape, key);
+  km_cached_answer *copy = copy_answer(map, h, shape, key, answer), **at = find_slot(map, h, shape, key);
   if (!copy)
     return false;
   map->count += !*at;
@@ -100,15 +101,15 @@ bool km_answer_cache_get(const km_answer_cache *map, const km_store_shape *shape
                          km_design_answer *out) {
   if (!map->capacity)
     return false;
-  const km_cached_answer *kept = *slot(map, hash(shape->question, key, shape->parameters), shape, key);
+  const km_cached_answer *cached = *find_slot(map, hash(shape->question, key, shape->parameters), shape, key);
   const size_t figures = (size_t)shape->figures;
-  if (!kept)
+  if (!cached)
     return false;
-  const double *numbers = kept->numbers + shape->parameters;
-  out->outcome = kept->outcome;
-  snprintf(out->reason, sizeof out->reason, "%s", kept->reason);
+  const double *numbers = cached->numbers + shape->parameters;
+  out->outcome = cached->outcome;
+  snprintf(out->reason, sizeof out->reason, "%s", cached->reason);
   memcpy(out->figures, numbers, figures * sizeof *numbers);
-  if (kept->has_bands && out->bands)
+  if (cached->has_bands && out->bands)
     memcpy(out->bands, numbers + figures, (size_t)shape->band_numbers * sizeof *numbers);
   return true;
 }

@@ -1,4 +1,4 @@
-/* Is a study's definition one that can be opened? What is wrong is told with its place, by the names of JSON keys. */
+/* Checks a study's definition before it is opened. Errors state their place by the names of JSON keys. */
 #include "base/arguments.h"
 #include "base/similar_names.h"
 #include "study/design_study.h"
@@ -238,7 +238,7 @@ static km_status check_questions(const km_design_study_def *def, km_error *error
   return KM_OK;
 }
 
-/* Figures are found by their names. */
+/* Checks that figures have different names. */
 static km_status check_names(const km_design_study_def *def, km_error *error) {
   int index = 0;
   for (int q = 0; q < def->question_count; ++q)

@@ -1,5 +1,5 @@
-/* Batches of designs: what the store has is taken from there, the rest is asked by workers on several threads and put
- * into the store by the caller's thread alone. */
+/* Evaluation of batches of designs: answers in the store are reused, the others are computed by workers on several
+ * threads. Only the caller's thread writes to the store, in the order of the designs. */
 #include "study/design_evaluation.h"
 
 #include "base/parallel.h"
@@ -30,17 +30,17 @@ km_status km_design_look_up(const km_design_study *s, int question, const double
   return km_store_get(s->store, &shape, values, out, found, error);
 }
 
-km_status km_design_put(const km_design_study *s, int question, const double *values, const km_design_answer *answer,
-                        km_error *error) {
+km_status km_design_put(const km_design_study *s, int question, const double *values,
+                        const km_design_answer *compute_piece, km_error *error) {
   km_store_shape shape = shape_of(s, question);
-  return km_store_put(s->store, &shape, values, answer, error);
+  return km_store_put(s->store, &shape, values, compute_piece, error);
 }
 
 int km_design_band_numbers(const km_design_study *s, int question) {
   return shape_of(s, question).band_numbers;
 }
 
-void km_design_gather(const km_design_study *s, const km_design_answer *answers, km_design_result *out) {
+void km_design_collect(const km_design_study *s, const km_design_answer *answers, km_design_result *out) {
   *out = (km_design_result){.outcome = KM_DESIGN_DONE};
   for (int f = 0; f < KM_MAX_DESIGN_FIGURES; ++f)
     out->figures[f] = nan("");
@@ -59,24 +59,24 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
-static km_status make_room(km_evaluation *b, km_error *error) {
+static km_status allocate(km_evaluation *b, km_error *error) {
   const km_design_study_def *def = b->study->def;
-  size_t room = (size_t)b->room, jobs = (size_t)b->jobs;
-  b->values = KM_ARENA_NEW(&b->arena, double, room *(size_t)(def->parameter_count + 1));
-  b->wanted = KM_ARENA_NEW(&b->arena, bool, room *(size_t)def->question_count);
-  b->answers = KM_ARENA_NEW(&b->arena, km_design_answer *, room);
-  b->statuses = KM_ARENA_NEW(&b->arena, km_status, room);
+  size_t capacity = (size_t)b->capacity, jobs = (size_t)b->jobs;
+  b->values = KM_ARENA_NEW(&b->arena, double, capacity *(size_t)(def->parameter_count + 1));
+  b->wanted = KM_ARENA_NEW(&b->arena, bool, capacity *(size_t)def->question_count);
+  b->answers = KM_ARENA_NEW(&b->arena, km_design_answer *, capacity);
+  b->statuses = KM_ARENA_NEW(&b->arena, km_status, capacity);
   b->workers = KM_ARENA_NEW(&b->arena, km_design_worker *, jobs);
-  b->errors = KM_ARENA_NEW(&b->arena, km_error, room);
-  b->answered = KM_ARENA_NEW(&b->arena, atomic_bool, room);
-  for (int i = 0; i < b->room && !b->arena.failed; ++i)
+  b->errors = KM_ARENA_NEW(&b->arena, km_error, capacity);
+  b->answered = KM_ARENA_NEW(&b->arena, atomic_bool, capacity);
+  for (int i = 0; i < b->capacity && !b->arena.failed; ++i)
     b->answers[i] = km_design_answers(b->study, &b->arena);
   return b->arena.failed ? no_memory(error) : KM_OK;
 }
 
-km_status km_evaluation_open(km_evaluation *b, km_design_study *study, int jobs, int room, km_error *error) {
-  *b = (km_evaluation){.study = study, .jobs = jobs, .room = room};
-  km_status status = make_room(b, error);
+km_status km_evaluation_open(km_evaluation *b, km_design_study *study, int jobs, int capacity, km_error *error) {
+  *b = (km_evaluation){.study = study, .jobs = jobs, .capacity = capacity};
+  km_status status = allocate(b, error);
   for (int i = 0; i < jobs && !status; ++i)
     status = km_design_worker_create(study, &b->workers[i], error);
   if (!status && jobs > 1)
@@ -111,51 +111,51 @@ km_status km_evaluation_add(km_evaluation *b, const double *values, km_error *er
   return status;
 }
 
-static bool wants(const km_evaluation *b, int i) {
+static bool is_wanted(const km_evaluation *b, int i) {
   for (int q = 0; q < b->study->def->question_count; ++q)
     if (b->wanted[i * b->study->def->question_count + q])
       return true;
   return false;
 }
 
-/* Pieces that a batch has for each thread at least: of several threads none is to wait long for the others at its end. */
-static int pieces_each(int jobs) {
+/* Least number of pieces per thread in a batch, so that no thread waits long for the others at its end. */
+static int pieces_per_thread(int jobs) {
   return jobs > 1 ? 2 : 1;
 }
 
-/* How many designs a thread takes at once: enough for the lanes, and not so many that others have nothing to do. */
-static int piece_of(const km_evaluation *b) {
-  int share = b->count / (pieces_each(b->jobs) * b->jobs);
+/* Designs of a piece: enough for the lanes, but not so many that other threads have none. */
+static int piece_size(const km_evaluation *b) {
+  int share = b->count / (pieces_per_thread(b->jobs) * b->jobs);
   return share < 1 ? 1 : share > KM_BATCH_LANES ? KM_BATCH_LANES : share;
 }
 
 int km_batch_next_size(int size, double seconds, double target, int jobs, int most) {
   const double longest = 2.0;
-  double each = fmax(seconds, 1e-6) / size, full = (double)KM_BATCH_LANES * pieces_each(jobs) * jobs;
+  double each = fmax(seconds, 1e-6) / size, full = (double)KM_BATCH_LANES * pieces_per_thread(jobs) * jobs;
   double wanted = fmax(target / each, fmin(full, longest / each));
   return (int)fmax(fmax(1.0, jobs), fmin(most, fmin(4.0 * size, wanted)));
 }
 
-/* A turn: pieces take the next worker that is free, one a thread. */
-typedef struct turn {
+/* Computation of a batch; each free worker takes the next piece. */
+typedef struct computation {
   km_evaluation *batch;
-  int piece; /* designs of each */
+  int piece; /* designs per piece */
   atomic_int next;
-  const void *caller; /* its thread stores what is answered, in the order of the designs; NULL: nothing is stored now */
+  const void *caller; /* mark of the thread that stores the answers, in the order of the designs; NULL: no storing */
   int stored;
   km_status status;
   km_error *error;
-} turn;
+} computation;
 
-static turn begin_turn(km_evaluation *b, km_error *error) {
-  turn r = {.batch = b, .piece = piece_of(b), .error = error};
+static computation begin_computation(km_evaluation *b, km_error *error) {
+  computation r = {.batch = b, .piece = piece_size(b), .error = error};
   atomic_init(&r.next, 0);
   for (int i = 0; i < b->count; ++i)
     atomic_init(&b->answered[i], false);
   return r;
 }
 
-static void answer(const turn *r, int worker, int first) {
+static void compute_piece(const computation *r, int worker, int first) {
   km_evaluation *b = r->batch;
   const km_design_study_def *def = b->study->def;
   int end = first + r->piece < b->count ? first + r->piece : b->count;
@@ -163,7 +163,7 @@ static void answer(const turn *r, int worker, int first) {
   int of[KM_BATCH_LANES], count = 0;
   for (int i = first; i < end; ++i) {
     b->statuses[i] = KM_OK;
-    if (!wants(b, i))
+    if (!is_wanted(b, i))
       continue;
     of[count] = i;
     tasks[count++] = (km_design_task){.values = b->values + i * def->parameter_count,
@@ -182,7 +182,7 @@ static km_status store_one(km_evaluation *b, int i, km_error *error) {
   const km_design_study_def *def = b->study->def;
   if (b->statuses[i])
     return km_fail(error, b->statuses[i], "%s", b->errors[i].text);
-  if (!wants(b, i)) {
+  if (!is_wanted(b, i)) {
     b->study->found++;
     return KM_OK;
   }
@@ -194,43 +194,43 @@ static km_status store_one(km_evaluation *b, int i, km_error *error) {
   return status;
 }
 
-/* As far as the answers are there. */
-static void store_answered(turn *r) {
+/* Stores the answers that are complete, in order. */
+static void store_answered(computation *r) {
   const km_evaluation *b = r->batch;
   while (!r->status && r->stored < b->count && atomic_load(&b->answered[r->stored]))
     r->status = store_one(r->batch, r->stored++, r->error);
 }
 
-static void work(void *context, int worker) {
-  turn *r = context;
+static void run_worker(void *context, int worker) {
+  computation *r = context;
   bool stores = r->caller == km_thread_mark();
   for (int first = atomic_fetch_add(&r->next, r->piece); first < r->batch->count;
        first = atomic_fetch_add(&r->next, r->piece)) {
-    answer(r, worker, first);
+    compute_piece(r, worker, first);
     if (stores)
       store_answered(r);
   }
 }
 
 void km_evaluation_compute(km_evaluation *b) {
-  turn r = begin_turn(b, NULL);
-  km_team_run(b->team, b->jobs, work, &r);
+  computation r = begin_computation(b, NULL);
+  km_team_run(b->team, b->jobs, run_worker, &r);
 }
 
 km_status km_evaluation_store(km_evaluation *b, km_error *error) {
-  turn r = {.batch = b, .error = error};
+  computation r = {.batch = b, .error = error};
   store_answered(&r);
   return r.status;
 }
 
 km_status km_batch_run(km_evaluation *b, km_error *error) {
-  turn r = begin_turn(b, error);
+  computation r = begin_computation(b, error);
   r.caller = km_thread_mark();
-  km_team_run(b->team, b->jobs, work, &r);
+  km_team_run(b->team, b->jobs, run_worker, &r);
   store_answered(&r);
   return r.status;
 }
 
 void km_evaluation_result(const km_evaluation *b, int i, km_design_result *out) {
-  km_design_gather(b->study, b->answers[i], out);
+  km_design_collect(b->study, b->answers[i], out);
 }

@@ -1,4 +1,5 @@
-/* Which designs a study has, by number. */
+/* List of a study's designs by number: variants, grid points, samples, designs of an optimisation (docs/theory.md
+ * 13.1). */
 #include "base/arguments.h"
 #include "study/optimisation/optimisation.h"
 #include "study/statistics/sampler.h"
@@ -26,7 +27,7 @@ int km_design_study_designs(const km_design_study *s) {
   return s->stopped_at ? s->stopped_at : km_designs_planned(s);
 }
 
-int km_design_drawn(const km_design_study *s, int k, int count) {
+int km_design_representative(const km_design_study *s, int k, int count) {
   const int total = km_design_study_designs(s);
   bool ordered = !s->def->sample || s->def->sample->method == KM_SAMPLING_LIST;
   if (count >= total || !ordered)
@@ -35,8 +36,8 @@ int km_design_drawn(const km_design_study *s, int k, int count) {
   return (int)(begin + (int64_t)(km_random_at(0, (uint64_t)k, 0) * (double)(end - begin)));
 }
 
-int km_design_study_drawn(const km_design_study *s, int k, int count) {
-  return k >= 0 && k < count && k < km_design_study_designs(s) ? km_design_drawn(s, k, count) : -1;
+int km_design_study_representative(const km_design_study *s, int k, int count) {
+  return k >= 0 && k < count && k < km_design_study_designs(s) ? km_design_representative(s, k, count) : -1;
 }
 
 double km_design_study_length(const km_design_study *s) {

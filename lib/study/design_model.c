@@ -1,4 +1,4 @@
-/* The model of a design, read from the file with the design's numbers in it. */
+/* Model of a design: the model file with the design's parameter values. */
 #include "base/arguments.h"
 #include "continuation/target_configuration.h"
 #include "kmech/continuation.h"
@@ -17,7 +17,7 @@ bool km_design_is_reference(const km_design_study *s, const double *values) {
   return memcmp(values, s->reference, (size_t)s->def->parameter_count * sizeof *values) == 0;
 }
 
-/* The parameters that the design states, as the reader takes them. */
+/* Assignments for the reader of the parameters that the design states. */
 static int assignments_of(const km_design_study *s, const double *values, km_assignment *out) {
   int count = 0;
   for (int p = 0; p < s->def->parameter_count; ++p)
@@ -28,9 +28,9 @@ static int assignments_of(const km_design_study *s, const double *values, km_ass
 
 km_status km_design_read_model(const km_design_study *s, const double *values, km_model **out, km_error *error) {
   km_assignment assignments[KM_MAX_DESIGN_PARAMETERS];
-  km_read_def how = {
+  km_read_def definition = {
       .file = s->def->model, .assignments = assignments, .assignment_count = assignments_of(s, values, assignments)};
-  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, out, error);
+  km_status status = km_model_read_as(s->bytes, s->size, &definition, NULL, out, error);
   if (!status && s->length > 0.0 && !km_design_is_reference(s, values)) {
     double unit = km_model_length_unit(*out);
     km_model_share_length(*out, s->length * unit / unit);
@@ -38,21 +38,21 @@ km_status km_design_read_model(const km_design_study *s, const double *values, k
   return status;
 }
 
-/* What a question asks to be held, beside the model's own holds, and set. */
-typedef struct goals {
+/* Held and set coordinates of a request, including the model's own holds. */
+typedef struct held_and_set {
   km_hold *holds, *sets;
   int hold_count, set_count;
-} goals;
+} held_and_set;
 
-static void free_goals(goals *g) {
+static void free_held_and_set(held_and_set *g) {
   km_free(g->holds);
   km_free(g->sets);
 }
 
-/* To be freed in any case. */
-static km_status find_goals(const km_model *m, const km_design_question *q, goals *g, km_error *error) {
-  *g = (goals){.holds = KM_NEW(km_hold, (size_t)(m->coordinate_count + m->hold_count) + 1),
-               .sets = KM_NEW(km_hold, (size_t)m->coordinate_count + 1)};
+/* Finds the held and set coordinates; free them in any case. */
+static km_status find_held_and_set(const km_model *m, const km_design_question *q, held_and_set *g, km_error *error) {
+  *g = (held_and_set){.holds = KM_NEW(km_hold, (size_t)(m->coordinate_count + m->hold_count) + 1),
+                      .sets = KM_NEW(km_hold, (size_t)m->coordinate_count + 1)};
   if (!g->holds || !g->sets)
     return km_fail(error, KM_MEMORY, "out of memory while moving to a pose");
   for (int h = 0; h < m->hold_count; ++h)
@@ -68,23 +68,23 @@ static km_status find_goals(const km_model *m, const km_design_question *q, goal
   return status;
 }
 
-km_status km_design_bring(const km_model *m, const km_design_question *q, km_mechanism **mechanism, km_state **state,
-                          km_error *error) {
-  goals g;
-  km_status status = find_goals(m, q, &g, error);
+km_status km_design_compile_at(const km_model *m, const km_design_question *q, km_mechanism **mechanism,
+                               km_state **state, km_error *error) {
+  held_and_set g;
+  km_status status = find_held_and_set(m, q, &g, error);
   if (!status)
     status = km_mechanism_compile_at(m, g.holds, g.hold_count, g.sets, g.set_count, mechanism, state, error);
-  free_goals(&g);
+  free_held_and_set(&g);
   return status;
 }
 
-km_status km_design_bring_again(const km_mechanism *free, km_state *there, const km_design_question *q,
-                                km_mechanism **held, km_state **at, km_error *error) {
-  goals g;
-  km_status status = find_goals(free->model, q, &g, error);
+km_status km_design_recompile_at(const km_mechanism *free, km_state *there, const km_design_question *q,
+                                 km_mechanism **held, km_state **at, km_error *error) {
+  held_and_set g;
+  km_status status = find_held_and_set(free->model, q, &g, error);
   if (!status)
     status = km_mechanism_recompile_at(free, there, g.holds, g.hold_count, g.sets, g.set_count, held, at, error);
-  free_goals(&g);
+  free_held_and_set(&g);
   return status;
 }
 
@@ -121,7 +121,7 @@ km_status km_design_study_evaluate(const km_design_study *s, int design, int que
   if (status)
     return status;
   const km_design_question *q = &s->def->questions[question];
-  status = km_design_bring(out->model, q, &out->mechanism, &out->state, error);
+  status = km_design_compile_at(out->model, q, &out->mechanism, &out->state, error);
   if (!status)
     status = km_question_create(out->mechanism, q->kind, &out->question, error);
   if (!status)

@@ -1,4 +1,5 @@
-/* Opens a study: reads its model, finds how numbers get into it, tries its questions, and opens its store. */
+/* Opens a study: reads its model, finds the places of the parameters, tries its requests on a reference design, and
+ * opens its store. */
 #include "study/design_study.h"
 
 #include "base/arguments.h"
@@ -15,7 +16,7 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
-/* The model is a file of its own, which its faults are told of. */
+/* Checks the syntax of the model file; its errors state that file. */
 static km_status check_syntax(const km_design_study *s, const km_text *text, km_error *error) {
   km_arena arena = {0};
   const km_value *root;
@@ -42,16 +43,17 @@ static km_status read_text(km_design_study *s, km_error *error) {
   return !status && s->arena.failed ? no_memory(error) : status;
 }
 
-/* The length that serves all designs is that of the first variant or grid point, as where kmob compares variants; of
- * samples and optimisations that of the file. */
+/* Chooses the reference design, whose characteristic length is used for all designs: the first variant or grid
+ * point, as in kmob's comparison of variants; for samples and optimisations, the values of the file. */
 static void choose_reference(km_design_study *s) {
   km_design_clear(s, s->reference);
   if (s->def->variant_count || s->def->axis_count)
     km_design_values(s, 0, s->reference);
 }
 
-/* The rows of a motion of so many steps are asked in full only when the study runs: two are enough to see the columns. */
-static km_status ask_briefly(km_question *q, km_state *state, int *rows, km_error *error) {
+/* Computes a motion with one step only, which is enough to find the columns; *rows is the number of rows of the full
+ * motion. */
+static km_status compute_one_step(km_question *q, km_state *state, int *rows, km_error *error) {
   km_sweep_plan plan;
   km_status status = km_question_make_plan(q, &plan, error);
   km_option_value short_motion = {.whole = 1};
@@ -61,7 +63,7 @@ static km_status ask_briefly(km_question *q, km_state *state, int *rows, km_erro
   return status ? status : km_question_compute(q, state, error);
 }
 
-static km_status ask_track(km_question *q, km_state *state, int *rows, km_error *error) {
+static km_status compute_track(km_question *q, km_state *state, int *rows, km_error *error) {
   km_status status = km_question_compute(q, state, error);
   *rows = km_question_track(q) ? km_track_samples(km_question_track(q)) : 0;
   return status;
@@ -73,13 +75,14 @@ static km_status try_question(km_design_study *s, int index, const km_model *mod
   km_state *state = NULL;
   km_question *q = NULL;
   km_error found;
-  km_status status = km_design_bring(model, def, &m, &state, &found);
+  km_status status = km_design_compile_at(model, def, &m, &state, &found);
   if (!status)
     status = km_question_create(m, def->kind, &q, &found);
   if (!status)
     status = km_design_set_options(s->def, def, model, q, &found);
   if (!status)
-    status = (strcmp(def->kind, "track") == 0 ? ask_track : ask_briefly)(q, state, &s->band_rows[index], &found);
+    status =
+        (strcmp(def->kind, "track") == 0 ? compute_track : compute_one_step)(q, state, &s->band_rows[index], &found);
   if (status == KM_OK || status == KM_PARTIAL)
     status = km_design_check_figures(def, q, s->units + s->first_figure[index], &s->arena, &found);
   if (status)
@@ -101,20 +104,20 @@ static km_status read_length(km_design_study *s, const km_model *model, km_error
   static const km_design_question plain = {0};
   km_mechanism *m = NULL;
   km_state *state = NULL;
-  km_status status = km_design_bring(model, &plain, &m, &state, error);
+  km_status status = km_design_compile_at(model, &plain, &m, &state, error);
   s->length = status ? 0.0 : km_mechanism_characteristic_length(m, NULL);
   km_state_free(state);
   km_mechanism_free(m);
   return status;
 }
 
-static void keep_meshes(km_design_study *s, const km_model *model) {
+static void store_mesh_inertias(km_design_study *s, const km_model *model) {
   km_text text = {0};
   km_design_add_meshes(model, &text);
   s->meshes = km_text_keep(&text, &s->arena);
 }
 
-/* Takes what the reference design says of all. */
+/* Reads length, figures, columns and meshes from the reference design. */
 static km_status try_reference(km_design_study *s, km_error *error) {
   km_model *model = NULL;
   s->length = 0.0;
@@ -124,12 +127,13 @@ static km_status try_reference(km_design_study *s, km_error *error) {
   if (!status)
     status = try_questions(s, model, error);
   if (!status)
-    keep_meshes(s, model);
+    store_mesh_inertias(s, model);
   km_model_free(model);
   return status;
 }
 
-/* A first design that is no model, or can't be asked, is a result like any other: then the file's own numbers serve. */
+/* Binds the study to its model. If the reference design is invalid, the values of the file are the reference; the
+ * invalid design is then a result like any other. */
 static km_status bind_model(km_design_study *s, km_error *error) {
   km_error second;
   km_status status = read_text(s, error);
@@ -180,7 +184,7 @@ static void add_question(km_text *out, const km_design_question *q) {
   km_text_add(out, "|");
   add_settings(out, q->holds, q->hold_count);
   add_settings(out, q->sets, q->set_count);
-  for (int f = 0; f < q->figure_count; ++f) { /* what is good enough changes no answer */
+  for (int f = 0; f < q->figure_count; ++f) { /* limits don't affect the answer */
     const km_design_figure *figure = &q->figures[f];
     km_text_format(out, "%d;", (int)figure->kind);
     km_design_add_name(out, q->kind ? figure->column : figure->name);
@@ -192,7 +196,7 @@ static void add_question(km_text *out, const km_design_question *q) {
     km_design_add_name(out, q->bands[b]);
 }
 
-/* All that a question's answers depend on, beside the model and the design. */
+/* Registers a request in the store by the hash of all inputs of its answers except model text and design. */
 static km_status register_question(km_design_study *s, int index, km_error *error) {
   km_text text = {0};
   char key[KM_SHA256_TEXT];
@@ -281,7 +285,7 @@ km_status km_design_study_open(const km_design_study_def *def, const char *store
 void km_design_study_free(km_design_study *s) {
   if (!s)
     return;
-  km_design_forget_statistics(s);
+  km_design_free_statistics(s);
   km_store_free(s->store);
   km_sampler_free(s->sampler);
   km_free(s->trail.values);

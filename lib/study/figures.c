@@ -1,4 +1,4 @@
-/* Figures of merit of an answered question, and the rows of its bands. */
+/* Figures of merit of a computed request, and the rows of its bands. */
 #include "base/similar_names.h"
 #include "spatial/vec3.h"
 #include "study/design_study.h"
@@ -17,7 +17,7 @@ bool km_design_is_better(const km_design_figure *figure, double a, double b) {
   return isnan(b) || (figure->better > 0 && a > b) || (figure->better < 0 && a < b);
 }
 
-static double reached(const km_table *t) {
+static double reached_range(const km_table *t) {
   size_t rows = km_table_rows(t);
   int s = km_table_find(t, "s");
   if (rows == 0 || s < 0)
@@ -25,10 +25,11 @@ static double reached(const km_table *t) {
   return fabs(km_table_row(t, rows - 1)[s] - km_table_row(t, 0)[s]);
 }
 
-/* Dead points: of any joint; of an advantage's input and output; of the actuators whose forces grow without bound there. */
-static double toggles(const km_question *q) {
+/* Number of dead points: of a joint, of the input or output of a mechanical advantage, or of actuators whose forces
+ * grow without bound. */
+static double dead_point_count(const km_question *q) {
   static const char *const names[] = {"toggle", "pole", "undefined"};
-  const bool zeros_count = km_question_advantage(q) != NULL; /* a force of 0 is no dead point */
+  const bool zeros_count = km_question_advantage(q) != NULL; /* a zero force is no dead point */
   int count = 0;
   for (int i = 0; i < km_question_event_count(q); ++i) {
     const char *name = km_question_event_at(q, i).name;
@@ -40,7 +41,7 @@ static double toggles(const km_question *q) {
   return count;
 }
 
-/* First of the three columns of a traced point; -1: it isn't traced. */
+/* First of the three columns of a traced point; −1: not traced. */
 static int point_column(const km_table *t, const char *name) {
   char text[512];
   snprintf(text, sizeof text, "point.%.480s.x", name);
@@ -58,8 +59,8 @@ static double distance_to_piece(km_vec3 p, km_vec3 a, km_vec3 b) {
   return km_vec3_norm(km_vec3_sub(to, km_vec3_scale(t, along)));
 }
 
-/* √(Σ d²/n), d_i the distance of given point i from the traced path. */
-static double distance(const km_design_figure *f, const km_table *t) {
+/* Root mean square √(Σ d²/n) of the distances d of the given points from the traced path. */
+static double path_distance(const km_design_figure *f, const km_table *t) {
   int column = point_column(t, f->column);
   size_t rows = km_table_rows(t);
   double sum = 0.0;
@@ -83,20 +84,20 @@ static double column_figure(const km_design_figure *f, const km_table *t) {
   return f->kind == KM_DESIGN_WHERE_MIN || f->kind == KM_DESIGN_WHERE_MAX ? where : value;
 }
 
-void km_design_take_figures(const km_design_question *def, const km_question *q, double *figures) {
+void km_design_copy_figures(const km_design_question *def, const km_question *q, double *figures) {
   const km_table *t = km_question_table(q);
   for (int f = 0; f < def->figure_count; ++f) {
     const km_design_figure *figure = &def->figures[f];
-    figures[f] = figure->kind == KM_DESIGN_REACHED    ? reached(t)
-                 : figure->kind == KM_DESIGN_TOGGLES  ? toggles(q)
-                 : figure->kind == KM_DESIGN_DISTANCE ? distance(figure, t)
+    figures[f] = figure->kind == KM_DESIGN_REACHED    ? reached_range(t)
+                 : figure->kind == KM_DESIGN_TOGGLES  ? dead_point_count(q)
+                 : figure->kind == KM_DESIGN_DISTANCE ? path_distance(figure, t)
                                                       : column_figure(figure, t);
   }
 }
 
-/* A question that is answered in full may have no value of a figure. */
-void km_design_tell_missing(const km_design_question *def, const km_question *q, const double *figures,
-                            char reason[KM_DESIGN_REASON]) {
+/* Reason of a missing figure in a complete answer. */
+void km_design_missing_reason(const km_design_question *def, const km_question *q, const double *figures,
+                              char reason[KM_DESIGN_REASON]) {
   const km_table *t = km_question_table(q);
   size_t rows = km_table_rows(t);
   int s = km_table_find(t, "s");
@@ -116,8 +117,8 @@ void km_design_tell_missing(const km_design_question *def, const km_question *q,
   }
 }
 
-/* Row r of a band is that of step r; the extra row at a located end is none. */
-void km_design_take_bands(const km_design_question *def, const km_question *q, int rows, double *bands) {
+/* Copies the bands: row r is that of step r; the extra row at a located end is skipped. */
+void km_design_copy_bands(const km_design_question *def, const km_question *q, int rows, double *bands) {
   const km_table *t = km_question_table(q);
   int step = km_table_find(t, "step");
   for (int i = 0; i < def->band_count * rows; ++i)

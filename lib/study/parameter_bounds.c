@@ -1,11 +1,11 @@
-/* Bounds that a model states for its parameters (`low`, `high`), against the designs of a study. */
+/* Checks the designs of a study against the bounds (`low`, `high`) that the model states for its parameters. */
 #include "base/arguments.h"
 #include "kmech/data.h"
 #include "study/design_study.h"
 
 #include <math.h>
 
-/* The bounds of a parameter, ∓infinity where the model states none. */
+/* Bounds of a parameter; ∓infinity if the model states none. */
 typedef struct bounds {
   double low, high;
 } bounds;
@@ -20,7 +20,7 @@ static bounds bounds_of(const km_value *parameters, const char *path) {
   return (bounds){number_of(parameter, "low", -HUGE_VAL), number_of(parameter, "high", HUGE_VAL)};
 }
 
-/* Values from `low` to `high` of a part of the study. */
+/* Checks values from `low` to `high` of a part of the study. */
 static km_status check_range(const km_design_study_def *def, const bounds *of, const char *part, int parameter,
                              double low, double high, km_error *error) {
   const bounds *b = &of[parameter];
@@ -42,7 +42,7 @@ static km_status check_values(const km_design_study_def *def, const bounds *of, 
   return status;
 }
 
-/* A normal distribution has no bounds: its mean counts. */
+/* Checks a sample; of a normal distribution, which has no bounds, the mean. */
 static km_status check_sample(const km_design_study_def *def, const bounds *of, const km_design_sample *sample,
                               km_error *error) {
   km_status status = KM_OK;
@@ -80,7 +80,7 @@ km_status km_design_check_bounds(const km_design_study *s, km_error *error) {
   const km_value *root;
   bounds of[KM_MAX_DESIGN_PARAMETERS];
   km_status status = km_json_parse(s->bytes, s->size, &arena, &root, NULL);
-  if (!status) { /* a model that isn't JSON has no parameters */
+  if (!status) { /* a model in another format has no parameters */
     for (int p = 0; p < def->parameter_count; ++p)
       of[p] = bounds_of(km_value_get(root, "parameters"), def->parameters[p].path);
     status = check_all(def, of, error);

@@ -1,4 +1,4 @@
-/* The options of a study's question, as values of their types: labels and paths become indices of the model. */
+/* Options of a study's request, converted to their types: labels and paths become indices of the model. */
 #include "study/design_study.h"
 
 #include <math.h>
@@ -14,19 +14,19 @@ static const km_option *find_option(const char *kind, const char *name) {
   return NULL;
 }
 
-static km_status expected(const km_design_option *o, const char *what, km_error *error) {
+static km_status fail_expected(const km_design_option *o, const char *what, km_error *error) {
   return km_fail(error, KM_USAGE, "%s: expected %s", o->name, what);
 }
 
-/* These numbers, and no text beside them. */
+/* Reads an option of `count` numbers without text. */
 static km_status numbers_of(const km_design_option *o, int count, const char *what, double *out, km_error *error) {
   if (o->number_count != count || o->text_count > 0)
-    return expected(o, what, error);
+    return fail_expected(o, what, error);
   memcpy(out, o->numbers, (size_t)count * sizeof *out);
   return KM_OK;
 }
 
-/* A frame by "body/frame": names with slashes between them. */
+/* Finds a frame by "body/frame": names separated by slashes. */
 static km_status find_frame(const km_model *model, const char *text, size_t length, km_arena *arena, int *frame,
                             km_error *error) {
   const char *names[MAX_NAMES];
@@ -58,9 +58,9 @@ static bool read_direction(const char *text, double out[3]) {
   return size > 0.0 && isfinite(size);
 }
 
-/* A joint's label, or body/frame:dx,dy,dz. */
-static km_status read_end(const km_design_option *o, const km_model *model, const char *text, km_arena *arena,
-                          km_port *out, km_error *error) {
+/* Reads a port: a joint's label, or body/frame:dx,dy,dz. */
+static km_status read_port(const km_design_option *o, const km_model *model, const char *text, km_arena *arena,
+                           km_port *out, km_error *error) {
   const char *colon = strrchr(text, ':');
   *out = (km_port){.kind = KM_PORT_JOINT, .coordinate = -1, .name = text};
   km_status status = km_model_find_coordinate(model, text, &out->coordinate, error);
@@ -68,7 +68,7 @@ static km_status read_end(const km_design_option *o, const km_model *model, cons
     return status;
   out->kind = KM_PORT_POINT;
   if (!read_direction(colon + 1, out->direction))
-    return expected(o, "a joint, or BODY/FRAME:DX,DY,DZ, a point and a direction", error);
+    return fail_expected(o, "a joint, or BODY/FRAME:DX,DY,DZ, a point and a direction", error);
   return find_frame(model, text, (size_t)(colon - text), arena, &out->frame, error);
 }
 
@@ -79,7 +79,7 @@ static km_status read_lists(const km_option *what, const km_design_option *o, co
   km_port *ends = KM_ARENA_NEW(arena, km_port, (size_t)o->text_count + 1);
   km_status status = ends ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for options");
   if (!status && (o->text_count == 0 || o->number_count > 0))
-    status = expected(o, "at least one name, and names alone", error);
+    status = fail_expected(o, "at least one name, and names alone", error);
   for (int i = 0; i < o->text_count && !status; ++i)
     if (what->type == KM_OPTION_COORDINATES) {
       status = km_model_find_coordinate(model, o->texts[i], &coordinates[i], error);
@@ -87,7 +87,7 @@ static km_status read_lists(const km_option *what, const km_design_option *o, co
       points[i].name = o->texts[i];
       status = find_frame(model, o->texts[i], strlen(o->texts[i]), arena, &points[i].frame, error);
     } else {
-      status = read_end(o, model, o->texts[i], arena, &ends[i], error);
+      status = read_port(o, model, o->texts[i], arena, &ends[i], error);
     }
   v->coordinates = coordinates;
   v->points = points;
@@ -96,7 +96,7 @@ static km_status read_lists(const km_option *what, const km_design_option *o, co
   return status;
 }
 
-/* The place of a word in "one or another". */
+/* Index of a word in a list such as "one or another". */
 static int word_place(const char *words, const char *word) {
   int place = 0;
   for (const char *at = words; at; ++place) {
@@ -109,8 +109,8 @@ static int word_place(const char *words, const char *word) {
   return -1;
 }
 
-/* A file as it is seen from the study's folder. NULL when out of memory. */
-static const char *beside(const char *folder, const char *file, km_arena *arena) {
+/* Path of a file relative to the study's folder. NULL: out of memory. */
+static const char *path_in_folder(const char *folder, const char *file, km_arena *arena) {
   km_text path = {0};
   if (folder && folder[0] && file[0] != '/')
     km_text_format(&path, "%s/", folder);
@@ -122,7 +122,8 @@ static const char *beside(const char *folder, const char *file, km_arena *arena)
 const char *km_design_file(const km_design_study_def *study, const km_design_question *q, const km_design_option *o,
                            km_arena *arena) {
   const km_option *what = q->kind ? find_option(q->kind, o->name) : NULL;
-  return what && what->type == KM_OPTION_FILE && o->text_count == 1 ? beside(study->folder, o->texts[0], arena) : NULL;
+  return what && what->type == KM_OPTION_FILE && o->text_count == 1 ? path_in_folder(study->folder, o->texts[0], arena)
+                                                                    : NULL;
 }
 
 static km_status read_value(const km_option *what, const km_design_option *o, const km_model *model, const char *folder,
@@ -133,11 +134,11 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
   switch (what->type) {
   case KM_OPTION_FLAG:
     v->flag = o->flag;
-    return o->text_count + o->number_count == 0 ? KM_OK : expected(o, "true or false", error);
+    return o->text_count + o->number_count == 0 ? KM_OK : fail_expected(o, "true or false", error);
   case KM_OPTION_WHOLE:
     status = numbers_of(o, 1, "a whole number", &number, error);
     if (!status && !(number == floor(number) && fabs(number) < 2e9))
-      return expected(o, "a whole number", error);
+      return fail_expected(o, "a whole number", error);
     v->whole = status ? 0 : (int)number;
     return status;
   case KM_OPTION_NUMBER:
@@ -145,30 +146,30 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
   case KM_OPTION_RANGE:
     return numbers_of(o, 2, "two numbers [from, to]", v->numbers, error);
   case KM_OPTION_VECTOR:
-    v->numbers[2] = 0.0; /* of two */
+    v->numbers[2] = 0.0; /* third component of two numbers */
     return numbers_of(o, o->number_count == 2 ? 2 : 3, "two or three numbers [x, y] or [x, y, z]", v->numbers, error);
   case KM_OPTION_WORD:
     v->whole = one_text ? word_place(what->words, o->texts[0]) : -1;
-    return v->whole >= 0 ? KM_OK : expected(o, what->words, error);
+    return v->whole >= 0 ? KM_OK : fail_expected(o, what->words, error);
   case KM_OPTION_SENSE:
     if (o->text_count != 1 || o->number_count != 1)
-      return expected(o, "a joint and +1 or -1", error);
+      return fail_expected(o, "a joint and +1 or -1", error);
     v->numbers[0] = o->numbers[0];
     return km_model_find_coordinate(model, o->texts[0], &v->coordinate, error);
   case KM_OPTION_COORDINATE:
     return one_text ? km_model_find_coordinate(model, o->texts[0], &v->coordinate, error)
-                    : expected(o, "a joint's label", error);
+                    : fail_expected(o, "a joint's label", error);
   case KM_OPTION_END:
-    return one_text ? read_end(o, model, o->texts[0], arena, &v->end, error)
-                    : expected(o, "a joint, or BODY/FRAME:DX,DY,DZ", error);
+    return one_text ? read_port(o, model, o->texts[0], arena, &v->end, error)
+                    : fail_expected(o, "a joint, or BODY/FRAME:DX,DY,DZ", error);
   case KM_OPTION_COORDINATES:
   case KM_OPTION_POINTS:
   case KM_OPTION_ENDS:
     return read_lists(what, o, model, arena, v, error);
   case KM_OPTION_FILE:
     if (!one_text)
-      return expected(o, "a file's name", error);
-    v->text = beside(folder, o->texts[0], arena);
+      return fail_expected(o, "a file's name", error);
+    v->text = path_in_folder(folder, o->texts[0], arena);
     return v->text ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for options");
   case KM_OPTION_LOADS:
     break;
@@ -179,11 +180,11 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
                  o->name);
 }
 
-static km_status no_option(const km_design_question *q, const char *name, km_error *error) {
+static km_status fail_no_option(const km_design_question *q, const char *name, km_error *error) {
   return km_fail(error, KM_USAGE, "%s: there is no such option of a question about %s", name, q->kind);
 }
 
-/* Points that figures of distance need are traced too. */
+/* Adds the points that figures of distance need to the option `point`. */
 static km_status set_points(const km_design_question *q, const km_model *model, km_question *question,
                             km_error *error) {
   const char *texts[KM_MAX_DESIGN_FIGURES];
@@ -205,7 +206,8 @@ static km_status set_points(const km_design_question *q, const km_model *model, 
   km_arena arena = {0};
   km_option_value value = {0};
   const km_option *what = find_option(q->kind, "point");
-  km_status status = what ? read_value(what, &o, model, NULL, &arena, &value, error) : no_option(q, "point", error);
+  km_status status =
+      what ? read_value(what, &o, model, NULL, &arena, &value, error) : fail_no_option(q, "point", error);
   if (!status)
     status = km_question_set(question, "point", &value, error);
   km_arena_free(&arena);
@@ -220,7 +222,8 @@ km_status km_design_set_options(const km_design_study_def *study, const km_desig
     km_option_value value = {0};
     const km_design_option *o = &q->options[i];
     const km_option *what = find_option(q->kind, o->name);
-    status = what ? read_value(what, o, model, study->folder, &arena, &value, error) : no_option(q, o->name, error);
+    status =
+        what ? read_value(what, o, model, study->folder, &arena, &value, error) : fail_no_option(q, o->name, error);
     if (!status)
       status = km_question_set(question, o->name, &value, error);
     km_arena_free(&arena);

@@ -1,9 +1,10 @@
-/* The store of a study, by SQLite. A result's key is what it depends on: the question's hash and the design's numbers, so
- * that a study that grew finds what it has. One connection holds the file for itself while it is open.
+/* Store of a study in an SQLite file. The key of a result is the hash of its request and the design's parameter
+ * values, so an extended study finds its earlier results. One connection holds the file exclusively while it is
+ * open.
  *
- * Keys of samples come in no order, so that a commit of many changes almost every page of a table that is sorted by them. A
- * run of many designs therefore appends what it gets to a table of its own, and sorts that into the other one when it has
- * grown by a share of what was sorted before. In memory there is nothing to write, and answers go into a hash table. */
+ * Keys of samples come in no order, so a commit of many results would change almost every page of a table sorted by
+ * them. Runs of many designs therefore append results to a second table, which is sorted into the first one when it
+ * has grown by a fraction of what was sorted before. In memory, results go to a hash table. */
 #include "study/result_store.h"
 
 #include "kmech/base.h"
@@ -19,19 +20,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Bytes of what is appended before it is sorted for the first time. */
+/* Bytes of appended results before they are sorted for the first time. */
 static const double first_appended = 1 << 20;
 
 struct km_entry_store {
   sqlite3 *db;
   sqlite3_stmt *get, *put, *append;
-  const char *path;               /* for messages */
-  bool in_memory;                 /* no file: answers are in `kept` */
-  bool read_only;                 /* the file can't be written */
-  bool writing;                   /* a transaction is open */
-  bool appends;                   /* what is put is appended, and sorted later */
-  double appended, most_appended; /* bytes, about: that wait to be sorted, and that may */
-  km_answer_cache kept;
+  const char *path;              /* name of the file in messages */
+  bool in_memory;                /* no file: answers are in `cache` */
+  bool read_only;                /* the file is read-only */
+  bool writing;                  /* a transaction is open */
+  bool appends;                  /* results are appended and sorted later */
+  double appended, max_appended; /* approximate bytes that wait to be sorted; largest number allowed */
+  km_answer_cache cache;
   km_arena arena;
 };
 
@@ -40,7 +41,7 @@ static const char schema[] =
     "CREATE TABLE questions(id INTEGER PRIMARY KEY, key TEXT NOT NULL UNIQUE, name TEXT NOT NULL);"
     "CREATE TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
     " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;";
-/* Stores of earlier versions don't have it. */
+/* table for appended results; stores of earlier versions don't have it */
 static const char appended_schema[] =
     "CREATE TABLE IF NOT EXISTS appended(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL,"
     " reason TEXT, figures BLOB NOT NULL, bands BLOB);";
@@ -70,8 +71,8 @@ static km_status run(const km_entry_store *s, const char *sql, km_error *error) 
   return sqlite3_exec(s->db, sql, NULL, NULL, NULL) == SQLITE_OK ? KM_OK : fail(s, error);
 }
 
-/* The one text that a statement with one text bound gives; NULL: no row. Kept in the store. */
-static const char *text_of(km_entry_store *s, const char *sql, const char *bound) {
+/* Text that a statement with one bound text returns, in the store's memory; NULL: no row. */
+static const char *query_text(km_entry_store *s, const char *sql, const char *bound) {
   sqlite3_stmt *statement = NULL;
   const char *text = NULL;
   if (sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL) == SQLITE_OK) {
@@ -96,12 +97,12 @@ static km_status insert(const km_entry_store *s, const char *sql, const char *a,
   return code == SQLITE_DONE ? KM_OK : fail(s, error);
 }
 
-/* An empty file gets its tables; one with results must be of the same study. */
-static km_status take(km_entry_store *s, const char *identity, const char *what, bool replace, km_error *error) {
-  const char *tables = text_of(s, "SELECT count(*) FROM sqlite_master", NULL);
+/* Creates the tables of an empty file; checks that existing results belong to the same study. */
+static km_status adopt_file(km_entry_store *s, const char *identity, const char *what, bool replace, km_error *error) {
+  const char *tables = query_text(s, "SELECT count(*) FROM sqlite_master", NULL);
   if (!tables)
     return fail(s, error);
-  const char *ours = text_of(s, "SELECT value FROM study WHERE key = ?", "identity");
+  const char *ours = query_text(s, "SELECT value FROM study WHERE key = ?", "identity");
   if (s->arena.failed)
     return fail(s, error);
   if (s->read_only && !ours)
@@ -111,7 +112,7 @@ static km_status take(km_entry_store *s, const char *identity, const char *what,
   if (ours && strcmp(ours, identity) == 0)
     return KM_OK;
   if (ours && !replace) {
-    const char *theirs = text_of(s, "SELECT value FROM study WHERE key = ?", "what");
+    const char *theirs = query_text(s, "SELECT value FROM study WHERE key = ?", "what");
     return km_fail(error, KM_USAGE,
                    "%s: the store holds the results of another study: %.300s; expected those of %.300s", s->path,
                    theirs ? theirs : "", what);
@@ -135,57 +136,57 @@ static km_status prepare(km_entry_store *s, km_error *error) {
   if (s->read_only)
     return sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK ? KM_OK
                                                                                                      : fail(s, error);
-  bool good = sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK &&
-              sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK &&
-              sqlite3_prepare_v3(s->db, append, -1, SQLITE_PREPARE_PERSISTENT, &s->append, NULL) == SQLITE_OK;
-  return good ? KM_OK : fail(s, error);
+  bool is_ok = sqlite3_prepare_v3(s->db, get, -1, SQLITE_PREPARE_PERSISTENT, &s->get, NULL) == SQLITE_OK &&
+               sqlite3_prepare_v3(s->db, put, -1, SQLITE_PREPARE_PERSISTENT, &s->put, NULL) == SQLITE_OK &&
+               sqlite3_prepare_v3(s->db, append, -1, SQLITE_PREPARE_PERSISTENT, &s->append, NULL) == SQLITE_OK;
+  return is_ok ? KM_OK : fail(s, error);
 }
 
-/* Begins a transaction, where none is open. */
-static km_status begin(km_entry_store *s, km_error *error) {
+/* Begins a transaction if none is open. */
+static km_status begin_transaction(km_entry_store *s, km_error *error) {
   km_status status = s->writing ? KM_OK : run(s, "BEGIN IMMEDIATE", error);
   s->writing = s->writing || !status;
   return status;
 }
 
-/* Of two answers about one design the later one stays. */
+/* Sorts the appended results into the table; of two answers for one design the later one remains. */
 static km_status sort_appended(km_entry_store *s, km_error *error) {
   static const char sort[] = "INSERT OR REPLACE INTO results SELECT * FROM appended ORDER BY question, design, rowid;"
                              "DELETE FROM appended";
-  km_status status = begin(s, error);
+  km_status status = begin_transaction(s, error);
   s->appended = 0.0;
   return status ? status : run(s, sort, error);
 }
 
-/* What a run that was killed has left. */
-static km_status sort_what_is_left(km_entry_store *s, km_error *error) {
-  const char *left = text_of(s, "SELECT 1 FROM appended LIMIT 1", NULL);
+/* Sorts the results that a killed run left. */
+static km_status sort_leftover(km_entry_store *s, km_error *error) {
+  const char *left = query_text(s, "SELECT 1 FROM appended LIMIT 1", NULL);
   if (s->arena.failed)
     return fail(s, error);
   km_status status = left ? sort_appended(s, error) : KM_OK;
   return status ? status : km_store_commit(s, error);
 }
 
-/* The same where nothing can be written: a table in memory takes the place of the file's. */
-static km_status sort_aside(km_entry_store *s, km_error *error) {
+/* As sort_leftover for a read-only file: a temporary table replaces the file's. */
+static km_status sort_in_memory(km_entry_store *s, km_error *error) {
   static const char sort[] =
       "CREATE TEMP TABLE results(question INTEGER NOT NULL, design BLOB NOT NULL, outcome INTEGER NOT NULL, reason TEXT,"
       " figures BLOB NOT NULL, bands BLOB, PRIMARY KEY(question, design)) WITHOUT ROWID;"
       "INSERT INTO temp.results SELECT * FROM main.results;"
       "INSERT OR REPLACE INTO temp.results SELECT * FROM main.appended ORDER BY question, design, rowid";
-  const char *left = text_of(s, "SELECT 1 FROM main.appended LIMIT 1", NULL);
+  const char *left = query_text(s, "SELECT 1 FROM main.appended LIMIT 1", NULL);
   if (s->arena.failed)
     return fail(s, error);
   return left ? run(s, sort, error) : KM_OK;
 }
 
-/* Can neither the file nor, beside it, the log of what is written to it be written? */
+/* True if the file or its folder (for the write-ahead log) can't be written. */
 static bool is_read_only(const char *path, const char *folder) {
   return faccessat(AT_FDCWD, path, F_OK, AT_EACCESS) == 0 &&
          (faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0 || faccessat(AT_FDCWD, folder, W_OK, AT_EACCESS) != 0);
 }
 
-/* The name of a file as SQLite's URI, which says that nothing changes the file: its locks and its log need writing. */
+/* Opens a read-only file by a URI with `immutable`, because locks and the log would need writing. */
 static km_status open_read_only(km_entry_store *s, km_error *error) {
   struct stat log;
   km_text name = {0};
@@ -208,9 +209,9 @@ static km_status open_read_only(km_entry_store *s, km_error *error) {
   return status;
 }
 
-/* Damage that SQLite can see: of pages, their order and their links. A changed number isn't seen. O(bytes of the file). */
+/* Checks for damage of pages, their order and links; a changed number isn't detected. O(bytes of the file). */
 static km_status check_integrity(km_entry_store *s, km_error *error) {
-  const char *found = s->in_memory ? "ok" : text_of(s, "PRAGMA integrity_check(1)", NULL);
+  const char *found = s->in_memory ? "ok" : query_text(s, "PRAGMA integrity_check(1)", NULL);
   if (!found)
     return fail(s, error);
   if (strcmp(found, "ok") == 0)
@@ -227,10 +228,10 @@ static km_status open_file(km_entry_store *s, const char *folder, km_error *erro
   if (sqlite3_open(s->in_memory ? ":memory:" : s->path, &s->db) != SQLITE_OK)
     return fail(s, error);
   sqlite3_extended_result_codes(s->db, 1);
-  /* A write-ahead log: a commit costs no wait for the disk, and survives the end of the process at any moment. */
+  /* write-ahead log: a commit doesn't wait for the disk and survives the end of the process */
   km_status status =
       run(s, "PRAGMA locking_mode = EXCLUSIVE; PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL", error);
-  return status ? status : run(s, "BEGIN IMMEDIATE; COMMIT", error); /* the file is ours from here */
+  return status ? status : run(s, "BEGIN IMMEDIATE; COMMIT", error); /* takes the exclusive lock */
 }
 
 km_status km_store_open(const char *path, const char *identity, const char *what, bool replace, km_entry_store **out,
@@ -240,7 +241,7 @@ km_status km_store_open(const char *path, const char *identity, const char *what
     return km_fail(error, KM_MEMORY, "out of memory for a store");
   s->path = km_arena_string(&s->arena, path ? path : "in memory");
   s->in_memory = !path || strcmp(path, ":memory:") == 0;
-  s->most_appended = first_appended;
+  s->max_appended = first_appended;
   char *folder = km_arena_string(&s->arena, s->path);
   if (!folder)
     return km_fail(error, KM_MEMORY, "out of memory for a store");
@@ -248,11 +249,11 @@ km_status km_store_open(const char *path, const char *identity, const char *what
   if (!status)
     status = check_integrity(s, error);
   if (!status)
-    status = take(s, identity, what, replace, error);
+    status = adopt_file(s, identity, what, replace, error);
   if (!status && !s->read_only)
     status = run(s, appended_schema, error);
   if (!status)
-    status = s->read_only ? sort_aside(s, error) : sort_what_is_left(s, error);
+    status = s->read_only ? sort_in_memory(s, error) : sort_leftover(s, error);
   return status ? status : prepare(s, error);
 }
 
@@ -265,22 +266,22 @@ void km_store_free(km_entry_store *s) {
   sqlite3_finalize(s->put);
   sqlite3_finalize(s->append);
   sqlite3_close(s->db);
-  km_answer_cache_free(&s->kept);
+  km_answer_cache_free(&s->cache);
   km_arena_free(&s->arena);
   km_free(s);
 }
 
 km_status km_store_question(km_entry_store *s, const char *key, const char *name, int *id, km_error *error) {
   static const char find[] = "SELECT id FROM questions WHERE key = ?";
-  const char *text = text_of(s, find, key);
+  const char *text = query_text(s, find, key);
   km_status status = s->arena.failed ? fail(s, error) : KM_OK;
-  *id = 0; /* of no question: where nothing can be written, there are no answers to it */
+  *id = 0; /* no request: a read-only store without it has no answers to it */
   if (!status && !text && s->read_only)
     return KM_OK;
   if (!status && !text)
     status = insert(s, "INSERT INTO questions(key, name) VALUES(?, ?)", key, name, error);
   if (!status && !text)
-    text = text_of(s, find, key);
+    text = query_text(s, find, key);
   *id = text ? (int)strtol(text, NULL, 10) : 0;
   return status || text ? status : fail(s, error);
 }
@@ -288,7 +289,7 @@ km_status km_store_question(km_entry_store *s, const char *key, const char *name
 km_status km_store_is_empty(const km_entry_store *s, bool *empty, km_error *error) {
   sqlite3_stmt *statement = NULL;
   if (s->in_memory) {
-    *empty = s->kept.count == 0;
+    *empty = s->cache.count == 0;
     return KM_OK;
   }
   int code = sqlite3_prepare_v2(s->db, "SELECT 1 FROM results LIMIT 1", -1, &statement, NULL);
@@ -300,7 +301,7 @@ km_status km_store_is_empty(const km_entry_store *s, bool *empty, km_error *erro
 }
 
 static void bind_numbers(sqlite3_stmt *statement, int index, const double *numbers, int count) {
-  /* A NULL would be no blob: no parameters are an empty one. */
+  /* no parameters: an empty blob is bound, not NULL */
   sqlite3_bind_blob(statement, index, count ? (const void *)numbers : "", count * (int)sizeof *numbers, SQLITE_STATIC);
 }
 
@@ -314,13 +315,13 @@ static bool copy_numbers(sqlite3_stmt *statement, int column, double *out, int c
   return true;
 }
 
-/* A key has one pattern for each number: every NaN the same, and one zero. */
+/* Normalises a key: one bit pattern for NaN and one for zero. */
 static void key_of(const double *values, int count, double *out) {
   for (int i = 0; i < count; ++i)
     out[i] = isnan(values[i]) ? nan("") : values[i] == 0.0 ? 0.0 : values[i];
 }
 
-/* False where a damaged store has something else there: that is asked again. */
+/* Reads an answer. False: the row is damaged and is computed again. */
 static bool read_answer(sqlite3_stmt *row, const km_store_shape *shape, km_design_answer *out) {
   const unsigned char *reason = sqlite3_column_text(row, 1);
   int outcome = sqlite3_column_int(row, 0);
@@ -338,7 +339,7 @@ km_status km_store_get(km_entry_store *s, const km_store_shape *shape, const dou
   double key[KM_MAX_DESIGN_PARAMETERS];
   key_of(values, shape->parameters, key);
   if (s->in_memory) {
-    *found = km_answer_cache_get(&s->kept, shape, key, out);
+    *found = km_answer_cache_get(&s->cache, shape, key, out);
     return KM_OK;
   }
   sqlite3_bind_int(s->get, 1, shape->question);
@@ -357,10 +358,10 @@ km_status km_store_put(km_entry_store *s, const km_store_shape *shape, const dou
   sqlite3_stmt *put = s->appends ? s->append : s->put;
   key_of(values, shape->parameters, key);
   if (s->in_memory)
-    return km_answer_cache_put(&s->kept, shape, key, a)
+    return km_answer_cache_put(&s->cache, shape, key, a)
                ? KM_OK
                : km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
-  km_status status = s->read_only ? fail_to_write(s, error) : begin(s, error);
+  km_status status = s->read_only ? fail_to_write(s, error) : begin_transaction(s, error);
   if (status)
     return status;
   sqlite3_bind_int(put, 1, shape->question);
@@ -391,7 +392,7 @@ void km_store_append(km_entry_store *s) {
 km_status km_store_sort(km_entry_store *s, km_error *error) {
   km_status status = s->appends ? sort_appended(s, error) : KM_OK;
   s->appends = false;
-  km_status committed = km_store_commit(s, status ? NULL : error); /* what can't be sorted is there still */
+  km_status committed = km_store_commit(s, status ? NULL : error); /* results that can't be sorted remain appended */
   return status ? status : committed;
 }
 
@@ -399,11 +400,11 @@ km_status km_store_commit(km_entry_store *s, km_error *error) {
   km_status status = KM_OK;
   if (!s->writing)
     return KM_OK;
-  if (s->appends && s->appended >= s->most_appended) {
+  if (s->appends && s->appended >= s->max_appended) {
     status = sort_appended(s, error);
-    s->most_appended *= 1.5;
+    s->max_appended *= 1.5;
   }
   s->writing = false;
-  km_status committed = run(s, "COMMIT", status ? NULL : error); /* what can't be sorted is there still */
+  km_status committed = run(s, "COMMIT", status ? NULL : error); /* results that can't be sorted remain appended */
   return status ? status : committed;
 }

@@ -1,4 +1,4 @@
-/* What the answers of a study depend on beside its own file and the model's text: files that these name. */
+/* Files on which the answers of a study depend besides its own text and the model's, as parts of the store's keys. */
 #include "study/study_inputs.h"
 
 #include "kmech/data.h"
@@ -28,10 +28,10 @@ void km_design_add_meshes(const km_model *model, km_text *out) {
   }
 }
 
-/* The table of poses that a path study names, seen from the study's folder. NULL: it names none. */
+/* Path of the table of poses that a path study names, relative to the study's folder. NULL: none. */
 static const char *table_of(const char *study, const km_text *bytes, km_arena *arena) {
   const km_value *root = NULL;
-  km_error ignored; /* asking the question says what is wrong with the file */
+  km_error ignored; /* computing the request reports errors of the file */
   if (km_json_parse(bytes->data ? bytes->data : "", bytes->size, arena, &root, &ignored) || !root)
     return NULL;
   const km_value *path = km_value_get(root, "path"), *csv = path ? km_value_get(path, "csv") : NULL;

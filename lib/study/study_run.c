@@ -1,5 +1,5 @@
-/* Runs a study's designs in their order, batch by batch, with or without a crew, and stops a sample whose mean is known
- * well enough. */
+/* Runs a study's designs in order, batch by batch, with or without worker processes, and stops a sample when its
+ * mean meets the stated accuracy (docs/theory.md 13.3). */
 #include "base/arguments.h"
 #include "base/clock.h"
 #include "base/statistics/running_moments.h"
@@ -10,25 +10,26 @@
 
 #include <math.h>
 
-enum { LEAST_ROOM = 768, MAX_ROOM = 4096, MAX_JOBS = 1024, FIRST_CHECK = 64 };
+enum { MIN_CAPACITY = 768, MAX_CAPACITY = 4096, MAX_JOBS = 1024, FIRST_CHECK = 64 };
 
-/* A batch is to take about so long, see km_batch_next_size: what a killed run loses, and how soon one stops. */
+/* Target duration of a batch (km_batch_next_size): it bounds the loss of a killed run and the delay of a
+ * cancellation. */
 static const double batch_seconds = 0.1;
 
 typedef struct run {
   km_design_study *study;
   km_evaluation batch;
-  int total, next, size; /* designs: in all, the first of the next batch, how many that takes */
-  int figure;            /* whose accuracy stops the run, -1: none */
+  int total, next, size; /* designs: total, first of the next batch, size of the next batch */
+  int figure;            /* figure whose accuracy stops the run; −1: none */
   km_moments moments;
   bool compute;
-  km_worker_processes *crew; /* NULL: none */
+  km_worker_processes *processes; /* worker processes; NULL: none */
   km_progress progress;
   void *context;
-  double committed; /* when the store was last safe */
+  double committed; /* time of the last commit */
 } run;
 
-/* The places where accuracy is looked at depend on nothing but the count. */
+/* Next count at which the accuracy is tested; the counts don't depend on batches or threads. */
 static int next_check(int check) {
   int step = FIRST_CHECK;
   while (16 * step <= check)
@@ -42,7 +43,7 @@ static bool is_accurate(const run *r) {
          km_student(n - 1.0) * (km_moments_deviation(&r->moments) / sqrt(n)) <= r->study->def->sample->accuracy;
 }
 
-static km_status take_figures(run *r, int begin, int end, km_error *error) {
+static km_status add_figures(run *r, int begin, int end, km_error *error) {
   km_status status = KM_OK;
   for (int i = begin; i < end && !status; ++i) {
     km_design_result result;
@@ -53,7 +54,7 @@ static km_status take_figures(run *r, int begin, int end, km_error *error) {
   return status;
 }
 
-/* One batch up to `end`; r->next moves past it. */
+/* Runs one batch up to `end`; advances r->next. */
 static km_status run_batch(run *r, int end, km_error *error) {
   double values[KM_MAX_DESIGN_PARAMETERS];
   km_status status = KM_OK;
@@ -69,8 +70,8 @@ static km_status run_batch(run *r, int end, km_error *error) {
   return status;
 }
 
-/* Between batches: what is there is made safe, and the caller may stop. */
-static km_status breathe(run *r, km_error *error) {
+/* Commits the store from time to time and calls the progress callback. */
+static km_status commit_and_report(run *r, km_error *error) {
   km_status status = KM_OK;
   if (km_clock() - r->committed > batch_seconds) {
     status = km_store_commit(r->study->store, error);
@@ -82,33 +83,33 @@ static km_status breathe(run *r, km_error *error) {
   return status;
 }
 
-/* The designs from r->next up to `end`. */
+/* Runs the designs from r->next up to `end`. */
 static km_status run_part(run *r, int end, km_error *error) {
   km_status status = KM_OK;
   while (!status && r->next < end) {
     double begin = km_clock();
-    if (r->crew)
-      status = km_worker_processes_give(r->crew, &r->next, end, error);
+    if (r->processes)
+      status = km_worker_processes_send(r->processes, &r->next, end, error);
     if (!status && r->next < end)
       status = run_batch(r, end, error);
-    if (!status && r->crew)
-      status = km_worker_processes_take(r->crew, false, error);
-    r->size = km_batch_next_size(r->size, km_clock() - begin, batch_seconds, r->batch.jobs, r->batch.room);
+    if (!status && r->processes)
+      status = km_worker_processes_receive(r->processes, false, error);
+    r->size = km_batch_next_size(r->size, km_clock() - begin, batch_seconds, r->batch.jobs, r->batch.capacity);
     if (!status)
-      status = breathe(r, error);
+      status = commit_and_report(r, error);
   }
-  km_status taken = r->crew ? km_worker_processes_take(r->crew, true, status ? NULL : error) : KM_OK;
+  km_status taken = r->processes ? km_worker_processes_receive(r->processes, true, status ? NULL : error) : KM_OK;
   return status ? status : taken;
 }
 
-static km_status go(run *r, km_error *error) {
+static km_status run_parts(run *r, km_error *error) {
   km_status status = KM_OK;
   int end = r->figure >= 0 && FIRST_CHECK < r->total ? FIRST_CHECK : r->total;
   r->committed = km_clock();
   for (int begin = 0; !status && begin < r->total; begin = r->next) {
     status = run_part(r, end, error);
     if (!status && r->figure >= 0)
-      status = take_figures(r, begin, end, error);
+      status = add_figures(r, begin, end, error);
     if (!status && r->figure >= 0 && end < r->total && is_accurate(r)) {
       r->study->stopped_at = end;
       break;
@@ -126,15 +127,16 @@ static km_status run_designs(run *r, int jobs, km_error *error) {
   if (s->def->sample && s->def->sample->accuracy_figure)
     r->figure = km_design_find_figure(s->def, s->def->sample->accuracy_figure);
   s->stopped_at = 0;
-  int room = jobs * LEAST_ROOM < MAX_ROOM ? jobs * LEAST_ROOM : MAX_ROOM; /* at least one a thread */
-  km_status status = km_evaluation_open(&r->batch, s, r->compute ? jobs : 0, room, error);
-  r->size = r->compute ? jobs : room;
+  int capacity =
+      jobs * MIN_CAPACITY < MAX_CAPACITY ? jobs * MIN_CAPACITY : MAX_CAPACITY; /* at least one design per thread */
+  km_status status = km_evaluation_open(&r->batch, s, r->compute ? jobs : 0, capacity, error);
+  r->size = r->compute ? jobs : capacity;
   if (!status)
     status = km_store_is_empty(s->store, &r->batch.is_new, error);
-  if (r->compute && r->figure < 0) /* else the figures are looked up on the way */
+  if (r->compute && r->figure < 0) /* otherwise the figures are looked up during the run */
     km_store_append(s->store);
   if (!status)
-    status = go(r, error);
+    status = run_parts(r, error);
   km_evaluation_close(&r->batch);
   return status;
 }
@@ -145,7 +147,7 @@ static km_status start(km_design_study *s, km_error *error) {
     return status;
   s->computed = s->found = 0;
   s->ended_early = false;
-  km_design_forget_statistics(s);
+  km_design_free_statistics(s);
   return KM_OK;
 }
 
@@ -178,10 +180,10 @@ km_status km_design_study_run_leader(km_design_study *s, int jobs, const km_desi
   if (status)
     return status;
   run r = {.study = s, .compute = true, .progress = progress, .context = context};
-  status = km_worker_processes_open(s, members, &r.crew, error);
+  status = km_worker_processes_open(s, members, &r.processes, error);
   if (!status)
     status = run_designs(&r, jobs, error);
-  km_worker_processes_close(r.crew);
+  km_worker_processes_close(r.processes);
   return status;
 }
 
@@ -211,13 +213,13 @@ km_status km_design_study_result(const km_design_study *s, int design, km_design
   if (status)
     return status;
   double figures[KM_MAX_DESIGN_FIGURES];
-  km_design_answer answers[KM_MAX_DESIGN_QUESTIONS]; /* without bands */
+  km_design_answer answers[KM_MAX_DESIGN_QUESTIONS]; /* answers without bands */
   for (int q = 0; q < s->def->question_count && !status; ++q) {
     bool found;
     answers[q] = (km_design_answer){.outcome = KM_DESIGN_MISSING, .figures = figures + s->first_figure[q]};
     status = km_design_look_up(s, q, values, &answers[q], &found, error);
   }
   if (!status)
-    km_design_gather(s, answers, out);
+    km_design_collect(s, answers, out);
   return status;
 }

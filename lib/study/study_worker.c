@@ -1,4 +1,4 @@
-/* One thread of a study: puts the numbers of designs into models and asks the questions, side by side. */
+/* Worker of a study (one thread): patches designs into models and computes their requests in batches. */
 #include "kmech/mechanism.h"
 #include "model/model_numbers.h"
 #include "question/question.h"
@@ -8,43 +8,42 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A question that was asked of a model, and a mechanism of its own that it is about: where joints are held, or the model was
- * read. */
-typedef struct visit {
-  km_mechanism *mechanism; /* NULL: that of the seat */
+/* Request of one design, with its own mechanism if joints are held or the model was read. */
+typedef struct design_request {
+  km_mechanism *mechanism; /* NULL: that of the slot */
   km_state *state;
   km_question *question;
-} visit;
+} design_request;
 
-/* A model whose numbers are patched, and what is made of it. */
-typedef struct seat {
-  km_model *model; /* NULL: not opened */
+/* Slot for one design of a batch: a model whose numbers are patched, with its mechanism, state and requests. */
+typedef struct model_slot {
+  km_model *model; /* NULL: not open */
   km_model_numbers numbers;
-  double *own; /* [numbers] of the file */
+  double *own; /* [numbers] values of the file */
   km_mechanism *mechanism;
   km_state *state;
-  visit visits[KM_MAX_DESIGN_QUESTIONS]; /* by question */
-} seat;
+  design_request requests[KM_MAX_DESIGN_QUESTIONS]; /* [request] */
+} model_slot;
 
 struct km_design_worker {
   const km_design_study *study;
-  seat seats[KM_BATCH_LANES]; /* opened as designs come side by side */
+  model_slot slots[KM_BATCH_LANES]; /* opened as batches need them */
 };
 
 static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
-static void close_visit(visit *v) {
+static void close_request(design_request *v) {
   km_question_free(v->question);
   km_state_free(v->state);
   km_mechanism_free(v->mechanism);
-  *v = (visit){0};
+  *v = (design_request){0};
 }
 
-static void close_seat(seat *at) {
+static void close_slot(model_slot *at) {
   for (int q = 0; q < KM_MAX_DESIGN_QUESTIONS; ++q)
-    close_visit(&at->visits[q]);
+    close_request(&at->requests[q]);
   km_state_free(at->state);
   km_mechanism_free(at->mechanism);
   km_model_numbers_free(&at->numbers);
@@ -56,15 +55,15 @@ void km_design_worker_free(km_design_worker *w) {
   if (!w)
     return;
   for (int i = 0; i < KM_BATCH_LANES; ++i)
-    close_seat(&w->seats[i]);
+    close_slot(&w->slots[i]);
   km_free(w);
 }
 
-static km_status open_seat(const km_design_study *s, seat *at, km_error *error) {
+static km_status open_slot(const km_design_study *s, model_slot *at, km_error *error) {
   double values[KM_MAX_DESIGN_PARAMETERS];
   km_design_clear(s, values);
-  km_read_def how = {.file = s->def->model};
-  km_status status = km_model_read_as(s->bytes, s->size, &how, NULL, &at->model, error);
+  km_read_def definition = {.file = s->def->model};
+  km_status status = km_model_read_as(s->bytes, s->size, &definition, NULL, &at->model, error);
   if (status)
     return status;
   double unit = km_model_length_unit(at->model);
@@ -85,11 +84,11 @@ km_status km_design_worker_create(const km_design_study *study, km_design_worker
   if (!w)
     return no_memory(error);
   w->study = study;
-  return study->patch.works ? open_seat(study, &w->seats[0], error) : KM_OK;
+  return study->patch.is_valid ? open_slot(study, &w->slots[0], error) : KM_OK;
 }
 
-/* False: the reader would check more than a patch does. */
-static bool may_patch(const km_design_study *s, const seat *at, const double *values) {
+/* False: the reader would check conditions that a patch doesn't. */
+static bool can_patch(const km_design_study *s, const model_slot *at, const double *values) {
   for (int p = 0; p < s->def->parameter_count; ++p) {
     const km_patch_places *places = &s->patch.parameters[p];
     if (isnan(values[p]))
@@ -103,18 +102,18 @@ static bool may_patch(const km_design_study *s, const seat *at, const double *va
   return true;
 }
 
-/* Puts the values into the seat's model and mechanism. KM_PARTIAL: the design is to be read. */
-static km_status patch(const km_design_study *s, seat *at, const double *values) {
-  if (!s->patch.works || km_design_is_reference(s, values))
+/* Patches the values into the slot's model and mechanism. KM_PARTIAL: the design must be read. */
+static km_status patch_slot(const km_design_study *s, model_slot *at, const double *values) {
+  if (!s->patch.is_valid || km_design_is_reference(s, values))
     return KM_PARTIAL;
   if (!at->mechanism) {
-    close_seat(at);
-    *at = (seat){0};
-    km_status opened = open_seat(s, at, NULL);
+    close_slot(at);
+    *at = (model_slot){0};
+    km_status opened = open_slot(s, at, NULL);
     if (opened)
       return opened == KM_MEMORY ? KM_MEMORY : KM_PARTIAL;
   }
-  if (!may_patch(s, at, values))
+  if (!can_patch(s, at, values))
     return KM_PARTIAL;
   for (int p = 0; p < s->def->parameter_count; ++p) {
     const km_patch_places *places = &s->patch.parameters[p];
@@ -134,8 +133,8 @@ static void fail_answer(km_design_answer *a, const km_design_question *q, km_des
     a->figures[f] = nan("");
 }
 
-/* Where and why an arm's track ended. */
-static void tell_track(const km_track *track, km_design_answer *a) {
+/* Reason and place of the end of an arm's track. */
+static void write_track_reason(const km_track *track, km_design_answer *a) {
   static const char *const reasons[] = {
       [KM_TRACK_LIMIT] = "a joint is at its limit", [KM_TRACK_RATE] = "a joint would be too fast",
       [KM_TRACK_SINGULAR] = "the pose is singular", [KM_TRACK_HELD] = "with the held joints the arm can't go on",
@@ -145,10 +144,10 @@ static void tell_track(const km_track *track, km_design_answer *a) {
   snprintf(a->reason, sizeof a->reason, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
 }
 
-/* Where and why the motion ended. */
-static void tell_end(const km_model *model, const km_question *q, km_design_answer *a) {
+/* Reason and place of the end of a motion. */
+static void write_end_reason(const km_model *model, const km_question *q, km_design_answer *a) {
   if (km_question_track(q)) {
-    tell_track(km_question_track(q), a);
+    write_track_reason(km_question_track(q), a);
     return;
   }
   const km_sweep *motion = km_question_motion(q);
@@ -188,7 +187,7 @@ static bool reads_events(const km_design_question *q) {
   return reads;
 }
 
-/* The columns that the figures and bands read; NULL: out of memory. */
+/* Columns that the figures and bands read; NULL: out of memory. */
 static const char **columns_read(const km_design_question *q, km_arena *arena) {
   const char **reads = KM_ARENA_NEW(arena, const char *, (size_t)(q->figure_count + q->band_count) + 1);
   int count = 0;
@@ -200,8 +199,8 @@ static const char **columns_read(const km_design_question *q, km_arena *arena) {
   return reads;
 }
 
-static km_status make_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
-                               km_question **out, km_error *error) {
+static km_status create_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
+                                 km_question **out, km_error *error) {
   const km_design_question *def = &w->study->def->questions[index];
   km_status status = km_question_create(m, def->kind, out, error);
   if (!status)
@@ -219,36 +218,36 @@ static km_status make_question(const km_design_worker *w, int index, const km_me
   return status;
 }
 
-static void take_answer(const km_design_worker *w, int index, const km_model *model, const km_question *q,
+static void copy_answer(const km_design_worker *w, int index, const km_model *model, const km_question *q,
                         km_status status, km_design_answer *a) {
   const km_design_question *def = &w->study->def->questions[index];
   a->outcome = status == KM_OK ? KM_DESIGN_DONE : KM_DESIGN_SHORT;
   a->reason[0] = '\0';
-  km_design_take_figures(def, q, a->figures);
+  km_design_copy_figures(def, q, a->figures);
   if (a->bands)
-    km_design_take_bands(def, q, w->study->band_rows[index], a->bands);
+    km_design_copy_bands(def, q, w->study->band_rows[index], a->bands);
   if (status == KM_PARTIAL)
-    tell_end(model, q, a);
+    write_end_reason(model, q, a);
   else
-    km_design_tell_missing(def, q, a->figures, a->reason);
+    km_design_missing_reason(def, q, a->figures, a->reason);
 }
 
-/* A question about one design that is assembled. */
-typedef struct asking {
+/* Request of one assembled design. */
+typedef struct prepared_request {
   const km_model *model;
   const km_mechanism *mechanism;
   km_state *state;
-  km_question **question; /* about the mechanism; made where it is NULL, and kept */
+  km_question **question; /* request of the mechanism; created if NULL, and cached */
   km_design_task *task;
-} asking;
+} prepared_request;
 
-static void settle_answer(const km_design_worker *w, int index, const asking *a, km_status status,
+static void store_outcome(const km_design_worker *w, int index, const prepared_request *a, km_status status,
                           const km_error *found) {
   km_design_answer *answer = &a->task->answers[index];
   if (status == KM_MEMORY)
     a->task->status = no_memory(a->task->error);
   else if (status == KM_OK || status == KM_PARTIAL)
-    take_answer(w, index, a->model, *a->question, status, answer);
+    copy_answer(w, index, a->model, *a->question, status, answer);
   else
     fail_answer(answer, &w->study->def->questions[index],
                 status == KM_NO_RESULT  ? KM_DESIGN_EMPTY
@@ -257,19 +256,20 @@ static void settle_answer(const km_design_worker *w, int index, const asking *a,
                 found->text);
 }
 
-/* Asks question `index` of several designs, side by side where its kind can. */
-static void ask(const km_design_worker *w, int index, const asking *designs, int count) {
+/* Computes request `index` of several designs, as a batch if its kind allows. */
+static void compute_request(const km_design_worker *w, int index, const prepared_request *designs, int count) {
   km_question *questions[KM_BATCH_LANES];
   km_state *states[KM_BATCH_LANES];
   km_status statuses[KM_BATCH_LANES];
   km_error found[KM_BATCH_LANES];
   int of[KM_BATCH_LANES], ready = 0;
   for (int i = 0; i < count; ++i) {
-    const asking *a = &designs[i];
+    const prepared_request *a = &designs[i];
     km_question_refresh(*a->question);
-    km_status made = *a->question ? KM_OK : make_question(w, index, a->mechanism, a->model, a->question, &found[ready]);
+    km_status made =
+        *a->question ? KM_OK : create_question(w, index, a->mechanism, a->model, a->question, &found[ready]);
     if (made) {
-      settle_answer(w, index, a, made, &found[ready]);
+      store_outcome(w, index, a, made, &found[ready]);
       continue;
     }
     questions[ready] = *a->question;
@@ -279,14 +279,14 @@ static void ask(const km_design_worker *w, int index, const asking *designs, int
   if (ready > 0)
     km_questions_compute(questions, states, ready, statuses, found);
   for (int k = 0; k < ready; ++k)
-    settle_answer(w, index, &designs[of[k]], statuses[k], &found[k]);
+    store_outcome(w, index, &designs[of[k]], statuses[k], &found[k]);
 }
 
-/* A design on its way through the questions. */
+/* Design under evaluation. */
 typedef struct design {
   km_design_task *task;
-  seat *at;        /* where its numbers are; NULL: it was read */
-  km_model *model; /* that was read; NULL: it is faulty, as `found` says */
+  model_slot *at;  /* slot with its numbers; NULL: it was read */
+  km_model *model; /* model that was read; NULL: invalid, see `found` */
   km_error found;
 } design;
 
@@ -299,36 +299,36 @@ static void fail_assembly(const km_design_worker *w, int question, const design 
                 status == KM_DIVERGED ? KM_DESIGN_MAX_STEPS : KM_DESIGN_UNASSEMBLED, reason);
 }
 
-/* A design whose numbers are in its seat, at the pose that holds and sets ask for. */
-static km_status visit_seat(const km_design_question *q, seat *at, visit *v, km_error *error) {
-  km_status status = km_design_bring_again(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
+/* Moves a patched design to the held and set coordinates of a request. */
+static km_status move_to_start(const km_design_question *q, model_slot *at, design_request *v, km_error *error) {
+  km_status status = km_design_recompile_at(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
   if (status != KM_PARTIAL)
     return status;
-  close_visit(v);
-  return km_design_bring_again(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
+  close_request(v);
+  return km_design_recompile_at(at->mechanism, at->state, q, &v->mechanism, &v->state, error);
 }
 
-/* A design where the question is to be asked. `own`: of one that was read. */
-static km_status get_ready(const km_design_worker *w, int question, const design *d, visit *own, asking *out,
-                           km_error *error) {
+/* Prepares a request of a design. `own`: request of a design that was read. */
+static km_status prepare_request(const km_design_worker *w, int question, const design *d, design_request *own,
+                                 prepared_request *out, km_error *error) {
   const km_design_question *q = &w->study->def->questions[question];
-  seat *at = d->at;
+  model_slot *at = d->at;
   if (!at) {
-    km_status status = km_design_bring(d->model, q, &own->mechanism, &own->state, error);
-    *out = (asking){d->model, own->mechanism, own->state, &own->question, d->task};
+    km_status status = km_design_compile_at(d->model, q, &own->mechanism, &own->state, error);
+    *out = (prepared_request){d->model, own->mechanism, own->state, &own->question, d->task};
     return status;
   }
-  visit *v = &at->visits[question];
-  km_status status = visit_seat(q, at, v, error);
-  *out = (asking){at->model, v->mechanism ? v->mechanism : at->mechanism, v->mechanism ? v->state : at->state,
-                  &v->question, d->task};
+  design_request *v = &at->requests[question];
+  km_status status = move_to_start(q, at, v, error);
+  *out = (prepared_request){at->model, v->mechanism ? v->mechanism : at->mechanism, v->mechanism ? v->state : at->state,
+                            &v->question, d->task};
   return status;
 }
 
-/* Those that can be asked together. */
+/* Computes a request of all designs that need it. */
 static void answer_question(const km_design_worker *w, int question, const design *designs, int count) {
-  asking together[KM_BATCH_LANES];
-  visit own[KM_BATCH_LANES] = {{0}};
+  prepared_request together[KM_BATCH_LANES];
+  design_request own[KM_BATCH_LANES] = {{0}};
   int ready = 0;
   for (int i = 0; i < count; ++i) {
     const design *d = &designs[i];
@@ -339,15 +339,15 @@ static void answer_question(const km_design_worker *w, int question, const desig
       fail_answer(&d->task->answers[question], &w->study->def->questions[question], KM_DESIGN_FAULTY, d->found.text);
       continue;
     }
-    km_status status = get_ready(w, question, d, &own[i], &together[ready], &found);
+    km_status status = prepare_request(w, question, d, &own[i], &together[ready], &found);
     if (status)
       fail_assembly(w, question, d, status, found.text);
     else
       ++ready;
   }
-  ask(w, question, together, ready);
+  compute_request(w, question, together, ready);
   for (int i = 0; i < count; ++i)
-    close_visit(&own[i]);
+    close_request(&own[i]);
 }
 
 static km_status answer_function(const km_design_worker *w, const km_design_task *task) {
@@ -361,10 +361,10 @@ static km_status answer_function(const km_design_worker *w, const km_design_task
   return KM_OK;
 }
 
-/* Brings the design's numbers into a seat, or reads it. */
-static void open_design(km_design_worker *w, seat *at, km_design_task *task, design *out) {
+/* Patches the design into a slot, or reads it. */
+static void open_design(km_design_worker *w, model_slot *at, km_design_task *task, design *out) {
   *out = (design){.task = task};
-  km_status status = patch(w->study, at, task->values);
+  km_status status = patch_slot(w->study, at, task->values);
   if (status == KM_OK)
     out->at = at;
   else if (status != KM_MEMORY)
@@ -381,7 +381,7 @@ void km_design_worker_answer(km_design_worker *w, km_design_task *tasks, int cou
     return;
   }
   for (int i = 0; i < count; ++i)
-    open_design(w, &w->seats[i], &tasks[i], &designs[i]);
+    open_design(w, &w->slots[i], &tasks[i], &designs[i]);
   for (int q = 0; q < def->question_count; ++q)
     answer_question(w, q, designs, count);
   for (int i = 0; i < count; ++i)

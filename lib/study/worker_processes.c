@@ -1,5 +1,6 @@
-/* Processes that answer a study's designs together. A piece is some designs by number with the questions that are wanted;
- * the answers come back as bytes, and the leader alone writes the store. So nothing depends on who answered what. */
+/* Worker processes that compute a study's designs together. The leader sends pieces: design numbers with the
+ * missing requests. The answers return as bytes, and only the leader writes the store, so the result doesn't depend
+ * on the distribution. */
 #include "study/worker_processes.h"
 
 #include "base/arguments.h"
@@ -11,12 +12,12 @@
 enum { MAX_PIECE = 4096 };
 static const double piece_seconds = 0.5;
 
-/* The first number of a message. */
-typedef enum word { WORD_PIECE, WORD_END, WORD_ANSWERS, WORD_FAILED } word;
+/* Kind of a message: its first number. */
+typedef enum message_kind { MESSAGE_PIECE, MESSAGE_END, MESSAGE_ANSWERS, MESSAGE_FAILED } message_kind;
 
 typedef struct member {
-  int size;        /* designs of the next piece */
-  int outstanding; /* designs that it answers now; 0: it has nothing to do */
+  int size;        /* size of the next piece */
+  int outstanding; /* designs in work; 0: idle */
 } member;
 
 struct km_worker_processes {
@@ -24,7 +25,7 @@ struct km_worker_processes {
   const km_design_workers *members;
   member *state; /* [1 + size] */
   km_arena arena;
-  km_design_answer *answers; /* of one design, while it is read or looked up */
+  km_design_answer *answers; /* work array: answers of one design */
 };
 
 km_status km_worker_processes_check(const km_design_workers *c, km_error *error) {
@@ -52,7 +53,7 @@ void km_worker_processes_close(km_worker_processes *c) {
   km_free(c);
 }
 
-static void add_whole(km_text *message, int number) {
+static void write_int(km_text *message, int number) {
   km_text_bytes(message, &number, sizeof number);
 }
 
@@ -66,7 +67,7 @@ static km_status send(const km_design_workers *c, int to, km_text *message, km_e
   return status;
 }
 
-/* Which questions of a design the store hasn't got, as bits; 0: it has all. */
+/* Requests of a design that are missing in the store, as bits; 0: none. */
 static km_status find_missing(const km_worker_processes *c, int design, int *wanted, km_error *error) {
   double values[KM_MAX_DESIGN_PARAMETERS];
   km_status status = KM_OK;
@@ -80,18 +81,18 @@ static km_status find_missing(const km_worker_processes *c, int design, int *wan
   return status;
 }
 
-static km_status give_one(km_worker_processes *c, int m, int *next, int end, km_error *error) {
+static km_status send_piece(km_worker_processes *c, int m, int *next, int end, km_error *error) {
   km_text message = {0};
   km_status status = KM_OK;
-  add_whole(&message, WORD_PIECE);
+  write_int(&message, MESSAGE_PIECE);
   while (!status && *next < end && c->state[m].outstanding < c->state[m].size) {
     int wanted;
     status = find_missing(c, *next, &wanted, error);
     if (!wanted)
       c->study->found++;
     else {
-      add_whole(&message, *next);
-      add_whole(&message, wanted);
+      write_int(&message, *next);
+      write_int(&message, wanted);
       c->state[m].outstanding++;
     }
     ++*next;
@@ -102,76 +103,76 @@ static km_status give_one(km_worker_processes *c, int m, int *next, int end, km_
   return status;
 }
 
-km_status km_worker_processes_give(km_worker_processes *c, int *next, int end, km_error *error) {
+km_status km_worker_processes_send(km_worker_processes *c, int *next, int end, km_error *error) {
   km_status status = KM_OK;
   for (int m = 1; m <= c->members->size && !status && *next < end; ++m)
     if (!c->state[m].outstanding)
-      status = give_one(c, m, next, end, error);
+      status = send_piece(c, m, next, end, error);
   return status;
 }
 
-/* A message that is read from its front. */
-typedef struct reading {
+/* Reader of a message. */
+typedef struct message_reader {
   const char *at;
   size_t left;
-  bool good;
-} reading;
+  bool is_ok;
+} message_reader;
 
-static void take(reading *r, void *out, size_t size) {
-  r->good = r->good && size <= r->left;
-  if (!r->good)
+static void read_bytes(message_reader *r, void *out, size_t size) {
+  r->is_ok = r->is_ok && size <= r->left;
+  if (!r->is_ok)
     return;
   memcpy(out, r->at, size);
   r->at += size;
   r->left -= size;
 }
 
-static int take_whole(reading *r) {
+static int read_int(message_reader *r) {
   int number = 0;
-  take(r, &number, sizeof number);
+  read_bytes(r, &number, sizeof number);
   return number;
 }
 
-static void take_answer(const km_design_study *s, int question, reading *r, km_design_answer *out) {
-  out->outcome = (km_design_outcome)take_whole(r);
-  take(r, out->reason, sizeof out->reason);
-  take(r, out->figures, (size_t)s->def->questions[question].figure_count * sizeof(double));
-  take(r, out->bands, (size_t)km_design_band_numbers(s, question) * sizeof(double));
+static void read_answer(const km_design_study *s, int question, message_reader *r, km_design_answer *out) {
+  out->outcome = (km_design_outcome)read_int(r);
+  read_bytes(r, out->reason, sizeof out->reason);
+  read_bytes(r, out->figures, (size_t)s->def->questions[question].figure_count * sizeof(double));
+  read_bytes(r, out->bands, (size_t)km_design_band_numbers(s, question) * sizeof(double));
   out->reason[sizeof out->reason - 1] = '\0';
-  r->good = r->good && (unsigned)out->outcome < KM_DESIGN_MISSING;
+  r->is_ok = r->is_ok && (unsigned)out->outcome < KM_DESIGN_MISSING;
 }
 
-static void add_answer(const km_design_study *s, int question, const km_design_answer *a, km_text *message) {
-  add_whole(message, (int)a->outcome);
+static void write_answer(const km_design_study *s, int question, const km_design_answer *a, km_text *message) {
+  write_int(message, (int)a->outcome);
   km_text_bytes(message, a->reason, sizeof a->reason);
   km_text_bytes(message, a->figures, (size_t)s->def->questions[question].figure_count * sizeof(double));
   if (a->bands)
     km_text_bytes(message, a->bands, (size_t)km_design_band_numbers(s, question) * sizeof(double));
 }
 
-/* The answers of one piece: design, questions, then each answer. */
-static km_status store_answers(km_worker_processes *c, int from, reading *r, km_error *error) {
+/* Stores the answers of one piece: design, requests, then each answer. */
+static km_status store_answers(km_worker_processes *c, int from, message_reader *r, km_error *error) {
   double values[KM_MAX_DESIGN_PARAMETERS], seconds = 0.0;
   km_status status = KM_OK;
   member *m = &c->state[from];
-  take(r, &seconds, sizeof seconds);
-  while (!status && r->good && r->left) {
-    int design = take_whole(r), wanted = take_whole(r);
-    r->good = r->good && design >= 0 && design < km_designs_planned(c->study);
-    if (r->good)
+  read_bytes(r, &seconds, sizeof seconds);
+  while (!status && r->is_ok && r->left) {
+    int design = read_int(r), wanted = read_int(r);
+    r->is_ok = r->is_ok && design >= 0 && design < km_designs_planned(c->study);
+    if (r->is_ok)
       km_design_values(c->study, design, values);
-    for (int q = 0; q < c->study->def->question_count && !status && r->good; ++q) {
+    for (int q = 0; q < c->study->def->question_count && !status && r->is_ok; ++q) {
       if (!(wanted & 1 << q))
         continue;
-      take_answer(c->study, q, r, &c->answers[q]);
-      if (r->good)
+      read_answer(c->study, q, r, &c->answers[q]);
+      if (r->is_ok)
         status = km_design_put(c->study, q, values, &c->answers[q], error);
     }
     c->study->computed++;
   }
   m->size = km_batch_next_size(m->size, seconds, piece_seconds, 1, MAX_PIECE);
   m->outstanding = 0;
-  return status || r->good ? status : km_fail(error, KM_IO, "rank %d sent an answer that can't be read", from);
+  return status || r->is_ok ? status : km_fail(error, KM_IO, "rank %d sent an answer that can't be read", from);
 }
 
 static bool is_waiting(const km_worker_processes *c) {
@@ -181,7 +182,7 @@ static bool is_waiting(const km_worker_processes *c) {
   return false;
 }
 
-km_status km_worker_processes_take(km_worker_processes *c, bool all, km_error *error) {
+km_status km_worker_processes_receive(km_worker_processes *c, bool all, km_error *error) {
   km_status status = KM_OK;
   while (!status && is_waiting(c)) {
     const void *bytes = NULL;
@@ -189,12 +190,12 @@ km_status km_worker_processes_take(km_worker_processes *c, bool all, km_error *e
     int from = c->members->receive(c->members->context, all, &bytes, &size);
     if (from < 0)
       return all ? km_fail(error, KM_IO, "the other ranks can't be reached") : KM_OK;
-    reading r = {bytes, size, from > 0 && from <= c->members->size};
-    int what = take_whole(&r);
-    if (r.good && what == WORD_ANSWERS)
+    message_reader r = {bytes, size, from > 0 && from <= c->members->size};
+    int what = read_int(&r);
+    if (r.is_ok && what == MESSAGE_ANSWERS)
       status = store_answers(c, from, &r, error);
     else
-      status = km_fail(error, KM_IO, "rank %d: %.*s", from, (int)(what == WORD_FAILED ? r.left : 0), r.at);
+      status = km_fail(error, KM_IO, "rank %d: %.*s", from, (int)(what == MESSAGE_FAILED ? r.left : 0), r.at);
   }
   return status;
 }
@@ -202,22 +203,22 @@ km_status km_worker_processes_take(km_worker_processes *c, bool all, km_error *e
 void km_design_workers_stop(const km_design_workers *c) {
   if (!c || !c->send)
     return;
-  int end = WORD_END;
+  int end = MESSAGE_END;
   for (int m = 1; m <= c->size; ++m)
     c->send(c->context, m, &end, sizeof end);
 }
 
-/* The designs of a piece, answered on the member's threads. */
-static km_status answer_piece(km_evaluation *b, reading *r, km_text *reply, km_error *error) {
+/* Computes the designs of a piece on the member's threads. */
+static km_status answer_piece(km_evaluation *b, message_reader *r, km_text *reply, km_error *error) {
   const km_design_study *s = b->study;
   double values[KM_MAX_DESIGN_PARAMETERS], begin = km_clock(), seconds;
   int designs[MAX_PIECE], wanted[MAX_PIECE], questions = s->def->question_count;
   km_status status = KM_OK;
   km_evaluation_clear(b);
-  while (r->good && r->left && !status && b->count < MAX_PIECE) {
+  while (r->is_ok && r->left && !status && b->count < MAX_PIECE) {
     int i = b->count;
-    designs[i] = take_whole(r);
-    wanted[i] = take_whole(r);
+    designs[i] = read_int(r);
+    wanted[i] = read_int(r);
     km_design_values(s, designs[i], values);
     status = km_evaluation_add(b, values, error);
     for (int q = 0; q < questions; ++q)
@@ -226,28 +227,28 @@ static km_status answer_piece(km_evaluation *b, reading *r, km_text *reply, km_e
   if (!status)
     km_evaluation_compute(b);
   seconds = km_clock() - begin;
-  add_whole(reply, WORD_ANSWERS);
+  write_int(reply, MESSAGE_ANSWERS);
   km_text_bytes(reply, &seconds, sizeof seconds);
   for (int i = 0; i < b->count && !status; ++i) {
     if (b->statuses[i])
       status = km_fail(error, b->statuses[i], "%s", b->errors[i].text);
-    add_whole(reply, designs[i]);
-    add_whole(reply, wanted[i]);
+    write_int(reply, designs[i]);
+    write_int(reply, wanted[i]);
     for (int q = 0; q < questions && !status; ++q)
       if (wanted[i] & 1 << q)
-        add_answer(s, q, &b->answers[i][q], reply);
+        write_answer(s, q, &b->answers[i][q], reply);
   }
   return status;
 }
 
-static km_status serve(km_evaluation *b, const km_design_workers *c, km_error *error) {
+static km_status run_member_loop(km_evaluation *b, const km_design_workers *c, km_error *error) {
   for (;;) {
     const void *bytes = NULL;
     size_t size = 0;
     km_text reply = {0};
     int from = c->receive(c->context, true, &bytes, &size);
-    reading r = {bytes, size, from == 0};
-    if (take_whole(&r) != WORD_PIECE || !r.good)
+    message_reader r = {bytes, size, from == 0};
+    if (read_int(&r) != MESSAGE_PIECE || !r.is_ok)
       return from == 0 ? KM_OK : km_fail(error, KM_IO, "the leader can't be reached");
     km_status status = answer_piece(b, &r, &reply, error);
     if (!status)
@@ -270,12 +271,12 @@ km_status km_design_study_run_worker(km_design_study *s, int jobs, const km_desi
     return status;
   status = km_evaluation_open(&batch, s, jobs, MAX_PIECE, &found);
   if (!status)
-    status = serve(&batch, c, &found);
+    status = run_member_loop(&batch, c, &found);
   km_evaluation_close(&batch);
   if (!status)
     return KM_OK;
   km_text message = {0};
-  add_whole(&message, WORD_FAILED);
+  write_int(&message, MESSAGE_FAILED);
   km_text_add(&message, found.text);
   send(c, 0, &message, NULL);
   return km_fail(error, status, "%s", found.text);

@@ -37,8 +37,8 @@ static void bias(moving *m, km_wrench *out) {
     if (!tree->nodes[n].has_mass)
       out[n] = d->node[n].p;
   }
-  for (int i = 0; i < f->moving->touched_count; ++i) {
-    int body = f->moving->touched[i];
+  for (int i = 0; i < f->moving->loaded_body_count; ++i) {
+    int body = f->moving->loaded_bodies[i];
     out[tree->node_of_body[body]] = km_wrench_axpy(-1.0, f->body[body], out[tree->node_of_body[body]]);
   }
   free(A);

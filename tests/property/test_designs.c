@@ -156,7 +156,7 @@ static void as_by_hand(void **state) {
     d.def.variants = variants;
     d.def.variant_count = VARIANTS;
     km_design_study *s = designs_run(&d, NULL, 1);
-    assert_int_equal(s->patch.works, cases[c].patched);
+    assert_int_equal(s->patch.is_valid, cases[c].patched);
     for (int i = 0; i < VARIANTS; ++i) {
       double wanted = by_hand(c, values[i], i ? s->length : 0.0);
       km_design_result r = designs_result(s, i);
@@ -217,7 +217,7 @@ static void tracks_as_by_hand(void **state) {
   d.def.variants = variants;
   d.def.variant_count = 3;
   km_design_study *s = designs_run(&d, NULL, 2);
-  assert_true(s->patch.works);
+  assert_true(s->patch.is_valid);
   for (int i = 0; i < 3; ++i) {
     double wanted = track_by_hand(bases[i], i ? s->length : 0.0);
     km_design_result r = designs_result(s, i);
@@ -353,7 +353,7 @@ static void faulty_designs_are_results(void **state) {
   d.def.variants = variants;
   d.def.variant_count = 3;
   km_design_study *s = designs_run(&d, NULL, 2);
-  assert_true(s->patch.works);
+  assert_true(s->patch.is_valid);
   assert_int_equal(designs_result(s, 0).outcome, KM_DESIGN_DONE);
   assert_int_equal(designs_result(s, 1).outcome, KM_DESIGN_FAULTY);
   assert_non_null(strstr(designs_result(s, 1).reason, "mass"));

@@ -105,11 +105,11 @@ static void ordered_lists_are_drawn_from(void **state) {
     assert_near(st.quantiles[k], km_design_quantile(k), 2.5 / COUNT);
   int last = -1;
   for (int k = 0; k < 400; ++k) {
-    int design = km_design_study_drawn(s, k, 400);
+    int design = km_design_study_representative(s, k, 400);
     assert_true(design > last && design >= (int)((double)k * COUNT / 400) && design < COUNT);
     last = design;
   }
-  assert_int_equal(km_design_study_drawn(s, 400, 400), -1);
+  assert_int_equal(km_design_study_representative(s, 400, 400), -1);
   km_design_study_free(s);
 }
 

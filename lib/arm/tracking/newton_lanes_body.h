@@ -118,8 +118,8 @@ static inline mask is_regular(const lanes_seven *k) {
   return below(k->max_pivot * KM_SEVEN_MIN_PIVOT_RATIO, k->min_pivot);
 }
 
-/* Predictor (km_path_node_predict) of the lanes from `first` on: q = q_0 + step + moved, where moved is the extrapolated
- * correction. Returns the largest correction allowed: half the step. */
+/* Predictor (km_path_node_predict) of the lanes from `first` on: q = q_0 + step + moved, where moved is the
+ * extrapolated correction. Returns the largest correction allowed: half the step. */
 static inline vector predict(const km_batch_start *from, int first, vector *q, vector *moved) {
   vector inverse = 1.0 / get(from->z + first), tan_phi = get(from->tan_phi + first), ds = get(from->ds + first);
   vector square = ZERO, far = ZERO;

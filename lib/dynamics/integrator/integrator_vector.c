@@ -28,7 +28,7 @@ void km_simulation_unpack(km_simulation *run, const double *y, double time) {
   }
   s->time = time;
   const km_moving_forces *moving = run->dynamics->forces->moving;
-  memcpy(moving->memory, shifted + run->memory_start, (size_t)moving->memory_count * sizeof *y);
+  memcpy(moving->internal_state, shifted + run->memory_start, (size_t)moving->state_count * sizeof *y);
 }
 
 /* Copies the state's coordinates and rates to `closed`; of q and −q of a ball, the one closer to `shifted`. */
@@ -107,7 +107,7 @@ bool km_simulation_derivative(km_simulation *run, double time, const double *y, 
     return false;
   }
   const km_moving_forces *moving = d->forces->moving;
-  memcpy(ydot + run->memory_start, moving->rate, (size_t)moving->memory_count * sizeof *ydot);
+  memcpy(ydot + run->memory_start, moving->internal_rate, (size_t)moving->state_count * sizeof *ydot);
   ydot[run->work_start] = moving->dissipation;
   ydot[run->work_start + 1] = moving->motor_power + km_dynamics_driving_power(d, run->state);
   for (int i = run->work_start + KM_WORKS; i < run->size; ++i)

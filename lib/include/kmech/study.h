@@ -331,7 +331,7 @@ KM_API km_status km_design_study_yield(km_design_study *study, km_design_yield *
 
 /* The k-th of `count` designs that stand for all of the study: the first ones of a sample that is drawn, which are as good a sample; of
  * other designs, which may have an order, one of each of `count` pieces of about one size. -1: there is none. O(1). */
-KM_API int km_design_study_drawn(const km_design_study *study, int k, int count);
+KM_API int km_design_study_representative(const km_design_study *study, int k, int count);
 /* Values of a figure of the designs that stand for all, at most KM_MAX_RANKED_DESIGNS, NaN where there is none: values[room], or
  * NULL. Returns how many there are. */
 KM_API int km_design_study_column(km_design_study *study, int figure, double *values, int room);

@@ -146,7 +146,7 @@ static bool make_dots(const km_designs_shown *p, int figure, int parameter, km_a
   if (!order)
     return false;
   for (int k = 0; k < count; ++k) {
-    int design = km_design_study_drawn(p->study, k, count);
+    int design = km_design_study_representative(p->study, k, count);
     km_design_result r;
     if (!km_design_study_result(p->study, design, &r, NULL) && isfinite(r.figures[figure]) &&
         !km_design_study_values(p->study, design, parameters, NULL)) {

@@ -1,4 +1,4 @@
-/* Which algorithms of NLopt an optimisation may use. */
+/* Algorithms of NLopt for optimisations. */
 #include "study/optimisation/algorithms.h"
 
 #include "base/similar_names.h"

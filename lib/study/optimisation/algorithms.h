@@ -1,4 +1,4 @@
-/* The algorithms of optimisations. Private to study/. */
+/* Algorithms of optimisations. Private to study/. */
 #ifndef KM_STUDY_OPTIMISATION_ALGORITHMS_H
 #define KM_STUDY_OPTIMISATION_ALGORITHMS_H
 
@@ -8,11 +8,11 @@
 typedef struct km_algorithm {
   const char *word, *about;
   nlopt_algorithm id;
-  bool gradient;    /* it wants derivatives: central differences */
-  bool constraints; /* it takes inequality constraints itself; else an augmented Lagrangian does around it */
-  bool local;       /* it calls another one from its own starts */
+  bool gradient;    /* needs derivatives: central differences */
+  bool constraints; /* handles inequality constraints; otherwise it runs inside an augmented Lagrangian */
+  bool local;       /* calls a local algorithm from its own starts */
 } km_algorithm;
 
-const km_algorithm *km_algorithm_find(const char *word); /* NULL: unknown */
+const km_algorithm *km_algorithm_find(const char *word); /* finds an algorithm by name; NULL: unknown */
 
 #endif

@@ -1,4 +1,4 @@
-/* Which designs of an optimisation are good enough, which is the best, and which no other betters. */
+/* Acceptance of designs in an optimisation, the best design, and the front of two goals (non-dominated designs). */
 #include "study/optimisation/goals.h"
 
 #include <math.h>
@@ -12,8 +12,9 @@ static bool is_goal(const km_design_optimise *o, const char *figure) {
   return false;
 }
 
-/* What is reached decides itself, where it is a goal or has limits. */
-static bool may_stop_short(const km_design_study *s) {
+/* True if a motion that ends early is acceptable: the figure `reached` is a goal or has limits, so it decides
+ * itself. */
+static bool accepts_early_end(const km_design_study *s) {
   for (int f = 0; f < s->figure_count; ++f) {
     const km_design_figure *figure = s->figures[f];
     bool counts = isfinite(figure->low) || isfinite(figure->high) || is_goal(s->def->optimise, figure->name);
@@ -24,13 +25,13 @@ static bool may_stop_short(const km_design_study *s) {
 }
 
 bool km_design_has_answer(const km_design_study *s, const km_design_result *r) {
-  return r->outcome == KM_DESIGN_DONE || (r->outcome == KM_DESIGN_SHORT && may_stop_short(s));
+  return r->outcome == KM_DESIGN_DONE || (r->outcome == KM_DESIGN_SHORT && accepts_early_end(s));
 }
 
 bool km_design_is_within(const km_design_figure *figure, double x) {
   double size = fmax(fabs(figure->low), fabs(figure->high));
-  double slack = 1e-9 * (isfinite(size) ? size : fabs(x));
-  return x >= figure->low - slack && x <= figure->high + slack;
+  double constraint = 1e-9 * (isfinite(size) ? size : fabs(x));
+  return x >= figure->low - constraint && x <= figure->high + constraint;
 }
 
 bool km_design_study_accepts(const km_design_study *s, const km_design_result *r) {
@@ -68,7 +69,7 @@ typedef struct front_point {
   double goals[2];
 } front_point;
 
-static int by_goals(const void *a, const void *b) {
+static int compare_goals(const void *a, const void *b) {
   const front_point *p = a, *q = b;
   for (int g = 0; g < 2; ++g)
     if (p->goals[g] != q->goals[g])
@@ -76,8 +77,8 @@ static int by_goals(const void *a, const void *b) {
   return p->design - q->design;
 }
 
-int km_design_study_front(const km_design_study *s, int *designs, int room) {
-  if (!s || !s->def->optimise || s->def->optimise->goal_count != 2 || (room > 0 && !designs))
+int km_design_study_front(const km_design_study *s, int *designs, int capacity) {
+  if (!s || !s->def->optimise || s->def->optimise->goal_count != 2 || (capacity > 0 && !designs))
     return 0;
   front_point *points = KM_NEW(front_point, (size_t)s->trail.count + 1);
   km_design_result r;
@@ -87,11 +88,11 @@ int km_design_study_front(const km_design_study *s, int *designs, int room) {
     if (!km_design_study_result(s, i, &r, NULL) && km_design_study_accepts(s, &r))
       points[count++] = (front_point){i, {km_design_goal_value(s, 0, &r), km_design_goal_value(s, 1, &r)}};
   if (points)
-    qsort(points, (size_t)count, sizeof *points, by_goals);
+    qsort(points, (size_t)count, sizeof *points, compare_goals);
   for (int i = 0; i < count; ++i)
     if (points[i].goals[1] < least) {
       least = points[i].goals[1];
-      if (kept++ < room)
+      if (kept++ < capacity)
         designs[kept - 1] = points[i].design;
     }
   km_free(points);

@@ -4,11 +4,12 @@
 
 #include "study/design_study.h"
 
-/* Did all questions answer? A motion that stops short doesn't, unless what is reached decides itself. */
+/* True if all requests have answers. A motion that ends early has none, unless the figure `reached` is a goal or has
+ * limits. */
 bool km_design_has_answer(const km_design_study *study, const km_design_result *result);
-/* Is a value within the figure's limits, but for rounding? */
+/* True if a value is within the figure's limits, up to rounding. */
 bool km_design_is_within(const km_design_figure *figure, double value);
-/* What is to be least: the goal's figure, or what is opposite to it. */
+/* Value to minimise: the goal's figure, negated if it is to be maximised. */
 double km_design_goal_value(const km_design_study *study, int goal, const km_design_result *result);
 
 #endif

@@ -1,5 +1,8 @@
-/* Optimises designs by NLopt, from one start or several, and along the front of two goals. Variables are scaled to 0 … 1
- * by their bounds. Figures' limits are constraints. */
+/* Optimisation of designs by NLopt, from one or several starts, and along the front of two goals (docs/theory.md
+ * 13.6).
+ *
+ *   min f(x)  subject to  limits of figures as constraints ≤ 0;   x scaled to [0, 1] by the bounds
+ *   algorithms without constraints run inside an augmented Lagrangian */
 #include "study/optimisation/optimisation.h"
 
 #include "base/parallel.h"
@@ -22,8 +25,8 @@ static bool configure(km_attempt *a, nlopt_opt o) {
          (limits == 0 || nlopt_add_inequality_mconstraint(o, limits, km_attempt_constrain, a, tolerances) > 0);
 }
 
-/* Ends by the change of the variables, or after 200 points for each of them. */
-static nlopt_opt make_inner(const km_attempt *a, nlopt_algorithm algorithm) {
+/* Creates the inner optimiser; it stops by the change of the variables, or after 200 points per variable. */
+static nlopt_opt create_inner(const km_attempt *a, nlopt_algorithm algorithm) {
   int n = a->o->def->variable_count;
   nlopt_opt o = nlopt_create(algorithm, (unsigned)n);
   if (o && nlopt_set_xtol_rel(o, 0.0) > 0 && nlopt_set_xtol_abs1(o, fmax(1e-9, a->o->def->tolerance)) > 0 &&
@@ -33,34 +36,34 @@ static nlopt_opt make_inner(const km_attempt *a, nlopt_algorithm algorithm) {
   return NULL;
 }
 
-/* NLopt keeps a copy of the inner one. */
-static bool put_inside(nlopt_opt outer, nlopt_opt inner) {
+/* Attaches the inner optimiser, which NLopt copies. */
+static bool attach_inner(nlopt_opt outer, nlopt_opt inner) {
   bool good = inner && nlopt_set_local_optimizer(outer, inner) > 0;
   nlopt_destroy(inner);
   return good;
 }
 
-/* The algorithm, with the local one that it starts anew if it needs one. */
-static nlopt_opt make_algorithm(const km_attempt *a, nlopt_opt o) {
-  if (!o || !a->o->algorithm->local || put_inside(o, make_inner(a, NLOPT_LN_BOBYQA)))
+/* Completes an algorithm by the local one that it restarts, if it needs one. */
+static nlopt_opt create_algorithm(const km_attempt *a, nlopt_opt o) {
+  if (!o || !a->o->algorithm->local || attach_inner(o, create_inner(a, NLOPT_LN_BOBYQA)))
     return o;
   nlopt_destroy(o);
   return NULL;
 }
 
-/* The algorithm itself, or inside an augmented Lagrangian where it takes no constraints. */
-static nlopt_opt make_optimiser(km_attempt *a) {
+/* Creates the optimiser: the algorithm, inside an augmented Lagrangian if it handles no constraints. */
+static nlopt_opt create_optimiser(km_attempt *a) {
   const km_algorithm *algorithm = a->o->algorithm;
   unsigned n = (unsigned)a->o->def->variable_count;
   bool wrapped = !algorithm->constraints && km_attempt_limits(a) > 0;
-  nlopt_opt o = wrapped ? nlopt_create(NLOPT_AUGLAG, n) : make_algorithm(a, nlopt_create(algorithm->id, n));
-  if (o && configure(a, o) && (!wrapped || put_inside(o, make_algorithm(a, make_inner(a, algorithm->id)))))
+  nlopt_opt o = wrapped ? nlopt_create(NLOPT_AUGLAG, n) : create_algorithm(a, nlopt_create(algorithm->id, n));
+  if (o && configure(a, o) && (!wrapped || attach_inner(o, create_algorithm(a, create_inner(a, algorithm->id)))))
     return o;
   nlopt_destroy(o);
   return NULL;
 }
 
-/* The first start is the definition's, the others are spread over the bounds. */
+/* Start point: the definition's for the first start, random within the bounds for the others. */
 static void start_point(const km_attempt *a, double *x) {
   const km_design_optimise *o = a->o->def;
   for (int v = 0; v < o->variable_count; ++v) {
@@ -73,26 +76,26 @@ static void start_point(const km_attempt *a, double *x) {
   }
 }
 
-/* Where the first point has no answer, the first of other points that has one: what fails is said to be worse than what is
- * known, so that some value must be known first. Gives up after half of the start's designs. */
+/* Finds a start point with an answer: failing designs count as worse than the worst known value, so a first value is
+ * needed. Random points are tried, up to half of the start's designs. */
 static void find_start(km_attempt *a, double *x) {
   const km_design_optimise *o = a->o->def;
   const int n = o->variable_count, most = o->evaluations / 2;
   start_point(a, x);
   km_attempt_evaluate((unsigned)n, x, NULL, a);
-  for (int k = 1; k < most && !km_attempt_knows(a) && !a->status; ++k) {
+  for (int k = 1; k < most && !km_attempt_has_value(a) && !a->status; ++k) {
     for (int v = 0; v < n; ++v)
       x[v] = km_random_at(o->seed, (uint64_t)a->number, (uint64_t)(v + k * n));
     km_attempt_evaluate((unsigned)n, x, NULL, a);
   }
-  if (!km_attempt_knows(a))
+  if (!km_attempt_has_value(a))
     start_point(a, x);
 }
 
 static void run_attempt(km_attempt *a) {
   double x[KM_MAX_DESIGN_PARAMETERS], least;
   a->worst = -DBL_MAX;
-  a->optimiser = make_optimiser(a);
+  a->optimiser = create_optimiser(a);
   if (!a->optimiser) {
     a->status = km_fail(&a->error, KM_MEMORY, "out of memory for an optimisation");
     return;
@@ -111,7 +114,7 @@ static void run_one(void *context, int index) {
     run_attempt(a);
 }
 
-/* Runs some attempts at once; with one, the points beside a point are what the threads share. */
+/* Runs several starts in parallel; with one start, the threads share the points of its gradients. */
 static km_status run_attempts(km_optimisation *o, km_attempt *attempts, int count, int jobs, km_error *error) {
   km_status status = KM_OK;
   int each = count == 1 ? jobs : 1;
@@ -133,10 +136,10 @@ static km_status run_attempts(km_optimisation *o, km_attempt *attempts, int coun
 static bool add_to_trail(km_design_study *s, const km_attempt *a) {
   size_t size = (size_t)s->def->parameter_count, count = (size_t)s->trail.count, more = (size_t)a->count;
   void *values = s->trail.values, *starts = s->trail.starts;
-  if (!km_reserve(&values, &s->trail.value_room, (count + more) * size, sizeof(double)))
+  if (!km_reserve(&values, &s->trail.value_capacity, (count + more) * size, sizeof(double)))
     return false;
   s->trail.values = values;
-  if (!km_reserve(&starts, &s->trail.start_room, count + more, sizeof(int)))
+  if (!km_reserve(&starts, &s->trail.start_capacity, count + more, sizeof(int)))
     return false;
   s->trail.starts = starts;
   if (more)
@@ -147,7 +150,8 @@ static bool add_to_trail(km_design_study *s, const km_attempt *a) {
   return true;
 }
 
-static km_status finish(km_design_study *s, km_attempt *attempts, int count, km_status status, km_error *error) {
+static km_status collect_trails(km_design_study *s, km_attempt *attempts, int count, km_status status,
+                                km_error *error) {
   for (int i = 0; i < count; ++i) {
     if (!add_to_trail(s, &attempts[i]) && !status)
       status = km_fail(error, KM_MEMORY, "out of memory for an optimisation");
@@ -157,8 +161,8 @@ static km_status finish(km_design_study *s, km_attempt *attempts, int count, km_
   return status;
 }
 
-/* The best design of an end of the front, as both goals. */
-static bool find_end(const km_design_study *s, int goal, double out[2]) {
+/* Best design for one goal: an end of the front, as the values of both goals. */
+static bool find_front_end(const km_design_study *s, int goal, double out[2]) {
   int best = -1;
   km_design_result r;
   for (int i = 0; i < s->trail.count; ++i) {
@@ -173,7 +177,7 @@ static bool find_end(const km_design_study *s, int goal, double out[2]) {
   return best >= 0;
 }
 
-/* First each goal alone, then points between the two ends. */
+/* Computes a front: each goal alone for its ends, then points between them. */
 static km_status run_front(km_optimisation *o, int jobs, km_error *error) {
   km_attempt *ends = KM_NEW(km_attempt, 2);
   if (!ends)
@@ -183,9 +187,9 @@ static km_status run_front(km_optimisation *o, int jobs, km_error *error) {
     ends[g].goal = g;
   }
   km_status status = run_attempts(o, ends, 2, jobs, error);
-  status = finish(o->study, ends, 2, status, error);
+  status = collect_trails(o->study, ends, 2, status, error);
   double first[2], second[2];
-  if (status || !find_end(o->study, 0, first) || !find_end(o->study, 1, second))
+  if (status || !find_front_end(o->study, 0, first) || !find_front_end(o->study, 1, second))
     return status;
   int count = o->def->starts;
   km_attempt *between = KM_NEW(km_attempt, (size_t)count);
@@ -194,14 +198,14 @@ static km_status run_front(km_optimisation *o, int jobs, km_error *error) {
   for (int i = 0; i < count; ++i) {
     between[i].number = i + 2;
     between[i].between = true;
-    between[i].apart = 2.0 * (i + 1.0) / (count + 1.0) - 1.0;
+    between[i].max_difference = 2.0 * (i + 1.0) / (count + 1.0) - 1.0;
     between[i].ideal[0] = first[0];
     between[i].ideal[1] = second[1];
     between[i].range[0] = fmax(second[0] - first[0], 1e-300);
     between[i].range[1] = fmax(first[1] - second[1], 1e-300);
   }
   status = run_attempts(o, between, count, jobs, error);
-  return finish(o->study, between, count, status, error);
+  return collect_trails(o->study, between, count, status, error);
 }
 
 static km_status run_starts(km_optimisation *o, int jobs, km_error *error) {
@@ -213,7 +217,7 @@ static km_status run_starts(km_optimisation *o, int jobs, km_error *error) {
     attempts[i].number = i;
   }
   km_status status = run_attempts(o, attempts, count, jobs, error);
-  return finish(o->study, attempts, count, status, error);
+  return collect_trails(o->study, attempts, count, status, error);
 }
 
 km_status km_optimise_run(km_design_study *s, int jobs, bool compute, km_progress progress, void *context,

@@ -4,11 +4,11 @@
 
 #include "study/design_study.h"
 
-/* KM_USAGE with the nearest words. */
+/* Checks the name of an algorithm. KM_USAGE with the closest names. */
 km_status km_algorithm_check(const char *word, km_error *error);
 
-/* Optimises from every start, each on one thread, and lists the designs that were asked for in the study's trail.
- * `compute` false: goes only as far as the store's answers. */
+/* Optimises from every start, each on one thread, and lists the designs in the study's trail. `compute` false: only
+ * as far as the store has answers. */
 km_status km_optimise_run(km_design_study *study, int jobs, bool compute, km_progress progress, void *context,
                           km_error *error);
 

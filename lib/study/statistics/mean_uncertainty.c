@@ -1,4 +1,6 @@
-/* How well a mean is known where designs share parameters: by the sums of rows, which are independent. */
+/* Kish's design effect of a sample whose designs share parameters within rows (docs/theory.md 13.3).
+ *
+ *   effect = variance of the row sums / variance of as many independent designs,  between 1 and the width of a row */
 #include "study/statistics/mean_uncertainty.h"
 
 #include <math.h>

@@ -1,6 +1,10 @@
-/* Samples: points of the unit cube by number, and their values by the parameters' distributions. Pseudo-random numbers
- * are a mix of (seed, index, dimension) (Steele, Lea and Flood 2014, the finaliser of SplitMix64), so that any design has
- * its numbers without those before it. */
+/* Samples: points of the unit cube by number, and parameter values by quantiles of their distributions
+ * (docs/theory.md 13.2).
+ *
+ *   random: SplitMix64 hash of (seed, i, d)     Latin hypercube: (π_d(i) + u)/n, π_d a Feistel permutation
+ *   Sobol : Sobol's sequence, shifted modulo 1 by a hash of the seed
+ *
+ * Any design is computed without those before it. */
 #include "study/statistics/sampler.h"
 
 #include <gsl/gsl_cdf.h>
@@ -10,9 +14,9 @@
 struct km_sampler {
   const km_design_sample *sample;
   int dimensions;
-  gsl_qrng *sequence; /* of Sobol */
-  int next;           /* the row that the sequence gives next */
-  int row;            /* whose numbers `point` has, -1: none */
+  gsl_qrng *sequence; /* Sobol's sequence */
+  int next;           /* next row of the sequence */
+  int row;            /* row in `point`; −1: none */
   double point[2 * KM_MAX_DESIGN_PARAMETERS];
 };
 
@@ -43,8 +47,9 @@ double km_random_at(unsigned long seed, uint64_t index, uint64_t dimension) {
   return ((double)(hash(seed, index, dimension) >> 11) + 0.5) * 0x1p-53;
 }
 
-/* A permutation of 0 … count - 1 by a key: a Feistel network on the next power of 4, walked until it is inside. */
-static uint64_t permuted(uint64_t i, uint64_t count, uint64_t key) {
+/* Permutation of 0 … count − 1 by a key: a Feistel network on the next power of 4, iterated until the result is in
+ * range. */
+static uint64_t permutation(uint64_t i, uint64_t count, uint64_t key) {
   unsigned half = 1;
   while (count > (uint64_t)1 << (2 * half))
     ++half;
@@ -83,7 +88,7 @@ void km_sampler_free(km_sampler *s) {
   km_free(s);
 }
 
-static void take_sobol(km_sampler *s, int row) {
+static void compute_sobol_row(km_sampler *s, int row) {
   if (row < s->next) {
     gsl_qrng_init(s->sequence);
     s->next = 0;
@@ -97,27 +102,27 @@ static void take_sobol(km_sampler *s, int row) {
   }
 }
 
-static void take_row(km_sampler *s, int row) {
+static void compute_row(km_sampler *s, int row) {
   const km_design_sample *sample = s->sample;
   if (row == s->row)
     return;
   s->row = row;
   if (sample->method == KM_SAMPLING_SOBOL) {
-    take_sobol(s, row);
+    compute_sobol_row(s, row);
     return;
   }
   for (int d = 0; d < s->dimensions; ++d) {
     double u = km_random_at(sample->seed, (uint64_t)row, (uint64_t)d);
     if (sample->method == KM_SAMPLING_LATIN) {
       uint64_t key = hash(sample->seed, UINT64_MAX - 1, (uint64_t)d);
-      u = ((double)permuted((uint64_t)row, (uint64_t)sample->count, key) + u) / sample->count;
+      u = ((double)permutation((uint64_t)row, (uint64_t)sample->count, key) + u) / sample->count;
     }
     s->point[d] = u;
   }
 }
 
-/* Quantile u of a normal distribution cut off at low and high; the tail is taken from the side where it is small. */
-static double truncated(const km_design_spread *s, double u) {
+/* Quantile u of a truncated normal distribution; uses the smaller tail for accuracy. */
+static double truncated_normal(const km_design_spread *s, double u) {
   double a = (s->low - s->mean) / s->deviation, b = (s->high - s->mean) / s->deviation, z;
   if (a > 0.0)
     z = gsl_cdf_ugaussian_Qinv((1.0 - u) * gsl_cdf_ugaussian_Q(a) + u * gsl_cdf_ugaussian_Q(b));
@@ -129,7 +134,7 @@ static double truncated(const km_design_spread *s, double u) {
 static double quantile(const km_design_spread *s, double u) {
   if (s->distribution == KM_UNIFORM)
     return s->low + (s->high - s->low) * u;
-  return s->distribution == KM_NORMAL ? s->mean + s->deviation * gsl_cdf_ugaussian_Pinv(u) : truncated(s, u);
+  return s->distribution == KM_NORMAL ? s->mean + s->deviation * gsl_cdf_ugaussian_Pinv(u) : truncated_normal(s, u);
 }
 
 void km_sampler_values(km_sampler *s, int design, int parameter_count, double *values) {
@@ -141,8 +146,8 @@ void km_sampler_values(km_sampler *s, int design, int parameter_count, double *v
     return;
   }
   int width = km_sampler_width(sample), part = design % width;
-  take_row(s, design / width);
-  for (int k = 0; k < spreads; ++k) /* parts: A, B, then A with the one column of B */
+  compute_row(s, design / width);
+  for (int k = 0; k < spreads; ++k) /* Saltelli's scheme: A, B, then A with one column of B */
     values[sample->spreads[k].parameter] =
         quantile(&sample->spreads[k], s->point[part == 1 || part == k + 2 ? spreads + k : k]);
 }

@@ -1,4 +1,7 @@
-/* Which parameter matters: rank correlations, Sobol's indices, and quantiles along a motion. */
+/* Sensitivity of figures to parameters: Spearman's rank correlations, Sobol indices, and quantiles of bands
+ * (docs/theory.md 13.4 and 13.5).
+ *
+ *   S_j = mean(f_B (f_ABj − f_A))/V,   T_j = mean((f_A − f_ABj)²)/(2 V)   (Saltelli 2010, Jansen 1999) */
 #include "base/arguments.h"
 #include "base/statistics/student_t.h"
 #include "study/design_evaluation.h"
@@ -15,16 +18,16 @@ typedef struct ranked {
   int index;
 } ranked;
 
-static int by_value(const void *a, const void *b) {
+static int compare_values(const void *a, const void *b) {
   const ranked *p = a, *q = b;
   return p->value != q->value ? (p->value > q->value) - (p->value < q->value) : p->index - q->index;
 }
 
-/* Ranks with ties at their mean. */
+/* Ranks; ties get their mean rank. */
 static void rank(const double *values, int count, ranked *work, double *ranks) {
   for (int i = 0; i < count; ++i)
     work[i] = (ranked){values[i], i};
-  qsort(work, (size_t)count, sizeof *work, by_value);
+  qsort(work, (size_t)count, sizeof *work, compare_values);
   for (int i = 0, end; i < count; i = end) {
     for (end = i + 1; end < count && work[end].value == work[i].value;)
       ++end;
@@ -46,16 +49,16 @@ static double correlation_of(const double *a, const double *b, int count) {
 struct km_ranking {
   km_arena arena;
   int count;                                   /* designs */
-  double *values;                              /* [parameters × count] NaN: not known */
-  double *ranks;                               /* the same, among all designs */
-  double *correlations[KM_MAX_DESIGN_FIGURES]; /* [parameters] NULL: not asked for yet */
-  /* What ranking works on: */
+  double *values;                              /* [parameters × count] values; NaN: unknown */
+  double *ranks;                               /* [parameters × count] ranks among all designs */
+  double *correlations[KM_MAX_DESIGN_FIGURES]; /* [parameters] NULL: not computed yet */
+  /* Work arrays: */
   ranked *work;
   double *part, *part_ranks, *figures, *figure_ranks;
   int *designs;
 };
 
-void km_design_forget_ranking(km_ranking *r) {
+void km_ranking_free(km_ranking *r) {
   if (r)
     km_arena_free(&r->arena);
   km_free(r);
@@ -65,32 +68,32 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for rank correlations");
 }
 
-static km_ranking *make_ranking(int parameters, int count) {
+static km_ranking *create_ranking(int parameters, int count) {
   km_ranking *r = KM_NEW(km_ranking, 1);
-  size_t room = (size_t)count + 1, table = (size_t)parameters * room;
+  size_t capacity = (size_t)count + 1, table = (size_t)parameters * capacity;
   if (!r)
     return NULL;
   r->count = count;
   r->values = KM_ARENA_NEW(&r->arena, double, table);
   r->ranks = KM_ARENA_NEW(&r->arena, double, table);
-  r->work = KM_ARENA_NEW(&r->arena, ranked, room);
+  r->work = KM_ARENA_NEW(&r->arena, ranked, capacity);
   double **columns[] = {&r->part, &r->part_ranks, &r->figures, &r->figure_ranks};
   for (size_t i = 0; i < sizeof columns / sizeof *columns; ++i)
-    *columns[i] = KM_ARENA_NEW(&r->arena, double, room);
-  r->designs = KM_ARENA_NEW(&r->arena, int, room);
+    *columns[i] = KM_ARENA_NEW(&r->arena, double, capacity);
+  r->designs = KM_ARENA_NEW(&r->arena, int, capacity);
   if (!r->arena.failed)
     return r;
-  km_design_forget_ranking(r);
+  km_ranking_free(r);
   return NULL;
 }
 
-/* Of the parameters of the designs that stand for all. */
+/* Computes the ranks of the parameters of the representative designs. */
 static void rank_parameters(const km_design_study *s, km_ranking *r) {
   double values[KM_MAX_DESIGN_PARAMETERS];
   int parameters = s->def->parameter_count;
   size_t count = (size_t)r->count;
   for (size_t i = 0; i < count; ++i) {
-    km_design_values(s, km_design_drawn(s, (int)i, r->count), values);
+    km_design_values(s, km_design_representative(s, (int)i, r->count), values);
     for (int p = 0; p < parameters; ++p)
       r->values[(size_t)p * count + i] = isnan(values[p]) ? s->base[p] : values[p];
   }
@@ -98,8 +101,8 @@ static void rank_parameters(const km_design_study *s, km_ranking *r) {
     rank(r->values + (size_t)p * count, r->count, r->work, r->ranks + (size_t)p * count);
 }
 
-/* The designs whose figure has a value. */
-static int gather(km_design_study *s, int figure, km_ranking *r) {
+/* Collects the designs whose figure has a value; returns their number. */
+static int collect_values(km_design_study *s, int figure, km_ranking *r) {
   int used = 0;
   km_design_study_column(s, figure, r->figures, r->count);
   for (int i = 0; i < r->count; ++i)
@@ -110,7 +113,7 @@ static int gather(km_design_study *s, int figure, km_ranking *r) {
   return used;
 }
 
-/* The ranks of parameter p among the designs that were gathered; NULL where its value isn't known. */
+/* Ranks of parameter p among the collected designs; NULL: its value is unknown. */
 static const double *ranks_of(const km_ranking *r, int p, int used) {
   const double *values = r->values + (size_t)p * (size_t)r->count;
   if (used == 0 || isnan(values[r->designs[0]]))
@@ -124,7 +127,7 @@ static const double *ranks_of(const km_ranking *r, int p, int used) {
 }
 
 static void correlate(km_design_study *s, int figure, km_ranking *r, double *correlations) {
-  int used = gather(s, figure, r);
+  int used = collect_values(s, figure, r);
   rank(r->figures, used, r->work, r->figure_ranks);
   for (int p = 0; p < s->def->parameter_count; ++p) {
     const double *ranks = ranks_of(r, p, used);
@@ -142,7 +145,7 @@ km_status km_design_study_ranks(km_design_study *s, int figure, double *correlat
   size_t parameters = (size_t)s->def->parameter_count;
   km_ranking *r = s->ranking;
   if (!r) {
-    r = s->ranking = make_ranking((int)parameters, km_design_study_column(s, figure, NULL, 0));
+    r = s->ranking = create_ranking((int)parameters, km_design_study_column(s, figure, NULL, 0));
     if (!r)
       return no_memory(error);
     rank_parameters(s, r);
@@ -158,13 +161,13 @@ km_status km_design_study_ranks(km_design_study *s, int figure, double *correlat
   return KM_OK;
 }
 
-/* Sums over rows, of the terms of an index and of the variance v in each. */
+/* Sums over rows of the terms t of an index and of the variance v. */
 typedef struct sums {
   double term, terms, both; /* Σ t, Σ t², Σ t v */
 } sums;
 
 typedef struct index_sums {
-  double rows, value, squares, variances; /* rows; of the 2 independent designs of each Σ x, Σ x²; Σ v² */
+  double rows, value, squares, variances; /* rows; Σ x and Σ x² of the two independent designs of each; Σ v² */
   sums first[KM_MAX_DESIGN_PARAMETERS], total[KM_MAX_DESIGN_PARAMETERS];
 } index_sums;
 
@@ -174,8 +177,8 @@ static void add(sums *s, double term, double variance) {
   s->both += term * variance;
 }
 
-/* Values are counted from the mean and in 2^exponent, the size of the largest one: their fourth powers neither overflow nor
- * vanish, and no index depends on the unit. */
+/* Adds a row. Values are centred at the mean and scaled by 2^exponent, so that fourth powers neither overflow nor
+ * vanish and no index depends on the unit. */
 static km_status add_row(km_design_study *s, int figure, int row, double middle, int exponent, index_sums *out,
                          km_error *error) {
   int spreads = s->def->sample->spread_count, width = km_sampler_width(s->def->sample);
@@ -202,16 +205,16 @@ static km_status add_row(km_design_study *s, int figure, int row, double middle,
   return KM_OK;
 }
 
-/* A quotient of two means, of t and of v, errs as the mean of t − quotient · v over that of v (W. G. Cochran, Sampling
- * Techniques, 1977, chapter 6). */
+/* Index and half width. The error of a ratio of means of t and v is that of the mean of t − ratio · v over the mean
+ * of v (W. Cochran 1977, chapter 6). */
 static void set_index(const sums *s, const index_sums *all, double *index, double *half_width) {
   double mean = all->value / (2.0 * all->rows), variance = all->squares / (2.0 * all->rows) - mean * mean;
-  bool tells = all->rows > 1.0 && variance > 0.0;
+  bool is_defined = all->rows > 1.0 && variance > 0.0;
   double i = s->term / all->rows / variance;
   double squares = fmax(0.0, s->terms - 2.0 * i * s->both + i * i * all->variances);
-  *index = tells ? i : nan("");
+  *index = is_defined ? i : nan("");
   double error = sqrt(squares / all->rows / (all->rows - 1.0)) / variance;
-  *half_width = tells ? km_student(all->rows - 1.0) * error : nan("");
+  *half_width = is_defined ? km_student(all->rows - 1.0) * error : nan("");
 }
 
 km_status km_design_study_indices(km_design_study *s, int figure, double *first, double *first_half_width,
@@ -225,7 +228,7 @@ km_status km_design_study_indices(km_design_study *s, int figure, double *first,
     status = km_fail(error, KM_USAGE, "the study has no sample with indices; expected \"indices\": true");
   double size = fmax(fabs(statistics.least), fabs(statistics.greatest));
   int exponent = size > 0.0 ? ilogb(size) : 0;
-  for (int row = 0; !status && row < s->def->sample->count; ++row) /* NOLINT(*NullDereference): asked above */
+  for (int row = 0; !status && row < s->def->sample->count; ++row) /* NOLINT(*NullDereference): checked above */
     status = add_row(s, figure, row, statistics.mean, exponent, &all, error);
   if (status)
     return status;
@@ -248,7 +251,7 @@ static int quantile_row(const double *values, int designs, int rows, int row, do
   return count;
 }
 
-/* The band of each design behind the one before. */
+/* Reads a band of all designs, one after the other. */
 static km_status read_bands(km_design_study *s, int question, int band, int designs, double *out, km_error *error) {
   double values[KM_MAX_DESIGN_PARAMETERS];
   int rows = s->band_rows[question];
@@ -257,7 +260,7 @@ static km_status read_bands(km_design_study *s, int question, int band, int desi
   km_status status = answers ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for bands");
   for (int i = 0; i < designs && !status; ++i) {
     bool found;
-    km_design_values(s, km_design_drawn(s, i, designs), values);
+    km_design_values(s, km_design_representative(s, i, designs), values);
     status = km_design_look_up(s, question, values, &answers[question], &found, error);
     bool there = !status && found && answers[question].outcome <= KM_DESIGN_SHORT; /* NOLINT(*NullDereference): made */
     for (int r = 0; r < rows; ++r)
