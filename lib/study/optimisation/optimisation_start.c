@@ -28,9 +28,9 @@ static double scaled_goal(const km_attempt *a, int goal, const km_design_result 
   return (km_design_goal_value(a->o->study, goal, r) - a->ideal[goal]) / a->range[goal];
 }
 
-/* Objective; NaN: the design has no answer. Points between the ends of a front minimise the second goal with the constraint f_1 −
- * f_2 ≤ a (A. Pascoletti and P. Serafini 1984). This is smooth and reaches every point of the front, also non-convex
- * parts. A small multiple of the first goal decides ties. */
+/* Objective; NaN: the design has no answer. Points between the ends of a front minimise the second goal with the
+ * constraint f_1 − f_2 ≤ a (A. Pascoletti and P. Serafini 1984). This is smooth and reaches every point of the
+ * front, also non-convex parts. A small multiple of the first goal decides ties. */
 static double objective(const km_attempt *a, const km_design_result *r) {
   const km_design_study *s = a->o->study;
   if (!km_design_has_answer(s, r))
