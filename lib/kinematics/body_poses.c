@@ -137,12 +137,14 @@ km_vec3 km_poses_about_mechanism(const km_mechanism *m, const km_state *s, km_po
   return origin;
 }
 
+/* Forward kinematics of one substructure's bodies. */
 void km_poses_compute_in(const km_mechanism *m, km_state *s, int substructure) {
   const km_topology *t = &m->topology;
   for (int i = t->body_start[substructure]; i < t->body_start[substructure + 1]; ++i)
     update_body(m, s, &m->arcs[m->arc_of[t->body[i]]], s->pose);
 }
 
+/* Forward kinematics of all bodies. */
 void km_poses_compute(const km_mechanism *m, km_state *s) {
   if (!km_state_belongs_to(m, s))
     return;

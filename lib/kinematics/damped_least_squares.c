@@ -7,7 +7,7 @@
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_multifit_nlinear.h>
 
-enum { MOST_ITERATIONS = 300 };
+enum { MAX_ITERATIONS = 300 };
 static const double regularisation = 1e-5; /* Tikhonov term that keeps JᵀJ regular; too small to keep loops open */
 
 typedef struct least_squares {
@@ -68,7 +68,7 @@ static km_status minimise(least_squares *p, km_error *error) {
         .f = compute_residuals, .df = compute_derivatives, .n = rows + columns, .p = columns, .params = p};
     int info;
     gsl_multifit_nlinear_init(x, &fdf, w);
-    gsl_multifit_nlinear_driver(MOST_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, w);
+    gsl_multifit_nlinear_driver(MAX_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, w);
     evaluate_at(p, gsl_multifit_nlinear_position(w));
   } else {
     status = km_fail(error, KM_MEMORY, "out of memory while assembling");

@@ -33,6 +33,7 @@ km_status km_frame_pose_make(const double p[3], const double turn[3], km_frame_p
   return KM_OK;
 }
 
+/* Converts a pose to the public structure, row-major. */
 void km_pose_write(const km_pose *X, km_frame_pose *out) {
   km_rotation_rows(&X->R, out->R);
   out->p[0] = X->p.x;
@@ -40,6 +41,7 @@ void km_pose_write(const km_pose *X, km_frame_pose *out) {
   out->p[2] = X->p.z;
 }
 
+/* Pose of a frame in the inertial frame. */
 km_status km_frame_place(const km_mechanism *m, const km_state *s, int frame, km_frame_pose *out, km_error *error) {
   km_status status = check_frame(m, s, frame, out, error);
   if (status)

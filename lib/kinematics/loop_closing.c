@@ -16,10 +16,11 @@
 
 #include <string.h>
 
-enum { MOST_ITERATIONS = 60 };
+enum { MAX_ITERATIONS = 60 };
 /* Divergence test: r > 1e3 (r_0 + 0.1). */
 static const double residual_growth = 1e3, residual_offset = 0.1;
 
+/* min(0.05, max(1e-9 size, 10 misfit, 10 closure tolerance if stated)). */
 double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
   int size = sub->rows > sub->columns ? sub->rows : sub->columns;
   double tolerance = 1e-9 * fmax(size, 1.0);
@@ -70,12 +71,14 @@ void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver,
   record_search(s, index, driver, tolerance);
 }
 
+/* Evaluates the Jacobian at the present configuration and searches pivots. */
 void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
   const km_substructure *sub = &m->substructures[index];
   km_loops_update(m, s, sub);
   km_search_pivots(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
 }
 
+/* (D a)·(D b): inner product of scaled steps in the metric D. */
 double km_step_dot(const km_mechanism *m, const km_substructure *sub, const double *a, const double *b) {
   const double *weight = m->column_weight + sub->column_start;
   double sum = 0.0;
@@ -165,6 +168,7 @@ static bool project_driver(const km_mechanism *m, km_state *s, int index, int dr
   return share > 0.0;
 }
 
+/* Rates t with t_driver = 1, J t = 0, |D t| minimal. */
 void km_minimum_norm_rates(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
   const km_partition *p = &s->partition[index];
   if (p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS && project_driver(m, s, index, driver, t))
@@ -193,6 +197,7 @@ static bool needs_rows_only(const km_partition *p, int driver) {
   return p->rows_only || uses_row_equations(p, count_free_motions(p, driver));
 }
 
+/* Defers the factorisation where steps need only the primary rows. */
 bool km_defer_pivots(km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
   if (!needs_rows_only(p, driver) || !km_partition_may_defer(p))
@@ -332,7 +337,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
   double *x = s->work, first = 0.0, scale = tolerance_scale(m, s, sub);
   newton_state n = {.step = HUGE_VAL, .last = HUGE_VAL, .residual_tolerance = scale * km_residual_tolerance};
   *evidence = (km_closure){.worst = -1, .last_step = x};
-  for (int i = 0; i < MOST_ITERATIONS; ++i) {
+  for (int i = 0; i < MAX_ITERATIONS; ++i) {
     if (i == 0 && driver < 0)
       km_loops_update(m, s, sub);
     else
@@ -359,7 +364,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
     if (n.step > km_max_newton_step)
       for (int k = 0; k < sub->columns; ++k)
         x[k] *= km_max_newton_step / n.step;
-    if (i + 1 == MOST_ITERATIONS)
+    if (i + 1 == MAX_ITERATIONS)
       break;
     evidence->correction += km_step_length(m, sub, x);
     km_state_move(m, s, sub, x);
@@ -371,6 +376,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
              : KM_OPEN;
 }
 
+/* Closes the loops; the final configuration is cached unless a driver is fixed. */
 km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
   if (driver < 0) /* configurations of a driven motion are not evaluated again */
@@ -380,6 +386,7 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
   return outcome;
 }
 
+/* Closes the loops with the driver as a coordinate that never becomes a pivot. */
 km_closure_outcome km_close_with_driver(const km_mechanism *m, km_state *s, int index, int driver,
                                         km_closure *evidence) {
   s->partition[index].forced_never_pivot = true;
@@ -391,10 +398,10 @@ km_closure_outcome km_close_with_driver(const km_mechanism *m, km_state *s, int 
 /* Full closing: repeats with pivots of the closed configuration until the rank no longer grows. */
 km_closure_outcome km_close_fully(km_closing_function close, const km_mechanism *m, km_state *s, int index, int driver,
                                   km_closure *evidence) {
-  enum { MOST_RANKS = 4 };
+  enum { MAX_RANK_UPDATES = 4 };
   km_state_invalidate_pivots(s, index);
   km_closure_outcome outcome = close(m, s, index, driver, evidence);
-  for (int i = 0; i < MOST_RANKS && outcome == KM_CLOSED; ++i) {
+  for (int i = 0; i < MAX_RANK_UPDATES && outcome == KM_CLOSED; ++i) {
     int rank = s->partition[index].rank;
     km_update_and_search_pivots(m, s, index, driver, evidence->residual);
     if (s->partition[index].rank <= rank)

@@ -232,6 +232,7 @@ void km_loops_recompute(const km_mechanism *m, km_state *s, const km_substructur
   cached->evaluations++;
 }
 
+/* Stores the present configuration as the one that errors and Jacobian belong to. */
 void km_loops_cache(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   km_cached_configuration *cached = &s->cached[sub - m->substructures];
   km_state_save(s, sub, cached->coordinates);
@@ -239,6 +240,7 @@ void km_loops_cache(const km_mechanism *m, km_state *s, const km_substructure *s
   cached->mechanism_version = m->version;
 }
 
+/* Evaluates errors and Jacobian unless they are cached. */
 void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *sub) {
   if (is_cached(m, s, sub, &s->cached[sub - m->substructures]))
     return;
@@ -246,6 +248,7 @@ void km_loops_update(const km_mechanism *m, km_state *s, const km_substructure *
   km_loops_cache(m, s, sub);
 }
 
+/* Restores a configuration and evaluates it. */
 void km_loops_restore_cached(const km_mechanism *m, km_state *s, int index, const double *saved) {
   const km_substructure *sub = &m->substructures[index];
   km_state_restore(s, sub, saved);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ITERATIONS = 12 };
+enum { MAX_ITERATIONS = 12 };
 static const double step_tolerance = 1e-10; /* |δ|_∞ of a converged iteration: smaller steps are rounding */
 static const double stagnation_tolerance =
     1e-8; /* |δ|_∞ accepted where steps no longer shrink: the loops are nearly indifferent to the remainder */
@@ -180,10 +180,10 @@ static double max_norm(const double *x, int count) {
 /* Iterative refinement of K x = b with the factor of an earlier matrix, from the present x. False if it converges
  * slowly, since the matrix has changed too much. */
 static bool refine(km_nearest_configuration *c) {
-  enum { MOST_CORRECTIONS = 6 };
+  enum { MAX_CORRECTIONS = 6 };
   static const double relative_tolerance = 1e-14, stagnation_size = 1e-10, max_ratio = 0.05;
   double last = HUGE_VAL;
-  for (int pass = 0; pass < MOST_CORRECTIONS; ++pass) {
+  for (int pass = 0; pass < MAX_CORRECTIONS; ++pass) {
     memcpy(c->residual, c->b, (size_t)c->size * sizeof *c->residual);
     for (int k = 0; k < c->size; ++k)
       for (int i = c->start[k]; i < c->start[k + 1]; ++i)
@@ -237,7 +237,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
   bool is_converged = false;
   set_fixed(c, sub, driver, s->partition[index].locked, pivots);
   memset(c->x, 0, (size_t)c->size * sizeof *c->x);
-  for (int pass = 0; pass <= MOST_ITERATIONS && !is_converged; ++pass) {
+  for (int pass = 0; pass <= MAX_ITERATIONS && !is_converged; ++pass) {
     km_loops_recompute(m, s, sub);
     assemble_matrix(c, m, s, sub, lambda);
     for (int i = 0; i < c->size; ++i)

@@ -217,6 +217,7 @@ static bool is_basis_deferred(const km_partition *p) {
   return freedom > KM_MANY_VECTORS && (p->sparse || p->rank < freedom);
 }
 
+/* Forms the basis Z, or defers it with many freedoms. */
 void km_state_mark_mobility_known(km_state *s, int index) {
   if (is_basis_deferred(&s->partition[index]))
     s->basis[index].is_known = s->basis[index].is_deferred = true;
@@ -235,6 +236,7 @@ static bool compute_numbers_without_basis(const km_mechanism *m, km_state *s, in
   return true;
 }
 
+/* Mobility numbers from the row space if many freedoms, else from the basis Z. */
 void km_state_mobility_numbers(const km_mechanism *m, km_state *s, int index, double *numbers) {
   if (compute_numbers_without_basis(m, s, index, numbers))
     return;
@@ -303,6 +305,7 @@ void km_state_move_temporarily(const km_mechanism *m, km_state *s, const km_subs
   add_step(m, s, sub, step, false);
 }
 
+/* Sets all coordinates, and the quaternions of ball joints by exp(q). */
 void km_state_set(const km_mechanism *m, km_state *s, const double *q) {
   memmove(s->q, q, (size_t)m->coordinate_count * sizeof *q);
   for (int b = 0; b < m->ball_count; ++b)
@@ -350,7 +353,7 @@ void km_state_clear_locked(km_state *s, const km_substructure *sub) {
   }
 }
 
-/* Layout: coordinates by column, then the quaternions of the substructure's ball joints. */
+/* Saves the coordinates by column, then the quaternions of the substructure's ball joints. */
 void km_state_save(const km_state *s, const km_substructure *sub, double *saved) {
   const km_mechanism *m = s->mechanism;
   const int *coordinate = m->column_coordinate + sub->column_start, *order = m->ball_order + sub->ball_start;
@@ -402,6 +405,7 @@ void km_state_difference(const km_state *s, const km_substructure *sub, const do
   }
 }
 
+/* True for revolute coordinates only. */
 bool km_coordinate_turns(const km_mechanism *m, int c) {
   if (!m || c < 0 || c >= m->coordinate_count)
     return false;

@@ -69,6 +69,7 @@ static double write_null_vector(const km_partition *p, const double *weight, int
   return sum;
 }
 
+/* Null vectors first … count-1, orthonormalised against those before them. */
 void km_partition_extend_null_space(const km_partition *p, const double *weight, int first, int count, double *Z) {
   for (int k = first; k < count; ++k) {
     double square = write_null_vector(p, weight, k, Z + (size_t)k * (size_t)p->columns);
@@ -103,6 +104,7 @@ static double write_row_vectors(const km_partition *p, const double *weight, int
   return square;
 }
 
+/* Orthonormal row space: Gram-Schmidt on [I B] D⁻¹. */
 void km_partition_row_space(const km_partition *p, const double *weight, int count, double *R) {
   double square = write_row_vectors(p, weight, count, R);
   if (p->rank > 0)

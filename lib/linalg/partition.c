@@ -278,6 +278,7 @@ bool km_partition_refactor_full_pattern(km_partition *p, const double *matrix) {
   return refactor_and_monitor(p, matrix, true);
 }
 
+/* Operation count of a refactorisation, B and one solution. */
 double km_partition_multiplications(const km_partition *p) {
   double rows = p->rows, columns = p->columns, rank = p->rank;
   if (p->sparse)

@@ -263,6 +263,7 @@ static bool minimum_norm_by_normal(const km_partition *p, const double *matrix, 
   return is_ok;
 }
 
+/* Minimum-norm solution by normal equations, else QR of null vectors, else QR of rows. */
 bool km_partition_minimum_norm(const km_partition *p, const double *matrix, const double *weight, int count,
                                const double *rhs, double *x) {
   if (minimum_norm_by_normal(p, matrix, weight, count, rhs, x))

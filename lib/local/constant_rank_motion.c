@@ -145,10 +145,10 @@ static bool close_exactly(const km_mechanism *m, km_state *s, int index, int dri
 /* Alternates deflation steps and closing until convergence. */
 static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                     km_closure *evidence) {
-  enum { MOST_STEPS = 8 };
+  enum { MAX_STEPS = 8 };
   static const double tolerance = 1e-9;
   double size = HUGE_VAL;
-  for (int i = 0; i < MOST_STEPS && size != 0.0; ++i) {
+  for (int i = 0; i < MAX_STEPS && size != 0.0; ++i) {
     double last = size;
     size = apply_deflation_step(st, m, s, index, driver, last);
     if (size >= last) /* step no longer decreases: converged to rounding, or diverging */
@@ -191,6 +191,7 @@ bool km_constant_rank_close(km_constant_rank *st, const km_mechanism *m, km_stat
   return converged;
 }
 
+/* Recomputes the constant-rank tangents; false if rank or dimension changed. */
 bool km_constant_rank_update(km_constant_rank *st, const km_mechanism *m, km_state *s, int index) {
   km_arena arena = {0};
   tangent_split at_start = {0};

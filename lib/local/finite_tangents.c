@@ -24,13 +24,13 @@ static const double min_order_of_exact_data = 3.5; /* order of contact that roun
 static const double max_order = 12.0;              /* a misfit that grows with a higher order has left the curve */
 static const double start_step_ratio = 30.0;       /* first step over the misfit of the configuration */
 
-enum { MOST_SAMPLES = 400 };
+enum { MAX_SAMPLES = 400 };
 
 /* Misfit along the followed curve: the second largest value up to each length, since a single one may be a bad
  * closure. */
 typedef struct misfit_record {
   int count;
-  double largest, length[MOST_SAMPLES], worst[MOST_SAMPLES];
+  double largest, length[MAX_SAMPLES], worst[MAX_SAMPLES];
 } misfit_record;
 
 /* Appends the misfit at a length, without its largest outlier. */
@@ -186,7 +186,7 @@ km_followed_tangent km_tangents_follow(km_tangents *f, const double *direction, 
   km_state_invalidate_pivots(f->s, f->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
   while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > refuting_ratio * tolerance) &&
-         r.count < MOST_SAMPLES && h >= (length > 0.0 ? shortest_step : 0.1 * first)) {
+         r.count < MAX_SAMPLES && h >= (length > 0.0 ? shortest_step : 0.1 * first)) {
     driver = choose_fixed_column(f, driver);
     if (!take_step(f, driver, length, &misfit)) {
       scale_move(f, 0.5);

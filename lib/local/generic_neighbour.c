@@ -94,6 +94,7 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
   return true;
 }
 
+/* Restores the configuration, its partition and its poses. */
 void km_generic_neighbour_leave(const km_mechanism *m, km_state *s, int index, const double *saved) {
   s->partition[index].rows_only = false;
   s->partition[index].kept_row_tolerance = 0.0;

@@ -18,7 +18,7 @@
 #include <gsl/gsl_multifit_nlinear.h>
 #include <string.h>
 
-enum { STARTS_PER_FREEDOM = 24, MOST_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, HALVINGS = 3 };
+enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, HALVINGS = 3 };
 static const double radius =
     0.08; /* d: an order of contact n leaves a misfit of d^n, which must stand out from `closed` */
 static const double max_residual = 1e-12;       /* rms of the worst loop */
@@ -117,7 +117,7 @@ static bool solve_on_sphere(sphere *p, double d) {
   for (int k = 0; k < f->sub->columns; ++k)
     gsl_vector_set(p->x, (size_t)k, p->y[k]);
   gsl_multifit_nlinear_init(p->x, &fdf, p->fit);
-  gsl_multifit_nlinear_driver(MOST_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, p->fit);
+  gsl_multifit_nlinear_driver(MAX_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, p->fit);
   gsl_vector_memcpy(p->x, gsl_multifit_nlinear_position(p->fit));
   gauss_newton(p);
   evaluate_at(p, p->x);

@@ -63,6 +63,7 @@ static bool project_onto_null_space(km_sampled_tangents *sample) {
   return isfinite(length) && length > 0.0;
 }
 
+/* Draws a random direction and projects it onto the null space. */
 bool km_sampled_tangents_draw(km_sampled_tangents *sample) {
   const double *weight = sample->f->m->column_weight + sample->f->sub->column_start;
   for (int c = 0; c < sample->f->sub->columns; ++c)

@@ -79,6 +79,7 @@ bool km_second_order_count_tangents(const km_mechanism *m, km_state *s, int inde
   return !p->failed;
 }
 
+/* Orthonormal null-space basis Z of J. */
 bool km_second_order_create_basis(const km_mechanism *m, const km_state *s, int index, km_arena *arena,
                                   km_second_order *out) {
   const km_substructure *sub = &m->substructures[index];
@@ -89,6 +90,7 @@ bool km_second_order_create_basis(const km_mechanism *m, const km_state *s, int 
   return true;
 }
 
+/* z = Z a. */
 void km_second_order_combine(const km_second_order *c, const double *a, double *z) {
   for (int k = 0; k < c->columns; ++k) {
     z[k] = 0.0;

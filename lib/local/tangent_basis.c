@@ -21,6 +21,7 @@ bool km_orthonormalise(const double *basis, int count, int size, double *v) {
                          * more */
 }
 
+/* Gram-Schmidt, twice. */
 bool km_tangents_append_orthonormal(double *V, int count, int k, const double *a) {
   double *v = V + (size_t)count * (size_t)k;
   memcpy(v, a, (size_t)k * sizeof *v);

@@ -46,6 +46,7 @@ bool km_tangents_create_basis(km_tangents *f) {
   return km_second_order_create_basis(f->m, f->s, f->index, f->arena, &f->conditions);
 }
 
+/* Scaled tangent D⁻¹ Z a. */
 void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
   const double *weight = f->m->column_weight + f->sub->column_start;
   km_second_order_combine(&f->conditions, a, x);
@@ -89,6 +90,7 @@ bool km_tangents_secant_agrees(const km_tangents *f, const double *direction) {
   return f->conditions.freedom == 1 || is_along(f, direction, f->secant);
 }
 
+/* Follows the tangent `a` in both senses. */
 bool km_tangents_is_finite(km_tangents *f, const double *a) {
   km_tangents_direction(f, a, f->direction);
   return km_tangents_follow_both_senses(f, f->direction).verdict >= f->min_verdict &&
@@ -141,6 +143,7 @@ bool km_tangents_are_regular(km_tangents *f) {
   return km_tangents_secant_agrees(f, f->direction);
 }
 
+/* Computes the second-order conditions once, at the configuration. */
 bool km_tangents_update_conditions(km_tangents *f) {
   if (f->conditions.is_built)
     return !f->arena->failed;
@@ -159,6 +162,7 @@ static bool find_second_order_tangent(km_tangents *f) {
   return km_second_order_solve(&f->conditions, f->a, f->work);
 }
 
+/* Random starts on the tangent cone. */
 bool km_tangents_satisfy_second_order(km_tangents *f) {
   for (int start = 0; start < KM_STARTS_PER_FREEDOM; ++start)
     if (find_second_order_tangent(f))

@@ -18,6 +18,7 @@ void km_joint_traverse(const km_model *model, int joint, bool is_reversed, km_jo
   }
 }
 
+/* X_a⁻¹ X_b of two frames of one body. */
 km_pose km_frame_to_frame(const km_model *model, int a, int b, double size) {
   const km_pose *x = &model->frames[a].pose, *y = &model->frames[b].pose;
   km_rotation inverse = km_rotation_inverse(&x->R);

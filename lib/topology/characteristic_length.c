@@ -39,6 +39,7 @@ static void sort_frames_by_body(const km_model *model, int *first, int *frame) {
       frame[first[model->frames[model->joints[j].frame[e]].body + 1]++] = model->joints[j].frame[e];
 }
 
+/* Rounding length of positions: 1e-14 of the largest coordinate. */
 double km_position_rounding(const km_model *model) {
   static const double rounding = 1e-14; /* relative to the largest coordinate */
   double square = 0.0;
@@ -47,6 +48,7 @@ double km_position_rounding(const km_model *model) {
   return rounding * sqrt(square);
 }
 
+/* Squared distance of two positions; rounding counts as 0. */
 double km_squared_distance(km_vec3 a, km_vec3 b, double rounding_length) {
   static const double rounding = 1e-10; /* relative to the positions */
   km_vec3 offset = km_vec3_sub(a, b);

@@ -10,6 +10,7 @@
 
 #include <string.h>
 
+/* Bounds of steps and entries: members of all loops times the most motions of a joint. */
 void km_compile_bounds(const km_mechanism *m, size_t *steps, size_t *entries) {
   const km_topology *t = &m->topology;
   *entries = 0;

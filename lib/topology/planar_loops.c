@@ -35,6 +35,7 @@ static bool find_normal(const km_mechanism *m, const km_program *program, const 
   return program->step_count > 0;
 }
 
+/* Hinge axis parallel to the normal, or slide normal to it, to 1e-13. */
 bool km_moves_in_plane(km_primitive primitive, km_vec3 axis, km_vec3 normal) {
   km_vec3 across = km_vec3_cross(axis, normal);
   double along = km_vec3_dot(axis, normal);
@@ -131,6 +132,7 @@ static void convert_loop(km_loop *loop, const km_compile_workspace *w, const km_
   loop->fixed_misfit[4] = s * z.x;
 }
 
+/* Finds the plane of all steps of a program. */
 bool km_find_plane(const km_mechanism *m, const km_program *program, const km_compile_workspace *w,
                    km_rotation *plane) {
   km_vec3 normal;

@@ -285,12 +285,14 @@ static bool refine(km_normal_equations *n, double *x) {
   return length == 0.0;
 }
 
+/* Minimum-norm solution of A x = b in the used rows. */
 bool km_normal_equations_minimum_norm(km_normal_equations *n, const double *b, double *x) {
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = n->used[r] ? b[r] : 0.0;
   return refine(n, x);
 }
 
+/* Row-space projection Aᵀ (A Aᵀ)⁻¹ A y. */
 bool km_normal_equations_project(km_normal_equations *n, const double *y, double *x) {
   memset(n->b, 0, (size_t)n->rows * sizeof *n->b);
   subtract_product(n, y, n->b);

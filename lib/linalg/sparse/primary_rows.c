@@ -32,6 +32,7 @@ double km_sparse_gram_cost(const km_partition *p) {
   return sum;
 }
 
+/* Σ over the columns of (entries)²: bound of the entries of J Jᵀ. */
 double km_sparse_full_gram_cost(const km_partition *p) {
   const km_sparse *s = p->sparse;
   double sum = 0.0;
@@ -49,6 +50,7 @@ bool km_partition_may_defer(const km_partition *p) {
   return p->sparse && p->sparse->normal && !km_sparse_gram_is_dense(p) && km_normal_equations_is_installed();
 }
 
+/* Creates the normal equations of the pattern once. */
 km_normal_equations *km_sparse_create_normal(const km_partition *p) {
   const km_sparse *s = p->sparse;
   if (!km_partition_may_defer(p))

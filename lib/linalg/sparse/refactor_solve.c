@@ -121,6 +121,7 @@ km_entry_range km_sparse_b(const km_partition *p, int k) {
   return s->stores_all_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
 }
 
+/* Hash of index and probe: reproducible pseudo-random weight. */
 double km_sparse_random_weight(int index, int probe) {
   uint32_t mixed = (uint32_t)index * 2654435769u + (uint32_t)probe * 2246822519u;
   mixed = (mixed ^ mixed >> 15) * 2246822519u;
@@ -238,6 +239,7 @@ static bool defer_b(km_partition *p) {
   return !p->failed && km_all_finite(p->inverse, p->rank);
 }
 
+/* Dense copy of column k of B. */
 const double *km_sparse_gather_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
   km_entry_range b = km_sparse_b(p, k);

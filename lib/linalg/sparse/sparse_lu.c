@@ -115,11 +115,13 @@ static void copy_flags(bool *stored, const bool *flags, size_t count) {
     memset(stored, 0, count * sizeof *stored);
 }
 
+/* Compares stored flags of columns with flags; NULL: none is set. */
 static bool are_flags_equal(const bool *stored, const bool *flags, size_t count) {
   return flags ? memcmp(stored, flags, count * sizeof *stored) == 0
                : memchr(stored, true, count * sizeof *stored) == NULL;
 }
 
+/* Compares matrix, columns, tolerance and options with those of the present factor. */
 bool km_sparse_has_factor(const km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   const km_sparse *s = p->sparse;
   const size_t columns = (size_t)p->columns;

@@ -109,6 +109,7 @@ static cholmod_sparse matrix_view(const km_sparse_qr *q) {
                           .packed = 1};
 }
 
+/* Rank-revealing QR in COLAMD order. */
 bool km_sparse_qr_factor(km_sparse_qr *q, double tolerance) {
   cholmod_sparse A = matrix_view(q);
   q->spqr->SuiteSparseQR_C_free(&q->QR, &q->common);
@@ -168,6 +169,7 @@ typedef struct row_begin {
   long first, row;
 } row_begin;
 
+/* Order by first column, then by row. */
 static int compare_row_begins(const void *a, const void *b) {
   const row_begin *x = a, *y = b;
   long order = x->first != y->first ? x->first - y->first : x->row - y->row;

@@ -91,6 +91,7 @@ void km_partition_set_normal_equations(km_partition *p, km_normal_equations **no
   p->sparse->weight = weight;
 }
 
+/* Grows both arrays of a store. */
 bool km_sparse_grow(km_sparse *s, km_entry_store *store, int need) {
   size_t values = store->capacity; /* both arrays of a store grow together */
   if ((size_t)need <= store->capacity && store->index)

@@ -79,6 +79,7 @@ void km_sparse_extend_supernode(km_partition *p, int step) {
   copy_entries(s, step, column_of_l, rows);
 }
 
+/* Tests whether the next rows of a column are the pivot rows of nested steps. */
 bool km_sparse_supernode_follows(const km_partition *p, const int *list, int count) {
   const km_sparse *s = p->sparse;
   int step = s->step_of[list[0]];

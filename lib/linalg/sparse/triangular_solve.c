@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+/* Compares the columns of row k after its diagonal with those of row k + 1. */
 bool km_triangle_is_nested(const km_triangle *R, long k) {
   const long *start = R->start, *column = R->column;
   if (k + 1 >= R->columns)
