@@ -330,7 +330,8 @@ static bool accept_deferred_pivots(const km_mechanism *m, km_state *s, int index
          ((p->kept_row_tolerance == 0.0 || km_has_full_row_rank(p)) && try_refactor(m, s, index, driver));
 }
 
-/* Newton's iteration. */
+/* Newton-Raphson with minimum-norm steps; convergence, consistency and divergence tests as in the head of this file.
+ */
 static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int index, int driver, km_closure *evidence) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
