@@ -38,7 +38,7 @@ static void find_reactions(km_dynamic_friction *w, km_state *s) {
   for (int c = 0; c < d->mechanism->coordinate_count; ++c)
     w->driving[c] = d->driven[c] ? km_dynamics_driving_force(d, s, c) : 0.0;
   km_dynamics_balance(d, s);
-  km_statics_bear(d->mechanism, s, d->forces, w->driving, &w->statics);
+  km_statics_reactions_compute(d->mechanism, s, d->forces, w->driving, &w->statics);
 }
 
 /* Computes the friction of every coordinate at the present reactions; false: a screw thread jams. */

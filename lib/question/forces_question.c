@@ -99,7 +99,7 @@ static km_status prepare(km_question *q, km_error *error) {
   if (!status)
     status = prepare_balance(q, o, error);
   if (!status && q->no_reactions)
-    km_statics_leave_reactions(q->m, &o->statics);
+    km_statics_skip_reactions(q->m, &o->statics);
   return status;
 }
 

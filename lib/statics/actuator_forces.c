@@ -1,4 +1,6 @@
-/* Actuators against loads: Y_Aᵀ f_A = −Yᵀ τ, block by block. */
+/* Forces of actuators against loads (theory 9.3): Y_Aᵀ f_A = -Yᵀ τ, block by block.
+ *
+ *   Z_A = U S Vᵀ,  f_A = D_A F,  F = -U S⁻¹ Vᵀ g,  g = Zᵀ D⁻¹ τ;   σ < 1e-9: motion out of reach */
 #include "linalg/partition.h"
 #include "local/tangent_cone.h"
 #include "statics/statics.h"
@@ -9,7 +11,7 @@
 bool km_actuator_workspace_reserve(km_statics *st) {
   km_statics_workspace *w = st->work;
   for (int i = 0; i < w->block_count && !w->arena.failed; ++i) {
-    km_actuator_workspace *h = &w->holding[i];
+    km_actuator_workspace *h = &w->blocks[i];
     h->actuator = KM_ARENA_NEW(&w->arena, int, (size_t)st->actuator_count);
     for (int a = 0; a < st->actuator_count && !w->arena.failed; ++a)
       if (w->part[a] == i)
@@ -18,23 +20,23 @@ bool km_actuator_workspace_reserve(km_statics *st) {
   return !w->arena.failed;
 }
 
-/* The part of a matrix or vector that a block of so many freedoms needs now. */
-static gsl_matrix top(const gsl_matrix *a, int rows, int columns) {
+/* Leading part of a matrix or vector for the present number of freedoms. */
+static gsl_matrix leading_block(const gsl_matrix *a, int rows, int columns) {
   return (gsl_matrix){.size1 = (size_t)rows, .size2 = (size_t)columns, .tda = a->tda, .data = a->data};
 }
-static gsl_vector first(const gsl_vector *a, int size) {
+static gsl_vector leading_part(const gsl_vector *a, int size) {
   return (gsl_vector){.size = (size_t)size, .stride = 1, .data = a->data};
 }
 
-/* Elements, without the call that GSL makes of each. */
+/* Returns an element's address, without the function call of GSL. */
 static double *entry(const gsl_matrix *a, size_t row, size_t column) {
   return a->data + row * a->tda + column;
 }
 
 /* Adds the motion Z x as a direction. */
-static void add_direction(const km_mechanism *m, const km_actuator_workspace *h, const double *x, bool falls,
+static void add_direction(const km_mechanism *m, const km_actuator_workspace *h, const double *x, bool is_loaded,
                           km_statics *st) {
-  double *rates = km_direction_begin(m, falls, st);
+  double *rates = km_direction_begin(m, is_loaded, st);
   for (int j = 0; j < h->columns && rates; ++j)
     for (int k = 0; k < h->freedom; ++k)
       rates[h->coordinate[j]] += h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[h->coordinate[j]];
@@ -42,16 +44,17 @@ static void add_direction(const km_mechanism *m, const km_actuator_workspace *h,
     km_direction_end(m, h, rates);
 }
 
-/* The same for a joint in no loop. */
-static void add_joint(const km_mechanism *m, int coordinate, double sense, bool falls, km_statics *st) {
-  double *rates = km_direction_begin(m, falls, st);
+/* Adds the motion of a tree joint as a direction. */
+static void add_tree_joint_direction(const km_mechanism *m, int coordinate, double sign, bool is_loaded,
+                                     km_statics *st) {
+  double *rates = km_direction_begin(m, is_loaded, st);
   if (rates)
-    rates[coordinate] = sense * m->unit[coordinate];
+    rates[coordinate] = sign * m->unit[coordinate];
 }
 
-/* The loads g = Yᵀτ of the free motions into h->load; returns what rounding can make of them. */
-static double loads_on(const km_mechanism *m, const km_actuator_workspace *h, const km_statics_workspace *w,
-                       gsl_vector *g) {
+/* Computes the loads g = Yᵀτ of the free motions; returns their rounding. */
+static double compute_loads(const km_mechanism *m, const km_actuator_workspace *h, const km_statics_workspace *w,
+                            gsl_vector *g) {
   const double *z = h->Z;
   double noise = 0.0;
   for (size_t k = 0; k < g->size; ++k, z += h->columns) {
@@ -67,7 +70,7 @@ static double loads_on(const km_mechanism *m, const km_actuator_workspace *h, co
   return noise;
 }
 
-/* How far an actuator moves, scaled, in the motion z of D · range(N). */
+/* Returns an actuator's scaled rate in the motion z of D · range(N). */
 static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h, int actuator,
                           const double *z) {
   double sum = 0.0;
@@ -80,32 +83,33 @@ static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_
   return sum * km_actuator_scale(m, st, actuator);
 }
 
-/* Z_A, a row an actuator, scaled: f_A = D F makes Z_Aᵀ F = −g. Of an actuator that stands rounding is left, which near a pole of
- * the others would pass for a motion. */
-static void fill(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h, gsl_matrix *U) {
-  static const double stands = 1e-14;
+/* Fills Z_A, one scaled row per actuator: f_A = D F gives Z_Aᵀ F = −g. Rates at rounding level are 0, since near a
+ * pole of the others they would count as motions. */
+static void fill_actuator_rows(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h,
+                               gsl_matrix *U) {
+  static const double zero_rate = 1e-14;
   for (size_t a = 0; a < U->size1; ++a)
     for (size_t k = 0; k < U->size2; ++k) {
       double rate = a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
-      *entry(U, a, k) = fabs(rate) > stands ? rate : 0.0;
+      *entry(U, a, k) = fabs(rate) > zero_rate ? rate : 0.0;
     }
 }
 
-/* Motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
- * whether nothing falls. */
-static bool unreached(const km_mechanism *m, const km_actuator_workspace *h, km_statics *st) {
+/* Adds the motions out of reach: first the one in which the loads move the mechanism, then others orthogonal to it.
+ * Returns true if no load acts on them. */
+static bool add_unreached_motions(const km_mechanism *m, const km_actuator_workspace *h, km_statics *st) {
   int freedom = h->freedom, rank = h->rank;
   double size = 0.0, *basis = h->basis;
-  int kept = 0;
+  int count = 0;
   for (int i = rank; i < freedom; ++i)
     size = hypot(size, h->load->data[i]);
-  bool falls = size > h->noise;
-  for (int i = falls ? rank - 1 : rank; i < freedom && kept < freedom - rank; ++i) {
+  bool is_loaded = size > h->noise;
+  for (int i = is_loaded ? rank - 1 : rank; i < freedom && count < freedom - rank; ++i) {
     if (st->direction_count >= KM_MAX_DIRECTIONS) { /* the others are counted */
-      st->direction_count += freedom - rank - kept;
+      st->direction_count += freedom - rank - count;
       break;
     }
-    double *x = basis + (size_t)kept * (size_t)freedom;
+    double *x = basis + (size_t)count * (size_t)freedom;
     memset(x, 0, (size_t)freedom * sizeof *x);
     for (int k = 0; k < freedom; ++k) {
       if (i >= rank)
@@ -113,59 +117,60 @@ static bool unreached(const km_mechanism *m, const km_actuator_workspace *h, km_
       for (int n = rank; n < freedom && i < rank; ++n)
         x[k] += *entry(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
     }
-    if (km_orthonormalise(basis, kept, freedom, x)) {
+    if (km_orthonormalise(basis, count, freedom, x)) {
       add_direction(m, h, x, i < rank, st);
-      ++kept;
+      ++count;
     }
   }
-  return !falls;
+  return !is_loaded;
 }
 
 static int count_freedom(const km_state *s, const km_actuator_workspace *h) {
-  int freedom = h->alone_count;
+  int freedom = h->tree_joint_count;
   for (int i = 0; i < h->part_count; ++i)
     freedom += km_partition_freedom(&s->partition[h->part[i]]);
   return freedom;
 }
 
-/* Z of the block: that of its only substructure, or those of all, side by side, and 1 for a joint in no loop. */
-static void gather(const km_mechanism *m, const km_state *s, km_actuator_workspace *h) {
-  if (!h->gathers) {
+/* Composes Z of the block: that of its only substructure, or the block-diagonal basis of all its parts, 1 for a tree
+ * joint. */
+static void compose_basis(const km_mechanism *m, const km_state *s, km_actuator_workspace *h) {
+  if (!h->is_composed) {
     h->Z = km_state_basis(s, h->part[0]);
     h->freedom = km_partition_freedom(&s->partition[h->part[0]]);
     return;
   }
-  h->Z = h->gathered;
+  h->Z = h->composed_Z;
   h->freedom = 0;
-  if (!h->gathered) /* nothing is free */
+  if (!h->composed_Z) /* nothing is free */
     return;
-  memset(h->gathered, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->gathered);
+  memset(h->composed_Z, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->composed_Z);
   int column = 0;
   for (int i = 0; i < h->part_count; ++i) {
     int columns = m->substructures[h->part[i]].columns, freedom = km_partition_freedom(&s->partition[h->part[i]]);
     const double *Z = km_state_basis(s, h->part[i]);
     for (int k = 0; k < freedom; ++k)
-      memcpy(h->gathered + (size_t)(h->freedom + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
+      memcpy(h->composed_Z + (size_t)(h->freedom + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
              (size_t)columns * sizeof *Z);
     h->freedom += freedom;
     column += columns;
   }
-  for (int i = 0; i < h->alone_count; ++i)
-    h->gathered[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
+  for (int i = 0; i < h->tree_joint_count; ++i)
+    h->composed_Z[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
 }
 
-static bool push_joints(const km_statics *st, const km_actuator_workspace *h) {
+static bool are_joints(const km_statics *st, const km_actuator_workspace *h) {
   bool all = true;
   for (int a = 0; a < h->count; ++a)
     all = all && st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
   return all;
 }
 
-/* U S Vᵀ of the actuators' rows, in their place. */
+/* Computes U S Vᵀ of the actuators' rows in place. */
 static void decompose(const km_statics *st, const km_actuator_workspace *h, gsl_matrix *U, gsl_matrix *V,
                       gsl_vector *S) {
   bool many = U->size2 > KM_MANY_VECTORS, wide = (size_t)h->count < U->size2;
-  if (many && (wide ? km_decompose_wide(U, V, S, h->count) : push_joints(st, h) && km_decompose_straight(U, V, S)))
+  if (many && (wide ? km_decompose_wide(U, V, S, h->count) : are_joints(st, h) && km_decompose_orthonormal(U, V, S)))
     return;
   if (U->size2 > 1) {
     gsl_linalg_SV_decomp_jacobi(U, V, S);
@@ -180,8 +185,8 @@ static void decompose(const km_statics *st, const km_actuator_workspace *h, gsl_
     *entry(U, a, 0) /= square > 0.0 ? S->data[0] : 1.0;
 }
 
-static void hold_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  km_actuator_workspace *h = &st->work->holding[index];
+static void solve_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+  km_actuator_workspace *h = &st->work->blocks[index];
   if (km_actuator_forces_solve_columns(m, s, index, st))
     return;
   if (!km_actuator_workspace_fit(h, count_freedom(s, h), &st->work->arena)) {
@@ -191,22 +196,24 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
     st->held = false;
     return;
   }
-  gather(m, s, h);
+  compose_basis(m, s, h);
   int freedom = h->freedom, rank = 0;
   h->rank = 0;
   if (freedom == 0)
-    return; /* nothing moves: the actuators have nothing to do */
-  gsl_matrix U = top(h->U, h->count > freedom ? h->count : freedom, freedom), V = top(h->V, freedom, freedom);
-  gsl_vector S = first(h->S, freedom), g = first(h->answer, freedom), load = first(h->load, freedom);
-  double noise = loads_on(m, h, st->work, &g);
-  fill(m, st, h, &U);
+    return; /* nothing moves: all forces are 0 */
+  gsl_matrix U = leading_block(h->U, h->count > freedom ? h->count : freedom, freedom),
+             V = leading_block(h->V, freedom, freedom);
+  gsl_vector S = leading_part(h->S, freedom), g = leading_part(h->answer, freedom),
+             load = leading_part(h->load, freedom);
+  double noise = compute_loads(m, h, st->work, &g);
+  fill_actuator_rows(m, st, h, &U);
   decompose(st, h, &U, &V, &S);
   for (size_t i = 0; i < load.size; ++i) { /* Vᵀ g */
     load.data[i] = 0.0;
     for (size_t k = 0; k < g.size; ++k)
       load.data[i] += *entry(&V, k, i) * g.data[k];
   }
-  while (rank < freedom && S.data[rank] > km_out_of_reach)
+  while (rank < freedom && S.data[rank] > km_actuator_rank_tolerance)
     ++rank;
   h->rank = rank;
   h->noise = noise;
@@ -218,23 +225,23 @@ static void hold_block(const km_mechanism *m, const km_state *s, int index, km_s
       F -= *entry(&U, (size_t)a, i) * load.data[i] / S.data[i];
     st->actuator_forces[actuator] = F * km_actuator_scale(m, st, actuator);
   }
-  bool holds = unreached(m, h, st);
+  bool holds = add_unreached_motions(m, h, st);
   for (int a = 0; a < h->count && !holds; ++a)
     st->actuator_forces[h->actuator[a]] = nan("");
   st->held = st->held && holds;
 }
 
-/* The force against the load of a joint in no loop. A point that stands still in its direction holds nothing. */
-static double hold_alone(const km_mechanism *m, km_statics *st, int actuator) {
+/* Returns the force that holds a single tree joint. A point at rest in its direction holds nothing. */
+static double solve_tree_joint(const km_mechanism *m, km_statics *st, int actuator) {
   const km_statics_workspace *w = st->work;
-  int c = w->alone[actuator];
+  int c = w->tree_joint[actuator];
   if (!w->row[actuator])
     return 0.0 - w->tau[c];
   double rate = w->row[actuator][c];
   bool loaded = fabs(w->tau[c]) > w->least_load[c];
-  if (fabs(rate) * km_actuator_scale(m, st, actuator) > km_out_of_reach * m->scale[c])
+  if (fabs(rate) * km_actuator_scale(m, st, actuator) > km_actuator_rank_tolerance * m->scale[c])
     return 0.0 - w->tau[c] / rate;
-  add_joint(m, c, loaded && w->tau[c] < 0.0 ? -1.0 : 1.0, loaded, st);
+  add_tree_joint_direction(m, c, loaded && w->tau[c] < 0.0 ? -1.0 : 1.0, loaded, st);
   st->held = st->held && !loaded;
   return loaded ? nan("") : 0.0;
 }
@@ -245,14 +252,14 @@ void km_actuator_forces_solve(const km_mechanism *m, const km_state *s, km_stati
   st->redundant = false;
   st->direction_count = 0;
   for (int a = 0; a < st->actuator_count; ++a)
-    st->actuator_forces[a] = w->alone[a] >= 0 ? hold_alone(m, st, a) : 0.0;
+    st->actuator_forces[a] = w->tree_joint[a] >= 0 ? solve_tree_joint(m, st, a) : 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (m->substructure_of[c] >= 0 || m->held[c] || w->actuated[c])
       continue;
-    bool falls = fabs(w->tau[c]) > w->least_load[c];
-    add_joint(m, c, falls && w->tau[c] < 0.0 ? -1.0 : 1.0, falls, st);
-    st->held = st->held && !falls;
+    bool is_loaded = fabs(w->tau[c]) > w->least_load[c];
+    add_tree_joint_direction(m, c, is_loaded && w->tau[c] < 0.0 ? -1.0 : 1.0, is_loaded, st);
+    st->held = st->held && !is_loaded;
   }
   for (int i = 0; i < w->block_count; ++i)
-    hold_block(m, s, i, st);
+    solve_block(m, s, i, st);
 }

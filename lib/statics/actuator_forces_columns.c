@@ -1,18 +1,17 @@
-/* Actuators against loads where a substructure has many freedoms: what the motions have of the actuators' rows and of the loads
- * is found by sparse Q R, and of the basis Z only the vectors that are told.
+/* Forces of actuators in a substructure with many freedoms (theory 9.3): projections of the actuators' rows and of the
+ * loads on the motions by sparse QR; only the required vectors of the basis Z are formed.
  *
- * Everything stands in the substructure's columns, scaled: with P = Z Zᵀ and the actuators' rows A, P Aᵀ = Z Z_Aᵀ has the
- * singular values of Z_A. Householder's vectors of Z_Aᵀ = Q R are here Z times those of km_decompose_wide, and so are Q's
- * columns: the directions are the same. */
+ *   P = Z Zᵀ, A the actuators' rows:  P Aᵀ = Z Z_Aᵀ has the singular values of Z_A
+ *   Z_Aᵀ = Q R by Householder reflections, here Z times those of km_decompose_wide;   Rᵀ = U S Wᵀ */
 #include "linalg/partition.h"
 #include "local/tangent_cone.h"
 #include "statics/statics.h"
 
 #include <gsl/gsl_linalg.h>
 
-/* More actuators than that are many too: then the whole basis is made. */
-enum { MOST_ACTUATORS = KM_MANY_VECTORS };
-/* Of a row's length: less is rounding. */
+/* Most actuators; with more the whole basis is formed. */
+enum { MAX_ACTUATORS = KM_MANY_VECTORS };
+/* Part of a row's length below which it is rounding. */
 static const double rounding = 1e-13;
 
 typedef struct block {
@@ -21,13 +20,13 @@ typedef struct block {
   km_actuator_workspace *h;
   int n, count; /* columns; actuators */
   double *load; /* [n] P τ, scaled */
-  double *v;    /* [count × n] P Aᵀ, then Householder's vectors */
-  double *tau;  /* [count] their factors */
-  double *z;    /* [known × n] the first vectors of Z */
+  double *v;    /* [count × n] P Aᵀ, then the Householder vectors */
+  double *tau;  /* [count] factors of the reflections */
+  double *z;    /* [known × n] first vectors of Z */
   int known;
-  gsl_matrix *U, *W; /* [count × count] of Rᵀ = U S Wᵀ */
+  gsl_matrix *U, *W; /* [count × count] Rᵀ = U S Wᵀ */
   gsl_vector *S;
-  double *kept; /* [KM_MAX_DIRECTIONS × n] directions that are told */
+  double *reported; /* [KM_MAX_DIRECTIONS × n] reported directions */
 } block;
 
 static double dot(const double *a, const double *b, int n) {
@@ -37,12 +36,12 @@ static double dot(const double *a, const double *b, int n) {
   return sum;
 }
 
-static void add(double factor, const double *a, double *b, int n) {
+static void add_scaled(double factor, const double *a, double *b, int n) {
   for (int j = 0; j < n; ++j)
     b[j] += factor * a[j];
 }
 
-/* The row of an actuator in the columns, scaled. */
+/* Fills the scaled row of an actuator in the substructure's columns. */
 static void fill_row(const block *b, int actuator, double *row) {
   const km_statics_workspace *w = b->st->work;
   double scale = km_actuator_scale(b->m, b->st, actuator);
@@ -65,7 +64,7 @@ static gsl_matrix *square(km_arena *arena, int size) {
 
 static bool reserve(block *b, int freedom, km_arena *arena) {
   size_t n = (size_t)b->n, count = (size_t)b->count;
-  b->known = b->count + KM_MAX_DIRECTIONS + 1; /* the direction in which loads fall is spanned by the others */
+  b->known = b->count + KM_MAX_DIRECTIONS + 1; /* the direction in which loads act is spanned by the others */
   b->known = b->known < freedom ? b->known : freedom;
   b->load = KM_ARENA_NEW(arena, double, n);
   b->v = KM_ARENA_NEW(arena, double, count *n);
@@ -75,37 +74,37 @@ static bool reserve(block *b, int freedom, km_arena *arena) {
   b->W = square(arena, b->count);
   b->S = KM_ARENA_NEW(arena, gsl_vector, 1);
   double *values = KM_ARENA_NEW(arena, double, count);
-  b->kept = KM_ARENA_NEW(arena, double, KM_MAX_DIRECTIONS *n);
+  b->reported = KM_ARENA_NEW(arena, double, KM_MAX_DIRECTIONS *n);
   if (!arena->failed)
     *b->S = (gsl_vector){.size = count, .stride = 1, .data = values};
   return !arena->failed;
 }
 
-/* x − τ v (vᵀ x). */
+/* Reflects x: x − τ v (vᵀ x). */
 static void reflect(const block *b, int k, double *x) {
   const double *v = b->v + (size_t)k * (size_t)b->n;
-  add(-b->tau[k] * dot(v, x, b->n), v, x, b->n);
+  add_scaled(-b->tau[k] * dot(v, x, b->n), v, x, b->n);
 }
 
-/* What is left of actuator k's row behind the first k vectors of Z becomes the vector that turns it onto the next one; returns
- * the diagonal entry of R. */
+/* Computes the Householder vector that maps the remainder of actuator k's row, orthogonal to the first k vectors of
+ * Z, onto the next one; returns the diagonal entry of R. */
 static double make_reflector(block *b, int k, double *x) {
   const double *z = b->z + (size_t)k * (size_t)b->n;
   double alpha = dot(z, x, b->n);
-  alpha = fabs(alpha) > rounding ? alpha : 0.0; /* its sign decides how the others turn */
-  add(-alpha, z, x, b->n);
-  double rest = sqrt(dot(x, x, b->n));
+  alpha = fabs(alpha) > rounding ? alpha : 0.0; /* its sign determines the reflection */
+  add_scaled(-alpha, z, x, b->n);
+  double remainder = sqrt(dot(x, x, b->n));
   b->tau[k] = 0.0;
-  if (rest <= rounding)
+  if (remainder <= rounding)
     return alpha;
-  double beta = alpha >= 0.0 ? -hypot(alpha, rest) : hypot(alpha, rest);
+  double beta = alpha >= 0.0 ? -hypot(alpha, remainder) : hypot(alpha, remainder);
   b->tau[k] = (beta - alpha) / beta;
   for (int j = 0; j < b->n; ++j)
     x[j] = z[j] + x[j] / (alpha - beta);
   return beta;
 }
 
-/* Rᵀ into U, and its singular values. */
+/* Computes Rᵀ into U, and its singular value decomposition. */
 static void decompose(block *b) {
   gsl_matrix_set_zero(b->U);
   for (int k = 0; k < b->count; ++k) {
@@ -117,44 +116,44 @@ static void decompose(block *b) {
       gsl_matrix_set(b->U, (size_t)k, (size_t)i, entry);
     }
     for (int i = 0; i < k; ++i)
-      add(-gsl_matrix_get(b->U, (size_t)k, (size_t)i), b->z + (size_t)i * (size_t)b->n, x, b->n);
+      add_scaled(-gsl_matrix_get(b->U, (size_t)k, (size_t)i), b->z + (size_t)i * (size_t)b->n, x, b->n);
     gsl_matrix_set(b->U, (size_t)k, (size_t)k, make_reflector(b, k, x));
   }
   if (b->count > 0)
     gsl_linalg_SV_decomp_jacobi(b->U, b->W, b->S);
 }
 
-/* The first columns of Z Q in the place of those of Z. */
-static void turn(const block *b) {
+/* Replaces the first columns of Z by those of Z Q. */
+static void apply_reflections(const block *b) {
   for (int i = 0; i < b->known; ++i)
     for (int k = b->count - 1; k >= 0; --k)
       reflect(b, k, b->z + (size_t)i * (size_t)b->n);
 }
 
-/* Z times column i of V, where U S Vᵀ is Z_A. */
+/* Computes Z times column i of V, Z_A = U S Vᵀ. */
 static void singular_motion(const block *b, int i, double *x) {
   memset(x, 0, (size_t)b->n * sizeof *x);
   if (i >= b->count)
-    add(1.0, b->z + (size_t)i * (size_t)b->n, x, b->n);
+    add_scaled(1.0, b->z + (size_t)i * (size_t)b->n, x, b->n);
   for (int k = 0; k < b->count && i < b->count; ++k)
-    add(gsl_matrix_get(b->W, (size_t)k, (size_t)i), b->z + (size_t)k * (size_t)b->n, x, b->n);
+    add_scaled(gsl_matrix_get(b->W, (size_t)k, (size_t)i), b->z + (size_t)k * (size_t)b->n, x, b->n);
 }
 
-/* Forces in the motions that the actuators reach; the load loses what they carry. x[n]: workspace. */
-static void push(block *b, double *x) {
+/* Computes the forces in the motions that the actuators reach and removes their part from the load. x[n]: workspace. */
+static void add_reached_forces(block *b, double *x) {
   for (int i = 0; i < b->h->rank; ++i) {
     singular_motion(b, i, x);
-    double along = dot(x, b->load, b->n), value = gsl_vector_get(b->S, (size_t)i);
+    double component = dot(x, b->load, b->n), value = gsl_vector_get(b->S, (size_t)i);
     for (int a = 0; a < b->count; ++a)
-      b->st->actuator_forces[b->h->actuator[a]] -= gsl_matrix_get(b->U, (size_t)a, (size_t)i) * along / value;
-    add(-along, x, b->load, b->n);
+      b->st->actuator_forces[b->h->actuator[a]] -= gsl_matrix_get(b->U, (size_t)a, (size_t)i) * component / value;
+    add_scaled(-component, x, b->load, b->n);
   }
   for (int a = 0; a < b->count; ++a)
     b->st->actuator_forces[b->h->actuator[a]] *= km_actuator_scale(b->m, b->st, b->h->actuator[a]);
 }
 
-/* What rounding can make of the load along itself. */
-static double noise_of(const block *b, double size) {
+/* Returns the rounding of the load along itself. */
+static double load_rounding(const block *b, double size) {
   double sum = 0.0;
   for (int j = 0; j < b->n; ++j) {
     int c = b->h->coordinate[j];
@@ -163,52 +162,52 @@ static double noise_of(const block *b, double size) {
   return size > 0.0 ? sum / size : 0.0;
 }
 
-static void tell(const block *b, const double *x, bool falls) {
-  double *rates = km_direction_begin(b->m, falls, b->st);
+static void report_direction(const block *b, const double *x, bool is_loaded) {
+  double *rates = km_direction_begin(b->m, is_loaded, b->st);
   for (int j = 0; j < b->n && rates; ++j)
     rates[b->h->coordinate[j]] = x[j] / b->m->scale[b->h->coordinate[j]];
   if (rates)
     km_direction_end(b->m, b->h, rates);
 }
 
-/* Tells the motions out of reach: if loads act on them, the one in which they fall, then others at right angles to it. Returns
- * whether nothing falls. */
-static bool tell_unreached(const block *b) {
-  int unreached = b->h->freedom - b->h->rank, kept = 0;
+/* Reports the motions out of reach: first the one in which the loads act, then others orthogonal to it. Returns true
+ * if no load acts on them. */
+static bool report_unreached(const block *b) {
+  int unreached = b->h->freedom - b->h->rank, reported = 0;
   double size = sqrt(dot(b->load, b->load, b->n));
-  bool falls = unreached > 0 && size > noise_of(b, size);
-  for (int i = falls ? b->h->rank - 1 : b->h->rank; i < b->known && kept < unreached; ++i) {
+  bool is_loaded = unreached > 0 && size > load_rounding(b, size);
+  for (int i = is_loaded ? b->h->rank - 1 : b->h->rank; i < b->known && reported < unreached; ++i) {
     if (b->st->direction_count >= KM_MAX_DIRECTIONS)
       break;
-    double *x = b->kept + (size_t)kept * (size_t)b->n;
+    double *x = b->reported + (size_t)reported * (size_t)b->n;
     if (i >= b->h->rank)
       singular_motion(b, i, x);
     for (int j = 0; j < b->n && i < b->h->rank; ++j)
       x[j] = b->load[j] / size;
-    if (km_orthonormalise(b->kept, kept, b->n, x)) {
-      tell(b, x, i < b->h->rank);
-      ++kept;
+    if (km_orthonormalise(b->reported, reported, b->n, x)) {
+      report_direction(b, x, i < b->h->rank);
+      ++reported;
     }
   }
-  b->st->direction_count += unreached - kept; /* the others are counted */
-  return !falls;
+  b->st->direction_count += unreached - reported; /* the others are counted only */
+  return !is_loaded;
 }
 
-/* Where every free coordinate has an actuator they hold everything, by the least forces. */
-static bool push_all(const km_statics *st, const km_actuator_workspace *h, const km_partition *p) {
+/* True if every free coordinate has an actuator: they hold everything, with the minimum-norm forces f̄. */
+static bool all_coordinates_actuated(const km_statics *st, const km_actuator_workspace *h, const km_partition *p) {
   bool joints = true;
   for (int a = 0; a < h->count; ++a)
     joints = joints && st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
   return joints && h->count == p->columns - p->locked_count;
 }
 
-static void take_least(const km_actuator_workspace *h, km_statics *st) {
+static void copy_minimum_norm(const km_actuator_workspace *h, km_statics *st) {
   for (int a = 0; a < h->count; ++a)
     st->actuator_forces[h->actuator[a]] = st->least_norm[st->actuators[h->actuator[a]].coordinate];
 }
 
-/* By the first vectors of Z, and by Q R. */
-static bool find_motions(block *b, const km_state *s, int index) {
+/* Computes the projections of the rows and the load, and the first vectors of Z. */
+static bool compute_projections(block *b, const km_state *s, int index) {
   const km_partition *p = &s->partition[index];
   const double *weight = b->m->column_weight + b->m->substructures[index].column_start;
   const double *J = s->jacobian + b->m->substructures[index].matrix_start;
@@ -223,28 +222,28 @@ static bool find_motions(block *b, const km_state *s, int index) {
 }
 
 bool km_actuator_forces_solve_columns(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  km_actuator_workspace *h = &st->work->holding[index];
+  km_actuator_workspace *h = &st->work->blocks[index];
   km_arena arena = {0};
   block b = {.m = m, .st = st, .h = h, .n = h->columns, .count = h->count};
-  if (h->gathers || st->work->compares)
+  if (h->is_composed || st->work->keeps_factors)
     return false;
   const km_partition *p = &s->partition[h->part[0]];
   int freedom = km_partition_freedom(p);
-  bool all = push_all(st, h, p);
-  if (!p->sparse || freedom <= KM_MANY_VECTORS || (!all && h->count > MOST_ACTUATORS))
+  bool all_actuated = all_coordinates_actuated(st, h, p);
+  if (!p->sparse || freedom <= KM_MANY_VECTORS || (!all_actuated && h->count > MAX_ACTUATORS))
     return false;
-  bool found = all || (reserve(&b, freedom, &arena) && find_motions(&b, s, h->part[0]));
+  bool found = all_actuated || (reserve(&b, freedom, &arena) && compute_projections(&b, s, h->part[0]));
   if (found) {
     h->freedom = h->rank = freedom;
-    if (all) {
-      take_least(h, st);
+    if (all_actuated) {
+      copy_minimum_norm(h, st);
     } else {
       decompose(&b);
-      turn(&b);
-      for (h->rank = 0; h->rank < h->count && gsl_vector_get(b.S, (size_t)h->rank) > km_out_of_reach;)
+      apply_reflections(&b);
+      for (h->rank = 0; h->rank < h->count && gsl_vector_get(b.S, (size_t)h->rank) > km_actuator_rank_tolerance;)
         h->rank++;
-      push(&b, b.kept);
-      bool holds = tell_unreached(&b);
+      add_reached_forces(&b, b.reported);
+      bool holds = report_unreached(&b);
       for (int a = 0; a < h->count && !holds; ++a)
         st->actuator_forces[h->actuator[a]] = nan("");
       st->held = st->held && holds;

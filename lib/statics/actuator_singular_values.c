@@ -1,14 +1,14 @@
-/* Singular values of actuators' rates in many motions, where the actuators are few, or all joints. */
+/* Singular value decompositions of actuators' rows in many freedoms: few actuators, or rows of an orthonormal basis. */
 #include "statics/statics.h"
 
 #include <gsl/gsl_linalg.h>
 
-/* Aᵀ = Q R by Householder: Q's first columns span what the rows reach, its others the rest. Then Rᵀ = U S Wᵀ, which is small,
- * and A = U S (Q₁ W)ᵀ. */
-static void decompose(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, size_t rows, double *room) {
+/* Computes U S Vᵀ of a wide matrix A: Aᵀ = Q R by Householder reflections, where the first columns of Q span the
+ * rows, and Rᵀ = U S Wᵀ, which is small; A = U S (Q₁ W)ᵀ. */
+static void decompose(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, size_t rows, double *work) {
   size_t columns = U->size2;
-  gsl_matrix_view QR = gsl_matrix_view_array(room, columns, rows), W, T, R;
-  double *next = room + columns * rows;
+  gsl_matrix_view QR = gsl_matrix_view_array(work, columns, rows), W, T, R;
+  double *next = work + columns * rows;
   R = gsl_matrix_view_array(next, columns, rows);
   T = gsl_matrix_view_array(next += columns * rows, rows, rows);
   W = gsl_matrix_view_array(next += rows * rows, rows, rows);
@@ -29,7 +29,7 @@ static void decompose(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, size_t rows, 
     for (size_t a = 0; a < rows; ++a)
       gsl_matrix_set(U, a, i, gsl_matrix_get(&T.matrix, a, i));
   }
-  for (size_t k = 0; k < columns; ++k) { /* Q₁ W, row by row; R is done with */
+  for (size_t k = 0; k < columns; ++k) { /* Q₁ W, row by row, in place of R */
     for (size_t i = 0; i < rows; ++i) {
       double sum = 0.0;
       for (size_t n = 0; n < rows; ++n)
@@ -41,7 +41,7 @@ static void decompose(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, size_t rows, 
   }
 }
 
-bool km_decompose_straight(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
+bool km_decompose_orthonormal(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
   static const double rounding = 1e-12;
   for (size_t k = 0; k < U->size2; ++k) {
     double square = 0.0;
@@ -63,9 +63,9 @@ bool km_decompose_wide(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, int rows) {
     gsl_vector_set_zero(S);
     return true;
   }
-  double *room = KM_NEW(double, 2 * U->size2 * a + 2 * a * a + 2 * a);
-  if (room)
-    decompose(U, V, S, a, room);
-  km_free(room);
-  return room != NULL;
+  double *work = KM_NEW(double, 2 * U->size2 * a + 2 * a * a + 2 * a);
+  if (work)
+    decompose(U, V, S, a, work);
+  km_free(work);
+  return work != NULL;
 }

@@ -1,5 +1,5 @@
-/* Room for the balance of a block of actuators. It grows with the freedoms that a pose has: large mechanisms have many
- * joints and few freedoms. */
+/* Arrays of a block of actuators. They grow with the freedoms of a configuration: large mechanisms have many joints
+ * and few freedoms. */
 #include "statics/statics.h"
 
 #include <string.h>
@@ -28,19 +28,20 @@ static gsl_permutation *permutation(km_arena *arena, int size) {
   return p;
 }
 
-/* What is seen from the last sample keeps its signs. */
-static void keep_reference(km_actuator_workspace *to, const km_actuator_workspace *from) {
-  for (int b = 0; b < from->most_rank; ++b)
+/* Copies the reference of the signs along a sweep. */
+static void copy_reference(km_actuator_workspace *to, const km_actuator_workspace *from) {
+  for (int b = 0; b < from->regular_rank; ++b)
     for (int i = 0; i < from->count; ++i)
-      gsl_matrix_set(to->fixed, (size_t)i, (size_t)b, gsl_matrix_get(from->fixed, (size_t)i, (size_t)b));
-  if (from->most_rank > 0)
-    memcpy(to->moving, from->moving, (size_t)from->most_rank * (size_t)from->columns * sizeof *to->moving);
+      gsl_matrix_set(to->reference_U, (size_t)i, (size_t)b, gsl_matrix_get(from->reference_U, (size_t)i, (size_t)b));
+  if (from->regular_rank > 0)
+    memcpy(to->reference_ZV, from->reference_ZV,
+           (size_t)from->regular_rank * (size_t)from->columns * sizeof *to->reference_ZV);
 }
 
 bool km_actuator_workspace_fit(km_actuator_workspace *h, int freedom, km_arena *arena) {
   if (freedom <= h->capacity)
     return true;
-  int rows = h->count > freedom ? h->count : freedom; /* points may be more than what they move */
+  int rows = h->count > freedom ? h->count : freedom; /* pushed points can outnumber the freedoms */
   km_actuator_workspace grown = *h;
   grown.capacity = freedom;
   grown.U = matrix(arena, rows, freedom);
@@ -49,15 +50,15 @@ bool km_actuator_workspace_fit(km_actuator_workspace *h, int freedom, km_arena *
   grown.load = vector(arena, freedom);
   grown.answer = vector(arena, freedom);
   grown.basis = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)freedom);
-  grown.fixed = matrix(arena, rows, freedom);
-  grown.turn = matrix(arena, freedom, freedom);
+  grown.reference_U = matrix(arena, rows, freedom);
+  grown.rotation = matrix(arena, freedom, freedom);
   grown.pivots = permutation(arena, freedom);
-  grown.moving = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)h->columns);
-  if (h->gathers)
-    grown.gathered = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)h->columns);
+  grown.reference_ZV = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)h->columns);
+  if (h->is_composed)
+    grown.composed_Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)h->columns);
   if (arena->failed)
     return false;
-  keep_reference(&grown, h);
+  copy_reference(&grown, h);
   *h = grown;
   return true;
 }

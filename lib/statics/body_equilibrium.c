@@ -1,7 +1,9 @@
-/* Reactions of a large substructure: the equilibrium of every body, and what its free motions leave a joint. A wrench r
- * of each joint is unknown. A r = A r₀ for the bodies, r₀ what the tree carries; h_k · (r − r₀) = f_k + τ_k along the
- * free motions. Coupled motions share a force of unknown size: of their equations only those combinations count that it
- * has no part in. The answer of least Σ |force|² + |torque / L|² is Gᵀ's by Q R. */
+/* Reactions of a large substructure (theory 9.4): minimum-norm solution of the equilibrium of all bodies by sparse QR.
+ *
+ *   unknown r : one wrench per joint;   A r = A r₀ for every body, r₀ the reactions of the tree alone
+ *   h_k · (r - r₀) = f_k + τ_k along every free motion;   min Σ |force|² + |torque/L|²
+ *
+ * Coupled motions share a coupling force of unknown size: only their combinations without a coupling force are equations. */
 #include "base/random.h"
 #include "statics/statics.h"
 
@@ -10,26 +12,27 @@
 
 #include <string.h>
 
-enum { LOOKS = 3 }; /* random self-stresses that are looked at */
+enum { SAMPLES = 3 }; /* random self-stresses that are examined */
 
 typedef struct km_body_equilibrium {
   const km_mechanism *m;
   const km_substructure *sub;
   int index, joints, bodies;
-  const int *joint, *body; /* those of the substructure; bodies whose arc lies in it */
+  const int *joint, *body; /* joints and bodies of the substructure */
   km_arena arena;
-  int *place;       /* [body of the mechanism] among `bodies`; -1 */
-  int *head, *tail; /* [joint] its bodies' places; -1: what the substructure hangs on */
+  int *body_index;  /* [body of the mechanism] index in `body`; -1: other */
+  int *head, *tail; /* [joint] body_index of its bodies; -1: base of the substructure */
   bool *coupled;    /* [column] */
   int coupled_count;
-  int *coupled_column;    /* [coupled_count] */
-  double *K, *free;       /* [coupled × couplings] and its left null vectors [coupled × coupled] */
+  int *coupled_column; /* [coupled_count] columns of coupled motions */
+  /* [coupled × couplings] coupling coefficients, and their left null vectors [coupled × coupled] */
+  double *K, *free;
   double *one;            /* [coupled] */
-  km_partition couplings; /* of Kᵀ */
-  int free_count;         /* combinations that no coupling has a part in, at the last pose */
+  km_partition couplings; /* factor of Kᵀ */
+  int free_count;         /* combinations without a coupling force, at the last configuration */
   km_sparse_qr *q;
-  double *b, *x, *row; /* [equations], [6 · joints], [6 · joints] of one equation */
-  int equations;       /* so many at the last pose */
+  double *b, *x, *row; /* [equations]; [6 · joints]; [6 · joints] of one equation */
+  int equations;       /* number of equations at the last configuration */
 } equilibrium;
 
 static int body_of(const km_mechanism *m, int joint, int side) {
@@ -38,16 +41,16 @@ static int body_of(const km_mechanism *m, int joint, int side) {
 
 static void list_bodies(equilibrium *e) {
   for (int b = 0; b < e->m->topology.body_count; ++b)
-    e->place[b] = -1;
+    e->body_index[b] = -1;
   for (int i = 0; i < e->bodies; ++i)
-    e->place[e->body[i]] = i;
+    e->body_index[e->body[i]] = i;
   for (int j = 0; j < e->joints; ++j) {
-    e->tail[j] = e->place[body_of(e->m, e->joint[j], 0)];
-    e->head[j] = e->place[body_of(e->m, e->joint[j], 1)];
+    e->tail[j] = e->body_index[body_of(e->m, e->joint[j], 0)];
+    e->head[j] = e->body_index[body_of(e->m, e->joint[j], 1)];
   }
 }
 
-/* Calls for every term of the couplings that has a column. */
+/* Marks the columns with a coupling term. */
 static void find_coupled(equilibrium *e) {
   for (int i = 0; i < e->sub->coupling_count; ++i) {
     const km_coupling *coupling = &e->m->couplings[e->sub->coupling_start + i];
@@ -66,7 +69,7 @@ static bool reserve(equilibrium *e) {
   const km_substructure *sub = e->sub;
   km_arena *arena = &e->arena;
   size_t columns = (size_t)sub->columns, unknown = 6 * (size_t)e->joints;
-  e->place = KM_ARENA_NEW(arena, int, (size_t)e->m->topology.body_count);
+  e->body_index = KM_ARENA_NEW(arena, int, (size_t)e->m->topology.body_count);
   e->head = KM_ARENA_NEW(arena, int, (size_t)e->joints);
   e->tail = KM_ARENA_NEW(arena, int, (size_t)e->joints);
   e->coupled = KM_ARENA_NEW(arena, bool, columns);
@@ -87,8 +90,8 @@ static bool reserve(equilibrium *e) {
   return km_partition_reserve(&e->couplings, sub->coupling_count, e->coupled_count, arena) && !arena->failed;
 }
 
-/* A body's equations have 27 entries for each of its joints at most, a motion's 6 for each of its joints. */
-static int most_entries(const equilibrium *e) {
+/* Upper bound of the entries: a body has at most 27 per joint, a motion 6 per joint. */
+static int max_entries(const equilibrium *e) {
   return 54 * e->joints + 6 * e->sub->columns + 6 * e->coupled_count * e->coupled_count;
 }
 
@@ -107,7 +110,7 @@ km_status km_body_equilibrium_create(const km_mechanism *m, int index, equilibri
                      .body = t->body + t->body_start[index]};
   if (!reserve(e))
     return km_fail(error, KM_MEMORY, "out of memory for the reactions");
-  return km_sparse_qr_create(6 * e->joints, 6 * e->bodies + e->sub->columns, most_entries(e), &e->q, error);
+  return km_sparse_qr_create(6 * e->joints, 6 * e->bodies + e->sub->columns, max_entries(e), &e->q, error);
 }
 
 void km_body_equilibrium_free(equilibrium *e) {
@@ -118,15 +121,15 @@ void km_body_equilibrium_free(equilibrium *e) {
   km_free(e);
 }
 
-/* The equation at hand: entries by unknown, in ascending order, and the right side Σ entry · r₀ + given. */
-typedef struct equations {
+/* Assembly of the equations: entries by unknown, ascending, and right side Σ entry · r₀ + given force. */
+typedef struct equation_builder {
   equilibrium *e;
   km_columns c;
   const double *r0; /* [6 · joints] scaled */
   long next;
-} equations;
+} equation_builder;
 
-static void add_entry(equations *s, int unknown, double value) {
+static void add_entry(equation_builder *s, int unknown, double value) {
   if (value == 0.0)
     return;
   s->c.row[s->next] = unknown;
@@ -134,7 +137,7 @@ static void add_entry(equations *s, int unknown, double value) {
   s->e->b[s->e->equations] += value * s->r0[unknown];
 }
 
-static void close_equation(equations *s) {
+static void close_equation(equation_builder *s) {
   s->c.start[++s->e->equations] = s->next;
 }
 
@@ -143,17 +146,17 @@ static double component(km_vec3 v, int axis) {
   return values[axis];
 }
 
-/* The balance of a body about the frame of its arc: forces along the inertial axes, then moments over L. */
-static void balance_body(equations *s, const km_statics_workspace *w, int place, const int *first,
-                         const int *touching) {
+/* Adds the balance of a body about the frame of its arc: forces along the inertial axes, then moments over L. */
+static void balance_body(equation_builder *s, const km_statics_workspace *w, int body_index, const int *first,
+                         const int *incident) {
   const equilibrium *e = s->e;
   double length = e->m->length;
-  km_vec3 about = w->frame[e->m->topology.arc[e->body[place]]].p;
+  km_vec3 about = w->frame[e->m->topology.arc[e->body[body_index]]].p;
   for (int equation = 0; equation < 6; ++equation) {
     int axis = equation % 3;
-    for (int n = first[place]; n < first[place + 1]; ++n) {
-      int j = touching[n];
-      double sign = e->head[j] == place ? 1.0 : -1.0;
+    for (int n = first[body_index]; n < first[body_index + 1]; ++n) {
+      int j = incident[n];
+      double sign = e->head[j] == body_index ? 1.0 : -1.0;
       const km_pose *X = &w->frame[e->joint[j]];
       km_vec3 arm = km_vec3_scale(1.0 / length, km_vec3_sub(X->p, about));
       for (int k = 0; k < 3; ++k) {
@@ -167,8 +170,8 @@ static void balance_body(equations *s, const km_statics_workspace *w, int place,
   }
 }
 
-/* The joints of each body, ascending. first[bodies + 2], touching[2 · joints]. */
-static void list_touching(const equilibrium *e, int *first, int *touching) {
+/* Lists the joints of each body, ascending: first[bodies + 2], incident[2 · joints]. */
+static void list_incident(const equilibrium *e, int *first, int *incident) {
   for (int j = 0; j < e->joints; ++j) {
     first[e->head[j] + 2] += e->head[j] >= 0;
     first[e->tail[j] + 2] += e->tail[j] >= 0;
@@ -177,23 +180,24 @@ static void list_touching(const equilibrium *e, int *first, int *touching) {
     first[b + 2] += first[b + 1];
   for (int j = 0; j < e->joints; ++j) {
     if (e->head[j] >= 0)
-      touching[first[e->head[j] + 1]++] = j;
+      incident[first[e->head[j] + 1]++] = j;
     if (e->tail[j] >= 0)
-      touching[first[e->tail[j] + 1]++] = j;
+      incident[first[e->tail[j] + 1]++] = j;
   }
 }
 
-/* Six entries of what the wrench of its joint does along the motion of a column, in units of the coordinate. */
+/* Computes the power of a joint's unit wrenches along the motion of a column, in units of the coordinate; returns the
+ * joint. */
 static int motion_entries(const equilibrium *e, const km_statics_workspace *w, int column, double out[6]) {
   int c = e->m->column_coordinate[e->sub->column_start + column], joint = e->m->model->coordinates[c].joint;
   const km_pose *X = &w->frame[joint];
   km_twist h = w->twist[c];
   km_vec3 v = km_rotate_back(&X->R, km_vec3_add(h.v, km_vec3_cross(h.w, X->p)));
-  km_vec3 turn = km_vec3_scale(e->m->length, km_rotate_back(&X->R, h.w));
-  const double values[6] = {v.x, v.y, v.z, turn.x, turn.y, turn.z};
+  km_vec3 rotation = km_vec3_scale(e->m->length, km_rotate_back(&X->R, h.w));
+  const double values[6] = {v.x, v.y, v.z, rotation.x, rotation.y, rotation.z};
   for (int k = 0; k < 6; ++k)
     out[k] = e->m->unit[c] * values[k];
-  return w->place[joint];
+  return w->joint_index[joint];
 }
 
 static double given_force(const equilibrium *e, const km_statics_workspace *w, int column) {
@@ -201,8 +205,8 @@ static double given_force(const equilibrium *e, const km_statics_workspace *w, i
   return e->m->unit[c] * (w->force[c] + w->tau[c]);
 }
 
-/* Along a motion of its own, over the size of the entries. */
-static void know_column(equations *s, const km_statics_workspace *w, int column) {
+/* Adds the equation along an uncoupled motion, normalised. */
+static void add_motion_equation(equation_builder *s, const km_statics_workspace *w, int column) {
   double entry[6], square = 0.0;
   int j = motion_entries(s->e, w, column, entry);
   for (int k = 0; k < 6; ++k)
@@ -213,8 +217,8 @@ static void know_column(equations *s, const km_statics_workspace *w, int column)
   close_equation(s);
 }
 
-/* K of the couplings at the pose, a coupling after the other, and what no coupling has a part in. */
-static void free_combinations(equilibrium *e, const km_state *state) {
+/* Computes the coupling coefficients K and the combinations of motions without a coupling force. */
+static void find_uncoupled_combinations(equilibrium *e, const km_state *state) {
   e->free_count = 0;
   if (e->coupled_count == 0)
     return;
@@ -235,7 +239,7 @@ static void free_combinations(equilibrium *e, const km_state *state) {
 }
 
 /* Along a combination of coupled motions. */
-static void know_combination(equations *s, const km_statics_workspace *w, const double *share) {
+static void add_combination_equation(equation_builder *s, const km_statics_workspace *w, const double *share) {
   equilibrium *e = s->e;
   double given = 0.0, square = 0.0, entry[6];
   memset(e->row, 0, 6 * (size_t)e->joints * sizeof *e->row);
@@ -253,36 +257,37 @@ static void know_combination(equations *s, const km_statics_workspace *w, const 
   close_equation(s);
 }
 
-/* All equations. False when out of memory. */
-static bool fill(equilibrium *e, const km_statics_workspace *w, const km_state *state, const double *r0) {
-  equations s = {.e = e, .c = km_sparse_qr_columns(e->q), .r0 = r0};
-  int *first = KM_NEW(int, (size_t)e->bodies + 2), *touching = KM_NEW(int, 2 * (size_t)e->joints);
+/* Assembles all equations; false without memory. */
+static bool assemble(equilibrium *e, const km_statics_workspace *w, const km_state *state, const double *r0) {
+  equation_builder s = {.e = e, .c = km_sparse_qr_columns(e->q), .r0 = r0};
+  int *first = KM_NEW(int, (size_t)e->bodies + 2), *incident = KM_NEW(int, 2 * (size_t)e->joints);
   e->equations = 0;
   memset(e->b, 0, (size_t)(6 * e->bodies + e->sub->columns) * sizeof *e->b);
-  if (first && touching) {
-    list_touching(e, first, touching);
+  if (first && incident) {
+    list_incident(e, first, incident);
     for (int i = 0; i < e->bodies; ++i)
-      balance_body(&s, w, i, first, touching);
+      balance_body(&s, w, i, first, incident);
   }
-  bool done = first && touching;
+  bool ok = first && incident;
   km_free(first);
-  km_free(touching);
-  for (int k = 0; k < e->sub->columns && done; ++k)
+  km_free(incident);
+  for (int k = 0; k < e->sub->columns && ok; ++k)
     if (!e->coupled[k])
-      know_column(&s, w, k);
-  free_combinations(e, state);
-  for (int i = 0; i < e->free_count && done; ++i)
-    know_combination(&s, w, e->free + (size_t)i * (size_t)e->coupled_count);
-  while (done && e->equations < 6 * e->bodies + e->sub->columns) /* of coupled motions there are fewer */
+      add_motion_equation(&s, w, k);
+  find_uncoupled_combinations(e, state);
+  for (int i = 0; i < e->free_count && ok; ++i)
+    add_combination_equation(&s, w, e->free + (size_t)i * (size_t)e->coupled_count);
+  /* fewer equations for coupled motions: empty columns */
+  while (ok && e->equations < 6 * e->bodies + e->sub->columns)
     close_equation(&s);
-  return done;
+  return ok;
 }
 
-/* A component is determined if no self-stress has a part in it: random ones are looked at. */
-static bool mark(equilibrium *e, bool *mixed) {
+/* Marks the indeterminate components: those in which one of three random self-stresses has a part. */
+static bool mark_indeterminate(equilibrium *e, bool *indeterminate_out) {
   double to_size = e->m->length / e->sub->size;
   uint64_t random = 1;
-  for (int look = 0; look < LOOKS; ++look) {
+  for (int look = 0; look < SAMPLES; ++look) {
     double largest = 0.0;
     for (int i = 0; i < 6 * e->joints; ++i)
       e->row[i] = km_uniform(&random);
@@ -291,22 +296,24 @@ static bool mark(equilibrium *e, bool *mixed) {
     for (int i = 0; i < 6 * e->joints; ++i)
       largest = fmax(largest, fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size));
     for (int i = 0; i < 6 * e->joints; ++i)
-      mixed[i] = mixed[i] || fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size) > km_no_part * largest;
+      indeterminate_out[i] =
+          indeterminate_out[i] || fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size) > km_zero_component * largest;
   }
   return true;
 }
 
 int km_body_equilibrium_solve(equilibrium *e, const km_statics_workspace *w, const km_state *state, double tolerance,
-                              double *carried, bool *mixed) {
+                              double *carried, bool *indeterminate_out) {
   for (int i = 0; i < 6 * e->joints; ++i)
     e->x[i] = carried[i] / (i % 6 < 3 ? 1.0 : e->m->length);
-  if (!fill(e, w, state, e->x) || !km_sparse_qr_factor(e->q, tolerance) || !km_sparse_qr_minimum_norm(e->q, e->b, e->x))
+  if (!assemble(e, w, state, e->x) || !km_sparse_qr_factor(e->q, tolerance) ||
+      !km_sparse_qr_minimum_norm(e->q, e->b, e->x))
     return -1;
   for (int i = 0; i < 6 * e->joints; ++i)
     carried[i] = e->x[i] * (i % 6 < 3 ? 1.0 : e->m->length);
   int stresses = 6 * e->joints - km_sparse_qr_rank(e->q);
-  int among_couplings = e->sub->coupling_count - (e->coupled_count - e->free_count);
-  if (stresses > 0 && !mark(e, mixed))
+  int coupling_stresses = e->sub->coupling_count - (e->coupled_count - e->free_count);
+  if (stresses > 0 && !mark_indeterminate(e, indeterminate_out))
     return -1;
-  return stresses + among_couplings;
+  return stresses + coupling_stresses;
 }

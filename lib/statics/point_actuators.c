@@ -1,21 +1,21 @@
-/* Actuators that push points of bodies. Symbols: r the rates of the point along its direction d per unit rate of each
- * coordinate, so that a force f along d does the work f r · δq, and Z_A has the row r D⁻¹ Z. */
+/* Actuators that push points of bodies (theory 9.3): r, the rates of the point along its direction d per unit rate of
+ * each coordinate, so that a force f along d does the work f r · δq; Z_A has the row r D⁻¹ Z/L. */
 #include "statics/statics.h"
 
 static int body_of(const km_mechanism *m, const km_port *point) {
   return m->model->frames[point->frame].body;
 }
 
-void km_point_each_mover(const km_mechanism *m, const km_port *point, km_mover_visit at, void *context) {
+void km_point_each_mover(const km_mechanism *m, const km_port *point, km_mover_visitor visit, void *context) {
   for (int b = body_of(m, point); b > 0; b = m->topology.parent[b]) {
     int joint = m->topology.arc[b], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c)
       if (!m->held[c])
-        at(context, c, m->topology.is_reversed[joint]);
+        visit(context, c, m->topology.is_reversed[joint]);
   }
 }
 
-/* The unit force of a point, about the forces' origin. */
+/* Returns the wrench of a point's unit force about the forces' origin. */
 static km_wrench unit_push(const km_mechanism *m, const km_forces *f, const km_port *point) {
   const km_model_frame *frame = &m->model->frames[point->frame];
   km_vec3 d = km_vec3_from_array(point->direction), none = {0, 0, 0};
@@ -28,9 +28,9 @@ typedef struct row {
   double *out;
 } row;
 
-static void fill_row(void *context, int c, bool against) {
+static void fill_row(void *context, int c, bool is_reversed) {
   row *r = context;
-  r->out[c] = (against ? -1.0 : 1.0) * km_wrench_power(r->push, r->twist[c]);
+  r->out[c] = (is_reversed ? -1.0 : 1.0) * km_wrench_power(r->push, r->twist[c]);
 }
 
 void km_pushed_points_update(const km_mechanism *m, const km_forces *f, km_statics *st) {
@@ -58,7 +58,7 @@ void km_pushed_points_apply(const km_mechanism *m, const km_forces *f, km_static
   }
 }
 
-bool km_pushes_by_force(const km_model *model, const km_port *actuator) {
+bool km_actuator_has_force(const km_model *model, const km_port *actuator) {
   if (actuator->kind == KM_PORT_POINT)
     return true;
   const km_model_coordinate *def = &model->coordinates[actuator->coordinate];
@@ -77,8 +77,8 @@ bool km_actuator_passes(const km_mechanism *m, const km_port *actuator, double f
 }
 
 void km_push_unit(const km_model *model, const km_port *actuator, km_text *out) {
-  bool sound = model && actuator && actuator->coordinate < model->coordinate_count;
-  if (!sound || (actuator->kind == KM_PORT_JOINT && actuator->coordinate < 0))
+  bool is_valid = model && actuator && actuator->coordinate < model->coordinate_count;
+  if (!is_valid || (actuator->kind == KM_PORT_JOINT && actuator->coordinate < 0))
     return;
   if (actuator->kind == KM_PORT_POINT)
     km_text_add(out, model->units.force->suffix);

@@ -1,4 +1,6 @@
-/* What every joint carries: Jᵀ μ = f + τ for the wrenches μ of the loops' chords, then down the tree. */
+/* Reactions of all joints (theory 9.4): Jᵀ μ = f + τ for the wrenches μ of the loops' chords, then down the tree.
+ *
+ *   reaction = wrench of the parent on the child = tree's part + Σ ± μ_l over the loops l through the joint */
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "mobility/full_jacobian.h"
@@ -6,35 +8,36 @@
 
 #include <string.h>
 
-/* Up to so many rows dense matrices are the faster ones. */
+/* Most rows for dense matrices, which are faster for small substructures. */
 enum { MOST_DENSE_ROWS = 120 };
 
-/* The loops that go through each joint, by the topology alone. */
-static void list_passing(const km_mechanism *m, const km_statics_workspace *w, int index, km_arena *arena,
-                         km_reaction_workspace *c) {
+/* Lists the loops through each joint. */
+static void list_joint_loops(const km_mechanism *m, const km_statics_workspace *w, int index, km_arena *arena,
+                             km_reaction_workspace *c) {
   const km_topology *t = &m->topology;
   int start = t->loop_start[index], end = t->loop_start[index + 1], count = 0;
   c->first = KM_ARENA_NEW(arena, int, (size_t)c->joints + 2);
   for (int i = start; i < end; ++i)
     count += t->member_start[t->loop[i] + 1] - t->member_start[t->loop[i]];
-  c->passing = KM_ARENA_NEW(arena, km_passing, (size_t)count);
+  c->joint_loops = KM_ARENA_NEW(arena, km_joint_loop, (size_t)count);
   if (arena->failed)
     return;
   for (int i = start; i < end; ++i)
     for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
-      c->first[w->place[t->member[n].joint] + 2]++;
+      c->first[w->joint_index[t->member[n].joint] + 2]++;
   for (int j = 0; j < c->joints; ++j)
     c->first[j + 2] += c->first[j + 1];
   for (int i = start; i < end; ++i)
     for (int n = t->member_start[t->loop[i]]; n < t->member_start[t->loop[i] + 1]; ++n)
-      c->passing[c->first[w->place[t->member[n].joint] + 1]++] = (km_passing){i - start, km_member_sign(&t->member[n])};
+      c->joint_loops[c->first[w->joint_index[t->member[n].joint] + 1]++] =
+          (km_joint_loop){i - start, km_member_sign(&t->member[n])};
 }
 
 static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
   size_t rows = (size_t)c->rows, columns = (size_t)c->columns;
   c->arm = KM_ARENA_NEW(arena, km_vec3, (size_t)c->joints);
   c->T = KM_ARENA_NEW(arena, double, rows *columns);
-  c->felt = KM_ARENA_NEW(arena, int, rows);
+  c->nonzero_row = KM_ARENA_NEW(arena, int, rows);
   c->rhs = KM_ARENA_NEW(arena, double, columns);
   c->mu = KM_ARENA_NEW(arena, double, rows);
   c->moments = KM_ARENA_NEW(arena, km_arm_moments, (size_t)c->loops * (size_t)c->loops);
@@ -42,7 +45,7 @@ static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
   c->stress = KM_ARENA_NEW(arena, km_stress_entry, rows * rows);
   c->metric = KM_ARENA_NEW(arena, double, rows *rows);
   c->image = KM_ARENA_NEW(arena, double, rows *rows);
-  c->looks = KM_ARENA_NEW(arena, km_pair, 2 * rows + 6 * (size_t)c->joints);
+  c->sample = KM_ARENA_NEW(arena, km_pair, 2 * rows + 6 * (size_t)c->joints);
   c->gram = KM_ARENA_NEW(arena, double, rows *rows);
   c->gradient = KM_ARENA_NEW(arena, double, rows);
   c->slope = KM_ARENA_NEW(arena, double, rows);
@@ -51,16 +54,16 @@ static void reserve_dense(km_reaction_workspace *c, km_arena *arena) {
 }
 
 km_status km_reaction_workspace_make_large(const km_mechanism *m, km_statics_workspace *w, int index, km_error *error) {
-  km_reaction_workspace *c = &w->carrying[index];
+  km_reaction_workspace *c = &w->reactions_of[index];
   c->reported = KM_ARENA_NEW(&w->arena, double, 6 * (size_t)c->joints);
-  c->mixed = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
-  return km_body_equilibrium_create(m, index, &c->large, error);
+  c->indeterminate_out = KM_ARENA_NEW(&w->arena, bool, 6 * (size_t)c->joints);
+  return km_body_equilibrium_create(m, index, &c->body_equilibrium, error);
 }
 
 static km_status reserve_one(const km_mechanism *m, km_statics_workspace *w, int index, km_error *error) {
   const km_topology *t = &m->topology;
   const km_substructure *sub = &m->substructures[index];
-  km_reaction_workspace *c = &w->carrying[index];
+  km_reaction_workspace *c = &w->reactions_of[index];
   c->rows = 6 * sub->loop_count + sub->coupling_count;
   c->columns = sub->columns;
   c->loops = sub->loop_count;
@@ -68,10 +71,10 @@ static km_status reserve_one(const km_mechanism *m, km_statics_workspace *w, int
   c->joint = t->joint + t->joint_start[index];
   c->size = sub->size;
   for (int j = 0; j < c->joints; ++j)
-    w->place[c->joint[j]] = j;
+    w->joint_index[c->joint[j]] = j;
   if (c->rows > MOST_DENSE_ROWS)
     return km_reaction_workspace_make_large(m, w, index, error);
-  list_passing(m, w, index, &w->arena, c);
+  list_joint_loops(m, w, index, &w->arena, c);
   reserve_dense(c, &w->arena);
   return KM_OK;
 }
@@ -80,21 +83,21 @@ km_status km_reaction_workspace_reserve(const km_mechanism *m, km_statics_worksp
   const km_topology *t = &m->topology;
   km_arena *arena = &w->arena;
   km_status status = KM_OK;
-  w->carrying = KM_ARENA_NEW(arena, km_reaction_workspace, (size_t)t->substructure_count);
+  w->reactions_of = KM_ARENA_NEW(arena, km_reaction_workspace, (size_t)t->substructure_count);
   w->frame = KM_ARENA_NEW(arena, km_pose, (size_t)t->joint_count);
   w->carried = KM_ARENA_NEW(arena, km_wrench, (size_t)t->joint_count);
-  w->place = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
+  w->joint_index = KM_ARENA_NEW(arena, int, (size_t)t->joint_count);
   for (int i = 0; i < t->substructure_count && !arena->failed && !status; ++i)
     status = reserve_one(m, w, i, error);
   return status || !arena->failed ? status : km_fail(error, KM_MEMORY, "out of memory for the reactions");
 }
 
 void km_reaction_workspace_free(km_statics_workspace *w) {
-  for (int i = 0; w->carrying && i < w->mechanism->topology.substructure_count; ++i)
-    km_body_equilibrium_free(w->carrying[i].large);
+  for (int i = 0; w->reactions_of && i < w->mechanism->topology.substructure_count; ++i)
+    km_body_equilibrium_free(w->reactions_of[i].body_equilibrium);
 }
 
-/* The frame that a reaction is reported in. */
+/* Computes the frame in which a reaction is reported. */
 static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_axes axes, km_pose *out) {
   const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[1]];
   const km_pose *body = &f->pose[frame->body];
@@ -105,23 +108,24 @@ static void set_frame(const km_mechanism *m, const km_forces *f, int joint, km_a
   out->p = km_pose_point(body, frame->pose.p);
 }
 
-/* What a tree joint carries without any loop: its parent holds all that hangs on the child. */
-static km_wrench from_tree(const km_mechanism *m, const km_statics_workspace *w, int joint) {
+/* Returns the reaction of a tree joint without loops: the parent holds the loads of the child's subtree. */
+static km_wrench tree_reaction(const km_mechanism *m, const km_statics_workspace *w, int joint) {
   const km_model_joint *def = &m->model->joints[joint];
-  bool against = m->topology.is_reversed[joint];
-  int body = m->model->frames[def->frame[!against]].body;
+  bool is_reversed = m->topology.is_reversed[joint];
+  int body = m->model->frames[def->frame[!is_reversed]].body;
   if (m->topology.arc[body] != joint)
     return (km_wrench){{0, 0, 0}, {0, 0, 0}}; /* a chord */
-  return km_wrench_axpy(against ? 1.0 : -1.0, w->subtree[body], (km_wrench){{0, 0, 0}, {0, 0, 0}});
+  return km_wrench_axpy(is_reversed ? 1.0 : -1.0, w->subtree[body], (km_wrench){{0, 0, 0}, {0, 0, 0}});
 }
 
-static double tolerance_of(const km_mechanism *m, const km_state *s, int index) {
+static double rank_tolerance(const km_mechanism *m, const km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   int worst;
   return km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst));
 }
 
-/* Jᵀ of all six rows of every loop, as km_full_jacobian has them: each joint's columns once, for every loop through it. */
+/* Fills Jᵀ with all six rows of every loop, as km_full_jacobian; each joint's columns are written for every loop
+ * through it. */
 static void fill_transposed(const km_mechanism *m, const km_state *s, const km_substructure *sub, km_vec3 about,
                             const km_twist *twist, km_reaction_workspace *c) {
   size_t columns = (size_t)c->columns;
@@ -134,55 +138,56 @@ static void fill_transposed(const km_mechanism *m, const km_state *s, const km_s
       double entry[6];
       km_twist_entries(sub, twist[q], about, m->unit[q], entry);
       for (int i = c->first[j]; i < c->first[j + 1]; ++i) {
-        double *to = c->T + 6 * (size_t)c->passing[i].loop * columns + (size_t)m->column_of[q];
+        double *to = c->T + 6 * (size_t)c->joint_loops[i].loop * columns + (size_t)m->column_of[q];
         for (size_t r = 0; r < 6; ++r)
-          to[r * columns] = c->passing[i].sense * entry[r];
+          to[r * columns] = c->joint_loops[i].sign * entry[r];
       }
     }
   }
   km_coupling_entries(m, s, sub, c->T + 6 * (size_t)c->loops * columns, columns, 1);
 }
 
-/* Leaves out of Jᵀ the components of chords that no motion feels, as those across a plane: self-stresses by themselves. */
-static void leave_unfelt(km_reaction_workspace *c) {
-  int columns = c->columns, unfelt = c->rows;
-  c->felt_count = 0;
+/* Removes the zero rows of J from Jᵀ, such as those normal to a plane: each is a self-stress by itself. */
+static void remove_zero_rows(km_reaction_workspace *c) {
+  int columns = c->columns, zero_row = c->rows;
+  c->nonzero_row_count = 0;
   for (int r = 0; r < c->rows; ++r) {
     const double *from = c->T + (size_t)r * (size_t)columns;
-    bool felt = false;
-    for (int k = 0; k < columns && !felt; ++k)
-      felt = from[k] != 0.0;
-    if (!felt) {
-      c->felt[--unfelt] = r;
+    bool nonzero_row = false;
+    for (int k = 0; k < columns && !nonzero_row; ++k)
+      nonzero_row = from[k] != 0.0;
+    if (!nonzero_row) {
+      c->nonzero_row[--zero_row] = r;
       continue;
     }
-    if (c->felt_count < r)
-      memcpy(c->T + (size_t)c->felt_count * (size_t)columns, from, (size_t)columns * sizeof *from);
-    c->felt[c->felt_count++] = r;
+    if (c->nonzero_row_count < r)
+      memcpy(c->T + (size_t)c->nonzero_row_count * (size_t)columns, from, (size_t)columns * sizeof *from);
+    c->nonzero_row[c->nonzero_row_count++] = r;
   }
 }
 
-/* Chord wrenches of one substructure that balance the loads: Jᵀ μ = f + τ. The null space of Jᵀ are the self-stresses,
- * which leave every joint free of force along its motion. */
+/* Computes chord wrenches of one substructure that balance the loads: Jᵀ μ = f + τ. The null space of Jᵀ are the
+ * self-stresses, without force along any motion. */
 static void solve_chords(const km_mechanism *m, const km_state *s, int index, km_vec3 about, km_statics_workspace *w) {
   const km_substructure *sub = &m->substructures[index];
-  km_reaction_workspace *c = &w->carrying[index];
+  km_reaction_workspace *c = &w->reactions_of[index];
   fill_transposed(m, s, sub, about, w->twist, c);
-  leave_unfelt(c);
-  for (int k = 0; k < c->columns; ++k) { /* τ holds the force of a spring in the joint already */
+  remove_zero_rows(c);
+  for (int k = 0; k < c->columns; ++k) { /* τ includes the force of a spring in the joint */
     int coordinate = m->column_coordinate[sub->column_start + k];
     c->rhs[k] = m->unit[coordinate] * (w->force[coordinate] + w->tau[coordinate]);
   }
-  km_partition_factor(&c->partition, c->T, c->columns, c->felt_count, NULL, tolerance_of(m, s, index));
+  km_partition_factor(&c->partition, c->T, c->columns, c->nonzero_row_count, NULL, rank_tolerance(m, s, index));
   km_partition_solve(&c->partition, c->rhs, c->share);
   memset(c->mu, 0, (size_t)c->rows * sizeof *c->mu);
-  for (int i = 0; i < c->felt_count; ++i)
-    c->mu[c->felt[i]] = c->share[i];
+  for (int i = 0; i < c->nonzero_row_count; ++i)
+    c->mu[c->nonzero_row[i]] = c->share[i];
 }
 
-static void carry_small(const km_mechanism *m, const km_state *s, const km_forces *f, int index, km_statics *st) {
+static void compute_small_substructure(const km_mechanism *m, const km_state *s, const km_forces *f, int index,
+                                       km_statics *st) {
   km_statics_workspace *w = st->work;
-  km_reaction_workspace *c = &w->carrying[index];
+  km_reaction_workspace *c = &w->reactions_of[index];
   const km_model_frame *frame = &m->model->frames[m->model->joints[c->joint[0]].frame[0]];
   km_vec3 about = km_pose_point(&f->pose[frame->body], frame->pose.p);
   solve_chords(m, s, index, about, w);
@@ -192,28 +197,29 @@ static void carry_small(const km_mechanism *m, const km_state *s, const km_force
   st->degree += c->degree;
 }
 
-/* From what the tree alone makes them carry. Without memory nothing is known of its joints. */
-static void carry_large(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
-  km_reaction_workspace *c = &st->work->carrying[index];
+/* Computes the reactions of a large substructure from those of the tree alone; NaN without memory. */
+static void compute_large_substructure(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
+  km_reaction_workspace *c = &st->work->reactions_of[index];
   for (int j = 0; j < c->joints; ++j) {
     memcpy(c->reported + 6 * j, st->reactions[c->joint[j]].force, 3 * sizeof *c->reported);
     memcpy(c->reported + 6 * j + 3, st->reactions[c->joint[j]].torque, 3 * sizeof *c->reported);
   }
-  memset(c->mixed, 0, 6 * (size_t)c->joints * sizeof *c->mixed);
-  int degree = km_body_equilibrium_solve(c->large, st->work, s, tolerance_of(m, s, index), c->reported, c->mixed);
+  memset(c->indeterminate_out, 0, 6 * (size_t)c->joints * sizeof *c->indeterminate_out);
+  int degree = km_body_equilibrium_solve(c->body_equilibrium, st->work, s, rank_tolerance(m, s, index), c->reported,
+                                         c->indeterminate_out);
   for (int i = 0; i < 6 * c->joints && degree < 0; ++i)
     c->reported[i] = nan("");
   for (int j = 0; j < c->joints; ++j) {
     km_reaction *r = &st->reactions[c->joint[j]];
     memcpy(r->force, c->reported + 6 * j, sizeof r->force);
     memcpy(r->torque, c->reported + 6 * j + 3, sizeof r->torque);
-    memcpy(r->indeterminate, c->mixed + 6 * j, sizeof r->indeterminate);
+    memcpy(r->indeterminate, c->indeterminate_out + 6 * j, sizeof r->indeterminate);
   }
   st->degree += degree > 0 ? degree : 0;
 }
 
-/* Along the axes of the joint's frame. */
-static void report(const km_statics_workspace *w, int joint, km_reaction *r) {
+/* Writes a reaction along the axes of its frame. */
+static void write_reaction(const km_statics_workspace *w, int joint, km_reaction *r) {
   const km_rotation *R = &w->frame[joint].R;
   for (int k = 0; k < 3; ++k) {
     r->force[k] = km_vec3_dot(R->axis[k], w->carried[joint].f);
@@ -226,22 +232,22 @@ void km_reactions_compute(const km_mechanism *m, km_state *s, const km_forces *f
   st->degree = 0;
   for (int j = 0; j < m->topology.joint_count; ++j) {
     set_frame(m, f, j, st->axes, &w->frame[j]);
-    w->carried[j] = km_wrench_about(from_tree(m, w, j), w->frame[j].p);
+    w->carried[j] = km_wrench_about(tree_reaction(m, w, j), w->frame[j].p);
     memset(st->reactions[j].indeterminate, 0, sizeof st->reactions[j].indeterminate);
   }
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (!w->carrying[i].large)
-      carry_small(m, s, f, i, st);
+    if (!w->reactions_of[i].body_equilibrium)
+      compute_small_substructure(m, s, f, i, st);
   for (int j = 0; j < m->topology.joint_count; ++j)
-    report(w, j, &st->reactions[j]);
+    write_reaction(w, j, &st->reactions[j]);
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (w->carrying[i].large)
-      carry_large(m, s, i, st);
+    if (w->reactions_of[i].body_equilibrium)
+      compute_large_substructure(m, s, i, st);
 }
 
 void km_statics_mark(const km_mechanism *m, km_statics *st) {
   km_statics_workspace *w = st->work;
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (!w->carrying[i].large && w->carrying[i].degree > 0)
-      km_indeterminate_components_mark(&w->carrying[i], w, st->reactions);
+    if (!w->reactions_of[i].body_equilibrium && w->reactions_of[i].degree > 0)
+      km_indeterminate_components_mark(&w->reactions_of[i], w, st->reactions);
 }

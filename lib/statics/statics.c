@@ -1,4 +1,7 @@
-/* Static balance: making it, and the parts that stay from pose to pose. */
+/* Static balance (theory 9): creation, generalised forces, minimum-norm joint forces.
+ *
+ *   τ = Hᵀ C⁻ᵀ g   generalised forces of the loads: τ_j += h_jᵀ (wrench of the subtree), from the leaves
+ *   f̄ = -D Z Zᵀ D⁻¹ τ   minimum-norm joint forces */
 #include "statics/statics.h"
 
 #include "base/arguments.h"
@@ -6,12 +9,11 @@
 
 #include <string.h>
 
-/* Symbols: h unit twist of a coordinate, τ generalised force of what is applied, g = Yᵀτ that of a free motion, D the
- * characteristic length's scale, Y = D⁻¹Z. */
+/*  */
 
-static const double rounding = 1e-10; /* of all applied forces: a generalised force below this is 0 */
+static const double rounding = 1e-10; /* relative to all applied forces: smaller generalised forces are 0 */
 
-static km_status take_joint(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {
+static km_status add_joint_actuator(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {
   km_statics_workspace *w = st->work;
   const char *label = m->model->coordinates[coordinate].label;
   if (m->held[coordinate])
@@ -24,7 +26,7 @@ static km_status take_joint(const km_mechanism *m, int coordinate, km_statics *s
   return KM_OK;
 }
 
-static km_status take_point(const km_mechanism *m, const km_port *point, km_statics *st, km_error *error) {
+static km_status add_point_actuator(const km_mechanism *m, const km_port *point, km_statics *st, km_error *error) {
   km_statics_workspace *w = st->work;
   int i = st->actuator_count++;
   w->actuators[i] = *point;
@@ -32,26 +34,26 @@ static km_status take_point(const km_mechanism *m, const km_port *point, km_stat
   return w->row[i] ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the balance of forces");
 }
 
-/* NULL: every free coordinate. */
-static km_status take_actuators(const km_mechanism *m, const km_port *actuators, int count, km_statics *st,
-                                km_error *error) {
+/* Adds the actuators; NULL: every free coordinate. */
+static km_status add_actuators(const km_mechanism *m, const km_port *actuators, int count, km_statics *st,
+                               km_error *error) {
   km_status status = KM_OK;
   st->actuators = st->work->actuators;
   for (int c = 0; c < m->coordinate_count && !actuators && !status; ++c)
     if (!m->held[c])
-      status = take_joint(m, c, st, error);
+      status = add_joint_actuator(m, c, st, error);
   for (int i = 0; i < count && actuators && !status; ++i)
-    status = actuators[i].kind == KM_PORT_JOINT ? take_joint(m, actuators[i].coordinate, st, error)
-                                                : take_point(m, &actuators[i], st, error);
+    status = actuators[i].kind == KM_PORT_JOINT ? add_joint_actuator(m, actuators[i].coordinate, st, error)
+                                                : add_point_actuator(m, &actuators[i], st, error);
   return status;
 }
 
-static km_status allocate(const km_mechanism *m, int asked, km_statics *st, km_error *error) {
+static km_status allocate(const km_mechanism *m, int requested, km_statics *st, km_error *error) {
   km_statics_workspace *w = st->work;
-  size_t coordinates = (size_t)m->coordinate_count, actuators = coordinates + (size_t)asked;
+  size_t coordinates = (size_t)m->coordinate_count, actuators = coordinates + (size_t)requested;
   w->actuators = KM_ARENA_NEW(&w->arena, km_port, actuators);
   w->part = KM_ARENA_NEW(&w->arena, int, actuators);
-  w->alone = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->tree_joint = KM_ARENA_NEW(&w->arena, int, actuators);
   w->column = KM_ARENA_NEW(&w->arena, int, actuators);
   w->row = KM_ARENA_NEW(&w->arena, double *, actuators);
   w->actuated = KM_ARENA_NEW(&w->arena, bool, coordinates);
@@ -104,7 +106,7 @@ km_status km_statics_create_for(const km_mechanism *m, const km_port *actuators,
   out->axes = axes;
   km_status status = allocate(m, actuators ? actuator_count : 0, out, error);
   if (!status)
-    status = take_actuators(m, actuators, actuator_count, out, error);
+    status = add_actuators(m, actuators, actuator_count, out, error);
   if (!status)
     status = km_blocks_make(m, out, error);
   if (!status && !km_actuator_workspace_reserve(out))
@@ -117,16 +119,16 @@ km_status km_statics_create(const km_mechanism *m, const int *actuators, int act
   if (!actuators)
     return km_statics_create_for(m, NULL, 0, axes, out, error);
   km_status status = km_check_list(actuators, actuator_count, "actuators", error);
-  km_port *handles = KM_NEW(km_port, (size_t)(status ? 0 : actuator_count));
+  km_port *ports = KM_NEW(km_port, (size_t)(status ? 0 : actuator_count));
   if (out)
     *out = (km_statics){0};
-  if (!status && !handles)
+  if (!status && !ports)
     status = km_fail(error, KM_MEMORY, "out of memory for the actuators");
   for (int i = 0; i < actuator_count && !status; ++i)
-    handles[i] = (km_port){.kind = KM_PORT_JOINT, .coordinate = actuators[i]};
+    ports[i] = (km_port){.kind = KM_PORT_JOINT, .coordinate = actuators[i]};
   if (!status)
-    status = km_statics_create_for(m, handles, actuator_count, axes, out, error);
-  km_free(handles);
+    status = km_statics_create_for(m, ports, actuator_count, axes, out, error);
+  km_free(ports);
   return status;
 }
 
@@ -141,8 +143,8 @@ void km_statics_free(km_statics *st) {
   *st = (km_statics){0};
 }
 
-/* How far the mechanism reaches from its origin: what turns forces into moments. */
-static double reach(const km_mechanism *m, const km_forces *f) {
+/* Returns the mechanism's extent from its origin, the scale between forces and moments. */
+static double extent(const km_mechanism *m, const km_forces *f) {
   double square = 0.0;
   for (int b = 1; b < m->topology.body_count; ++b)
     square = fmax(square, km_vec3_dot(f->pose[b].p, f->pose[b].p));
@@ -152,10 +154,11 @@ static double reach(const km_mechanism *m, const km_forces *f) {
   return size > 0.0 ? size : 1.0;
 }
 
-/* τ = Hᵀ C⁻ᵀ g by one pass from the leaves (theory 5), and what rounding can make of it. */
-static void gather_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics_workspace *w) {
+/* Computes τ = Hᵀ C⁻ᵀ g by one pass from the leaves (theory 9.1), and its rounding. */
+static void compute_generalised_forces(const km_mechanism *m, const km_state *s, const km_forces *f,
+                                       km_statics_workspace *w) {
   const km_topology *t = &m->topology;
-  double size = reach(m, f);
+  double size = extent(m, f);
   km_twists_about(m, s, f->pose, w->twist);
   memcpy(w->subtree, f->body, (size_t)t->body_count * sizeof *f->body);
   memcpy(w->tau, f->joint, (size_t)m->coordinate_count * sizeof *w->tau);
@@ -174,8 +177,8 @@ static void gather_loads(const km_mechanism *m, const km_state *s, const km_forc
   }
 }
 
-/* f̄ = −D Z Zᵀ D⁻¹ τ; outside loops and couplings Z is 1. */
-static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
+/* Computes f̄ = −D Z Zᵀ D⁻¹ τ; Z is 1 outside loops and couplings. */
+static void compute_minimum_norm_forces(const km_mechanism *m, km_state *s, km_statics *st) {
   const double *tau = st->work->tau;
   for (int c = 0; c < m->coordinate_count; ++c)
     st->least_norm[c] = m->substructure_of[c] < 0 && !m->held[c] ? 0.0 - tau[c] : 0.0;
@@ -198,44 +201,44 @@ static void least_norm(const km_mechanism *m, km_state *s, km_statics *st) {
   }
 }
 
-static void find_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
-  gather_loads(m, s, f, st->work);
+static void compute_loads(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
+  compute_generalised_forces(m, s, f, st->work);
   km_pushed_points_update(m, f, st);
 }
 
-void km_statics_hold(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
-  find_loads(m, s, f, st);
+void km_statics_actuators_compute(const km_mechanism *m, const km_state *s, const km_forces *f, km_statics *st) {
+  compute_loads(m, s, f, st);
   km_actuator_forces_solve(m, s, st);
 }
 
-static void forget_reactions(const km_mechanism *m, km_statics *st) {
-  const double no = nan("");
+static void clear_reactions(const km_mechanism *m, km_statics *st) {
+  const double unknown = nan("");
   for (int j = 0; j < m->topology.joint_count; ++j)
-    st->reactions[j] = (km_reaction){{no, no, no}, {no, no, no}, {false}};
+    st->reactions[j] = (km_reaction){{unknown, unknown, unknown}, {unknown, unknown, unknown}, {false}};
   for (int i = 0; i < m->topology.substructure_count; ++i)
-    st->work->carrying[i].degree = 0;
+    st->work->reactions_of[i].degree = 0;
   st->degree = 0;
 }
 
-/* Nothing is known of a state whose mobility isn't. */
-static void forget(const km_mechanism *m, km_statics *st) {
-  const double no = nan("");
+/* Sets all results to NaN: the mobility of the state is unknown. */
+static void clear_results(const km_mechanism *m, km_statics *st) {
+  const double unknown = nan("");
   for (int i = 0; i < st->actuator_count; ++i)
-    st->actuator_forces[i] = no;
+    st->actuator_forces[i] = unknown;
   for (int c = 0; c < m->coordinate_count; ++c)
-    st->least_norm[c] = no;
-  forget_reactions(m, st);
+    st->least_norm[c] = unknown;
+  clear_reactions(m, st);
   st->held = st->redundant = false;
   st->direction_count = 0;
 }
 
-void km_statics_leave_reactions(const km_mechanism *m, km_statics *st) {
-  forget_reactions(m, st);
+void km_statics_skip_reactions(const km_mechanism *m, km_statics *st) {
+  clear_reactions(m, st);
   st->work->no_reactions = true;
 }
 
-/* The forces of the actuators where they hold, else f̄. */
-static void apply_holding(const km_mechanism *m, const km_forces *f, km_statics *st) {
+/* Applies the actuators' forces if they hold, else f̄. */
+static void apply_balancing_forces(const km_mechanism *m, const km_forces *f, km_statics *st) {
   km_statics_workspace *w = st->work;
   size_t bytes = (size_t)m->coordinate_count * sizeof *w->force;
   memcpy(w->force, st->least_norm, bytes);
@@ -250,18 +253,19 @@ static void apply_holding(const km_mechanism *m, const km_forces *f, km_statics 
 
 km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   km_statics_workspace *w = st->work;
-  find_loads(m, s, f, st);
-  least_norm(m, s, st);
+  compute_loads(m, s, f, st);
+  compute_minimum_norm_forces(m, s, st);
   km_actuator_forces_solve(m, s, st);
   if (!w->no_reactions) {
-    apply_holding(m, f, st);
+    apply_balancing_forces(m, f, st);
     km_reactions_compute(m, s, f, st);
   }
   return w->arena.failed ? KM_MEMORY : KM_OK;
 }
 
-void km_statics_bear(const km_mechanism *m, km_state *s, const km_forces *f, const double *driving, km_statics *st) {
-  gather_loads(m, s, f, st->work);
+void km_statics_reactions_compute(const km_mechanism *m, km_state *s, const km_forces *f, const double *driving,
+                                  km_statics *st) {
+  compute_generalised_forces(m, s, f, st->work);
   memcpy(st->work->force, driving, (size_t)m->coordinate_count * sizeof *driving);
   km_reactions_compute(m, s, f, st);
 }
@@ -270,7 +274,7 @@ km_status km_statics_find(const km_mechanism *m, km_state *s, km_forces *f, km_s
   if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
     return KM_USAGE;
   if (!km_state_mobility_is_known(m, s)) {
-    forget(m, st);
+    clear_results(m, st);
     return KM_USAGE;
   }
   km_forces_compute(m, s, f);

@@ -1,4 +1,4 @@
-/* Directions out of the actuators' reach, as they are told. */
+/* Directions out of the actuators' reach. */
 #include "statics/statics.h"
 
 #include <math.h>

@@ -106,7 +106,7 @@ static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
   }
   if (!w->is_valid || w->version != moving_version(r)) {
     km_forces_compute(r->m, r->s, w->forces);
-    km_statics_hold(r->m, r->s, w->forces, w->statics);
+    km_statics_actuators_compute(r->m, r->s, w->forces, w->statics);
   }
   w->is_valid = false;
   w->gained_freedoms = !km_statics_ratios(r->m, w->statics, w->has_rates ? r->rates : NULL, n, d) || w->gained_freedoms;
@@ -114,7 +114,7 @@ static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
 
 static void set_reference(void *self, km_sweeper *r) {
   const sweep_events *w = self;
-  km_statics_refer(r->m, w->statics);
+  km_statics_set_reference(r->m, w->statics);
 }
 
 /* Adds a pole at the first configuration, where the actuators held one freedom less than elsewhere. */
@@ -230,7 +230,7 @@ static km_status finish(void *self, const km_sweep_job *job) {
 
 static void close_observer(void *self) {
   sweep_events *w = self;
-  w->statics->work->compares = false;
+  w->statics->work->keeps_factors = false;
   km_event_search_free(&w->search);
   km_free(w->events.items);
   km_free(w);
@@ -285,7 +285,7 @@ static km_status open_observer(km_sweep_job *job, km_forces *forces, km_statics 
     w->observer = observer_of(w);
     w->search = event_search_of(w, job->table_only);
     job->observer = &w->observer;
-    statics->work->compares = true;
+    statics->work->keeps_factors = true;
   }
   if (!w || !copy_actuators(w) || !km_event_search_reserve(&w->search, statics->actuator_count))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");

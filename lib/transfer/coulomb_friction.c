@@ -1,20 +1,25 @@
-/* Solves the equations of Coulomb friction in a motion that is known. */
+/* Coulomb friction by continuation in the load share t (theory 8.6).
+ *
+ *   r_c(N, t) = |a_c + t Σ_k B_ck N_k| - N_c = 0,   J = -dr/dN,   load(t) = 1 - t Σ w_k N_k
+ *   predict   : N + h dN/dt,  J dN/dt = dr/dt;     correct : Newton's method at t + h
+ *   accept    : correction <= 1/4 of the largest force, sign of det J unchanged (or h <= 1e-8) */
 #include "transfer/coulomb_friction.h"
 
 #include "base/extrema.h"
 
 #include <string.h>
 
-enum { MOST_NEWTON = 30, MOST_STEPS = 4000, STARTS = 8 };
+enum { MAX_ITERATIONS = 30, MAX_STEPS = 4000, STARTS = 8 };
 
-static const double converged = 1e-13; /* of the terms that a normal force is made of */
-static const double nothing = 1e-14;   /* of the largest normal force */
-static const double shortest = 1e-10;  /* step in t */
-static const double straight = 1e-8;   /* over such a step the load is a straight line */
-static const double most_changed =
-    0.25; /* of the largest normal force: a step that corrects more may change branches */
-static const double most_changed_at_turns = 1e-6; /* the same over a short step where det J changes its sign */
-static const double boundless = 1e12;             /* normal forces over those without friction */
+static const double converged = 1e-13;  /* residual relative to the largest term */
+static const double zero_force = 1e-14; /* relative to the largest normal force: smaller ones are 0 */
+static const double shortest = 1e-10;   /* shortest step in t */
+/* longest step over which the load is linear and a sign change of det J is accepted */
+static const double linear_step = 1e-8;
+static const double max_correction =
+    0.25; /* relative to the largest normal force: a larger correction can change the branch */
+static const double max_correction_at_turns = 1e-6; /* for a short step over which det J changes its sign */
+static const double divergence_bound = 1e12;        /* bound of the normal forces relative to those without friction */
 
 static gsl_vector vector(km_arena *arena, int size) {
   return (gsl_vector){
@@ -40,122 +45,124 @@ bool km_friction_reserve(km_friction *f, int most, km_arena *arena) {
   return !arena->failed;
 }
 
-/* Not a number where one isn't. */
-static double largest(const double *x, int count) {
+/* Returns the largest magnitude; NaN if an entry is NaN. */
+static double largest_magnitude(const double *x, int count) {
   double size = 0.0;
   for (int i = 0; i < count; ++i)
     size = km_larger_or_nan(fabs(x[i]), size);
   return size;
 }
 
-static double load_of(const km_friction *f, double t, const double *N) {
-  double lost = 0.0;
+static double remaining_load(const km_friction *f, double t, const double *N) {
+  double dissipated = 0.0;
   for (int k = 0; k < f->count; ++k)
-    lost += f->w[k] * N[k];
-  return 1.0 - t * lost;
+    dissipated += f->w[k] * N[k];
+  return 1.0 - t * dissipated;
 }
 
-/* Residuals |a_c + t Σ B_ck N_k| − N_c into rhs, the Jacobian of their opposite into J, and the residuals' change with
- * t into `slope`. Returns the largest residual over the terms that it is made of. */
+/* Computes the residuals r_c into rhs, J = −dr/dN, and dr/dt into `slope`. Returns the largest residual over its
+ * largest term. */
 static double linearise(km_friction *f, double t, const double *N) {
   double worst = 0.0, terms = 0.0;
   for (int c = 0; c < f->count; ++c) {
-    double v[3], along[3] = {0, 0, 0};
+    double v[3], direction[3] = {0, 0, 0};
     for (int k = 0; k < f->count; ++k)
       for (int i = 0; i < 3; ++i) {
-        along[i] += f->B[3 * (c * f->count + k) + i] * N[k];
+        direction[i] += f->B[3 * (c * f->count + k) + i] * N[k];
         terms = fmax(terms, fabs(t * f->B[3 * (c * f->count + k) + i] * N[k]));
       }
     for (int i = 0; i < 3; ++i) {
-      v[i] = f->a[3 * c + i] + t * along[i];
+      v[i] = f->a[3 * c + i] + t * direction[i];
       terms = fmax(terms, fabs(f->a[3 * c + i]));
     }
-    double size = hypot(hypot(v[0], v[1]), v[2]), part = size > 0.0 ? 1.0 / size : 0.0;
+    double size = hypot(hypot(v[0], v[1]), v[2]), inverse = size > 0.0 ? 1.0 / size : 0.0;
     for (int k = 0; k < f->count; ++k) {
       const double *b = f->B + 3 * (c * f->count + k);
       gsl_matrix_set(&f->J, (size_t)c, (size_t)k,
-                     (c == k ? 1.0 : 0.0) - t * part * (v[0] * b[0] + v[1] * b[1] + v[2] * b[2]));
+                     (c == k ? 1.0 : 0.0) - t * inverse * (v[0] * b[0] + v[1] * b[1] + v[2] * b[2]));
     }
-    f->slope[c] = part * (v[0] * along[0] + v[1] * along[1] + v[2] * along[2]);
+    f->slope[c] = inverse * (v[0] * direction[0] + v[1] * direction[1] + v[2] * direction[2]);
     f->rhs.data[c] = size - N[c];
     worst = km_larger_or_nan(fabs(f->rhs.data[c]), worst);
   }
   return worst / terms;
 }
 
-/* The sign of det J, whose factors take J's place. */
-static int factor(km_friction *f) {
+/* Factors J in place (LU) and returns the sign of det J. */
+static int factor_jacobian(km_friction *f) {
   int sign;
   gsl_linalg_LU_decomp(&f->J, f->pivots, &sign);
   return gsl_linalg_LU_sgndet(&f->J, sign);
 }
 
-/* J step = rhs. Returns the sign of det J, 0: there is no such step. */
-static int solve(km_friction *f) {
-  int sign = factor(f);
+/* Solves J step = rhs. Returns the sign of det J; 0: singular. */
+static int solve_step(km_friction *f) {
+  int sign = factor_jacobian(f);
   if (sign == 0)
     return 0;
   gsl_linalg_LU_solve(&f->J, f->pivots, &f->rhs, &f->step);
-  return isfinite(largest(f->step.data, f->count)) ? sign : 0;
+  return isfinite(largest_magnitude(f->step.data, f->count)) ? sign : 0;
 }
 
-/* N + step. What only rounding leaves has no direction: where nothing presses it stays 0. */
-static void take_step(const km_friction *f, double *N) {
+/* Adds the step to N and sets forces at rounding level to 0, whose direction is undefined. */
+static void add_step(const km_friction *f, double *N) {
   for (int k = 0; k < f->count; ++k)
     N[k] += f->step.data[k];
-  double least = nothing * largest(N, f->count);
+  double rounding = zero_force * largest_magnitude(N, f->count);
   for (int k = 0; k < f->count; ++k)
-    N[k] = fabs(N[k]) <= least ? 0.0 : N[k];
+    N[k] = fabs(N[k]) <= rounding ? 0.0 : N[k];
 }
 
-/* Newton's method at t from the normal forces `N`, which it improves. */
-static bool newton(km_friction *f, double t, double *N) {
-  for (int i = 0; i < MOST_NEWTON; ++i) {
+/* Newton's method at t from the normal forces N; false if it fails. */
+static bool newton_iterate(km_friction *f, double t, double *N) {
+  for (int i = 0; i < MAX_ITERATIONS; ++i) {
     double residual = linearise(f, t, N);
     if (residual <= converged)
       return true;
-    if (!isfinite(residual) || !solve(f))
+    if (!isfinite(residual) || !solve_step(f))
       return false;
-    take_step(f, N);
+    add_step(f, N);
   }
   return false;
 }
 
-/* From the solution N at t to one on the same branch at t + h, into `tried`. Along a branch det J changes its sign only where it turns
- * back, or where another one leaves it: over a long step a change is a jump to another branch. */
+/* Predicts and corrects from the solution N at t to t + h on the same branch, into `tried`. Along a branch det J
+ * changes its sign only at a turning point or a bifurcation; over a long step a change is a jump to another branch. */
 static bool advance(km_friction *f, double t, double h) {
   size_t bytes = (size_t)f->count * sizeof *f->N;
   linearise(f, t, f->N);
   memcpy(f->rhs.data, f->slope, bytes);
-  int before = solve(f);
+  int sign_before = solve_step(f);
   for (int k = 0; k < f->count; ++k)
-    f->predicted[k] = f->N[k] + (before != 0 ? h * f->step.data[k] : 0.0);
+    f->predicted[k] = f->N[k] + (sign_before != 0 ? h * f->step.data[k] : 0.0);
   memcpy(f->tried, f->predicted, bytes);
-  if (!newton(f, t + h, f->tried))
+  if (!newton_iterate(f, t + h, f->tried))
     return false;
-  double changed = 0.0;
+  double correction = 0.0;
   for (int k = 0; k < f->count; ++k)
-    changed = fmax(changed, fabs(f->tried[k] - f->predicted[k]));
+    correction = fmax(correction, fabs(f->tried[k] - f->predicted[k]));
   linearise(f, t + h, f->tried);
-  bool turns = factor(f) != before;
-  return changed <= (turns ? most_changed_at_turns : most_changed) * largest(f->N, f->count) &&
-         !(turns && h > straight);
+  bool sign_changed = factor_jacobian(f) != sign_before;
+  return correction <= (sign_changed ? max_correction_at_turns : max_correction) * largest_magnitude(f->N, f->count) &&
+         !(sign_changed && h > linear_step);
 }
 
-/* Follows the solution from t = 0 as far towards 1 as it goes; returns how far. */
-static double follow(km_friction *f) {
-  double t = 0.0, h = 1.0, usual = largest(f->N, f->count);
+/* Continues the solution from t = 0 towards 1; returns the last t. */
+static double continue_solution(km_friction *f) {
+  double t = 0.0, h = 1.0, initial_force = largest_magnitude(f->N, f->count);
   f->load = 1.0;
   f->locks_from = nan("");
-  for (int i = 0; i < MOST_STEPS && t < 1.0 && h > shortest && largest(f->N, f->count) < boundless * usual; ++i) {
+  for (int i = 0;
+       i < MAX_STEPS && t < 1.0 && h > shortest && largest_magnitude(f->N, f->count) < divergence_bound * initial_force;
+       ++i) {
     h = fmin(h, 1.0 - t);
     if (!advance(f, t, h)) {
       h *= 0.5;
       continue;
     }
-    double load = load_of(f, t + h, f->tried);
+    double load = remaining_load(f, t + h, f->tried);
     if (f->load > 0.0 && load <= 0.0) {
-      if (h > straight) {
+      if (h > linear_step) {
         h *= 0.5;
         continue;
       }
@@ -169,31 +176,31 @@ static double follow(km_friction *f) {
   return t;
 }
 
-/* A solution with all friction and some load left that the motion from t = 0 doesn't lead to: from normal forces of
- * many sizes. */
-static bool find_other(km_friction *f) {
-  double last = largest(f->N, f->count);
+/* Searches a solution with all friction and positive load that the continuation does not reach, from starts of
+ * several magnitudes. */
+static bool find_detached_solution(km_friction *f) {
+  double last = largest_magnitude(f->N, f->count);
   for (int i = 0; i < STARTS; ++i) {
     for (int c = 0; c < f->count; ++c) {
-      double plain = hypot(hypot(f->a[3 * c], f->a[3 * c + 1]), f->a[3 * c + 2]);
-      f->tried[c] = (i % 2 ? f->N[c] + 0.01 * last : plain) * ldexp(1.0, i / 2);
+      double without_friction = hypot(hypot(f->a[3 * c], f->a[3 * c + 1]), f->a[3 * c + 2]);
+      f->tried[c] = (i % 2 ? f->N[c] + 0.01 * last : without_friction) * ldexp(1.0, i / 2);
     }
-    if (newton(f, 1.0, f->tried) && (f->load = load_of(f, 1.0, f->tried)) > 0.0)
+    if (newton_iterate(f, 1.0, f->tried) && (f->load = remaining_load(f, 1.0, f->tried)) > 0.0)
       return true;
   }
   return false;
 }
 
-km_friction_answer km_friction_solve(km_friction *f) {
+km_friction_outcome km_friction_solve(km_friction *f) {
   size_t n = (size_t)f->count;
   f->load = 1.0;
   f->J.size1 = f->J.size2 = f->J.tda = f->rhs.size = f->step.size = f->pivots->size = n;
   for (int c = 0; c < f->count; ++c)
     f->N[c] = hypot(hypot(f->a[3 * c], f->a[3 * c + 1]), f->a[3 * c + 2]);
-  if (largest(f->N, f->count) == 0.0)
-    return KM_FRICTION_MOVES; /* nothing presses on anything that rubs */
-  bool all = follow(f) >= 1.0;
+  if (largest_magnitude(f->N, f->count) == 0.0)
+    return KM_FRICTION_MOVES; /* no surface with friction is loaded */
+  bool is_complete = continue_solution(f) >= 1.0;
   if (f->load <= 0.0)
     return KM_FRICTION_LOCKS;
-  return all || find_other(f) ? KM_FRICTION_MOVES : KM_FRICTION_OPEN;
+  return is_complete || find_detached_solution(f) ? KM_FRICTION_MOVES : KM_FRICTION_OPEN;
 }

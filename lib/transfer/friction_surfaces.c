@@ -1,12 +1,13 @@
-/* Surfaces of joints that rub. Of a screw with a square thread of mean radius r and lead angle λ under a thrust F this is the torque
- * F r tan(λ ± φ), tan φ = μ (R. Budynas, J. Nisbett, Shigley's Mechanical Engineering Design, 8-2). */
+/* Friction surfaces of joints (theory 8.5). A screw with a square thread of mean radius r and lead angle λ under a
+ * thrust F has the torque F r tan(λ ± φ), tan φ = μ (R. Budynas, J. Nisbett, Shigley's Mechanical Engineering Design,
+ * 8-2). */
 #include "transfer/friction_surfaces.h"
 
 static const km_model_joint *joint_of(const km_mechanism *m, int c) {
   return &m->model->joints[m->model->coordinates[c].joint];
 }
 
-/* True if the coordinate turns about an axis along which its joint doesn't slide. */
+/* True if the coordinate rotates about an axis along which its joint does not slide. */
 static bool is_hinge(const km_mechanism *m, int c) {
   km_joint_type type = joint_of(m, c)->type;
   return type == KM_RX || type == KM_RY || type == KM_RZ || type == KM_UNIVERSAL;

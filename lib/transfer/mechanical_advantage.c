@@ -1,4 +1,8 @@
-/* Mechanical advantage at a pose: the ratio of two rates in the one motion, or in the least one. */
+/* Mechanical advantage at a configuration (theory 8.1, 8.2): MA = q̇_in / q̇_out in a motion Y x, Y = D⁻¹ Z.
+ *
+ *   one freedom      : the single motion
+ *   several freedoms : the shortest motion that moves the input, Y Yᵀ a, a the input's row on the free motions
+ *   point along u    : row_j = uᵀ(v_j + ω_j × p), joints from the inertial frame to the body */
 
 #include "base/arguments.h"
 #include "base/text.h"
@@ -9,17 +13,16 @@
 
 #include <string.h>
 
-/* Symbols: D the characteristic length's scale, Z the null space's basis, Y = D⁻¹ Z physical rates, a, b the rows of
- * input and output on the free motions. */
+/*  */
 
-/* Rates below this fraction of the largest one count as zero. Where that end drives, its own digits don't tell such a pose
- * from its dead centre: they differ by the square. */
+/* Rates below this part of the largest scaled rate are zero. A rate nearer to its dead point is not determined by the
+ * digits of its own angle, since they differ by the square. */
 static const double zero_rate_tolerance = 3e-8;
-/* Of two speeds that cancel, as those of a point on its own hinge, rounding is left. So much of them counts as speed that this is less
- * than the smallest part of a speed that anybody takes for a rate, 1e-12. */
-static const double left_of_two = 1e-2;
+/* Part of two cancelling velocities that is added to the scale of comparison, so that their rounding stays below
+ * 1e-12 of it. */
+static const double cancellation_part = 1e-2;
 
-/* The coordinates that an end's rate is made of: its own, or those on the way to the point's body. */
+/* Marks the coordinates on which a port's rate depends: its own, or those on the path to the point's body. */
 static void mark_direct(const km_mechanism *m, const km_port *h, bool *marks) {
   const km_topology *t = &m->topology;
   if (h->kind == KM_PORT_JOINT) {
@@ -33,7 +36,7 @@ static void mark_direct(const km_mechanism *m, const km_port *h, bool *marks) {
   }
 }
 
-/* All free coordinates that move with an end: whole substructures. */
+/* Marks all free coordinates of the substructures that a port depends on. */
 static void mark_moving(const km_mechanism *m, const km_port *h, bool *marks) {
   memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
   mark_direct(m, h, marks);
@@ -49,7 +52,7 @@ static void mark_moving(const km_mechanism *m, const km_port *h, bool *marks) {
 }
 
 /* "joint \"A\"" or "point of body \"b\"". */
-static void name_of(const km_mechanism *m, const km_port *h, km_text *out) {
+static void add_port_name(const km_mechanism *m, const km_port *h, km_text *out) {
   if (h->kind == KM_PORT_JOINT)
     km_text_format(out, "joint \"%s\"", m->model->coordinates[h->coordinate].label);
   else
@@ -69,7 +72,7 @@ static km_status check_end(const km_mechanism *m, const km_port *h, bool output,
   return KM_OK;
 }
 
-static bool same(const km_port *a, const km_port *b) {
+static bool is_same_port(const km_port *a, const km_port *b) {
   if (a->kind != b->kind)
     return false;
   if (a->kind == KM_PORT_JOINT)
@@ -78,27 +81,27 @@ static bool same(const km_port *a, const km_port *b) {
   return a->frame == b->frame && km_vec3_norm(difference) < 1e-12;
 }
 
-/* The labels of the free coordinates in `marks`, as a list of what would be right. */
-static void list(const km_mechanism *m, const bool *marks, int but, km_text *out) {
+/* Appends the labels of the marked coordinates, at most 30. */
+static void list_labels(const km_mechanism *m, const bool *marks, int excluded, km_text *out) {
   int shown = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
-    if (marks[c] && c != but && shown++ < 30)
+    if (marks[c] && c != excluded && shown++ < 30)
       km_text_format(out, "%s%s", shown > 1 ? ", " : "", m->model->coordinates[c].label);
   if (shown > 30)
     km_text_add(out, ", …");
 }
 
-/* Both ends are one, or one doesn't move with the other: says which outputs would do. */
-static km_status refuse(const km_mechanism *m, const km_transfer *l, km_error *error) {
-  const km_port *in = &l->input.handle, *out = &l->output.handle;
+/* Fails with the possible outputs: both ports are equal, or the output does not move with the input. */
+static km_status fail_unconnected(const km_mechanism *m, const km_transfer *l, km_error *error) {
+  const km_port *in = &l->input.port, *out = &l->output.port;
   km_text names = {0}, choice = {0};
-  list(m, l->moves, in->kind == KM_PORT_JOINT ? in->coordinate : -1, &choice);
-  name_of(m, out, &names);
+  list_labels(m, l->moves, in->kind == KM_PORT_JOINT ? in->coordinate : -1, &choice);
+  add_port_name(m, out, &names);
   const char *known = choice.size ? choice.data : "a point of a body that it moves";
   km_status status;
   if (names.failed || choice.failed)
     status = km_fail(error, KM_MEMORY, "out of memory for a message");
-  else if (same(in, out))
+  else if (is_same_port(in, out))
     status = km_fail(error, KM_USAGE, "input and output are both %s; expected another output: %s", names.data, known);
   else
     status = km_fail(error, KM_USAGE,
@@ -110,18 +113,18 @@ static km_status refuse(const km_mechanism *m, const km_transfer *l, km_error *e
   return status;
 }
 
-static km_status check(const km_mechanism *m, const km_transfer *l, bool *other, km_error *error) {
-  const km_port *in = &l->input.handle, *out = &l->output.handle;
-  mark_moving(m, out, other);
+static km_status check_connection(const km_mechanism *m, const km_transfer *l, bool *output_marks, km_error *error) {
+  const km_port *in = &l->input.port, *out = &l->output.port;
+  mark_moving(m, out, output_marks);
   km_status status = check_end(m, in, false, l->moves, error);
   if (!status)
-    status = check_end(m, out, true, other, error);
+    status = check_end(m, out, true, output_marks, error);
   if (status)
     return status;
-  bool meet = false;
+  bool are_connected = false;
   for (int c = 0; c < m->coordinate_count; ++c)
-    meet = meet || (l->moves[c] && other[c]);
-  return meet && !same(in, out) ? KM_OK : refuse(m, l, error);
+    are_connected = are_connected || (l->moves[c] && output_marks[c]);
+  return are_connected && !is_same_port(in, out) ? KM_OK : fail_unconnected(m, l, error);
 }
 static bool allocate(const km_mechanism *m, km_transfer *l) {
   size_t coordinates = (size_t)m->coordinate_count;
@@ -133,9 +136,9 @@ static bool allocate(const km_mechanism *m, km_transfer *l) {
   l->rates = KM_ARENA_NEW(&l->arena, double, coordinates);
   l->moves = KM_ARENA_NEW(&l->arena, bool, coordinates);
   l->pose = KM_ARENA_NEW(&l->arena, km_pose, (size_t)m->topology.body_count);
-  l->steady = KM_ARENA_NEW(&l->arena, km_constant_rank, (size_t)m->topology.substructure_count + 1);
-  l->is_steady = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
-  l->asked = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
+  l->constant_rank = KM_ARENA_NEW(&l->arena, km_constant_rank, (size_t)m->topology.substructure_count + 1);
+  l->uses_constant_rank = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
+  l->is_tested = KM_ARENA_NEW(&l->arena, bool, (size_t)m->topology.substructure_count + 1);
   return !l->arena.failed;
 }
 
@@ -148,18 +151,18 @@ km_status km_transfer_create(const km_mechanism *m, const km_port *input, const 
   if (fits)
     return fits;
   km_transfer *l = KM_NEW(km_transfer, 1);
-  bool *other = KM_NEW(bool, (size_t)m->coordinate_count);
+  bool *output_marks = KM_NEW(bool, (size_t)m->coordinate_count);
   km_status status = KM_OK;
-  if (!l || !other || !allocate(m, l)) {
+  if (!l || !output_marks || !allocate(m, l)) {
     status = km_fail(error, KM_MEMORY, "out of memory for a mechanical advantage");
   } else {
     l->mechanism = m;
-    l->input.handle = *input;
-    l->output.handle = *output;
+    l->input.port = *input;
+    l->output.port = *output;
     mark_moving(m, input, l->moves);
-    status = check(m, l, other, error);
+    status = check_connection(m, l, output_marks, error);
   }
-  km_free(other);
+  km_free(output_marks);
   if (status)
     km_transfer_free(l);
   else
@@ -182,60 +185,61 @@ const double *km_transfer_rates(const km_transfer *l) {
 
 static void point_row(const km_mechanism *m, const km_state *s, const km_transfer *l, km_transfer_end *end) {
   const km_topology *t = &m->topology;
-  const km_model_frame *frame = &m->model->frames[end->handle.frame];
-  km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), along = km_vec3_from_array(end->handle.direction);
+  const km_model_frame *frame = &m->model->frames[end->port.frame];
+  km_vec3 p = km_pose_point(&l->pose[frame->body], frame->pose.p), direction = km_vec3_from_array(end->port.direction);
   for (int body = frame->body; body > 0; body = t->parent[body]) {
     int joint = t->arc[body], first = m->model->joints[joint].first_coordinate;
     for (int c = first; c < first + km_model_freedom(m->model, joint); ++c) {
       km_twist h = km_coordinate_twist_about(m, s, l->pose, c);
-      km_vec3 turned = km_vec3_cross(h.w, p), v = km_vec3_add(h.v, turned);
-      end->row[c] = (t->is_reversed[joint] ? -1.0 : 1.0) * km_vec3_dot(along, v);
-      end->speed[c] = km_vec3_norm(v) + left_of_two * (km_vec3_norm(h.v) + km_vec3_norm(turned));
+      km_vec3 rotational = km_vec3_cross(h.w, p), v = km_vec3_add(h.v, rotational);
+      end->row[c] = (t->is_reversed[joint] ? -1.0 : 1.0) * km_vec3_dot(direction, v);
+      end->speed[c] = km_vec3_norm(v) + cancellation_part * (km_vec3_norm(h.v) + km_vec3_norm(rotational));
     }
   }
 }
 
 static void update_row(const km_mechanism *m, const km_state *s, const km_transfer *l, km_transfer_end *end) {
   memset(end->row, 0, (size_t)m->coordinate_count * sizeof *end->row);
-  if (end->handle.kind == KM_PORT_JOINT)
-    end->row[end->handle.coordinate] = 1.0;
+  if (end->port.kind == KM_PORT_JOINT)
+    end->row[end->port.coordinate] = 1.0;
   else
     point_row(m, s, l, end);
 }
 
-/* Adds the free motion Y_k of a substructure, or of a joint in no loop, to the rates: once, or as often as it moves the
- * input. */
+/* Adds the free motion Y_k of a substructure or tree joint to the rates: with coefficient 1 for a single freedom,
+ * else with the input's rate in it. */
 static void add_motion(const km_mechanism *m, km_transfer *l, const double *z, const int *coordinate, int count,
-                       bool alone) {
+                       bool single_freedom) {
   double a = 0.0;
   for (int j = 0; j < count; ++j)
     a += l->input.row[coordinate[j]] * z[j] / m->scale[coordinate[j]];
   for (int j = 0; j < count; ++j)
-    l->rates[coordinate[j]] += (alone ? 1.0 : a) * z[j] / m->scale[coordinate[j]];
+    l->rates[coordinate[j]] += (single_freedom ? 1.0 : a) * z[j] / m->scale[coordinate[j]];
 }
 
-/* Does the substructure shake all along its motion? Whether it does is found at the first pose that leaves several freedoms. */
-static bool is_steady(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
-  km_constant_rank *steady = &l->steady[index];
+/* True if the substructure is a permanently shaky mechanism; tested at the first configuration with several freedoms. */
+static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
+  km_constant_rank *constant_rank = &l->constant_rank[index];
   if (km_partition_freedom(&s->partition[index]) < 2)
     return false;
-  if (!l->asked[index])
-    l->asked[index] = km_constant_rank_begin(steady, m, s, index, KM_NO_DRIVER, &l->arena);
-  return steady->is_active && km_constant_rank_update(steady, m, s, index);
+  if (!l->is_tested[index])
+    l->is_tested[index] = km_constant_rank_begin(constant_rank, m, s, index, KM_NO_DRIVER, &l->arena);
+  return constant_rank->is_active && km_constant_rank_update(constant_rank, m, s, index);
 }
 
 static int find_freedom(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
-  l->is_steady[index] = is_steady(m, s, index, l);
-  return l->is_steady[index] ? l->steady[index].count : km_partition_freedom(&s->partition[index]);
+  l->uses_constant_rank[index] = is_permanently_shaky(m, s, index, l);
+  return l->uses_constant_rank[index] ? l->constant_rank[index].count : km_partition_freedom(&s->partition[index]);
 }
 
-/* The same of all free motions of a substructure. */
-static void add_motions(const km_mechanism *m, km_state *s, int index, km_transfer *l, bool alone) {
+/* Adds all free motions of a substructure to the rates. */
+static void add_motions(const km_mechanism *m, km_state *s, int index, km_transfer *l, bool single_freedom) {
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  if (l->is_steady[index]) {
-    for (int k = 0; k < l->steady[index].count; ++k)
-      add_motion(m, l, l->steady[index].Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
+  if (l->uses_constant_rank[index]) {
+    for (int k = 0; k < l->constant_rank[index].count; ++k)
+      add_motion(m, l, l->constant_rank[index].Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns,
+                 single_freedom);
     return;
   }
   if (km_state_project_onto_motions(m, s, index, l->input.row, s->work)) {
@@ -245,29 +249,29 @@ static void add_motions(const km_mechanism *m, km_state *s, int index, km_transf
   }
   const double *Z = km_state_basis(s, index);
   for (int k = 0; k < km_partition_freedom(&s->partition[index]); ++k)
-    add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, alone);
+    add_motion(m, l, Z + (size_t)k * (size_t)sub->columns, coordinate, sub->columns, single_freedom);
 }
 
-/* The motion that the advantage is about; returns the freedoms that it was chosen from. */
+/* Computes the motion of the advantage into the rates; returns the number of freedoms it was chosen from. */
 static int choose_motion(const km_mechanism *m, km_state *s, km_transfer *l) {
   static const double one = 1.0;
   int freedom = 0;
   memset(l->rates, 0, (size_t)m->coordinate_count * sizeof *l->rates);
-  for (int pass = 0; pass < 2; ++pass) { /* first to count, then to add */
-    bool alone = freedom == 1;
+  for (int pass = 0; pass < 2; ++pass) { /* first pass counts the freedoms, second adds the motions */
+    bool single_freedom = freedom == 1;
     for (int c = 0; c < m->coordinate_count; ++c) {
       if (!l->moves[c] || m->substructure_of[c] >= 0)
         continue;
       freedom += pass == 0;
       if (pass)
-        add_motion(m, l, &one, &c, 1, alone);
+        add_motion(m, l, &one, &c, 1, single_freedom);
     }
     for (int i = 0; i < m->topology.substructure_count; ++i) {
       if (!l->moves[m->column_coordinate[m->substructures[i].column_start]])
         continue;
       freedom += pass == 0 ? find_freedom(m, s, i, l) : 0;
       if (pass)
-        add_motions(m, s, i, l, alone);
+        add_motions(m, s, i, l, single_freedom);
     }
   }
   return freedom;
@@ -281,13 +285,13 @@ static double largest_rate(const km_mechanism *m, const double *rates) {
 }
 
 static void find_rate(const km_mechanism *m, const double *rates, double largest, km_transfer_end *end) {
-  if (end->handle.kind == KM_PORT_JOINT) {
-    int own = end->handle.coordinate;
-    end->size = m->unit[own] * largest;
-    end->rate = rates[own];
+  if (end->port.kind == KM_PORT_JOINT) {
+    int coordinate = end->port.coordinate;
+    end->size = m->unit[coordinate] * largest;
+    end->rate = rates[coordinate];
     return;
   }
-  /* A coordinate that stands has a rate of rounding: of the largest one, not of its own. */
+  /* the rate of a coordinate at rest is rounding of the largest one, not of its own */
   end->size = end->rate = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c) {
     end->rate += end->row[c] * rates[c];
@@ -295,35 +299,35 @@ static void find_rate(const km_mechanism *m, const double *rates, double largest
   }
 }
 
-static double clear_rate(const km_transfer_end *end) {
+static double rate_above_rounding(const km_transfer_end *end) {
   return fabs(end->rate) > zero_rate_tolerance * end->size ? end->rate : 0.0;
 }
 
-/* Of two rates that are 0 where they count as 0. */
+/* Returns a/b: 0, infinity or NaN if one or both are 0. */
 static double ratio(double a, double b) {
   return a == 0.0 ? (b == 0.0 ? nan("") : 0.0) : b == 0.0 ? HUGE_VAL : a / b;
 }
 
 static void update_rows(const km_mechanism *m, const km_state *s, km_transfer *l) {
-  if (l->input.handle.kind == KM_PORT_POINT || l->output.handle.kind == KM_PORT_POINT) /* joints need no poses */
+  if (l->input.port.kind == KM_PORT_POINT || l->output.port.kind == KM_PORT_POINT) /* joints need no poses */
     km_poses_about_mechanism(m, s, l->pose);
   update_row(m, s, l, &l->input);
   update_row(m, s, l, &l->output);
 }
 
-/* The advantage in the motion l->rates, which was chosen from so many freedoms. */
-static void measure(const km_mechanism *m, km_transfer *l, int freedom, km_advantage *out) {
+/* Computes the advantage in the motion l->rates, chosen from `freedom` freedoms. */
+static void evaluate_advantage(const km_mechanism *m, km_transfer *l, int freedom, km_advantage *out) {
   double largest = largest_rate(m, l->rates);
   for (int c = 0; c < m->coordinate_count && largest > 0.0; ++c)
     l->rates[c] /= largest;
   *out = (km_advantage){.method = freedom == 1 ? KM_ADVANTAGE_SINGLE_FREEDOM : KM_ADVANTAGE_LEAST_MOTION};
-  /* Where the input has no part in several freedoms there is no motion of its own. */
+  /* an input without part in the free motions has no motion of its own */
   bool moves = largest > (freedom == 1 ? 0.0 : zero_rate_tolerance);
   double scaled = largest > 0.0 ? 1.0 : 0.0;
   find_rate(m, l->rates, scaled, &l->input);
   find_rate(m, l->rates, scaled, &l->output);
-  out->input_rate = moves ? clear_rate(&l->input) : 0.0;
-  out->output_rate = moves ? clear_rate(&l->output) : 0.0;
+  out->input_rate = moves ? rate_above_rounding(&l->input) : 0.0;
+  out->output_rate = moves ? rate_above_rounding(&l->output) : 0.0;
   bool in = out->input_rate != 0.0, outwards = out->output_rate != 0.0;
   out->state = in && outwards ? KM_ADVANTAGE_FINITE
                : in           ? KM_ADVANTAGE_INFINITE
@@ -342,7 +346,7 @@ km_status km_transfer_compute(const km_mechanism *m, km_state *s, km_transfer *l
   if (!l || l->mechanism != m || !km_state_mobility_is_known(m, s))
     return KM_USAGE;
   update_rows(m, s, l);
-  measure(m, l, choose_motion(m, s, l), out);
+  evaluate_advantage(m, l, choose_motion(m, s, l), out);
   km_status status = km_mobility_check_memory(m, s);
   if (status)
     *out = unknown;
@@ -353,7 +357,7 @@ void km_transfer_along(const km_mechanism *m, const km_state *s, km_transfer *l,
                        km_advantage *out) {
   update_rows(m, s, l);
   memcpy(l->rates, rates, (size_t)m->coordinate_count * sizeof *rates);
-  measure(m, l, 1, out);
+  evaluate_advantage(m, l, 1, out);
 }
 
 int km_transfer_branches(const km_mechanism *m, km_state *s, km_transfer *l, km_advantage *out, int most) {
@@ -364,7 +368,7 @@ int km_transfer_branches(const km_mechanism *m, km_state *s, km_transfer *l, km_
     index = l->moves[c] ? m->substructure_of[c] : -1;
   if (index < 0 || km_partition_freedom(&s->partition[index]) < 2)
     return 0;
-  if (is_steady(m, s, index, l))
+  if (is_permanently_shaky(m, s, index, l))
     return 0;
   const km_substructure *sub = &m->substructures[index];
   double *directions = KM_NEW(double, KM_MAX_BRANCHES *(size_t)sub->columns);

@@ -1,4 +1,4 @@
-/* The ends of a mechanism that push and are pushed: which they are, whether they can be, and their words. */
+/* Ports (input, output) of a mechanism: defaults of the model, checks, units and names. */
 #include "base/arguments.h"
 #include "transfer/transfer.h"
 
@@ -28,7 +28,7 @@ const char *km_end_word(bool output) {
   return output ? "output" : "input";
 }
 
-static km_status check_handle(const km_mechanism *m, const km_port *h, bool output, km_error *error) {
+static km_status check_port(const km_mechanism *m, const km_port *h, bool output, km_error *error) {
   km_status status = km_check_given(h != NULL, km_end_word(output), error);
   if (status)
     return status;
@@ -45,8 +45,8 @@ static km_status check_handle(const km_mechanism *m, const km_port *h, bool outp
 km_status km_check_ports(const km_mechanism *m, const km_port *input, const km_port *output, km_error *error) {
   km_status status = km_check_given(m != NULL, "mechanism", error);
   if (!status)
-    status = check_handle(m, input, false, error);
-  return status ? status : check_handle(m, output, true, error);
+    status = check_port(m, input, false, error);
+  return status ? status : check_port(m, output, true, error);
 }
 
 static bool is_angle(const km_model *model, const km_port *h) {

@@ -1,4 +1,10 @@
-/* Indices of how well a mechanism transmits, from the wrench that reaches the output. */
+/* Transmission wrench and indices of a single loop (theory 8.3, 8.4).
+ *
+ *   w = (f; τ) : w · h_j = 0 for all joints but input and output; scaled to a unit force or moment
+ *   virtual coefficient ½ |w · s_o|;   Sutherland-Roth, Chen-Angeles : |w · s_o| / sqrt((h_w + h_o)² + d²)
+ *   manipulability ∏ σ_i, condition number σ_1 / σ_r of J D⁻¹;   transmission angle of planar four-bars
+ *
+ * s_o the output's unit twist, h pitches, d the distance of the wrench's point P from the output axis. */
 #include "transfer/transmission_metrics.h"
 #include "base/arguments.h"
 #include "kinematics/body_poses.h"
@@ -11,27 +17,26 @@
 
 #include <string.h>
 
-/* Symbols: w the transmission wrench (f; τ), s_o the output's unit twist, h pitches, P the wrench's point on the output
- * link. */
+/*  */
 
 struct km_transmission_workspace {
   km_arena arena;
   const km_mechanism *mechanism;
   km_port input, output;
-  int substructure;    /* of the input; -1: none */
-  const char *no_loop; /* why there is no single loop with both in it; NULL: there is */
-  int *ring, joints;   /* the loop's joints in order, rigid ones left out */
+  int substructure;    /* substructure of the input; -1: none */
+  const char *no_loop; /* reason for no single loop with both ports; NULL: there is one */
+  int *ring, joints;   /* the loop's joints in cyclic order, without rigid ones */
   int next;            /* step in the ring from the output away from the input; 0: they share no link */
-  int at_output;       /* place of the output in the ring */
+  int at_output;       /* index of the output in the ring */
   km_pose *pose;
   km_twist *twist;
-  double *T; /* passive columns and what keeps w in the loop's motion space, as rows */
+  double *T; /* passive joints' columns and, in a plane, the excluded components of w, as rows */
   km_partition partition;
-  km_singular_value_workspace *singular; /* NULL: the substructure is too large for it, or there is none */
+  km_singular_value_workspace *singular; /* NULL: the substructure is too large, or there is none */
 };
 
-/* The loop's joints in the order of a walk round it, without those that don't move. */
-static void make_ring(const km_mechanism *m, int loop, km_transmission_workspace *w) {
+/* Lists the loop's moving joints in cyclic order. */
+static void list_ring(const km_mechanism *m, int loop, km_transmission_workspace *w) {
   const km_topology *t = &m->topology;
   int first = t->member_start[loop], end = t->member_start[loop + 1], split = first;
   while (split < end && t->member[split].side > 0)
@@ -48,11 +53,11 @@ static void make_ring(const km_mechanism *m, int loop, km_transmission_workspace
   }
 }
 
-static int place_of(const km_transmission_workspace *w, int joint) {
-  int place = 0;
-  while (place < w->joints && w->ring[place] != joint)
-    ++place;
-  return place;
+static int index_in_ring(const km_transmission_workspace *w, int joint) {
+  int index = 0;
+  while (index < w->joints && w->ring[index] != joint)
+    ++index;
+  return index;
 }
 
 static const char *find_loop(const km_mechanism *m, km_transmission_workspace *w) {
@@ -61,9 +66,9 @@ static const char *find_loop(const km_mechanism *m, km_transmission_workspace *w
   int sub = m->substructure_of[w->input.coordinate];
   if (sub < 0 || m->substructures[sub].loop_count != 1 || m->substructures[sub].coupling_count > 0)
     return "the input isn't in a substructure of a single loop";
-  make_ring(m, m->topology.loop[m->topology.loop_start[sub]], w);
-  w->at_output = place_of(w, m->model->coordinates[w->output.coordinate].joint);
-  int input = place_of(w, m->model->coordinates[w->input.coordinate].joint);
+  list_ring(m, m->topology.loop[m->topology.loop_start[sub]], w);
+  w->at_output = index_in_ring(w, m->model->coordinates[w->output.coordinate].joint);
+  int input = index_in_ring(w, m->model->coordinates[w->input.coordinate].joint);
   if (w->at_output == w->joints)
     return "the output isn't in the input's loop";
   if (w->joints > 2 && (w->at_output + 1) % w->joints == input)
@@ -124,13 +129,13 @@ static bool is_planar(const km_mechanism *m, const km_transmission_workspace *w)
   return m->programs[m->substructures[w->substructure].program_start].planar;
 }
 
-static km_vec3 centre_of(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
+static km_vec3 joint_centre(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
   const km_model_frame *frame = &m->model->frames[m->model->joints[joint].frame[0]];
   return km_pose_point(&w->pose[frame->body], frame->pose.p);
 }
 
-/* The turning joints' axis of a planar loop. */
-static km_vec3 normal_of(const km_mechanism *m, const km_transmission_workspace *w) {
+/* Returns the hinge axis of a planar loop. */
+static km_vec3 plane_normal(const km_mechanism *m, const km_transmission_workspace *w) {
   const km_substructure *sub = &m->substructures[w->substructure];
   for (int k = 0; k < sub->columns; ++k) {
     km_vec3 axis = w->twist[m->column_coordinate[sub->column_start + k]].w;
@@ -146,8 +151,8 @@ static void add_row(const double row[6], int rows, int *count, double *T) {
   ++*count;
 }
 
-/* w · h = 0 for the passive joints; in a planar loop w is a force in the plane: no part of it is normal, nor is a
- * moment about a direction of the plane. */
+/* Computes the wrench w reciprocal to the passive joints, w · h = 0; in a planar loop it is a force in the plane,
+ * without normal force or moment about a direction of the plane. False if it is not unique. */
 static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_vec3 about, km_wrench *out) {
   const km_substructure *sub = &m->substructures[w->substructure];
   bool planar = is_planar(m, w);
@@ -161,7 +166,7 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
     add_row(row, rows, &count, w->T);
   }
   if (planar) {
-    km_vec3 n = normal_of(m, w), a = km_vec3_perpendicular(n), b = km_vec3_cross(n, a);
+    km_vec3 n = plane_normal(m, w), a = km_vec3_perpendicular(n), b = km_vec3_cross(n, a);
     const double keep[3][6] = {{n.x, n.y, n.z, 0, 0, 0}, {0, 0, 0, a.x, a.y, a.z}, {0, 0, 0, b.x, b.y, b.z}};
     for (int i = 0; i < 3; ++i)
       add_row(keep[i], rows, &count, w->T);
@@ -171,10 +176,10 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
     return false;
   km_partition_null_space(&w->partition, ones, 1, x);
   km_vec3 f = km_vec3_scale(1.0 / sub->size, km_vec3_from_array(x)), t = km_vec3_from_array(x + 3);
-  double force = km_vec3_norm(f), couple = km_vec3_norm(t);
-  bool pure_couple = force * sub->size <= 1e-9 * couple;
-  double scale = 1.0 / (pure_couple ? couple : force);
-  *out = (km_wrench){km_vec3_scale(pure_couple ? 0.0 : scale, f), km_vec3_scale(scale, t)};
+  double force = km_vec3_norm(f), moment = km_vec3_norm(t);
+  bool is_pure_moment = force * sub->size <= 1e-9 * moment;
+  double scale = 1.0 / (is_pure_moment ? moment : force);
+  *out = (km_wrench){km_vec3_scale(is_pure_moment ? 0.0 : scale, f), km_vec3_scale(scale, t)};
   out->t = km_vec3_add(out->t, km_vec3_cross(about, out->f)); /* about the poses' origin */
   return true;
 }
@@ -192,26 +197,26 @@ static double distance(const line *a, km_vec3 p) {
   return km_vec3_norm(km_vec3_sub(p, nearest_on(a, p)));
 }
 
-/* The point of line a that is nearest to line b; of parallels, to b's point. */
+/* Returns the point of line a nearest to line b; for parallel lines, to b's point. */
 static km_vec3 nearest_to_line(const line *a, const line *b) {
-  km_vec3 n = km_vec3_cross(a->along, b->along), way = km_vec3_sub(b->point, a->point);
+  km_vec3 n = km_vec3_cross(a->along, b->along), difference = km_vec3_sub(b->point, a->point);
   double square = km_vec3_dot(n, n);
   if (square < 1e-18)
     return nearest_on(a, b->point);
-  return km_vec3_axpy(km_vec3_dot(km_vec3_cross(way, b->along), n) / square, a->along, a->point);
+  return km_vec3_axpy(km_vec3_dot(km_vec3_cross(difference, b->along), n) / square, a->along, a->point);
 }
 
-/* |w · s_o| over its largest value for a wrench of this pitch through P. */
+/* Returns |w · s_o| over its largest value for a wrench of this pitch through P. */
 static double index_at(km_wrench w, km_twist s, km_vec3 P) {
-  double force = km_vec3_norm(w.f), turn = km_vec3_norm(s.w), power = fabs(km_wrench_power(w, s));
-  if (turn < 0.5) /* a slide: along the force at best */
+  double force = km_vec3_norm(w.f), rotation = km_vec3_norm(s.w), power = fabs(km_wrench_power(w, s));
+  if (rotation < 0.5) /* slide: the largest value is a force along it */
     return force > 0.0 ? power / km_vec3_norm(s.v) : 0.0;
-  if (force == 0.0) /* a couple: along the axis at best */
+  if (force == 0.0) /* moment: the largest value is a moment along the axis */
     return power;
   line axis = {km_vec3_cross(s.w, s.v), s.w};
   double pitch = km_vec3_dot(w.f, w.t) + km_vec3_dot(s.w, s.v), d = distance(&axis, P);
-  double most = sqrt(pitch * pitch + d * d);
-  return most > 0.0 ? power / most : 0.0;
+  double largest = sqrt(pitch * pitch + d * d);
+  return largest > 0.0 ? power / largest : 0.0;
 }
 
 static bool is_point(const km_mechanism *m, const km_transmission_workspace *w, int joint) {
@@ -229,36 +234,37 @@ static void find_indices(const km_mechanism *m, const km_transmission_workspace 
   }
   int joint = w->ring[(w->at_output + w->next + w->joints) % w->joints];
   int c = m->model->joints[joint].first_coordinate;
-  km_vec3 centre = centre_of(m, w, joint);
+  km_vec3 centre = joint_centre(m, w, joint);
   if (is_point(m, w, joint))
     out->sutherland_roth = (km_metric){index_at(wrench, s, centre), NULL};
   else
     out->sutherland_roth.why = "the wrench has no fixed point on the output link";
-  bool turning = km_vec3_norm(w->twist[c].w) > 0.5;
+  bool is_rotational = km_vec3_norm(w->twist[c].w) > 0.5;
   line axis = {centre, w->twist[c].w}, force = {km_vec3_cross(wrench.f, wrench.t), wrench.f};
-  bool couple = km_vec3_norm(wrench.f) == 0.0;
-  if (is_point(m, w, joint) || couple)
+  bool moment = km_vec3_norm(wrench.f) == 0.0;
+  if (is_point(m, w, joint) || moment)
     out->chen_angeles = (km_metric){index_at(wrench, s, centre), NULL};
-  else if (turning)
+  else if (is_rotational)
     out->chen_angeles = (km_metric){index_at(wrench, s, nearest_to_line(&force, &axis)), NULL};
   else
     out->chen_angeles.why = "the joint that drives the output link has no axis that turns";
 }
 
-/* Between the lines from the coupler's far joint to its near one and from there to the output's axis. */
+/* Computes the transmission angle: between the lines from the near to the far joint of the coupler and to the
+ * output's axis. */
 static void find_angle(const km_mechanism *m, const km_transmission_workspace *w, km_transmission *out) {
-  bool turning = w->joints == 4 && is_planar(m, w);
-  for (int i = 0; i < w->joints && turning; ++i) {
+  bool is_rotational = w->joints == 4 && is_planar(m, w);
+  for (int i = 0; i < w->joints && is_rotational; ++i) {
     km_joint_type type = m->model->joints[w->ring[i]].type;
-    turning = type == KM_RX || type == KM_RY || type == KM_RZ;
+    is_rotational = type == KM_RX || type == KM_RY || type == KM_RZ;
   }
-  if (!turning || w->next == 0) {
-    out->angle.why = turning ? "input and output share no link of the loop" : "the loop isn't a planar four-bar";
+  if (!is_rotational || w->next == 0) {
+    out->angle.why = is_rotational ? "input and output share no link of the loop" : "the loop isn't a planar four-bar";
     return;
   }
-  km_vec3 n = normal_of(m, w), p[3];
+  km_vec3 n = plane_normal(m, w), p[3];
   for (int i = 0; i < 3; ++i) {
-    p[i] = centre_of(m, w, w->ring[(w->at_output + i * w->next + w->joints) % w->joints]);
+    p[i] = joint_centre(m, w, w->ring[(w->at_output + i * w->next + w->joints) % w->joints]);
     p[i] = km_vec3_axpy(-km_vec3_dot(n, p[i]), n, p[i]);
   }
   km_vec3 a = km_vec3_sub(p[0], p[1]), b = km_vec3_sub(p[2], p[1]);
@@ -295,7 +301,7 @@ static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_
   return NULL;
 }
 
-static void undefined(km_metric *metric, const char *why) {
+static void set_undefined(km_metric *metric, const char *why) {
   *metric = (km_metric){nan(""), why};
 }
 
@@ -311,12 +317,12 @@ void km_transmission_compute(const km_mechanism *m, km_state *s, km_transmission
   km_metric *const all[] = {&out->virtual_coefficient, &out->sutherland_roth, &out->chen_angeles, &out->angle,
                             &out->manipulability,      &out->condition};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
-    undefined(all[i], out->no_wrench);
+    set_undefined(all[i], out->no_wrench);
   km_vec3 origin = km_poses_about_mechanism(m, s, w->pose);
   km_twists_about(m, s, w->pose, w->twist);
   km_wrench wrench;
   if (!out->no_wrench) {
-    km_vec3 about = centre_of(m, w, w->ring[w->at_output]);
+    km_vec3 about = joint_centre(m, w, w->ring[w->at_output]);
     if (find_wrench(m, w, about, &wrench)) {
       find_indices(m, w, wrench, out);
       km_vec3 t = km_wrench_about(wrench, km_vec3_scale(-1.0, origin)).t;
@@ -325,7 +331,7 @@ void km_transmission_compute(const km_mechanism *m, km_state *s, km_transmission
     } else {
       out->no_wrench = "the passive joints are dependent here: the wrench isn't unique";
       for (int i = 0; i < 3; ++i)
-        undefined(all[i], out->no_wrench);
+        set_undefined(all[i], out->no_wrench);
     }
     find_angle(m, w, out);
   }

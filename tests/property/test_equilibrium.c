@@ -28,7 +28,7 @@ static km_forces *load_randomly(fixture *f, randomness *r) {
 static void make_large(fixture *f, km_statics *statics) {
   km_statics_workspace *w = statics->work;
   for (int i = 0; i < f->mechanism->topology.substructure_count; ++i) {
-    if (w->carrying[i].large)
+    if (w->reactions_of[i].body_equilibrium)
       continue;
     assert_int_equal(km_reaction_workspace_make_large(f->mechanism, w, i, NULL), KM_OK);
     assert_false(w->arena.failed);

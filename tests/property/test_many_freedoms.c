@@ -284,7 +284,7 @@ static void wide_singular_values(void **state) {
 
 static void hold(const fixture *f, km_forces *forces, const int *actuators, int count, bool compares, km_statics *out) {
   assert_int_equal(km_statics_create(f->mechanism, actuators, count, KM_AXES_JOINT, out, NULL), KM_OK);
-  out->work->compares = compares;
+  out->work->keeps_factors = compares;
   assert_int_equal(km_statics_balance(f->mechanism, f->state, forces, out), KM_OK);
 }
 

@@ -12,11 +12,11 @@
 extern "C" {
 #endif
 
-/* ---- What acts on a mechanism at a pose: gravity, loads, springs. */
+/* ---- Loads at a configuration: gravity, applied wrenches, springs. */
 
 /* A wrench on the body of a frame, acting at the frame's origin. Force and torque in the model's units. */
 typedef struct km_load {
-  int frame;                  /* of the model */
+  int frame;                  /* index of the model's frame */
   double force[3], torque[3]; /* model's units of force, and of force × length */
   bool turning;               /* along the frame's axes, else along the inertial frame's */
 } km_load;

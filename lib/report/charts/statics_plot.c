@@ -53,7 +53,7 @@ static void add_line(maker *k, int sweep, int actuator) {
   const km_plotted_statics *p = &k->sweeps[sweep];
   const km_model *model = p->swept.mechanism->model;
   const km_port *handle = &p->sweep->actuators[actuator];
-  int panel = k->forces && !km_pushes_by_force(model, handle) ? 1 : 0;
+  int panel = k->forces && !km_actuator_has_force(model, handle) ? 1 : 0;
   size_t column = km_force_column(p->sweep, actuator);
   char name[400];
   for (size_t i = 0; i < k->line_count; ++i) {
@@ -74,7 +74,7 @@ static void add_marks(maker *k, int sweep) {
   for (size_t i = 0; i < p->sweep->event_count; ++i) {
     const km_force_event *e = &p->sweep->events[i];
     const km_port *handle = &p->sweep->actuators[e->actuator];
-    int panel = k->forces && !km_pushes_by_force(model, handle) ? 1 : 0;
+    int panel = k->forces && !km_actuator_has_force(model, handle) ? 1 : 0;
     char name[300];
     if (e->kind == KM_FORCE_PEAK || !is_shown(p, handle))
       continue;
@@ -92,7 +92,7 @@ static bool gather(maker *k) {
     lines += (size_t)s->actuator_count;
     marks += s->event_count;
     for (int a = 0; a < s->actuator_count; ++a) {
-      bool length = km_pushes_by_force(k->sweeps[i].swept.mechanism->model, &s->actuators[a]);
+      bool length = km_actuator_has_force(k->sweeps[i].swept.mechanism->model, &s->actuators[a]);
       k->forces = k->forces || length;
       k->torques = k->torques || !length;
     }
