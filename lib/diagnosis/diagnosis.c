@@ -1,4 +1,4 @@
-/* All that is asked of a pose beyond its numbers. */
+/* Diagnosis of a configuration: finite mobility, passive freedoms, redundant constraints. */
 #include "base/arguments.h"
 #include "kmech/mobility.h"
 

@@ -1,12 +1,12 @@
-/* Findings about a pose in words. */
+/* Texts of findings about a configuration. */
 #include "diagnosis/finding_texts.h"
 
 #include "topology/mechanism.h"
 
 #include <math.h>
 
-/* Short enough to read; entries that are rounding are 0. */
-static void vector(const double v[3], double size, km_text *out) {
+/* Appends a vector with four digits; entries at rounding level are 0. */
+static void add_vector(const double v[3], double size, km_text *out) {
   for (int k = 0; k < 3; ++k) {
     double value = fabs(v[k]) < 1e-9 * size ? 0.0 : v[k];
     km_text_format(out, "%s%.4g", k ? ", " : "(", value);
@@ -28,10 +28,10 @@ void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_t
   km_text_add(out, r->rotation ? " constrains the rotation about "
                    : screw     ? " constrains the screw along "
                                : " constrains the translation along ");
-  vector(r->direction, 1.0, out);
+  add_vector(r->direction, 1.0, out);
   if (!r->rotation) {
     km_text_add(out, " through ");
-    vector(r->point, size, out);
+    add_vector(r->point, size, out);
     km_text_format(out, " %s", length);
   }
   if (screw)
@@ -41,12 +41,12 @@ void km_redundancy_statement(const km_mechanism *m, const km_redundancy *r, km_t
     km_text_add(out, ", at this pose only");
 }
 
-void km_passive_freedom_statement(const km_mechanism *m, const km_passive_freedom *idle, km_text *out) {
-  km_text_add(out, idle->body_count > 1 ? "bodies" : "body");
-  for (int i = 0; i < idle->body_count; ++i)
-    km_text_format(out, " %s", m->model->bodies[idle->bodies[i]].name);
-  km_text_format(out, " can move in place while everything else stands (%d idle freedom%s)", idle->freedoms,
-                 idle->freedoms == 1 ? "" : "s");
+void km_passive_freedom_statement(const km_mechanism *m, const km_passive_freedom *passive, km_text *out) {
+  km_text_add(out, passive->body_count > 1 ? "bodies" : "body");
+  for (int i = 0; i < passive->body_count; ++i)
+    km_text_format(out, " %s", m->model->bodies[passive->bodies[i]].name);
+  km_text_format(out, " can move in place while everything else stands (%d idle freedom%s)", passive->freedoms,
+                 passive->freedoms == 1 ? "" : "s");
 }
 
 int km_redundancies_out_of_plane(const km_redundancies *redundancies, int substructure) {

@@ -1,4 +1,4 @@
-/* Finds what is suspicious about a model. */
+/* Checks of a model: suspicious units, masses, geometry, ranks, redundancies, limits, force laws. */
 #include "kmech/mobility.h"
 
 #include "base/arguments.h"
@@ -20,11 +20,11 @@ struct km_findings_store {
   bool failed;
 };
 
-static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
-                ...) __attribute__((format(printf, 5, 6)));
+static void add_finding(km_findings *f, km_finding_severity severity, const char *kind, const char *advice,
+                        const char *format, ...) __attribute__((format(printf, 5, 6)));
 
-static void add(km_findings *f, km_finding_severity severity, const char *kind, const char *advice, const char *format,
-                ...) {
+static void add_finding(km_findings *f, km_finding_severity severity, const char *kind, const char *advice,
+                        const char *format, ...) {
   char text[KM_ERROR_TEXT];
   void *items = f->items;
   va_list arguments;
@@ -36,16 +36,17 @@ static void add(km_findings *f, km_finding_severity severity, const char *kind, 
     return;
   }
   f->items = items;
-  const char *statement = km_arena_string(&f->store->arena, text), *kept = km_arena_string(&f->store->arena, advice);
+  const char *statement = km_arena_string(&f->store->arena, text),
+             *stored_advice = km_arena_string(&f->store->arena, advice);
   f->store->failed = f->store->failed || f->store->arena.failed;
   f->counts[severity]++;
-  f->items[f->count++] = (km_finding){severity, kind, statement ? statement : "", kept ? kept : ""};
+  f->items[f->count++] = (km_finding){severity, kind, statement ? statement : "", stored_advice ? stored_advice : ""};
 }
 
 static void check_reader(const km_messages *messages, km_findings *f) {
   for (size_t i = 0; i < km_messages_count(messages); ++i)
-    add(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_HINT : KM_FINDING_WARNING, "reader",
-        "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
+    add_finding(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_HINT : KM_FINDING_WARNING, "reader",
+                "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
 }
 
 static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
@@ -53,25 +54,27 @@ static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
   f->store->failed = f->store->failed || !notes;
   km_geometry_notes(m, s, notes);
   for (size_t i = 0; i < km_messages_count(notes); ++i)
-    add(f, KM_FINDING_HINT, "geometry", "harmless for the motion; move a frame along its axis to state one point", "%s",
-        km_messages_text(notes, i));
+    add_finding(f, KM_FINDING_HINT, "geometry",
+                "harmless for the motion; move a frame along its axis to state one point", "%s",
+                km_messages_text(notes, i));
   km_messages_free(notes);
 }
 
-/* A text in the findings' arena, "" when out of memory. */
-static const char *kept(km_text *text, km_findings *f) {
+/* Moves a text into the findings' arena; "" without memory. */
+static const char *keep_text(km_text *text, km_findings *f) {
   const char *words = km_text_keep(text, &f->store->arena);
   return words ? words : "";
 }
 
-/* What planar loops have by nature is one remark for a substructure. */
+/* Adds one hint per substructure for the redundancies that planar loops have by nature. */
 static void check_planar(const km_mechanism *m, const km_redundancies *redundancies, km_findings *f) {
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     int count = km_redundancies_out_of_plane(redundancies, i);
     if (count)
-      add(f, KM_FINDING_HINT, "redundant", "harmless where parts are exact or soft; kmob info --verbose names them",
-          "%d constraint%s out of the plane of the planar loops of substructure %d %s redundant by nature", count,
-          count == 1 ? "" : "s", i + 1, count == 1 ? "is" : "are");
+      add_finding(f, KM_FINDING_HINT, "redundant",
+                  "harmless where parts are exact or soft; kmob info --verbose names them",
+                  "%d constraint%s out of the plane of the planar loops of substructure %d %s redundant by nature",
+                  count, count == 1 ? "" : "s", i + 1, count == 1 ? "is" : "are");
   }
 }
 
@@ -87,16 +90,16 @@ static void check_redundancies(const km_mechanism *m, const km_redundancies *red
                      m->model->joints[r->remedies[0].joint].label, r->remedies[0].to);
     else
       km_text_add(&advice, "harmless where parts are exact or soft; else loosen a joint of the loop");
-    add(f, KM_FINDING_HINT, "redundant", kept(&advice, f), "%s", kept(&text, f));
+    add_finding(f, KM_FINDING_HINT, "redundant", keep_text(&advice, f), "%s", keep_text(&text, f));
   }
 }
 
-static void check_idle(const km_mechanism *m, const km_passive_freedoms *idle, km_findings *f) {
-  for (int i = 0; i < idle->count; ++i) {
+static void check_passive(const km_mechanism *m, const km_passive_freedoms *passive, km_findings *f) {
+  for (int i = 0; i < passive->count; ++i) {
     km_text text = {0};
-    km_passive_freedom_statement(m, &idle->items[i], &text);
-    add(f, KM_FINDING_HINT, "idle", "harmless; a universal joint instead of a ball takes the freedom away", "%s",
-        kept(&text, f));
+    km_passive_freedom_statement(m, &passive->items[i], &text);
+    add_finding(f, KM_FINDING_HINT, "idle", "harmless; a universal joint instead of a ball takes the freedom away",
+                "%s", keep_text(&text, f));
   }
 }
 
@@ -107,18 +110,20 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
     shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
   }
   if (finite->undecided && finite->truncated)
-    add(f, KM_FINDING_WARNING, "undecided", "try a pose nearby (kmob at --set)",
-        "the finite mobility is undecided: first order allows %d, and only some of its directions were tried",
-        mobility->mobility);
+    add_finding(f, KM_FINDING_WARNING, "undecided", "try a pose nearby (kmob at --set)",
+                "the finite mobility is undecided: first order allows %d, and only some of its directions were tried",
+                mobility->mobility);
   else if (finite->undecided)
-    add(f, KM_FINDING_WARNING, "undecided",
+    add_finding(
+        f, KM_FINDING_WARNING, "undecided",
         "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
         "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
         mobility->mobility);
   branches = branches ? km_finite_mobility_branches(finite) : 0;
   bool one = branches == 1 && !finite->truncated;
   if (shaky || one)
-    add(f, KM_FINDING_FAULT, "shaky",
+    add_finding(
+        f, KM_FINDING_FAULT, "shaky",
         finite->mobility
             ? "change a length or an angle so that the parts don't line up, or hold the joint that shakes (--hold)"
             : "change a length or an angle so that the parts don't line up",
@@ -128,9 +133,9 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
   if (!finite->truncated)
     snprintf(number, sizeof number, "%d", branches);
   if (branches && !one)
-    add(f, KM_FINDING_WARNING, "branch",
-        "start from another pose, or follow one motion through it with kmob sweep --arclength",
-        "the pose is a branch point: %s motions meet, mobility %d there", number, mobility->mobility);
+    add_finding(f, KM_FINDING_WARNING, "branch",
+                "start from another pose, or follow one motion through it with kmob sweep --arclength",
+                "the pose is a branch point: %s motions meet, mobility %d there", number, mobility->mobility);
 }
 
 static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
@@ -138,9 +143,9 @@ static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f,
   km_status status = doubts ? km_rank_doubts(m, s, doubts, error) : KM_OK;
   f->store->failed = f->store->failed || !doubts;
   for (size_t i = 0; i < km_messages_count(doubts); ++i)
-    add(f, KM_FINDING_WARNING, "doubtful-rank",
-        "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance", "%s",
-        km_messages_text(doubts, i));
+    add_finding(f, KM_FINDING_WARNING, "doubtful-rank",
+                "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance", "%s",
+                km_messages_text(doubts, i));
   km_messages_free(doubts);
   return status;
 }
@@ -150,9 +155,10 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Frames a thousand times further out than most: some lengths are in another unit. What is next to nothing is the rounding of 0. */
+/* Warns of frames 300 times further from, or nearer to, their body's origin than most: some lengths are in another
+ * unit. Distances at rounding level are ignored. */
 static void check_lengths(const km_model *model, km_findings *f) {
-  static const double nothing = 1e-9;
+  static const double relative_zero = 1e-9;
   double *sizes = KM_ARENA_NEW(&f->store->arena, double, (size_t)model->frame_count);
   size_t count = 0;
   for (int i = 0; sizes && i < model->frame_count; ++i)
@@ -164,20 +170,21 @@ static void check_lengths(const km_model *model, km_findings *f) {
   double middle = sizes[count / 2];
   for (int i = 0; i < model->frame_count; ++i) {
     double size = km_vec3_norm(model->frames[i].pose.p);
-    if (model->frames[i].body != 0 && size > nothing * middle && (size > 300.0 * middle || size < middle / 300.0))
-      add(f, KM_FINDING_WARNING, "units", "check its unit",
-          "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g", model->frames[i].name,
-          model->bodies[model->frames[i].body].name, size, model->units.length->suffix, middle);
+    if (model->frames[i].body != 0 && size > relative_zero * middle && (size > 300.0 * middle || size < middle / 300.0))
+      add_finding(f, KM_FINDING_WARNING, "units", "check its unit",
+                  "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g",
+                  model->frames[i].name, model->bodies[model->frames[i].body].name, size, model->units.length->suffix,
+                  middle);
   }
 }
 
-/* No angle of a drawing is 10 radians; of a file that states radians it may be, unless it is round in degrees. */
+/* True if an angle in radians looks like degrees: above 10 rad and, if the file states radians, a multiple of 5. */
 static bool is_degrees(const km_model *model, double value) {
   bool round_number = fabs(value - 5.0 * round(value / 5.0)) < 1e-9;
   return isfinite(value) && fabs(value) > 10.0 && (round_number || model->angle_assumed);
 }
 
-/* Tells of the first of some values of a coordinate that looks like degrees. */
+/* Warns of the first value of a coordinate that looks like degrees; returns true if there is one. */
 static bool check_angle(const km_model *model, int c, const double *values, int count, const char *what,
                         km_findings *f) {
   const km_model_coordinate *def = &model->coordinates[c];
@@ -185,44 +192,44 @@ static bool check_angle(const km_model *model, int c, const double *values, int 
     return false;
   for (int k = 0; k < count; ++k)
     if (is_degrees(model, values[k])) {
-      add(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
-          "joint %s has %s of %g rad, which looks like degrees%s", def->label, what, values[k],
-          model->angle_assumed ? "; the file states no unit of angles" : "");
+      add_finding(f, KM_FINDING_WARNING, "angles", "write \"angle\": \"degrees\" in units, or the angle in radians",
+                  "joint %s has %s of %g rad, which looks like degrees%s", def->label, what, values[k],
+                  model->angle_assumed ? "; the file states no unit of angles" : "");
       return true;
     }
   return false;
 }
 
-/* Large angles in a radian file are degrees: of the joints, and of what is asked of them. */
+/* Warns of angles that look like degrees, of joints, sweeps, holds and named poses. */
 static void check_angles(const km_model *model, km_findings *f) {
   if (model->units.angle->si != 1.0)
     return;
   for (int c = 0; c < model->coordinate_count; ++c) {
     const km_model_coordinate *def = &model->coordinates[c];
     const double values[3] = {def->position, def->low, def->high};
-    bool told = check_angle(model, c, values, 3, "an angle", f);
-    if (!told && model->sweep.coordinate == c && model->sweep.arclength == 0.0)
-      told = check_angle(model, c, model->sweep.range, 2, "a sweep to an angle", f);
-    for (int h = 0; h < model->hold_count && !told; ++h)
-      told =
+    bool is_reported = check_angle(model, c, values, 3, "an angle", f);
+    if (!is_reported && model->sweep.coordinate == c && model->sweep.arclength == 0.0)
+      is_reported = check_angle(model, c, model->sweep.range, 2, "a sweep to an angle", f);
+    for (int h = 0; h < model->hold_count && !is_reported; ++h)
+      is_reported =
           model->holds[h].coordinate == c && check_angle(model, c, &model->holds[h].value, 1, "a hold at an angle", f);
-    for (int p = 0; p < model->pose_count && !told; ++p)
-      for (int k = 0; k < model->poses[p].count && !told; ++k)
-        told = model->poses[p].coordinates[k] == c &&
-               check_angle(model, c, &model->poses[p].values[k], 1, "a named pose with an angle", f);
+    for (int p = 0; p < model->pose_count && !is_reported; ++p)
+      for (int k = 0; k < model->poses[p].count && !is_reported; ++k)
+        is_reported = model->poses[p].coordinates[k] == c &&
+                      check_angle(model, c, &model->poses[p].values[k], 1, "a named pose with an angle", f);
   }
 }
 
-/* Warns of a file that states no unit of length and whose longest link, in metres, is as long as a bridge. */
+/* Warns of a file without unit of length whose longest link, in metres, exceeds 20 m. */
 static void check_length_unit(const km_mechanism *m, km_findings *f) {
-  static const double bridge = 20.0; /* m */
-  if (m->model->length_assumed && m->length > bridge)
-    add(f, KM_FINDING_WARNING, "units", "write \"length\": \"mm\", or the unit that is meant, in units",
-        "the file states no unit of length, so that its lengths are metres, and the mechanism is %.4g m long",
-        m->length);
+  static const double longest_plausible = 20.0; /* m */
+  if (m->model->length_assumed && m->length > longest_plausible)
+    add_finding(f, KM_FINDING_WARNING, "units", "write \"length\": \"mm\", or the unit that is meant, in units",
+                "the file states no unit of length, so that its lengths are metres, and the mechanism is %.4g m long",
+                m->length);
 }
 
-/* Surface gravity is 1.6 m/s² on the Moon and 25 m/s² on Jupiter. */
+/* Warns of gravity outside 0.5 … 50 m/s² (Moon 1.6, Jupiter 25), and of masses without gravity. */
 static void check_gravity(const km_model *model, km_findings *f) {
   static const double least = 0.5, most = 50.0; /* m/s² */
   const km_units *u = &model->units;
@@ -231,15 +238,16 @@ static void check_gravity(const km_model *model, km_findings *f) {
   for (int b = 1; b < model->body_count; ++b)
     weighs = weighs || model->bodies[b].mass > 0.0;
   if (size > 0.0 && (size * unit < least || size * unit > most))
-    add(f, KM_FINDING_WARNING, "gravity", "write it in the model's units",
-        "gravity is %.6g %s/%s², which is %.4g m/s²; the earth's is %.6g %s/%s²", size, u->length->suffix,
-        u->time->suffix, size * unit, 9.80665 / unit, u->length->suffix, u->time->suffix);
+    add_finding(f, KM_FINDING_WARNING, "gravity", "write it in the model's units",
+                "gravity is %.6g %s/%s², which is %.4g m/s²; the earth's is %.6g %s/%s²", size, u->length->suffix,
+                u->time->suffix, size * unit, 9.80665 / unit, u->length->suffix, u->time->suffix);
   if (size == 0.0 && weighs && model->gravity_assumed)
-    add(f, KM_FINDING_WARNING, "gravity", "write \"gravity\" in model_parameters; [0, 0, 0] where none is meant",
-        "bodies have masses, and the file states no gravity: they have no weight");
+    add_finding(f, KM_FINDING_WARNING, "gravity",
+                "write \"gravity\" in model_parameters; [0, 0, 0] where none is meant",
+                "bodies have masses, and the file states no gravity: they have no weight");
 }
 
-/* Has the loop no body with a mass? */
+/* True if no body of the loop has a mass. */
 static bool is_massless(const km_mechanism *m, int loop) {
   const km_topology *t = &m->topology;
   for (int i = t->member_start[loop]; i < t->member_start[loop + 1]; ++i)
@@ -251,30 +259,30 @@ static bool is_massless(const km_mechanism *m, int loop) {
   return true;
 }
 
-/* A massless loop is a fault of the masses only where its substructure can move without moving any mass. */
+/* Warns of massless loops in substructures that can move without moving any mass. */
 static km_status check_masses(const km_mechanism *m, km_state *s, km_findings *f, km_error *error) {
   const km_topology *t = &m->topology;
-  bool some = false;
+  bool has_mass = false;
   for (int b = 1; b < m->model->body_count; ++b)
-    some = some || m->model->bodies[b].mass > 0.0;
-  for (int i = 0; i < t->substructure_count && some; ++i) {
-    bool massless = false, inert = false;
+    has_mass = has_mass || m->model->bodies[b].mass > 0.0;
+  for (int i = 0; i < t->substructure_count && has_mass; ++i) {
+    bool massless = false, is_massless_motion = false;
     for (int k = t->loop_start[i]; k < t->loop_start[i + 1]; ++k)
       massless = massless || is_massless(m, t->loop[k]);
-    km_status status = massless ? km_has_massless_motion(m, s, i, &inert, error) : KM_OK;
+    km_status status = massless ? km_has_massless_motion(m, s, i, &is_massless_motion, error) : KM_OK;
     if (status)
       return status;
-    for (int k = t->loop_start[i]; k < t->loop_start[i + 1] && inert; ++k)
+    for (int k = t->loop_start[i]; k < t->loop_start[i + 1] && is_massless_motion; ++k)
       if (is_massless(m, t->loop[k]))
-        add(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
-            "no body of loop %d, which is closed at joint %s, has a mass, while others have", t->loop[k] + 1,
-            m->model->joints[t->chord[t->loop[k]]].label);
+        add_finding(f, KM_FINDING_WARNING, "massless-loop", "give one of its bodies a mass before simulating",
+                    "no body of loop %d, which is closed at joint %s, has a mass, while others have", t->loop[k] + 1,
+                    m->model->joints[t->chord[t->loop[k]]].label);
   }
   return KM_OK;
 }
 
-/* Is a used frame in the same place of the body, as that of a strut's end? */
-static bool is_used_in_place(const km_model *model, const bool *used, int frame) {
+/* True if a used frame has the same position in the body, such as a strut's end. */
+static bool is_position_used(const km_model *model, const bool *used, int frame) {
   const km_model_frame *own = &model->frames[frame];
   for (int i = 0; i < model->frame_count; ++i)
     if (used[i] && model->frames[i].body == own->body &&
@@ -283,28 +291,28 @@ static bool is_used_in_place(const km_model *model, const bool *used, int frame)
   return false;
 }
 
-static void use_port(const km_module_port *port, bool *used) {
+static void mark_module_port(const km_module_port *port, bool *used) {
   if (port->coordinate == KM_MODULE_PORT_FRAMES)
     used[port->frame[0]] = used[port->frame[1]] = true;
 }
 
-static void use_handle(const km_model_port *handle, bool *used) {
-  if (handle->frame >= 0)
-    used[handle->frame] = true;
+static void mark_port(const km_model_port *port, bool *used) {
+  if (port->frame >= 0)
+    used[port->frame] = true;
 }
 
-/* Frames that the model itself names. */
+/* Marks the frames that the model uses. */
 static void find_used(const km_model *model, bool *used) {
   for (int j = 0; j < model->joint_count; ++j)
     used[model->joints[j].frame[0]] = used[model->joints[j].frame[1]] = true;
   for (int i = 0; i < model->load_count; ++i)
     used[model->loads[i].frame] = true;
   for (int i = 0; i < model->module_count; ++i) {
-    use_port(&model->modules[i].input, used);
-    use_port(&model->modules[i].output, used);
+    mark_module_port(&model->modules[i].input, used);
+    mark_module_port(&model->modules[i].output, used);
   }
-  use_handle(&model->advantage_input, used);
-  use_handle(&model->advantage_output, used);
+  mark_port(&model->advantage_input, used);
+  mark_port(&model->advantage_output, used);
 }
 
 static void check_frames(const km_model *model, km_findings *f) {
@@ -312,10 +320,10 @@ static void check_frames(const km_model *model, km_findings *f) {
   if (used)
     find_used(model, used);
   for (int i = 0; used && i < model->frame_count; ++i)
-    if (!used[i] && strcmp(model->frames[i].name, "origin") != 0 && !is_used_in_place(model, used, i))
-      add(f, KM_FINDING_HINT, "unused-frame", "keep it for --point or views, or remove it",
-          "frame %s of body %s is used by no joint, no load and no force module", model->frames[i].name,
-          model->bodies[model->frames[i].body].name);
+    if (!used[i] && strcmp(model->frames[i].name, "origin") != 0 && !is_position_used(model, used, i))
+      add_finding(f, KM_FINDING_HINT, "unused-frame", "keep it for --point or views, or remove it",
+                  "frame %s of body %s is used by no joint, no load and no force module", model->frames[i].name,
+                  model->bodies[model->frames[i].body].name);
 }
 
 static bool has_limits(const km_model *model, int joint) {
@@ -326,31 +334,33 @@ static bool has_limits(const km_model *model, int joint) {
   return limited;
 }
 
-/* A damper takes energy, a stop acts past limits, and surfaces slide at a distance from a hinge's axis. */
+/* Checks force laws: negative damping, stops without limits, friction without radius. */
 static void check_laws(const km_model *model, km_findings *f) {
   for (int c = 0; c < model->coordinate_count; ++c)
     if (model->coordinates[c].damping < 0.0)
-      add(f, KM_FINDING_WARNING, "damping", "write the damping as a positive number, or the drive as a force module",
-          "joint %s has a negative damping of %g, which gives it energy as it moves", model->coordinates[c].label,
-          model->coordinates[c].damping);
+      add_finding(f, KM_FINDING_WARNING, "damping",
+                  "write the damping as a positive number, or the drive as a force module",
+                  "joint %s has a negative damping of %g, which gives it energy as it moves",
+                  model->coordinates[c].label, model->coordinates[c].damping);
   for (int j = 0; j < model->joint_count; ++j) {
     const km_model_joint *joint = &model->joints[j];
     if ((joint->stop.stiffness > 0.0 || joint->stop.damping > 0.0) && !has_limits(model, j))
-      add(f, KM_FINDING_HINT, "stop", "give the joint limits, or remove the stop",
-          "joint %s has a stop but no limits, so the stop never acts", joint->label);
+      add_finding(f, KM_FINDING_HINT, "stop", "give the joint limits, or remove the stop",
+                  "joint %s has a stop but no limits, so the stop never acts", joint->label);
     if (km_model_next_without_radius(model, j) == j)
-      add(f, KM_FINDING_HINT, "friction", "give the radius at which its surfaces slide, or remove the coefficient",
+      add_finding(
+          f, KM_FINDING_HINT, "friction", "give the radius at which its surfaces slide, or remove the coefficient",
           "joint %s has a coefficient of friction but no radius, so that it turns without friction", joint->label);
   }
 }
 
-static void check_turn(const km_mechanism *m, const km_state *s, int c, km_findings *f) {
+static void check_ball_angle(const km_mechanism *m, const km_state *s, int c, km_findings *f) {
   const km_model_joint *joint = &m->model->joints[m->model->coordinates[c].joint];
-  double over = km_state_ball_excess(m, c, &s->q[c]), unit = m->model->units.angle->si;
-  if (over > 1e-9)
-    add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
-        "joint %s starts turned by %.6g %s, past its limit of %g", joint->label, (over + m->max_ball_angle[c]) / unit,
-        km_model_coordinate_unit(m->model, c), joint->most_turn);
+  double excess = km_state_ball_excess(m, c, &s->q[c]), unit = m->model->units.angle->si;
+  if (excess > 1e-9)
+    add_finding(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
+                "joint %s starts turned by %.6g %s, past its limit of %g", joint->label,
+                (excess + m->max_ball_angle[c]) / unit, km_model_coordinate_unit(m->model, c), joint->most_turn);
 }
 
 static void check_start(const km_mechanism *m, const km_state *s, km_findings *f) {
@@ -360,17 +370,18 @@ static void check_start(const km_mechanism *m, const km_state *s, km_findings *f
     double q = km_state_coordinate(s, c), slack = 1e-9 * (1.0 + fabs(q));
     const char *unit = km_model_coordinate_unit(model, c);
     if (q < def->low - slack || q > def->high + slack)
-      add(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
-          "joint %s starts at %.6g %s, outside its limits [%g, %g]", def->label, q, unit, def->low, def->high);
-    check_turn(m, s, c, f);
+      add_finding(f, KM_FINDING_FAULT, "limits", "start inside the limits, or widen them",
+                  "joint %s starts at %.6g %s, outside its limits [%g, %g]", def->label, q, unit, def->low, def->high);
+    check_ball_angle(m, s, c, f);
     if (!m->held[c] && fabs(s->q[c] - m->start[c]) > 1e-3 * m->unit[c])
-      add(f, KM_FINDING_WARNING, "start", "write the closed pose with kmob convert",
-          "joint %s is given at %.6g %s, but the loops close at %.6g %s", def->label, def->position, unit, q, unit);
+      add_finding(f, KM_FINDING_WARNING, "start", "write the closed pose with kmob convert",
+                  "joint %s is given at %.6g %s, but the loops close at %.6g %s", def->label, def->position, unit, q,
+                  unit);
   }
 }
 
-static km_status examine(const km_mechanism *m, km_state *s, const km_messages *messages, const km_diagnosis *diagnosis,
-                         km_findings *out, km_error *error) {
+static km_status run_checks(const km_mechanism *m, km_state *s, const km_messages *messages,
+                            const km_diagnosis *diagnosis, km_findings *out, km_error *error) {
   km_mobility mobility;
   km_ranks_update(m, s, &mobility);
   check_reader(messages, out);
@@ -386,7 +397,7 @@ static km_status examine(const km_mechanism *m, km_state *s, const km_messages *
     status = check_masses(m, s, out, error);
   check_laws(m->model, out);
   check_frames(m->model, out);
-  check_idle(m, &diagnosis->passive, out);
+  check_passive(m, &diagnosis->passive, out);
   check_planar(m, &diagnosis->redundancies, out);
   check_redundancies(m, &diagnosis->redundancies, out);
   bool failed = out->store->failed || out->store->arena.failed;
@@ -402,7 +413,7 @@ km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messag
   km_status status = km_diagnosis_find(m, s, progress, context, &diagnosis, error);
   if (!status) {
     out->store = KM_NEW(struct km_findings_store, 1);
-    status = out->store ? examine(m, s, messages, &diagnosis, out, error)
+    status = out->store ? run_checks(m, s, messages, &diagnosis, out, error)
                         : km_fail(error, KM_MEMORY, "out of memory for the check");
   }
   km_diagnosis_free(&diagnosis);
@@ -410,15 +421,15 @@ km_status km_check(const km_mechanism *m, km_state *s, const km_messages *messag
 }
 
 void km_findings_leave_out(km_findings *f, const char *kind) {
-  size_t kept = 0;
+  size_t keep_text = 0;
   for (size_t i = 0; f && kind && i < f->count; ++i) {
-    bool stays = strcmp(f->items[i].kind, kind) != 0;
-    f->counts[f->items[i].severity] -= !stays;
-    f->items[kept] = f->items[i];
-    kept += stays;
+    bool is_kept = strcmp(f->items[i].kind, kind) != 0;
+    f->counts[f->items[i].severity] -= !is_kept;
+    f->items[keep_text] = f->items[i];
+    keep_text += is_kept;
   }
   if (f && kind)
-    f->count = kept;
+    f->count = keep_text;
 }
 
 void km_findings_free(km_findings *f) {

@@ -1,4 +1,6 @@
-/* Moving a mechanism by hand: making a hand, and pulling joints. */
+/* Manipulation of a mechanism: creation, and motion of a joint (theory 4.14).
+ *
+ *   a joint moves by sqrt(m_j) of the mechanism's step |D δq|, at least 2 %: slowly near its dead point */
 #include "manipulation/manipulation.h"
 
 #include "base/arguments.h"
@@ -8,8 +10,8 @@
 
 #include <string.h>
 
-/* Of `most`: so far a joint moves at a toggle, where its mobility number tells nothing of how it leaves. */
-static const double least_share = 0.02;
+/* Part of `most` by which a joint moves at a dead point, where its mobility number does not determine the motion. */
+static const double min_part = 0.02;
 
 const char *km_manipulation_stop_name(km_manipulation_stop stop) {
   static const char *const names[] = {"free", "limit", "toggle", "nearest"};
@@ -19,10 +21,10 @@ const char *km_manipulation_stop_name(km_manipulation_stop stop) {
 static bool allocate(km_manipulation *h) {
   size_t n = (size_t)h->mechanism->coordinate_count, subs = (size_t)h->mechanism->topology.substructure_count;
   km_arena *a = &h->arena;
-  h->ways = KM_ARENA_NEW(a, int, subs);
-  h->on_way = KM_ARENA_NEW(a, bool, subs);
+  h->substructures = KM_ARENA_NEW(a, int, subs);
+  h->is_on_path = KM_ARENA_NEW(a, bool, subs);
   h->rank = KM_ARENA_NEW(a, int, subs);
-  h->left = KM_ARENA_NEW(a, bool, subs);
+  h->has_left_branch_point = KM_ARENA_NEW(a, bool, subs);
   h->column = KM_ARENA_NEW(a, km_vec3, n);
   h->A = KM_ARENA_NEW(a, double, 3 * n);
   h->w = KM_ARENA_NEW(a, double, n);
@@ -55,7 +57,7 @@ void km_manipulation_free(km_manipulation *h) {
   if (!h)
     return;
   km_driver_motion_free(h->drive);
-  km_free(h->barrier);
+  km_free(h->limit_rows);
   km_arena_free(&h->arena);
   km_free(h);
 }
@@ -68,7 +70,7 @@ void km_manipulation_release(km_manipulation *h) {
   h->driven = -1;
   for (int i = 0; i < h->mechanism->topology.substructure_count; ++i) {
     h->rank[i] = 0;
-    h->left[i] = false;
+    h->has_left_branch_point[i] = false;
   }
 }
 
@@ -84,8 +86,8 @@ void km_manipulation_restore(km_manipulation *h) {
     memcpy(h->state->ball, h->saved_ball, (size_t)h->mechanism->ball_count * sizeof *h->saved_ball);
 }
 
-/* The drive of a coordinate: the last one goes on, so that it knows its branch. */
-static km_status take(km_manipulation *h, int coordinate, km_error *error) {
+/* Selects the driven motion of a coordinate; the last one is continued, so that the branch is kept. */
+static km_status select_motion(km_manipulation *h, int coordinate, km_error *error) {
   if (h->drive && h->driven == coordinate)
     return KM_OK;
   km_manipulation_release(h);
@@ -96,46 +98,48 @@ static km_status take(km_manipulation *h, int coordinate, km_error *error) {
   return status;
 }
 
-/* How far the coordinate may go, model's unit. */
-static double share(const km_manipulation *h, int coordinate, double most) {
+/* Returns the largest move of the coordinate, model's unit. */
+static double max_move(const km_manipulation *h, int coordinate, double most) {
   const km_mechanism *m = h->mechanism;
   double number = h->state->mobility_number[coordinate];
-  double part = fmax(sqrt(fmax(number, 0.0)), least_share) * most / m->scale[coordinate];
+  double part = fmax(sqrt(fmax(number, 0.0)), min_part) * most / m->scale[coordinate];
   return part / km_model_coordinate_factor(m->model, coordinate);
 }
 
-static void refresh(km_manipulation *h, int coordinate) {
+static void update_results(km_manipulation *h, int coordinate) {
   int index = h->mechanism->substructure_of[coordinate];
   if (index >= 0)
     km_numbers_update(h->mechanism, h->state, index);
   km_poses_compute(h->mechanism, h->state);
 }
 
-/* A component of a rotation vector outside loops turns freely, within its limits and the ball's. */
-static void turn(km_manipulation *h, int coordinate, double target, double most, km_manipulation_step *out) {
+/* Moves a component of a rotation vector outside loops, within its limits and the ball joint's. */
+static void move_ball_component(km_manipulation *h, int coordinate, double target, double most,
+                                km_manipulation_step *out) {
   const km_mechanism *m = h->mechanism;
   int first = m->ball_coordinate[m->ball_of[coordinate]];
   double factor = km_model_coordinate_factor(m->model, coordinate), goal = target * factor, others = 0.0;
-  double q = h->state->q[coordinate], within = fmin(fmax(goal, m->low[coordinate]), m->high[coordinate]);
+  double q = h->state->q[coordinate], limited_goal = fmin(fmax(goal, m->low[coordinate]), m->high[coordinate]);
   for (int c = first; c < first + 3; ++c)
     others += c == coordinate ? 0.0 : h->state->q[c] * h->state->q[c];
   double ball = sqrt(fmax(m->max_ball_angle[first] * m->max_ball_angle[first] - others, 0.0));
-  within = fmin(fmax(within, -ball), ball);
+  limited_goal = fmin(fmax(limited_goal, -ball), ball);
   memcpy(h->z, h->state->q, (size_t)m->coordinate_count * sizeof *h->z);
-  h->z[coordinate] = q + fmin(fmax(within - q, -most), most);
+  h->z[coordinate] = q + fmin(fmax(limited_goal - q, -most), most);
   km_state_set(m, h->state, h->z);
-  bool limited = h->z[coordinate] == within && within != goal;
+  bool limited = h->z[coordinate] == limited_goal && limited_goal != goal;
   *out = (km_manipulation_step){.stop = limited ? KM_MANIPULATION_LIMIT : KM_MANIPULATION_FREE,
                                 .coordinate = limited ? coordinate : -1,
-                                .there = h->z[coordinate] == goal,
-                                .left = (goal - h->z[coordinate]) / factor};
+                                .is_reached = h->z[coordinate] == goal,
+                                .remaining = (goal - h->z[coordinate]) / factor};
 }
 
-static void drive(km_manipulation *h, int coordinate, double target, double most, km_manipulation_step *out) {
-  double at = km_state_coordinate(h->state, coordinate), reach = share(h, coordinate, most);
+static void move_driven_joint(km_manipulation *h, int coordinate, double target, double most,
+                              km_manipulation_step *out) {
+  double at = km_state_coordinate(h->state, coordinate), reach = max_move(h, coordinate, most);
   double goal = fabs(target - at) <= reach ? target : at + copysign(reach, target - at);
   km_motion_end reached = km_driver_motion_move_to(h->drive, goal);
-  *out = (km_manipulation_step){.coordinate = -1, .there = reached.stop == KM_STOP_NONE && goal == target};
+  *out = (km_manipulation_step){.coordinate = -1, .is_reached = reached.stop == KM_STOP_NONE && goal == target};
   if (reached.stop == KM_STOP_LIMIT) {
     out->stop = KM_MANIPULATION_LIMIT;
     out->coordinate = reached.coordinate;
@@ -143,7 +147,7 @@ static void drive(km_manipulation *h, int coordinate, double target, double most
     out->stop = KM_MANIPULATION_TOGGLE;
     out->coordinate = coordinate;
   }
-  out->left = out->there ? 0.0 : target - km_state_coordinate(h->state, coordinate);
+  out->remaining = out->is_reached ? 0.0 : target - km_state_coordinate(h->state, coordinate);
 }
 
 static km_status check(const km_manipulation *h, double most, const km_manipulation_step *out, km_error *error) {
@@ -167,13 +171,13 @@ km_status km_manipulation_pull_joint(km_manipulation *h, int coordinate, double 
   const km_mechanism *m = h->mechanism;
   if (m->ball_of[coordinate] >= 0 && m->substructure_of[coordinate] < 0 && !m->held[coordinate]) {
     km_manipulation_release(h);
-    turn(h, coordinate, target, most, out);
+    move_ball_component(h, coordinate, target, most, out);
   } else {
-    status = take(h, coordinate, error);
+    status = select_motion(h, coordinate, error);
     if (status)
       return status;
-    drive(h, coordinate, target, most, out);
+    move_driven_joint(h, coordinate, target, most, out);
   }
-  refresh(h, coordinate);
+  update_results(h, coordinate);
   return KM_OK;
 }

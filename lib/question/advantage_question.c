@@ -1,4 +1,4 @@
-/* The question about mechanical advantage. */
+/* Request of kind "advantage": mechanical advantage over a sweep. */
 #include "question/question.h"
 #include "sweep/sweep_observer.h"
 
@@ -19,13 +19,13 @@ static const km_option options[OPTIONS] = {
      0, 0, NULL, true},
 };
 
-typedef struct own {
+typedef struct kind_data {
   km_port ends[2]; /* input, output */
   km_advantage_sweep sweep;
-} own;
+} kind_data;
 
-/* An end as the options have it, else the model. A joint's columns bear its label. */
-static bool take_end(const km_question *q, int option, km_port *out) {
+/* Returns a port from the options, else from the model. A joint's columns have its label. */
+static bool read_port(const km_question *q, int option, km_port *out) {
   const km_option_value *v = km_question_own_value(q, option);
   if (!v)
     return km_port_default(q->m->model, option == OUTPUT, out);
@@ -36,14 +36,14 @@ static bool take_end(const km_question *q, int option, km_port *out) {
 }
 
 static km_status prepare(km_question *q, km_error *error) {
-  own *o = q->own;
+  kind_data *o = q->kind_data;
   for (int j = -1; (j = km_model_next_without_radius(q->m->model, j + 1)) >= 0;)
     km_messages_add(
         q->notes, KM_NOTE,
         "joint %s has a coefficient of friction but no radius: it turns without friction, under a thrust along "
         "its axis too",
         q->m->model->joints[j].label);
-  bool have_input = take_end(q, INPUT, &o->ends[0]), have_output = take_end(q, OUTPUT, &o->ends[1]);
+  bool have_input = read_port(q, INPUT, &o->ends[0]), have_output = read_port(q, OUTPUT, &o->ends[1]);
   if (have_input && have_output)
     return KM_OK;
   return km_fail(error, KM_USAGE, "the model's analysis.mechanical_advantage has no %s; expected `%s`",
@@ -51,22 +51,22 @@ static km_status prepare(km_question *q, km_error *error) {
 }
 
 static void open_sweep(km_question *q, km_sweep_job *job) {
-  own *o = q->own;
+  kind_data *o = q->kind_data;
   const km_option_value *transmission = km_question_own_value(q, TRANSMISSION);
   km_advantage_sweep_open(job, &o->ends[0], &o->ends[1], transmission && transmission->flag, &o->sweep);
 }
 
 static const km_sweep *motion(const km_question *q) {
-  return &((const own *)q->own)->sweep.motion;
+  return &((const kind_data *)q->kind_data)->sweep.motion;
 }
 
-/* The toggles, then both extremes. */
+/* Events: dead points, then both extrema. */
 static int event_count(const km_question *q) {
-  return (int)((const own *)q->own)->sweep.toggle_count + 2;
+  return (int)((const kind_data *)q->kind_data)->sweep.toggle_count + 2;
 }
 
 static km_question_event event(const km_question *q, int index) {
-  const km_advantage_sweep *sweep = &((const own *)q->own)->sweep;
+  const km_advantage_sweep *sweep = &((const kind_data *)q->kind_data)->sweep;
   int extreme = index - (int)sweep->toggle_count;
   if (extreme >= 0) {
     const km_peak *peak = extreme ? &sweep->highest : &sweep->lowest;
@@ -78,32 +78,32 @@ static km_question_event event(const km_question *q, int index) {
   return (km_question_event){name, "", t->s, value};
 }
 
-static void forget(km_question *q) {
-  km_advantage_sweep *sweep = &((own *)q->own)->sweep;
+static void clear_result(km_question *q) {
+  km_advantage_sweep *sweep = &((kind_data *)q->kind_data)->sweep;
   km_question_keep_table(q, &sweep->motion);
   km_advantage_sweep_free(sweep);
 }
 
-static void unprepare(km_question *q) {
+static void clear_preparation(km_question *q) {
   (void)q;
 }
 
 const km_question_class km_advantage_question = {.name = "advantage",
                                                  .options = options,
                                                  .option_count = OPTIONS,
-                                                 .size = sizeof(own),
+                                                 .size = sizeof(kind_data),
                                                  .prepare = prepare,
                                                  .open = open_sweep,
                                                  .motion = motion,
                                                  .event_count = event_count,
                                                  .event = event,
-                                                 .forget = forget,
-                                                 .unprepare = unprepare};
+                                                 .clear_result = clear_result,
+                                                 .clear_preparation = clear_preparation};
 
 const km_advantage_sweep *km_question_advantage(const km_question *q) {
-  return km_question_has(q, &km_advantage_question) ? &((const own *)q->own)->sweep : NULL;
+  return km_question_has(q, &km_advantage_question) ? &((const kind_data *)q->kind_data)->sweep : NULL;
 }
 
 const km_port *km_question_end(const km_question *q, bool output) {
-  return km_question_is(q, &km_advantage_question) ? &((const own *)q->own)->ends[output] : NULL;
+  return km_question_is(q, &km_advantage_question) ? &((const kind_data *)q->kind_data)->ends[output] : NULL;
 }

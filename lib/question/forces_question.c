@@ -1,4 +1,4 @@
-/* The question about forces: what actuators hold, what joints carry. */
+/* Request of kind "forces": forces of actuators and reactions over a sweep. */
 #include "question/question.h"
 #include "statics/statics.h"
 #include "sweep/sweep_observer.h"
@@ -28,14 +28,14 @@ static const km_option options[OPTIONS] = {
 };
 _Static_assert(KM_AXES_JOINT == 0 && KM_AXES_FIXED == 1, "the words of `axes` stand in the order of km_axes");
 
-typedef struct own {
+typedef struct kind_data {
   km_forces *forces;
   km_statics statics;
   km_statics_sweep sweep;
-} own;
+} kind_data;
 
-/* The model's own loads, where no others are set. */
-static km_status gather_loads(const km_question *q, const km_option_value *set, own *o, km_error *error) {
+/* Creates the loads: the model's own unless others are set. */
+static km_status create_loads(const km_question *q, const km_option_value *set, kind_data *o, km_error *error) {
   const km_option_value *gravity = km_question_own_value(q, GRAVITY);
   int count = set ? set->count : km_model_load_count(q->m->model);
   km_load *loads = KM_NEW(km_load, (size_t)count);
@@ -53,8 +53,8 @@ static void add_joint(const km_question *q, int coordinate, km_port *out, int *c
       .kind = KM_PORT_JOINT, .coordinate = coordinate, .name = km_model_coordinate_label(q->m->model, coordinate)};
 }
 
-/* The model's actuators that aren't held. */
-static void add_own(km_question *q, km_port *out, int *count) {
+/* Adds the model's actuators, except held ones. */
+static void add_model_actuators(km_question *q, km_port *out, int *count) {
   const km_model *model = q->m->model;
   for (int i = 0; i < model->actuator_count; ++i) {
     if (!q->m->held[model->actuators[i]])
@@ -65,7 +65,7 @@ static void add_own(km_question *q, km_port *out, int *count) {
   }
 }
 
-static km_status prepare_balance(km_question *q, own *o, km_error *error) {
+static km_status prepare_balance(km_question *q, kind_data *o, km_error *error) {
   const km_model *model = q->m->model;
   const km_option_value *joints = km_question_own_value(q, ACTUATORS), *pushes = km_question_own_value(q, PUSH),
                         *axes = km_question_own_value(q, AXES);
@@ -85,7 +85,7 @@ static km_status prepare_balance(km_question *q, own *o, km_error *error) {
   for (int i = 0; joints && i < joints->count; ++i)
     add_joint(q, joints->coordinates[i], handles, &count);
   if (!joints && !pushes)
-    add_own(q, handles, &count);
+    add_model_actuators(q, handles, &count);
   for (int i = 0; pushes && i < pushes->count; ++i)
     handles[count++] = pushes->ends[i];
   km_status status = km_statics_create_for(q->m, handles, count, wanted, &o->statics, error);
@@ -94,8 +94,8 @@ static km_status prepare_balance(km_question *q, own *o, km_error *error) {
 }
 
 static km_status prepare(km_question *q, km_error *error) {
-  own *o = q->own;
-  km_status status = gather_loads(q, km_question_own_value(q, LOAD), o, error);
+  kind_data *o = q->kind_data;
+  km_status status = create_loads(q, km_question_own_value(q, LOAD), o, error);
   if (!status)
     status = prepare_balance(q, o, error);
   if (!status && q->no_reactions)
@@ -104,33 +104,33 @@ static km_status prepare(km_question *q, km_error *error) {
 }
 
 static void open_sweep(km_question *q, km_sweep_job *job) {
-  own *o = q->own;
+  kind_data *o = q->kind_data;
   km_statics_sweep_open(job, o->forces, &o->statics, &o->sweep);
 }
 
 static const km_sweep *motion(const km_question *q) {
-  return &((const own *)q->own)->sweep.motion;
+  return &((const kind_data *)q->kind_data)->sweep.motion;
 }
 
 static int event_count(const km_question *q) {
-  return (int)((const own *)q->own)->sweep.event_count;
+  return (int)((const kind_data *)q->kind_data)->sweep.event_count;
 }
 
 static km_question_event event(const km_question *q, int index) {
-  const km_statics_sweep *sweep = &((const own *)q->own)->sweep;
+  const km_statics_sweep *sweep = &((const kind_data *)q->kind_data)->sweep;
   const km_force_event *e = &sweep->events[index];
   const char *name = e->kind == KM_FORCE_BALANCED ? "zero" : e->kind == KM_FORCE_PEAK ? "peak" : "pole";
   return (km_question_event){name, sweep->actuators[e->actuator].name, e->s, e->value};
 }
 
-static void forget(km_question *q) {
-  km_statics_sweep *sweep = &((own *)q->own)->sweep;
+static void clear_result(km_question *q) {
+  km_statics_sweep *sweep = &((kind_data *)q->kind_data)->sweep;
   km_question_keep_table(q, &sweep->motion);
   km_statics_sweep_free(sweep);
 }
 
-static void unprepare(km_question *q) {
-  own *o = q->own;
+static void clear_preparation(km_question *q) {
+  kind_data *o = q->kind_data;
   km_forces_free(o->forces);
   km_statics_free(&o->statics);
   o->forces = NULL;
@@ -140,23 +140,23 @@ static void unprepare(km_question *q) {
 const km_question_class km_forces_question = {.name = "forces",
                                               .options = options,
                                               .option_count = OPTIONS,
-                                              .size = sizeof(own),
+                                              .size = sizeof(kind_data),
                                               .prepare = prepare,
                                               .open = open_sweep,
                                               .motion = motion,
                                               .event_count = event_count,
                                               .event = event,
-                                              .forget = forget,
-                                              .unprepare = unprepare};
+                                              .clear_result = clear_result,
+                                              .clear_preparation = clear_preparation};
 
 const km_statics_sweep *km_question_statics(const km_question *q) {
-  return km_question_has(q, &km_forces_question) ? &((const own *)q->own)->sweep : NULL;
+  return km_question_has(q, &km_forces_question) ? &((const kind_data *)q->kind_data)->sweep : NULL;
 }
 
 km_forces *km_question_forces(const km_question *q) {
-  return km_question_is(q, &km_forces_question) ? ((const own *)q->own)->forces : NULL;
+  return km_question_is(q, &km_forces_question) ? ((const kind_data *)q->kind_data)->forces : NULL;
 }
 
 km_statics *km_question_balance(const km_question *q) {
-  return km_question_is(q, &km_forces_question) ? &((own *)q->own)->statics : NULL;
+  return km_question_is(q, &km_forces_question) ? &((kind_data *)q->kind_data)->statics : NULL;
 }

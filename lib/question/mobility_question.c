@@ -1,4 +1,4 @@
-/* The question about mobility numbers. */
+/* Request of kind "mobility": mobility numbers over a sweep. */
 #include "question/question.h"
 #include "sweep/sweep_observer.h"
 
@@ -13,10 +13,10 @@ static const km_option options[OPTIONS] = {
      "Name the constraints that are redundant at every pose, as JSON always does", 0, 0, NULL, true},
 };
 
-typedef struct own {
+typedef struct kind_data {
   km_mobility_sweep sweep;
   km_sweep_redundancies redundancies;
-} own;
+} kind_data;
 
 static bool flag(const km_question *q, int option) {
   const km_option_value *v = km_question_own_value(q, option);
@@ -31,25 +31,25 @@ static km_status prepare(km_question *q, km_error *error) {
 
 static void open_sweep(km_question *q, km_sweep_job *job) {
   q->plan.singularities = flag(q, SINGULARITIES);
-  km_mobility_sweep_open(job, &((own *)q->own)->sweep);
+  km_mobility_sweep_open(job, &((kind_data *)q->kind_data)->sweep);
 }
 
 static km_status conclude(km_question *q, km_error *error) {
-  own *o = q->own;
+  kind_data *o = q->kind_data;
   return km_sweep_redundancies_find(q->m, &o->sweep.motion, flag(q, REDUNDANCIES), &o->redundancies, error);
 }
 
 static const km_sweep *motion(const km_question *q) {
-  return &((const own *)q->own)->sweep.motion;
+  return &((const kind_data *)q->kind_data)->sweep.motion;
 }
 
 static int event_count(const km_question *q) {
-  const own *o = q->own;
+  const kind_data *o = q->kind_data;
   return (int)(o->sweep.toggle_count + o->sweep.minimum_count);
 }
 
 static km_question_event event(const km_question *q, int index) {
-  const own *o = q->own;
+  const kind_data *o = q->kind_data;
   int toggles = (int)o->sweep.toggle_count;
   if (index >= toggles) {
     const km_extreme *e = &o->sweep.minima[index - toggles];
@@ -59,34 +59,34 @@ static km_question_event event(const km_question *q, int index) {
   return (km_question_event){"toggle", km_model_coordinate_label(q->m->model, t->coordinate), t->s, 0.0};
 }
 
-static void forget(km_question *q) {
-  own *o = q->own;
+static void clear_result(km_question *q) {
+  kind_data *o = q->kind_data;
   km_question_keep_table(q, &o->sweep.motion);
   km_mobility_sweep_free(&o->sweep);
   km_sweep_redundancies_free(&o->redundancies);
 }
 
-static void unprepare(km_question *q) {
+static void clear_preparation(km_question *q) {
   (void)q;
 }
 
 const km_question_class km_mobility_question = {.name = "mobility",
                                                 .options = options,
                                                 .option_count = OPTIONS,
-                                                .size = sizeof(own),
+                                                .size = sizeof(kind_data),
                                                 .prepare = prepare,
                                                 .open = open_sweep,
                                                 .conclude = conclude,
                                                 .motion = motion,
                                                 .event_count = event_count,
                                                 .event = event,
-                                                .forget = forget,
-                                                .unprepare = unprepare};
+                                                .clear_result = clear_result,
+                                                .clear_preparation = clear_preparation};
 
 const km_mobility_sweep *km_question_mobility(const km_question *q) {
-  return km_question_has(q, &km_mobility_question) ? &((const own *)q->own)->sweep : NULL;
+  return km_question_has(q, &km_mobility_question) ? &((const kind_data *)q->kind_data)->sweep : NULL;
 }
 
 const km_sweep_redundancies *km_question_redundancies(const km_question *q) {
-  return km_question_has(q, &km_mobility_question) ? &((const own *)q->own)->redundancies : NULL;
+  return km_question_has(q, &km_mobility_question) ? &((const kind_data *)q->kind_data)->redundancies : NULL;
 }

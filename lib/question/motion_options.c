@@ -1,4 +1,4 @@
-/* The options of every motion, the plan that they make, and the places that every motion has. */
+/* Options of every motion, the plan that they define, and the events of every motion. */
 #include "question/question.h"
 #include "sweep/sweep.h"
 
@@ -36,7 +36,7 @@ static const char *label(const km_question *q, int coordinate) {
   return q->m->model->coordinates[coordinate].label;
 }
 
-/* The driver and its range over the model's own. */
+/* Applies the driver and its range to the model's plan. */
 static km_status plan_driver(const km_question *q, km_sweep_plan *plan, km_error *error) {
   const km_option_value *joint = km_question_motion_value(q, KM_MOTION_JOINT),
                         *range = km_question_motion_value(q, KM_MOTION_RANGE);
@@ -52,7 +52,7 @@ static km_status plan_driver(const km_question *q, km_sweep_plan *plan, km_error
   return KM_OK;
 }
 
-/* The arc length and what goes with it, over the model's own. */
+/* Applies the arc length and its options to the model's plan. */
 static km_status plan_length(const km_question *q, km_sweep_plan *plan, km_error *error) {
   const km_option_value *length = km_question_motion_value(q, KM_MOTION_ARCLENGTH),
                         *direction = km_question_motion_value(q, KM_MOTION_DIRECTION),
@@ -81,9 +81,9 @@ static km_status plan_length(const km_question *q, km_sweep_plan *plan, km_error
 }
 
 km_status km_question_make_plan(km_question *q, km_sweep_plan *out, km_error *error) {
-  km_status given = km_check_given(q && out, "question or place for its plan", error);
-  if (given)
-    return given;
+  km_status is_set_value = km_check_given(q && out, "question or place for its plan", error);
+  if (is_set_value)
+    return is_set_value;
   if (!q->kind->motion)
     return km_fail(error, KM_USAGE, "a question about a %s has no plan of a motion", q->kind->name);
   km_sweep_plan plan = km_sweep_plan_default(q->m->model);
@@ -108,7 +108,7 @@ km_status km_question_make_plan(km_question *q, km_sweep_plan *out, km_error *er
   return KM_OK;
 }
 
-/* Why the motion ended where it did. */
+/* Name of the event at an end of the motion. */
 static const char *stop_name(km_stop stop) {
   return stop == KM_STOP_LIMIT ? "limit" : "end";
 }
@@ -132,11 +132,11 @@ km_question_event km_question_event_at(const km_question *q, int index) {
   const km_sweep *motion = km_question_motion(q);
   if (index < 0 || index >= km_question_event_count(q))
     return (km_question_event){"", "", nan(""), nan("")};
-  int own = q->kind->event_count(q), branches = (int)motion->branch_count;
-  if (index < own)
+  int kind_data = q->kind->event_count(q), branches = (int)motion->branch_count;
+  if (index < kind_data)
     return q->kind->event(q, index);
-  if (index < own + branches)
-    return (km_question_event){"branch point", "", motion->branches[index - own].s,
-                               motion->branches[index - own].branches};
-  return stop_at(q, motion, index - own - branches);
+  if (index < kind_data + branches)
+    return (km_question_event){"branch point", "", motion->branches[index - kind_data].s,
+                               motion->branches[index - kind_data].branches};
+  return stop_at(q, motion, index - kind_data - branches);
 }

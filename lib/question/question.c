@@ -1,4 +1,4 @@
-/* Questions: their kinds, how they are made, asked and freed. */
+/* Requests: kinds, options, computation, results. */
 #include "question/question.h"
 
 #include "base/arguments.h"
@@ -59,8 +59,8 @@ km_status km_question_create(const km_mechanism *m, const char *kind, km_questio
   size_t options = (size_t) class->option_count + KM_MOTION_OPTIONS;
   *q = (km_question){.m = m, .kind = class, .notes = km_messages_create()};
   q->values = KM_ARENA_NEW(&q->arena, km_option_value, options);
-  q->given = KM_ARENA_NEW(&q->arena, bool, options);
-  q->own = km_arena_alloc(&q->arena, 1, class->size);
+  q->is_set_value = KM_ARENA_NEW(&q->arena, bool, options);
+  q->kind_data = km_arena_alloc(&q->arena, 1, class->size);
   if (q->arena.failed || !q->notes) {
     km_question_free(q);
     return km_fail(error, KM_MEMORY, "out of memory for a question");
@@ -69,23 +69,23 @@ km_status km_question_create(const km_mechanism *m, const char *kind, km_questio
   return KM_OK;
 }
 
-static void forget(km_question *q) {
-  if (q->own)
-    q->kind->forget(q);
-  q->answered = false;
+static void clear_result(km_question *q) {
+  if (q->kind_data)
+    q->kind->clear_result(q);
+  q->has_result = false;
 }
 
-static void unprepare(km_question *q) {
-  if (q->own)
-    q->kind->unprepare(q);
-  q->prepared = false;
+static void clear_preparation(km_question *q) {
+  if (q->kind_data)
+    q->kind->clear_preparation(q);
+  q->is_prepared = false;
 }
 
 void km_question_free(km_question *q) {
   if (!q)
     return;
-  forget(q);
-  unprepare(q);
+  clear_result(q);
+  clear_preparation(q);
   km_messages_free(q->notes);
   km_sweep_workspace_free(&q->workspace);
   km_arena_free(&q->arena);
@@ -93,7 +93,7 @@ void km_question_free(km_question *q) {
 }
 
 const km_option_value *km_question_own_value(const km_question *q, int index) {
-  return q->given[index] ? &q->values[index] : NULL;
+  return q->is_set_value[index] ? &q->values[index] : NULL;
 }
 
 const km_option_value *km_question_motion_value(const km_question *q, int index) {
@@ -145,32 +145,32 @@ static km_status check_numbers(const km_option *o, const km_option_value *v, km_
   return KM_OK;
 }
 
-/* A list of the caller's, in the question's arena. */
-static void *copied(km_question *q, const void *list, int count, size_t size) {
+/* Copies a caller's list into the request's arena. */
+static void *copy_list(km_question *q, const void *list, int count, size_t size) {
   void *copy = km_arena_alloc(&q->arena, count > 0 ? (size_t)count : 1, size);
   if (copy && count > 0)
     memcpy(copy, list, (size_t)count * size);
   return copy;
 }
 
-static km_option_value copy_of(km_question *q, km_option_type type, const km_option_value *value) {
+static km_option_value copy_value(km_question *q, km_option_type type, const km_option_value *value) {
   km_option_value v = *value;
   if (type == KM_OPTION_COORDINATES)
-    v.coordinates = copied(q, v.coordinates, v.count, sizeof *v.coordinates);
+    v.coordinates = copy_list(q, v.coordinates, v.count, sizeof *v.coordinates);
   if (type == KM_OPTION_LOADS)
-    v.loads = copied(q, v.loads, v.count, sizeof *v.loads);
+    v.loads = copy_list(q, v.loads, v.count, sizeof *v.loads);
   if (type == KM_OPTION_FILE)
     v.text = km_arena_string(&q->arena, v.text);
   if (type == KM_OPTION_END && v.end.name)
     v.end.name = km_arena_string(&q->arena, v.end.name);
   if (type == KM_OPTION_ENDS) {
-    km_port *ends = copied(q, v.ends, v.count, sizeof *v.ends);
+    km_port *ends = copy_list(q, v.ends, v.count, sizeof *v.ends);
     for (int i = 0; i < v.count && ends; ++i)
       ends[i].name = km_arena_string(&q->arena, ends[i].name);
     v.ends = ends;
   }
   if (type == KM_OPTION_POINTS) {
-    km_sweep_point *points = copied(q, v.points, v.count, sizeof *v.points);
+    km_sweep_point *points = copy_list(q, v.points, v.count, sizeof *v.points);
     for (int i = 0; i < v.count && points; ++i)
       points[i].name = km_arena_string(&q->arena, points[i].name);
     v.points = points;
@@ -195,13 +195,13 @@ km_status km_question_set(km_question *q, const char *option, const km_option_va
     status = check_indices(q->m, o, value, error);
   if (status)
     return status;
-  km_option_value copy = copy_of(q, o->type, value);
+  km_option_value copy = copy_value(q, o->type, value);
   if (q->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the options of a question");
   q->values[index] = copy;
-  q->given[index] = true;
-  forget(q);
-  unprepare(q);
+  q->is_set_value[index] = true;
+  clear_result(q);
+  clear_preparation(q);
   return KM_OK;
 }
 
@@ -214,38 +214,38 @@ void km_question_observe(km_question *q, km_progress progress, void *context) {
 
 km_status km_question_prepare(km_question *q, km_error *error) {
   km_status status = km_check_given(q != NULL, "question", error);
-  if (status || q->prepared)
+  if (status || q->is_prepared)
     return status;
   km_messages_free(q->notes);
   q->notes = km_messages_create();
   status = q->notes ? q->kind->prepare(q, error) : km_fail(error, KM_MEMORY, "out of memory for a question");
-  q->prepared = !status;
+  q->is_prepared = !status;
   if (status)
-    unprepare(q);
+    clear_preparation(q);
   return status;
 }
 
 void km_question_refresh(km_question *q) {
   if (!q)
     return;
-  forget(q);
-  unprepare(q);
+  clear_result(q);
+  clear_preparation(q);
 }
 
 const km_messages *km_question_notes(const km_question *q) {
   return q ? q->notes : NULL;
 }
 
-static void begin_answer(km_question *q, km_error *error) {
-  forget(q);
+static void begin_result(km_question *q, km_error *error) {
+  clear_result(q);
   if (error)
-    error->text[0] = '\0'; /* a part of an answer may come without a message */
+    error->text[0] = '\0'; /* a partial result can come without a message */
   q->plan.progress = q->progress;
   q->plan.context = q->context;
 }
 
-static void end_answer(km_question *q, km_status status) {
-  q->answered = status == KM_OK || status == KM_PARTIAL;
+static void end_result(km_question *q, km_status status) {
+  q->has_result = status == KM_OK || status == KM_PARTIAL;
 }
 
 static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
@@ -256,7 +256,7 @@ static km_sweep_job open_sweep(km_question *q, km_state *s, km_error *error) {
                       .error = error,
                       .table_only = q->table_only,
                       .read_columns = q->read_columns};
-  begin_answer(q, error);
+  begin_result(q, error);
   q->kind->open(q, &job);
   return job;
 }
@@ -267,19 +267,19 @@ static km_status conclude(km_question *q, const km_sweep_job *job) {
     km_status found = q->kind->conclude(q, job->error);
     status = found ? found : status;
   }
-  end_answer(q, status);
+  end_result(q, status);
   return status;
 }
 
-static km_status answer(km_question *q, km_state *s, km_error *error) {
+static km_status compute_result(km_question *q, km_state *s, km_error *error) {
   if (q->kind->open) {
     km_sweep_job job = open_sweep(q, s, error);
     km_sweeps_run(&job, 1);
     return conclude(q, &job);
   }
-  begin_answer(q, error);
+  begin_result(q, error);
   km_status status = q->kind->answer(q, s, error);
-  end_answer(q, status);
+  end_result(q, status);
   return status;
 }
 
@@ -291,8 +291,8 @@ void km_question_keep_table(km_question *q, km_sweep *motion) {
   motion->table = NULL;
 }
 
-/* Prepared, and with a plan if it has one. */
-static km_status make_ready(km_question *q, const km_state *s, km_error *error) {
+/* Prepares a request and its plan. */
+static km_status prepare_with_plan(km_question *q, const km_state *s, km_error *error) {
   km_status status = km_question_prepare(q, error);
   if (!status)
     status = km_check_state(q->m, s, error);
@@ -302,27 +302,27 @@ static km_status make_ready(km_question *q, const km_state *s, km_error *error) 
 }
 
 km_status km_question_compute(km_question *q, km_state *s, km_error *error) {
-  km_status status = make_ready(q, s, error);
-  return status ? status : answer(q, s, error);
+  km_status status = prepare_with_plan(q, s, error);
+  return status ? status : compute_result(q, s, error);
 }
 
 void km_questions_compute(km_question *const *q, km_state *const *s, int count, km_status *statuses, km_error *errors) {
   km_sweep_job jobs[KM_BATCH_LANES];
-  int of[KM_BATCH_LANES], going = 0;
+  int request_of[KM_BATCH_LANES], count_open = 0;
   for (int i = 0; i < count; ++i) {
-    statuses[i] = make_ready(q[i], s[i], &errors[i]);
+    statuses[i] = prepare_with_plan(q[i], s[i], &errors[i]);
     if (statuses[i])
       continue;
     if (q[i]->kind->open && q[i]->kind == q[0]->kind) {
-      of[going] = i;
-      jobs[going++] = open_sweep(q[i], s[i], &errors[i]);
+      request_of[count_open] = i;
+      jobs[count_open++] = open_sweep(q[i], s[i], &errors[i]);
     } else {
-      statuses[i] = answer(q[i], s[i], &errors[i]);
+      statuses[i] = compute_result(q[i], s[i], &errors[i]);
     }
   }
-  km_sweeps_run(jobs, going);
-  for (int k = 0; k < going; ++k)
-    statuses[of[k]] = conclude(q[of[k]], &jobs[k]);
+  km_sweeps_run(jobs, count_open);
+  for (int k = 0; k < count_open; ++k)
+    statuses[request_of[k]] = conclude(q[request_of[k]], &jobs[k]);
 }
 
 km_status km_question_compute_here(km_question *q, km_state *s, km_error *error) {
@@ -337,26 +337,26 @@ km_status km_question_compute_here(km_question *q, km_state *s, km_error *error)
   q->plan = (km_sweep_plan){.coordinate = -1, .direction = -1, .steps = 0};
   q->plan.points = points ? points->points : NULL;
   q->plan.point_count = points ? points->count : 0;
-  return answer(q, s, error);
+  return compute_result(q, s, error);
 }
 
 const km_sweep_plan *km_question_plan(const km_question *q) {
-  return q && q->answered && q->kind->motion ? &q->plan : NULL;
+  return q && q->has_result && q->kind->motion ? &q->plan : NULL;
 }
 
 const km_sweep *km_question_motion(const km_question *q) {
-  return q && q->answered && q->kind->motion ? q->kind->motion(q) : NULL;
+  return q && q->has_result && q->kind->motion ? q->kind->motion(q) : NULL;
 }
 
 const km_table *km_question_table(const km_question *q) {
   const km_sweep *motion = km_question_motion(q);
-  return motion ? motion->table : q && q->answered ? q->kind->table(q) : NULL;
+  return motion ? motion->table : q && q->has_result ? q->kind->table(q) : NULL;
 }
 
 bool km_question_is(const km_question *q, const km_question_class *kind) {
-  return q && q->prepared && q->kind == kind;
+  return q && q->is_prepared && q->kind == kind;
 }
 
 bool km_question_has(const km_question *q, const km_question_class *kind) {
-  return q && q->answered && q->kind == kind;
+  return q && q->has_result && q->kind == kind;
 }

@@ -1,4 +1,4 @@
-/* The question about a track: an arm follows the path of a path study by one method. */
+/* Request of kind "track": an arm follows the path of a path study by one method. */
 #include "base/file.h"
 #include "question/question.h"
 
@@ -12,22 +12,22 @@ static const km_option options[OPTIONS] = {
      KM_METHODS - 1, "greedy or lookahead or fixed or dls or gradient or dp or global", false},
 };
 
-typedef struct own {
+typedef struct kind_data {
   km_study_def def;
-  km_study *study; /* of the last answer */
+  km_study *study; /* of the last result */
   km_track *track;
-} own;
+} kind_data;
 
-/* The first error of a study's text, with its place. */
-static km_status told(km_status status, const km_messages *messages, const char *file, km_error *error) {
+/* Reports the first error of a study's text with its position. */
+static km_status first_error(km_status status, const km_messages *messages, const char *file, km_error *error) {
   for (size_t i = 0; i < km_messages_count(messages); ++i)
     if (km_messages_severity(messages, i) == KM_ERROR)
       return km_fail(error, status, "%s: %s", file, km_messages_text(messages, i));
   return status;
 }
 
-/* Poses in a CSV file are looked for in the study's folder. */
-static km_status read_study(const char *file, own *o, km_error *error) {
+/* Reads a study; CSV files are relative to the study's folder. */
+static km_status read_study(const char *file, kind_data *o, km_error *error) {
   km_text text = {0}, folder = {0};
   km_messages *messages = km_messages_create();
   const char *slash = strrchr(file, '/');
@@ -37,8 +37,8 @@ static km_status read_study(const char *file, own *o, km_error *error) {
   if (!status && folder.failed)
     status = KM_MEMORY;
   if (!status)
-    status = told(km_study_read(text.data, text.size, folder.data ? folder.data : "", messages, &o->def, error),
-                  messages, file, error);
+    status = first_error(km_study_read(text.data, text.size, folder.data ? folder.data : "", messages, &o->def, error),
+                         messages, file, error);
   km_messages_free(messages);
   km_text_free(&text);
   km_text_free(&folder);
@@ -46,7 +46,7 @@ static km_status read_study(const char *file, own *o, km_error *error) {
 }
 
 static km_status prepare(km_question *q, km_error *error) {
-  own *o = q->own;
+  kind_data *o = q->kind_data;
   const km_option_value *study = km_question_own_value(q, STUDY);
   o->def = km_study_def_default();
   if (!study)
@@ -54,23 +54,23 @@ static km_status prepare(km_question *q, km_error *error) {
   return read_study(study->text, o, error);
 }
 
-static void forget(km_question *q) {
-  own *o = q->own;
+static void clear_result(km_question *q) {
+  kind_data *o = q->kind_data;
   km_track_free(o->track);
   km_study_free(o->study);
   o->track = NULL;
   o->study = NULL;
 }
 
-static void unprepare(km_question *q) {
-  own *o = q->own;
-  forget(q);
+static void clear_preparation(km_question *q) {
+  kind_data *o = q->kind_data;
+  clear_result(q);
   km_study_def_free(&o->def);
   o->def = (km_study_def){0};
 }
 
-/* The study's own settings of the method, where it has them. */
-static km_track_plan plan_of(const km_question *q, const own *o) {
+/* Returns the study's plan with the requested method, with the study's settings if it has them. */
+static km_track_plan plan_of(const km_question *q, const kind_data *o) {
   const km_option_value *method = km_question_own_value(q, METHOD);
   km_track_plan plan = km_study_plan(o->study, 0);
   if (method) {
@@ -85,7 +85,7 @@ static km_track_plan plan_of(const km_question *q, const own *o) {
 }
 
 static km_status answer(km_question *q, km_state *s, km_error *error) {
-  own *o = q->own;
+  kind_data *o = q->kind_data;
   km_status status = km_study_bind(q->m, s, &o->def, 1, NULL, &o->study, error);
   if (status)
     return status;
@@ -97,10 +97,10 @@ static km_status answer(km_question *q, km_state *s, km_error *error) {
 }
 
 static const km_table *table(const km_question *q) {
-  return km_track_rows(((const own *)q->own)->track);
+  return km_track_rows(((const kind_data *)q->kind_data)->track);
 }
 
-/* Those that are counted are a motion's. */
+/* A track has no events. */
 static int event_count(const km_question *q) {
   (void)q;
   return 0;
@@ -115,15 +115,15 @@ static km_question_event event(const km_question *q, int index) {
 const km_question_class km_track_question = {.name = "track",
                                              .options = options,
                                              .option_count = OPTIONS,
-                                             .size = sizeof(own),
+                                             .size = sizeof(kind_data),
                                              .prepare = prepare,
                                              .answer = answer,
                                              .table = table,
                                              .event_count = event_count,
                                              .event = event,
-                                             .forget = forget,
-                                             .unprepare = unprepare};
+                                             .clear_result = clear_result,
+                                             .clear_preparation = clear_preparation};
 
 const km_track *km_question_track(const km_question *q) {
-  return km_question_has(q, &km_track_question) ? ((const own *)q->own)->track : NULL;
+  return km_question_has(q, &km_track_question) ? ((const kind_data *)q->kind_data)->track : NULL;
 }

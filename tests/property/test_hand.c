@@ -127,12 +127,12 @@ static void nearest_points_are_nearest(void **state) {
       km_error error;
       km_manipulation_point grip = grip_of(&h.f, &r);
       aim(&h.f, &grip, &r, i % 3 ? 0.3 : 2.0);
-      for (int k = 0; k < 400 && move.stop == KM_MANIPULATION_FREE && !move.there; ++k)
+      for (int k = 0; k < 400 && move.stop == KM_MANIPULATION_FREE && !move.is_reached; ++k)
         assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.35, &move, &error), KM_OK);
-      if (move.stop != KM_MANIPULATION_NEAREST || move.there)
+      if (move.stop != KM_MANIPULATION_NEAREST || move.is_reached)
         continue;
       assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.35, &again, &error), KM_OK);
-      assert_true(again.left >= move.left - 1e-4 * h.f.mechanism->length);
+      assert_true(again.remaining >= move.remaining - 1e-4 * h.f.mechanism->length);
       judged++;
     }
     let_go(&h);
@@ -166,8 +166,8 @@ static void reachable_points_are_reached(void **state) {
       km_manipulation_free(elsewhere);
       km_vec3 goal = km_pose_point(&other.state->pose[grip.body], km_vec3_from_array(grip.point));
       memcpy(grip.target, (const double[]){goal.x, goal.y, goal.z}, sizeof grip.target);
-      move.there = false;
-      for (int k = 0; k < 60 && !move.there; ++k)
+      move.is_reached = false;
+      for (int k = 0; k < 60 && !move.is_reached; ++k)
         assert_int_equal(km_manipulation_pull_point(h.hand, &grip, 0.2, &move, &error), KM_OK);
       km_vec3 at = km_pose_point(&h.f.state->pose[grip.body], km_vec3_from_array(grip.point));
       assert_true(km_vec3_norm(km_vec3_sub(at, goal)) <= 1e-6 * h.f.mechanism->length);
@@ -196,13 +196,13 @@ static void joints_end_where_drives_do(void **state) {
     km_manipulation_step move = {0};
     double *from = km_alloc((size_t)h.f.model->coordinate_count, sizeof *from);
     int calls = 0;
-    for (; calls < 2000 && !move.there; ++calls) {
+    for (; calls < 2000 && !move.is_reached; ++calls) {
       memcpy(from, h.f.state->q, (size_t)h.f.model->coordinate_count * sizeof *from);
       assert_int_equal(km_manipulation_pull_joint(h.hand, goal.coordinate, goal.value, 0.1, &move, &error), KM_OK);
       assert_true(way(&h.f, from) <= 0.2);
       assert_true(opened(&h.f) <= 1e-11);
     }
-    assert_true(calls > 3 && move.there);
+    assert_true(calls > 3 && move.is_reached);
     fixture other = fixture_open(cases[i].model);
     assert_int_equal(km_state_move_to(other.mechanism, other.state, &goal, 1, &error), KM_OK);
     for (int c = 0; c < h.f.model->coordinate_count; ++c)
@@ -242,9 +242,9 @@ static void toggles_stop_softly(void **state) {
   assert_near(km_mobility_number(h.f.state, slider), 0.0, 1e-9);
   before = km_state_coordinate(h.f.state, crank);
   move = pull_on(&h, crank, before + 1.0, 100);
-  assert_true(move.there && km_state_coordinate(h.f.state, slider) < end);
+  assert_true(move.is_reached && km_state_coordinate(h.f.state, slider) < end);
   move = pull_on(&h, slider, end - 0.3, 200);
-  assert_true(move.there);
+  assert_true(move.is_reached);
   assert_near(km_state_coordinate(h.f.state, slider), end - 0.3, 1e-12);
   let_go(&h);
 }

@@ -107,8 +107,8 @@ static void a_slider_leads_to_the_pose_of_kmob_at(void **unused) {
     km_hold goal = {coordinate_of(&s, cases[i].joint), cases[i].to};
     char text[128];
     snprintf(text, sizeof text, "1 joint %d %.17g", goal.coordinate, goal.value);
-    s.move.there = false;
-    for (int k = 0; k < 400 && !s.move.there; ++k)
+    s.move.is_reached = false;
+    for (int k = 0; k < 400 && !s.move.is_reached; ++k)
       expect(&s, text, "pose");
     km_mechanism *mechanism;
     km_state *state;

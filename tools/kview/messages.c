@@ -81,7 +81,7 @@ static km_status place(const kv_call *c, km_error *error) {
   if (c->count != n)
     return km_fail(error, KM_USAGE, "found %d values; expected one for each of the %d coordinates", c->count, n);
   km_status status = kv_session_place(s, c->arguments, error);
-  s->move = (km_manipulation_step){.coordinate = -1, .there = true};
+  s->move = (km_manipulation_step){.coordinate = -1, .is_reached = true};
   return status ? status : give_pose(c);
 }
 
@@ -99,7 +99,7 @@ static km_status mark(const kv_call *c, km_error *error) {
 /* undo -1|1 */
 static km_status undo(const kv_call *c, km_error *error) {
   km_status status = kv_session_step(c->session, c->arguments[0] < 0.0 ? -1 : 1, error);
-  c->session->move = (km_manipulation_step){.coordinate = -1, .there = true};
+  c->session->move = (km_manipulation_step){.coordinate = -1, .is_reached = true};
   return status ? status : give_pose(c);
 }
 

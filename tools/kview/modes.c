@@ -37,7 +37,7 @@ km_status kv_modes(const kv_call *c, km_error *error) {
 }
 
 static km_status give_pose(const kv_call *c) {
-  c->session->move = (km_manipulation_step){.coordinate = -1, .there = true};
+  c->session->move = (km_manipulation_step){.coordinate = -1, .is_reached = true};
   c->answer->binary = true;
   kv_add_pose(c->session, c->request, &c->answer->bytes);
   return KM_OK;

@@ -31,7 +31,7 @@ void kv_add_pose(const kv_session *s, unsigned request, km_text *out) {
   int n = km_model_coordinate_count(s->model), bodies = km_model_body_count(s->model) + 1;
   bool undo = s->undo_at > 0 || s->undo_count == 0, redo = s->undo_at + 1 < s->undo_count;
   uint32_t flags =
-      (s->move.there ? THERE : 0u) | (s->edited ? EDITED : 0u) | (undo ? CAN_UNDO : 0u) | (redo ? CAN_REDO : 0u);
+      (s->move.is_reached ? THERE : 0u) | (s->edited ? EDITED : 0u) | (undo ? CAN_UNDO : 0u) | (redo ? CAN_REDO : 0u);
   kv_add_u32(out, KV_POSE);
   kv_add_u32(out, request);
   kv_add_u32(out, (uint32_t)n);
@@ -40,7 +40,7 @@ void kv_add_pose(const kv_session *s, unsigned request, km_text *out) {
   kv_add_u32(out, (uint32_t)s->move.coordinate);
   kv_add_u32(out, flags);
   kv_add_u32(out, (uint32_t)s->mobility.mobility);
-  kv_add_f64(out, s->move.left);
+  kv_add_f64(out, s->move.remaining);
   kv_add_f64(out, s->mobility.residual);
   for (int c = 0; c < n; ++c)
     kv_add_f64(out, km_state_coordinate(s->state, c));

@@ -72,7 +72,7 @@ static void adopt(kv_session *s, compiled *c) {
   s->state = c->state;
   s->probe = c->probe;
   s->hand = c->hand;
-  s->move = (km_manipulation_step){.coordinate = -1, .there = true};
+  s->move = (km_manipulation_step){.coordinate = -1, .is_reached = true};
   drop(&old);
 }
 

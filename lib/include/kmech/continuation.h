@@ -140,8 +140,8 @@ KM_API const char *km_manipulation_stop_name(km_manipulation_stop stop); /* "fre
 typedef struct km_manipulation_step {
   km_manipulation_stop stop; /* why it stopped */
   int coordinate;            /* LIMIT: the coordinate at its limit; TOGGLE: the manipulated one; else -1 */
-  bool there;  /* the target is reached: a joint's exactly, a point's to 1e-9 of the characteristic length */
-  double left; /* remaining distance to the target: the coordinate's unit, or the model's length */
+  bool is_reached;  /* the target is reached: a joint's exactly, a point's to 1e-9 of the characteristic length */
+  double remaining; /* remaining distance to the target: the coordinate's unit, or the model's length */
 } km_manipulation_step;
 
 /* The manipulated point of a body, in the body's frame, and its target in the inertial frame; model's length unit.
@@ -156,9 +156,9 @@ typedef struct km_manipulation_point {
 typedef struct km_manipulation km_manipulation;
 KM_API km_status km_manipulation_create(const km_mechanism *mechanism, km_state *state, km_manipulation **out,
                                         km_error *error);
-KM_API void km_manipulation_free(km_manipulation *hand);
+KM_API void km_manipulation_free(km_manipulation *manipulation);
 /* Clears the history after something else has moved the state. */
-KM_API void km_manipulation_release(km_manipulation *hand);
+KM_API void km_manipulation_release(km_manipulation *manipulation);
 
 /* Moves a coordinate towards `target` (model's unit) along its branch, at most so far that the motion of the whole
  * mechanism, √Σ (D δq)² over its coordinates, is about `most` (radians, lengths over the characteristic length). The
@@ -166,15 +166,15 @@ KM_API void km_manipulation_release(km_manipulation *hand);
  * component of a rotation vector can be moved if it lies in no loop. Loops are closed to 1e-12; mobility numbers,
  * null spaces and poses are current. KM_USAGE: the coordinate is held; KM_MEMORY. Cost: closing the coordinate's
  * substructure a few times; O(bodies). */
-KM_API km_status km_manipulation_pull_joint(km_manipulation *hand, int coordinate, double target, double most,
+KM_API km_status km_manipulation_pull_joint(km_manipulation *manipulation, int coordinate, double target, double most,
                                             km_manipulation_step *out, km_error *error);
 
 /* Moves the point towards its target by damped least squares: z = Aᵀ(A Aᵀ + ε)⁻¹ e in the motions that the loops and
  * the limits allow, A the point's velocities over L in the basis D⁻¹ Z, e the remaining displacement over L, ε
  * decreasing with it. Steps that are corrected too much, open the loops or increase the distance are halved; none
  * leaves its branch. `most` and all else as above. O(substructures that carry the body). */
-KM_API km_status km_manipulation_pull_point(km_manipulation *hand, const km_manipulation_point *grip, double most,
-                                            km_manipulation_step *out, km_error *error);
+KM_API km_status km_manipulation_pull_point(km_manipulation *manipulation, const km_manipulation_point *point,
+                                            double most, km_manipulation_step *out, km_error *error);
 
 #ifdef __cplusplus
 }
