@@ -68,7 +68,7 @@ bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) 
   double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
   km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,
                    fmax(1e-7, km_rank_tolerance(f->c.mechanism, sub, residual)));
-  /* With redundant constraints g can vanish because the pivot rows alone become dependent: the rank decides. */
+  /* The rank decides, since with redundant constraints g can vanish because the pivot rows alone become dependent. */
   int mobility = km_partition_freedom(&f->c.state->partition[f->c.substructure]);
   if (mobility > f->freedom) {
     f->branch = (km_branch_point){f->s + root, mobility, 0};
@@ -130,8 +130,8 @@ static int find_freedom_after(km_arc_motion *f, double h) {
   return km_continuation_is_singular(p) ? -1 : km_partition_freedom(p);
 }
 
-/* Returns the freedom of the branch along t and chooses the first step. At the branch point the freedom is that of
- * all branches together; where branches touch, the stretch with small pivots is wide. */
+/* Returns the freedom of the branch along t and chooses the first step. The freedom at the branch point is that of
+ * all branches together. The stretch with small pivots is wide if branches touch. */
 static int find_branch_freedom(km_arc_motion *f) {
   const km_substructure *sub = km_arc_motion_sub(f);
   int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;

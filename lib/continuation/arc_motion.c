@@ -1,7 +1,7 @@
 /* Starts a continuation by arc length (theory 4.9).
  *
  *   t in range(D^-1 Z), |D t| = 1, nearest to the requested direction; default: the coordinate with the largest
- *   mobility number. At a branch point: the confirmed tangent (theory 5.3) nearest to it. */
+ *   mobility number. A branch point takes the confirmed tangent (theory 5.3) nearest to it. */
 #include "kmech/continuation.h"
 
 #include "base/arguments.h"

@@ -15,7 +15,7 @@
 #include <string.h>
 
 static const double shortest = 1e-11; /* step below which a turning point counts as located */
-static const double leaving = 1e-14;  /* shorter for the way back from a located end, where rates are large */
+static const double leaving = 1e-14;  /* shorter limit for the return from a located end, where rates are large */
 
 /* Steps per target. A target further than 200 000 longest steps is unreachable; 10 000 steps are enough to find an
  * end or a limit before it. */
@@ -38,7 +38,8 @@ static double longest_driver_step(const km_driver_motion *d) {
 /* Returns the next step size after an accepted step of h: doubled if the predictor's error ratio permits it. Also
  * clears the mark of a turning point that the step left. */
 static double lengthen_step(km_driver_motion *d, double step, double h) {
-  static const double implicit_growth_limit = 0.2; /* of the implicit predictor; see km_driver_motion_growth_limit */
+  /* limit of the implicit predictor; see km_driver_motion_growth_limit */
+  static const double implicit_growth_limit = 0.2;
   if (fabs(h) > km_driver_motion_end_distance &&
       !km_continuation_is_singular(&d->c.state->partition[d->c.substructure]))
     d->current.stopped = 0.0;

@@ -33,7 +33,7 @@ typedef struct km_driver_motion_position {
   bool known;       /* the tangent in the history belongs to the present configuration */
   bool is_stiff;    /* the last step used the implicit predictor: km_minimum_norm_path_predict_implicit */
   int bridge;       /* number of the bridge (singular_bridge.c) under this configuration; 0: none */
-  int pivot_driver; /* in a snapshot: driver column for which the pivots were searched; KM_NEVER */
+  int pivot_driver; /* snapshots only: driver column for which the pivots were searched; KM_NEVER */
 } km_driver_motion_position;
 
 /* Snapshot of a continuation: restoring it reproduces all later steps to the last bit. */
@@ -120,8 +120,8 @@ static inline void km_driver_motion_set_observer(km_driver_motion *d, km_step_ob
 void km_driver_motion_notify(const km_driver_motion *drive, double s, const double *t, int stride);
 /* Selects the implicit predictor for the next step: near a singular configuration the path of least motion is stiff. */
 void km_driver_motion_expect_stiff(km_driver_motion *drive);
-/* With several freedoms the path back to s can differ from the path that led here. Stores the configuration for
- * km_driver_motion_restore_previous, which knows the last two. False without memory. */
+/* Stores the configuration for km_driver_motion_restore_previous, which knows the last two: with several freedoms the
+ * return path to s can differ from the path that led here. False without memory. */
 bool km_driver_motion_save_passed(km_driver_motion *drive);
 /* Restores the last stored configuration between s and the mark; false, without effect, if there is none. */
 bool km_driver_motion_restore_previous(km_driver_motion *drive, double s);

@@ -29,8 +29,8 @@ bool km_driver_motion_start(km_driver_motion *d) {
   return d->current.known;
 }
 
-/* True if det(pivot block) changes its sign over the step. With one freedom it does so only at a configuration that
- * is singular for the driver; over a long step it indicates a jump to another branch. */
+/* True if det(pivot block) changes its sign over the step. It does so, with one freedom, only at a configuration that
+ * is singular for the driver; a change over a long step indicates a jump to another branch. */
 static bool sign_changed(km_driver_motion *d) {
   const km_partition *p = &d->c.state->partition[d->c.substructure];
   if (!km_continuation_has_single_freedom(&d->c, km_partition_freedom(p)) || p->rank != d->c.history.reference.rank)
@@ -75,8 +75,8 @@ static bool predict_implicit(km_driver_motion *d, double h) {
   return d->implicit = d->error_ratio <= 1.0;
 }
 
-/* Predicts along the path of least motion: multistep, then Runge-Kutta, then implicit, in the order of cost. On a
- * stiff path the implicit predictor comes first. False if h is too long. */
+/* Predicts along the path of least motion: multistep, then Runge-Kutta, then implicit, in the order of cost. The
+ * implicit predictor comes first on a stiff path. False if h is too long. */
 static bool predict_minimum_norm_path(km_driver_motion *d, double h) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   if (d->current.is_stiff && (predict_implicit(d, h) || d->rejections == 0))
@@ -120,8 +120,8 @@ static int find_diverging_slide(const km_driver_motion *d, double h) {
   return -1;
 }
 
-/* Predicts `move` for a step h. With one freedom the corrector determines the result from any near start; with
- * several the prediction determines the motion. False if h is too long. */
+/* Predicts `move` for a step h. The corrector determines the result with one freedom; the prediction determines the
+ * motion with several. False if h is too long. */
 static bool predict(km_driver_motion *d, double h) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   bool is_within_error = true;

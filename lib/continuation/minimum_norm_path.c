@@ -95,7 +95,7 @@ double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, cons
   km_state_invalidate_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
     combine_stages(path, km_path_stage_weights[i], i, columns, h, move);
-    if (!(largest_magnitude(move, columns) <= 1.0)) /* beyond 1 rad or size the linearisation is useless */
+    if (!(largest_magnitude(move, columns) <= 1.0)) /* the linearisation is useless beyond 1 rad or size */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
     km_state_move_temporarily(m, s, sub, move);

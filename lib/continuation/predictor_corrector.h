@@ -37,8 +37,8 @@ typedef struct km_step_history {
   int older_count;                 /* valid entries of older_t, with several freedoms */
   double *older_t[KM_OLDER_STEPS]; /* [columns] tangents at the start of earlier steps, the latest first */
   double older_h[KM_OLDER_STEPS];  /* lengths of these steps in s */
-  /* With one freedom: the Newton step that the last closing computed and did not apply (below 1e-9), and the last
-   * moves with these steps added, the latest first. They are exact to rounding, as the degree-10 predictor requires. */
+  /* The Newton step that the last closing computed and did not apply (below 1e-9), and the last moves with these
+   * steps added, the latest first; for one freedom. They are exact to rounding, as the degree-10 predictor requires. */
   double *remaining_step, *moves[KM_CURVE_MOVES]; /* [columns] */
   int equal_count;                                /* number of last steps with equal length, at most KM_CURVE_MOVES */
   /* pivots of the present configuration, for the sign test of det(pivot block) */
@@ -55,7 +55,7 @@ typedef struct km_continuation {
   double *next_t, *move;          /* [columns] tangent at the trial configuration, and the step that leads to it */
   double *next_remaining_step;    /* [columns] Newton step not applied there */
   double *from;                   /* configuration at the start of the step, as km_state_save */
-  km_constant_rank constant_rank; /* of permanently shaky mechanisms (theory 5.6) */
+  km_constant_rank constant_rank; /* tangents of permanently shaky mechanisms (theory 5.6) */
   double *work;                   /* [columns] */
 } km_continuation;
 
@@ -92,7 +92,7 @@ static inline bool km_continuation_has_single_freedom(const km_continuation *c, 
 }
 
 /* Computes the tangent t at the state's configuration from its partition. Driven: t_driver = 1 and |D t| minimal;
- * false at a dead point of the driver. By arc length: the projection of `along` onto the null space with |D t| = 1;
+ * false at a dead point of the driver. Arc length: the projection of `along` onto the null space with |D t| = 1;
  * false if less than 1e-6 of it remains. */
 bool km_continuation_tangent(km_continuation *continuation, const double *along, double *t);
 

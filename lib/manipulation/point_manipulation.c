@@ -1,10 +1,10 @@
 /* Motion of a body's point towards a target (theory 4.14): damped least squares in the motions that loops and limits
  * allow, then the loops are closed.
  *
- *   w = Aᵀ (A Aᵀ + ε)⁻¹ e,  z = Z w:   A velocities of the point over L in the basis Z of D q̇, e remaining displacement
+ *   w = Aᵀ (A Aᵀ + ε)⁻¹ e,  z = Z w:   A velocities of the point over L in the basis Z of D q̇, e displacement
  *   ε = max(1e-4 min(1, |e| / 0.01)², 1e-10)
  *   active limits : their rows are removed from the basis
- *   rejected      : correction > 0.3 of the step, lower rank, or cosine with the new tangent space < 0.8; then halved */
+ *   rejected      : correction > 0.3 of the step, lower rank, cosine with the new tangent space < 0.8 */
 #include "manipulation/manipulation.h"
 
 #include "base/arguments.h"
@@ -18,11 +18,12 @@
 
 enum { MAX_STEPS = 4, MAX_HALVINGS = 14, MAX_ACTIVE_LIMITS = 12 };
 static const double damping = 1e-4, least_damping = 1e-10; /* ε far from the target, and its smallest value */
-static const double damping_distance = 0.01;               /* of L */
-static const double target_tolerance = 1e-9;               /* of L */
+static const double damping_distance = 0.01;               /* relative to L */
+static const double target_tolerance = 1e-9;               /* relative to L */
 /* relative to the step: a larger correction indicates another branch */
 static const double max_correction = 0.3;
-static const double least_cosine = 0.8;    /* of the angle between the step and the tangent space at its end */
+/* least cosine of the angle between the step and the tangent space at its end */
+static const double least_cosine = 0.8;
 static const double at_limit = 1e-9;       /* scaled distance at which a limit is reached */
 static const double shortest_step = 1e-10; /* shortest step */
 
@@ -38,7 +39,7 @@ static km_vec3 point_position(const point_motion *p) {
   return km_pose_point(&p->h->state->pose[p->target_point->body], km_vec3_from_array(p->target_point->point));
 }
 
-/* Computes the remaining displacement over L; returns its length. */
+/* Computes the displacement over L; returns its length. */
 static double update_remaining(point_motion *p) {
   km_vec3 e =
       km_vec3_scale(1.0 / p->length, km_vec3_sub(km_vec3_from_array(p->target_point->target), point_position(p)));

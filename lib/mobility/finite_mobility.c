@@ -58,8 +58,8 @@ static bool refutes_by_second_order(km_tangents *f) {
          km_second_order_is_significant(&f->conditions);
 }
 
-/* True if the mechanism is permanently shaky: the rank at the configuration persists along the motion. Where branches
- * touch with a common tangent it does not. */
+/* True if the mechanism is permanently shaky: the rank at the configuration persists along the motion. It does not
+ * where branches touch with a common tangent. */
 static bool is_permanently_shaky(km_tangents *f) {
   km_constant_rank constant_rank = {0};
   km_arena scratch = {0};
@@ -436,7 +436,7 @@ static int find_by_tangent_cone(km_tangents *f, const km_passive_freedoms *passi
     add_basis(f, KM_MOTION_REGULAR, out);
     return passive_count + k;
   }
-  bool only_tangent = f->has_undecided && k == 1; /* of several directions most need not be finite motions */
+  bool only_tangent = f->has_undecided && k == 1; /* most of several directions need not be finite motions */
   /* If some tangents are refuted, not all are finite motions nearby either: the misfit is analytic on the manifold of
    * the primary equations. */
   int first = out->motion_count, most = k > 1 && (!f->has_undecided || are_refuted_beyond_rounding(f)) ? k - 1 : k;

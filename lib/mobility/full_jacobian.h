@@ -22,7 +22,7 @@ static inline void km_twist_entries(const km_substructure *sub, km_twist twist, 
  * about `about`), then the couplings; rows = 6 · loops + couplings. twist[coordinate] of every coordinate. */
 void km_full_jacobian(const km_mechanism *mechanism, const km_state *state, int substructure, const km_twist *twist,
                       km_vec3 about, double *J);
-/* Writes the couplings' entries: that of coupling i and a column at entries[i · row_stride + column · column_stride]. */
+/* Writes the couplings' entries: coupling i and a column at entries[i · row_stride + column · column_stride]. */
 void km_coupling_entries(const km_mechanism *mechanism, const km_state *state, const km_substructure *sub,
                          double *entries, size_t row_stride, size_t column_stride);
 

@@ -57,7 +57,7 @@ static bool is_rounding(const km_mechanism *m, int index, double pivot, double m
 static void note_rigid_by_rounding(const km_mechanism *m, km_state *s, int index, km_messages *messages) {
   static const double redundant_pivot =
       1e-3; /* relative to the largest pivot, with redundant constraints: the error of three digits */
-  static const double regular_pivot = 1e-4; /* without redundant constraints */
+  static const double regular_pivot = 1e-4; /* relative to the largest pivot, without redundant constraints */
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   km_suggestion suggestion;

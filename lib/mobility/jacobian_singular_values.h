@@ -12,8 +12,7 @@ typedef struct km_svd_workspace {
 } km_svd_workspace;
 bool km_svd_reserve(km_svd_workspace *workspace, int rows, int columns, km_arena *arena);
 /* Computes the singular values of J[rows × columns, column-major] in descending order into values[min(rows,
- * columns)]; returns their number. Which of them count as 0 is decided by km_rank_evidence_find. O(rows · columns ·
- * min). */
+ * columns)]; returns their number. km_rank_evidence_find decides which of them count as 0. O(rows · columns · min). */
 int km_svd_values(const double *J, int rows, int columns, km_svd_workspace *workspace, double *values);
 
 typedef struct km_singular_value_workspace km_singular_value_workspace;

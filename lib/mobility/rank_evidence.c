@@ -20,7 +20,7 @@
 static const double zero_below = 1e-10;   /* relative singular values below this are rounding and closing errors */
 static const double nonzero_above = 1e-5; /* relative singular values above this do not come from rounded data */
 static const double tolerance_factor =
-    100.0; /* with a stated tolerance, the upper bound over it: a factor of 10 on either side of the rank tolerance */
+    100.0; /* upper bound over a stated tolerance: a factor of 10 on either side of the rank tolerance */
 
 /* The columns of one substructure as twists, their reference point and length scale. */
 typedef struct joint_axes {
@@ -48,7 +48,7 @@ static void find_nearest_point(joint_axes *a) {
     b[2] += rhs.z;
     rotating += km_vec3_dot(t.w, t.w) > 0.0;
   }
-  /* with parallel axes the solution of least norm */
+  /* parallel axes: the solution of least norm */
   gsl_matrix_view M = gsl_matrix_view_array(A, 3, 3);
   double values[3], vectors[9], work[3], x[3] = {0};
   gsl_matrix_view V = gsl_matrix_view_array(vectors, 3, 3);

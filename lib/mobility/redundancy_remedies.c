@@ -76,7 +76,7 @@ static bool raises_rank(const km_left_space *a, const km_left_null *null, int jo
 typedef enum swap { TO_CYLINDRICAL, TO_UNIVERSAL, TO_OTHER_UNIVERSAL, TO_SPHERICAL } swap;
 enum { SWAPS = 4 };
 
-/* Cached raises_rank: it depends on the joint and the swap only, and every redundancy of the joint's loops asks for
+/* Cached raises_rank: it depends on the joint and the swap only, and every redundancy of the joint's loops requires
  * it. */
 static bool raises_rank_cached(const km_left_space *a, const km_left_null *null, int joint, swap to, double *work,
                                const km_twist *h, int count) {

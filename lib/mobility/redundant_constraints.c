@@ -16,7 +16,7 @@
 /* Search in one substructure. */
 typedef struct redundancy_search {
   km_left_space space;
-  km_left_null null, neighbour; /* at the configuration and at a neighbouring one */
+  km_left_null null, neighbour; /* vectors at the configuration and at a neighbouring one */
   double *separated_local;      /* [6 · local_count] vectors of single loops, forces separated from moments */
   bool *persistent;             /* [local_count + spanning_count] */
   double *work;                 /* [2 · spanning_count] */

@@ -14,7 +14,7 @@ static const km_option options[OPTIONS] = {
 
 typedef struct kind_data {
   km_study_def def;
-  km_study *study; /* of the last result */
+  km_study *study; /* study of the last result */
   km_track *track;
 } kind_data;
 

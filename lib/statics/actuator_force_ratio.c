@@ -108,8 +108,8 @@ static size_t find_orthogonal_axis(const km_actuator_workspace *h, int rank) {
 }
 
 /* Recomputes the last vector of U: it is known to the digits of σ only, and missing if σ is 0. With as many actuators
- * as motions it is the orthogonal complement of the others, with its sign kept. With more actuators a missing one is
- * that of the last sample. */
+ * as motions it is the orthogonal complement of the others, with its sign kept. A missing one is that of the last
+ * sample if there are more actuators. */
 static void recompute_last_vector(km_actuator_workspace *h, int rank) {
   gsl_vector_view last = gsl_matrix_subcolumn(h->U, (size_t)rank - 1, 0, (size_t)h->count);
   gsl_vector_view before = gsl_matrix_subcolumn(h->reference_U, (size_t)rank - 1, 0, (size_t)h->count);

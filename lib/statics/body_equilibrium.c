@@ -3,7 +3,7 @@
  *   unknown r : one wrench per joint;   A r = A r₀ for every body, r₀ the reactions of the tree alone
  *   h_k · (r - r₀) = f_k + τ_k along every free motion;   min Σ |force|² + |torque/L|²
  *
- * Coupled motions share a coupling force of unknown size: only their combinations without a coupling force are equations. */
+ * Coupled motions share an unknown coupling force: only their combinations without one are equations. */
 #include "base/random.h"
 #include "statics/statics.h"
 
@@ -238,7 +238,7 @@ static void find_uncoupled_combinations(equilibrium *e, const km_state *state) {
   km_partition_null_space(&e->couplings, e->one, e->free_count, e->free);
 }
 
-/* Along a combination of coupled motions. */
+/* Adds the equation along a combination of coupled motions, normalised. */
 static void add_combination_equation(equation_builder *s, const km_statics_workspace *w, const double *share) {
   equilibrium *e = s->e;
   double given = 0.0, square = 0.0, entry[6];

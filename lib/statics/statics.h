@@ -26,7 +26,7 @@ typedef struct km_actuator_workspace {
   gsl_matrix *U, *V;             /* Z_A = U S Vᵀ, padded with zero rows to at least as many as columns */
   gsl_vector *S, *load, *answer; /* load: Vᵀ g */
   double *basis;                 /* basis of the motions out of reach */
-  int freedom, rank;             /* at the last configuration */
+  int freedom, rank;             /* values at the last configuration */
   double noise;                  /* rounding of the loads g */
   /* Data of a sweep. */
   int regular_rank;        /* regular rank: freedoms that the actuators hold except at single configurations */
@@ -62,7 +62,7 @@ typedef struct km_stress_entry {
 /* Data of the reactions of one substructure. */
 typedef struct km_reaction_workspace {
   struct km_body_equilibrium *body_equilibrium; /* NULL: small, J is solved as a dense matrix */
-  int rows, columns;                            /* of J: 6 · loops + couplings */
+  int rows, columns;                            /* size of J: 6 · loops + couplings */
   int loops, joints;
   const int *joint;        /* [joints] */
   double size;             /* size of the substructure; chords' forces are scaled by it */
@@ -104,7 +104,7 @@ struct km_statics_workspace {
   double *tau;        /* [coordinate] generalised forces of the loads, springs in joints included */
   double *force;      /* [coordinate] forces of the actuators, or f̄ */
   bool no_reactions;  /* see km_statics_skip_reactions */
-  bool keeps_factors; /* for km_statics_ratios: every block keeps its Z, U, S, V */
+  bool keeps_factors; /* every block keeps its Z, U, S, V for km_statics_ratios */
   double *least_load; /* [coordinate] generalised forces below this are rounding */
   km_pose *frame;     /* [joint] frame in which its reaction is reported, about the forces' origin */
   km_wrench *carried; /* [joint] reaction along the inertial axes */
@@ -149,7 +149,7 @@ bool km_decompose_orthonormal(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S)
  * largest rate to 1. */
 double *km_direction_begin(const km_mechanism *mechanism, bool falls, km_statics *statics);
 void km_direction_end(const km_mechanism *mechanism, const km_actuator_workspace *blocks, double *rates);
-/* Solves a block of many freedoms with few actuators, or with all, from st->least_norm; false: its basis is required. */
+/* Solves a block of many freedoms with few actuators, or all, from st->least_norm; false: its basis is required. */
 bool km_actuator_forces_solve_columns(const km_mechanism *mechanism, const km_state *state, int block,
                                       km_statics *statics);
 /* Computes actuator forces, directions out of their reach, and whether they hold, from work->tau and, without
@@ -189,7 +189,7 @@ int km_body_equilibrium_solve(struct km_body_equilibrium *equilibrium, const km_
  * reactions of the tree alone in work->carried. Writes work->carried and the degree of indeterminacy. */
 void km_reactions_minimise_norm(km_reaction_workspace *reactions_of, km_statics_workspace *work, double length);
 
-/* Marks the components along the reactions' axes in which a self-stress has a part, after km_reactions_minimise_norm. */
+/* Marks the components along the reactions' axes with a part of a self-stress, after km_reactions_minimise_norm. */
 void km_indeterminate_components_mark(km_reaction_workspace *reactions_of, const km_statics_workspace *work,
                                       km_reaction *reactions);
 

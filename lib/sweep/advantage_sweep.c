@@ -29,10 +29,10 @@ typedef struct sweep_events {
   double *reference;
   /* orientation, ±1, of the transfer's motion relative to the sweep's at the last configuration */
   double orientation;
-  km_advantage_state state; /* at the last row */
+  km_advantage_state state; /* state at the last row */
   km_event_search search;
   km_events events;
-  km_advantage_state last_state; /* at the row before */
+  km_advantage_state last_state; /* state at the row before */
 } sweep_events;
 
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
@@ -104,7 +104,7 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-/* Returns -1 if the transfer's motion is opposite to that of the sweep or, with several freedoms, of the last sample. */
+/* Returns -1 if the transfer's motion is opposite to that of the sweep or, with several freedoms, the last sample's. */
 static double find_orientation(const sweep_events *w, const km_sweeper *r) {
   if (r->is_batched) /* oriented along the driver */
     return 1.0;
@@ -216,7 +216,7 @@ static void update_extremes(km_advantage_sweep *out, double value, double s) {
     out->least = (km_peak){value, s};
 }
 
-/* Opens the bounds beside a pole: the sign of the nearest row on each side tells which bound is infinite. */
+/* Opens the bounds beside a pole: the sign of the nearest row on each side determines which bound is infinite. */
 static void open_bounds_at_pole(km_advantage_sweep *out, double s) {
   const km_table *const tables[2] = {out->motion.table, out->motion.between};
   for (int side = -1; side <= 1; side += 2) {

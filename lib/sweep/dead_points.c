@@ -73,7 +73,7 @@ typedef struct entry {
 static double entry_at(double s, void *context) {
   entry *e = context;
   km_sweeper *r = e->r;
-  r->is_batched = false; /* from here on the motion is single */
+  r->is_batched = false; /* the motion is single from here on */
   e->is_lost = e->is_lost || !r->mover.probe(r->mover.self, s, r->rates);
   if (e->is_lost)
     return (double)NAN; /* ends the search */

@@ -129,7 +129,7 @@ km_status km_event_at_end(km_event_search *search, km_sweeper *r, double end, km
   km_end_samples *ending = is_start ? &search->first : &search->last;
   int k = find_end_samples(ending, end), count = search->count;
   km_status status = KM_OK;
-  if (k < 0 && r->out->freedom == 1) /* with several freedoms the return path can differ */
+  if (k < 0 && r->out->freedom == 1) /* the return path can differ with several freedoms */
     k = take_end_samples(search, r, ending, end, km_table_row(table, is_start ? rows - 1 : 0)[1]);
   for (int i = 0; i < count && k >= 0 && !status; ++i) {
     km_event_kind kind;
@@ -137,7 +137,7 @@ km_status km_event_at_end(km_event_search *search, km_sweeper *r, double end, km
       continue;
     remove_events_near_end(search->events, i, end, fabs(ending->s[k] - end));
     status = km_events_add(search->events, (km_event){kind, i, end, kind == KM_EVENT_POLE ? HUGE_VAL : 0.0}, error);
-    /* with several freedoms the return path can differ */
+    /* the return path can differ with several freedoms */
     if (kind != KM_EVENT_POLE || status || search->sampled_pole == end || r->out->freedom > 1)
       continue;
     status =

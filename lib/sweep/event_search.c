@@ -78,7 +78,7 @@ static void evaluate(const km_event_search *search, km_sweeper *r, double *n, do
 }
 
 bool km_event_search_probe(const km_event_search *search, km_sweeper *r, double s) {
-  r->is_batched = false; /* from here on the motion is single */
+  r->is_batched = false; /* the motion is single from here on */
   if (!r->mover.probe(r->mover.self, s, r->rates))
     return false;
   evaluate(search, r, search->probe_n, search->probe_d);
@@ -182,8 +182,8 @@ static km_status find_extremum(km_event_search *search, km_sweeper *r, int i, do
   return status || !crosses_zero ? status : find_zeros_beside_extremum(search, r, i, s, error);
 }
 
-/* Adds a sample to a run and finds the extremum that it completes. Of equal samples, as on both sides of an extremum,
- * the first counts. */
+/* Adds a sample to a run and finds the extremum that it completes. The first of equal samples counts, as on both
+ * sides of an extremum. */
 static km_status add_run_sample(km_event_search *search, km_sweeper *r, int i, double s, double f, bool *is_moved,
                                 km_error *error) {
   km_sample_run *run = &search->runs[i];

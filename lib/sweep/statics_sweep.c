@@ -223,7 +223,7 @@ static km_status check_job(const km_sweep_job *job, const km_forces *forces, con
 
 static km_status finish(void *self, const km_sweep_job *job) {
   sweep_events *w = self;
-  km_statics_mark(job->m, w->statics); /* of the last row */
+  km_statics_mark(job->m, w->statics); /* marks of the last row */
   km_status taken = collect_events(w, job->plan, job->error);
   return taken ? taken : w->out->unheld ? KM_PARTIAL : job->status;
 }

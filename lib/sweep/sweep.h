@@ -18,7 +18,7 @@ typedef struct km_mover {
   /* Stores the present configuration as a start for later probes, so that with several freedoms they follow the path
    * that led on. False without memory; NULL: the return path is unique. */
   bool (*pass)(void *self);
-  /* In a batch and with one freedom: the unit direction of motion, by coordinates. */
+  /* Writes the unit direction of motion by coordinates; in a batch, with one freedom. */
   void (*direction)(void *self, double *z);
 } km_mover;
 
@@ -57,12 +57,12 @@ typedef struct km_observer {
   bool reads_jacobian;
   bool reads_basis;    /* reads the null space only, */
   bool uses_direction; /* but uses km_mover.direction with one freedom */
-  /* For observers of zeros of the direction of motion only: the cell of each coordinate's mobility number in a row,
-   * 0: none. Of rows passed in a batch without a zero between them only the last two are reported by row_written, and
-   * in the others only coordinates, mobility numbers and the residual are new. With row_written NULL this holds for
-   * all rows. Else NULL. */
+  /* Observers of zeros of the direction of motion only (else NULL): the cell of each coordinate's mobility number in
+   * a row, 0: none. A batch passes rows without a zero between them. Only the last two of these are reported by
+   * row_written; in the others only coordinates, mobility numbers and the residual are new. All rows are passed if
+   * row_written is NULL. */
   const size_t *number_cells;
-  /* With number_cells, per coordinate: its column is not read; NULL: all are. Cells of passed rows are then
+  /* Columns that are not read, by coordinate, with number_cells; NULL: all are. Cells of passed rows are then
    * undefined, and branch points between rows are not searched. */
   const bool *unread;
 } km_observer;
@@ -119,7 +119,7 @@ struct km_sweep_job {
    * is not kept. */
   bool table_only;
   const char *const
-      /* with table_only: names of the columns that are read, NULL-terminated; others can be omitted. NULL: all */
+      /* names of the columns that are read, NULL-terminated, with table_only; others can be omitted. NULL: all */
       *read_columns;
   km_status status; /* result */
 };
@@ -148,7 +148,7 @@ km_status km_sweeper_passed_rows(km_sweeper *sweeper, const km_driver_motion *dr
                                  const double *s, km_error *error);
 /* Writes a row between rows, with the motion r->rates, into the sweep's `between`. False without memory. */
 bool km_sweeper_write_between(km_sweeper *sweeper, double s);
-/* Near a turning point functions vary as √s'. Samples k = 1, 2, … between s and the end, at geometrically decreasing
+/* Functions vary as √s' near a turning point. Samples k = 1, 2, … between s and the end, at geometrically decreasing
  * distances (factor 4). */
 enum { KM_END_SAMPLES = 12 };
 double km_sweeper_end_sample(double s, double end, int k);

@@ -164,7 +164,7 @@ static void repeat_row(double *first, size_t width, size_t count) {
 /* The cells of a column in several rows. */
 typedef struct column_cells {
   double *first;
-  size_t width; /* of a row of the table */
+  size_t width; /* width of a row of the table */
   int count;    /* rows */
 } column_cells;
 

@@ -18,7 +18,7 @@ static const double shortest = 1e-10;   /* shortest step in t */
 static const double linear_step = 1e-8;
 static const double max_correction =
     0.25; /* relative to the largest normal force: a larger correction can change the branch */
-static const double max_correction_at_turns = 1e-6; /* for a short step over which det J changes its sign */
+static const double max_correction_at_turns = 1e-6; /* bound for a short step over which det J changes its sign */
 static const double divergence_bound = 1e12;        /* bound of the normal forces relative to those without friction */
 
 static gsl_vector vector(km_arena *arena, int size) {
@@ -126,8 +126,8 @@ static bool newton_iterate(km_friction *f, double t, double *N) {
   return false;
 }
 
-/* Predicts and corrects from the solution N at t to t + h on the same branch, into `tried`. Along a branch det J
- * changes its sign only at a turning point or a bifurcation; over a long step a change is a jump to another branch. */
+/* Predicts and corrects from the solution N at t to t + h on the same branch, into `tried`. The sign of det J changes
+ * along a branch only at a turning point or a bifurcation; a change over a long step is a jump to another branch. */
 static bool advance(km_friction *f, double t, double h) {
   size_t bytes = (size_t)f->count * sizeof *f->N;
   linearise(f, t, f->N);

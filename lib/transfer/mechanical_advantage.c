@@ -217,7 +217,7 @@ static void add_motion(const km_mechanism *m, km_transfer *l, const double *z, c
     l->rates[coordinate[j]] += (single_freedom ? 1.0 : a) * z[j] / m->scale[coordinate[j]];
 }
 
-/* True if the substructure is a permanently shaky mechanism; tested at the first configuration with several freedoms. */
+/* True if the substructure is permanently shaky; tested at the first configuration with several freedoms. */
 static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index, km_transfer *l) {
   km_constant_rank *constant_rank = &l->constant_rank[index];
   if (km_partition_freedom(&s->partition[index]) < 2)

@@ -180,7 +180,7 @@ static bool find_wrench(const km_mechanism *m, km_transmission_workspace *w, km_
   bool is_pure_moment = force * sub->size <= 1e-9 * moment;
   double scale = 1.0 / (is_pure_moment ? moment : force);
   *out = (km_wrench){km_vec3_scale(is_pure_moment ? 0.0 : scale, f), km_vec3_scale(scale, t)};
-  out->t = km_vec3_add(out->t, km_vec3_cross(about, out->f)); /* about the poses' origin */
+  out->t = km_vec3_add(out->t, km_vec3_cross(about, out->f)); /* moment about the poses' origin */
   return true;
 }
 

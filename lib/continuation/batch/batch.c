@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* True if a batch covers the number of freedoms. With several freedoms the first step is taken singly. */
+/* True if a batch covers the number of freedoms. The first step with several freedoms is taken singly. */
 static bool has_batchable_freedoms(const km_driver_motion *d, int freedom) {
   bool few = freedom <= KM_BATCH_FREEDOMS && freedom - 1 <= d->c.history.reference.rank;
   return freedom == 1 || (freedom > 1 && few && !d->current.is_stiff && d->c.history.last_h != 0.0);

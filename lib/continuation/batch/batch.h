@@ -59,8 +59,8 @@ unsigned km_batch_sample(km_batch *lanes, unsigned wanted, const double *targets
 
 /* True if the last step of the motion was taken in its lane. */
 bool km_driver_motion_is_batched(const km_driver_motion *drive);
-/* Of a batched motion: km_loops_residual of its substructure; and the unit null vector D q̇, with a positive entry of
- * the driver, into z[coordinate] (other entries stay). */
+/* Return, for a batched motion, km_loops_residual of its substructure; and the unit null vector D q̇, with a positive
+ * entry of the driver, into z[coordinate] (other entries stay). */
 double km_driver_motion_batched_residual(const km_driver_motion *drive);
 void km_driver_motion_batched_direction(const km_driver_motion *drive, double *z);
 /* Makes that vector the basis of the state's null space; with one freedom. */

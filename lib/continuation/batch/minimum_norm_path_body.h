@@ -16,10 +16,10 @@ static inline void solve_vandermonde(const vector *x, int nodes, vector *moment)
 
 /* Weights of the tangents at all nodes; 0 where a lane lacks the tangent. */
 typedef struct node_weights {
-  vector weight[KM_PATH_NODES]; /* of the step */
-  /* of its difference to one tangent less: the error estimate */
+  vector weight[KM_PATH_NODES]; /* weights of the step */
+  /* weights of its difference to one tangent less: the error estimate */
   vector error_weight[KM_PATH_NODES];
-  /* of the first and second derivative at the present configuration, for ball joints */
+  /* weights of the first and second derivative at the present configuration, for ball joints */
   vector slope[KM_PATH_NODES], curvature[KM_PATH_NODES];
 } node_weights;
 

@@ -15,7 +15,7 @@ extern "C" {
 
 /* ---- Continuation by one driven coordinate. */
 
-/* Why a motion ends. */
+/* Reasons for the end of a motion. */
 typedef enum km_stop {
   KM_STOP_NONE,      /* the target was reached */
   KM_STOP_TOGGLE,    /* turning point (dead point) of the driver */
@@ -26,7 +26,7 @@ typedef enum km_stop {
 
 /* End of a motion. */
 typedef struct km_motion_end {
-  km_stop stop;     /* why it ended */
+  km_stop stop;     /* reason */
   double position;  /* value of the driver, model's unit: the target, or the located end (to 1e-9 or better) */
   int substructure; /* KM_STOP_TOGGLE, KM_STOP_UNBOUNDED: the substructure; else -1 */
   int coordinate;   /* KM_STOP_LIMIT: the coordinate at its limit; KM_STOP_UNBOUNDED: the slide; else -1 */
@@ -94,7 +94,7 @@ typedef struct km_branch_point {
  * Arc length is Euclidean over the substructure's coordinates: radians, lengths over the characteristic length. The
  * motion starts in the direction in which `coordinate` (-1: the one with the largest mobility number) moves with
  * `sign`. With several freedoms it is the one that moves the others least, transported along the motion by
- * projection. At a branch point the nearest branch is taken. Limits end the motion unless `ignore_limits`. KM_USAGE:
+ * projection. The nearest branch is taken at a branch point. Limits end the motion unless `ignore_limits`. KM_USAGE:
  * the coordinate is held or in no loop; KM_NO_RESULT: nothing moves; KM_MEMORY. The caller frees `*out`. */
 KM_API km_status km_arc_motion_create(const km_mechanism *mechanism, km_state *state, int coordinate, double sign,
                                       bool ignore_limits, km_arc_motion **out, km_error *error);
@@ -127,7 +127,7 @@ KM_API void km_arc_motion_tangent(const km_arc_motion *follow, double *rates);
 /* ---- Manipulation (theory 4.14): a joint or a point of a body is moved towards a target with closed loops and least
  * motion of all other freedoms. */
 
-/* Why a manipulation stopped. */
+/* Reasons for the end of a manipulation. */
 typedef enum km_manipulation_stop {
   KM_MANIPULATION_FREE,   /* not obstructed: the target is reached, or the next call continues */
   KM_MANIPULATION_LIMIT,  /* a joint is at its limit */
@@ -138,17 +138,17 @@ KM_API const char *km_manipulation_stop_name(km_manipulation_stop stop); /* "fre
 
 /* Result of a manipulation. */
 typedef struct km_manipulation_step {
-  km_manipulation_stop stop; /* why it stopped */
+  km_manipulation_stop stop; /* reason */
   int coordinate;            /* LIMIT: the coordinate at its limit; TOGGLE: the manipulated one; else -1 */
   bool is_reached;  /* the target is reached: a joint's exactly, a point's to 1e-9 of the characteristic length */
   double remaining; /* remaining distance to the target: the coordinate's unit, or the model's length */
 } km_manipulation_step;
 
 /* The manipulated point of a body, in the body's frame, and its target in the inertial frame; model's length unit.
- * Distances along the unit vector `normal` (0: none) are ignored, as for a mouse that moves in the plane of a screen. */
+ * Distances along the unit vector `normal` (0: none) are ignored, as for a mouse in the plane of a screen. */
 typedef struct km_manipulation_point {
   int body;                              /* the body */
-  double point[3], target[3], normal[3]; /* of the body; the target; normal of the plane of motion */
+  double point[3], target[3], normal[3]; /* point of the body; its target; normal of the plane of motion */
 } km_manipulation_point;
 
 /* A manipulation of an assembled state, which must outlive it and is moved by it. KM_USAGE, KM_MEMORY. The caller

@@ -34,7 +34,7 @@ typedef struct km_mobility {
   int kutzbach_planar; /* 3(n − 1 − j) + Σ f − couplings (Grübler): the count of mechanisms that move in a plane */
   int mobility;        /* Σ (coordinates − rank) + coordinates outside loops and couplings (theory 6.2) */
   int redundant_constraints; /* 6 · loops + couplings − rank */
-  double residual;           /* of the worst loop, scaled (theory 2.3) */
+  double residual;           /* residual of the worst loop, scaled (theory 2.3) */
 } km_mobility;
 
 /* Searches new pivots at the state's configuration, which must be closed, and computes all mobility numbers m_j = Σ_k
@@ -97,8 +97,8 @@ enum {
 /* A passive freedom: a group of bodies joined by hinges and slides, all of whose other joints have several
  * coordinates. */
 typedef struct km_passive_freedom {
-  int substructure; /* of the group */
-  int freedoms;     /* with all other bodies at rest, at the configuration and at a neighbouring one */
+  int substructure; /* substructure of the group */
+  int freedoms;     /* freedoms with all other bodies at rest, at the configuration and at a neighbouring one */
   int body_count;
   int bodies[KM_MAX_PASSIVE_BODIES]; /* indices in the model; never 0, the inertial frame */
 } km_passive_freedom;
@@ -174,7 +174,7 @@ KM_API const char *km_motion_kind_name(km_motion_kind kind);
 
 /* A change of a joint's type that removes a redundancy without changing the mobility. */
 typedef struct km_remedy {
-  int joint;       /* of the model */
+  int joint;       /* index in the model */
   const char *to;  /* "cylindrical", "universal", "spherical" */
   int freedoms;    /* number of freedoms that it adds */
   double strength; /* wᵀh|/(|w| |h|) of the new freedom h and the redundant wrench w: 0 … 1 */
@@ -187,15 +187,16 @@ enum {
 /* One redundant constraint: a wrench that the other constraints of its loops imply. */
 typedef struct km_redundancy {
   int substructure, loop; /* substructure; the loop with its largest part */
-  bool rotation;          /* a pure moment: a rotation is constrained twice; else a force: a translation is */
+  bool rotation;          /* a pure moment: a rotation is redundantly constrained; else a force: a translation is */
   double direction[3];    /* unit vector in the inertial frame */
-  double point[3];        /* on the line of the force, inertial frame, model's length unit; unused for a moment */
-  double pitch;           /* moment along the force over the force, model's length unit: 0 for a plain translation */
-  int loops;              /* number of loops that the redundancy spans */
-  bool out_of_plane;      /* out of the plane of one planar loop, which has three of them by nature */
-  bool persistent;        /* persistent: present at a neighbouring configuration too */
+  /* point on the line of the force, inertial frame, model's length unit; unused for a moment */
+  double point[3];
+  double pitch;      /* moment along the force over the force, model's length unit: 0 for a plain translation */
+  int loops;         /* number of loops that the redundancy spans */
+  bool out_of_plane; /* out of the plane of one planar loop, which has three of them by nature */
+  bool persistent;   /* it is present at a neighbouring configuration too */
   int remedy_count;
-  km_remedy remedies[KM_MAX_REMEDIES]; /* what removes it, ordered by `freedoms`, then by descending strength */
+  km_remedy remedies[KM_MAX_REMEDIES]; /* remedies, ordered by `freedoms`, then by descending strength */
 } km_redundancy;
 
 /* All redundant constraints of a configuration. */
@@ -218,7 +219,7 @@ KM_API void km_redundancies_free(km_redundancies *redundancies);
 typedef struct km_diagnosis {
   km_finite_mobility finite;    /* finite motions */
   km_redundancies redundancies; /* redundant constraints */
-  km_passive_freedoms passive;     /* passive freedoms */
+  km_passive_freedoms passive;  /* passive freedoms */
 } km_diagnosis;
 
 /* Finds all three at an assembled configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of
@@ -229,8 +230,8 @@ KM_API void km_diagnosis_free(km_diagnosis *diagnosis);
 
 /* Adds notes to `messages` about the geometry of an assembled configuration: ends of a planar loop that are offset
  * along its hinge axes; overconstrained substructures that are rigid as written but within a thousandth of their size
- * of a mobile one. The state keeps its configuration. O(loops), and for each such substructure 20 compilations of the
- * model. */
+ * of a mobile one. The state keeps its configuration. O(loops), and 20 compilations of the model for each such
+ * substructure. */
 KM_API void km_geometry_notes(const km_mechanism *mechanism, km_state *state, km_messages *messages);
 /* Adds a warning for each substructure whose rank is doubtful: a singular value within a factor of ten of the rank
  * tolerance or, for exact data, between rounding (1e-10) and rounded geometry (1e-5). KM_MEMORY. O(rows · columns²)
@@ -244,7 +245,8 @@ typedef enum km_finding_severity {
   KM_FINDING_HINT,      /* a property that mechanisms of this kind have by nature */
   KM_FINDING_SEVERITIES /* number of severities */
 } km_finding_severity;
-KM_API const char *km_finding_severity_name(km_finding_severity severity); /* "fault", "warning", "remark" */
+/* Returns "fault", "warning", "remark" (for a hint). */
+KM_API const char *km_finding_severity_name(km_finding_severity severity);
 
 /* One finding: a key for programs, a statement, an advice. */
 typedef struct km_finding {
@@ -256,7 +258,7 @@ typedef struct km_finding {
 
 /* All findings about a model. */
 typedef struct km_findings {
-  km_finding *items; /* in the order of the checks */
+  km_finding *items; /* findings in the order of the checks */
   size_t count;
   size_t counts[KM_FINDING_SEVERITIES]; /* number of findings of each severity */
   struct km_findings_store *store;      /* memory of the texts */

@@ -1,6 +1,6 @@
-/* Requests (km_question): one interface for every analysis of a motion. A request has a kind and options. Its result has
- * rows in named columns, located events, and figures of merit over the rows (km_table_figure). Tools, studies, other
- * languages and viewers use this interface; results of a single kind have their own headers.
+/* Requests (km_question): one interface for every analysis of a motion. A request has a kind and options. Its result
+ * has rows in named columns, located events, and figures of merit over the rows (km_table_figure). Tools, studies,
+ * other languages and viewers use this interface; results of a single kind have their own headers.
  *
  *   km_question_create(mechanism, "advantage", &question, &error);
  *   km_option_value range = {.numbers = {20.0, 32.0}};
@@ -72,7 +72,7 @@ KM_API int km_question_kinds(void);
 KM_API const char *km_question_kind_name(int kind);
 KM_API const km_option *km_question_option(int kind, int index);
 
-/* A request about a mechanism, which must outlive it. For one thread. */
+/* A request about a mechanism, which must outlive it. Not thread-safe. */
 typedef struct km_question km_question;
 
 /* Creates a request. KM_USAGE: unknown kind; KM_MEMORY. The caller frees `*out`. */

@@ -33,13 +33,13 @@ typedef struct km_sweep_plan {
   int steps;       /* intervals; rows = steps + 1. 0: one row at the state's configuration, without motion */
   /* > 0: by arc length, `steps` times this value (more than 1e-8, at most 1000); coordinate, from and to are ignored */
   double arclength;
-  /* by arc length: coordinate that starts the motion, -1: the one with the largest mobility number */
+  /* arc length: coordinate that starts the motion, -1: the one with the largest mobility number */
   int direction;
   double sign; /* sign of that coordinate's motion, +1 or -1 */
-  /* by arc length, at the first branch point: 1 (or 0) continues smoothly; 2, 3 take the next branch ahead and back,
-   * 4, 5 the one after, … */
+  /* arc length, first branch point: 1 (or 0) continues smoothly; 2, 3 take the next branch ahead and back, 4, 5 the
+   * one after, … */
   int branch;
-  bool cycle;                   /* by arc length: KM_PARTIAL unless the motion returns to its start */
+  bool cycle;                   /* arc length: KM_PARTIAL unless the motion returns to its start */
   bool ignore_limits;           /* limits do not end the motion */
   const km_sweep_point *points; /* [point_count] points to tabulate */
   int point_count;
@@ -52,8 +52,8 @@ typedef struct km_sweep_plan {
 /* Rows of a sweep, and the motion. */
 typedef struct km_sweep {
   km_table *table;   /* step, s, q., columns of the analysis, dof, dof.k, residual, point. (docs/sweeps.md) */
-  km_table *between; /* the same columns between rows near poles; step 0 */
-  km_mobility first; /* at the start of the sweep */
+  km_table *between; /* additional rows near poles, equal columns; step 0 */
+  km_mobility first; /* mobility at the start of the sweep */
   int substructure;  /* the moving substructure, -1: a joint in no loop */
   /* freedom of the driven substructure at the start; above 1 the path of least motion is followed */
   int freedom;
@@ -62,17 +62,17 @@ typedef struct km_sweep {
   int infinitesimal;
   bool *passive_coordinates; /* [coordinate] of joints in which passive bodies move; NULL: passive is 0 */
   int start_branches;        /* branches at the start if it is a branch point; else 0 */
-  km_motion_end start, end;  /* how `from` and `to` were reached */
-  /* of start and end at a dead point: the links in line, or the joints whose axes have become dependent; NULL: none
-   * or unknown */
+  km_motion_end start, end;  /* ends of the motion towards `from` and `to` */
+  /* causes of dead points at start and end: the links in line, or the joints whose axes have become dependent; NULL:
+   * none or unknown */
   char *causes[2];
   double rank_value
-      /* of start and end where the rank changes within the closure tolerance, which is no dead point: the relative
-       * singular value that decides it; else 0 */
+      /* relative singular value that decides a rank change within the closure tolerance at start and end, which is no
+       * dead point; else 0 */
       [2];
   km_branch_point *branches; /* branch points; s is the driver's value, or the arc length */
   size_t branch_count, branch_capacity;
-  double cycle; /* by arc length: length of the closed cycle, 0: not closed */
+  double cycle; /* arc length: length of the closed cycle, 0: not closed */
 } km_sweep;
 
 /* Returns the model's own plan, analysis.sweep with a driver; coordinate -1 without one. */
@@ -100,7 +100,7 @@ typedef struct km_extreme {
 /* A sweep with all mobility numbers, and the events between rows. */
 typedef struct km_mobility_sweep {
   km_sweep motion;    /* the table has m. of every coordinate */
-  km_toggle *toggles; /* in the order of the sweep */
+  km_toggle *toggles; /* sorted in the order of the sweep */
   size_t toggle_count, toggle_capacity;
   km_extreme *extremes; /* [coordinate] smallest mobility numbers over the rows */
   km_extreme smallest;  /* smallest kept singular value; NaN unless the plan has singularities */
@@ -110,7 +110,7 @@ typedef struct km_mobility_sweep {
 
 /* Moves the assembled state to `from` without output, then computes steps + 1 rows. If a part of the range is not
  * reached, the rows end (or begin) at the located bound and the status is KM_PARTIAL; start and end give the reason.
- * With one freedom the rows do not depend on `steps` (to 1e-8). With plan.singularities the smallest kept singular
+ * The rows do not depend on `steps` with one freedom (to 1e-8). With plan.singularities the smallest kept singular
  * value of the moving substructure's J D⁻¹ (lengths over its size, each loop about its own point) is a column and its
  * minima are located; KM_USAGE above KM_MAX_SINGULAR coordinates. KM_CANCELLED, KM_DIVERGED (step limit), KM_MEMORY.
  * Free `*out` in any case. */
@@ -137,8 +137,8 @@ typedef struct km_advantage_sweep {
   km_port input, output;        /* the ports */
   size_t column;                /* table column of the advantage */
   bool friction;                /* a joint has friction: the next column is the actual force ratio */
-  km_advantage_method method;   /* of the first row */
-  km_advantage_toggle *toggles; /* in the order of the sweep */
+  km_advantage_method method;   /* method in the first row */
+  km_advantage_toggle *toggles; /* sorted in the order of the sweep */
   size_t toggle_count;
   /* metrics of the last row, with the reasons of undefined ones; if the transmission was requested */
   km_transmission last;
@@ -175,7 +175,7 @@ typedef struct km_statics_sweep {
   km_sweep motion; /* the table has f., fbar., r., held */
   int actuator_count;
   km_port *actuators;     /* [actuator] */
-  km_force_event *events; /* in the order of the sweep */
+  km_force_event *events; /* sorted in the order of the sweep */
   size_t event_count;
   km_force_event *largest; /* [actuator] largest force, rows and peaks; s NaN: none */
   bool loaded;             /* a load acts at some row */
