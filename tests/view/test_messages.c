@@ -9,7 +9,7 @@
 
 #include "kmech/arm.h"
 #include "kmech/continuation.h"
-#include "kview/guard.h"
+#include "kview/server/access_control.h"
 #include "kview/messages.h"
 
 #include <math.h>

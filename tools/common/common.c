@@ -1,7 +1,7 @@
 /* Common options, subcommands and reading of models for all tools. */
 #include "common/common.h"
 
-#include "common/pages.h"
+#include "common/command_line/manual_pages.h"
 #include "kmech/base.h"
 #include "kmech/version.h"
 

@@ -2,7 +2,7 @@
 #ifndef KT_COMMON_H
 #define KT_COMMON_H
 
-#include "common/options.h"
+#include "common/command_line/options.h"
 #include "kmech/base.h"
 #include "kmech/data.h"
 #include "kmech/mechanism.h"

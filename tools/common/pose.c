@@ -1,7 +1,7 @@
 /* Brings a model to the configuration requested by a command. */
 #include "common/pose.h"
 
-#include "common/mode.h"
+#include "common/assembly_mode.h"
 #include "kmech/base.h"
 #include "kmech/continuation.h"
 #include "kmech/inspect.h"

@@ -1,7 +1,7 @@
 /* Computes one question for several models in parallel, and writes their tables and one plot. */
 #include "common/sweep.h"
 
-#include "common/drives.h"
+#include "common/drive_limits.h"
 #include "kmech/base.h"
 #include "kmech/data.h"
 #include "kmech/report.h"

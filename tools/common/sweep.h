@@ -2,9 +2,9 @@
 #ifndef KT_SWEEP_H
 #define KT_SWEEP_H
 
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
+#include "common/command_line/vary.h"
 #include "common/pose.h"
-#include "common/vary.h"
 
 enum { KT_MOST_MODELS = 64, KT_JOB_NAME = 1024 };
 

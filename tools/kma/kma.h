@@ -2,7 +2,7 @@
 #ifndef KMA_H
 #define KMA_H
 
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
 
 kt_exit kma_at(int argc, char **argv);
 kt_exit kma_sweep(int argc, char **argv);

@@ -2,7 +2,7 @@
 #ifndef KMOB_DRAW_H
 #define KMOB_DRAW_H
 
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
 #include "kmech/report.h"
 #include "kmob/kmob.h"
 

@@ -1,7 +1,7 @@
 /* kmob schema: the formats of models and of studies, for editors, for the guide and for manual pages. */
 #include "kmob/kmob.h"
 
-#include "common/roff.h"
+#include "common/command_line/roff.h"
 
 #include "kmech/exchange.h"
 

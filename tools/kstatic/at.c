@@ -1,6 +1,6 @@
 /* kstatic at: the balance of forces at one pose. */
-#include "common/asked.h"
-#include "common/drives.h"
+#include "common/command_line/question_options.h"
+#include "common/drive_limits.h"
 #include "kstatic/kstatic.h"
 
 #include "kmech/data.h"

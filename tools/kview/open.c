@@ -1,6 +1,6 @@
 /* kview open: a page in the browser. */
 #include "kview/kview.h"
-#include "kview/server.h"
+#include "kview/server/server.h"
 
 #include "kmech/arm.h"
 #include "kmech/base.h"

@@ -1,6 +1,6 @@
 /* Self-motions: how an arm with joints to spare moves while its effector stays. */
-#include "kview/limit.h"
 #include "kview/messages.h"
+#include "kview/server/time_limit.h"
 
 #include "kmech/arm.h"
 

@@ -2,7 +2,7 @@
 #ifndef KVIEW_SESSION_H
 #define KVIEW_SESSION_H
 
-#include "kview/encode.h"
+#include "kview/server/encode.h"
 
 #include "kmech/base.h"
 #include "kmech/continuation.h"

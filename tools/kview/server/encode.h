@@ -1,6 +1,6 @@
 /* Numbers and strings of answers: as JSON text, and as the page reads them (little-endian). */
-#ifndef KVIEW_ENCODE_H
-#define KVIEW_ENCODE_H
+#ifndef KT_KVIEW_SERVER_ENCODE_H
+#define KT_KVIEW_SERVER_ENCODE_H
 
 #include "kmech/base.h"
 

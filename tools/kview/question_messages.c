@@ -1,6 +1,6 @@
 /* Sweeps: the session's question over its motion, and how far a slider goes. */
-#include "kview/limit.h"
 #include "kview/messages.h"
+#include "kview/server/time_limit.h"
 
 #include "kmech/report.h"
 

@@ -1,7 +1,7 @@
 /* Poses to choose from: assembly modes, in which the loops close where one joint stands, and those that the model
  * names. */
-#include "kview/limit.h"
 #include "kview/messages.h"
+#include "kview/server/time_limit.h"
 
 #include "kmech/continuation.h"
 #include "kmech/mechanism.h"

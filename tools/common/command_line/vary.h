@@ -1,6 +1,6 @@
 /* --vary: the variants of a model, all combinations of the values that its numbers are given. */
-#ifndef KT_VARY_H
-#define KT_VARY_H
+#ifndef KT_COMMON_COMMAND_LINE_VARY_H
+#define KT_COMMON_COMMAND_LINE_VARY_H
 
 #include "common/common.h"
 

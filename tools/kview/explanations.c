@@ -1,6 +1,6 @@
 /* Explanations of a motion: null space, redundant constraints, forces, mechanical advantage. */
-#include "kview/limit.h"
 #include "kview/messages.h"
+#include "kview/server/time_limit.h"
 
 #include "kmech/mobility.h"
 #include "kmech/statics.h"

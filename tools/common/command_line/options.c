@@ -1,7 +1,7 @@
 /* Reads command lines by tables of options: each becomes argp's own table and parser. */
-#include "common/options.h"
+#include "common/command_line/options.h"
 
-#include "common/pages.h"
+#include "common/command_line/manual_pages.h"
 #include "kmech/base.h"
 
 #include <argp.h>

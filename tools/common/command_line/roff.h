@@ -1,6 +1,6 @@
 /* Text for manual pages. */
-#ifndef KT_ROFF_H
-#define KT_ROFF_H
+#ifndef KT_COMMON_COMMAND_LINE_ROFF_H
+#define KT_COMMON_COMMAND_LINE_ROFF_H
 
 #include "kmech/base.h"
 

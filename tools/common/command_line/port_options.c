@@ -1,5 +1,5 @@
 /* Ends of a leverage on the command line: joints, or points with a direction. */
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
 
 #include "kmech/base.h"
 

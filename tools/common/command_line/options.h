@@ -1,7 +1,7 @@
 /* Options of the command lines: tables of {name, key, argument, help, kind, target}, shared between commands, that
  * are parser and --help at once (argp underneath). */
-#ifndef KT_OPTIONS_H
-#define KT_OPTIONS_H
+#ifndef KT_COMMON_COMMAND_LINE_OPTIONS_H
+#define KT_COMMON_COMMAND_LINE_OPTIONS_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -34,7 +34,7 @@ typedef struct kt_kind {
 #define KT_TEXT           ((kt_kind){KT_KEEP_TEXT, NULL})  /* const char *: the text, the last one counts */
 #define KT_TEXT_OF(WORDS) ((kt_kind){KT_KEEP_TEXT, WORDS}) /* several of the choices, separated by commas */
 /* const char *: a file that is read, which no result replaces */
-#define KT_INPUT          ((kt_kind){KT_KEEP_INPUT, NULL})
+#define KT_INPUT ((kt_kind){KT_KEEP_INPUT, NULL})
 #define KT_BEGIN                                                                                                       \
   ((kt_kind){KT_KEEP_BEGIN, NULL}) /* const char *: the beginning of files' names, which isn't a folder */
 #define KT_TEXTS       ((kt_kind){KT_KEEP_TEXTS, NULL})     /* kt_texts: all texts in their order */

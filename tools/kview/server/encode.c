@@ -1,5 +1,5 @@
 /* Numbers and strings of answers. */
-#include "kview/encode.h"
+#include "kview/server/encode.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Pages in browsers on this machine: HTTP and WebSocket on a loopback address. */
-#ifndef KVIEW_SERVER_H
-#define KVIEW_SERVER_H
+#ifndef KT_KVIEW_SERVER_SERVER_H
+#define KT_KVIEW_SERVER_SERVER_H
 
 #include "kview/session.h"
 

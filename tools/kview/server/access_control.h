@@ -1,6 +1,6 @@
 /* Access control: only pages of this server, by its address and token. */
-#ifndef KVIEW_GUARD_H
-#define KVIEW_GUARD_H
+#ifndef KT_KVIEW_SERVER_ACCESS_CONTROL_H
+#define KT_KVIEW_SERVER_ACCESS_CONTROL_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,5 +1,5 @@
 /* Reads the options of a question by their types. */
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Warnings about actuator forces beyond the limits of the drives. */
-#ifndef KT_DRIVES_H
-#define KT_DRIVES_H
+#ifndef KT_COMMON_DRIVE_LIMITS_H
+#define KT_COMMON_DRIVE_LIMITS_H
 
 #include "common/pose.h"
 #include "kmech/statics.h"

@@ -1,6 +1,6 @@
 /* Time limit of a page's request, because pages share a thread: longer work is cancelled without an answer. */
-#ifndef KVIEW_LIMIT_H
-#define KVIEW_LIMIT_H
+#ifndef KT_KVIEW_SERVER_TIME_LIMIT_H
+#define KT_KVIEW_SERVER_TIME_LIMIT_H
 
 #include "kmech/base.h"
 

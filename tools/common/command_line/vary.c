@@ -1,5 +1,5 @@
 /* Reads --vary and makes the variants. */
-#include "common/vary.h"
+#include "common/command_line/vary.h"
 
 #include "kmech/base.h"
 

@@ -1,5 +1,5 @@
 /* Reads --load: changed and added loads. */
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
 
 #include "kmech/base.h"
 

@@ -1,5 +1,5 @@
 /* Writes text for manual pages: nothing in it is taken for a request of roff. */
-#include "common/roff.h"
+#include "common/command_line/roff.h"
 
 #include <string.h>
 

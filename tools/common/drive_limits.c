@@ -1,5 +1,5 @@
 /* Warnings about actuator forces beyond the limits of the drives. */
-#include "common/drives.h"
+#include "common/drive_limits.h"
 
 void kt_tell_drive(const kt_common *common, const char *name, const kt_pose *pose, const km_port *actuator,
                    double force, const char *where) {

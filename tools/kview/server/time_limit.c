@@ -1,5 +1,5 @@
 /* Time limit of a page's request. */
-#include "kview/limit.h"
+#include "kview/server/time_limit.h"
 
 const double kv_most_seconds = 4.0;
 

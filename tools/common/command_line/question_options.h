@@ -1,6 +1,6 @@
 /* The options of a question on the command line: from the library's table to its typed values. */
-#ifndef KT_ASKED_H
-#define KT_ASKED_H
+#ifndef KT_COMMON_COMMAND_LINE_QUESTION_OPTIONS_H
+#define KT_COMMON_COMMAND_LINE_QUESTION_OPTIONS_H
 
 #include "common/pose.h"
 #include "kmech/question.h"

@@ -1,6 +1,6 @@
 /* Manual pages and bash completions from tables of options: `kmob sweep --help=man`, `--help=completion`. */
-#ifndef KT_PAGES_H
-#define KT_PAGES_H
+#ifndef KT_COMMON_COMMAND_LINE_MANUAL_PAGES_H
+#define KT_COMMON_COMMAND_LINE_MANUAL_PAGES_H
 
 #include "common/common.h"
 

@@ -1,7 +1,7 @@
 /* Writes the manual pages and the completions of the tools from what their commands know of themselves. */
-#include "common/pages.h"
+#include "common/command_line/manual_pages.h"
 
-#include "common/roff.h"
+#include "common/command_line/roff.h"
 #include "kmech/version.h"
 
 #include <ctype.h>

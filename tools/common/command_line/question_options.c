@@ -1,5 +1,5 @@
 /* Questions on the command line. */
-#include "common/asked.h"
+#include "common/command_line/question_options.h"
 
 #include <stdio.h>
 #include <string.h>

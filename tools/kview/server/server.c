@@ -2,11 +2,11 @@
  *
  * A page's messages are answered one after another: while an answer waits for the page to read it, nothing more is read
  * from that page. So a slow page, or one that never reads, costs one answer's memory. */
-#include "kview/server.h"
+#include "kview/server/server.h"
 
-#include "kview/guard.h"
 #include "kview/messages.h"
 #include "kview/page.h"
+#include "kview/server/access_control.h"
 
 #include <libwebsockets.h>
 #include <signal.h>

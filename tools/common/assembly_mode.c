@@ -1,5 +1,5 @@
 /* Assembly modes on the command line: how they are numbered, and bringing a pose to one. */
-#include "common/mode.h"
+#include "common/assembly_mode.h"
 
 #include "kmech/base.h"
 #include "kmech/inspect.h"

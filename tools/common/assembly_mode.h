@@ -1,6 +1,6 @@
 /* Selection of an assembly mode. Private to tools/common: tools use kt_bring. */
-#ifndef KT_MODE_H
-#define KT_MODE_H
+#ifndef KT_COMMON_ASSEMBLY_MODE_H
+#define KT_COMMON_ASSEMBLY_MODE_H
 
 #include "common/pose.h"
 

@@ -1,5 +1,5 @@
 /* Access control. */
-#include "kview/guard.h"
+#include "kview/server/access_control.h"
 
 #include <stdio.h>
 #include <string.h>
