@@ -8,15 +8,15 @@
 #include <stdbool.h>
 
 /* Texts of the errors below. */
-void km_tell_missing(const char *what, km_error *error);
-void km_tell_index(int index, int count, const char *what, km_error *error);
-void km_tell_count(int count, const char *what, km_error *error);
+void km_report_missing(const char *what, km_error *error);
+void km_report_index(int index, int count, const char *what, km_error *error);
+void km_report_count(int count, const char *what, km_error *error);
 
 /* KM_USAGE with "no <what> was given". */
 static inline km_status km_check_given(bool given, const char *what, km_error *error) {
   if (given)
     return KM_OK;
-  km_tell_missing(what, error);
+  km_report_missing(what, error);
   return KM_USAGE;
 }
 
@@ -24,7 +24,7 @@ static inline km_status km_check_given(bool given, const char *what, km_error *e
 static inline km_status km_check_index(int index, int count, const char *what, km_error *error) {
   if (index >= 0 && index < count)
     return KM_OK;
-  km_tell_index(index, count, what, error);
+  km_report_index(index, count, what, error);
   return KM_USAGE;
 }
 
@@ -32,7 +32,7 @@ static inline km_status km_check_index(int index, int count, const char *what, k
 static inline km_status km_check_list(const void *list, int count, const char *what, km_error *error) {
   if (count >= 0)
     return km_check_given(list || count == 0, what, error);
-  km_tell_count(count, what, error);
+  km_report_count(count, what, error);
   return KM_USAGE;
 }
 

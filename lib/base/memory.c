@@ -96,7 +96,7 @@ void km_arena_free(km_arena *arena) {
   *arena = (km_arena){0};
 }
 
-km_arena km_arena_take(km_arena *memory) {
+km_arena km_arena_reuse(km_arena *memory) {
   km_arena arena = {0};
   if (memory) {
     arena = *memory;
@@ -105,7 +105,7 @@ km_arena km_arena_take(km_arena *memory) {
   return arena;
 }
 
-void km_arena_give(km_arena *arena, km_arena *memory) {
+void km_arena_recycle(km_arena *arena, km_arena *memory) {
   struct km_arena_block *kept = arena->block; /* mostly the largest block */
   if (!memory || !kept) {
     km_arena_free(arena);
@@ -119,7 +119,7 @@ void km_arena_give(km_arena *arena, km_arena *memory) {
   *arena = (km_arena){0};
 }
 
-void km_arena_join(km_arena *arena, km_arena *from) {
+void km_arena_merge(km_arena *arena, km_arena *from) {
   struct km_arena_block *first = from->block;
   while (first && first->previous)
     first = first->previous;

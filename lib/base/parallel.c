@@ -95,13 +95,13 @@ static void work_on(km_team *team, int index) {
   pthread_mutex_unlock(&team->mutex);
 }
 
-static void take_own(member *m) {
+static void copy_own(member *m) {
   if (!atomic_load(&m->held) && !atomic_exchange(&m->held, true))
     work_on(m->team, m->index);
 }
 
 /* Takes an index without a member of its own. */
-static bool take_another(km_team *team) {
+static bool copy_another(km_team *team) {
   int left = atomic_load(&team->left);
   while (left > 0 && !atomic_compare_exchange_weak(&team->left, &left, left - 1))
     ;
@@ -111,13 +111,13 @@ static bool take_another(km_team *team) {
 }
 
 /* Takes the member's own index first, and those of members that haven't begun last. */
-static void take_part(member *m) {
+static void copy_part(member *m) {
   km_team *team = m->team;
-  take_own(m);
-  while (take_another(team))
+  copy_own(m);
+  while (copy_another(team))
     ;
   for (int i = 0; i <= team->started; ++i)
-    take_own(&team->members[i]);
+    copy_own(&team->members[i]);
 }
 
 static void *stand_by(void *data) {
@@ -126,7 +126,7 @@ static void *stand_by(void *data) {
     seen = await_round(own->team, seen);
     if (atomic_load(&own->team->over))
       return NULL;
-    take_part(own);
+    copy_part(own);
   }
 }
 
@@ -195,7 +195,7 @@ void km_team_run(km_team *team, int count, void (*work)(void *context, int index
     atomic_store(&team->members[i].held, false);
   atomic_store(&team->left, count > team->started + 1 ? count - team->started - 1 : 0);
   begin_round(team);
-  take_part(&team->members[0]);
+  copy_part(&team->members[0]);
   await_end(team);
 }
 

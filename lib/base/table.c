@@ -35,7 +35,7 @@ void km_table_free(km_table *table) {
   km_free(table);
 }
 
-km_table *km_table_begin_again(km_table *table) {
+km_table *km_table_restart(km_table *table) {
   if (!table)
     return km_table_create();
   if (table->column_count > table->kept_columns)
@@ -99,7 +99,8 @@ static int add_column(km_table *table, const title *t, const char *unit, bool pl
   return (int)table->column_count++;
 }
 
-bool km_table_join_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit) {
+bool km_table_add_joined_column(km_table *table, const char *prefix, const char *name, const char *suffix,
+                                const char *unit) {
   return add_column(table, &(title){prefix, name, suffix}, unit, false) >= 0;
 }
 
@@ -117,7 +118,7 @@ bool km_table_is_plain(const km_table *table, size_t index) {
   return table->columns[index].plain;
 }
 
-static bool make_room(km_table *table, size_t numbers) {
+static bool reserve(km_table *table, size_t numbers) {
   void *data = table->data;
   bool made = km_reserve(&data, &table->data_capacity, numbers, sizeof(double));
   table->data = data;
@@ -127,12 +128,12 @@ static bool make_room(km_table *table, size_t numbers) {
 bool km_table_reserve(km_table *table, size_t rows) {
   if (!table || (table->column_count && rows > SIZE_MAX / 16 / table->column_count))
     return false;
-  return make_room(table, rows * table->column_count);
+  return reserve(table, rows * table->column_count);
 }
 
 double *km_table_add_raw_rows(km_table *table, size_t count) {
   size_t used = table->row_count * table->column_count, end = used + count * table->column_count;
-  if (end > table->data_capacity && !make_room(table, end))
+  if (end > table->data_capacity && !reserve(table, end))
     return NULL;
   table->row_count += count;
   return table->data + used;

@@ -5,10 +5,11 @@
 #include "kmech/data.h"
 
 /* Appends a column named prefix + name + suffix. False when out of memory. */
-bool km_table_join_column(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit);
+bool km_table_add_joined_column(km_table *table, const char *prefix, const char *name, const char *suffix,
+                                const char *unit);
 /* Restarts a table: without rows and columns, but with their memory, so that adding equal columns again costs
  * nothing. NULL creates a table. Returns NULL when out of memory. */
-km_table *km_table_begin_again(km_table *table);
+km_table *km_table_restart(km_table *table);
 
 /* Appends `count` rows with undefined contents, for a caller that sets every cell. */
 double *km_table_add_raw_rows(km_table *table, size_t count);

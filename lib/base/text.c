@@ -39,7 +39,7 @@ static bool grow(km_text *text, size_t more) {
   return true;
 }
 
-const char *km_text_keep(km_text *text, km_arena *arena) {
+const char *km_text_move_to_arena(km_text *text, km_arena *arena) {
   if (!text || !arena)
     return "";
   const char *kept = text->failed ? NULL : km_arena_string(arena, text->data ? text->data : "");
@@ -72,7 +72,7 @@ void km_text_free(km_text *text) {
   *text = (km_text){0};
 }
 
-km_status km_text_give(km_text *text, km_bytes *out, km_error *error) {
+km_status km_text_move_to_bytes(km_text *text, km_bytes *out, km_error *error) {
   if (!text || !out)
     return km_check_given(false, text ? "place for the result" : "text", error);
   km_text_add(text, "");

@@ -41,7 +41,7 @@ km_value *km_value_string(km_arena *arena, km_value *parent, const char *key, co
 km_value *km_value_words(km_arena *arena, km_value *parent, const char *key, km_text *text) {
   if (!arena)
     return NULL;
-  const char *words = km_text_keep(text, arena);
+  const char *words = km_text_move_to_arena(text, arena);
   return arena->failed ? NULL : km_value_string(arena, parent, key, words);
 }
 

@@ -48,7 +48,7 @@ km_status km_driver_motion_create_in(km_arena *memory, const km_mechanism *m, km
   km_status fits = check_driver(m, s, coordinate, error);
   if (fits)
     return fits;
-  km_arena arena = km_arena_take(memory);
+  km_arena arena = km_arena_reuse(memory);
   km_driver_motion *d = KM_ARENA_NEW(&arena, km_driver_motion, 1);
   if (!d) {
     km_arena_free(&arena); /* memory of an earlier motion can be too small */
@@ -79,7 +79,7 @@ void km_driver_motion_free_into(km_arena *memory, km_driver_motion *d) {
   if (!d)
     return;
   km_arena arena = d->arena; /* the motion itself lies in its arena */
-  km_arena_give(&arena, memory);
+  km_arena_recycle(&arena, memory);
 }
 
 void km_driver_motion_free(km_driver_motion *d) {

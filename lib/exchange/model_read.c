@@ -51,7 +51,7 @@ static km_status read_xml(const char *bytes, size_t size, const km_read_def *def
     km_messages_add(messages, KM_ERROR, "%s", error->text);
   if (!status)
     status = read_tree(root, def, messages, out, error);
-  if (!status && !km_folders_begin(&(*out)->folders, def->file, &(*out)->arena)) {
+  if (!status && !km_folders_create(&(*out)->folders, def->file, &(*out)->arena)) {
     status = km_fail(error, KM_MEMORY, "out of memory while reading the model");
     km_model_free(*out);
     *out = NULL;

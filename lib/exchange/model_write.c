@@ -77,7 +77,7 @@ km_status km_model_write_as(const km_model *model, km_model_format format, const
   status = formats[format].write ? write_robot(model, formats[format].write, q, file, messages, &text, error)
                                  : write_json(model, q, file, &text, error);
   if (!status)
-    return km_text_give(&text, out, error);
+    return km_text_move_to_bytes(&text, out, error);
   km_text_free(&text);
   return status;
 }

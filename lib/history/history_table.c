@@ -12,7 +12,7 @@
 /* Adds a column with the name prefix + name + suffix, such as "frame." "crank/tip" ".x". */
 static void add_column(km_table *table, bool *failed, const char *unit, const char *prefix, const char *name,
                        const char *suffix) {
-  *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
+  *failed = !km_table_add_joined_column(table, prefix, name, suffix, unit) || *failed;
 }
 
 /* Unit of a rate or acceleration of a coordinate; valid while `text` is. */

@@ -169,7 +169,7 @@ const char *km_model_first_friction(const km_model *m) {
 }
 
 /* True if the joint has coordinates and all are angles. */
-static bool turns_alone(const km_model *model, int joint) {
+static bool rotates_only(const km_model *model, int joint) {
   const int first = model->joints[joint].first_coordinate, freedom = km_model_freedom(model, joint);
   bool alone = freedom > 0;
   for (int c = first; c < first + freedom; ++c)
@@ -179,7 +179,7 @@ static bool turns_alone(const km_model *model, int joint) {
 
 int km_model_next_without_radius(const km_model *m, int from) {
   for (int j = from < 0 ? 0 : from; m && j < m->joint_count; ++j)
-    if (m->joints[j].friction.coefficient > 0.0 && m->joints[j].friction.radius == 0.0 && turns_alone(m, j))
+    if (m->joints[j].friction.coefficient > 0.0 && m->joints[j].friction.radius == 0.0 && rotates_only(m, j))
       return j;
   return -1;
 }

@@ -17,7 +17,7 @@ km_pose km_model_start_motion(const km_model *model, int joint) {
   return X;
 }
 
-static bool stands_drawn(const km_model *model, int body) {
+static bool is_drawn(const km_model *model, int body) {
   int assembly = model->bodies[body].assembly;
   return body == 0 || (assembly != KM_NO_ASSEMBLY && model->assemblies[assembly].drawn);
 }
@@ -45,7 +45,7 @@ bool km_model_start_poses(const km_model *model, km_pose *pose) {
     return false;
   for (int b = 0; b < model->body_count; ++b) {
     pose[b] = km_pose_identity();
-    known[b] = stands_drawn(model, b);
+    known[b] = is_drawn(model, b);
   }
   for (bool more = true; more;) {
     more = false;

@@ -201,8 +201,7 @@ typedef struct km_unedited {
 
 struct km_model {
   km_arena arena;
-  const struct km_origin
-      *origin; /* data of the reader in exchange/ for writing the model; NULL: built by calls */
+  const struct km_origin *origin; /* data of the reader in exchange/ for writing the model; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
   const char *source; /* origin of the model as text; NULL: not stated */
   km_folders folders;

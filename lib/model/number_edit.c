@@ -27,7 +27,7 @@ km_status km_model_keep_unedited(km_model *m, km_error *error) {
     km_arena_free(&own);
     return km_fail(error, KM_MEMORY, "out of memory for a change of the model");
   }
-  km_arena_join(&m->arena, &own);
+  km_arena_merge(&m->arena, &own);
   m->unedited = kept;
   return KM_OK;
 }

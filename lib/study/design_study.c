@@ -38,7 +38,7 @@ static km_status read_text(km_design_study *s, km_error *error) {
   if (!status)
     status = check_syntax(s, &text, error);
   if (!status)
-    s->bytes = km_text_keep(&text, &s->arena);
+    s->bytes = km_text_move_to_arena(&text, &s->arena);
   km_text_free(&text);
   return !status && s->arena.failed ? no_memory(error) : status;
 }
@@ -114,7 +114,7 @@ static km_status read_length(km_design_study *s, const km_model *model, km_error
 static void store_mesh_inertias(km_design_study *s, const km_model *model) {
   km_text text = {0};
   km_design_add_meshes(model, &text);
-  s->meshes = km_text_keep(&text, &s->arena);
+  s->meshes = km_text_move_to_arena(&text, &s->arena);
 }
 
 /* Reads length, figures, columns and meshes from the reference design. */

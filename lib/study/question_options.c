@@ -115,7 +115,7 @@ static const char *path_in_folder(const char *folder, const char *file, km_arena
   if (folder && folder[0] && file[0] != '/')
     km_text_format(&path, "%s/", folder);
   km_text_add(&path, file);
-  const char *kept = km_text_keep(&path, arena);
+  const char *kept = km_text_move_to_arena(&path, arena);
   return arena->failed ? NULL : kept;
 }
 

@@ -40,7 +40,7 @@ static const char *table_of(const char *study, const km_text *bytes, km_arena *a
   const char *slash = csv->string[0] == '/' ? NULL : strrchr(study, '/');
   km_text file = {0};
   km_text_format(&file, "%.*s%s", slash ? (int)(slash - study) + 1 : 0, study, csv->string);
-  return km_text_keep(&file, arena);
+  return km_text_move_to_arena(&file, arena);
 }
 
 static km_status add_file(const char *file, bool is_study, km_arena *arena, km_text *out, km_error *error) {

@@ -41,13 +41,13 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   const char *unit = km_advantage_unit(r->m->model, &w->out->input, &w->out->output);
   km_text_format(&name, "%s/%s", w->out->input.name, w->out->output.name);
   w->out->column = km_table_columns(table);
-  bool added = !name.failed && km_table_join_column(table, "ma.", name.data, "", unit[0] ? unit : NULL);
+  bool added = !name.failed && km_table_add_joined_column(table, "ma.", name.data, "", unit[0] ? unit : NULL);
   if (w->losses)
-    added = added && km_table_join_column(table, "force_ratio.", name.data, "", unit[0] ? unit : NULL);
+    added = added && km_table_add_joined_column(table, "force_ratio.", name.data, "", unit[0] ? unit : NULL);
   km_text_free(&name);
   for (int i = 0; i < KM_METRIC_COLUMNS && w->transmission; ++i) {
     unit = km_transmission_unit(r->m->model, &w->out->output, i);
-    added = added && km_table_join_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
+    added = added && km_table_add_joined_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
   }
   return added;
 }

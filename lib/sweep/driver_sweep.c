@@ -78,10 +78,10 @@ static void write_row(km_driver_sweep *w, km_motion_end reach) {
     r->out->start = reach;
   bool repeats_last_row = w->step > 0 && reach.stop && fabs(reach.position - w->last) <= 1e-9 * (1.0 + fabs(w->last));
   if (reach.stop == KM_STOP_MAX_STEPS)
-    status = km_fail(
-        w->job->error, KM_DIVERGED,
-        "the sweep stopped at %.9g: too many steps to the next row; expected a range that so many rows resolve",
-        reach.position);
+    status =
+        km_fail(w->job->error, KM_DIVERGED,
+                "the sweep stopped at %.9g: too many steps to the next row; expected a range that so many rows resolve",
+                reach.position);
   else if (!repeats_last_row) /* an end at the last row is not written twice */
     status = km_sweeper_row(r, w->row++, reach.position, w->job->error);
   if (!status)

@@ -49,7 +49,7 @@ static bool add_column(sweep_events *w, const char *label, int c, km_table *tabl
   if (c >= 0)
     w->cell[c] = km_table_columns(table);
   w->cell_coordinate[w->column_count++] = c;
-  return km_table_join_column(table, "m.", label, "", NULL);
+  return km_table_add_joined_column(table, "m.", label, "", NULL);
 }
 
 /* Adds a column for each coordinate, and one for each joint without freedom. */
@@ -68,7 +68,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
     for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c)
       added = add_column(w, model->coordinates[c].label, c, table) && added;
   }
-  return (!r->plan->singularities || km_table_join_column(table, "", "singular_value", "", NULL)) && added;
+  return (!r->plan->singularities || km_table_add_joined_column(table, "", "singular_value", "", NULL)) && added;
 }
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {

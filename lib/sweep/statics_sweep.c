@@ -32,12 +32,12 @@ static bool add_forces(const sweep_events *w, const km_model *model, km_table *t
     const km_port *actuator = &w->statics->actuators[i];
     unit.size = 0;
     km_push_unit(model, actuator, &unit);
-    added = !unit.failed && km_table_join_column(table, "f.", actuator->name, "", unit.data);
+    added = !unit.failed && km_table_add_joined_column(table, "f.", actuator->name, "", unit.data);
   }
   for (int c = 0; c < model->coordinate_count && added; ++c) {
     unit.size = 0;
     km_force_unit(model, c, &unit);
-    added = !unit.failed && km_table_join_column(table, "fbar.", model->coordinates[c].label, "", unit.data);
+    added = !unit.failed && km_table_add_joined_column(table, "fbar.", model->coordinates[c].label, "", unit.data);
   }
   km_text_free(&unit);
   return added;
@@ -52,10 +52,10 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   bool added = !torque.failed && add_forces(w, model, table);
   for (int j = 0; j < model->joint_count; ++j)
     for (int k = 0; k < 6; ++k)
-      added = added && km_table_join_column(table, "r.", model->joints[j].label, parts[k],
-                                            k < 3 ? model->units.force->suffix : torque.data);
+      added = added && km_table_add_joined_column(table, "r.", model->joints[j].label, parts[k],
+                                                  k < 3 ? model->units.force->suffix : torque.data);
   km_text_free(&torque);
-  return added && km_table_join_column(table, "held", "", "", NULL);
+  return added && km_table_add_joined_column(table, "held", "", "", NULL);
 }
 
 static unsigned moving_version(const km_sweeper *r) {

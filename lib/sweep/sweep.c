@@ -79,7 +79,7 @@ static km_status open_sweeper(km_sweeper *r, const km_sweep_job *job) {
   r->substructure = -1;
   *r->out = (km_sweep){.substructure = -1};
   size_t count = (size_t)r->m->coordinate_count;
-  r->out->table = km_table_begin_again(job->workspace->table);
+  r->out->table = km_table_restart(job->workspace->table);
   job->workspace->table = NULL;
   r->out->between = km_table_create();
   r->rates = KM_NEW(double, 2 * count);

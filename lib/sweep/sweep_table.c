@@ -14,7 +14,7 @@
 
 static void add_named(km_table *table, const char *prefix, const char *name, const char *suffix, const char *unit,
                       bool *failed) {
-  *failed = !km_table_join_column(table, prefix, name, suffix, unit) || *failed;
+  *failed = !km_table_add_joined_column(table, prefix, name, suffix, unit) || *failed;
 }
 
 /* Unit of s: the driver's; none for arc length, which mixes radians and lengths over the characteristic length. */

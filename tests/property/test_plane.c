@@ -118,8 +118,7 @@ static void test_idle_freedoms_hide_no_toggle(void **unused) {
   assert_int_equal(leverage.toggle_count, 2);
   for (int i = 0; i < 2; ++i) {
     assert_int_equal(numbers.toggles[i].coordinate, output.coordinate);
-    assert_near(numbers.toggles[i].s, leverage.toggles[i].s,
-                1e-6); /* accuracy of the path with several freedoms */
+    assert_near(numbers.toggles[i].s, leverage.toggles[i].s, 1e-6); /* accuracy of the path with several freedoms */
   }
   km_mobility_sweep_free(&numbers);
   km_advantage_sweep_free(&leverage);

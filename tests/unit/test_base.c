@@ -128,15 +128,15 @@ static void tables_begin_again(void **state) {
   (void)state;
   static const char *const sets[][3] = {
       {"s", "q.a", "q.b"}, {"s", "q.a", "q.b"}, {"s", "q.ab", "q.b"}, {"s", "q.b", "m.b"}, {"s", "q.b", NULL}};
-  km_table *table = km_table_begin_again(NULL);
+  km_table *table = km_table_restart(NULL);
   for (size_t k = 0; k < sizeof sets / sizeof *sets; ++k) {
-    table = km_table_begin_again(table);
+    table = km_table_restart(table);
     assert_int_equal(km_table_rows(table), 0);
     assert_int_equal(km_table_columns(table), 0);
     size_t count = sets[k][2] ? 3 : 2;
     assert_int_equal(km_table_add_plain_column(table, sets[k][0], k % 2 ? "mm" : "deg"), 0);
     for (size_t c = 1; c < count; ++c)
-      assert_true(km_table_join_column(table, c == 1 ? "q." : "", sets[k][c] + (c == 1 ? 2 : 0), "", "rad"));
+      assert_true(km_table_add_joined_column(table, c == 1 ? "q." : "", sets[k][c] + (c == 1 ? 2 : 0), "", "rad"));
     double *row = km_table_add_row(table);
     for (size_t c = 0; c < count; ++c) {
       assert_string_equal(km_table_name(table, c), sets[k][c]);
@@ -180,7 +180,7 @@ static void arenas_are_passed_on(void **state) {
   (void)state;
   km_arena memory = {0};
   for (size_t round = 0; round < 4; ++round) {
-    km_arena arena = km_arena_take(&memory);
+    km_arena arena = km_arena_reuse(&memory);
     assert_null(memory.block);
     for (size_t size = 100; size < 100000; size *= 3) {
       unsigned char *bytes = KM_ARENA_NEW(&arena, unsigned char, size);
@@ -188,7 +188,7 @@ static void arenas_are_passed_on(void **state) {
         assert_int_equal(bytes[i], 0);
       memset(bytes, 0xff, size);
     }
-    km_arena_give(&arena, round % 2 ? NULL : &memory);
+    km_arena_recycle(&arena, round % 2 ? NULL : &memory);
     assert_null(arena.block);
     assert_true((memory.block != NULL) == (round % 2 == 0));
   }

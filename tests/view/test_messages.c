@@ -9,8 +9,8 @@
 
 #include "kmech/arm.h"
 #include "kmech/continuation.h"
-#include "kview/server/access_control.h"
 #include "kview/messages.h"
+#include "kview/server/access_control.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -48,6 +48,6 @@ kt_exit kt_mode_take(const kt_common *common, const char *path, const kt_texts *
     status = take(pose, modes.coordinates + (common->mode - 1) * km_model_coordinate_count(pose->model), &error);
   km_modes_free(&modes);
   if (status)
-    kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+    kt_print_message(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);
 }

@@ -1,4 +1,4 @@
-/* Selection of an assembly mode. Private to tools/common: tools use kt_bring. */
+/* Selection of an assembly mode. Private to tools/common: tools use kt_move_to_request. */
 #ifndef KT_COMMON_ASSEMBLY_MODE_H
 #define KT_COMMON_ASSEMBLY_MODE_H
 

@@ -92,11 +92,11 @@ static void close_output(void) {
   _exit(KT_USAGE);
 }
 
-static kt_exit tell_memory(const char *tool, kt_exit result) {
+static kt_exit report_memory(const char *tool, kt_exit result) {
   const kt_common common = KT_COMMON(tool);
   if (result != KT_NO_MEMORY)
     return result;
-  kt_say(&common, KM_ERROR, "out of memory");
+  kt_print_message(&common, KM_ERROR, "out of memory");
   return KT_INTERNAL;
 }
 
@@ -124,14 +124,14 @@ kt_exit kt_run(const char *tool, const char *about, const kt_command *commands, 
     char name[64];
     snprintf(name, sizeof name, "%s %s", tool, c->name);
     argv[1] = name;
-    return tell_memory(tool, c->run(argc - 1, argv + 1));
+    return report_memory(tool, c->run(argc - 1, argv + 1));
   }
   const kt_common common = KT_COMMON(tool);
   km_text names = {0};
   for (const kt_command *c = commands; c->name; ++c)
     km_text_format(&names, " %s", c->name);
-  kt_say(&common, KM_ERROR, "%s%s%s; expected one of%s (%s --help)", argc > 1 ? "\"" : "no command", word,
-         argc > 1 ? "\" is not a command" : "", names.failed ? "" : names.data, tool);
+  kt_print_message(&common, KM_ERROR, "%s%s%s; expected one of%s (%s --help)", argc > 1 ? "\"" : "no command", word,
+                   argc > 1 ? "\" is not a command" : "", names.failed ? "" : names.data, tool);
   km_text_free(&names);
   return KT_USAGE;
 }
@@ -156,17 +156,17 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
     if (common->found && severity != KM_ERROR)
       km_messages_add(common->found, severity, "%s", km_messages_text(messages, i));
     else
-      kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
+      kt_print_message(common, severity, "%s: %s", name, km_messages_text(messages, i));
   }
   size_t kept = 0;
   for (size_t i = 0; i < km_messages_count(messages); ++i)
     kept += km_messages_severity(messages, i) == KM_ERROR;
   if (km_messages_errors(messages) > kept)
-    kt_say(common, KM_ERROR, "%s: and %zu more errors", name, km_messages_errors(messages) - kept);
+    kt_print_message(common, KM_ERROR, "%s: and %zu more errors", name, km_messages_errors(messages) - kept);
   if (status == KM_USAGE && count > 0 && kept == 0)
-    kt_say(common, KM_ERROR, "%s: --vary: %s", name, error.text);
+    kt_print_message(common, KM_ERROR, "%s: --vary: %s", name, error.text);
   else if (status && kept == 0)
-    kt_say(common, KM_ERROR, "%s", error.text);
+    kt_print_message(common, KM_ERROR, "%s", error.text);
   km_messages_free(messages);
   if (model)
     kt_detail(common, "%s: read %d bodies and %d joints", name, km_model_body_count(model),
@@ -217,7 +217,7 @@ kt_exit kt_print_bytes(const kt_common *common, const km_text *text) {
   km_error error;
   km_status status = km_file_write("-", text, &error);
   if (status) {
-    kt_say(common, KM_ERROR, "%s", error.text);
+    kt_print_message(common, KM_ERROR, "%s", error.text);
     __fpurge(stdout); /* reported once */
     clearerr(stdout);
   }

@@ -47,15 +47,15 @@ void kt_common_options(kt_options *out, kt_common *common, unsigned uses);
 
 /* `tool: text` on the standard error, coloured on a terminal (NO_COLOR, CLICOLOR_FORCE). Notes and warnings are
  * silent with --quiet. */
-void kt_say(const kt_common *common, km_severity severity, const char *format, ...)
+void kt_print_message(const kt_common *common, km_severity severity, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* `tool: text` on the standard error, with --verbose only. */
 void kt_detail(const kt_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Prints the messages of a reader with the file name, and `text` if it failed without an error message. */
-kt_exit kt_tell_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
-                         const char *text);
+kt_exit kt_report_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
+                           const char *text);
 
 /* `OPTION FOUND: expected EXPECTED`; KT_USAGE. */
 kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected);
@@ -141,7 +141,7 @@ kt_exit kt_each_once(const kt_common *common, const char *option, char *const *t
  * it. Every option's numbers are read by this. */
 bool kt_number(const char *text, double *out);
 /* Such a number that is whole and within bounds. */
-bool kt_whole(const char *text, int least, int most, int *out);
+bool kt_integer(const char *text, int least, int most, int *out);
 /* Just so many numbers with commas between them. */
 bool kt_numbers(const char *text, int count, double *out);
 

@@ -37,13 +37,14 @@ static bool is_input(const char *path) {
 kt_exit kt_write_file(const kt_common *common, const char *path, const km_text *bytes) {
   km_error error;
   if (is_input(path)) {
-    kt_say(common, KM_ERROR, "%s: would be replaced, but this command reads it; expected another name by -o", path);
+    kt_print_message(common, KM_ERROR, "%s: would be replaced, but this command reads it; expected another name by -o",
+                     path);
     return KT_USAGE;
   }
   km_status status = km_file_write(path, bytes, &error);
   if (status)
-    kt_say(common, KM_ERROR, "%s", error.text);
+    kt_print_message(common, KM_ERROR, "%s", error.text);
   else if (!kt_is_piped(path))
-    kt_say(common, KM_NOTE, "wrote %s", path);
+    kt_print_message(common, KM_NOTE, "wrote %s", path);
   return kt_exit_of(status);
 }

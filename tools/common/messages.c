@@ -34,7 +34,7 @@ static void add(km_text *out, const char *text, const char *colour) {
     km_text_add(out, text);
 }
 
-static void say(const kt_common *common, const style *how, const char *format, va_list arguments) {
+static void report(const kt_common *common, const style *how, const char *format, va_list arguments) {
   char text[2 * KM_ERROR_TEXT], tool[64];
   km_text line = {0}, *out = common->log ? common->log : &line;
   vsnprintf(text, sizeof text, format, arguments);
@@ -51,12 +51,12 @@ static void say(const kt_common *common, const style *how, const char *format, v
   km_text_free(&line);
 }
 
-void kt_say(const kt_common *common, km_severity severity, const char *format, ...) {
+void kt_print_message(const kt_common *common, km_severity severity, const char *format, ...) {
   if (common->quiet && severity != KM_ERROR)
     return;
   va_list arguments;
   va_start(arguments, format);
-  say(common, &styles[severity], format, arguments);
+  report(common, &styles[severity], format, arguments);
   va_end(arguments);
 }
 
@@ -65,12 +65,12 @@ void kt_detail(const kt_common *common, const char *format, ...) {
     return;
   va_list arguments;
   va_start(arguments, format);
-  say(common, &styles[DETAIL], format, arguments);
+  report(common, &styles[DETAIL], format, arguments);
   va_end(arguments);
 }
 
 kt_exit kt_usage(const kt_common *common, const char *option, const char *found, const char *expected) {
-  kt_say(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
+  kt_print_message(common, KM_ERROR, "%s %s: expected %s", option, found, expected);
   return KT_USAGE;
 }
 
@@ -81,15 +81,15 @@ void kt_flush(kt_common *common) {
     km_text_free(common->log);
 }
 
-kt_exit kt_tell_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
-                         const char *text) {
+kt_exit kt_report_messages(const kt_common *common, const char *name, const km_messages *messages, km_status status,
+                           const char *text) {
   bool told = false;
   for (size_t i = 0; i < km_messages_count(messages); ++i) {
     km_severity severity = km_messages_severity(messages, i);
-    kt_say(common, severity, "%s: %s", name, km_messages_text(messages, i));
+    kt_print_message(common, severity, "%s: %s", name, km_messages_text(messages, i));
     told = told || severity == KM_ERROR;
   }
   if (status && !told)
-    kt_say(common, KM_ERROR, "%s: %s", name, text);
+    kt_print_message(common, KM_ERROR, "%s: %s", name, text);
   return kt_exit_of(status);
 }

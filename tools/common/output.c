@@ -47,9 +47,10 @@ bool kt_formats_parse_among(const kt_common *common, const char *text, const cha
     if (good)
       out->wanted[found] = true;
     else if (found >= 0)
-      kt_say(common, KM_ERROR, "--format %s: expected some of %s", piece.text, among);
+      kt_print_message(common, KM_ERROR, "--format %s: expected some of %s", piece.text, among);
     else
-      kt_say(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of %s", text, piece.text, among);
+      kt_print_message(common, KM_ERROR, "--format %s: \"%s\" is not a format; expected some of %s", text, piece.text,
+                       among);
     km_free(piece.text);
   }
   return good;
@@ -78,7 +79,7 @@ kt_exit kt_write(const kt_common *common, const char *base, const char *result, 
   km_text_format(&path, "%s.%s.%s", base, result, format);
   kt_exit written = path.failed ? KT_NO_MEMORY : kt_write_file(common, path.data, bytes);
   if (path.failed)
-    kt_say(common, KM_ERROR, "out of memory");
+    kt_print_message(common, KM_ERROR, "out of memory");
   km_text_free(&path);
   return written;
 }
@@ -108,8 +109,8 @@ kt_exit kt_file_name(const kt_common *common, const char *kinds, const char **fi
       c += length;
       c += *c ? strlen(" or ") : 0;
     }
-    kt_say(common, KM_ERROR, "-o %s: this command writes no .%s; expected a name that ends with %s", *file, ending,
-           expected);
+    kt_print_message(common, KM_ERROR, "-o %s: this command writes no .%s; expected a name that ends with %s", *file,
+                     ending, expected);
     return KT_USAGE;
   }
   snprintf(room, KT_FILE_ROOM, "%s.%.*s", *file, (int)strcspn(kinds, " "), kinds);
@@ -134,13 +135,13 @@ void kt_note_size(const kt_common *common, double numbers) {
   kt_common loud = *common;
   loud.quiet = false;
   if (numbers * bytes > told)
-    kt_say(&loud, KM_NOTE, "about %.0f MB are written", numbers * bytes / 1e6);
+    kt_print_message(&loud, KM_NOTE, "about %.0f MB are written", numbers * bytes / 1e6);
 }
 
 bool kt_may_write(const kt_common *common, const char *path) {
   struct stat there;
   if (common->force || strcmp(path, "-") == 0 || stat(path, &there) != 0 || !S_ISREG(there.st_mode))
     return true;
-  kt_say(common, KM_ERROR, "%s: exists already; expected a new name, or --force", path);
+  kt_print_message(common, KM_ERROR, "%s: exists already; expected a new name, or --force", path);
   return false;
 }

@@ -35,8 +35,8 @@ static kt_exit check_conflicts(const kt_common *common, const km_model *model, c
   for (int i = 0; i < sets->count; ++i)
     for (int k = 0; k < holds->count; ++k)
       if (sets->items[i].coordinate == holds->items[k].coordinate) {
-        kt_say(common, KM_ERROR, "--set: \"%s\" is held; expected a joint that is free to move",
-               km_model_coordinate_label(model, sets->items[i].coordinate));
+        kt_print_message(common, KM_ERROR, "--set: \"%s\" is held; expected a joint that is free to move",
+                         km_model_coordinate_label(model, sets->items[i].coordinate));
         return KT_USAGE;
       }
   return KT_DONE;
@@ -52,7 +52,7 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
   km_free(held);
   km_free(set);
   if (status)
-    kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+    kt_print_message(common, KM_ERROR, "%s: %s", path, error.text);
   else
     kt_detail(common, "%s: at its pose; held coordinates: %d, moved by --set: %d, characteristic length %g %s", path,
               holds->count, sets->count, km_mechanism_characteristic_length(out->mechanism, NULL),
@@ -61,31 +61,32 @@ static kt_exit reach(const kt_common *common, const char *path, const kt_setting
 }
 
 /* The requested named pose. */
-static kt_exit take_pose(const kt_common *common, const char *path, km_model *model) {
+static kt_exit copy_pose(const kt_common *common, const char *path, km_model *model) {
   int pose;
   km_error error;
   km_status status = km_model_find_pose(model, common->pose, &pose, &error);
   if (status)
-    kt_say(common, KM_ERROR, "--pose: %s", error.text);
+    kt_print_message(common, KM_ERROR, "--pose: %s", error.text);
   else if ((status = km_model_apply_pose(model, pose, &error)))
-    kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+    kt_print_message(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);
 }
 
 /* Notes about the geometry, unless the command gathers its findings itself. */
-static kt_exit tell_geometry(const kt_common *common, const char *path, const kt_pose *pose) {
+static kt_exit report_geometry(const kt_common *common, const char *path, const kt_pose *pose) {
   km_messages *notes = common->found ? NULL : km_messages_create();
   if (!notes)
     return common->found ? KT_DONE : KT_NO_MEMORY;
   km_geometry_notes(pose->mechanism, pose->state, notes);
-  kt_tell_messages(common, path, notes, KM_OK, NULL);
+  kt_report_messages(common, path, notes, KM_OK, NULL);
   km_messages_free(notes);
   return KT_DONE;
 }
 
-kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
+kt_exit kt_move_to_request(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets,
+                           kt_pose *out) {
   kt_settings held = {0}, set = {0};
-  kt_exit result = common->pose ? take_pose(common, path, out->model) : KT_DONE;
+  kt_exit result = common->pose ? copy_pose(common, path, out->model) : KT_DONE;
   if (result == KT_DONE)
     result = gather_holds(common, out->model, holds, &held);
   if (result == KT_DONE)
@@ -95,7 +96,7 @@ kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *hold
   if (result == KT_DONE)
     result = reach(common, path, &held, &set, out);
   if (result == KT_DONE)
-    result = tell_geometry(common, path, out);
+    result = report_geometry(common, path, out);
   if (result == KT_DONE && common->mode > 0)
     result = kt_mode_take(common, path, sets, out);
   kt_settings_free(&held);
@@ -107,7 +108,7 @@ kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds
   kt_exit result;
   *out = (kt_pose){0};
   out->model = kt_load(common, path, &result);
-  return out->model ? kt_bring(common, path, holds, sets, out) : result;
+  return out->model ? kt_move_to_request(common, path, holds, sets, out) : result;
 }
 
 void kt_close(kt_pose *pose) {

@@ -16,7 +16,8 @@ typedef struct kt_pose {
  * The caller closes the pose in any case. */
 kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
 /* Brings a model that was read, out->model, to the configuration; mechanism and state must be NULL. */
-kt_exit kt_bring(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
+kt_exit kt_move_to_request(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets,
+                           kt_pose *out);
 void kt_close(kt_pose *pose);
 
 /* The assembly modes at a pose. The driver is the first joint of --set, else that of analysis.sweep. KM_USAGE: there is

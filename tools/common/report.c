@@ -51,7 +51,7 @@ static kt_exit deliver(const kt_sweep_job *j, bool html) {
   km_status status = km_question_report(&answer, j->stopped_by.data ? j->stopped_by.data : "", html, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&j->options->common, KM_ERROR, "%s: %s", j->path, error.text);
+    kt_print_message(&j->options->common, KM_ERROR, "%s: %s", j->path, error.text);
   else
     result = write_file(j, html, &out);
   km_text_free(&out);
@@ -66,7 +66,7 @@ kt_exit kt_report(kt_sweep_options *o) {
     return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");
   if (kt_is_piped(o->base))
     return kt_usage(&o->common, "-o", "-", "a file");
-  kt_asked_set(&o->asked, "transmission");
+  kt_question_set(&o->asked, "transmission");
   o->variants.count = 1;
   kt_sweep_job *j = KM_NEW(kt_sweep_job, 1);
   if (!j)

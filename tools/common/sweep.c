@@ -10,13 +10,13 @@
 #include <string.h>
 
 /* Actuators whose largest force along the sweep is more than their drives can give. */
-static void tell_drives(kt_sweep_job *j, const km_statics_sweep *statics) {
+static void report_drives(kt_sweep_job *j, const km_statics_sweep *statics) {
   const km_mechanism *m = j->pose.mechanism;
   for (int i = 0; i < statics->actuator_count; ++i) {
     const km_force_event *largest = &statics->largest[i];
     char where[80];
     snprintf(where, sizeof where, " at %.6g%s", largest->s, km_sweep_unit(m, km_question_plan(j->question)));
-    kt_tell_drive(&j->common, j->name, &j->pose, &statics->actuators[i], largest->value, where);
+    kt_report_drive(&j->common, j->name, &j->pose, &statics->actuators[i], largest->value, where);
   }
 }
 
@@ -27,31 +27,33 @@ static void tell(kt_sweep_job *j, bool partial) {
   const km_sweep_plan *plan = km_question_plan(j->question);
   const km_statics_sweep *statics = km_question_statics(j->question);
   if (statics && statics->unheld)
-    kt_say(common, KM_ERROR, "%s: the actuators can't hold %zu of %zu rows, first at %.9g (kstatic at tells why)",
-           j->name, statics->unheld, km_table_rows(motion->table), statics->first_unheld);
+    kt_print_message(common, KM_ERROR,
+                     "%s: the actuators can't hold %zu of %zu rows, first at %.9g (kstatic at tells why)", j->name,
+                     statics->unheld, km_table_rows(motion->table), statics->first_unheld);
   if (statics)
-    tell_drives(j, statics);
+    report_drives(j, statics);
   kt_detail(common, "%s: %zu rows of %zu columns", j->name, km_table_rows(motion->table),
             km_table_columns(motion->table));
   km_sweep_stop_text(j->pose.mechanism, plan, motion, &j->stopped_by);
   if (partial && j->stopped_by.size)
-    kt_say(common, KM_ERROR, "%s: %s", j->name, j->stopped_by.data);
+    kt_print_message(common, KM_ERROR, "%s: %s", j->name, j->stopped_by.data);
   if (motion->start_branches == 1)
-    kt_say(
+    kt_print_message(
         common, KM_NOTE,
         "%s: not all motions that first order allows at the starting pose are real; where the sweep ends early, hold a "
         "joint that stands in those that are (--hold)",
         j->name);
   else if (motion->start_branches > 0)
-    kt_say(common, KM_NOTE,
-           "%s: the starting pose is a branch point; of %d motions the one %s "
-           "is taken (%s)",
-           j->name, motion->start_branches,
-           plan->arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most",
-           plan->arclength > 0.0 ? "--direction asks for another one, --branch at the next branch point"
-                                 : "--set starts from another pose");
+    kt_print_message(common, KM_NOTE,
+                     "%s: the starting pose is a branch point; of %d motions the one %s "
+                     "is taken (%s)",
+                     j->name, motion->start_branches,
+                     plan->arclength > 0.0 ? "nearest to the direction asked for" : "that moves the driver most",
+                     plan->arclength > 0.0 ? "--direction asks for another one, --branch at the next branch point"
+                                           : "--set starts from another pose");
   else if (motion->freedom - motion->passive - motion->infinitesimal > 1 && plan->arclength <= 0.0)
-    kt_say(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)", j->name);
+    kt_print_message(common, KM_NOTE, "%s: more than one freedom is left; the others move least (--hold keeps joints)",
+                     j->name);
 }
 
 static void ask(kt_sweep_job *j) {
@@ -64,7 +66,7 @@ static void ask(kt_sweep_job *j) {
   if (status == KM_OK || status == KM_PARTIAL)
     tell(j, status == KM_PARTIAL);
   else
-    kt_say_asked(&j->common, KM_ERROR, j->name, error.text);
+    kt_print_messages(&j->common, KM_ERROR, j->name, error.text);
   j->result = kt_exit_of(status);
 }
 
@@ -97,7 +99,7 @@ void kt_sweep_job_open(kt_sweep_job *j, double metres) {
     return;
   if (metres > 0.0)
     km_model_share_length(j->pose.model, metres / km_model_length_unit(j->pose.model));
-  j->result = kt_bring(&j->common, j->name, &o->holds, &o->sets, &j->pose);
+  j->result = kt_move_to_request(&j->common, j->name, &o->holds, &o->sets, &j->pose);
 }
 
 void kt_sweep_job_close(kt_sweep_job *j) {
@@ -116,7 +118,7 @@ static kt_exit read_shown(kt_sweep_job *j) {
 
 void kt_sweep_job_run(kt_sweep_job *j) {
   if (j->result == KT_DONE)
-    j->result = kt_ask(&j->common, j->name, &j->options->asked, &j->pose, &j->question);
+    j->result = kt_compute_question(&j->common, j->name, &j->options->asked, &j->pose, &j->question);
   if (j->result == KT_DONE && j->options->joints)
     j->result = read_shown(j);
   if (j->result == KT_DONE)
@@ -190,7 +192,7 @@ static kt_exit write_plot(const kt_sweep_options *o, const kt_sweep_job *jobs, c
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say_asked(&o->common, KM_ERROR, NULL, error.text);
+    kt_print_messages(&o->common, KM_ERROR, NULL, error.text);
   else
     result = kt_write(&o->common, base, word_of(o), kt_format_word(format), &out);
   km_chart_free(chart);
@@ -252,9 +254,10 @@ static bool names_differ(const kt_sweep_options *o, const kt_sweep_job *jobs) {
   for (int i = 0; i < job_count(o); ++i)
     for (int k = 0; k < i; ++k)
       if (strcmp(jobs[i].base, jobs[k].base) == 0) {
-        kt_say(&o->common, KM_ERROR, "%s and %s would write the same files; expected %s", jobs[k].name, jobs[i].name,
-               strcmp(jobs[i].path, jobs[k].path) == 0 && jobs[i].variant_name[0] ? "variants that differ"
-                                                                                  : "models of different names");
+        kt_print_message(
+            &o->common, KM_ERROR, "%s and %s would write the same files; expected %s", jobs[k].name, jobs[i].name,
+            strcmp(jobs[i].path, jobs[k].path) == 0 && jobs[i].variant_name[0] ? "variants that differ"
+                                                                               : "models of different names");
         return false;
       }
   return true;
@@ -265,12 +268,12 @@ static bool one_standard_input(const kt_sweep_options *o) {
   for (int i = 0; i < o->models.count; ++i)
     count += strcmp(o->models.items[i], "-") == 0;
   if (count > 1)
-    kt_say(&o->common, KM_ERROR, "the standard input (-) is given twice; it can be read only once");
+    kt_print_message(&o->common, KM_ERROR, "the standard input (-) is given twice; it can be read only once");
   return count < 2;
 }
 
 /* Equal messages of variants are printed once: a wrong option is wrong for all. */
-static void say_once(kt_sweep_job *jobs, int count) {
+static void report_once(kt_sweep_job *jobs, int count) {
   for (int i = count - 1; i > 0; --i) {
     const km_text *last = &jobs[i - 1].log;
     km_text *log = &jobs[i].log;
@@ -284,7 +287,7 @@ static kt_exit run(const kt_sweep_options *o, kt_sweep_job *jobs) {
   kt_exit result = KT_DONE;
   kt_sweep_job_open(&jobs[0], 0.0);
   km_parallel_for(count, o->common.jobs, start_job, jobs);
-  say_once(jobs, count);
+  report_once(jobs, count);
   for (int i = 0; i < count; ++i) {
     kt_flush(&jobs[i].common);
     result = kt_worse(result, jobs[i].result);
@@ -329,7 +332,7 @@ kt_exit kt_sweep(kt_sweep_options *o) {
   if (!kt_formats_parse(&o->common, o->format ? o->format : piped ? "csv" : "csv,svg", &o->formats))
     return KT_USAGE;
   if (o->formats.wanted[KT_JSON])
-    kt_asked_set(&o->asked, "redundancies");
+    kt_question_set(&o->asked, "redundancies");
   if (o->models.count > KT_MOST_MODELS)
     return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
   kt_exit result = kt_variants_read(&o->common, &o->vary, KT_MOST_MODELS / o->models.count, &o->variants);

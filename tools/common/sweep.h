@@ -11,7 +11,7 @@ enum { KT_MOST_MODELS = 64, KT_JOB_NAME = 1024 };
 /* Options of sweep and report commands. */
 typedef struct kt_sweep_options {
   kt_common common;
-  kt_asked asked; /* the question */
+  kt_question asked; /* the question */
   kt_texts holds, sets, models, vary;
   kt_variants variants; /* variants of `vary`, set by kt_sweep */
   const char *joints;   /* --joints: coordinates whose curves are drawn, or NULL */

@@ -8,7 +8,7 @@
 
 typedef struct options {
   kt_request request;
-  kt_asked asked;
+  kt_question asked;
   kt_texts points;
 } options;
 
@@ -40,7 +40,7 @@ static km_status losses_at(const kt_pose *pose, const ends *e, km_losses *out, k
 }
 
 /* The numbers of a branch point belong to none of its branches. */
-static km_status tell_branches(const options *o, const kt_pose *pose, km_transfer *lever, km_error *error) {
+static km_status report_branches(const options *o, const kt_pose *pose, km_transfer *lever, km_error *error) {
   enum { MOST = 8 };
   km_advantage each[MOST];
   km_text words = {0};
@@ -53,9 +53,9 @@ static km_status tell_branches(const options *o, const kt_pose *pose, km_transfe
       km_text_add(&words, km_advantage_state_name(each[i].state));
   }
   if (count > 0 && !words.failed)
-    kt_say(&o->request.common, KM_WARNING,
-           "%s: this pose is a branch point; in the motions that meet the mechanical advantage is %s", o->request.model,
-           words.data);
+    kt_print_message(&o->request.common, KM_WARNING,
+                     "%s: this pose is a branch point; in the motions that meet the mechanical advantage is %s",
+                     o->request.model, words.data);
   bool failed = count < 0 || words.failed;
   km_text_free(&words);
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the branch points") : KM_OK;
@@ -77,7 +77,7 @@ static km_status describe(const options *o, const kt_pose *pose, const ends *e, 
   if (status)
     km_fail(error, status, "out of memory for the leverage");
   else
-    status = tell_branches(o, pose, lever, error);
+    status = report_branches(o, pose, lever, error);
   km_transfer_free(lever);
   if (!status)
     status = transmission_at(pose, e, &transmission, error);
@@ -105,12 +105,12 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   km_question *question = NULL;
   km_text out = {0};
   km_error error;
-  kt_exit result = kt_ask(common, o->request.model, &o->asked, pose, &question);
+  kt_exit result = kt_compute_question(common, o->request.model, &o->asked, pose, &question);
   if (result == KT_DONE) {
     const ends e = {*km_question_end(question, false), *km_question_end(question, true)};
     km_status status = describe(o, pose, &e, &out, &error);
     if (status)
-      kt_say(common, KM_ERROR, "%s: %s", o->request.model, error.text);
+      kt_print_message(common, KM_ERROR, "%s: %s", o->request.model, error.text);
     result = kt_exit_of(status);
   }
   if (result == KT_DONE)
@@ -127,7 +127,7 @@ static void read_options(options *o, int argc, char **argv) {
        "A point along a direction of the inertial frame as output; a second one: as input before it", KT_TEXTS,
        &o->points, KT_ABOUT_MODEL}};
   kt_request_options(&all, &o->request, true, KT_REQUEST_BASE("advantage"));
-  kt_asked_options(&all, &o->asked, "advantage", false);
+  kt_question_options(&all, &o->asked, "advantage", false);
   KT_OPTIONS_ADD(&all, point);
   kt_common_options(&all, &o->request.common, KT_USES_FLOAT);
   kt_options_read(

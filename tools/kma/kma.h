@@ -10,6 +10,6 @@ kt_exit kma_report(int argc, char **argv);
 
 /* Points with a direction fill the ends that no option names: one is the output, two are input and output. Says what is
  * wrong. */
-bool kma_place_points(const kt_common *common, kt_asked *asked, const kt_texts *points);
+bool kma_place_points(const kt_common *common, kt_question *asked, const kt_texts *points);
 
 #endif

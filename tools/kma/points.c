@@ -1,8 +1,8 @@
 /* Points as ends of a leverage. */
 #include "kma/kma.h"
 
-bool kma_place_points(const kt_common *common, kt_asked *asked, const kt_texts *points) {
-  kt_texts *input = kt_asked_texts(asked, "input"), *output = kt_asked_texts(asked, "output");
+bool kma_place_points(const kt_common *common, kt_question *asked, const kt_texts *points) {
+  kt_texts *input = kt_question_texts(asked, "input"), *output = kt_question_texts(asked, "output");
   for (int i = points->count; i-- > 0;) {
     if (!kt_direction(points->items[i])) {
       kt_usage(common, "--point", points->items[i], "BODY/FRAME:DX,DY,DZ, a point of a body and a direction");
@@ -15,7 +15,7 @@ bool kma_place_points(const kt_common *common, kt_asked *asked, const kt_texts *
       return false;
     }
     end->items[end->count++] = points->items[i];
-    kt_asked_call(asked, free_output ? "output" : "input", "--point");
+    kt_question_call(asked, free_output ? "output" : "input", "--point");
   }
   return true;
 }

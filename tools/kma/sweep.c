@@ -4,14 +4,15 @@
 
 /* The kinds of --point on a sweep. */
 static void explain_points(kt_options *all) {
-  kt_asked_explain(all, "point", "BODY/FRAME[:DX,DY,DZ]",
-                   "With a direction: a point as output (a second one: as input before it); without: add the path of a "
-                   "frame's origin (repeatable)");
+  kt_question_explain(
+      all, "point", "BODY/FRAME[:DX,DY,DZ]",
+      "With a direction: a point as output (a second one: as input before it); without: add the path of a "
+      "frame's origin (repeatable)");
 }
 
 /* A point with a direction is an end, one without is a path to add. */
 static bool part_points(kt_sweep_options *o) {
-  kt_texts *points = kt_asked_texts(&o->asked, "point"), ends = {0};
+  kt_texts *points = kt_question_texts(&o->asked, "point"), ends = {0};
   int paths = 0;
   for (int i = 0; i < points->count; ++i)
     if (kt_direction(points->items[i]))
@@ -43,8 +44,8 @@ kt_exit kma_report(int argc, char **argv) {
   kt_sweep_options o = {.common = KT_COMMON("kma")};
   kt_options all = {0};
   kt_report_options(&all, &o, "advantage", KT_REPORT_BASE("advantage-report"));
-  kt_asked_explain(&all, "point", "BODY/FRAME:DX,DY,DZ",
-                   "A point along a direction as output (a second one: as input before it)");
+  kt_question_explain(&all, "point", "BODY/FRAME:DX,DY,DZ",
+                      "A point along a direction as output (a second one: as input before it)");
   kt_options_read(
       &all,
       "A report to hand on: the mechanism in its poses, the leverage curve with its extremes and dead points, "

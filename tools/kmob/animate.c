@@ -21,7 +21,7 @@ typedef struct animation {
 
 static kt_exit fail(const animation *a, km_status status, const km_error *error) {
   if (status)
-    kt_say(&a->shots->options->common, KM_ERROR, "%s: %s", a->shots->options->path, error->text);
+    kt_print_message(&a->shots->options->common, KM_ERROR, "%s: %s", a->shots->options->path, error->text);
   return kt_exit_of(status);
 }
 
@@ -39,14 +39,14 @@ static bool moves_in_plane(const animation *a) {
 /* As many rows as the screen can follow, unless the options say how many. */
 static km_status choose_steps(const animation *a, km_error *error) {
   const km_option_value steps = {.whole = moves_in_plane(a) ? PLANE_STEPS : SPACE_STEPS};
-  if (kt_asked_given(&a->shots->options->asked, "steps") || a->plan.arclength > 0.0)
+  if (kt_question_given(&a->shots->options->asked, "steps") || a->plan.arclength > 0.0)
     return KM_OK;
   return km_question_set(a->question, "steps", &steps, error);
 }
 
 static kt_exit run_sweep(animation *a) {
   const kmob_shots *s = a->shots;
-  kt_exit result = kmob_shots_ask(s, &a->question, &a->plan);
+  kt_exit result = kmob_shots_question(s, &a->question, &a->plan);
   km_error error;
   if (result != KT_DONE)
     return result;
@@ -58,14 +58,14 @@ static kt_exit run_sweep(animation *a) {
     return fail(a, status, &error);
   km_text why = {0};
   km_sweep_stop_text(s->pose.mechanism, &a->plan, &a->sweep->motion, &why);
-  kt_say(&s->options->common, KM_ERROR, "%s: %s", s->options->path,
-         why.size ? why.data : "a part of the motion is out of reach");
+  kt_print_message(&s->options->common, KM_ERROR, "%s: %s", s->options->path,
+                   why.size ? why.data : "a part of the motion is out of reach");
   km_text_free(&why);
   return KT_PARTIAL;
 }
 
 /* The driver's values, the bodies' poses and the points' paths at every row. */
-static km_status take_rows(animation *a, km_error *error) {
+static km_status copy_rows(animation *a, km_error *error) {
   const km_table *table = km_question_table(a->question);
   a->values = KM_ARENA_NEW(&a->arena, double, a->rows);
   if (!a->values)
@@ -95,7 +95,7 @@ static const char *quantity_of(const animation *a) {
 static void add_stop(animation *a, km_motion_page *page, km_motion_stop *stops, const char *what, double value) {
   km_text name = {0};
   km_text_format(&name, "%s at %.5g%s%s", what, value, *unit_of(a) ? " " : "", unit_of(a));
-  stops[page->stop_count++] = (km_motion_stop){row_of(a, value), km_text_keep(&name, &a->arena)};
+  stops[page->stop_count++] = (km_motion_stop){row_of(a, value), km_text_move_to_arena(&name, &a->arena)};
 }
 
 static void add_stops(animation *a, km_motion_page *page) {
@@ -122,11 +122,11 @@ static const char *subtitle_of(animation *a) {
                  *unit ? " " : "", unit, a->sweep->motion.first.mobility);
   for (int t = 0; t < traces->count; ++t)
     km_text_format(&text, "%s%s", t ? ", " : " · path of ", traces->items[t]);
-  return km_text_keep(&text, &a->arena);
+  return km_text_move_to_arena(&text, &a->arena);
 }
 
 static km_status write_page(animation *a, km_text *out, km_error *error) {
-  const km_drawing_look look = kmob_shots_look(a->shots);
+  const km_drawing_look look = kmob_shots_style(a->shots);
   const km_answered answer = {a->question, a->shots->name, NULL, 0};
   km_chart *chart = NULL;
   km_motion_page page = {.title = a->shots->name,
@@ -149,7 +149,7 @@ static km_status write_page(animation *a, km_text *out, km_error *error) {
 }
 
 static km_status write_pictures(animation *a, km_text *out, km_error *error) {
-  km_drawing_look look = kmob_shots_look(a->shots);
+  km_drawing_look look = kmob_shots_style(a->shots);
   look.title = subtitle_of(a);
   return km_drawing_apng(a->shots->drawing, &look, seconds, out, error);
 }
@@ -174,7 +174,7 @@ kt_exit kmob_animate(kmob_shots *shots) {
   if (result <= KT_PARTIAL && a.rows > 0) {
     result = kt_worse(result, kmob_shots_paths(shots));
     if (result <= KT_PARTIAL)
-      result = kt_worse(result, fail(&a, take_rows(&a, &error), &error));
+      result = kt_worse(result, fail(&a, copy_rows(&a, &error), &error));
     for (int f = KT_HTML; f <= KT_APNG && result <= KT_PARTIAL; ++f)
       if (shots->options->formats.wanted[f])
         result = kt_worse(result, write_format(&a, (kt_format)f));

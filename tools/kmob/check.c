@@ -38,7 +38,7 @@ static kt_exit check(const kmob_request *o, const kt_pose *pose, const km_messag
     km_findings_leave_out(&findings, "start");
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
+    kt_print_message(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
   else
     result = write_findings(o, pose, &findings);
   size_t counted = findings.counts[KM_FINDING_FAULT] + findings.counts[KM_FINDING_WARNING];

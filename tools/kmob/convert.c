@@ -13,20 +13,20 @@ typedef struct options {
 } options;
 
 /* Meshes are files of their own, in the model's length unit. */
-static void tell_of_meshes(const options *o, const km_model *model, const km_units *units) {
+static void report_of_meshes(const options *o, const km_model *model, const km_units *units) {
   bool any = false;
   const km_unit *own = km_model_units(model).length;
   for (int b = 1; b <= km_model_body_count(model); ++b)
     any = any || km_model_body_mesh(model, b);
   if (any && units->length != own)
-    kt_say(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model, own->word,
-           own->si / units->length->si);
+    kt_print_message(&o->common, KM_WARNING, "%s: its meshes stay in %s; they need a scale of %g", o->model, own->word,
+                     own->si / units->length->si);
 }
 
 /* A parameter has no dimension, so it can't follow the units, nor can the frames that a drawing becomes follow it. */
-static void tell_of_parameters(const options *o, const km_model *model, const km_value *written) {
+static void report_of_parameters(const options *o, const km_model *model, const km_value *written) {
   if (km_model_has_parameters(model) && !km_value_get(written, "parameters"))
-    kt_say(&o->common, KM_NOTE, "%s: its parameters and expressions are written as their values", o->model);
+    kt_print_message(&o->common, KM_NOTE, "%s: its parameters and expressions are written as their values", o->model);
 }
 
 /* As drawings, with a note on what stays as it is. */
@@ -35,7 +35,7 @@ static km_status draw(const options *o, const kt_pose *pose, const km_units *uni
   km_messages *notes = km_messages_create();
   km_status status = km_model_draw(pose->model, units, q, notes, arena, value, error);
   for (size_t i = 0; i < km_messages_count(notes); ++i)
-    kt_say(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
+    kt_print_message(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
   km_messages_free(notes);
   return status;
 }
@@ -47,9 +47,9 @@ static kt_exit write_robot(const options *o, const kt_pose *pose, km_model_forma
   km_messages *notes = km_messages_create();
   km_status status = km_model_write_as(pose->model, format, q, o->file, notes, &bytes, &error);
   for (size_t i = 0; i < km_messages_count(notes); ++i)
-    kt_say(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
+    kt_print_message(&o->common, km_messages_severity(notes, i), "%s: %s", o->model, km_messages_text(notes, i));
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   const km_text text = {.data = bytes.data, .size = bytes.size};
   kt_exit result = status ? kt_exit_of(status) : kmob_write_text(&o->common, o->file, &text);
   km_messages_free(notes);
@@ -81,10 +81,10 @@ static kt_exit convert_pose(const options *o, const kt_pose *pose) {
   if (!status)
     status = km_model_rename_meshes(pose->model, value, o->file, &arena, &error);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   else {
-    tell_of_meshes(o, pose->model, &units);
-    tell_of_parameters(o, pose->model, value);
+    report_of_meshes(o, pose->model, &units);
+    report_of_parameters(o, pose->model, value);
   }
   result = status ? kt_exit_of(status) : kmob_write_value(&o->common, o->file, value);
   km_arena_free(&arena);

@@ -50,7 +50,7 @@ static kt_exit read_outlines(kmob_draw_options *o) {
 static kt_exit read_options(kmob_draw_options *o, int *poses) {
   *poses = 0;
   if (o->models.count > 1) {
-    kt_say(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
+    kt_print_message(&o->common, KM_ERROR, "one model at a time; found \"%s\" too", o->models.items[1]);
     return KT_USAGE;
   }
   if (!kt_formats_parse_among(&o->common,
@@ -67,7 +67,7 @@ static kt_exit read_options(kmob_draw_options *o, int *poses) {
     return kt_usage(&o->common, "-o", "-", "a file's name: pictures don't go to the standard output");
   if (o->view && !km_view_find(o->view, &o->look.view))
     return kt_usage(&o->common, "--view", o->view, "xy, xz, yz, iso or auto");
-  if (o->poses && !kt_whole(o->poses, 1, KT_MOST_TEXTS, poses))
+  if (o->poses && !kt_integer(o->poses, 1, KT_MOST_TEXTS, poses))
     return kt_usage(&o->common, "--poses", o->poses, "a whole number from 1 to 256");
   if (o->poses && o->at.count)
     return kt_usage(&o->common, "--poses", o->poses, "it without --at");
@@ -82,19 +82,19 @@ static void note_unused(const kmob_draw_options *o) {
   static const char *const of_motion[] = {"joint", "range", "arclength", "direction", "steps"};
   bool moves = o->animate || o->poses || o->traces.count > 0;
   for (size_t i = 0; i < sizeof of_motion / sizeof *of_motion && !moves; ++i)
-    if (kt_asked_given(&o->asked, of_motion[i]))
-      kt_say(&o->common, KM_NOTE, "--%s doesn't count without --poses, --trace or --animate", of_motion[i]);
+    if (kt_question_given(&o->asked, of_motion[i]))
+      kt_print_message(&o->common, KM_NOTE, "--%s doesn't count without --poses, --trace or --animate", of_motion[i]);
 }
 
 static kt_exit write_picture(const kmob_shots *shots, const char *base, kt_format format) {
   const kmob_draw_options *o = shots->options;
-  const km_drawing_look look = kmob_shots_look(shots);
+  const km_drawing_look look = kmob_shots_style(shots);
   km_text out = {0};
   km_error error;
   km_status status = km_drawing_picture(shots->drawing, &look, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s", error.text);
   else
     result = kt_write(&o->common, base, "motion", kt_format_word(format), &out);
   km_text_free(&out);
@@ -144,8 +144,8 @@ static void add_options(kt_options *out, kmob_draw_options *o) {
   };
   static const char *const motion[] = {"joint", "range", "steps", "arclength", "direction", "ignore-limits", NULL};
   KT_OPTIONS_ADD(out, table);
-  kt_asked_some(out, &o->asked, "mobility", motion);
-  kt_asked_explain(out, "steps", "N", "Pictures of --animate, less one (default 240 in a plane, 120 in space)");
+  kt_question_some(out, &o->asked, "mobility", motion);
+  kt_question_explain(out, "steps", "N", "Pictures of --animate, less one (default 240 in a plane, 120 in space)");
   kt_common_options(out, &o->common, KT_USES_FLOAT);
   out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
 }
@@ -160,7 +160,7 @@ kt_exit kmob_draw(int argc, char **argv) {
   kt_exit result = read_options(&o, &shots.asked);
   if (result == KT_DONE) {
     note_unused(&o);
-    result = kmob_shots_take(&shots);
+    result = kmob_shots_compute(&shots);
   }
   if (result == KT_DONE && o.animate) {
     result = kmob_animate(&shots);

@@ -10,7 +10,7 @@ typedef struct kmob_draw_options {
   kt_common common;
   kt_texts models, holds, sets, at, traces;
   const char *path, *poses, *view, *size, *format, *base;
-  kt_asked asked; /* the motion, where it isn't analysis.sweep */
+  kt_question asked; /* the motion, where it isn't analysis.sweep */
   kt_formats formats;
   const char *scale, *link_width;
   double drawn_scale;   /* --scale; 0: none */
@@ -32,9 +32,9 @@ typedef struct kmob_shots {
 
 /* Reads the model and computes all requested configurations and paths. KT_PARTIAL: some can't be reached. Reports
  * errors. Free in any case. */
-kt_exit kmob_shots_take(kmob_shots *shots);
+kt_exit kmob_shots_compute(kmob_shots *shots);
 /* Creates the question for the requested motion, which the caller frees, and its plan. Reports errors. */
-kt_exit kmob_shots_ask(const kmob_shots *shots, km_question **question, km_sweep_plan *plan);
+kt_exit kmob_shots_question(const kmob_shots *shots, km_question **question, km_sweep_plan *plan);
 /* Begins the requested paths. Reports errors. */
 kt_exit kmob_shots_paths(kmob_shots *shots);
 /* Moves the model through its motion and writes what plays it: a page, an animated picture. Says what went wrong. */
@@ -42,7 +42,7 @@ kt_exit kmob_animate(kmob_shots *shots);
 /* Writes the outlines of the links in the requested formats. Reports errors. */
 kt_exit kmob_write_outlines(const kmob_draw_options *options, const km_drawing *drawing, const char *base);
 /* Style of the drawing; borrowed. */
-km_drawing_look kmob_shots_look(const kmob_shots *shots);
+km_drawing_look kmob_shots_style(const kmob_shots *shots);
 void kmob_shots_free(kmob_shots *shots);
 
 #endif

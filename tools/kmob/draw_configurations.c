@@ -7,25 +7,25 @@
 enum { PATH_STEPS = 360 };
 
 static kt_exit out_of_memory(const kmob_shots *s) {
-  kt_say(&s->options->common, KM_ERROR, "out of memory");
+  kt_print_message(&s->options->common, KM_ERROR, "out of memory");
   return KT_INTERNAL;
 }
 
 static kt_exit report(const kmob_shots *s, km_status status, const km_error *error) {
   if (status)
-    kt_say(&s->options->common, KM_ERROR, "%s: %s", s->options->path, error->text);
+    kt_print_message(&s->options->common, KM_ERROR, "%s: %s", s->options->path, error->text);
   return kt_exit_of(status);
 }
 
 /* Keeps the pose of a state, perhaps of another compilation of the model, as the next one. */
-static kt_exit keep_pose(kmob_shots *s, const km_mechanism *mechanism, km_state *state) {
+static kt_exit store_pose(kmob_shots *s, const km_mechanism *mechanism, km_state *state) {
   km_error error;
   km_poses_compute(mechanism, state);
   return report(s, km_drawing_add_pose(s->drawing, mechanism, state, &error), &error);
 }
 
 /* One pose for every --at. */
-static kt_exit take_at(kmob_shots *s) {
+static kt_exit copy_at(kmob_shots *s) {
   const kmob_draw_options *o = s->options;
   kt_exit result = KT_DONE;
   for (int i = 0; i < o->at.count && result == KT_DONE; ++i) {
@@ -34,9 +34,9 @@ static kt_exit take_at(kmob_shots *s) {
     if (sets.count == KT_MOST_TEXTS)
       return kt_usage(&o->common, "--set", sets.items[0], "fewer of them beside --at");
     sets.items[sets.count++] = o->at.items[i];
-    result = kt_bring(&o->common, o->path, &o->holds, &sets, &there);
+    result = kt_move_to_request(&o->common, o->path, &o->holds, &sets, &there);
     if (result == KT_DONE)
-      result = keep_pose(s, there.mechanism, there.state);
+      result = store_pose(s, there.mechanism, there.state);
     there.model = NULL; /* it stays */
     kt_close(&there);
     km_text_format(&s->title, "%s%s", i ? ", " : o->at.count > 1 ? "Poses at " : "Pose at ", o->at.items[i]);
@@ -61,15 +61,15 @@ static km_status start_drive(motion *m, km_error *error) {
                                           &m->drive, error);
 }
 
-kt_exit kmob_shots_ask(const kmob_shots *s, km_question **question, km_sweep_plan *plan) {
+kt_exit kmob_shots_question(const kmob_shots *s, km_question **question, km_sweep_plan *plan) {
   const kmob_draw_options *o = s->options;
   km_error error;
-  kt_exit result = kt_ask(&o->common, o->path, &o->asked, &s->pose, question);
+  kt_exit result = kt_compute_question(&o->common, o->path, &o->asked, &s->pose, question);
   if (result != KT_DONE)
     return result;
   km_status status = km_question_make_plan(*question, plan, &error);
   if (status)
-    kt_say_asked(&o->common, KM_ERROR, o->path, error.text);
+    kt_print_messages(&o->common, KM_ERROR, o->path, error.text);
   return kt_exit_of(status);
 }
 
@@ -77,7 +77,7 @@ static kt_exit start(motion *m) {
   const kmob_shots *s = m->shots;
   km_error error;
   km_question *question = NULL;
-  kt_exit planned = kmob_shots_ask(s, &question, &m->plan);
+  kt_exit planned = kmob_shots_question(s, &question, &m->plan);
   km_question_free(question);
   if (planned != KT_DONE)
     return planned;
@@ -118,7 +118,7 @@ static bool go(motion *m, double part) {
 
 /* Goes to FROM, or as near as it gets, where the range then begins. False if that is all there is.
  */
-static bool go_to_start(motion *m) {
+static bool move_to_start(motion *m) {
   if (m->follow || go(m, 0.0))
     return true;
   double bound = km_state_coordinate(m->state, m->plan.coordinate);
@@ -133,7 +133,7 @@ typedef kt_exit (*visit)(void *context, const km_mechanism *mechanism, km_state 
 /* Visits `count` poses from the beginning of the range; the last part of it is `last`. */
 static kt_exit travel(motion *m, int count, double last, visit at, void *context) {
   double from = m->plan.from;
-  bool whole = go_to_start(m);
+  bool whole = move_to_start(m);
   bool cut = !m->follow && (!whole || m->plan.from != from);
   kt_exit result = at(context, m->shots->pose.mechanism, m->state);
   for (int i = 1; i < count && whole && result == KT_DONE; ++i) {
@@ -143,12 +143,13 @@ static kt_exit travel(motion *m, int count, double last, visit at, void *context
   bool closed = m->follow && km_arc_motion_closed(m->follow);
   if (result != KT_DONE || closed || (whole && !cut))
     return result;
-  kt_say(&m->shots->options->common, KM_ERROR, "%s: a part of the range is out of reach", m->shots->options->path);
+  kt_print_message(&m->shots->options->common, KM_ERROR, "%s: a part of the range is out of reach",
+                   m->shots->options->path);
   return KT_PARTIAL;
 }
 
 static kt_exit visit_pose(void *context, const km_mechanism *mechanism, km_state *state) {
-  return keep_pose(context, mechanism, state);
+  return store_pose(context, mechanism, state);
 }
 
 static void name_poses(kmob_shots *s, const motion *m) {
@@ -160,7 +161,7 @@ static void name_poses(kmob_shots *s, const motion *m) {
                    m->plan.from, m->plan.to, km_model_coordinate_unit(model, m->plan.coordinate));
 }
 
-static kt_exit take_poses(kmob_shots *s) {
+static kt_exit copy_poses(kmob_shots *s) {
   motion m = {.shots = s};
   kt_exit result = start(&m);
   if (result == KT_DONE) {
@@ -192,7 +193,7 @@ kt_exit kmob_shots_paths(kmob_shots *s) {
   return result;
 }
 
-static kt_exit take_paths(kmob_shots *s) {
+static kt_exit copy_paths(kmob_shots *s) {
   motion m = {.shots = s};
   kt_exit result = kmob_shots_paths(s);
   if (result == KT_DONE)
@@ -203,14 +204,14 @@ static kt_exit take_paths(kmob_shots *s) {
   return result;
 }
 
-static kt_exit take_file_pose(kmob_shots *s) {
+static kt_exit copy_file_pose(kmob_shots *s) {
   km_text_format(&s->title, s->options->sets.count ? "Pose at " : "Kinematic diagram");
   for (int i = 0; i < s->options->sets.count; ++i)
     km_text_format(&s->title, "%s%s", i ? ", " : "", s->options->sets.items[i]);
-  return keep_pose(s, s->pose.mechanism, s->pose.state);
+  return store_pose(s, s->pose.mechanism, s->pose.state);
 }
 
-kt_exit kmob_shots_take(kmob_shots *s) {
+kt_exit kmob_shots_compute(kmob_shots *s) {
   const kmob_draw_options *o = s->options;
   km_error error;
   kt_base_name(o->path, s->name, sizeof s->name);
@@ -223,14 +224,14 @@ kt_exit kmob_shots_take(kmob_shots *s) {
     return result;
   if (o->animate)
     return KT_DONE; /* the motion is all that is shown */
-  result = o->at.count ? take_at(s) : s->asked ? take_poses(s) : take_file_pose(s);
+  result = o->at.count ? copy_at(s) : s->asked ? copy_poses(s) : copy_file_pose(s);
   if (o->traces.count && (result == KT_DONE || result == KT_PARTIAL)) {
-    result = kt_worse(result, take_paths(s));
+    result = kt_worse(result, copy_paths(s));
   }
   return result == KT_DONE && s->title.failed ? out_of_memory(s) : result;
 }
 
-km_drawing_look kmob_shots_look(const kmob_shots *s) {
+km_drawing_look kmob_shots_style(const kmob_shots *s) {
   km_drawing_look look = s->options->look;
   look.meshes = s->meshes;
   look.loads = !s->options->animate; /* arrows that turn would cover the motion */

@@ -39,7 +39,7 @@ static void multiply(const double *J, const double *N, int coordinates, int free
     }
 }
 
-static km_status look(const kt_pose *pose, int frame, km_arena *arena, told *out, km_error *error) {
+static km_status inspect(const kt_pose *pose, int frame, km_arena *arena, told *out, km_error *error) {
   km_mobility mobility;
   out->coordinates = km_model_coordinate_count(pose->model);
   if (km_mobility_compute(pose->mechanism, pose->state, &mobility))
@@ -152,9 +152,9 @@ static kt_exit describe(const options *o, const kt_pose *pose, int frame) {
   km_text out = {0};
   km_error error;
   told t;
-  km_status status = look(pose, frame, &arena, &t, &error);
+  km_status status = inspect(pose, frame, &arena, &t, &error);
   if (status)
-    kt_say(&o->request.common, KM_ERROR, "%s: %s", o->request.model, error.text);
+    kt_print_message(&o->request.common, KM_ERROR, "%s: %s", o->request.model, error.text);
   else if (o->request.json)
     km_json_write(record_of(o, pose, &t, &arena), &out);
   else

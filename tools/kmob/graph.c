@@ -51,7 +51,7 @@ static kt_exit describe(const options *o, km_text *dot) {
                            : km_fail(&error, KM_MEMORY, "out of memory");
   kt_base_name(o->model, name, sizeof name);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   else
     km_graph_write(mechanism, name, dot);
   km_free(holds);
@@ -91,7 +91,7 @@ static bool run_graphviz(const options *o, FILE *in, km_text *svg) {
   int ends[2], how = 0;
   pid_t child;
   if (pipe2(ends, O_CLOEXEC) != 0) {
-    kt_say(&o->common, KM_ERROR, "graphviz can't be started: %s", strerror(errno));
+    kt_print_message(&o->common, KM_ERROR, "graphviz can't be started: %s", strerror(errno));
     return false;
   }
   int failed = start_graphviz(in, ends, &child);
@@ -100,17 +100,18 @@ static bool run_graphviz(const options *o, FILE *in, km_text *svg) {
     read_all(ends[0], svg);
   close(ends[0]);
   if (failed == ENOENT)
-    kt_say(&o->common, KM_ERROR,
-           "--format svg: the program \"dot\" isn't found; expected graphviz to be installed "
-           "(Debian: apt-get install graphviz), or --format dot");
+    kt_print_message(&o->common, KM_ERROR,
+                     "--format svg: the program \"dot\" isn't found; expected graphviz to be installed "
+                     "(Debian: apt-get install graphviz), or --format dot");
   else if (failed)
-    kt_say(&o->common, KM_ERROR, "graphviz can't be started: %s", strerror(failed));
+    kt_print_message(&o->common, KM_ERROR, "graphviz can't be started: %s", strerror(failed));
   if (failed)
     return false;
   while (waitpid(child, &how, 0) < 0 && errno == EINTR)
     ;
   if (how != 0)
-    kt_say(&o->common, KM_ERROR, "graphviz' \"dot\" failed on the graph; --format dot writes what it was given");
+    kt_print_message(&o->common, KM_ERROR,
+                     "graphviz' \"dot\" failed on the graph; --format dot writes what it was given");
   return how == 0;
 }
 
@@ -120,7 +121,7 @@ static kt_exit draw(const options *o, const km_text *dot, km_text *svg) {
   if (written)
     rewind(in);
   else
-    kt_say(&o->common, KM_ERROR, "a temporary file can't be written: %s", strerror(errno));
+    kt_print_message(&o->common, KM_ERROR, "a temporary file can't be written: %s", strerror(errno));
   bool drawn = written && run_graphviz(o, in, svg);
   if (in)
     fclose(in);
@@ -136,7 +137,7 @@ static kt_exit run(const options *o) {
   if (!base)
     base = o->dot && o->svg ? name : "-";
   if (kt_is_piped(base) && o->dot && o->svg) {
-    kt_say(&o->common, KM_ERROR, "-o -: found two formats; expected one for the standard output");
+    kt_print_message(&o->common, KM_ERROR, "-o -: found two formats; expected one for the standard output");
     return KT_USAGE;
   }
   kt_exit result = describe(o, &dot);

@@ -43,11 +43,11 @@ static void add_modes(const km_model *model, const km_modes *modes, int driver, 
 }
 
 /* Warnings about ranks that the data don't decide. */
-static km_status tell_doubts(const kmob_request *o, const kt_pose *pose, km_error *error) {
+static km_status report_doubts(const kmob_request *o, const kt_pose *pose, km_error *error) {
   km_messages *doubts = km_messages_create();
   km_status status = doubts ? km_rank_doubts(pose->mechanism, pose->state, doubts, error)
                             : km_fail(error, KM_MEMORY, "out of memory for the ranks");
-  kt_tell_messages(&o->pose.common, o->pose.model, doubts, KM_OK, NULL);
+  kt_report_messages(&o->pose.common, o->pose.model, doubts, KM_OK, NULL);
   km_messages_free(doubts);
   return status;
 }
@@ -73,9 +73,9 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
   if (!status && km_mobility_compute(pose->mechanism, pose->state, &mobility))
     status = km_fail(&error, KM_MEMORY, "out of memory for the mobility");
   if (!status)
-    status = tell_doubts(o, pose, &error);
+    status = report_doubts(o, pose, &error);
   if (status) {
-    kt_say(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
+    kt_print_message(&o->pose.common, KM_ERROR, "%s: %s", o->pose.model, error.text);
   } else if (o->pose.json) {
     km_value *record = km_mobility_record(pose->mechanism, pose->state, &mobility, o->pose.model, &arena);
     if (record)

@@ -35,7 +35,7 @@ static kt_exit write_starter(const options *o, const km_units *units, const char
   kt_exit result = kmob_write_text(&o->common, path, &text);
   km_text_free(&text);
   if (result == KT_DONE && strcmp(path, "-") != 0)
-    kt_say(&o->common, KM_NOTE, "wrote %s; try: kmob sweep %s", path, path);
+    kt_print_message(&o->common, KM_NOTE, "wrote %s; try: kmob sweep %s", path, path);
   return result;
 }
 
@@ -54,8 +54,8 @@ kt_exit kmob_new(int argc, char **argv) {
                   argv);
   const char *given = o.file ? o.file : o.name;
   if (!given || !given[0] || (o.file && o.name)) {
-    kt_say(&o.common, KM_ERROR, "%s (kmob new --help)",
-           o.file && o.name ? "found a name and -o; expected one of them" : "no name is given");
+    kt_print_message(&o.common, KM_ERROR, "%s (kmob new --help)",
+                     o.file && o.name ? "found a name and -o; expected one of them" : "no name is given");
     return KT_USAGE;
   }
   char room[KT_FILE_ROOM];

@@ -9,7 +9,7 @@ static kt_exit write_format(const kmob_draw_options *o, const km_drawing *drawin
                                                             kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->path, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->path, error.text);
   else
     result = kt_write(&o->common, base, "motion", kt_format_word(format), &out);
   km_text_free(&out);

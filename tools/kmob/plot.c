@@ -41,7 +41,7 @@ static char *name_of(const char *text, size_t length) {
 
 /* Takes the longest beginning that is a column of the first table, up to a comma; else what \ leaves up to the first
  * one. */
-static char *take_name(const work *w, const char **rest, bool *more) {
+static char *copy_name(const work *w, const char **rest, bool *more) {
   for (size_t length = strlen(*rest); length > 0;) {
     char *name = name_of(*rest, length);
     if (!name || km_csv_find(w->tables[0], name) >= 0) {
@@ -64,7 +64,7 @@ static kt_exit read_columns(work *w) {
   for (int i = 0; i < o->y.count; ++i) {
     const char *rest = o->y.items[i];
     for (bool more = true; more;) {
-      char *name = take_name(w, &rest, &more);
+      char *name = copy_name(w, &rest, &more);
       if (!name)
         return KT_NO_MEMORY;
       if (w->columns == MOST_COLUMNS || !*name) {
@@ -99,7 +99,7 @@ static kt_exit read_table(work *w, size_t t) {
     status = km_csv_read(&text, file, &w->tables[t], &error);
   km_text_free(&text);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s", error.text);
   kt_base_name(path, w->names[t], sizeof w->names[t]);
   return kt_exit_of(status);
 }
@@ -111,8 +111,8 @@ static kt_exit no_column(const work *w, size_t t, const char *option, const char
   char names[KM_NEAREST_TEXT];
   for (size_t c = 0; c < km_table_columns(table); ++c)
     km_nearest_add(&nearest, km_table_name(table, c));
-  kt_say(&w->options->common, KM_ERROR, "%s %s: %s has no such column; the nearest of its %zu are %s", option, name,
-         w->options->tables.items[t], km_table_columns(table), km_nearest_text(&nearest, names));
+  kt_print_message(&w->options->common, KM_ERROR, "%s %s: %s has no such column; the nearest of its %zu are %s", option,
+                   name, w->options->tables.items[t], km_table_columns(table), km_nearest_text(&nearest, names));
   return KT_USAGE;
 }
 
@@ -128,8 +128,8 @@ static kt_exit find_column(const work *w, size_t t, const char *option, const ch
   const char *unit = km_table_unit(w->tables[t], *column), *first = km_table_unit(w->tables[0], in_first);
   if (strcmp(unit, first) == 0)
     return KT_DONE;
-  kt_say(&w->options->common, KM_ERROR, "%s %s: in %s it is in \"%s\"; expected \"%s\", as in %s", option, name,
-         w->options->tables.items[t], unit, first, w->options->tables.items[0]);
+  kt_print_message(&w->options->common, KM_ERROR, "%s %s: in %s it is in \"%s\"; expected \"%s\", as in %s", option,
+                   name, w->options->tables.items[t], unit, first, w->options->tables.items[0]);
   return KT_USAGE;
 }
 
@@ -153,7 +153,7 @@ static kt_exit write_plot(const work *w, kt_format format) {
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s", error.text);
   else
     result = kt_write(&o->common, o->base ? o->base : w->names[0], "plot", kt_format_word(format), &out);
   km_chart_free(chart);

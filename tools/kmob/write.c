@@ -8,7 +8,7 @@ kt_exit kmob_write_text(const kt_common *common, const char *file, const km_text
   km_error error;
   km_status status = km_file_write(file ? file : "-", text, &error);
   if (status)
-    kt_say(common, KM_ERROR, "%s", error.text);
+    kt_print_message(common, KM_ERROR, "%s", error.text);
   return kt_exit_of(status);
 }
 
@@ -40,14 +40,14 @@ kt_exit kmob_choose_units(const kt_common *common, const char *list, km_units *u
     int quantity = choose_unit(piece.text, units);
     last = piece.separator;
     if (quantity < 0)
-      kt_say(
+      kt_print_message(
           common, KM_ERROR,
           "--units %s: \"%s\" is not a unit; expected some of radians degrees, meters millimeters centimeters inches, "
           "kilograms grams pounds, seconds milliseconds, newtons pounds-force",
           list, piece.text);
     else if (chosen[quantity])
-      kt_say(common, KM_ERROR, "--units %s: \"%s\" is a second unit of %s; expected one", list, piece.text,
-             km_quantity_name((km_quantity)quantity));
+      kt_print_message(common, KM_ERROR, "--units %s: \"%s\" is a second unit of %s; expected one", list, piece.text,
+                       km_quantity_name((km_quantity)quantity));
     km_free(piece.text);
     if (quantity < 0 || chosen[quantity])
       return KT_USAGE;

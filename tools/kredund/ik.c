@@ -54,14 +54,14 @@ static kt_exit run(const kredund_request *r, const kredund_open *open) {
     return result;
   km_status status = km_ik_solutions_find(arm, &target, r->common.seed, NULL, NULL, &branches, &error);
   if (status) {
-    kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
     result = kt_exit_of(status);
   } else {
     if (!r->json)
       km_ik_solutions_print(arm, &branches, open->name, &text);
     result = answer(r, r->json ? km_ik_solutions_record(arm, &branches, open->model, &arena) : NULL, &text, &arena);
     if (result == KT_DONE && branches.within == 0) {
-      kt_say(&r->common, KM_ERROR, "%s: no branch has a pose within the joint limits", open->name);
+      kt_print_message(&r->common, KM_ERROR, "%s: no branch has a pose within the joint limits", open->name);
       result = KT_PARTIAL;
     }
   }
@@ -91,7 +91,7 @@ kt_exit kredund_ik(int argc, char **argv) {
                   "length or its arcs within the limits.",
                   argc, argv);
   kredund_open open;
-  kt_exit result = kredund_bring(&r, false, &open);
+  kt_exit result = kredund_bind(&r, false, &open);
   if (result == KT_DONE)
     result = run(&r, &open);
   kredund_close(&open);

@@ -44,7 +44,7 @@ typedef struct kredund_open {
 
 /* Reads the study (or makes one from the options), its model, and binds them. `needs_path`: false for commands that can
  * do with the arm's own pose. Says what is wrong. The caller closes it in any case. */
-kt_exit kredund_bring(const kredund_request *request, bool needs_path, kredund_open *out);
+kt_exit kredund_bind(const kredund_request *request, bool needs_path, kredund_open *out);
 void kredund_close(kredund_open *open);
 /* Start of the study's arm: q[coordinates of the arm], which the caller frees (km_free). NULL, with the error
  * reported, otherwise. */

@@ -24,8 +24,8 @@ typedef struct sheet {
 } sheet;
 
 static kt_exit complain(const options *o, int line, int column, const char *found, const char *expected) {
-  kt_say(&o->common, KM_ERROR, "%s: line %d, column %d: found \"%.40s\"; expected %s", o->file, line, column, found,
-         expected);
+  kt_print_message(&o->common, KM_ERROR, "%s: line %d, column %d: found \"%.40s\"; expected %s", o->file, line, column,
+                   found, expected);
   return KT_USAGE;
 }
 
@@ -48,8 +48,8 @@ static kt_exit read_row(const options *o, char *line, int number, sheet *out) {
     out->items[out->count++] = value;
   }
   if (out->rows > 0 && columns != out->columns) {
-    kt_say(&o->common, KM_ERROR, "%s: line %d: found %d columns; expected %d as in the lines before", o->file, number,
-           columns, out->columns);
+    kt_print_message(&o->common, KM_ERROR, "%s: line %d: found %d columns; expected %d as in the lines before", o->file,
+                     number, columns, out->columns);
     return KT_USAGE;
   }
   out->columns = columns;
@@ -63,7 +63,7 @@ static kt_exit read_sheet(const options *o, sheet *out) {
   kt_exit result = KT_DONE;
   km_status status = km_file_read(o->file, &text, &error);
   if (status) {
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s", error.text);
     result = kt_exit_of(status);
   }
   char *line = text.data;
@@ -79,10 +79,10 @@ static kt_exit read_sheet(const options *o, sheet *out) {
   }
   km_text_free(&text);
   if (result == KT_DONE && (out->rows < 1 || out->columns < 2 || out->rows > MOST_SIDE || out->columns > MOST_SIDE)) {
-    kt_say(&o->common, KM_ERROR,
-           "%s: found %d rows of %d columns; expected 1 to %d rows of 2 to %d: a Jacobian and its "
-           "path column",
-           o->file, out->rows, out->columns, MOST_SIDE, MOST_SIDE);
+    kt_print_message(&o->common, KM_ERROR,
+                     "%s: found %d rows of %d columns; expected 1 to %d rows of 2 to %d: a Jacobian and its "
+                     "path column",
+                     o->file, out->rows, out->columns, MOST_SIDE, MOST_SIDE);
     result = KT_USAGE;
   }
   return result;
@@ -148,7 +148,7 @@ static kt_exit solve(const options *o, const sheet *in) {
                                  : km_fail(&error, KM_MEMORY, "out of memory");
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->file, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->file, error.text);
   if (o->json && (!status || status == KM_NO_RESULT))
     write_json(o, Z, in, status ? NULL : &control, error.text, &out);
   else if (!status)

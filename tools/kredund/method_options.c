@@ -81,8 +81,8 @@ static void warn_of_settings(const kredund_request *r, const setting *settings, 
     km_text owners = {0};
     km_method_owners(settings[i].key, &owners);
     if (!used && owners.data)
-      kt_say(&r->common, KM_WARNING, "--%s doesn't count: none of the methods has it; it is a setting of %s",
-             settings[i].key, owners.data);
+      kt_print_message(&r->common, KM_WARNING, "--%s doesn't count: none of the methods has it; it is a setting of %s",
+                       settings[i].key, owners.data);
     km_text_free(&owners);
   }
 }

@@ -95,9 +95,9 @@ static kt_exit set_path(const kredund_request *r, kredund_open *open, km_message
   km_status status = poses ? km_study_read_poses(r->path, place, messages, &open->def, &error)
                            : read_path_text(r->path, place, messages, &open->def, &error);
   if (status == KM_IO)
-    kt_say(&r->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s", error.text);
   else if (status && km_messages_errors(messages) == errors)
-    kt_say(&r->common, KM_ERROR, "%s: %s", r->path, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", r->path, error.text);
   return kt_exit_of(status);
 }
 

@@ -60,14 +60,15 @@ static kt_exit read_study(const kredund_request *r, kredund_open *out) {
   km_messages *messages = km_messages_create();
   km_status status = km_file_read(r->study, &text, &error);
   if (status) {
-    kt_say(&r->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s", error.text);
   } else if (is_model(out, &text)) {
-    kt_say(&r->common, KM_ERROR, "%s is a model, not a path study; expected a study, or the model as --model %s",
-           out->name, r->study);
+    kt_print_message(&r->common, KM_ERROR,
+                     "%s is a model, not a path study; expected a study, or the model as --model %s", out->name,
+                     r->study);
     status = KM_USAGE;
   } else {
     status = km_study_read(text.data ? text.data : "", text.size, out->folder, messages, &out->def, &error);
-    kt_tell_messages(&r->common, out->name, messages, status, error.text);
+    kt_report_messages(&r->common, out->name, messages, status, error.text);
   }
   km_messages_free(messages);
   km_text_free(&text);
@@ -82,11 +83,13 @@ static kt_exit find_model(const kredund_request *r, kredund_open *out) {
     snprintf(out->model, sizeof out->model, "%s%s%s", written[0] == '/' || !folder[0] ? "" : folder,
              written[0] == '/' || !folder[0] ? "" : "/", written);
   else {
-    kt_say(&r->common, KM_ERROR, "%s: model: found none; expected the arm's model file, or --model", out->name);
+    kt_print_message(&r->common, KM_ERROR, "%s: model: found none; expected the arm's model file, or --model",
+                     out->name);
     return KT_BAD_MODEL;
   }
   if (!r->model && access(out->model, R_OK) != 0) {
-    kt_say(&r->common, KM_ERROR, "%s: model: %s: can't be opened: %s", out->name, out->model, strerror(errno));
+    kt_print_message(&r->common, KM_ERROR, "%s: model: %s: can't be opened: %s", out->name, out->model,
+                     strerror(errno));
     return KT_USAGE;
   }
   kt_input(out->model);
@@ -102,7 +105,7 @@ double *kredund_start(const kredund_request *r, const kredund_open *open, kt_exi
   *exit = kt_exit_of(status);
   if (!status)
     return q;
-  kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
+  kt_print_message(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
   km_free(q);
   return NULL;
 }
@@ -110,10 +113,10 @@ double *kredund_start(const kredund_request *r, const kredund_open *open, kt_exi
 static void note_start(const kredund_request *r, const kredund_open *out) {
   double moved = 0.0;
   if (km_study_bound_path(out->study) && !km_study_start(out->study, NULL, &moved, NULL) && moved > 1e-6)
-    kt_say(&r->common, KM_NOTE,
-           "%s: the starting pose isn't at the path's first pose; inverse kinematics moves it by up to "
-           "%.3g rad (slides: over L)",
-           out->name, moved);
+    kt_print_message(&r->common, KM_NOTE,
+                     "%s: the starting pose isn't at the path's first pose; inverse kinematics moves it by up to "
+                     "%.3g rad (slides: over L)",
+                     out->name, moved);
 }
 
 /* True if --path is a complete study, which then states everything that the options don't. */
@@ -142,12 +145,12 @@ static kt_exit bind(const kredund_request *r, kredund_open *out) {
         km_study_bind(out->pose.mechanism, out->pose.state, &out->def, r->common.seed, messages, &out->study, &error);
     status = status == KM_NO_RESULT ? KM_OK : status;
   }
-  kt_exit told = kt_tell_messages(&r->common, out->name, messages, status, error.text);
+  kt_exit told = kt_report_messages(&r->common, out->name, messages, status, error.text);
   km_messages_free(messages);
   return result == KT_DONE ? told : result;
 }
 
-static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *out) {
+static kt_exit move_to_request(const kredund_request *r, bool needs_path, kredund_open *out) {
   out->name = r->study ? strcmp(r->study, "-") == 0 ? "standard input" : r->study : r->model;
   char folder[4096] = "";
   if (r->study && strcmp(r->study, "-") != 0)
@@ -172,18 +175,18 @@ static kt_exit bring(const kredund_request *r, bool needs_path, kredund_open *ou
   return result;
 }
 
-kt_exit kredund_bring(const kredund_request *given, bool needs_path, kredund_open *out) {
+kt_exit kredund_bind(const kredund_request *given, bool needs_path, kredund_open *out) {
   kredund_request r = *given;
   *out = (kredund_open){.def = km_study_def_default()};
   if (!r.study && !r.model) {
-    kt_say(&r.common, KM_ERROR, "found neither a study nor --model; expected one of them");
+    kt_print_message(&r.common, KM_ERROR, "found neither a study nor --model; expected one of them");
     return KT_USAGE;
   }
   if (!r.study && r.path && strcmp(r.path, "-") != 0 && is_study(r.path)) {
     r.study = r.path;
     r.path = NULL;
   }
-  return bring(&r, needs_path, out);
+  return move_to_request(&r, needs_path, out);
 }
 
 void kredund_close(kredund_open *open) {

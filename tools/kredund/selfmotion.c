@@ -46,8 +46,8 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
     return KT_DONE;
   if (!km_study_bound_path(open->study) || km_arm_freedom(km_study_arm(open->study)) != 1) {
     bool alone = !formats->wanted[KT_CSV] && !formats->wanted[KT_JSON];
-    kt_say(&r->common, alone ? KM_ERROR : KM_NOTE, "%s: there is no map to draw: it needs %s", open->name,
-           km_study_bound_path(open->study) ? "one spare freedom" : "a path");
+    kt_print_message(&r->common, alone ? KM_ERROR : KM_NOTE, "%s: there is no map to draw: it needs %s", open->name,
+                     km_study_bound_path(open->study) ? "one spare freedom" : "a path");
     return alone ? KT_PARTIAL : KT_DONE;
   }
   kt_exit result = kredund_tracks_run(&tracks);
@@ -69,7 +69,7 @@ static kt_exit deliver(const kredund_request *r, const kt_formats *formats, cons
   km_status status = km_selfmotion_follow(arm, q, NULL, NULL, &motion, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", open->name, error.text);
   if (!status && !r->common.quiet && !kt_is_piped(base)) {
     km_text text = {0};
     km_selfmotion_print(arm, &motion, open->name, &text);
@@ -90,7 +90,8 @@ static kt_exit run(const kredund_request *r, const kt_formats *formats, const kr
   if (!q)
     return result;
   if (km_arm_freedom(km_study_arm(open->study)) < 1) {
-    kt_say(&r->common, KM_ERROR, "%s: the arm has no freedom to spare for its task: it has no self-motion", open->name);
+    kt_print_message(&r->common, KM_ERROR, "%s: the arm has no freedom to spare for its task: it has no self-motion",
+                     open->name);
     result = KT_PARTIAL;
   } else {
     result = deliver(r, formats, open, q);
@@ -114,7 +115,7 @@ kt_exit kredund_selfmotion(int argc, char **argv) {
                            argc, argv, &request, &formats))
     return KT_USAGE;
   kredund_open open;
-  kt_exit result = kredund_bring(&request, false, &open);
+  kt_exit result = kredund_bind(&request, false, &open);
   if (result == KT_DONE)
     result = run(&request, &formats, &open);
   kredund_close(&open);

@@ -35,26 +35,26 @@ bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **ar
   return true;
 }
 
-static void say_no_start(const kredund_tracks *t, const char *label) {
+static void report_no_start(const kredund_tracks *t, const char *label) {
   km_error error = {0};
   km_study_start(t->open->study, NULL, NULL, &error);
-  kt_say(&t->request->common, KM_ERROR, "%s: %s: nowhere to start, at s = 0, t = 0 s: %s", t->open->name, label,
-         error.text);
+  kt_print_message(&t->request->common, KM_ERROR, "%s: %s: nowhere to start, at s = 0, t = 0 s: %s", t->open->name,
+                   label, error.text);
 }
 
-static void say_end(const kredund_tracks *t, int index) {
+static void report_end(const kredund_tracks *t, int index) {
   const km_track *track = t->items[index];
   char label[64];
   km_text why = {0};
   km_tracks_label(&t->all, index, ' ', label, sizeof label);
   km_track_end_text(track, &why);
   if (km_track_ending(track).stop == KM_TRACK_START)
-    say_no_start(t, label);
+    report_no_start(t, label);
   else if (why.size)
-    kt_say(&t->request->common, KM_ERROR, "%s: %s %s", t->open->name, label, why.data);
+    kt_print_message(&t->request->common, KM_ERROR, "%s: %s %s", t->open->name, label, why.data);
   if (km_track_summarise(track).greedy_instead)
-    kt_say(&t->request->common, KM_NOTE, "%s: %s isn't as good as greedy on this path; greedy's track is given",
-           t->open->name, label);
+    kt_print_message(&t->request->common, KM_NOTE,
+                     "%s: %s isn't as good as greedy on this path; greedy's track is given", t->open->name, label);
   km_text_free(&why);
 }
 
@@ -70,9 +70,9 @@ static kt_exit run_one(kredund_tracks *t, int index) {
   km_status status = km_track_run(km_study_arm(t->open->study), &plan, &t->items[index], &error);
   kt_progress_end(&progress);
   if (t->items[index])
-    say_end(t, index);
+    report_end(t, index);
   else
-    kt_say(common, KM_ERROR, "%s: %s: %s", t->open->name, plan.method.word, error.text);
+    kt_print_message(common, KM_ERROR, "%s: %s: %s", t->open->name, plan.method.word, error.text);
   t->complete += status == KM_OK;
   return kt_exit_of(status);
 }
@@ -139,7 +139,7 @@ kt_exit kredund_tracks_picture(const kredund_tracks *t, const char *base, const 
   km_status status = draw(&t->all, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&t->request->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&t->request->common, KM_ERROR, "%s", error.text);
   else
     result = kt_write(&t->request->common, base, word, kt_format_word(format), &out);
   km_text_free(&out);
@@ -197,7 +197,7 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
 kt_exit kredund_tracks_command(const kredund_request *request, kt_formats formats, bool map) {
   kredund_open open;
   kredund_tracks tracks = {.request = request, .open = &open, .formats = formats, .map = map};
-  kt_exit result = kredund_bring(request, true, &open);
+  kt_exit result = kredund_bind(request, true, &open);
   if (result == KT_DONE) {
     result = kredund_tracks_run(&tracks);
     if (result == KT_DONE || result == KT_PARTIAL)

@@ -32,7 +32,7 @@ static km_table *thinned(const km_table *from, size_t stride) {
   return NULL;
 }
 
-static km_status take_rows(animation *a, km_error *error) {
+static km_status copy_rows(animation *a, km_error *error) {
   const km_table *all = a->work->history.table;
   a->table = thinned(all, (km_table_rows(all) - 1) / MOST_FRAMES + 1);
   a->times = a->table ? KM_NEW(double, km_table_rows(a->table)) : NULL;
@@ -69,12 +69,12 @@ kt_exit ksim_animate(const ksim_work *w, const char *base) {
   animation a = {.work = w};
   km_text out = {0};
   km_error error;
-  km_status status = take_rows(&a, &error);
+  km_status status = copy_rows(&a, &error);
   if (!status)
     status = write_page(&a, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
+    kt_print_message(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
   else
     result = kt_write(&w->options->common, base, "motion", "html", &out);
   km_text_free(&out);

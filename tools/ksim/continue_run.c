@@ -18,7 +18,7 @@ static kt_exit read_table(const ksim_options *o, km_table **out) {
     status = km_csv_read(&text, o->from, out, &error);
   km_text_free(&text);
   if (status)
-    kt_say(&o->common, KM_ERROR, "--from: %s", error.text);
+    kt_print_message(&o->common, KM_ERROR, "--from: %s", error.text);
   return kt_exit_of(status);
 }
 
@@ -27,8 +27,8 @@ static bool has_unit(const ksim_work *w, const km_table *table, int column, cons
   const char *own = km_table_unit(table, (size_t)column);
   if (!*own || strcmp(own, unit) == 0)
     return true;
-  kt_say(&w->options->common, KM_ERROR, "--from %s: column %s is in %s; expected %s, the model's unit",
-         w->options->from, km_table_name(table, (size_t)column), own, unit);
+  kt_print_message(&w->options->common, KM_ERROR, "--from %s: column %s is in %s; expected %s, the model's unit",
+                   w->options->from, km_table_name(table, (size_t)column), own, unit);
   return false;
 }
 
@@ -45,8 +45,9 @@ static kt_exit read_value(const ksim_work *w, const km_table *table, const char 
     *out = km_table_row(table, km_table_rows(table) - 1)[column];
   kt_exit result = failed ? KT_INTERNAL : KT_DONE;
   if (!failed && (column < 0 || !isfinite(*out))) {
-    kt_say(&o->common, KM_ERROR, "--from %s: its last row has no %s; expected the table of a run of this model",
-           o->from, name.data);
+    kt_print_message(&o->common, KM_ERROR,
+                     "--from %s: its last row has no %s; expected the table of a run of this model", o->from,
+                     name.data);
     result = KT_USAGE;
   } else if (!failed && !has_unit(w, table, column, unit.data)) {
     result = KT_USAGE;
@@ -56,15 +57,15 @@ static kt_exit read_value(const ksim_work *w, const km_table *table, const char 
   return result;
 }
 
-static kt_exit take_row(ksim_work *w, const km_table *table) {
+static kt_exit copy_row(ksim_work *w, const km_table *table) {
   const km_mechanism *m = w->pose.mechanism;
   int count = km_model_coordinate_count(w->pose.model);
   int time = km_csv_find(table, "t");
   kt_exit result = KT_DONE;
   km_error error;
   if (km_table_rows(table) == 0 || time < 0) {
-    kt_say(&w->options->common, KM_ERROR, "--from %s: it has no row with a time; expected the table of a run",
-           w->options->from);
+    kt_print_message(&w->options->common, KM_ERROR, "--from %s: it has no row with a time; expected the table of a run",
+                     w->options->from);
     return KT_USAGE;
   }
   const char *second = km_model_units(w->pose.model).time->suffix;
@@ -89,14 +90,14 @@ static kt_exit take_row(ksim_work *w, const km_table *table) {
 }
 
 /* Integrals of controllers and slips of tyres aren't in tables. */
-static void tell_memories(const ksim_work *w) {
+static void report_memories(const ksim_work *w) {
   if (km_model_remembers(w->pose.model))
-    kt_say(&w->options->common, KM_NOTE,
-           "%s: integrals of controllers and slips of tyres aren't in tables; with --from they start from 0",
-           w->options->model);
+    kt_print_message(&w->options->common, KM_NOTE,
+                     "%s: integrals of controllers and slips of tyres aren't in tables; with --from they start from 0",
+                     w->options->model);
 }
 
-kt_exit ksim_go_on(ksim_work *w) {
+kt_exit ksim_continue(ksim_work *w) {
   km_table *table = NULL;
   if (!w->options->from)
     return KT_DONE;
@@ -104,9 +105,9 @@ kt_exit ksim_go_on(ksim_work *w) {
     return kt_usage(&w->options->common, "--from", "a table beside --set", "one of them: both give the pose");
   kt_exit result = read_table(w->options, &table);
   if (result == KT_DONE)
-    result = take_row(w, table);
+    result = copy_row(w, table);
   if (result == KT_DONE)
-    tell_memories(w);
+    report_memories(w);
   km_table_free(table);
   return result;
 }

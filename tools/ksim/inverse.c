@@ -97,7 +97,7 @@ static kt_exit prepare(work *w) {
     result = kt_coordinates(&o->common, w->pose.model, "--joints", o->joints, w->shown, &w->shown_count);
   if (result != KT_DONE)
     return result;
-  ksim_tell_hinges(&o->common, o->model, w->pose.model);
+  ksim_report_hinges(&o->common, o->model, w->pose.model);
   return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
 }
 
@@ -143,8 +143,8 @@ static kt_exit deliver(const work *w) {
   const options *o = w->o;
   km_text summary = {0};
   print_summary(w, &summary);
-  ksim_tell_drives(&o->common, o->model, &w->pose, &w->history);
-  kt_exit result = ksim_tell_limits(&o->common, o->model, &w->pose, &w->history);
+  ksim_report_drives(&o->common, o->model, &w->pose, &w->history);
+  kt_exit result = ksim_report_limits(&o->common, o->model, &w->pose, &w->history);
   const ksim_delivery delivery = {.common = &o->common,
                                   .formats = &o->formats,
                                   .base = o->base ? o->base : w->name,
@@ -174,7 +174,7 @@ static kt_exit run(const options *o) {
     kt_progress_end(&progress);
     result = kt_exit_of(status);
     if (status)
-      kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+      kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
     if (w.history.table && km_table_rows(w.history.table) > 0)
       result = kt_worse(result, deliver(&w));
   }

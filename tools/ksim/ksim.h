@@ -27,13 +27,13 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
 bool ksim_read_rate(const km_model *model, int coordinate, const char *text, double *out);
 
 /* Names joints that turn without friction, since theirs has no radius. */
-void ksim_tell_hinges(const kt_common *common, const char *path, const km_model *model);
+void ksim_report_hinges(const kt_common *common, const char *path, const km_model *model);
 /* Warns of joints that pass limits where no stop acts; KT_PARTIAL where there are some. */
-kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
+kt_exit ksim_report_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 /* Prints gravity, and what the reactions omit. */
 void ksim_print_acting(bool reactions, const km_model *model, km_text *out);
 /* Warns of drives that went beyond their joints' bounds. */
-void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
+void ksim_report_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *history);
 
 /* A table over time on its way to BASE.WORD.FORMAT and the standard output. Borrowed, but for what `record` makes in
  * the arena that it is given, and the plot that `chart` makes; `context` is theirs. */
@@ -82,10 +82,10 @@ typedef struct ksim_work {
 /* Sets the rates of --rate. */
 kt_exit ksim_set_rates(ksim_work *work);
 /* Names stated initial rates that the motion doesn't start with; KT_PARTIAL where they contradict each other. */
-kt_exit ksim_tell_rates(const ksim_work *work);
+kt_exit ksim_report_rates(const ksim_work *work);
 
 /* The pose, the rates and the time of --from's last row, where it is given. */
-kt_exit ksim_go_on(ksim_work *work);
+kt_exit ksim_continue(ksim_work *work);
 
 /* Joints, rates and energies over time as a plot of `table`, whose columns are those of a history. The caller frees
  * it. */

@@ -29,10 +29,10 @@ typedef struct work {
 } work;
 
 /* Friction has no slope to linearise where nothing slides. */
-static void tell_friction(const kt_common *common, const char *path, const km_model *model) {
+static void report_friction(const kt_common *common, const char *path, const km_model *model) {
   const char *first = km_model_first_friction(model);
   if (first)
-    kt_say(
+    kt_print_message(
         common, KM_NOTE,
         "%s: friction, such as that of \"%s\", doesn't count at rest and in small motions; it does in ksim run and ksim "
         "inverse",
@@ -49,10 +49,10 @@ static kt_exit open_work(work *w) {
     result = ksim_forces(&o->common, o->model, &w->pose, &w->forces);
   if (result != KT_DONE)
     return result;
-  tell_friction(&o->common, o->model, w->pose.model);
+  report_friction(&o->common, o->model, w->pose.model);
   km_status status = km_dynamics_create(w->pose.mechanism, w->forces, &w->dynamics, &error);
   if (status)
-    kt_say(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   return kt_exit_of(status);
 }
 
@@ -67,7 +67,7 @@ static kt_exit linearise(work *w) {
   km_error error;
   km_status status = km_linearise(w->dynamics, w->pose.state, &w->linear, &error);
   if (status)
-    kt_say(&w->o->common, KM_ERROR, "%s: %s", w->o->model, error.text);
+    kt_print_message(&w->o->common, KM_ERROR, "%s: %s", w->o->model, error.text);
   return kt_exit_of(status);
 }
 
@@ -132,7 +132,7 @@ static kt_exit run_linearise(work *w) {
                  km_stability_name(stability));
   ksim_print_acting(false, w->pose.model, &lines);
   if (stability == KM_NOT_AT_REST)
-    kt_say(
+    kt_print_message(
         &w->o->common, KM_NOTE,
         "%s: the pose isn't at rest, so that nothing is said of its stability: its joints accelerate by up to %.3g (radians or "
         "characteristic lengths over s²); ksim equilibrium finds one that is",
@@ -155,7 +155,7 @@ static kt_exit run_equilibrium(work *w) {
   kt_progress_end(&progress);
   if (status) {
     const char *way = o->settle ? "; --set starts from another pose" : "; --settle lets it fall to one first";
-    kt_say(&o->common, KM_ERROR, "%s: %s%s", o->model, error.text, status == KM_NO_RESULT ? way : "");
+    kt_print_message(&o->common, KM_ERROR, "%s: %s%s", o->model, error.text, status == KM_NO_RESULT ? way : "");
     return status == KM_NO_RESULT ? KT_PARTIAL : kt_exit_of(status);
   }
   result = linearise(w);
@@ -219,7 +219,7 @@ kt_exit ksim_linearise(int argc, char **argv) {
   options o = {.common = KT_COMMON("ksim")};
   read_options(&o, true, argc, argv);
   if (o.only && !o.animate) {
-    kt_say(&o.common, KM_ERROR, "--only %d: expected --animate with it", o.only);
+    kt_print_message(&o.common, KM_ERROR, "--only %d: expected --animate with it", o.only);
     return KT_USAGE;
   }
   if (kt_is_piped(o.base) && (o.matrices || o.animate))

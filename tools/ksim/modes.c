@@ -74,7 +74,7 @@ static kt_exit animate(const ksim_modes *m, int k, int line) {
     status = write_page(m, table, title.data, about.data, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(m->common, KM_ERROR, "%s: mode %d: %s", m->model, line, error.text);
+    kt_print_message(m->common, KM_ERROR, "%s: mode %d: %s", m->model, line, error.text);
   else
     result = kt_write(m->common, m->base, word, "html", &out);
   km_table_free(table);
@@ -96,6 +96,6 @@ kt_exit ksim_animate_modes(const ksim_modes *m) {
   }
   if (m->only <= line)
     return result;
-  kt_say(m->common, KM_ERROR, "--only %d: %s has %d modes", m->only, m->model, line);
+  kt_print_message(m->common, KM_ERROR, "--only %d: %s has %d modes", m->only, m->model, line);
   return KT_USAGE;
 }

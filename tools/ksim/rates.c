@@ -33,7 +33,7 @@ kt_exit ksim_set_rates(ksim_work *w) {
       continue;
     km_status status = km_state_set_rate(w->pose.mechanism, w->pose.state, coordinate, rate, &error);
     if (status)
-      kt_say(&o->common, KM_ERROR, "--rate %s: %s", o->rates.items[i], error.text);
+      kt_print_message(&o->common, KM_ERROR, "--rate %s: %s", o->rates.items[i], error.text);
     result = kt_exit_of(status);
   }
   return result;
@@ -55,7 +55,7 @@ static void list_changed(const ksim_work *w, bool by_model, km_text *out) {
     km_text_format(out, ", and %d more", count - MOST_TOLD);
 }
 
-kt_exit ksim_tell_rates(const ksim_work *w) {
+kt_exit ksim_report_rates(const ksim_work *w) {
   const ksim_options *o = w->options;
   const km_history *h = &w->history;
   bool of_model = true;
@@ -69,21 +69,22 @@ kt_exit ksim_tell_rates(const ksim_work *w) {
   list_changed(w, of_model, &list);
   const char *names = list.data ? list.data : "";
   if (replaced)
-    kt_say(&o->common, KM_NOTE,
-           "%s: --rate and prescribed motions come before initial rates of the model that contradict them: %s",
-           o->model, names);
+    kt_print_message(
+        &o->common, KM_NOTE,
+        "%s: --rate and prescribed motions come before initial rates of the model that contradict them: %s", o->model,
+        names);
   else if (contradict && h->changed_rate_count > 1)
-    kt_say(
+    kt_print_message(
         &o->common, KM_WARNING,
         "%s: stated initial rates contradict each other: %s; state rates that the loops allow, or leave out those of "
         "joints that are to follow",
         o->model, names);
   else if (contradict)
-    kt_say(&o->common, KM_WARNING, "%s: the loops don't allow a stated initial rate: %s", o->model, names);
+    kt_print_message(&o->common, KM_WARNING, "%s: the loops don't allow a stated initial rate: %s", o->model, names);
   else
-    kt_say(&o->common, KM_NOTE,
-           "%s: stated initial rates would open the loops; they are changed by %.3g of their size: %s", o->model,
-           h->rate_change, names);
+    kt_print_message(&o->common, KM_NOTE,
+                     "%s: stated initial rates would open the loops; they are changed by %.3g of their size: %s",
+                     o->model, h->rate_change, names);
   km_text_free(&list);
   return contradict ? KT_PARTIAL : KT_DONE;
 }

@@ -29,7 +29,7 @@ static km_integrator choose_integrator(const ksim_work *w) {
     if (strcmp(stated, methods[i].word) == 0)
       return methods[i].integrator;
   if (stated)
-    kt_say(
+    kt_print_message(
         &o->common, KM_NOTE,
         "%s: the model's integration_type \"%.80s\" isn't a method of ksim; adams is used, --integrator chooses another",
         o->model, stated);
@@ -103,7 +103,7 @@ static kt_exit prepare(ksim_work *w) {
   w->def.mobility = o->mobility;
   kt_exit result = ksim_set_rates(w);
   if (result == KT_DONE)
-    result = ksim_go_on(w);
+    result = ksim_continue(w);
   if (result == KT_DONE)
     result = read_numbers(w);
   if (result == KT_DONE)
@@ -114,7 +114,7 @@ static kt_exit prepare(ksim_work *w) {
     result = read_shown(w);
   if (result != KT_DONE)
     return result;
-  ksim_tell_hinges(&o->common, o->model, w->pose.model);
+  ksim_report_hinges(&o->common, o->model, w->pose.model);
   return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
 }
 
@@ -125,22 +125,23 @@ static kt_exit tell(ksim_work *w, km_status status) {
   const km_model *model = w->pose.model;
   const char *unit = km_model_units(model).time->suffix;
   if (h->figures.relative > w->def.simulation.relative * (1.0 + 1e-9))
-    kt_say(&o->common, KM_NOTE, "%s: a relative error of %.3g is less than rounding allows; steps keep to %.3g",
-           o->model, w->def.simulation.relative, h->figures.relative);
+    kt_print_message(&o->common, KM_NOTE,
+                     "%s: a relative error of %.3g is less than rounding allows; steps keep to %.3g", o->model,
+                     w->def.simulation.relative, h->figures.relative);
   if (h->figures.stiff && w->def.simulation.integrator == KM_INTEGRATOR_ADAMS)
-    kt_say(&o->common, KM_NOTE, "%s: the motion is stiff; --integrator bdf took over", o->model);
+    kt_print_message(&o->common, KM_NOTE, "%s: the motion is stiff; --integrator bdf took over", o->model);
   kt_detail(&o->common,
             "%s: an evaluation solves for accelerations by about %.0f multiplications, a dense system takes %.0f",
             o->model, h->effort.multiplications, h->effort.dense);
-  ksim_tell_drives(&o->common, o->model, &w->pose, h);
-  kt_exit result = kt_worse(ksim_tell_rates(w), ksim_tell_limits(&o->common, o->model, &w->pose, h));
+  ksim_report_drives(&o->common, o->model, &w->pose, h);
+  kt_exit result = kt_worse(ksim_report_rates(w), ksim_report_limits(&o->common, o->model, &w->pose, h));
   double time = h->table && km_table_rows(h->table) ? km_table_row(h->table, km_table_rows(h->table) - 1)[0] : 0.0;
   if (status == KM_PARTIAL)
     snprintf(w->stopped_by, sizeof w->stopped_by, "--stop at %.9g %s", time, unit);
   else if (status)
     snprintf(w->stopped_by, sizeof w->stopped_by, "%.900s", h->why.text);
   if (status && status != KM_PARTIAL)
-    kt_say(&o->common, KM_ERROR, "%s: the run ends at %.9g %s: %s", o->model, time, unit, h->why.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: the run ends at %.9g %s: %s", o->model, time, unit, h->why.text);
   return result;
 }
 
@@ -211,7 +212,7 @@ static kt_exit simulate(ksim_work *w) {
   kt_progress_end(&progress);
   bool some = w->history.table && km_table_rows(w->history.table) > 0;
   if (!some) {
-    kt_say(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
+    kt_print_message(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
     return kt_exit_of(status);
   }
   kt_exit told = tell(w, status);

@@ -55,7 +55,7 @@ kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *po
   km_status status = loads ? km_forces_create(pose->mechanism, NULL, loads, count, out, &error) : KM_MEMORY;
   km_free(loads);
   if (status)
-    kt_say(common, KM_ERROR, "%s: %s", path, error.text);
+    kt_print_message(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);
 }
 
@@ -72,7 +72,7 @@ void ksim_print_acting(bool reactions, const km_model *model, km_text *out) {
   km_text_free(&meshing);
 }
 
-void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
+void ksim_report_drives(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
   const km_model *model = pose->model;
   const char *time = km_model_units(model).time->suffix;
   for (int i = 0; i < h->exceeded_count; ++i) {
@@ -83,24 +83,25 @@ void ksim_tell_drives(const kt_common *common, const char *path, const kt_pose *
       km_push_unit(model, &(km_port){.kind = KM_PORT_JOINT, .coordinate = e->coordinate}, &unit);
     else
       km_text_format(&unit, "%s/%s", km_model_coordinate_unit(model, e->coordinate), time);
-    kt_say(common, KM_WARNING,
-           e->of_force ? "%s: the drive of joint \"%s\" gives %.6g %s at %.6g %s, more than its max_force of %.6g"
-                       : "%s: joint \"%s\" moves at %.6g %s at %.6g %s, faster than its max_rate of %.6g",
-           path, label, e->most, unit.data ? unit.data : "", e->time, time, e->bound);
+    kt_print_message(common, KM_WARNING,
+                     e->of_force
+                         ? "%s: the drive of joint \"%s\" gives %.6g %s at %.6g %s, more than its max_force of %.6g"
+                         : "%s: joint \"%s\" moves at %.6g %s at %.6g %s, faster than its max_rate of %.6g",
+                     path, label, e->most, unit.data ? unit.data : "", e->time, time, e->bound);
     km_text_free(&unit);
   }
 }
 
-void ksim_tell_hinges(const kt_common *common, const char *path, const km_model *model) {
+void ksim_report_hinges(const kt_common *common, const char *path, const km_model *model) {
   for (int j = -1; (j = km_model_next_without_radius(model, j + 1)) >= 0;)
-    kt_say(
+    kt_print_message(
         common, KM_NOTE,
         "%s: joint %s has a coefficient of friction but no radius: it turns without friction, under a thrust along its "
         "axis too",
         path, km_model_joint_label(model, j));
 }
 
-kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
+kt_exit ksim_report_limits(const kt_common *common, const char *path, const kt_pose *pose, const km_history *h) {
   const km_model *model = pose->model;
   const char *time = km_model_units(model).time->suffix;
   for (int i = 0; i < h->limit_count; ++i) {
@@ -109,7 +110,7 @@ kt_exit ksim_tell_limits(const kt_common *common, const char *path, const kt_pos
     const char *unit = km_model_coordinate_unit(model, limit->coordinate);
     if (limit->beyond > 0.0)
       km_text_format(&by, ", by up to %.6g %s", limit->beyond, unit);
-    kt_say(
+    kt_print_message(
         common, KM_WARNING,
         "%s: joint \"%s\" passes its %s limit of %.6g %s at %.6g %s%s; no stop acts there: state a stop for the joint, "
         "or widen its limits",
@@ -157,7 +158,7 @@ static kt_exit write_plot(const ksim_delivery *d, kt_format format) {
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_say(d->common, KM_ERROR, "%s", error.text);
+    kt_print_message(d->common, KM_ERROR, "%s", error.text);
   else
     result = kt_write(d->common, d->base, d->word, kt_format_word(format), &out);
   km_chart_free(chart);

@@ -8,7 +8,7 @@
 
 typedef struct options {
   kt_request request;
-  kt_asked asked;
+  kt_question asked;
 } options;
 
 static kt_exit describe(const options *o, const kt_pose *pose, const km_statics *statics) {
@@ -29,15 +29,16 @@ static kt_exit describe(const options *o, const kt_pose *pose, const km_statics 
 }
 
 /* Warnings about loads that the actuators can't balance. */
-static void tell_falls(const options *o, const kt_pose *pose, const km_statics *statics) {
+static void report_falls(const options *o, const kt_pose *pose, const km_statics *statics) {
   for (int d = 0; d < statics->direction_count && d < KM_MAX_DIRECTIONS; ++d) {
     km_text words = {0};
     if (!statics->falls[d])
       continue;
     km_direction_words(pose->mechanism, statics, d, &words);
-    kt_say(&o->request.common, KM_ERROR,
-           "%s: the actuators can't hold this pose: the loads move %s; expected an actuator among these joints",
-           o->request.model, words.data ? words.data : "");
+    kt_print_message(
+        &o->request.common, KM_ERROR,
+        "%s: the actuators can't hold this pose: the loads move %s; expected an actuator among these joints",
+        o->request.model, words.data ? words.data : "");
     km_text_free(&words);
   }
 }
@@ -45,7 +46,7 @@ static void tell_falls(const options *o, const kt_pose *pose, const km_statics *
 static kt_exit run(const options *o, const kt_pose *pose) {
   km_question *question = NULL;
   km_mobility mobility;
-  kt_exit result = kt_ask(&o->request.common, o->request.model, &o->asked, pose, &question);
+  kt_exit result = kt_compute_question(&o->request.common, o->request.model, &o->asked, pose, &question);
   if (result == KT_DONE) {
     km_statics *statics = km_question_balance(question);
     if (km_mobility_compute(pose->mechanism, pose->state, &mobility) ||
@@ -54,10 +55,10 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   }
   if (result == KT_DONE) {
     const km_statics *statics = km_question_balance(question);
-    tell_falls(o, pose, statics);
+    report_falls(o, pose, statics);
     for (int i = 0; i < statics->actuator_count; ++i)
-      kt_tell_drive(&o->request.common, o->request.model, pose, &statics->actuators[i], statics->actuator_forces[i],
-                    "");
+      kt_report_drive(&o->request.common, o->request.model, pose, &statics->actuators[i], statics->actuator_forces[i],
+                      "");
     result = describe(o, pose, statics);
     if (result == KT_DONE && !statics->held)
       result = KT_PARTIAL;
@@ -69,7 +70,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
 static void read_options(options *o, int argc, char **argv) {
   kt_options all = {0};
   kt_request_options(&all, &o->request, true, KT_REQUEST_BASE("forces"));
-  kt_asked_options(&all, &o->asked, "forces", false);
+  kt_question_options(&all, &o->asked, "forces", false);
   kt_common_options(&all, &o->request.common, KT_USES_FLOAT);
   kt_options_read(
       &all,

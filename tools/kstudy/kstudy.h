@@ -31,7 +31,7 @@ typedef struct kstudy_open {
 
 /* Reads the study, and opens its store. `must_exist`: a store that isn't there is an error. Says what is wrong.
  * Close in any case. */
-kt_exit kstudy_bring(const kstudy_request *request, bool must_exist, kstudy_open *out);
+kt_exit kstudy_compile(const kstudy_request *request, bool must_exist, kstudy_open *out);
 void kstudy_close(kstudy_open *open);
 
 /* Lengths of a name as part of a file name, and of the part after BASE. */

@@ -15,7 +15,7 @@ static kt_exit write_text(const kstudy_request *r, const kstudy_open *o, const c
   km_text text = {.data = length ? KM_NEW(char, length + 1) : NULL, .size = length, .capacity = length + 1};
   kt_exit result = KT_NO_MEMORY;
   if (!length) {
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
     result = kt_exit_of(error.status);
   } else if (text.data && km_model_write_varied(bytes->data, bytes->size, values, count, o->def.model, to, text.data,
                                                 length + 1, &error)) {
@@ -38,7 +38,7 @@ static kt_exit write_design(const kstudy_request *r, const kstudy_open *o, int d
     if (!isnan(values[p]))
       assignments[count++] = (km_assignment){o->def.parameters[p].path, values[p]};
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   kt_exit result = status ? kt_exit_of(status) : write_text(r, o, word, &bytes, assignments, count);
   km_text_free(&bytes);
   return result;

@@ -24,11 +24,11 @@ static kt_exit read_study(const kstudy_request *r, kstudy_open *out) {
   km_messages *messages = km_messages_create();
   km_status status = km_file_read(r->study, &text, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s", error.text);
   kt_exit result = kt_exit_of(status);
   if (!status) {
     status = km_design_study_read(text.data ? text.data : "", text.size, messages, &out->def, &error);
-    result = kt_tell_messages(&r->common, out->name, messages, status, error.text);
+    result = kt_report_messages(&r->common, out->name, messages, status, error.text);
   }
   km_messages_free(messages);
   km_text_free(&text);
@@ -49,17 +49,18 @@ static const char *header_of(const km_table *table, size_t column, km_arena *are
   const char *unit = km_table_unit(table, column);
   km_text name = {0};
   km_text_format(&name, "%s%s%s", km_table_name(table, column), unit[0] ? "_" : "", unit);
-  return km_text_keep(&name, arena);
+  return km_text_move_to_arena(&name, arena);
 }
 
 /* The columns of the sample's file are parameters by name; others are faults. */
-static kt_exit take_rows(const kstudy_request *r, kstudy_open *out, const km_table *table, const char *file) {
+static kt_exit copy_rows(const kstudy_request *r, kstudy_open *out, const km_table *table, const char *file) {
   int parameters = (int)km_table_columns(table);
   size_t rows = km_table_rows(table);
   km_design_parameter *list = KM_ARENA_NEW(&out->arena, km_design_parameter, KM_MAX_DESIGN_PARAMETERS);
   if (parameters > KM_MAX_DESIGN_PARAMETERS || rows == 0 || rows > 1000000000) {
-    kt_say(&r->common, KM_ERROR, "%s: found %d columns and %zu rows; expected up to %d columns and at least one row",
-           file, parameters, rows, KM_MAX_DESIGN_PARAMETERS);
+    kt_print_message(&r->common, KM_ERROR,
+                     "%s: found %d columns and %zu rows; expected up to %d columns and at least one row", file,
+                     parameters, rows, KM_MAX_DESIGN_PARAMETERS);
     return KT_USAGE;
   }
   double *values = KM_ARENA_NEW(&out->arena, double, rows *(size_t)parameters);
@@ -96,8 +97,8 @@ static kt_exit read_rows(const kstudy_request *r, kstudy_open *out) {
   if (!status)
     status = km_csv_read(&text, file, &table, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s", error.text);
-  kt_exit result = status ? kt_exit_of(status) : take_rows(r, out, table, file);
+    kt_print_message(&r->common, KM_ERROR, "%s", error.text);
+  kt_exit result = status ? kt_exit_of(status) : copy_rows(r, out, table, file);
   km_table_free(table);
   km_text_free(&text);
   return result;
@@ -114,16 +115,16 @@ static kt_exit open_store(const kstudy_request *r, bool must_exist, kstudy_open 
   struct stat there;
   km_error error;
   if (must_exist && (stat(out->store, &there) != 0 || there.st_size == 0)) {
-    kt_say(&r->common, KM_ERROR, "%s: there is no such store; expected kstudy run before it", out->store);
+    kt_print_message(&r->common, KM_ERROR, "%s: there is no such store; expected kstudy run before it", out->store);
     return KT_USAGE;
   }
   km_status status = km_design_study_open(&out->def, out->store, r->common.force, &out->study, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s%s", out->name, error.text, advice(&error, must_exist));
+    kt_print_message(&r->common, KM_ERROR, "%s: %s%s", out->name, error.text, advice(&error, must_exist));
   return status == KM_USAGE && !strstr(error.text, "of another study") ? KT_BAD_MODEL : kt_exit_of(status);
 }
 
-kt_exit kstudy_bring(const kstudy_request *r, bool must_exist, kstudy_open *out) {
+kt_exit kstudy_compile(const kstudy_request *r, bool must_exist, kstudy_open *out) {
   *out = (kstudy_open){.def = km_design_study_default()};
   if (kt_is_piped(r->base))
     return kt_usage(&r->common, "-o", "-", "a name, as this command keeps several files");

@@ -11,7 +11,7 @@ typedef struct pilot {
 } pilot;
 
 /* The pilot ends after its time. */
-static bool go_on(void *context, double done) {
+static bool proceed(void *context, double done) {
   const pilot *p = context;
   (void)done;
   return kt_clock() - p->start < p->seconds;
@@ -94,10 +94,10 @@ static void print(const kstudy_open *o, double each, int piloted, int ranks, int
 static kt_exit measure(const kstudy_request *r, kstudy_open *o, double seconds, int ranks) {
   pilot p = {.start = kt_clock(), .seconds = seconds};
   km_error error;
-  km_status status = km_design_study_run(o->study, 1, go_on, &p, &error);
+  km_status status = km_design_study_run(o->study, 1, proceed, &p, &error);
   int computed = km_design_study_computed(o->study);
   if (status && status != KM_CANCELLED) {
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
     return kt_exit_of(status);
   }
   km_text out = {0};
@@ -119,7 +119,7 @@ kt_exit kstudy_plan(int argc, char **argv) {
   all.operand = (kt_operand){"study", "STUDY", true, &r.study, NULL};
   kt_options_read(&all, "How many designs a study has, and how long they would take, from a pilot of one second.", argc,
                   argv);
-  kt_exit result = kstudy_bring(&r, false, &o);
+  kt_exit result = kstudy_compile(&r, false, &o);
   if (result == KT_DONE)
     result = measure(&r, &o, 1.0, ranks);
   kstudy_close(&o);

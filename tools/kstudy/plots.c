@@ -100,9 +100,9 @@ kt_exit kstudy_check_names(const kstudy_request *r, kstudy_open *o) {
       name_picture(&all.items[k], other, sizeof other);
       if (strcmp(name, other) != 0)
         continue;
-      kt_say(&r->common, KM_ERROR,
-             "%s: the pictures of \"%.80s\" and \"%.80s\" would both be %s.%s; expected names that differ", o->name,
-             all.items[k].subject, all.items[i].subject, o->base, name);
+      kt_print_message(&r->common, KM_ERROR,
+                       "%s: the pictures of \"%.80s\" and \"%.80s\" would both be %s.%s; expected names that differ",
+                       o->name, all.items[k].subject, all.items[i].subject, o->base, name);
       return KT_BAD_MODEL;
     }
   return KT_DONE;
@@ -116,7 +116,7 @@ static kt_exit write_own(const kstudy_request *r, kstudy_open *o, const own_pict
                                         kt_picture_format(format), &out, &error);
   kt_exit result = KT_DONE;
   if (status && status != KM_NO_RESULT) {
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
     result = kt_exit_of(status);
   } else if (!status) {
     name_picture(p, name, sizeof name);
@@ -133,9 +133,9 @@ kt_exit kstudy_plot(const kstudy_request *r, kstudy_open *o, const kt_formats *f
   kt_exit result = KT_DONE;
   int designs = km_design_study_designs(o->study);
   if (!o->def.sample && !o->def.optimise && designs > KM_MAX_OVERLAID_DESIGNS)
-    kt_say(&r->common, KM_NOTE,
-           "%s: the answers of the first %d of %d designs are drawn; kstudy export has the figures of all", o->name,
-           KM_MAX_OVERLAID_DESIGNS, designs);
+    kt_print_message(&r->common, KM_NOTE,
+                     "%s: the answers of the first %d of %d designs are drawn; kstudy export has the figures of all",
+                     o->name, KM_MAX_OVERLAID_DESIGNS, designs);
   for (int f = KT_SVG; f <= KT_PNG; ++f)
     for (int i = 0; i < all.count && formats->wanted[f]; ++i)
       result = kt_worse(result, write_own(r, o, &all.items[i], (kt_format)f));

@@ -49,7 +49,7 @@ static int receive(void *context, bool wait, const void **bytes, size_t *size) {
   return status.MPI_SOURCE;
 }
 
-void kstudy_ranks_join(kstudy_ranks *ranks) {
+void kstudy_ranks_begin(kstudy_ranks *ranks) {
   int provided;
   *ranks = (kstudy_ranks){.count = 1};
   if (!getenv("OMPI_COMM_WORLD_SIZE") && !getenv("PMI_SIZE") && !getenv("PMIX_RANK"))
@@ -61,7 +61,7 @@ void kstudy_ranks_join(kstudy_ranks *ranks) {
   ranks->crew = (km_design_workers){.size = ranks->count - 1, .send = send, .receive = receive};
 }
 
-void kstudy_ranks_leave(kstudy_ranks *ranks) {
+void kstudy_ranks_end(kstudy_ranks *ranks) {
   if (!ranks->crew.send)
     return;
   if (ranks->rank == 0)
@@ -73,11 +73,11 @@ void kstudy_ranks_leave(kstudy_ranks *ranks) {
 
 #else
 
-void kstudy_ranks_join(kstudy_ranks *ranks) {
+void kstudy_ranks_begin(kstudy_ranks *ranks) {
   *ranks = (kstudy_ranks){.count = 1};
 }
 
-void kstudy_ranks_leave(kstudy_ranks *ranks) {
+void kstudy_ranks_end(kstudy_ranks *ranks) {
   (void)ranks;
 }
 

@@ -10,8 +10,8 @@ typedef struct kstudy_ranks {
 } kstudy_ranks;
 
 /* Joins the others; nothing happens without mpirun. */
-void kstudy_ranks_join(kstudy_ranks *ranks);
+void kstudy_ranks_begin(kstudy_ranks *ranks);
 /* The leader dismisses the others first. All ranks call it. */
-void kstudy_ranks_leave(kstudy_ranks *ranks);
+void kstudy_ranks_end(kstudy_ranks *ranks);
 
 #endif

@@ -19,7 +19,7 @@ typedef struct watch {
   double start, last;
 } watch;
 
-static void tell(watch *w, double done, double time) {
+static void report(watch *w, double done, double time) {
   double spent = time - w->start, left = done > 0.0 ? spent * (1.0 - done) / done : 0.0;
   if (w->terminal) {
     int width = (int)(30.0 * done);
@@ -27,17 +27,17 @@ static void tell(watch *w, double done, double time) {
             "==============================", 30 - width, "", left);
     w->drawn = true;
   } else {
-    kt_say(w->common, KM_NOTE, "%.1f %% done after %.0f s; about %.0f s left", 100.0 * done, spent, left);
+    kt_print_message(w->common, KM_NOTE, "%.1f %% done after %.0f s; about %.0f s left", 100.0 * done, spent, left);
   }
   w->last = time;
 }
 
-static bool show(void *context, double done) {
+static bool draw(void *context, double done) {
   watch *w = context;
   double time = kt_clock();
   double wait = w->terminal ? 0.1 : 60.0, first = w->terminal ? 1.0 : 60.0;
   if (!w->common->quiet && time - w->start > first && time - w->last > wait)
-    tell(w, done, time);
+    report(w, done, time);
   return !interrupted;
 }
 
@@ -54,18 +54,18 @@ static kt_exit ask(const kstudy_request *r, const kstudy_open *o, const kstudy_r
   sigaction(SIGTERM, &action, &before[1]);
   km_error error;
   km_status status = ranks->count > 1
-                         ? km_design_study_run_leader(o->study, r->common.jobs, &ranks->crew, show, &w, &error)
-                         : km_design_study_run(o->study, r->common.jobs, show, &w, &error);
+                         ? km_design_study_run_leader(o->study, r->common.jobs, &ranks->crew, draw, &w, &error)
+                         : km_design_study_run(o->study, r->common.jobs, draw, &w, &error);
   watch_end(&w);
   sigaction(SIGINT, &before[0], NULL);
   sigaction(SIGTERM, &before[1], NULL);
   int computed = km_design_study_computed(o->study), found = km_design_study_found(o->study);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s%s", o->name, error.text,
-           status == KM_CANCELLED ? " (kstudy resume goes on)" : "");
+    kt_print_message(&r->common, KM_ERROR, "%s: %s%s", o->name, error.text,
+                     status == KM_CANCELLED ? " (kstudy resume goes on)" : "");
   else
-    kt_say(&r->common, KM_NOTE, "%s: %d design%s computed in %.3g s, %d %s in the store", o->name, computed,
-           computed == 1 ? "" : "s", kt_clock() - w.start, found, found == 1 ? "was" : "were");
+    kt_print_message(&r->common, KM_NOTE, "%s: %d design%s computed in %.3g s, %d %s in the store", o->name, computed,
+                     computed == 1 ? "" : "s", kt_clock() - w.start, found, found == 1 ? "was" : "were");
   return status == KM_CANCELLED ? KT_PARTIAL : kt_exit_of(status);
 }
 
@@ -104,12 +104,12 @@ static kt_exit judge(kstudy_open *o) {
 }
 
 /* Messages of the reader about the model as stated in its file; if it is invalid, those of the designs. */
-static void tell_remarks(const kstudy_request *r, const kstudy_open *o) {
+static void report_remarks(const kstudy_request *r, const kstudy_open *o) {
   km_messages *messages = km_messages_create();
   km_model *model = NULL;
   km_error ignored;
   if (messages && !km_model_read_file(o->def.model, messages, &model, &ignored))
-    kt_tell_messages(&r->common, o->def.model, messages, KM_OK, "");
+    kt_report_messages(&r->common, o->def.model, messages, KM_OK, "");
   km_model_free(model);
   km_messages_free(messages);
 }
@@ -117,9 +117,9 @@ static void tell_remarks(const kstudy_request *r, const kstudy_open *o) {
 /* The first rank has the store and the files; it notifies the others at the end. */
 static kt_exit lead(const kstudy_request *r, bool resume, const kt_formats *formats, const kstudy_ranks *ranks) {
   kstudy_open o;
-  kt_exit result = kstudy_bring(r, resume, &o);
+  kt_exit result = kstudy_compile(r, resume, &o);
   if (result == KT_DONE) {
-    tell_remarks(r, &o);
+    report_remarks(r, &o);
     result = ask(r, &o, ranks);
   }
   if (result == KT_DONE)
@@ -136,11 +136,11 @@ static kt_exit serve(const kstudy_request *r, const kstudy_ranks *ranks) {
   quiet.store = ":memory:";
   quiet.common.quiet = true;
   signal(SIGINT, SIG_IGN); /* mpirun signals all ranks; the first one stops and ends the others */
-  kt_exit result = kstudy_bring(&quiet, false, &o);
+  kt_exit result = kstudy_compile(&quiet, false, &o);
   km_status status =
       result == KT_DONE ? km_design_study_run_worker(o.study, r->common.jobs, &ranks->crew, &error) : KM_OK;
   if (status)
-    kt_say(&r->common, KM_ERROR, "rank %d: %s", ranks->rank, error.text);
+    kt_print_message(&r->common, KM_ERROR, "rank %d: %s", ranks->rank, error.text);
   kstudy_close(&o);
   return kt_worse(result, kt_exit_of(status));
 }
@@ -157,9 +157,9 @@ static kt_exit run(int argc, char **argv, bool resume, const char *about) {
   if (!kt_formats_parse_among(&r.common, r.format ? r.format : "svg", "svg,pdf,png", &formats))
     return KT_USAGE;
   kstudy_ranks ranks;
-  kstudy_ranks_join(&ranks);
+  kstudy_ranks_begin(&ranks);
   kt_exit result = ranks.rank == 0 ? lead(&r, resume, &formats, &ranks) : serve(&r, &ranks);
-  kstudy_ranks_leave(&ranks);
+  kstudy_ranks_end(&ranks);
   return result;
 }
 

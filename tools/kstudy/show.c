@@ -11,7 +11,7 @@ kt_exit kstudy_print(const kstudy_request *r, kstudy_open *o) {
   km_error error;
   km_status status = km_designs_print(o->study, &o->def, o->name, &out, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   kt_exit result = status ? kt_exit_of(status) : kt_print(&r->common, &out);
   km_text_free(&out);
   return result;
@@ -23,7 +23,7 @@ kt_exit kstudy_report(const kstudy_request *r, kstudy_open *o) {
   km_error error;
   km_status status = km_designs_report(o->study, &o->def, slash ? slash + 1 : o->base, true, &out, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, "study-report", "html", &out);
   km_text_free(&out);
   return result;
@@ -33,7 +33,7 @@ static kt_exit recall(const kstudy_request *r, const kstudy_open *o) {
   km_error error;
   km_status status = km_design_study_lookup(o->study, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   return kt_exit_of(status);
 }
 
@@ -44,11 +44,12 @@ static kt_exit judge_answers(const kstudy_request *r, const kstudy_open *o) {
     return KT_DONE;
   int missing = km_design_study_yield(o->study, &y, NULL) ? 0 : y.outcomes[KM_DESIGN_MISSING];
   if (missing)
-    kt_say(&r->common, KM_WARNING, "%s: the store has no answer of %d of %d designs; kstudy run asks for them",
-           o->store, missing, km_design_study_designs(o->study));
+    kt_print_message(&r->common, KM_WARNING,
+                     "%s: the store has no answer of %d of %d designs; kstudy run asks for them", o->store, missing,
+                     km_design_study_designs(o->study));
   else
-    kt_say(&r->common, KM_WARNING, "%s: the store ends before the optimisation does; kstudy run goes on with it",
-           o->store);
+    kt_print_message(&r->common, KM_WARNING,
+                     "%s: the store ends before the optimisation does; kstudy run goes on with it", o->store);
   return KT_PARTIAL;
 }
 
@@ -64,7 +65,7 @@ kt_exit kstudy_show(int argc, char **argv) {
   kt_options_read(&all, "Tables and plots of a study from its store, without asking anything.", argc, argv);
   if (r.format && !kt_formats_parse_among(&r.common, r.format, "svg,pdf,png", &formats))
     return KT_USAGE;
-  kt_exit result = kstudy_bring(&r, true, &o);
+  kt_exit result = kstudy_compile(&r, true, &o);
   if (result == KT_DONE)
     result = recall(&r, &o);
   if (result == KT_DONE)
@@ -82,7 +83,7 @@ static kt_exit write_csv(const kstudy_request *r, const kstudy_open *o, const ch
   km_error error;
   km_status status = km_designs_csv(o->study, &o->def, &out, &error);
   if (status)
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, base, "study", "csv", &out);
   km_text_free(&out);
   return result;
@@ -97,7 +98,7 @@ static kt_exit write_json(const kstudy_request *r, kstudy_open *o, const char *b
   if (!status)
     km_json_write(record, &out);
   else
-    kt_say(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
+    kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
   kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, base, "study", "json", &out);
   km_text_free(&out);
   km_arena_free(&arena);
@@ -124,7 +125,7 @@ kt_exit kstudy_export(int argc, char **argv) {
     return kt_usage(&r.common, "-o", "-", "one format");
   kstudy_request named = r;
   named.base = piped ? NULL : r.base;
-  kt_exit result = kstudy_bring(&named, true, &o);
+  kt_exit result = kstudy_compile(&named, true, &o);
   if (result == KT_DONE)
     result = recall(&r, &o);
   const char *base = piped ? "-" : o.base;

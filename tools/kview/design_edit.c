@@ -9,7 +9,7 @@ enum { MOST_LENGTHS = 100 };
 
 /* The mechanism takes over the model's numbers, at the pose next to q[coordinate] where its loops close; it is compiled
  * anew where a loop's motion space has changed, or something is held, perhaps at another value than before. */
-static km_status take_over(kv_session *s, const double *q, km_error *error) {
+static km_status copy_over(kv_session *s, const double *q, km_error *error) {
   int n = km_model_coordinate_count(s->model);
   km_status status = KM_OK;
   for (int c = 0; c < n && !status; ++c)
@@ -135,9 +135,9 @@ static km_status change(kv_session *s, const double *before, const double *T, co
   if (!status && !q)
     follow(s, slide, next);
   if (!status)
-    status = take_over(s, q ? q : next, error);
+    status = copy_over(s, q ? q : next, error);
   if (status && present && !set_frames(s, before, &ignored))
-    take_over(s, present, &ignored);
+    copy_over(s, present, &ignored);
   if (!status)
     kv_session_note_edits(s);
   free(present);
@@ -145,7 +145,7 @@ static km_status change(kv_session *s, const double *before, const double *T, co
   return status;
 }
 
-km_status kv_session_take_design(kv_session *s, const double *T, const double *q, km_error *error) {
+km_status kv_session_set_design(kv_session *s, const double *T, const double *q, km_error *error) {
   double *before = kv_frame_places(s->model);
   size_t size = 3 * (size_t)km_model_frame_count(s->model) * sizeof *before;
   if (!before)
@@ -221,7 +221,7 @@ static int slide_at(const km_model *m, const bool *moved) {
 }
 
 /* The displacement is projected on the prismatic joint. */
-static km_status keep_along(const kv_session *s, int slide, double way[3], km_error *error) {
+static km_status store_along(const kv_session *s, int slide, double way[3], km_error *error) {
   km_frame_pose X;
   int axis = km_model_joint_type(s->model, slide) - KM_TX;
   km_status status = km_frame_place(s->mechanism, s->state, km_model_joint_frame(s->model, slide, false), &X, error);
@@ -247,7 +247,7 @@ static km_status find_pin(const kv_session *s, int joint, pin *p, km_error *erro
                    "joint \"%s\" stands at the origin of the inertial frame, which can't be moved; expected one with a "
                    "frame of its own",
                    km_model_joint_label(s->model, joint));
-  return keep_along(s, p->slide, p->shift, error);
+  return store_along(s, p->slide, p->shift, error);
 }
 
 /* Cylinders and rods stay as they are and follow, as does the body that goes along a slide. */

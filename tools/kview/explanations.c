@@ -86,7 +86,7 @@ km_status kv_diagnose(const kv_call *call, km_error *error) {
   }
   if (!status)
     status = km_finite_mobility_find(s->mechanism, s->probe, kv_limit_goes_on, &limit, &finite, error);
-  status = kv_limit_tell(status, "the diagnosis", error);
+  status = kv_limit_report(status, "the diagnosis", error);
   if (!status) {
     km_text_format(out, "{\"kind\":\"diagnosis\",\"request\":%u,\"finite\":%d,\"undecided\":%s,\"redundancies\":[",
                    call->request, finite.mobility, finite.undecided ? "true" : "false");

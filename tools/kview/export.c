@@ -53,7 +53,7 @@ static km_status add_poses(kv_session *s, km_text *out, km_error *error) {
   return status;
 }
 
-static void ask_text(const kv_session *s, int kind, char *out, size_t size) {
+static void question_text(const kv_session *s, int kind, char *out, size_t size) {
   km_sweep_plan plan = km_sweep_plan_default(s->model);
   km_port input, output;
   int ends[2] = {-1, -1};
@@ -93,7 +93,7 @@ static km_status add_tables(kv_session *s, km_text *out, km_error *error) {
     bool forces = strcmp(name, "forces") == 0;
     if ((strcmp(name, "advantage") == 0 && !lever) || (forces && !has_forces(s->model)))
       continue;
-    ask_text(s, count, text, sizeof text);
+    question_text(s, count, text, sizeof text);
     status = add_answer(s, text, out, error);
   }
   km_text_add(out, "]");
@@ -149,7 +149,7 @@ static kt_exit write_page(const options *o, const km_text *recording) {
   km_text page = {0};
   bool made = compose(recording, &page);
   if (!made)
-    kt_say(&o->common, KM_ERROR, "out of memory for the page");
+    kt_print_message(&o->common, KM_ERROR, "out of memory for the page");
   kt_exit written = made ? kt_write_file(&o->common, o->file, &page) : KT_NO_MEMORY;
   km_text_free(&page);
   return written;

@@ -120,7 +120,7 @@ static km_status design(const kv_call *c, km_error *error) {
   int n = 3 * km_model_frame_count(c->session->model);
   if (c->count != n)
     return km_fail(error, KM_USAGE, "found %d numbers; expected %d, three for each frame", c->count, n);
-  km_status status = kv_session_take_design(c->session, c->arguments, NULL, error);
+  km_status status = kv_session_set_design(c->session, c->arguments, NULL, error);
   return describe_changed(c, status);
 }
 
@@ -143,8 +143,8 @@ static const struct {
     {"hold", 2, 2, hold},
     {"mark", 0, 0, mark},
     {"undo", 1, 1, undo},
-    {"ask", 5, 8, kv_ask},
-    {"again", 0, 0, kv_again},
+    {"ask", 5, 8, kv_compute_question},
+    {"again", 0, 0, kv_recompute},
     {"track", 1, 1, kv_track},
     {"motions", 0, 0, kv_motions},
     {"diagnose", 0, 0, kv_diagnose},
@@ -157,7 +157,7 @@ static const struct {
     {"pivot", 4, 4, pivot},
     {"frame", 4, 4, frame},
     {"design", 0, KV_MOST_ARGUMENTS, design},
-    {"parameters", 1, KV_MOST_ARGUMENTS, kv_take_parameters},
+    {"parameters", 1, KV_MOST_ARGUMENTS, kv_set_parameters},
     {"patch", 2, 2, kv_patch},
     {"write", 0, 0, kv_write},
     {"reload", 0, 0, reload},

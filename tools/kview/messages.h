@@ -41,7 +41,7 @@ typedef struct kv_call {
 typedef km_status kv_verb(const kv_call *call, km_error *error);
 
 /* `ask.c`: sweeps and the limits of a slider. */
-kv_verb kv_ask, kv_again, kv_track;
+kv_verb kv_compute_question, kv_recompute, kv_track;
 /* Kind of the index-th question of a page: those over a driver's range, and with a path study the track; −1 if there
  * is none. */
 int kv_question_kind(const kv_session *session, int index);
@@ -54,7 +54,7 @@ kv_verb kv_selfmotion, kv_columns;
 /* patches.c: what bodies look like. */
 kv_verb kv_patch;
 /* parameters.c */
-kv_verb kv_take_parameters;
+kv_verb kv_set_parameters;
 /* saved.c */
 kv_verb kv_write;
 

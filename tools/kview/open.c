@@ -80,15 +80,16 @@ static void write_unsaved(void *context, const km_text *file) {
     bool written = out && fwrite(file->data, 1, file->size, out) == file->size;
     written = out && fclose(out) == 0 && written;
     if (written)
-      kt_say(&o->common, KM_NOTE, "a design that no page has saved was written to %s", path);
+      kt_print_message(&o->common, KM_NOTE, "a design that no page has saved was written to %s", path);
     else
-      kt_say(&o->common, KM_WARNING, "%s: a design that no page has saved can't be written: %s", path, strerror(errno));
+      kt_print_message(&o->common, KM_WARNING, "%s: a design that no page has saved can't be written: %s", path,
+                       strerror(errno));
     return;
   }
 }
 
 static bool read_port(const options *o, int *port) {
-  if (!o->port || kt_whole(o->port, 1, 65535, port))
+  if (!o->port || kt_integer(o->port, 1, 65535, port))
     return true;
   kt_usage(&o->common, "--port", o->port, "a whole number from 1 to 65535");
   return false;
@@ -97,9 +98,9 @@ static bool read_port(const options *o, int *port) {
 /* A file that can't be read is named by the error itself. */
 void kview_say(const kt_common *common, const char *path, km_status status, const km_error *error) {
   if (status == KM_IO)
-    kt_say(common, KM_ERROR, "%s", error->text);
+    kt_print_message(common, KM_ERROR, "%s", error->text);
   else
-    kt_say(common, KM_ERROR, "%s: %s", path, error->text);
+    kt_print_message(common, KM_ERROR, "%s: %s", path, error->text);
 }
 
 /* Errors of the model are reported here, not only in a page. */
@@ -126,10 +127,10 @@ static kt_exit try_study(const options *o) {
   km_status status = km_file_read(o->study, &text, &error);
   kt_folder_of(o->study, folder, sizeof folder);
   if (status) {
-    kt_say(&o->common, KM_ERROR, "%s", error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s", error.text);
   } else {
     status = km_study_read(text.data, text.size, folder, messages, &def, &error);
-    kt_tell_messages(&o->common, o->study, messages, status, error.text);
+    kt_report_messages(&o->common, o->study, messages, status, error.text);
   }
   km_study_def_free(&def);
   km_messages_free(messages);
@@ -171,8 +172,8 @@ kt_exit kview_open(int argc, char **argv) {
   if (result == KT_DONE && o.study)
     result = try_study(&o);
   km_error error;
-  if (result == KT_DONE && kv_serve(&def, &error)) {
-    kt_say(&o.common, KM_ERROR, "%s", error.text);
+  if (result == KT_DONE && kv_server_run(&def, &error)) {
+    kt_print_message(&o.common, KM_ERROR, "%s", error.text);
     result = KT_USAGE;
   }
   if (o.page[0])

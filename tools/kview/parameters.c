@@ -78,7 +78,7 @@ static km_status load(const kv_session *s, const double *values, km_model **out,
 
 /* Frames that were dragged away from where the parameters put them stay as far from there: a parameter moves them
  * too. */
-static km_status keep_dragged(const kv_session *s, km_model *model, km_error *error) {
+static km_status store_dragged(const kv_session *s, km_model *model, km_error *error) {
   double *present = kv_frame_places(s->model), *next = kv_frame_places(model);
   km_status status = present && next ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
   for (int f = 0; f < km_model_frame_count(model) && !status; ++f) {
@@ -112,9 +112,9 @@ km_status kv_session_set_parameters(kv_session *s, const double *values, km_erro
   else if (km_model_frame_count(model) != km_model_frame_count(s->model))
     status = km_fail(error, KM_USAGE, "with these parameters the model has other parts");
   if (!status)
-    status = keep_dragged(s, model, error);
+    status = store_dragged(s, model, error);
   if (!status)
-    status = kv_session_take_model(s, model, q, error);
+    status = kv_session_set_model(s, model, q, error);
   free(q);
   if (status) {
     free(places);
@@ -130,7 +130,7 @@ km_status kv_session_set_parameters(kv_session *s, const double *values, km_erro
 }
 
 /* parameters V…: a value for each. */
-km_status kv_take_parameters(const kv_call *c, km_error *error) {
+km_status kv_set_parameters(const kv_call *c, km_error *error) {
   if (c->count != c->session->parameters.count)
     return km_fail(error, KM_USAGE, "found %d values; expected one for each of the %d parameters", c->count,
                    c->session->parameters.count);

@@ -20,7 +20,7 @@ km_status kv_modes(const kv_call *c, km_error *error) {
   kv_limit limit = kv_limit_begin();
   km_status status =
       km_modes_find(s->mechanism, s->state, kv_index(c, 0), STARTS, 1, kv_limit_goes_on, &limit, &modes, error);
-  status = kv_limit_tell(status, "the search for assembly modes", error);
+  status = kv_limit_report(status, "the search for assembly modes", error);
   if (!status) {
     int count = modes.count < MOST_MODES ? modes.count : MOST_MODES;
     size_t size = (size_t)count * (size_t)n * sizeof(double);
@@ -54,7 +54,7 @@ km_status kv_mode(const kv_call *c, km_error *error) {
 }
 
 /* Copies the coordinates that a named pose states to q; returns their number. */
-static int take_values(const kv_session *s, int pose, double *q, km_hold *sets) {
+static int copy_values(const kv_session *s, int pose, double *q, km_hold *sets) {
   int count = 0;
   for (int k = 0; k < km_model_coordinate_count(s->model); ++k) {
     double value = km_model_pose_value(s->model, pose, k);
@@ -75,13 +75,13 @@ static bool stands(const kv_session *s, const km_hold *sets, int count) {
 }
 
 /* A pose that says all closes next to it; one that says less is driven to, on the present branch. */
-static km_status go_to(kv_session *s, int pose, km_error *error) {
+static km_status move_to(kv_session *s, int pose, km_error *error) {
   size_t n = (size_t)km_model_coordinate_count(s->model);
   double *q = kv_session_coordinates(s), *before = kv_session_coordinates(s);
   km_hold *sets = calloc(n + 1, sizeof *sets);
   km_status status = q && before && sets ? KM_OK : km_fail(error, KM_MEMORY, "out of memory");
   if (!status) {
-    int count = take_values(s, pose, q, sets);
+    int count = copy_values(s, pose, q, sets);
     status = kv_session_place(s, q, error);
     if (status || !stands(s, sets, count)) {
       kv_session_place(s, before, error);
@@ -101,6 +101,6 @@ km_status kv_named(const kv_call *c, km_error *error) {
   int pose = kv_index(c, 0);
   if (pose < 0 || pose >= km_model_pose_count(c->session->model))
     return km_fail(error, KM_USAGE, "there is no pose %d", pose);
-  km_status status = go_to(c->session, pose, error);
+  km_status status = move_to(c->session, pose, error);
   return status ? status : give_pose(c);
 }

@@ -179,7 +179,7 @@ static km_status answer(const kv_call *call, km_error *error) {
 
 /* Message `ask KIND DRIVER FROM TO STEPS [INPUT OUTPUT [BRANCH]]`; INPUT, OUTPUT −1: none; DRIVER −1: by arc length
  * with step FROM (0: as the model states), at the first branch point along motion BRANCH. */
-km_status kv_ask(const kv_call *call, km_error *error) {
+km_status kv_compute_question(const kv_call *call, km_error *error) {
   kv_session *s = call->session;
   const kv_asked asked = {.kind = kv_question_kind(s, kv_index(call, 0)),
                           .driver = kv_index(call, 1),
@@ -201,7 +201,7 @@ km_status kv_ask(const kv_call *call, km_error *error) {
 }
 
 /* again: the same question about the present design. */
-km_status kv_again(const kv_call *call, km_error *error) {
+km_status kv_recompute(const kv_call *call, km_error *error) {
   if (call->session->asked.kind < 0)
     return km_fail(error, KM_USAGE, "nothing was asked yet");
   return answer(call, error);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Takes a member out of an object; NULL: it has none of that name. */
-static km_value *take_out(km_value *object, const char *key) {
+static km_value *copy_out(km_value *object, const char *key) {
   km_value *before = NULL;
   for (km_value *v = object->first; v; before = v, v = v->next)
     if (v->key && strcmp(v->key, key) == 0) {
@@ -40,7 +40,7 @@ static void name_folders(const kv_session *s, const char *bytes, size_t size, km
   if (full && !km_json_parse(bytes, size, &arena, &parsed, &ignored)) {
     km_value *root = (km_value *)(size_t)parsed, *given = (km_value *)(size_t)km_value_get(root, "model_parameters");
     km_value *parameters = given ? given : km_value_add(&arena, root, "model_parameters", KM_OBJECT);
-    km_value *dirs = parameters ? take_out(parameters, "include_dir") : NULL;
+    km_value *dirs = parameters ? copy_out(parameters, "include_dir") : NULL;
     km_value *list = parameters ? km_value_add(&arena, parameters, "include_dir", KM_LIST) : NULL;
     *strrchr(full, '/') = '\0';
     for (const km_value *d = !dirs ? NULL : dirs->kind == KM_LIST ? dirs->first : dirs; list && d; d = d->next) {

@@ -43,8 +43,8 @@ km_status kv_selfmotion(const kv_call *call, km_error *error) {
   for (int c = 0; !status && c < km_arm_coordinates(arm); ++c)
     q[c] = km_state_coordinate(s->state, km_arm_coordinate(arm, c));
   if (!status)
-    status =
-        kv_limit_tell(km_selfmotion_follow(arm, q, kv_limit_goes_on, &limit, &motion, error), "the self-motion", error);
+    status = kv_limit_report(km_selfmotion_follow(arm, q, kv_limit_goes_on, &limit, &motion, error), "the self-motion",
+                             error);
   if (!status)
     add_rows(call, arm, &motion);
   km_selfmotion_free(&motion);

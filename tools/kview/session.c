@@ -264,7 +264,7 @@ km_status kv_session_compile(kv_session *s, const double *q, km_error *error) {
   return status;
 }
 
-km_status kv_session_take_model(kv_session *s, km_model *model, const double *q, km_error *error) {
+km_status kv_session_set_model(kv_session *s, km_model *model, const double *q, km_error *error) {
   compiled made;
   km_status status = compile(model, s->holds, s->hold_count, q, &made, &s->mobility, error);
   if (status)

@@ -89,7 +89,7 @@ km_status kv_session_hold(kv_session *session, int coordinate, bool held, km_err
 km_status kv_session_compile(kv_session *session, const double *q, km_error *error);
 /* Takes over another model of the same parts at the pose next to q; on failure everything stays, and the model is the
  * caller's. */
-km_status kv_session_take_model(kv_session *session, km_model *model, const double *q, km_error *error);
+km_status kv_session_set_model(kv_session *session, km_model *model, const double *q, km_error *error);
 /* Says whether the design is still that of the file. */
 void kv_session_note_edits(kv_session *session);
 /* All coordinates; NULL when out of memory. The caller frees it. */
@@ -114,7 +114,7 @@ km_status kv_session_move_frame(kv_session *session, int frame, const double T[3
 double *kv_frame_places(const km_model *model);
 /* Takes the places of all frames: T[3 · frames], of a design that was kept; at the pose next to q[coordinate], NULL:
  * the present one. */
-km_status kv_session_take_design(kv_session *session, const double *T, const double *q, km_error *error);
+km_status kv_session_set_design(kv_session *session, const double *T, const double *q, km_error *error);
 
 /* kept.c: a design that isn't the file's, by its numbers and as the text of a file. */
 typedef struct kv_design {

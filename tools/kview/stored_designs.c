@@ -64,7 +64,7 @@ bool kv_session_restore(kv_session *s, const kv_design *d) {
   bool fits = !parts.failed && parts.size == d->parts.size && memcmp(parts.data, d->parts.data, parts.size) == 0;
   km_text_free(&parts);
   if (!fits || (s->parameters.count > 0 && kv_session_set_parameters(s, d->values, &ignored)) ||
-      kv_session_take_design(s, d->places, NULL, &ignored))
+      kv_session_set_design(s, d->places, NULL, &ignored))
     return false;
   kv_session_note_edits(s);
   s->unsaved = d->unsaved;

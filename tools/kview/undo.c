@@ -61,14 +61,14 @@ static void swap_held(kv_session *s, double *other) {
 }
 
 /* Takes places and pose with the holds at the pose's values; on failure these are as before. */
-static km_status take_moment(kv_session *s, const double *places, const double *q, km_error *error) {
+static km_status copy_moment(kv_session *s, const double *places, const double *q, km_error *error) {
   double *held = malloc(((size_t)s->hold_count + 1) * sizeof *held);
   if (!held)
     return km_fail(error, KM_MEMORY, "out of memory");
   for (int h = 0; h < s->hold_count; ++h)
     held[h] = q[s->holds[h].coordinate];
   swap_held(s, held);
-  km_status status = kv_session_take_design(s, places, q, error);
+  km_status status = kv_session_set_design(s, places, q, error);
   if (status)
     swap_held(s, held);
   free(held);
@@ -84,7 +84,7 @@ km_status kv_session_step(kv_session *s, int direction, km_error *error) {
   int n = km_model_coordinate_count(s->model);
   status = kv_session_set_parameters(s, numbers + n + 3 * km_model_frame_count(s->model), error);
   if (!status)
-    status = take_moment(s, numbers + n, numbers, error);
+    status = copy_moment(s, numbers + n, numbers, error);
   if (!status)
     s->undo_at = to;
   return status;

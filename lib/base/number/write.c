@@ -69,7 +69,7 @@ static decimal shortest(uint64_t fraction, int biased) {
   return (decimal){s + (at > middle || (at == middle && s % 2 == 1)), k};
 }
 
-static void put_pair(char *to, uint32_t value) {
+static void write_pair(char *to, uint32_t value) {
   static const char pairs[] =
       "00010203040506070809101112131415161718192021222324252627282930313233343536373839404142434445464748"
       "49505152535455565758596061626364656667686970717273747576777879808182838485868788899091929394959697"
@@ -78,12 +78,12 @@ static void put_pair(char *to, uint32_t value) {
 }
 
 /* Writes eight digits with leading zeros. */
-static void put_eight(char *to, uint32_t value) {
+static void write_eight(char *to, uint32_t value) {
   uint32_t high = value / 10000, low = value % 10000;
-  put_pair(to, high / 100);
-  put_pair(to + 2, high % 100);
-  put_pair(to + 4, low / 100);
-  put_pair(to + 6, low % 100);
+  write_pair(to, high / 100);
+  write_pair(to + 2, high % 100);
+  write_pair(to + 4, low / 100);
+  write_pair(to + 6, low % 100);
 }
 
 /* The digits as text in `buffer`, without leading or trailing zeros, and their count; `exponent` becomes that of the
@@ -91,8 +91,8 @@ static void put_eight(char *to, uint32_t value) {
 static const char *write_digits(decimal *d, char buffer[MOST_DIGITS], int *count) {
   uint64_t high = d->digits / 100000000;
   buffer[0] = (char)('0' + high / 100000000);
-  put_eight(buffer + 1, (uint32_t)(high % 100000000));
-  put_eight(buffer + 9, (uint32_t)(d->digits % 100000000));
+  write_eight(buffer + 1, (uint32_t)(high % 100000000));
+  write_eight(buffer + 9, (uint32_t)(d->digits % 100000000));
   int first = 0, last = MOST_DIGITS - 1;
   while (buffer[first] == '0')
     ++first;
@@ -103,23 +103,23 @@ static const char *write_digits(decimal *d, char buffer[MOST_DIGITS], int *count
   return buffer + first;
 }
 
-static char *put(char *to, const char *from, int count) {
+static char *write_text(char *to, const char *from, int count) {
   memcpy(to, from, (size_t)count);
   return to + count;
 }
 
-static char *put_zeros(char *to, int count) {
+static char *write_zeros(char *to, int count) {
   memset(to, '0', (size_t)count);
   return to + count;
 }
 
 /* Writes d.ddde±XX with at least two digits of exponent. */
-static char *put_scientific(char *to, const char *digits, int count, int point) {
+static char *write_scientific(char *to, const char *digits, int count, int point) {
   int e = point < 0 ? -point : point;
   *to++ = digits[0];
   if (count > 1) {
     *to++ = '.';
-    to = put(to, digits + 1, count - 1);
+    to = write_text(to, digits + 1, count - 1);
   }
   *to++ = 'e';
   *to++ = point < 0 ? '-' : '+';
@@ -131,17 +131,17 @@ static char *put_scientific(char *to, const char *digits, int count, int point) 
 }
 
 /* `point`: the power of ten of the first digit. */
-static char *put_plain(char *to, const char *digits, int count, int point) {
+static char *write_plain(char *to, const char *digits, int count, int point) {
   if (point < 0) {
-    to = put_zeros(put(to, "0.", 2), -point - 1);
-    return put(to, digits, count);
+    to = write_zeros(write_text(to, "0.", 2), -point - 1);
+    return write_text(to, digits, count);
   }
   int whole = point + 1;
   if (count <= whole)
-    return put_zeros(put(to, digits, count), whole - count);
-  to = put(to, digits, whole);
+    return write_zeros(write_text(to, digits, count), whole - count);
+  to = write_text(to, digits, whole);
   *to++ = '.';
-  return put(to, digits + whole, count - whole);
+  return write_text(to, digits + whole, count - whole);
 }
 
 size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
@@ -167,7 +167,7 @@ size_t km_number_format(char out[KM_NUMBER_TEXT], double value) {
     int point = d.exponent, precision = count > 15 ? count : 15;
     /* Formats like printf's %g with the precision of these digits. */
     bool scientific = point < -4 || point >= precision;
-    to = scientific ? put_scientific(to, digits, count, point) : put_plain(to, digits, count, point);
+    to = scientific ? write_scientific(to, digits, count, point) : write_plain(to, digits, count, point);
   }
   *to = '\0';
   return (size_t)(to - out);

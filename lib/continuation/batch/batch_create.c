@@ -99,7 +99,7 @@ km_status km_batch_create(km_arena *memory, km_driver_motion *const *drives, int
   for (int i = 0; i < count; ++i)
     if (i == 0 ? !km_batch_fits(drives[0]) : !km_batch_has_same_structure(drives[0], drives[i]))
       return KM_OK;
-  km_arena arena = km_arena_take(memory);
+  km_arena arena = km_arena_reuse(memory);
   km_batch *l = KM_ARENA_NEW(&arena, km_batch, 1); /* aligned for the widest registers */
   if (l) {
     const km_driver_motion *first = drives[0];
@@ -135,5 +135,5 @@ void km_batch_free(km_arena *memory, km_batch *l) {
     l->drives[i]->lanes = NULL;
   }
   km_arena arena = l->arena; /* the batch itself lies in its arena */
-  km_arena_give(&arena, memory);
+  km_arena_recycle(&arena, memory);
 }

@@ -69,7 +69,7 @@ km_status km_model_read_numbers(const char *bytes, size_t size, const char *cons
 /* The meshes of the text as the file `to` sees them. */
 static km_status rename_meshes(km_value *root, const char *from, const char *to, km_arena *arena, km_error *error) {
   km_folders folders = {0};
-  if (!km_folders_begin(&folders, from, arena))
+  if (!km_folders_create(&folders, from, arena))
     return km_fail(error, KM_MEMORY, "out of memory for the folder of a model");
   km_read_folders(km_value_get(km_value_get(root, "model_parameters"), "include_dir"), arena, &folders);
   return km_rename_meshes(root, &folders, to, arena, error);

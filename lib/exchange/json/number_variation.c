@@ -220,7 +220,7 @@ static void find_below(search *s, node object) {
 }
 
 /* Takes the path apart at its dots; the names lie in `copy`. */
-static km_status take_apart(const char *path, char *copy, search *s, km_error *error) {
+static km_status split(const char *path, char *copy, search *s, km_error *error) {
   char *end = copy;
   s->tokens[s->count++] = end;
   for (const char *c = path; *c; ++c) {
@@ -305,7 +305,7 @@ static km_status locate(km_value *root, const char *path, reading *out, km_error
   search s = {0};
   node whole = {root, &km_format_model, NULL, NULL};
   char *copy = KM_NEW(char, strlen(path) + 1);
-  km_status status = copy ? take_apart(path, copy, &s, error) : km_fail(error, KM_MEMORY, "out of memory for a path");
+  km_status status = copy ? split(path, copy, &s, error) : km_fail(error, KM_MEMORY, "out of memory for a path");
   if (!status) {
     km_value *parameter = parameter_of(root, &s);
     const km_value *parameters = km_value_get(root, "parameters");

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool km_folders_begin(km_folders *folders, const char *file, km_arena *arena) {
+bool km_folders_create(km_folders *folders, const char *file, km_arena *arena) {
   const char *slash = file ? strrchr(file, '/') : NULL;
   folders->folder = ".";
   if (!slash)
@@ -31,7 +31,7 @@ km_status km_find_destination(const km_folders *folders, const char *file, km_ar
   *destination = NULL;
   if (!file || strcmp(file, "-") == 0)
     return KM_OK;
-  char *there = km_folders_begin(&other, file, arena) ? realpath(other.folder, NULL) : NULL;
+  char *there = km_folders_create(&other, file, arena) ? realpath(other.folder, NULL) : NULL;
   if (there && !is_folder_itself(folders, there))
     *destination = km_arena_string(arena, there);
   free(there);

@@ -7,7 +7,7 @@
 
 /* The folder in which the files that a model names are looked for is that of `file`; NULL: the current one. Its name
  * lives in `arena`. False when out of memory. */
-bool km_folders_begin(km_folders *folders, const char *file, km_arena *arena);
+bool km_folders_create(km_folders *folders, const char *file, km_arena *arena);
 /* The folder of the file that the model will be written to, without links, in `arena`; NULL: it is the model's own
  * one, or there is no such folder. `file` NULL, or "-": the model's own. KM_MEMORY. */
 km_status km_find_destination(const km_folders *folders, const char *file, km_arena *arena, const char **destination,

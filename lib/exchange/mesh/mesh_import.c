@@ -24,7 +24,7 @@ static bool is_offered(const char *path) {
 
 /* Reads the vertices and the corners that follow a header. KM_OK with `*whole` false: the stream ends before they
  * do. */
-static km_status take_mesh(km_helper *helper, const km_mesh_stream *head, const char *path, km_mesh **out, bool *whole,
+static km_status copy_mesh(km_helper *helper, const km_mesh_stream *head, const char *path, km_mesh **out, bool *whole,
                            km_error *error) {
   int32_t corner[3];
   km_mesh *mesh = km_mesh_create(head->vertex_count, head->triangle_count);
@@ -54,7 +54,7 @@ static km_status take_mesh(km_helper *helper, const km_mesh_stream *head, const 
 }
 
 /* Reads the reason why there is no mesh. */
-static km_status take_reason(km_helper *helper, size_t size, const char *path, bool *whole, km_error *error) {
+static km_status copy_reason(km_helper *helper, size_t size, const char *path, bool *whole, km_error *error) {
   char reason[KM_MESH_MAX_REASON + 1] = {0};
   *whole = size <= KM_MESH_MAX_REASON && km_helper_read(helper, reason, size);
   return *whole ? km_fail(error, KM_IO, "%s: %s", path, reason) : KM_OK;
@@ -67,14 +67,14 @@ static km_status take(km_helper *helper, const char *path, km_mesh **out, bool *
   if (!km_helper_read(helper, &head, sizeof head) || head.vertex_count < 0)
     return KM_OK;
   if (head.outcome == KM_MESH_REFUSED)
-    return take_reason(helper, (size_t)head.vertex_count, path, whole, error);
+    return copy_reason(helper, (size_t)head.vertex_count, path, whole, error);
   if (head.outcome != KM_MESH_IMPORTED || head.vertex_count > KM_MESH_MAX_CORNERS || head.triangle_count < 0 ||
       head.triangle_count > KM_MESH_MAX_TRIANGLES)
     return KM_OK;
   *whole = true;
   if (head.triangle_count == 0)
     return km_fail(error, KM_IO, "%s: has no faces; expected a closed surface", path);
-  return take_mesh(helper, &head, path, out, whole, error);
+  return copy_mesh(helper, &head, path, out, whole, error);
 }
 
 /* Reason of the end of a process whose stream is incomplete. */

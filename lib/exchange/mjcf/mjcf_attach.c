@@ -89,7 +89,7 @@ static const km_xml *read_part(km_mjcf *child, const km_xml *attach, const km_mj
 }
 
 /* The tables of names grow on in the one around. */
-static void hand_back(const km_mjcf *child, km_mjcf *m) {
+static void return_result(const km_mjcf *child, km_mjcf *m) {
   m->bodies = child->bodies;
   m->joints = child->joints;
   m->sites = child->sites;
@@ -139,7 +139,7 @@ void km_mjcf_attach(km_mjcf *m, const km_xml *attach, const km_mjcf_place *place
     if (!own)
       km_mjcf_read_attached_keyframes(&child, part, m->joint_count);
   }
-  hand_back(&child, m);
+  return_result(&child, m);
   km_names_free(&child.class_names);
   km_names_free(&child.missing_classes);
   km_names_free(&child.driven_names);

@@ -73,7 +73,7 @@ static void add_springs(km_mjcf *m, const km_xml *e, const km_mjcf_place *place,
 }
 
 /* The largest force of actuators together that the joint lets through; infinite: any. */
-static double let_through(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
+static double accept_event(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
   double range[2] = {0};
   const char *limited = km_mjcf_get(m, e, place, "actuatorfrclimited");
   bool given = km_mjcf_numbers(m, e, place, "actuatorfrcrange", range, 2) == 2;
@@ -87,7 +87,7 @@ static void read_dynamics(km_mjcf *m, const km_xml *e, const km_mjcf_place *plac
   double damping = is_timed(m, e, place) ? 0.0 : km_mjcf_number(m, e, place, "damping", 0.0);
   double armature = km_mjcf_number(m, e, place, "armature", 0.0);
   double friction = km_mjcf_number(m, e, place, "frictionloss", 0.0);
-  double force = fmin(let_through(m, e, place), km_mjcf_most_force(m, joint->name));
+  double force = fmin(accept_event(m, e, place), km_mjcf_most_force(m, joint->name));
   for (int k = 0; k < km_joint_kind_of(joint->type)->freedom; ++k) {
     joint->damping[k] = damping;
     km_robot_rotor(m->robot, joint, k, armature, friction);

@@ -15,7 +15,7 @@ void km_omissions_add(km_omissions *o, const char *kind, const char *name) {
   o->items[k].count++;
 }
 
-void km_omissions_tell(const km_omissions *o, km_messages *messages) {
+void km_omissions_report(const km_omissions *o, km_messages *messages) {
   for (int k = 0; k < o->count; ++k) {
     const km_omission *item = &o->items[k];
     bool named = item->first[0] != '\0';

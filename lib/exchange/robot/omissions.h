@@ -23,6 +23,6 @@ typedef struct km_omissions {
 /* Counts an omission; `name` may be NULL. Kinds after the last slot are dropped. */
 void km_omissions_add(km_omissions *omissions, const char *kind, const char *name);
 /* A note for each kind: how many, and the first one. */
-void km_omissions_tell(const km_omissions *omissions, km_messages *messages);
+void km_omissions_report(const km_omissions *omissions, km_messages *messages);
 
 #endif

@@ -56,7 +56,7 @@ static void set_closure_tolerance(km_robot *robot) {
                   robot->settings.closure_tolerance);
 }
 
-static void weigh_whole(const km_robot *robot, km_model *model) {
+static void compute_masses(const km_robot *robot, km_model *model) {
   double sum = 0.0;
   for (int b = 1; b < model->body_count; ++b)
     sum += model->bodies[b].mass;
@@ -92,8 +92,8 @@ static km_status finish(km_robot *robot, km_model **out, km_error *error) {
     km_messages_add(robot->request->messages, KM_ERROR, "%s", error->text);
   if (status)
     return status;
-  weigh_whole(robot, *out);
-  km_omissions_tell(&robot->omissions, robot->request->messages);
+  compute_masses(robot, *out);
+  km_omissions_report(&robot->omissions, robot->request->messages);
   return KM_OK;
 }
 

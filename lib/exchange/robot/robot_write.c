@@ -54,7 +54,7 @@ void km_written_omit(km_written *w, const char *kind, const char *name) {
 }
 
 void km_written_tell(const km_written *w) {
-  km_omissions_tell(&w->omissions, w->messages);
+  km_omissions_report(&w->omissions, w->messages);
 }
 
 /* Frames by which no joint is held, such as a tool's: a name of their own, with the body's where others have it too. */

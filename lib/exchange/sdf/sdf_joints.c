@@ -209,7 +209,7 @@ static void add_joint(km_sdf *sdf, int index) {
 
 /* Connects free parts to the inertial frame: all links of static models, otherwise one link of each connected part,
  * preferably one that is child of no joint. */
-static void tie_rest(km_sdf *sdf, bool children_too) {
+static void connect_rest(km_sdf *sdf, bool children_too) {
   for (int i = 1; i < sdf->entity_count; ++i) {
     const km_sdf_entity *e = &sdf->entities[i];
     bool fixed = in_static(sdf, i);
@@ -286,7 +286,7 @@ void km_sdf_add_joints(km_sdf *sdf) {
   add_closures(sdf);
   if (sdf->robot->failed)
     return;
-  tie_rest(sdf, false);
-  tie_rest(sdf, true);
+  connect_rest(sdf, false);
+  connect_rest(sdf, true);
   km_sdf_add_couplings(sdf);
 }

@@ -236,7 +236,7 @@ static void add_frames(km_written *w) {
   }
 }
 
-static void tell_rest(km_written *w) {
+static void report_rest(km_written *w) {
   const km_model *m = w->model;
   for (int i = 0; i < m->coupling_count; ++i)
     if (!km_written_is_mimic(w, i))
@@ -275,6 +275,6 @@ km_status km_sdf_write(km_written *w, km_error *error) {
   km_xml_end(&w->xml, "world");
   km_xml_end(&w->xml, "sdf");
   km_written_omit_forces(w);
-  tell_rest(w);
+  report_rest(w);
   return KM_OK;
 }

@@ -196,7 +196,7 @@ static void add_screw(km_written *w, const km_written_motion *motion, const char
 }
 
 /* The type by which URDF has the whole joint; NULL: it has none, or the joint is passed against its sense. */
-static const char *whole_type(const km_written *w, const km_written_joint *way) {
+static const char *complete_type(const km_written *w, const km_written_joint *way) {
   bool forward = way->count > 0 && way->motion[0].sign > 0.0;
   km_joint_type type = w->model->joints[way->joint].type;
   if (!forward)
@@ -231,7 +231,7 @@ static void add_joint(km_written *w, int body) {
   int a = w->model->frames[def->frame[0]].body;
   km_written_joint way = km_written_pass(w, w->arc[body], a == body ? w->model->frames[def->frame[1]].body : a);
   const char *from = w->bodies[way.from], *to = w->bodies[body];
-  const char *type = whole_type(w, &way);
+  const char *type = complete_type(w, &way);
   if (type) {
     add_whole(w, &way, type, from, to);
     return;
@@ -275,7 +275,7 @@ static void add_frames(km_written *w) {
   }
 }
 
-static void tell_rest(km_written *w) {
+static void report_rest(km_written *w) {
   const km_model *m = w->model;
   double stiffness, rest;
   for (int j = 0; j < m->joint_count; ++j)
@@ -312,6 +312,6 @@ km_status km_urdf_write(km_written *w, km_error *error) {
   add_frames(w);
   km_xml_end(&w->xml, "robot");
   km_written_omit_forces(w);
-  tell_rest(w);
+  report_rest(w);
   return KM_OK;
 }

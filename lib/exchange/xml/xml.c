@@ -29,7 +29,7 @@ static void *reallocate(void *block, size_t size) {
   return km_resize(block, 1, size);
 }
 
-static void look_where(parsing *p) {
+static void locate(parsing *p) {
   p->line = XML_GetCurrentLineNumber(p->parser) + (unsigned long)p->first_line;
   p->column = XML_GetCurrentColumnNumber(p->parser) + 1;
 }
@@ -37,7 +37,7 @@ static void look_where(parsing *p) {
 static void stop(parsing *p, const char *fault) {
   if (p->fault)
     return;
-  look_where(p);
+  locate(p);
   p->fault = fault;
   XML_StopParser(p->parser, XML_FALSE);
 }
@@ -82,7 +82,7 @@ static void on_start(void *context, const char *name, const char **attributes) {
     stop(p, "out of memory");
     return;
   }
-  look_where(p);
+  locate(p);
   e->line = (int)p->line;
   e->column = (int)p->column;
   e->parent = p->open;
@@ -149,14 +149,14 @@ static void on_skipped_entity(void *context, const char *name, int is_parameter)
     stop(context, foreign_entity);
 }
 
-static km_status tell(parsing *p, km_error *error) {
+static km_status report(parsing *p, km_error *error) {
   enum XML_Error code = XML_GetErrorCode(p->parser);
   if (p->arena->failed || code == XML_ERROR_NO_MEMORY)
     return km_fail(error, KM_MEMORY, "out of memory while reading XML");
   const char *in = p->file ? p->file : "", *of = p->file ? ": " : "";
   if (p->fault)
     return km_fail(error, KM_MODEL, "%.300s%sline %lu, column %lu: %s", in, of, p->line, p->column, p->fault);
-  look_where(p);
+  locate(p);
   return km_fail(error, KM_MODEL, "%.300s%sline %lu, column %lu: %s; expected XML text", in, of, p->line, p->column,
                  XML_ErrorString(code));
 }
@@ -169,7 +169,7 @@ static km_status parse(parsing *p, const char *bytes, size_t size, km_error *err
   XML_SetSkippedEntityHandler(p->parser, on_skipped_entity);
   enum XML_Status done = XML_Parse(p->parser, bytes, (int)size, 1);
   bool short_of_text = p->arena->failed || p->fault;
-  return done == XML_STATUS_OK && !short_of_text ? KM_OK : tell(p, error);
+  return done == XML_STATUS_OK && !short_of_text ? KM_OK : report(p, error);
 }
 
 static km_status parse_once(const char *bytes, size_t size, parsing *p, km_error *error) {

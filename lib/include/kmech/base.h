@@ -130,9 +130,9 @@ typedef struct km_text {
 
 KM_API void km_text_free(km_text *text);
 /* Moves the text into an arena and frees it. "" when out of memory; the arena's `failed` is then set. */
-KM_API const char *km_text_keep(km_text *text, km_arena *arena);
+KM_API const char *km_text_move_to_arena(km_text *text, km_arena *arena);
 /* Moves the text to `*out` and leaves it empty. KM_MEMORY if the text has failed. */
-KM_API km_status km_text_give(km_text *text, km_bytes *out, km_error *error);
+KM_API km_status km_text_move_to_bytes(km_text *text, km_bytes *out, km_error *error);
 /* Append bytes, a `string`, a `format` of printf. O(bytes). */
 KM_API void km_text_bytes(km_text *text, const void *bytes, size_t size);
 KM_API void km_text_add(km_text *text, const char *string);

@@ -360,8 +360,8 @@ typedef enum km_designs_plot {
   KM_DESIGNS_SCATTER,     /* a figure over each parameter's place in its spread: a panel each, the strongest first */
   KM_DESIGNS_CONVERGENCE, /* a figure's mean and its interval over the number of designs */
   KM_DESIGNS_BANDS,       /* quantiles of a question's column over the driver */
-  KM_DESIGNS_PROGRESS, /* goal of an optimisation over the evaluated designs: for each start, and the best so far */
-  KM_DESIGNS_FRONT,    /* both goals of all designs, and the front */
+  KM_DESIGNS_PROGRESS,    /* goal of an optimisation over the evaluated designs: for each start, and the best so far */
+  KM_DESIGNS_FRONT,       /* both goals of all designs, and the front */
   /* a question's answers for all designs over each other; for the start and the best of an optimisation */
   KM_DESIGNS_ANSWERS,
   KM_DESIGNS_PATHS /* the path of the first point that the question traces */

@@ -173,7 +173,7 @@ static bool begin(hull *h) {
 }
 
 /* Collects all faces visible from a point, starting from one of them, and the horizon edges around them. */
-static bool look(hull *h, int first, int p) {
+static bool inspect(hull *h, int first, int p) {
   h->seen_count = h->horizon_count = 0;
   h->faces[first].seen = true;
   if (!push(h, &h->seen, &h->seen_count, &h->seen_room, first))
@@ -221,7 +221,7 @@ static bool close_up(hull *h, int p, int *fresh) {
 }
 
 /* Reassigns the points of visible faces to new faces, or drops them as interior points. */
-static bool hand_over(hull *h, int p, const int *fresh, int count) {
+static bool release(hull *h, int p, const int *fresh, int count) {
   for (int i = 0; i < h->seen_count; ++i) {
     face *f = &h->faces[h->seen[i]];
     for (int q = f->outside, after; q >= 0; q = after) {
@@ -247,9 +247,9 @@ static bool grow(hull *h) {
     if (h->faces[index].gone || h->faces[index].outside < 0)
       continue;
     int p = h->faces[index].farthest;
-    if (!look(h, index, p) ||
+    if (!inspect(h, index, p) ||
         !km_arena_grow(&h->arena, (void **)&fresh, &room, (size_t)h->horizon_count, sizeof *fresh) ||
-        !close_up(h, p, fresh) || !hand_over(h, p, fresh, h->horizon_count))
+        !close_up(h, p, fresh) || !release(h, p, fresh, h->horizon_count))
       return false;
   }
   return true;

@@ -31,13 +31,13 @@ static bool next_chunk(const km_text *png, size_t *place, chunk *out) {
   return true;
 }
 
-static void put_animation_control(const km_apng *a) {
+static void write_animation_control(const km_apng *a) {
   unsigned char data[8] = {0}; /* plays 0: for ever */
   km_png_put_number(data, a->frames);
   km_png_put_chunk(a->out, "acTL", data, 8, data, 0);
 }
 
-static void put_frame_control(km_apng *a) {
+static void write_frame_control(km_apng *a) {
   unsigned char data[26] = {0}; /* position (0, 0), blending: replace */
   km_png_put_number(data, a->sequence++);
   memcpy(data + 4, a->size, 8);
@@ -48,7 +48,7 @@ static void put_frame_control(km_apng *a) {
   km_png_put_chunk(a->out, "fcTL", data, 26, data, 0);
 }
 
-static void put_image_data(km_apng *a, const chunk *c) {
+static void write_image_data(km_apng *a, const chunk *c) {
   unsigned char number[4];
   if (a->added == 0) {
     km_png_put_chunk(a->out, c->type, c->data, 0, c->data, c->size);
@@ -59,7 +59,7 @@ static void put_image_data(km_apng *a, const chunk *c) {
 }
 
 /* The first picture gives the file's head. */
-static bool put_chunk_of(km_apng *a, const chunk *c, bool *begun) {
+static bool write_chunk_of(km_apng *a, const chunk *c, bool *begun) {
   bool image = strcmp(c->type, "IDAT") == 0;
   if (strcmp(c->type, "IHDR") == 0 && c->size == HEADER) {
     if (a->added == 0)
@@ -69,12 +69,12 @@ static bool put_chunk_of(km_apng *a, const chunk *c, bool *begun) {
   }
   if (image && !*begun) {
     if (a->added == 0)
-      put_animation_control(a);
-    put_frame_control(a);
+      write_animation_control(a);
+    write_frame_control(a);
     *begun = true;
   }
   if (image)
-    put_image_data(a, c);
+    write_image_data(a, c);
   else if (a->added == 0 && !*begun)
     km_png_put_chunk(a->out, c->type, c->data, 0, c->data, c->size);
   return true;
@@ -88,7 +88,7 @@ km_status km_apng_add(km_apng *a, const km_text *png, km_error *error) {
   if (good && a->added == 0)
     km_text_bytes(a->out, signature, SIGNATURE);
   while (good && next_chunk(png, &place, &c))
-    good = put_chunk_of(a, &c, &begun);
+    good = write_chunk_of(a, &c, &begun);
   if (!good || !begun) {
     a->out->size = before;
     return km_fail(error, KM_INTERNAL, "picture %u of an animation is no PNG of the first one's size", a->added + 1);

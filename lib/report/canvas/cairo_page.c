@@ -164,7 +164,7 @@ static bool reserve(cairo_page *page, size_t count) {
 
 /* Fills in glyphs and clusters (the bytes of each glyph, for copying text from a PDF). Returns the number of
  * clusters. */
-static int take_letters(cairo_page *page, const km_letters *letters, const km_letters_line *line) {
+static int copy_letters(cairo_page *page, const km_letters *letters, const km_letters_line *line) {
   int clusters = 0;
   for (size_t i = 0; i < line->count; ++i) {
     const km_letter *letter = &letters->items[line->first + i];
@@ -198,7 +198,7 @@ static void draw_line(void *context, const km_letters *letters, size_t line, con
   cairo_font_face_t *face = face_of(page, letters->bold);
   if (!face || !reserve(page, l->count))
     return;
-  int clusters = take_letters(page, letters, l);
+  int clusters = copy_letters(page, letters, l);
   begin_text(page, colour, place);
   page->lib->cairo_set_font_face(page->cairo, face);
   page->lib->cairo_set_font_size(page->cairo, font->size);

@@ -203,7 +203,7 @@ static bool set_text(km_canvas *canvas, const km_font *font, const char *text, b
   return true;
 }
 
-static void show_lines(km_canvas *canvas, const km_font *font, km_colour colour, const km_text_place *corner) {
+static void draw_lines(km_canvas *canvas, const km_font *font, km_colour colour, const km_text_place *corner) {
   for (size_t i = 0; i < canvas->letters.line_count; ++i) {
     double down = (KM_FONT_ASCENT + KM_FONT_HEIGHT * (double)i) * font->size;
     const km_text_place place = {km_text_point(corner, 0, down), corner->angle};
@@ -220,7 +220,7 @@ void km_canvas_text(km_canvas *canvas, const km_font *font, km_colour colour, co
   km_text_place place = {on_page(canvas, at), anchor.angle};
   place.at = km_text_point(&place, -box.left - anchor.across * box.width, -box.top - anchor.down * box.height);
   if (simple)
-    show_lines(canvas, font, colour, &place);
+    draw_lines(canvas, font, colour, &place);
   else
     canvas->device->layout(canvas->page, canvas->pango, font, colour, &place);
 }

@@ -72,7 +72,7 @@ static bool reserve(km_letters *l, size_t more) {
 }
 
 /* Adds the letters that the buffer holds. False: the font lacks one, or one isn't on the baseline. */
-static bool take_letters(km_letters *l, const km_harfbuzz *lib, int *x) {
+static bool copy_letters(km_letters *l, const km_harfbuzz *lib, int *x) {
   unsigned count;
   const hb_glyph_info_t *info = lib->hb_buffer_get_glyph_infos(l->buffer, &count);
   const hb_glyph_position_t *position = lib->hb_buffer_get_glyph_positions(l->buffer, &count);
@@ -99,7 +99,7 @@ static bool shape_run(km_letters *l, const km_faces *f, size_t begin, size_t siz
   lib->hb_buffer_set_language(l->buffer, lib->hb_language_from_string("en", -1));
   lib->hb_shape(f->faces[l->bold].font, l->buffer, NULL, 0);
   l->failed = l->failed || !lib->hb_buffer_allocation_successful(l->buffer);
-  return !l->failed && take_letters(l, lib, x);
+  return !l->failed && copy_letters(l, lib, x);
 }
 
 /* All letters, as in one line. */
@@ -203,7 +203,7 @@ static bool fits(const km_letters *l, size_t first, size_t end, double most) {
 }
 
 /* Puts a letter of dots in the place of those from `begin` to `end`, of which there is one at least. */
-static void put_dots(km_letters *l, size_t begin, size_t end, km_letter dots) {
+static void write_dots(km_letters *l, size_t begin, size_t end, km_letter dots) {
   dots.byte = l->items[begin].byte;
   dots.x = l->items[begin].x;
   int shift = end_of(&dots) - end_of(&l->items[end - 1]);
@@ -243,7 +243,7 @@ static bool shorten(km_letters *l, size_t first, double most) {
     else
       ++end;
   }
-  put_dots(l, begin, end, dots);
+  write_dots(l, begin, end, dots);
   add_line(l, first, l->count);
   return !l->failed;
 }

@@ -100,7 +100,7 @@ void km_pango_lines(const km_pango *p, void (*take)(void *context, const km_pang
 }
 
 /* Cairo's path, whose commands have the order of its enumeration. */
-static void take_path(const cairo_path_t *from, km_canvas_path *path) {
+static void copy_path(const cairo_path_t *from, km_canvas_path *path) {
   static const char commands[] = {[CAIRO_PATH_MOVE_TO] = 'M',
                                   [CAIRO_PATH_LINE_TO] = 'L',
                                   [CAIRO_PATH_CURVE_TO] = 'C',
@@ -120,7 +120,7 @@ void km_pango_outline(km_pango *p, km_canvas_path *path) {
   p->lib->pango_cairo_layout_path(cairo, p->layout);
   cairo_path_t *outline = p->lib->cairo_copy_path(cairo);
   path->failed = path->failed || outline->status != CAIRO_STATUS_SUCCESS;
-  take_path(outline, path);
+  copy_path(outline, path);
   p->lib->cairo_path_destroy(outline);
   p->lib->cairo_destroy(cairo);
   p->lib->cairo_surface_destroy(surface);

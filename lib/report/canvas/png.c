@@ -56,7 +56,7 @@ void km_png_put_chunk(km_text *out, const char *type, const unsigned char *head,
   km_text_bytes(out, number, 4);
 }
 
-static void put_header(km_text *out, const km_pixels *p) {
+static void write_header(km_text *out, const km_pixels *p) {
   static const unsigned char signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   unsigned char header[13] = {0}, resolution[9] = {0};
   km_png_put_number(header, (uint32_t)p->width);
@@ -72,7 +72,7 @@ static void put_header(km_text *out, const km_pixels *p) {
 }
 
 /* Lines of red, green, blue behind a byte that says that none is filtered. */
-static void take_lines(const km_pixels *p, unsigned char *to) {
+static void copy_lines(const km_pixels *p, unsigned char *to) {
   for (int y = 0; y < p->height; ++y) {
     const uint32_t *from = (const uint32_t *)(const void *)(p->data + (size_t)y * (size_t)p->stride);
     *to++ = 0;
@@ -93,11 +93,11 @@ bool km_png_write(const km_pixels *p, km_text *out) {
   unsigned char *lines = KM_NEW(unsigned char, size), *data = KM_NEW(unsigned char, packed);
   bool written = lines && data;
   if (written) {
-    take_lines(p, lines);
+    copy_lines(p, lines);
     written = z->compress(data, &packed, lines, (uLong)size, LEVEL) == Z_OK;
   }
   if (written) {
-    put_header(out, p);
+    write_header(out, p);
     km_png_put_chunk(out, "IDAT", data, 0, data, (uint32_t)packed);
     km_png_put_chunk(out, "IEND", data, 0, data, 0);
   }

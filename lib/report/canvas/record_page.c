@@ -40,7 +40,7 @@ typedef struct shown_layout {
   const km_text_place *corner;
 } shown_layout;
 
-static void take_line(void *context, const km_pango_line *line) {
+static void copy_line(void *context, const km_pango_line *line) {
   const shown_layout *s = context;
   const km_text_place place = {km_text_point(s->corner, line->x, line->baseline), s->corner->angle};
   record_text(s->page, km_pango_string(s->pango) + line->begin, line->size, s->font, s->colour, &place, line->width);
@@ -49,7 +49,7 @@ static void take_line(void *context, const km_pango_line *line) {
 static void record_layout(void *page, km_pango *pango, const km_font *font, km_colour colour,
                           const km_text_place *place) {
   shown_layout shown = {page, pango, font, colour, place};
-  km_pango_lines(pango, take_line, &shown);
+  km_pango_lines(pango, copy_line, &shown);
 }
 
 static void clip(void *page, double x, double y, double width, double height) {

@@ -26,7 +26,7 @@ static const double *values_of(const sheet *s, size_t column) {
   return values;
 }
 
-static const char *keep(const sheet *s, km_text *text) {
+static const char *store(const sheet *s, km_text *text) {
   const char *kept = text->failed ? NULL : km_arena_string(s->arena, text->data);
   s->arena->failed = s->arena->failed || !kept;
   km_text_free(text);
@@ -100,7 +100,7 @@ static void add_joint_panels(sheet *s, const char *prefix, const char *what) {
     }
     km_text label = {0};
     km_text_format(&label, *unit ? "%s (%s)" : "%s", what, unit);
-    add_panel(s, keep(s, &label), series, count);
+    add_panel(s, store(s, &label), series, count);
   }
 }
 
@@ -124,7 +124,7 @@ static void add_energies(sheet *s) {
   }
   km_text label = {0};
   km_text_format(&label, "energy (%s)", unit);
-  add_panel(s, keep(s, &label), series, count);
+  add_panel(s, store(s, &label), series, count);
 }
 
 static void add_marks(sheet *s) {
@@ -135,7 +135,7 @@ static void add_marks(sheet *s) {
     km_text name = {0};
     km_text_format(&name, "%s = %.6g", km_model_coordinate_label(h->mechanism->model, crossing->coordinate),
                    crossing->value);
-    marks[i] = (km_plot_mark){.x = h->met[i].time, .name = keep(s, &name)};
+    marks[i] = (km_plot_mark){.x = h->met[i].time, .name = store(s, &name)};
   }
   if (s->panel_count && marks) {
     s->panels[0].marks = marks;
@@ -170,7 +170,7 @@ static void add_shaking(sheet *s) {
                                    .count = s->rows,
                                    .colour = (int)k,
                                    .dash = (int)k};
-    add_panel(s, keep(s, &label), series, series ? 3 : 0);
+    add_panel(s, store(s, &label), series, series ? 3 : 0);
   }
 }
 
@@ -194,8 +194,8 @@ static bool finish(sheet *s, const char *title, km_plot *out) {
   km_text_format(&x, "time (%s)", h->mechanism->model->units.time->suffix);
   km_text_format(&subtitle, "%s, %zu rows", h->name, s->rows);
   *out = (km_plot){.title = title,
-                   .subtitle = keep(s, &subtitle),
-                   .x_label = keep(s, &x),
+                   .subtitle = store(s, &subtitle),
+                   .x_label = store(s, &x),
                    .y_label = "",
                    .panels = s->panels,
                    .panel_count = s->panel_count,

@@ -227,7 +227,7 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
                  model->units.length->suffix);
   if (some_toggle(sweeps, count))
     km_text_add(&text, " · ▲ a joint loses its grip");
-  return km_text_keep(&text, l->arena);
+  return km_text_move_to_arena(&text, l->arena);
 }
 
 static const char *x_label(const lines *l, const km_plotted_sweep *first) {

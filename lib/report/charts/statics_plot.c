@@ -129,7 +129,7 @@ bool km_statics_plot_make(const km_plotted_statics *sweeps, int count, bool orde
   km_text_add(&label, ")");
   km_sweep_picture picture = {.title = "What the actuators hold",
                               .note = k.mark_count ? "▲ a force vanishes or has no bound" : NULL,
-                              .y_label = km_text_keep(&label, arena),
+                              .y_label = km_text_move_to_arena(&label, arena),
                               .sweeps = k.swept,
                               .sweep_count = count,
                               .ordered = ordered,

@@ -239,7 +239,7 @@ static const char *subtitle(const km_sweep_picture *p, km_arena *arena) {
     km_text_format(&text, " · %s", p->note);
   if (p->break_count)
     km_text_add(&text, " · arrows: no bound");
-  return km_text_keep(&text, arena);
+  return km_text_move_to_arena(&text, arena);
 }
 
 static const char *x_label(const km_swept *sweep, km_arena *arena) {

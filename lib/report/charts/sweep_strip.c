@@ -25,7 +25,7 @@ static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
     km_text_format(&text, "%.4g %s", s, unit);
   else
     km_text_format(&text, "%s = %.4g %s", label, s, unit);
-  return km_text_keep(&text, arena);
+  return km_text_move_to_arena(&text, arena);
 }
 
 /* One group of names, each after a dash in its colour; a name under a picture would seem to belong to that picture. */
@@ -123,7 +123,7 @@ km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *ar
 }
 
 /* True if a mechanism moves so far that pictures at one scale would be too small, by the positions of its bodies. */
-static bool goes_far(const km_pose *poses, size_t bodies, int count) {
+static bool moves_far(const km_pose *poses, size_t bodies, int count) {
   static const double many = 6.0; /* times its size at first */
   double size = 0.0, way = 0.0;
   for (size_t b = 1; b < bodies; ++b) {
@@ -144,10 +144,10 @@ km_plot_strip km_motion_strip_make(const km_mechanism *m, const km_table *table,
     km_text text = {0};
     rows[k] = spaced_row(table, k, count);
     km_text_format(&text, "%.4g %s", km_table_row(table, rows[k])[0], m->model->units.time->suffix);
-    out->captions[k] = km_text_keep(&text, arena);
+    out->captions[k] = km_text_move_to_arena(&text, arena);
   }
   out->drawings[0] = drawing_of(m, table, rows, count, arena);
-  bool far = !arena->failed && goes_far(out->drawings[0].poses, (size_t)m->topology.body_count, count);
+  bool far = !arena->failed && moves_far(out->drawings[0].poses, (size_t)m->topology.body_count, count);
   return arena->failed || far ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
 }
 

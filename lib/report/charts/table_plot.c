@@ -18,7 +18,7 @@ typedef struct sheet {
   double **x;         /* [table] */
 } sheet;
 
-static const char *keep(const sheet *s, km_text *text) {
+static const char *store(const sheet *s, km_text *text) {
   const char *kept = text->failed ? NULL : km_arena_string(s->arena, text->data ? text->data : "");
   s->arena->failed = s->arena->failed || text->failed;
   km_text_free(text);
@@ -52,7 +52,7 @@ static const char *label_of(const sheet *s, const char *unit) {
     km_text_format(&text, " and %zu more", named - MOST_NAMED);
   if (*unit)
     km_text_format(&text, " (%s)", unit);
-  return keep(s, &text);
+  return store(s, &text);
 }
 
 /* Distinguishing part of a line's name in its panel. */
@@ -62,7 +62,7 @@ static const char *line_name(const sheet *s, size_t table, size_t column, size_t
     km_text_add(&text, name_of(s, column));
   if (s->count > 1)
     km_text_format(&text, panel_columns > 1 ? " (%s)" : "%s", s->names[table]);
-  return panel_columns > 1 || s->count > 1 ? keep(s, &text) : NULL;
+  return panel_columns > 1 || s->count > 1 ? store(s, &text) : NULL;
 }
 
 static void fill_panel(const sheet *s, const char *unit, km_plot_panel *panel) {
@@ -133,7 +133,7 @@ static const char *title_of(const sheet *s) {
   if (s->columns > MOST_NAMED)
     km_text_format(&text, " and %zu more", s->columns - MOST_NAMED);
   km_text_format(&text, " over %s", km_table_name(s->tables[0].table, s->tables[0].x));
-  return keep(s, &text);
+  return store(s, &text);
 }
 
 static const char *subtitle_of(const sheet *s) {
@@ -142,14 +142,14 @@ static const char *subtitle_of(const sheet *s) {
     size_t rows = km_table_rows(s->tables[t].table);
     km_text_format(&text, "%s%s · %zu row%s", t ? ", " : "", s->tables[t].name, rows, rows == 1 ? "" : "s");
   }
-  return keep(s, &text);
+  return store(s, &text);
 }
 
 static const char *x_label(const sheet *s) {
   km_text text = {0};
   const char *unit = km_table_unit(s->tables[0].table, s->tables[0].x);
   km_text_format(&text, *unit ? "%s (%s)" : "%s", km_table_name(s->tables[0].table, s->tables[0].x), unit);
-  return keep(s, &text);
+  return store(s, &text);
 }
 
 /* One panel a unit, in the order of the columns. */

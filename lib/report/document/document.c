@@ -33,7 +33,7 @@ void km_document_picture(km_document_maker *m, const char *shows, double height,
 
 const char *km_document_words(km_document_maker *m, km_text *text, const char *otherwise) {
   bool none = !text->failed && text->size == 0;
-  const char *kept = km_text_keep(text, &m->arena);
+  const char *kept = km_text_move_to_arena(text, &m->arena);
   return none || !kept ? otherwise : kept;
 }
 

@@ -11,7 +11,7 @@
 static const char *unit_of(km_document_maker *k, const km_model *model, const km_port *actuator) {
   km_text text = {0};
   km_push_unit(model, actuator, &text);
-  return km_text_keep(&text, &k->arena);
+  return km_text_move_to_arena(&text, &k->arena);
 }
 
 static const char *label_of(const km_plotted_statics *p, int actuator) {
@@ -191,13 +191,13 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
                           "At %.6g%s. Wrench of parent on child through each joint, about the child's joint frame and "
                           "along its axes; forces in %s, torques in %s.%s",
                           row[km_report_s(&p->swept)], km_sweep_unit(p->swept.mechanism, p->swept.plan),
-                          model->units.force->suffix, km_text_keep(&torque, &k->arena),
+                          model->units.force->suffix, km_text_move_to_arena(&torque, &k->arena),
                           p->sweep->degree ? " ? marks what statics alone doesn't determine." : ""));
   km_document_cells(k, KM_BLOCK_TABLE, cells, joints + 1, COLUMNS);
   km_text meshing = {0};
   km_meshing_words(model, &meshing);
   if (meshing.size)
-    km_document_text(k, km_document_format(k, "Note: %s.", km_text_keep(&meshing, &k->arena)));
+    km_document_text(k, km_document_format(k, "Note: %s.", km_text_move_to_arena(&meshing, &k->arena)));
 }
 
 void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics,

@@ -35,7 +35,7 @@ static int by_size(const void *a, const void *b) {
 
 /* The distance on the page from joints to their next neighbours in another place: the lower
  * quartile. */
-static double crowding(km_studio *s, const km_spot *spots, int count) {
+static double overlap(km_studio *s, const km_spot *spots, int count) {
   double *nearest = KM_ARENA_NEW(&s->arena, double, (size_t)count), least = 0.5 * s->radius;
   int found = 0;
   for (int i = 0; nearest && i < count; ++i) {
@@ -62,7 +62,7 @@ static void choose_radius(km_studio *s) {
   for (int j = 0; spots && j < count; ++j)
     spots[j] = km_project(&s->view, km_joint_place(&scene, j));
   if (spots)
-    s->radius = fmax(fmin(s->radius, 0.24 * crowding(s, spots, count)), 0.4 * s->radius);
+    s->radius = fmax(fmin(s->radius, 0.24 * overlap(s, spots, count)), 0.4 * s->radius);
 }
 
 static double size_of(km_rectangle place) {

@@ -122,7 +122,7 @@ static void narrow(double start, double run, double from, double to, double *low
 }
 
 /* True if two coordinates are both below `low` or both above `high`: excludes most obstacles. */
-static bool beside(double a, double b, double low, double high) {
+static bool adjacent(double a, double b, double low, double high) {
   return (a < low && b < low) || (a > high && b > high);
 }
 
@@ -130,7 +130,7 @@ static bool beside(double a, double b, double low, double high) {
 static double inside(const obstacle *o, km_canvas_point box, km_canvas_point size) {
   double left = box.x - o->reach, right = box.x + size.x + o->reach;
   double top = box.y - o->reach, bottom = box.y + size.y + o->reach;
-  if (beside(o->a.x, o->b.x, left, right) || beside(o->a.y, o->b.y, top, bottom))
+  if (adjacent(o->a.x, o->b.x, left, right) || adjacent(o->a.y, o->b.y, top, bottom))
     return -1.0;
   double low = 0.0, high = 1.0;
   narrow(o->a.x, o->b.x - o->a.x, left, right, &low, &high);
@@ -141,7 +141,7 @@ static double inside(const obstacle *o, km_canvas_point box, km_canvas_point siz
 /* Counted until it reaches `bound`. */
 static double picture_cost(board *b, km_canvas_point box, km_canvas_point size, double bound) {
   double cost = 0.0;
-  km_grid_ask(&b->grid, (km_rectangle){box.x, box.y, size.x, size.y});
+  km_grid_query(&b->grid, (km_rectangle){box.x, box.y, size.x, size.y});
   for (int i = km_grid_next(&b->grid); i >= 0 && cost < bound; i = km_grid_next(&b->grid)) {
     const obstacle *o = &b->obstacles[i];
     double share = inside(o, box, size);
@@ -197,7 +197,7 @@ static double leader_cost(board *b, const km_label *label, km_canvas_point box, 
     if (placed->has_leader && crosses(at, end, other_at, placed->end))
       cost += 2.0 * cost_symbol;
   }
-  km_grid_ask(&b->grid, frame_of(&leader));
+  km_grid_query(&b->grid, frame_of(&leader));
   for (int i = km_grid_next(&b->grid); i >= 0 && cost < bound; i = km_grid_next(&b->grid)) {
     const obstacle *o = &b->obstacles[i];
     if (!o->symbol || km_spot_distance(o->a, label->at) < 0.5)

@@ -6,7 +6,9 @@
 #include "report/drawing/drawing_poses.h"
 #include "report/drawing/link_outlines.h"
 
-enum { PICTURES = 72 };                  /* limits of pixels of an animated picture, and of one frame: a few
+enum {
+  PICTURES = 72
+};                                       /* limits of pixels of an animated picture, and of one frame: a few
                                           * megabytes in all */
 static const double picture_width = 360; /* points */
 

@@ -41,7 +41,7 @@ static size_t bodies_of(const km_drawing *d) {
 }
 
 /* Reserves memory for more poses. */
-static bool make_room(km_drawing *d, size_t more) {
+static bool reserve(km_drawing *d, size_t more) {
   if (d->count + more <= d->room)
     return true;
   size_t room = d->count + more > 2 * d->room ? d->count + more : 2 * d->room;
@@ -67,7 +67,7 @@ km_status km_drawing_add_pose(km_drawing *d, const km_mechanism *m, const km_sta
   km_status status = check_pose(d, m, state, error);
   if (status)
     return status;
-  if (!make_room(d, 1))
+  if (!reserve(d, 1))
     return no_memory(error);
   memcpy(d->poses + d->count * bodies_of(d), state->pose, bodies_of(d) * sizeof *d->poses);
   d->count++;
@@ -95,7 +95,7 @@ km_status km_drawing_add_path(km_drawing *d, int frame, const char *name, km_err
 }
 
 /* Reserves memory for more points of each path. */
-static bool make_path_room(km_drawing *d, size_t more) {
+static bool reserve_path(km_drawing *d, size_t more) {
   size_t count = d->path_count ? d->paths[0].count : 0, room = d->path_room;
   if (count + more <= room)
     return true;
@@ -121,7 +121,7 @@ km_status km_drawing_lead_paths(km_drawing *d, const km_mechanism *m, const km_s
   km_status status = check_pose(d, m, state, error);
   if (status)
     return status;
-  if (!make_path_room(d, 1))
+  if (!reserve_path(d, 1))
     return no_memory(error);
   lead(d, state->pose);
   return KM_OK;
@@ -149,8 +149,8 @@ km_status km_drawing_add_rows(km_drawing *d, const km_table *table, km_error *er
     return status;
   size_t rows = km_table_rows(table);
   double *q = KM_NEW(double, (size_t)d->mechanism->coordinate_count + 1);
-  status = q && make_room(d, rows) && make_path_room(d, rows) ? km_state_create(d->mechanism, &state, error)
-                                                              : no_memory(error);
+  status =
+      q && reserve(d, rows) && reserve_path(d, rows) ? km_state_create(d->mechanism, &state, error) : no_memory(error);
   for (size_t r = 0; r < rows && !status; ++r) {
     km_pose *poses = d->poses + d->count++ * bodies_of(d);
     km_row_pose(d->mechanism, table, r, state, q, poses);

@@ -10,20 +10,20 @@
 
 enum { NAME = 32 }; /* bytes of a layer's name, with its NUL */
 
-static void put(km_text *out, int group, const char *value) {
+static void write_text(km_text *out, int group, const char *value) {
   km_text_format(out, "%3d\r\n%s\r\n", group, value);
 }
 
-static void put_number(km_text *out, int group, double value) {
+static void write_number(km_text *out, int group, double value) {
   char text[KM_NUMBER_TEXT];
   km_number_format(text, fabs(value) < 1e-300 ? 0.0 : value);
-  put(out, group, text);
+  write_text(out, group, text);
 }
 
-static void put_point(km_text *out, int group, km_canvas_point point) {
-  put_number(out, group, point.x);
-  put_number(out, group + 10, point.y);
-  put_number(out, group + 20, 0.0);
+static void write_point(km_text *out, int group, km_canvas_point point) {
+  write_number(out, group, point.x);
+  write_number(out, group + 10, point.y);
+  write_number(out, group + 20, 0.0);
 }
 
 /* Release 12 allows letters, digits and _ only; the number distinguishes names that become equal. */
@@ -45,69 +45,69 @@ static const char *unit_number(const km_model *model) {
   return "0";
 }
 
-static void put_head(const km_model *model, km_text *out) {
-  put(out, 0, "SECTION");
-  put(out, 2, "HEADER");
-  put(out, 9, "$ACADVER");
-  put(out, 1, "AC1009");
-  put(out, 9, "$INSUNITS");
-  put(out, 70, unit_number(model));
-  put(out, 0, "ENDSEC");
+static void write_head(const km_model *model, km_text *out) {
+  write_text(out, 0, "SECTION");
+  write_text(out, 2, "HEADER");
+  write_text(out, 9, "$ACADVER");
+  write_text(out, 1, "AC1009");
+  write_text(out, 9, "$INSUNITS");
+  write_text(out, 70, unit_number(model));
+  write_text(out, 0, "ENDSEC");
 }
 
-static void put_layers(const km_model *model, km_text *out) {
+static void write_layers(const km_model *model, km_text *out) {
   char name[NAME];
-  put(out, 0, "SECTION");
-  put(out, 2, "TABLES");
-  put(out, 0, "TABLE");
-  put(out, 2, "LAYER");
+  write_text(out, 0, "SECTION");
+  write_text(out, 2, "TABLES");
+  write_text(out, 0, "TABLE");
+  write_text(out, 2, "LAYER");
   snprintf(name, sizeof name, "%d", model->body_count);
-  put(out, 70, name);
+  write_text(out, 70, name);
   for (int b = 0; b < model->body_count; ++b) {
-    put(out, 0, "LAYER");
+    write_text(out, 0, "LAYER");
     layer_name(model, b, name);
-    put(out, 2, name);
-    put(out, 70, "0");
+    write_text(out, 2, name);
+    write_text(out, 70, "0");
     snprintf(name, sizeof name, "%d", b % 7 + 1); /* one of the seven colours that every reader has */
-    put(out, 62, name);
-    put(out, 6, "CONTINUOUS");
+    write_text(out, 62, name);
+    write_text(out, 6, "CONTINUOUS");
   }
-  put(out, 0, "ENDTAB");
-  put(out, 0, "ENDSEC");
+  write_text(out, 0, "ENDTAB");
+  write_text(out, 0, "ENDSEC");
 }
 
 static double degrees(double angle) {
   return fmod(angle * 180.0 / M_PI + 720.0, 360.0);
 }
 
-static void put_part(const km_model *model, const km_outline_part *p, km_text *out) {
+static void write_part(const km_model *model, const km_outline_part *p, km_text *out) {
   static const char *const kinds[] = {"LINE", "ARC", "CIRCLE"};
   char name[NAME];
   layer_name(model, p->body, name);
-  put(out, 0, kinds[p->kind]);
-  put(out, 8, name);
-  put_point(out, 10, p->from);
+  write_text(out, 0, kinds[p->kind]);
+  write_text(out, 8, name);
+  write_point(out, 10, p->from);
   if (p->kind == KM_OUTLINE_LINE) {
-    put_point(out, 11, p->to);
+    write_point(out, 11, p->to);
     return;
   }
-  put_number(out, 40, p->radius);
+  write_number(out, 40, p->radius);
   if (p->kind != KM_OUTLINE_ARC)
     return;
-  put_number(out, 50, degrees(p->begin));
-  put_number(out, 51, degrees(p->end));
+  write_number(out, 50, degrees(p->begin));
+  write_number(out, 51, degrees(p->end));
 }
 
 km_status km_outlines_dxf(const km_outlines *o, km_text *out, km_error *error) {
   size_t before = out->size;
-  put_head(o->model, out);
-  put_layers(o->model, out);
-  put(out, 0, "SECTION");
-  put(out, 2, "ENTITIES");
+  write_head(o->model, out);
+  write_layers(o->model, out);
+  write_text(out, 0, "SECTION");
+  write_text(out, 2, "ENTITIES");
   for (size_t i = 0; i < o->count; ++i)
-    put_part(o->model, &o->parts[i], out);
-  put(out, 0, "ENDSEC");
-  put(out, 0, "EOF");
+    write_part(o->model, &o->parts[i], out);
+  write_text(out, 0, "ENDSEC");
+  write_text(out, 0, "EOF");
   if (!out->failed)
     return KM_OK;
   out->size = before;

@@ -28,7 +28,7 @@ static const km_pose *pose_of(const work *w, size_t frame, int body) {
   return d->poses + frame * (size_t)d->mechanism->model->body_count + (size_t)body;
 }
 
-static stand stand_of(const work *w, size_t frame, int body) {
+static stand position_of(const work *w, size_t frame, int body) {
   const km_pose *first = pose_of(w, 0, body), *now = pose_of(w, frame, body);
   const km_shape *shape = &w->studio.shapes[body];
   const km_vec3 point = shape->count ? shape->points[0] : (km_vec3){0, 0, 0}, right = w->studio.view.right;
@@ -42,7 +42,7 @@ static void add_body(work *w, int body) {
   double before = 0.0;
   w->rigid[body] = w->studio.view.planar;
   for (size_t f = 0; mover && f < w->film->frame_count; ++f) {
-    stand s = stand_of(w, f, body);
+    stand s = position_of(w, f, body);
     mover->x[f] = s.at.x;
     mover->y[f] = s.at.y;
     before += remainder(atan2(s.sine, s.cosine) - before, 2.0 * M_PI);
@@ -70,7 +70,7 @@ static bool has_spot(const km_item *item, km_spot spot) {
 
 /* True if the item equals the rigidly moved one; the corners of a plate may start at any corner. */
 static bool is_carried(const work *w, size_t frame, int body, const km_item *first, const km_item *now) {
-  stand from = stand_of(w, 0, body), to = stand_of(w, frame, body);
+  stand from = position_of(w, 0, body), to = position_of(w, frame, body);
   if (first->count != now->count)
     return false;
   for (int i = 0; i < first->count; ++i) {
@@ -120,7 +120,7 @@ static bool find_carriers(work *w) {
 }
 
 /* Items from..to of every frame; the base is drawn once, under everything. */
-static void draw_anew(work *w, size_t from, size_t to) {
+static void redraw(work *w, size_t from, size_t to) {
   km_film_begin(w->film, KM_FILM_DRAWN);
   for (size_t f = 0; f < w->film->frame_count; ++f) {
     km_arena arena = {0};
@@ -135,7 +135,7 @@ static void draw_anew(work *w, size_t from, size_t to) {
 
 /* Items from..to of the first frame, in the coordinates of the body that carries them. */
 static void draw_carried(work *w, int body, size_t from, size_t to) {
-  km_spot at = body ? stand_of(w, 0, body).at : (km_spot){0, 0, 0};
+  km_spot at = body ? position_of(w, 0, body).at : (km_spot){0, 0, 0};
   km_film_begin(w->film, body ? body - 1 : KM_FILM_STANDS);
   km_canvas_shift(w->film->canvas, -at.x, -at.y);
   for (size_t i = from; i < to; ++i)
@@ -150,7 +150,7 @@ static void draw_items(work *w) {
     for (end = i + 1; end < w->first.count && w->carrier[end] == w->carrier[i];)
       ++end;
     if (w->carrier[i] == KM_FILM_DRAWN)
-      draw_anew(w, i, end);
+      redraw(w, i, end);
     else
       draw_carried(w, w->carrier[i], i, end);
   }
@@ -221,7 +221,7 @@ static void draw_film(work *w) {
   if (w->studio.view.planar && find_carriers(w))
     draw_items(w);
   else
-    draw_anew(w, 0, SIZE_MAX);
+    redraw(w, 0, SIZE_MAX);
   draw_followers(w);
 }
 

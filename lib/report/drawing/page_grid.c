@@ -65,7 +65,7 @@ static void enter_cell(km_grid *g) {
   g->end = g->first[cell + 1];
 }
 
-void km_grid_ask(km_grid *g, km_rectangle frame) {
+void km_grid_query(km_grid *g, km_rectangle frame) {
   span s = cells_of(g, &frame);
   g->left_cell = g->column = s.left;
   g->right_cell = s.right;

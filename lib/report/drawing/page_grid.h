@@ -23,7 +23,7 @@ bool km_grid_make(km_grid *grid, km_rectangle place, double cell, const km_recta
 
 /* Starts a query of the frames that may intersect a given frame. Each further call returns another index; −1 at the
  * end. */
-void km_grid_ask(km_grid *grid, km_rectangle frame);
+void km_grid_query(km_grid *grid, km_rectangle frame);
 int km_grid_next(km_grid *grid);
 
 #endif

@@ -87,7 +87,7 @@ static int by_depth(const void *x, const void *y) {
 
 /* Takes again and again the farthest item with nothing left behind it; where items hide each other
  * in a ring, simply the farthest. */
-static void take_in_order(km_scene *scene, km_item *ordered, int *behind, const signed char *front) {
+static void copy_in_order(km_scene *scene, km_item *ordered, int *behind, const signed char *front) {
   size_t n = scene->count;
   for (size_t taken = 0; taken < n; ++taken) {
     size_t choice = n;
@@ -122,6 +122,6 @@ void km_scene_order(km_scene *scene) {
       front[later * n + earlier] = 1;
       behind[later]++;
     }
-  take_in_order(scene, ordered, behind, front);
+  copy_in_order(scene, ordered, behind, front);
   scene->items = ordered;
 }

@@ -2,10 +2,15 @@
  * links. */
 #include "report/drawing/drawing_parts.h"
 
-static const double bar_half = 0.85;                           /* unit: pin radii; half the width of a bar */
-static const double far_apart = 5.0;                           /* unit: pin radii; shorter prismatic joints have no
+static const double bar_half = 0.85; /* unit: pin radii; half the width of a bar */
+static const double far_apart = 5.0; /* unit: pin radii; shorter prismatic joints have no
                                                                 * cylinder */
-enum { LAYER_BASE, LAYER_LINKS, LAYER_GROUND, LAYER_SYMBOLS }; /* order of painting in a plane; in space the depth
+enum {
+  LAYER_BASE,
+  LAYER_LINKS,
+  LAYER_GROUND,
+  LAYER_SYMBOLS
+}; /* order of painting in a plane; in space the depth
                                                                 * decides */
 
 /* Appends an item with `count` points; NULL when out of memory. */

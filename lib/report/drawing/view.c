@@ -113,25 +113,25 @@ static km_vec3 upwards(const km_model *model) {
   return km_vec3_norm(model->gravity) > 0.0 ? unit(km_vec3_scale(-1.0, model->gravity)) : (km_vec3){0, 0, 1};
 }
 
-static void look(km_projection *view, km_vec3 toward, km_vec3 up) {
+static void inspect(km_projection *view, km_vec3 toward, km_vec3 up) {
   view->toward = unit(toward);
   view->right = unit(km_vec3_cross(up, view->toward));
   view->up = km_vec3_cross(view->toward, view->right);
 }
 
 /* A plane in general position, from the side from which x (or else y) runs to the right. */
-static void look_along(km_projection *view, const km_model *model, km_vec3 normal) {
+static void view_along(km_projection *view, const km_model *model, km_vec3 normal) {
   km_vec3 up = upwards(model);
   if (fabs(km_vec3_dot(up, normal)) > 0.9)
     up = fabs(normal.y) < 0.9 ? (km_vec3){0, 1, 0} : (km_vec3){0, 0, 1};
-  look(view, normal, up);
+  inspect(view, normal, up);
   if (view->right.x < -parallel || (view->right.x < parallel && view->right.y < 0.0))
-    look(view, km_vec3_scale(-1.0, normal), up);
+    inspect(view, km_vec3_scale(-1.0, normal), up);
   view->name = "view of the plane of motion";
 }
 
 /* Not exactly isometric: what is symmetric about 45 degrees would hide behind itself. */
-static void look_from_corner(km_projection *view, const km_model *model) {
+static void view_isometric(km_projection *view, const km_model *model) {
   const double azimuth = 0.62, elevation = 0.5;
   km_vec3 up = upwards(model), side = {1, 0, 0};
   if (fabs(up.x) > 0.6)
@@ -139,7 +139,7 @@ static void look_from_corner(km_projection *view, const km_model *model) {
   side = unit(km_vec3_axpy(-km_vec3_dot(side, up), up, side));
   km_vec3 front = km_vec3_cross(side, up);
   km_vec3 level = km_vec3_axpy(sin(azimuth), side, km_vec3_scale(cos(azimuth), front));
-  look(view, km_vec3_axpy(cos(elevation), level, km_vec3_scale(sin(elevation), up)), up);
+  inspect(view, km_vec3_axpy(cos(elevation), level, km_vec3_scale(sin(elevation), up)), up);
   view->name = "iso view";
 }
 
@@ -157,11 +157,11 @@ km_projection km_view_make(const km_drawing_def *drawing) {
     if (along(normal, normals[i]))
       asked = (km_view)(KM_VIEW_XY + i);
   if (asked == KM_VIEW_AUTO) {
-    look_along(&view, model, normal);
+    view_along(&view, model, normal);
   } else if (asked == KM_VIEW_ISO) {
-    look_from_corner(&view, model);
+    view_isometric(&view, model);
   } else {
-    look(&view, normals[asked - KM_VIEW_XY], asked == KM_VIEW_XY ? (km_vec3){0, 1, 0} : (km_vec3){0, 0, 1});
+    inspect(&view, normals[asked - KM_VIEW_XY], asked == KM_VIEW_XY ? (km_vec3){0, 1, 0} : (km_vec3){0, 0, 1});
     view.name = names[asked - KM_VIEW_XY];
   }
   view.planar = plane && along(normal, view.toward);

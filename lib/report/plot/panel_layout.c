@@ -17,7 +17,7 @@ static void take(plot_range *range, double value) {
   range->high = fmax(range->high, value);
 }
 
-static void take_series(plot_range *x, plot_range *y, const km_plot_series *series) {
+static void copy_series(plot_range *x, plot_range *y, const km_plot_series *series) {
   for (size_t i = 0; i < series->count; i++) {
     if (!km_axis_takes(series->x[i]) || !km_axis_takes(series->y[i]))
       continue;
@@ -36,7 +36,7 @@ static void find_ranges(const km_plot *plot, plot_range *x, plot_range *y) {
     const km_plot_panel *panel = &plot->panels[p];
     y[p] = (plot_range){DBL_MAX, -DBL_MAX};
     for (size_t s = 0; s < panel->series_count; s++)
-      take_series(x, &y[p], &panel->series[s]);
+      copy_series(x, &y[p], &panel->series[s]);
     for (size_t m = 0; m < panel->mark_count; m++)
       take(x, panel->marks[m].x);
     all.low = fmin(all.low, y[p].low);

@@ -47,7 +47,7 @@ void km_short_names(const char *const *names, int count, km_arena *arena, const 
       km_text_format(&text, "%s%.*s%s", start ? "…" : "", (int)(size - start - end), names[i] + start, end ? "…" : "");
     else
       km_text_add(&text, names[i]);
-    out[i] = km_text_keep(&text, arena);
+    out[i] = km_text_move_to_arena(&text, arena);
   }
 }
 

@@ -130,7 +130,7 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   for (int c = 0; c < m->coordinate_count; ++c)
     found += km_sweep_drives(m, sweep, c);
   km_text_add(out, sweep->motion.freedom - sweep->motion.passive > 1 ? "  keep their grip over the whole range:"
-                                                                  : "  could drive the whole range:");
+                                                                     : "  could drive the whole range:");
   if (found == 0)
     km_text_add(out, " none");
   for (int i = 0, c = -1; i < found && i < MOST_NAMED; ++i) {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static _Noreturn void give_up(void) {
+static _Noreturn void abort_with(void) {
   fprintf(stderr, "%s: out of memory\n", program_invocation_short_name);
   exit(KT_INTERNAL);
 }
@@ -24,7 +24,7 @@ kt_piece kt_split(const char **rest, const char *separators) {
     km_text_bytes(&text, c, 1);
   }
   if (text.failed)
-    give_up();
+    abort_with();
   kt_piece piece = {text.data, *c};
   *rest = *c ? c + 1 : c;
   return piece;
@@ -45,7 +45,7 @@ bool kt_number(const char *text, double *out) {
   return is_number(text, out) && fabs(*out) <= 1e60;
 }
 
-bool kt_whole(const char *text, int least, int most, int *out) {
+bool kt_integer(const char *text, int least, int most, int *out) {
   double value;
   bool good = kt_number(text, &value) && value >= least && value <= most && value == floor(value);
   *out = good ? (int)value : 0;
@@ -74,7 +74,7 @@ kt_exit kt_coordinate(const kt_common *common, const km_model *model, const char
   km_status status = km_model_find_coordinate(model, label.text, coordinate, &error);
   km_free(label.text);
   if (status)
-    kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
+    kt_print_message(common, KM_ERROR, "%s %s: %s", option, text, error.text);
   return kt_exit_of(status);
 }
 
@@ -92,7 +92,7 @@ kt_exit kt_frame(const kt_common *common, const km_model *model, const char *opt
   for (size_t i = 0; i < count; ++i)
     km_free(owned[i]);
   if (status)
-    kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
+    kt_print_message(common, KM_ERROR, "%s %s: %s", option, text, error.text);
   return kt_exit_of(status);
 }
 
@@ -100,7 +100,7 @@ kt_exit kt_each_once(const kt_common *common, const char *option, char *const *t
   for (int i = 0; i < count; ++i)
     for (int k = 0; k < i; ++k)
       if (strcmp(texts[i], texts[k]) == 0) {
-        kt_say(common, KM_ERROR, "%s %s: it is named twice; expected each once", option, texts[i]);
+        kt_print_message(common, KM_ERROR, "%s %s: it is named twice; expected each once", option, texts[i]);
         return KT_USAGE;
       }
   return KT_DONE;
@@ -137,7 +137,7 @@ static kt_exit find(const kt_common *common, const km_model *model, const char *
       return KT_DONE;
     status = km_fail(&error, KM_USAGE, "joint \"%s\" is rigid; expected a joint with a coordinate", label);
   }
-  kt_say(common, KM_ERROR, "%s %s: %s", option, text, error.text);
+  kt_print_message(common, KM_ERROR, "%s %s: %s", option, text, error.text);
   return kt_exit_of(status);
 }
 
@@ -147,7 +147,7 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
   int first, count;
   kt_piece label = kt_split(&rest, "=");
   if (label.separator != '=') {
-    kt_say(common, KM_ERROR, "%s %s: expected JOINT=VALUE", option, text);
+    kt_print_message(common, KM_ERROR, "%s %s: expected JOINT=VALUE", option, text);
     km_free(label.text);
     return KT_USAGE;
   }
@@ -160,8 +160,8 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
     double value;
     last = item.separator;
     if (!kt_number(item.text, &value)) {
-      kt_say(common, KM_ERROR, "%s %s: \"%s\" is not a number%s", option, text, item.text,
-             is_number(item.text, &value) ? " of magnitude up to 1e60" : "");
+      kt_print_message(common, KM_ERROR, "%s %s: \"%s\" is not a number%s", option, text, item.text,
+                       is_number(item.text, &value) ? " of magnitude up to 1e60" : "");
       result = KT_USAGE;
     } else if (given < count && !add(out, first + given, value)) {
       result = KT_NO_MEMORY;
@@ -169,7 +169,7 @@ static kt_exit add_text(const kt_common *common, const km_model *model, const ch
     km_free(item.text);
   }
   if (result == KT_DONE && given != count) {
-    kt_say(common, KM_ERROR, "%s %s: found %d values; expected %d", option, text, given, count);
+    kt_print_message(common, KM_ERROR, "%s %s: found %d values; expected %d", option, text, given, count);
     return KT_USAGE;
   }
   return result;
@@ -194,8 +194,8 @@ static kt_exit add_coordinates(const kt_common *common, const char *option, cons
     for (int i = 0; i < *count; ++i) {
       if (out[i] != c)
         continue;
-      kt_say(common, KM_ERROR, "%s %s: joint \"%s\" is named twice; expected each once", option, text,
-             km_model_coordinate_label(model, c));
+      kt_print_message(common, KM_ERROR, "%s %s: joint \"%s\" is named twice; expected each once", option, text,
+                       km_model_coordinate_label(model, c));
       return KT_USAGE;
     }
     out[(*count)++] = c;
@@ -209,7 +209,7 @@ kt_exit kt_coordinates(const kt_common *common, const km_model *model, const cha
   const char *rest = text;
   *count = 0;
   if (!*text) {
-    kt_say(common, KM_ERROR, "%s: no joint is named; expected at least one, as A,B,…", option);
+    kt_print_message(common, KM_ERROR, "%s: no joint is named; expected at least one, as A,B,…", option);
     return KT_USAGE;
   }
   for (char last = ','; last == ',' && result == KT_DONE;) {

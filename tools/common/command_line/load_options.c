@@ -54,11 +54,11 @@ static kt_exit unknown(const kt_common *common, const km_model *model, const cha
   char names[KM_NEAREST_TEXT];
   for (int i = 0; i < km_model_load_count(model); ++i)
     km_nearest_add(&nearest, km_model_load_name(model, i));
-  kt_say(common, KM_ERROR,
-         "--load %s: \"%s\" is neither a load of the model (%s %s) nor a BODY/FRAME with a force "
-         "FX,FY,FZ",
-         text, name, km_model_load_count(model) > KM_NEAREST ? "the nearest are" : "it has",
-         km_nearest_text(&nearest, names));
+  kt_print_message(common, KM_ERROR,
+                   "--load %s: \"%s\" is neither a load of the model (%s %s) nor a BODY/FRAME with a force "
+                   "FX,FY,FZ",
+                   text, name, km_model_load_count(model) > KM_NEAREST ? "the nearest are" : "it has",
+                   km_nearest_text(&nearest, names));
   return KT_USAGE;
 }
 

@@ -15,7 +15,7 @@ static const kt_option added[] = {
     {"version", 'V', NULL, "Print the version", {0}, NULL, KT_ABOUT_ALL},
 };
 
-static void put_roff(const char *text, size_t length) {
+static void write_roff(const char *text, size_t length) {
   km_text roff = {0};
   kt_roff(text, length, &roff);
   if (roff.size)
@@ -23,19 +23,19 @@ static void put_roff(const char *text, size_t length) {
   km_text_free(&roff);
 }
 
-static void put_line(const char *before, const char *text) {
+static void write_line(const char *before, const char *text) {
   fputs(before, stdout);
-  put_roff(text, strlen(text));
+  write_roff(text, strlen(text));
   putchar('\n');
 }
 
 /* Paragraphs with a line feed, or several, between them. */
-static void put_paragraphs(const char *text) {
+static void write_paragraphs(const char *text) {
   while (*text) {
     size_t length = strcspn(text, "\n\v");
     if (length) {
       fputs(".PP\n", stdout);
-      put_roff(text, length);
+      write_roff(text, length);
       putchar('\n');
     }
     text += length + (text[length] != '\0');
@@ -58,34 +58,34 @@ static size_t first_sentence(const char *about) {
   return length;
 }
 
-static void put_head(const char *name, const char *about) {
+static void write_head(const char *name, const char *about) {
   char title[64];
   snprintf(title, sizeof title, "%s", name);
   for (char *c = title; *c; ++c)
     *c = (char)toupper((unsigned char)*c);
   printf(".TH %s 1 \"\" \"kmech %s\" \"kmech\"\n.SH NAME\n", title, KM_VERSION);
-  put_roff(name, strlen(name));
+  write_roff(name, strlen(name));
   fputs(" \\- ", stdout);
-  put_roff(about, first_sentence(about));
+  write_roff(about, first_sentence(about));
   putchar('\n');
 }
 
-static void put_option(const kt_option *o) {
+static void write_option(const kt_option *o) {
   fputs(".TP\n", stdout);
   if (o->key)
     printf("\\fB\\-%c\\fR, ", o->key);
   fputs("\\fB\\-\\-", stdout);
-  put_roff(o->name, strlen(o->name));
+  write_roff(o->name, strlen(o->name));
   fputs("\\fR", stdout);
   if (o->argument) {
     fputs("=\\fI", stdout);
-    put_roff(o->argument, strlen(o->argument));
+    write_roff(o->argument, strlen(o->argument));
     fputs("\\fR", stdout);
   }
-  put_line("\n", o->help);
+  write_line("\n", o->help);
 }
 
-static void put_end(const char *others) {
+static void write_end(const char *others) {
   fputs(".SH EXIT STATUS\n0 done; 1 done, but the answer is no or partial; 2 usage or files; 3 the model is bad; 4 an "
         "iteration gave out; 5 internal.\n.SH SEE ALSO\n",
         stdout);
@@ -97,41 +97,41 @@ static void put_end(const char *others) {
 static void print_manual(const kt_options *options, const char *command, const char *about) {
   char name[64], others[96];
   page_name(command, name);
-  put_head(name, about);
-  put_line(".SH SYNOPSIS\n.B ", command);
+  write_head(name, about);
+  write_line(".SH SYNOPSIS\n.B ", command);
   fputs("[\\fIOPTION\\fR...]", stdout);
   if (options->operand.argument)
     printf(" \\fI%s\\fR", options->operand.argument);
   fputs("\n.SH DESCRIPTION\n", stdout);
-  put_roff(about, strcspn(about, "\n\v"));
+  write_roff(about, strcspn(about, "\n\v"));
   putchar('\n');
-  put_paragraphs(about + strcspn(about, "\n\v"));
+  write_paragraphs(about + strcspn(about, "\n\v"));
   fputs(".SH OPTIONS\n", stdout);
   for (int i = 0; i < options->count; ++i)
     if (options->items[i].group != KT_HIDDEN)
-      put_option(&options->items[i]);
+      write_option(&options->items[i]);
   for (size_t i = 0; i < sizeof added / sizeof *added; ++i)
-    put_option(&added[i]);
+    write_option(&added[i]);
   snprintf(others, sizeof others, ".BR %.*s (1),\n", (int)strcspn(command, " "), command);
-  put_end(others);
+  write_end(others);
 }
 
 static void print_tool_manual(const char *tool, const char *about, const kt_command *commands) {
-  put_head(tool, about);
-  put_line(".SH SYNOPSIS\n.B ", tool);
+  write_head(tool, about);
+  write_line(".SH SYNOPSIS\n.B ", tool);
   fputs("\\fICOMMAND\\fR [\\fIOPTION\\fR...] \\fIMODEL\\fR...\n.SH COMMANDS\n", stdout);
   for (const kt_command *c = commands; c->name; ++c) {
     printf(".TP\n.BR %s\\-%s (1)\n", tool, c->name);
-    put_line("", c->summary);
+    write_line("", c->summary);
   }
   fputs(".SH DESCRIPTION\nA model of \\- is the standard input. Results go to the standard output or into files, "
         "everything else to the standard error.\n.SH ENVIRONMENT\n.TP\n.B NO_COLOR\nMessages on a terminal without "
         "colours.\n.TP\n.B CLICOLOR_FORCE\nMessages with colours wherever they go.\n",
         stdout);
-  put_end("");
+  write_end("");
 }
 
-static void put_names(const kt_option *o) {
+static void write_names(const kt_option *o) {
   if (o->key)
     printf("-%c | ", o->key);
   printf("--%s", o->name);
@@ -142,9 +142,9 @@ static bool names_file(const kt_option *o) {
 }
 
 /* Completions of an option's argument: files, its choices, or none. */
-static void put_offer(const kt_option *o) {
+static void write_offer(const kt_option *o) {
   fputs("      ", stdout);
-  put_names(o);
+  write_names(o);
   fputs(names_file(o) ? ") offer=files" : ") offer=words words='", stdout);
   for (const char *word = names_file(o) ? NULL : o->kind.words; word;) {
     const char *between = strstr(word, " or ");
@@ -164,7 +164,7 @@ static void print_completion(const kt_options *options, const char *command) {
   fputs("--help --usage --version'\n    case $previous in\n", stdout);
   for (int i = 0; i < options->count; ++i)
     if (options->items[i].argument && options->items[i].group != KT_HIDDEN)
-      put_offer(&options->items[i]);
+      write_offer(&options->items[i]);
   fputs("    esac\n    ;;\n", stdout);
 }
 

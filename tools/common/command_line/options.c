@@ -28,7 +28,7 @@ static void refuse(const char *command, const char *format, ...) {
   char words[KM_ERROR_TEXT];
   vsnprintf(words, sizeof words, format, arguments);
   va_end(arguments);
-  kt_say(&common, KM_ERROR, "%s", words);
+  kt_print_message(&common, KM_ERROR, "%s", words);
   fprintf(stderr, "Try `%s --help' or `%s --usage' for more information.\n", command, command);
   exit(KT_USAGE);
 }
@@ -37,7 +37,7 @@ static int key_of(const kt_options *options, int index) {
   return options->items[index].key ? options->items[index].key : FIRST_KEY + index;
 }
 
-static void keep_text(kt_texts *texts, char *text, struct argp_state *state) {
+static void store_text(kt_texts *texts, char *text, struct argp_state *state) {
   if (texts->count == KT_MOST_TEXTS)
     refuse(state->name, "an option is given more than %d times", KT_MOST_TEXTS);
   texts->items[texts->count++] = text;
@@ -57,19 +57,19 @@ int kt_word_place(const char *words, const char *text) {
   }
 }
 
-static void keep_word(const kt_option *o, const char *text, struct argp_state *state) {
+static void store_word(const kt_option *o, const char *text, struct argp_state *state) {
   int place = kt_word_place(o->kind.words, text);
   if (place < 0)
     refuse(state->name, "--%s %s: expected %s", o->name, text, o->kind.words);
   *(int *)o->target = place;
 }
 
-static void keep_count(const kt_option *o, const char *text, struct argp_state *state) {
-  if (!kt_whole(text, 1, 1024, o->target))
+static void store_count(const kt_option *o, const char *text, struct argp_state *state) {
+  if (!kt_integer(text, 1, 1024, o->target))
     refuse(state->name, "--%s: found \"%s\"; expected a whole number from 1 to 1024", o->name, text);
 }
 
-static void keep_seed(const kt_option *o, const char *text, struct argp_state *state) {
+static void store_seed(const kt_option *o, const char *text, struct argp_state *state) {
   errno = 0;
   unsigned long seed = strtoul(text, NULL, 10);
   if (!*text || text[strspn(text, "0123456789")] || errno == ERANGE)
@@ -77,7 +77,7 @@ static void keep_seed(const kt_option *o, const char *text, struct argp_state *s
   *(unsigned long *)o->target = seed;
 }
 
-static void keep_tolerance(const kt_option *o, const char *text, struct argp_state *state) {
+static void store_tolerance(const kt_option *o, const char *text, struct argp_state *state) {
   double value;
   if (!kt_number(text, &value) || !(value > 0.0 && value < 0.1))
     refuse(state->name, "--%s: found \"%s\"; expected a number above 0 and below 0.1", o->name, text);
@@ -86,7 +86,7 @@ static void keep_tolerance(const kt_option *o, const char *text, struct argp_sta
 
 /* A name may be that of a folder beside which the files come to lie; one that only a folder can have begins no
  * file's. */
-static void keep_begin(const kt_option *o, const char *text, struct argp_state *state) {
+static void store_begin(const kt_option *o, const char *text, struct argp_state *state) {
   const char *slash = strrchr(text, '/'), *last = slash ? slash + 1 : text;
   if (strcmp(last, "") == 0 || strcmp(last, ".") == 0 || strcmp(last, "..") == 0)
     refuse(state->name, "--%s %s: names a folder; expected the beginning of the files' names, as %s%sresult", o->name,
@@ -94,7 +94,7 @@ static void keep_begin(const kt_option *o, const char *text, struct argp_state *
   *(const char **)o->target = text;
 }
 
-static void keep(const kt_option *o, char *text, struct argp_state *state) {
+static void store(const kt_option *o, char *text, struct argp_state *state) {
   switch (o->kind.keep) {
   case KT_KEEP_FLAG:
     *(bool *)o->target = true;
@@ -107,32 +107,32 @@ static void keep(const kt_option *o, char *text, struct argp_state *state) {
     *(const char **)o->target = text;
     break;
   case KT_KEEP_TEXTS:
-    keep_text(o->target, text, state);
+    store_text(o->target, text, state);
     break;
   case KT_KEEP_WORD:
-    keep_word(o, text, state);
+    store_word(o, text, state);
     break;
   case KT_KEEP_COUNT:
-    keep_count(o, text, state);
+    store_count(o, text, state);
     break;
   case KT_KEEP_BEGIN:
-    keep_begin(o, text, state);
+    store_begin(o, text, state);
     break;
   case KT_KEEP_SEED:
-    keep_seed(o, text, state);
+    store_seed(o, text, state);
     break;
   case KT_KEEP_TOLERANCE:
-    keep_tolerance(o, text, state);
+    store_tolerance(o, text, state);
     break;
   }
 }
 
-static void keep_operand(const kt_operand *o, char *text, struct argp_state *state) {
+static void store_operand(const kt_operand *o, char *text, struct argp_state *state) {
   kt_input(text);
   if (!o->noun)
     refuse(state->name, "found \"%s\"; expected no argument", text);
   else if (o->several)
-    keep_text(o->several, text, state);
+    store_text(o->several, text, state);
   else if (*o->one)
     refuse(state->name, "found a second %s \"%s\"; expected one", o->noun, text);
   else
@@ -142,14 +142,14 @@ static void keep_operand(const kt_operand *o, char *text, struct argp_state *sta
 static error_t parse(int key, char *text, struct argp_state *state) {
   const kt_options *options = *(const kt_options **)state->input;
   if (key == ARGP_KEY_ARG) {
-    keep_operand(&options->operand, text, state);
+    store_operand(&options->operand, text, state);
     return 0;
   }
   if (key == ARGP_KEY_NO_ARGS && options->operand.required)
     refuse(state->name, "no %s is given", options->operand.noun);
   for (int i = 0; i < options->count; ++i)
     if (key == key_of(options, i)) {
-      keep(&options->items[i], text, state);
+      store(&options->items[i], text, state);
       return 0;
     }
   return ARGP_ERR_UNKNOWN;
@@ -190,8 +190,8 @@ static void refuse_unknown(const kt_options *options, const char *command, const
   for (int i = 0; i < KNOWN; ++i)
     km_nearest_add(&nearest, known[i]);
   const kt_common common = KT_COMMON(command);
-  kt_say(&common, KM_ERROR, "there is no option --%s; the nearest are %s (%s --help)", name,
-         km_nearest_text(&nearest, names), command);
+  kt_print_message(&common, KM_ERROR, "there is no option --%s; the nearest are %s (%s --help)", name,
+                   km_nearest_text(&nearest, names), command);
   exit(KT_USAGE);
 }
 

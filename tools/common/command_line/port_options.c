@@ -26,7 +26,8 @@ static kt_exit read_point(const kt_common *common, const km_model *model, const 
                           km_arena *arena, km_port *out) {
   const char *direction = kt_direction(text);
   if (!read_direction(direction, out->direction)) {
-    kt_say(common, KM_ERROR, "%s %s: expected BODY/FRAME:DX,DY,DZ, a point of a body and a direction", option, text);
+    kt_print_message(common, KM_ERROR, "%s %s: expected BODY/FRAME:DX,DY,DZ, a point of a body and a direction", option,
+                     text);
     return KT_USAGE;
   }
   size_t size = (size_t)(direction - text);
@@ -53,6 +54,6 @@ kt_exit kt_end(const kt_common *common, const km_model *model, const char *optio
   kt_exit result = kt_coordinate(common, model, option, text, &out->coordinate);
   out->kind = KM_PORT_JOINT;
   if (result != KT_DONE && strchr(text, '/'))
-    kt_say(common, KM_NOTE, "a point of a body needs a direction: BODY/FRAME:DX,DY,DZ");
+    kt_print_message(common, KM_NOTE, "a point of a body needs a direction: BODY/FRAME:DX,DY,DZ");
   return result;
 }

@@ -11,7 +11,7 @@ static int find_kind(const char *name) {
   return kind;
 }
 
-static void add_option(kt_options *out, kt_asked *asked, const km_option *o) {
+static void add_option(kt_options *out, kt_question *asked, const km_option *o) {
   int i = asked->count++;
   bool flag = o->type == KM_OPTION_FLAG;
   asked->options[i] = o;
@@ -28,7 +28,7 @@ static void add_option(kt_options *out, kt_asked *asked, const km_option *o) {
   kt_options_add(out, &option, 1);
 }
 
-void kt_asked_options(kt_options *out, kt_asked *asked, const char *kind, bool motion) {
+void kt_question_options(kt_options *out, kt_question *asked, const char *kind, bool motion) {
   asked->kind = find_kind(kind);
   const km_option *o;
   for (int i = 0; (o = km_question_option(asked->kind, i)) != NULL && asked->count < KT_MOST_ASKED; ++i)
@@ -42,7 +42,7 @@ static bool is_listed(const char *name, const char *const *names) {
   return *names != NULL;
 }
 
-void kt_asked_some(kt_options *out, kt_asked *asked, const char *kind, const char *const *names) {
+void kt_question_some(kt_options *out, kt_question *asked, const char *kind, const char *const *names) {
   asked->kind = find_kind(kind);
   const km_option *o;
   for (int i = 0; (o = km_question_option(asked->kind, i)) != NULL && asked->count < KT_MOST_ASKED; ++i)
@@ -50,7 +50,7 @@ void kt_asked_some(kt_options *out, kt_asked *asked, const char *kind, const cha
       add_option(out, asked, o);
 }
 
-void kt_asked_explain(kt_options *out, const char *option, const char *argument, const char *help) {
+void kt_question_explain(kt_options *out, const char *option, const char *argument, const char *help) {
   for (int i = 0; i < out->count; ++i) {
     if (strcmp(out->items[i].name, option) != 0)
       continue;
@@ -59,30 +59,30 @@ void kt_asked_explain(kt_options *out, const char *option, const char *argument,
   }
 }
 
-static int find(const kt_asked *asked, const char *option) {
+static int find(const kt_question *asked, const char *option) {
   for (int i = 0; i < asked->count; ++i)
     if (strcmp(asked->options[i]->name, option) == 0)
       return i;
   return -1;
 }
 
-bool kt_asked_given(const kt_asked *asked, const char *option) {
+bool kt_question_given(const kt_question *asked, const char *option) {
   int i = find(asked, option);
   return i >= 0 && (asked->flags[i] || asked->texts[i].count > 0);
 }
 
-kt_texts *kt_asked_texts(kt_asked *asked, const char *option) {
+kt_texts *kt_question_texts(kt_question *asked, const char *option) {
   int i = find(asked, option);
   return i >= 0 ? &asked->texts[i] : NULL;
 }
 
-void kt_asked_set(kt_asked *asked, const char *option) {
+void kt_question_set(kt_question *asked, const char *option) {
   int i = find(asked, option);
   if (i >= 0)
     asked->flags[i] = true;
 }
 
-void kt_asked_call(kt_asked *asked, const char *option, const char *name) {
+void kt_question_call(kt_question *asked, const char *option, const char *name) {
   int i = find(asked, option);
   if (i >= 0)
     asked->names[i] = name;
@@ -94,7 +94,7 @@ static size_t option_at(const char *text) {
   return length && text[length + 1] == '`' ? length : 0;
 }
 
-void kt_say_asked(const kt_common *common, km_severity severity, const char *path, const char *text) {
+void kt_print_messages(const kt_common *common, km_severity severity, const char *path, const char *text) {
   km_text out = {0};
   km_text_add(&out, "");
   for (const char *c = text; *c;) {
@@ -104,26 +104,26 @@ void kt_say_asked(const kt_common *common, km_severity severity, const char *pat
     km_text_bytes(&out, length ? c + 1 : c, length ? length : 1);
     c += length ? length + 2 : 1;
   }
-  kt_say(common, severity, "%s%s%s", path ? path : "", path ? ": " : "", out.failed ? text : out.data);
+  kt_print_message(common, severity, "%s%s%s", path ? path : "", path ? ": " : "", out.failed ? text : out.data);
   km_text_free(&out);
 }
 
-static kt_exit set(const kt_common *common, const km_model *model, const kt_asked *asked, int i, km_question *q) {
+static kt_exit set(const kt_common *common, const km_model *model, const kt_question *asked, int i, km_question *q) {
   km_arena arena = {0};
   km_option_value value = {.flag = asked->flags[i]};
   km_error error;
   kt_exit result = KT_DONE;
   if (asked->options[i]->type != KM_OPTION_FLAG)
-    result = kt_asked_value(common, model, asked->options[i], asked->names[i], &asked->texts[i], &arena, &value);
+    result = kt_question_value(common, model, asked->options[i], asked->names[i], &asked->texts[i], &arena, &value);
   km_status status = result == KT_DONE ? km_question_set(q, asked->options[i]->name, &value, &error) : KM_OK;
   if (status)
-    kt_say_asked(common, KM_ERROR, NULL, error.text);
+    kt_print_messages(common, KM_ERROR, NULL, error.text);
   km_arena_free(&arena);
   return status ? kt_exit_of(status) : result;
 }
 
-kt_exit kt_ask(const kt_common *common, const char *path, const kt_asked *asked, const kt_pose *pose,
-               km_question **out) {
+kt_exit kt_compute_question(const kt_common *common, const char *path, const kt_question *asked, const kt_pose *pose,
+                            km_question **out) {
   km_error error;
   km_status status = km_question_create(pose->mechanism, km_question_kind_name(asked->kind), out, &error);
   kt_exit result = kt_exit_of(status);
@@ -135,9 +135,9 @@ kt_exit kt_ask(const kt_common *common, const char *path, const kt_asked *asked,
     result = kt_exit_of(status);
   }
   if (status)
-    kt_say_asked(common, KM_ERROR, path, error.text);
+    kt_print_messages(common, KM_ERROR, path, error.text);
   const km_messages *notes = result == KT_DONE ? km_question_notes(*out) : NULL;
   for (size_t i = 0; notes && i < km_messages_count(notes); ++i)
-    kt_say_asked(common, km_messages_severity(notes, i), path, km_messages_text(notes, i));
+    kt_print_messages(common, km_messages_severity(notes, i), path, km_messages_text(notes, i));
   return result;
 }

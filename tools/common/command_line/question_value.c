@@ -17,7 +17,7 @@ static kt_exit read_range(const kt_common *common, const char *name, const char 
 static kt_exit read_whole(const kt_common *common, const km_option *o, const char *name, const char *text, int *out) {
   char expected[80];
   snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", o->low, o->high);
-  return kt_whole(text, (int)o->low, (int)o->high, out) ? KT_DONE : kt_usage(common, name, text, expected);
+  return kt_integer(text, (int)o->low, (int)o->high, out) ? KT_DONE : kt_usage(common, name, text, expected);
 }
 
 static kt_exit read_number(const kt_common *common, const km_option *o, const char *name, const char *text,
@@ -84,8 +84,8 @@ static kt_exit read_ends(const kt_common *common, const km_model *model, const c
   return result;
 }
 
-kt_exit kt_asked_value(const kt_common *common, const km_model *model, const km_option *o, const char *name,
-                       const kt_texts *texts, km_arena *arena, km_option_value *out) {
+kt_exit kt_question_value(const kt_common *common, const km_model *model, const km_option *o, const char *name,
+                          const kt_texts *texts, km_arena *arena, km_option_value *out) {
   const char *text = texts->items[texts->count - 1];
   switch (o->type) {
   case KM_OPTION_FLAG:

@@ -55,7 +55,7 @@ static int cut_row(const char *row, size_t length, cell *cells, int most) {
 }
 
 /* Writes a text without the backquotes of names. */
-static void put_cell(cell c, km_text *out) {
+static void write_cell(cell c, km_text *out) {
   while (c.length) {
     const char *quote = memchr(c.text, '`', c.length);
     size_t length = quote ? (size_t)(quote - c.text) : c.length;
@@ -66,24 +66,24 @@ static void put_cell(cell c, km_text *out) {
 }
 
 /* Key, shape, unit, what counts without it, meaning. */
-static void put_key(const char *row, size_t length, km_text *out) {
+static void write_key(const char *row, size_t length, km_text *out) {
   enum { KEY, SHAPE, UNIT, WITHOUT, MEANING, CELLS };
   cell cells[CELLS];
   if (length < 3 || row[2] != '`' || cut_row(row, length, cells, CELLS) < CELLS) /* the table's head */
     return;
   bool required = cells[WITHOUT].length == strlen("required") && memcmp(cells[WITHOUT].text, "required", 8) == 0;
   km_text_add(out, ".TP\n\\fB");
-  put_cell(cells[KEY], out);
+  write_cell(cells[KEY], out);
   km_text_add(out, "\\fR (");
-  put_cell(cells[SHAPE], out);
+  write_cell(cells[SHAPE], out);
   if (cells[UNIT].length)
     km_text_add(out, "; unit ");
-  put_cell(cells[UNIT], out);
+  write_cell(cells[UNIT], out);
   if (cells[WITHOUT].length)
     km_text_add(out, required ? "; " : "; without it ");
-  put_cell(cells[WITHOUT], out);
+  write_cell(cells[WITHOUT], out);
   km_text_add(out, ")\n");
-  put_cell(cells[MEANING], out);
+  write_cell(cells[MEANING], out);
   km_text_add(out, "\n");
 }
 
@@ -96,7 +96,7 @@ void kt_roff_keys(const char *markdown, km_text *out) {
       kt_roff(line + sizeof mark - 1, strcspn(line + sizeof mark - 1, " "), out);
       km_text_add(out, "\n");
     } else if (*line == '|') {
-      put_key(line, length, out);
+      write_key(line, length, out);
     }
     line += length + (line[length] != '\0');
   }

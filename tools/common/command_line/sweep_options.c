@@ -8,7 +8,7 @@ void kt_sweep_options_add(kt_options *out, kt_sweep_options *o, const char *kind
       KT_POSE(o->common),
       KT_SET(&o->sets, KT_SET_FIRST),
   };
-  kt_asked_options(out, &o->asked, kind, true);
+  kt_question_options(out, &o->asked, kind, true);
   KT_OPTIONS_ADD(out, pose);
 }
 

@@ -8,7 +8,7 @@
 
 enum { MOST_VALUES = 1024 };
 
-static kt_exit keep(kt_varied *v, double value) {
+static kt_exit store(kt_varied *v, double value) {
   double *values = v->count < MOST_VALUES ? km_resize(v->values, (size_t)v->count + 1, sizeof *values) : NULL;
   if (!values)
     return v->count < MOST_VALUES ? KT_NO_MEMORY : KT_USAGE;
@@ -35,7 +35,7 @@ static kt_exit read_range(const char *text, kt_varied *out) {
     return KT_USAGE;
   kt_exit result = KT_DONE;
   for (int i = 0; i < count && result == KT_DONE; ++i)
-    result = keep(out, i + 1 == count ? part[1] : part[0] + (part[1] - part[0]) * i / (count - 1));
+    result = store(out, i + 1 == count ? part[1] : part[0] + (part[1] - part[0]) * i / (count - 1));
   return result;
 }
 
@@ -45,7 +45,7 @@ static kt_exit read_list(const char *text, kt_varied *out) {
   for (char last = ','; last == ',' && result == KT_DONE;) {
     kt_piece piece = kt_split(&rest, ",");
     double value;
-    result = kt_number(piece.text, &value) ? keep(out, value) : KT_USAGE;
+    result = kt_number(piece.text, &value) ? store(out, value) : KT_USAGE;
     last = piece.separator;
     km_free(piece.text);
   }

@@ -300,7 +300,7 @@ static km_status start(server *s, km_error *error) {
   return KM_OK;
 }
 
-km_status kv_serve(const kv_server_def *def, km_error *error) {
+km_status kv_server_run(const kv_server_def *def, km_error *error) {
   server s = {.def = def};
   char address[KV_ADDRESS];
   km_status status = start(&s, error);

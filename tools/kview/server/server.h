@@ -18,6 +18,6 @@ typedef struct kv_server_def {
 } kv_server_def;
 
 /* Runs the server until the last page is closed or the process is interrupted. KM_IO: the port is unavailable. */
-km_status kv_serve(const kv_server_def *def, km_error *error);
+km_status kv_server_run(const kv_server_def *def, km_error *error);
 
 #endif

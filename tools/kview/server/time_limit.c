@@ -18,7 +18,7 @@ bool kv_limit_goes_on(void *limit, double done) {
   return passed < kv_most_seconds;
 }
 
-km_status kv_limit_tell(km_status status, const char *what, km_error *error) {
+km_status kv_limit_report(km_status status, const char *what, km_error *error) {
   return status == KM_CANCELLED ? km_fail(error, KM_CANCELLED, "%s took more than %g s", what, kv_most_seconds)
                                 : status;
 }

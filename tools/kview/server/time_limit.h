@@ -16,6 +16,6 @@ kv_limit kv_limit_begin(void);
 /* A km_progress: false when the time is over. */
 bool kv_limit_goes_on(void *limit, double done);
 /* Says of work that was cancelled so what took too long; other statuses stay. */
-km_status kv_limit_tell(km_status status, const char *what, km_error *error);
+km_status kv_limit_report(km_status status, const char *what, km_error *error);
 
 #endif

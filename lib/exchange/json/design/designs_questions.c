@@ -126,7 +126,7 @@ static const km_design_setting *read_settings(km_designs_reader *d, const km_val
     for (const km_value *item = v->kind == KM_LIST ? v->first : NULL; item; item = item->next) {
       km_text name = {0};
       km_text_format(&name, "%s[%d]", v->key, k++);
-      out[(*count)++] = (km_design_setting){km_text_keep(&name, d->arena), item->number};
+      out[(*count)++] = (km_design_setting){km_text_move_to_arena(&name, d->arena), item->number};
     }
   }
   return out;

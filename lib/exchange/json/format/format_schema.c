@@ -111,7 +111,7 @@ static void explain(const schema *s, km_value *object, const km_field *field) {
     km_text_format(&text, " Without it: %s.", field->unstated);
   text.failed = text.failed || unit.failed;
   km_text_free(&unit);
-  const char *words = km_text_keep(&text, s->arena);
+  const char *words = km_text_move_to_arena(&text, s->arena);
   km_value_string(s->arena, object, "description", words ? words : "");
 }
 

@@ -112,7 +112,7 @@ static double drawing_size(const km_model *model) {
 }
 
 /* The gap that the drawing leaves between a joint's frames. */
-static void tell_gap(km_reader *reader, int joint, double size) {
+static void report_gap(km_reader *reader, int joint, double size) {
   const km_model *model = reader->model;
   const km_model_joint *def = &model->joints[joint];
   const km_model_frame *a = &model->frames[def->frame[0]], *b = &model->frames[def->frame[1]];
@@ -127,12 +127,12 @@ static void tell_gap(km_reader *reader, int joint, double size) {
                     def->where, gap, model->units.length->suffix, angle * 180.0 / M_PI, def->name);
 }
 
-void km_tell_drawing_gaps(km_reader *reader) {
+void km_report_drawing_gaps(km_reader *reader) {
   const km_model *model = reader->model;
   double size = drawing_size(model);
   for (int j = 0; j < model->joint_count; ++j) {
     const int *frame = model->joints[j].frame;
     if (is_drawn(model, model->frames[frame[0]].body) && is_drawn(model, model->frames[frame[1]].body))
-      tell_gap(reader, j, size);
+      report_gap(reader, j, size);
   }
 }

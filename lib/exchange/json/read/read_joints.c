@@ -300,7 +300,7 @@ static void joints_of(km_reader *reader, const km_value *assembly, int index, co
 
 void km_read_joints(km_reader *reader, const km_value *root) {
   km_reader_visit(reader, root, joints_of);
-  km_tell_drawing_gaps(reader);
+  km_report_drawing_gaps(reader);
   km_read_struts(reader, root);
   if (km_messages_errors(reader->messages) == 0)
     km_model_check_ties(reader->model, reader->messages);

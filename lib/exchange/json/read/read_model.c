@@ -252,7 +252,7 @@ static void count_unused(const km_value *assembly, size_t *lights, size_t *mater
     count_unused(a, lights, materials);
 }
 
-static void tell_unused(const km_value *root, km_messages *messages) {
+static void report_unused(const km_value *root, km_messages *messages) {
   size_t lights = 0, materials = 0;
   count_unused(root, &lights, &materials);
   count_unused(km_value_get(root, "fixed"), &lights, &materials);
@@ -320,8 +320,8 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
   read_parameters(&reader, root);
   read_elements(&reader, root);
   free_names(&reader);
-  km_reader_tell_rotations(&reader);
-  tell_unused(root, messages);
+  km_reader_report_rotations(&reader);
+  report_unused(root, messages);
   model->rotation_misfit = reader.rotation_misfit;
   km_model_check_inertias(model, messages);
   if (!model->arena.failed)
@@ -335,7 +335,7 @@ km_status km_json_model(const char *bytes, size_t size, const km_read_def *def, 
                         km_error *error) {
   km_model *model = KM_NEW(km_model, 1);
   km_status status = KM_MEMORY;
-  if (model && km_folders_begin(&model->folders, def->file, &model->arena))
+  if (model && km_folders_create(&model->folders, def->file, &model->arena))
     status = read_model(model, bytes, size, def, messages, error);
   else
     km_fail(error, KM_MEMORY, "out of memory while reading the model");

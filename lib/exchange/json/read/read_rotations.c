@@ -15,7 +15,7 @@ void km_reader_needs(km_reader *reader, const char *version) {
     reader->origin->version = version;
 }
 
-static void keep_rounding(km_reader *reader, double change, double misfit, const km_place *at) {
+static void store_rounding(km_reader *reader, double change, double misfit, const km_place *at) {
   reader->rotation_misfit = fmax(reader->rotation_misfit, misfit);
   if (change <= unrounded)
     return;
@@ -24,7 +24,7 @@ static void keep_rounding(km_reader *reader, double change, double misfit, const
   reader->rounded_most = fmax(reader->rounded_most, change);
 }
 
-void km_reader_tell_rotations(km_reader *reader) {
+void km_reader_report_rotations(km_reader *reader) {
   if (reader->rounded_count > 0)
     km_messages_add(reader->messages, KM_NOTE,
                     "rotations that are rounded: %d, the first is %s; each is replaced by the nearest one, which "
@@ -48,7 +48,7 @@ km_rotation km_reader_rotation(km_reader *reader, const km_value *frame, const c
   if (km_model_rotation(m, &R, &misfit, &error))
     km_reader_error(reader, &at, "%s", error.text);
   else
-    keep_rounding(reader, km_rotation_distance(&R, &given), misfit, &at);
+    store_rounding(reader, km_rotation_distance(&R, &given), misfit, &at);
   return R;
 }
 
@@ -67,7 +67,7 @@ static km_rotation read_quaternion(km_reader *reader, const km_value *list, cons
                     KM_ROTATION_ROUNDING);
     return km_rotation_identity();
   }
-  keep_rounding(reader, off, 2.0 * off, at);
+  store_rounding(reader, off, 2.0 * off, at);
   return km_quaternion_rotation(km_quaternion_normalised((km_quaternion){q[0], q[1], q[2], q[3]}));
 }
 

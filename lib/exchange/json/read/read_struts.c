@@ -211,7 +211,7 @@ static bool read_frames(km_reader *reader, const km_value *value, int assembly, 
   return !parts && body[0] != body[1];
 }
 
-static void leave_out(km_reader *reader, const km_value *value, int assembly, int why) {
+static void omit(km_reader *reader, const km_value *value, int assembly, int why) {
   const char *name = km_reader_string(value, "name");
   if (km_names_get(&reader->joints, assembly, name) == KM_NOT_FOUND &&
       !km_names_set(&reader->joints, assembly, name, why))
@@ -230,7 +230,7 @@ static void read_strut(km_reader *reader, const km_value *value, int assembly, c
   const km_value *planar = km_value_get(value, "planar");
   s.planar = planar && planar->number != 0.0;
   if (!active || !lie(reader, &s, reader->start, frame)) {
-    leave_out(reader, value, assembly, km_messages_errors(reader->messages) == errors ? KM_LEFT_OUT : KM_FAULTY);
+    omit(reader, value, assembly, km_messages_errors(reader->messages) == errors ? KM_LEFT_OUT : KM_FAULTY);
     return;
   }
   s.half[0] = make_half(reader, &s, "from");

@@ -58,7 +58,7 @@ km_rotation km_reader_orientation(km_reader *reader, const km_value *object, con
 /* True if the key is one of these four. */
 bool km_is_orientation(const char *key);
 /* One note on the rotations that were replaced by the nearest one. */
-void km_reader_tell_rotations(km_reader *reader);
+void km_reader_report_rotations(km_reader *reader);
 /* The file uses what came with this version of the format. */
 void km_reader_needs(km_reader *reader, const char *version);
 const char *km_reader_string(const km_value *object, const char *key); /* NULL if absent */
@@ -112,7 +112,7 @@ bool km_joint_is_drawn(const km_value *joint);
 /* Puts the child frame where the joint's first values have it in the drawing, and the bodies into one pose. */
 void km_place_drawn_child(km_model *model, int joint);
 /* Notes on joints whose frames the drawing leaves apart. */
-void km_tell_drawing_gaps(km_reader *reader);
+void km_report_drawing_gaps(km_reader *reader);
 
 /* A shape of a body: a km_element_read. */
 void km_read_shape(km_reader *reader, const km_value *shape, int body, const km_place *place);

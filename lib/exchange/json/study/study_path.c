@@ -198,7 +198,7 @@ static void read_csv(km_study_reader *s, const km_value *value, km_study_path *o
   const char *name = km_reader_string(value, "csv"), *folder = name[0] == '/' ? "" : s->folder;
   km_text file = {0};
   km_text_format(&file, "%s%s%s", folder, folder[0] ? "/" : "", name);
-  const char *kept = km_text_keep(&file, s->arena);
+  const char *kept = km_text_move_to_arena(&file, s->arena);
   if (kept)
     km_study_poses_of(s, kept, out);
 }

@@ -91,7 +91,7 @@ static void guess_columns(sheet *s, int count) {
 }
 
 /* A place, and all of a quaternion or all of a rotation vector, and nothing of the other. */
-static bool whole(const sheet *s) {
+static bool complete(const sheet *s) {
   int place = 0, vector = 0, quaternion = s->column[W] >= 0;
   for (int k = 0; k < 3; ++k) {
     place += s->column[X + k] >= 0;
@@ -160,9 +160,9 @@ static bool read_columns(sheet *s, int line, char **fields, int found, bool *hea
     return false;
   if (!*header && (found == 6 || found == 7))
     guess_columns(s, found);
-  if (!whole(s))
+  if (!complete(s))
     complain(s, line, 0, "expected x,y,z and a quaternion w,x,y,z (7 columns) or a rotation vector (6 columns)");
-  return whole(s);
+  return complete(s);
 }
 
 static bool read_values(const sheet *s, int line, char **fields, int found, double *value) {

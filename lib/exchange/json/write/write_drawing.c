@@ -110,7 +110,7 @@ static void name_own_frames(km_sketch *s) {
     while (km_names_get(&taken, body, name) >= 0 && !s->arena->failed) {
       km_text longer = {0};
       km_text_format(&longer, "%s:", name);
-      name = km_text_keep(&longer, s->arena);
+      name = km_text_move_to_arena(&longer, s->arena);
     }
     s->own[body] = name;
   }

@@ -109,18 +109,18 @@ static km_value *emptied(const writer *w, km_value *object, const char *key) {
   return member;
 }
 
-static void put_numbers(const writer *w, km_value *object, const char *key, const double *values, int count,
-                        double scale) {
+static void write_numbers(const writer *w, km_value *object, const char *key, const double *values, int count,
+                          double scale) {
   km_value *list = emptied(w, object, key);
   for (int k = 0; list && k < count; ++k)
     km_value_number(w->arena, list, NULL, scale * values[k]);
 }
 
-static void put_vector(const writer *w, km_value *object, const char *key, km_vec3 v, double scale) {
-  put_numbers(w, object, key, (const double[3]){v.x, v.y, v.z}, 3, scale);
+static void write_vector(const writer *w, km_value *object, const char *key, km_vec3 v, double scale) {
+  write_numbers(w, object, key, (const double[3]){v.x, v.y, v.z}, 3, scale);
 }
 
-static void put_number(const writer *w, km_value *object, const char *key, double value) {
+static void write_number(const writer *w, km_value *object, const char *key, double value) {
   km_value *member = (km_value *)km_value_get(object, key);
   if (!member)
     km_value_number(w->arena, object, key, value);
@@ -149,7 +149,7 @@ static void drop_orientations(km_value *object) {
   object->last = before;
 }
 
-static km_status put_frame(const writer *w, int frame, km_error *error) {
+static km_status write_frame(const writer *w, int frame, km_error *error) {
   const km_model *m = w->model;
   const km_model_frame *f = &m->frames[frame];
   const char *body = m->bodies[f->body].name;
@@ -160,7 +160,7 @@ static km_status put_frame(const writer *w, int frame, km_error *error) {
   if (joint >= 0) { /* both of its frames are defined by one point */
     km_value *object = joint_object(w, joint);
     if (object && m->joints[joint].frame[0] == frame)
-      put_vector(w, object, "at", f->pose.p, factor(w, length));
+      write_vector(w, object, "at", f->pose.p, factor(w, length));
     return KM_OK;
   }
   const km_value *owner = body_object(w, f->body);
@@ -168,7 +168,7 @@ static km_status put_frame(const writer *w, int frame, km_error *error) {
   if (!object)
     return km_fail(error, KM_USAGE, "frame \"%.60s\" of \"%.60s\" was changed, which is a strut's: a file can't say it",
                    f->name, body);
-  put_vector(w, object, "T", f->pose.p, factor(w, length));
+  write_vector(w, object, "T", f->pose.p, factor(w, length));
   double rows[9];
   km_rotation_rows(&f->pose.R, rows);
   if (memcmp(&f->pose.R, &m->unedited->frames[frame].pose.R, sizeof f->pose.R) == 0)
@@ -187,26 +187,26 @@ static bool is_weighed(const km_model *m, int body) {
   return weighed;
 }
 
-static km_status put_mass(const writer *w, int body, km_error *error) {
+static km_status write_mass(const writer *w, int body, km_error *error) {
   static const char *const keys[6] = {"Ixx", "Iyy", "Izz", "Ixy", "Iyz", "Izx"};
   const km_model_body *b = &w->model->bodies[body], *old = &w->model->unedited->bodies[body];
   km_value *object = body_object(w, body);
   if (!object || is_weighed(w->model, body))
     return cannot("the mass", b->name, error);
-  put_number(w, object, "mass", factor(w, (km_dimension){.mass = 1}) * b->mass);
+  write_number(w, object, "mass", factor(w, (km_dimension){.mass = 1}) * b->mass);
   if (memcmp(&b->center_of_mass, &old->center_of_mass, sizeof b->center_of_mass) != 0)
-    put_vector(w, object, "center_of_mass", b->center_of_mass, factor(w, (km_dimension){.length = 1}));
+    write_vector(w, object, "center_of_mass", b->center_of_mass, factor(w, (km_dimension){.length = 1}));
   if (memcmp(b->inertia, old->inertia, sizeof b->inertia) == 0)
     return KM_OK;
   km_value *inertia = (km_value *)km_value_get(object, "moment_of_inertia");
   inertia = inertia ? inertia : km_value_add(w->arena, object, "moment_of_inertia", KM_OBJECT);
   for (int k = 0; k < 6 && inertia; ++k)
-    put_number(w, inertia, keys[k], factor(w, (km_dimension){.mass = 1, .length = 2}) * b->inertia[k]);
+    write_number(w, inertia, keys[k], factor(w, (km_dimension){.mass = 1, .length = 2}) * b->inertia[k]);
   return KM_OK;
 }
 
 /* The limits of all coordinates of a joint. */
-static km_status put_limits(const writer *w, int joint, km_error *error) {
+static km_status write_limits(const writer *w, int joint, km_error *error) {
   const km_model_joint *def = &w->model->joints[joint];
   const km_model_coordinate *c = &w->model->coordinates[def->first_coordinate];
   int count = km_model_freedom(w->model, joint);
@@ -233,7 +233,7 @@ static bool limits_differ(const km_model *m, int joint) {
   return differ;
 }
 
-static void put_load(const writer *w, int load) {
+static void write_load(const writer *w, int load) {
   const km_applied_load *l = &w->model->loads[load];
   const km_value *list = km_value_get(km_value_get(w->root, "analysis"), "loads");
   km_value *object = l->name && l->name[0] ? named(list, l->name) : NULL;
@@ -243,8 +243,8 @@ static void put_load(const writer *w, int load) {
   object = object ? object : nth;
   if (!object)
     return;
-  put_vector(w, object, "force", l->force, factor(w, (km_dimension){.force = 1}));
-  put_vector(w, object, "torque", l->torque, factor(w, (km_dimension){.force = 1, .length = 1}));
+  write_vector(w, object, "force", l->force, factor(w, (km_dimension){.force = 1}));
+  write_vector(w, object, "torque", l->torque, factor(w, (km_dimension){.force = 1, .length = 1}));
 }
 
 km_status km_edits_write(const km_model *m, const km_units *units, bool drawn, km_arena *arena, km_value *root,
@@ -253,19 +253,19 @@ km_status km_edits_write(const km_model *m, const km_units *units, bool drawn, k
   km_status status = KM_OK;
   for (int f = 0; f < m->frame_count && !status; ++f)
     if (frame_differs(m, f))
-      status = put_frame(&w, f, error);
+      status = write_frame(&w, f, error);
   for (int b = 1; b < m->body_count && !status; ++b) {
     const km_model_body *one = &m->bodies[b], *old = &m->unedited->bodies[b];
     if (one->mass != old->mass || memcmp(&one->center_of_mass, &old->center_of_mass, sizeof one->center_of_mass) != 0 ||
         memcmp(one->inertia, old->inertia, sizeof one->inertia) != 0)
-      status = put_mass(&w, b, error);
+      status = write_mass(&w, b, error);
   }
   for (int j = 0; j < m->joint_count && !status; ++j)
     if (limits_differ(m, j))
-      status = put_limits(&w, j, error);
+      status = write_limits(&w, j, error);
   for (int l = 0; l < m->load_count; ++l)
     if (memcmp(&m->loads[l], &m->unedited->loads[l], sizeof m->loads[l]) != 0)
-      put_load(&w, l);
+      write_load(&w, l);
   if (!status && arena->failed)
     return km_fail(error, KM_MEMORY, "out of memory while converting the model");
   return status;

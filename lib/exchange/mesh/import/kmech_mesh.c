@@ -43,14 +43,14 @@ static bool limit_all(void) {
          limit(RLIMIT_FSIZE, 0) && prctl(PR_SET_DUMPABLE, 0L, 0L, 0L, 0L) == 0;
 }
 
-static bool put(const void *bytes, size_t size, size_t count) {
+static bool write_text(const void *bytes, size_t size, size_t count) {
   return fwrite(bytes, size, count, stdout) == count;
 }
 
 static bool refuse(const char *reason) {
   size_t size = strnlen(reason, KM_MESH_MAX_REASON);
   km_mesh_stream head = {.outcome = KM_MESH_REFUSED, .vertex_count = (int32_t)size};
-  return put(&head, sizeof head, 1) && put(reason, 1, size);
+  return write_text(&head, sizeof head, 1) && write_text(reason, 1, size);
 }
 
 static void count_parts(const struct aiScene *scene, int64_t *vertices, int64_t *triangles) {
@@ -63,17 +63,17 @@ static void count_parts(const struct aiScene *scene, int64_t *vertices, int64_t 
   }
 }
 
-static bool put_vertices(const struct aiMesh *part) {
+static bool write_vertices(const struct aiMesh *part) {
   bool done = true;
   for (unsigned v = 0; v < part->mNumVertices && done; ++v) {
     struct aiVector3D p = part->mVertices[v];
-    done = put((const double[]){(double)p.x, (double)p.y, (double)p.z}, sizeof(double), 3);
+    done = write_text((const double[]){(double)p.x, (double)p.y, (double)p.z}, sizeof(double), 3);
   }
   return done;
 }
 
 /* Points and lines (faces with fewer than 3 corners) bound nothing. */
-static bool put_triangles(const struct aiMesh *part, int64_t first_vertex) {
+static bool write_triangles(const struct aiMesh *part, int64_t first_vertex) {
   bool done = true;
   for (unsigned f = 0; f < part->mNumFaces && done; ++f) {
     const unsigned *corner = part->mFaces[f].mIndices;
@@ -82,12 +82,12 @@ static bool put_triangles(const struct aiMesh *part, int64_t first_vertex) {
       continue;
     for (int k = 0; k < 3; ++k) /* -1: a vertex that isn't there */
       own[k] = corner[k] < part->mNumVertices ? (int32_t)(first_vertex + (int64_t)corner[k]) : -1;
-    done = put(own, sizeof *own, 3);
+    done = write_text(own, sizeof *own, 3);
   }
   return done;
 }
 
-static bool put_scene(const struct aiScene *scene) {
+static bool write_scene(const struct aiScene *scene) {
   int64_t vertices, triangles, first = 0;
   char reason[KM_MESH_MAX_REASON];
   count_parts(scene, &vertices, &triangles);
@@ -97,11 +97,11 @@ static bool put_scene(const struct aiScene *scene) {
     return refuse(reason);
   }
   km_mesh_stream head = {KM_MESH_IMPORTED, (int32_t)vertices, (int32_t)triangles, 0};
-  bool done = put(&head, sizeof head, 1);
+  bool done = write_text(&head, sizeof head, 1);
   for (unsigned p = 0; p < scene->mNumMeshes && done; ++p)
-    done = put_vertices(scene->mMeshes[p]);
+    done = write_vertices(scene->mMeshes[p]);
   for (unsigned p = 0; p < scene->mNumMeshes && done; ++p) {
-    done = put_triangles(scene->mMeshes[p], first);
+    done = write_triangles(scene->mMeshes[p], first);
     first += scene->mMeshes[p]->mNumVertices;
   }
   return done;
@@ -123,7 +123,7 @@ int main(int argc, char **argv) {
   /* Polygons become triangles; every part goes where the scene's nodes put it. */
   const struct aiScene *scene = aiImportFile(argv[1], aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene)
-    end(put_scene(scene));
+    end(write_scene(scene));
   bool large = strstr(aiGetErrorString(), "bad_alloc") != NULL;
   snprintf(reason, sizeof reason, "isn't a mesh that can be read: %.200s",
            large ? "it needs more than 800 MB of memory; it is damaged or too large" : aiGetErrorString());
