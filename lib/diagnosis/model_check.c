@@ -62,7 +62,7 @@ static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
 
 /* Moves a text into the findings' arena; "" without memory. */
 static const char *keep_text(km_text *text, km_findings *f) {
-  const char *words = km_text_keep(text, &f->store->arena);
+  const char *words = km_text_move_to_arena(text, &f->store->arena);
   return words ? words : "";
 }
 

@@ -1,4 +1,4 @@
-/* Assembly: closing one substructure from a poor start (docs/theory.md 4.3). Private to kinematics/. */
+/* Assembly: closing one substructure from a poor start (docs/theory.md 4.3). */
 #ifndef KM_KINEMATICS_ASSEMBLY_H
 #define KM_KINEMATICS_ASSEMBLY_H
 

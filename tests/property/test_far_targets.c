@@ -25,7 +25,7 @@ static void far_targets_are_given_up_early(void **state) {
   fixture_close(&f);
 }
 
-/* No row is tried after the one that reached the step limit. */
+/* No row is tried after the one that is not reached. */
 static void a_sweep_that_gives_out_ends(void **state) {
   (void)state;
   static const double ranges[][2] = {{1.0, 1e12}, {-1e12, 1e12}};
@@ -39,7 +39,7 @@ static void a_sweep_that_gives_out_ends(void **state) {
     plan.steps = 5;
     assert_int_equal(km_mobility_sweep_run(f.mechanism, f.state, &plan, &sweep, &error), KM_DIVERGED);
     assert_int_equal(km_table_rows(sweep.motion.table), i == 0);
-    assert_true(strstr(error.text, "the sweep gave out at ") == error.text);
+    assert_true(strstr(error.text, "the sweep stopped at ") == error.text);
     km_mobility_sweep_free(&sweep);
     fixture_close(&f);
   }

@@ -40,22 +40,22 @@ typedef struct kv_call {
 /* Each fills the answer, or returns a status with the error that becomes the answer. */
 typedef km_status kv_verb(const kv_call *call, km_error *error);
 
-/* `ask.c`: sweeps and the limits of a slider. */
+/* `question_messages.c`: sweeps and the limits of a slider. */
 kv_verb kv_compute_question, kv_recompute, kv_track;
 /* Kind of the index-th question of a page: those over a driver's range, and with a path study the track; −1 if there
  * is none. */
 int kv_question_kind(const kv_session *session, int index);
-/* Explanations of the motion (why.c). */
+/* Explanations of the motion (explanations.c). */
 kv_verb kv_motions, kv_diagnose, kv_forces, kv_lever;
 /* modes.c: poses that are found or named. */
 kv_verb kv_modes, kv_mode, kv_named;
-/* selfmotion.c, columns.c: arms with joints to spare. */
+/* selfmotion.c, arm_columns.c: arms with joints to spare. */
 kv_verb kv_selfmotion, kv_columns;
-/* patches.c: what bodies look like. */
+/* surface_messages.c: what bodies look like. */
 kv_verb kv_patch;
 /* parameters.c */
 kv_verb kv_set_parameters;
-/* saved.c */
+/* saved_model.c */
 kv_verb kv_write;
 
 /* An argument as an index; -1 where it is none. */

@@ -116,7 +116,7 @@ double *kv_frame_places(const km_model *model);
  * the present one. */
 km_status kv_session_set_design(kv_session *session, const double *T, const double *q, km_error *error);
 
-/* kept.c: a design that isn't the file's, by its numbers and as the text of a file. */
+/* stored_designs.c: a design that isn't the file's, by its numbers and as the text of a file. */
 typedef struct kv_design {
   km_text parts, file;
   double *values, *places; /* values of the parameters; three coordinates of each frame */

@@ -1,5 +1,5 @@
 /* Closure errors and Jacobians of spatial loops in a batch; part of step_body.h. Per lane the operations are those of
- * loop_equations.c, motion_step.h and spatial/, with their names. */
+ * loop_equations.c, primitive_motion.h and spatial/, with their names. */
 
 #include "spatial/vec3_body.h"
 

@@ -2,7 +2,7 @@
 #include "exchange/json/json.h"
 
 #include "base/arguments.h"
-#include "exchange/utf16.h"
+#include "base/utf16.h"
 
 #include <ctype.h>
 #include <jansson.h>

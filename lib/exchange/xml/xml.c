@@ -1,7 +1,7 @@
 /* XML text to trees of elements. The only user of the XML library. */
 #include "exchange/xml/xml.h"
 
-#include "exchange/utf16.h"
+#include "base/utf16.h"
 
 #include <expat.h>
 #include <limits.h>

@@ -1,6 +1,6 @@
 /* The functions of cairo, FreeType and Pango that pages are drawn with. cairo and FreeType are loaded for the first
  * page of a PDF or PNG, Pango and what it needs for the first text that needs it: linked, they would cost every
- * start of a tool 4 ms. Private to report/plot/. */
+ * start of a tool 4 ms. Private to report/. */
 #ifndef KM_REPORT_CANVAS_CAIRO_LIBRARY_H
 #define KM_REPORT_CANVAS_CAIRO_LIBRARY_H
 

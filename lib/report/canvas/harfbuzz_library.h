@@ -1,4 +1,4 @@
-/* HarfBuzz, loaded with the first text, and the two faces of the default font. Private to report/plot. */
+/* HarfBuzz, loaded with the first text, and the two faces of the default font. Private to report/. */
 #ifndef KM_REPORT_CANVAS_HARFBUZZ_LIBRARY_H
 #define KM_REPORT_CANVAS_HARFBUZZ_LIBRARY_H
 

@@ -1,6 +1,6 @@
 /* Text in simple scripts, shaped by HarfBuzz with the files of the default font: Latin, Greek, Cyrillic, digits,
  * signs, arrows. It needs neither Pango nor fontconfig, whose start takes longer than a picture. Any other text is
- * Pango's, and what fits is set by both to the same places. Private to report/plot. */
+ * Pango's, and what fits is set by both to the same places. Private to report/. */
 #ifndef KM_REPORT_CANVAS_LETTERS_H
 #define KM_REPORT_CANVAS_LETTERS_H
 

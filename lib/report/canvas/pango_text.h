@@ -1,4 +1,4 @@
-/* Text in any script and font, set by Pango. Private to report/plot. */
+/* Text in any script and font, set by Pango. Private to report/. */
 #ifndef KM_REPORT_CANVAS_PANGO_TEXT_H
 #define KM_REPORT_CANVAS_PANGO_TEXT_H
 

@@ -1,4 +1,4 @@
-/* Pixels as a PNG file, and the chunks that such files consist of. Private to report/plot/. */
+/* Pixels as a PNG file, and the chunks that such files consist of. Private to report/. */
 #ifndef KM_REPORT_CANVAS_PNG_H
 #define KM_REPORT_CANVAS_PNG_H
 

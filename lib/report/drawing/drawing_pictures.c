@@ -2,7 +2,6 @@
 #include "base/arguments.h"
 #include "base/memory.h"
 #include "report/canvas/apng.h"
-#include "report/charts/chart.h"
 #include "report/drawing/drawing_poses.h"
 #include "report/drawing/link_outlines.h"
 

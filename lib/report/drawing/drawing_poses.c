@@ -3,7 +3,6 @@
 
 #include "base/arguments.h"
 #include "base/memory.h"
-#include "report/charts/sweep_strip.h"
 
 #include <string.h>
 

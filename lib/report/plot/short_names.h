@@ -1,4 +1,4 @@
-/* Names of models short enough for a line's end, and still different. Private to report/plot/. */
+/* Names of models short enough for a line's end, and still different. Private to report/. */
 #ifndef KM_REPORT_PLOT_SHORT_NAMES_H
 #define KM_REPORT_PLOT_SHORT_NAMES_H
 

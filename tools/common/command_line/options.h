@@ -79,7 +79,7 @@ void kt_options_add(kt_options *options, const kt_option *table, size_t count);
 void kt_options_hide(kt_options *options, const char *name);
 
 /* Reads a command line into the targets; a usage error ends the process with KT_USAGE, --help and --version with 0
- * (and --help=man, --help=completion, from which pages.h makes pages).
+ * (and --help=man, --help=completion, from which manual_pages.h makes pages).
  * `about`: what the command does; text after \v stands below the options. */
 void kt_options_read(const kt_options *options, const char *about, int argc, char **argv);
 

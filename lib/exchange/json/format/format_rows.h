@@ -1,4 +1,4 @@
-/* Abbreviations for rows of the format table, and shared objects. Private to exchange/json/format. */
+/* Abbreviations for rows of the format table, and shared objects. Private to exchange/json. */
 #ifndef KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
 #define KM_EXCHANGE_JSON_FORMAT_FORMAT_ROWS_H
 

@@ -1,6 +1,6 @@
 /* Texts in UTF-16, recognised by their first bytes. */
-#ifndef KM_EXCHANGE_UTF16_H
-#define KM_EXCHANGE_UTF16_H
+#ifndef KM_BASE_UTF16_H
+#define KM_BASE_UTF16_H
 
 #include <stdbool.h>
 #include <stddef.h>
