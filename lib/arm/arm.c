@@ -22,6 +22,7 @@ static int gather_arcs(const km_mechanism *m, int body, const km_arc **arcs) {
   return count;
 }
 
+/* Checks that a joint of the chain lies in no loop or coupling and has single axes. */
 static km_status check_coordinate(const km_mechanism *m, int joint, int coordinate, km_error *error) {
   const km_model_joint *def = &m->model->joints[joint];
   if (m->substructure_of[coordinate] >= 0)
@@ -92,6 +93,7 @@ static void set_sizes(km_arm *a) {
   a->max_travel = 3.0 * (1.0 + reach + slides);
 }
 
+/* Builds the chain from the inertial frame to the effector, its sizes and its task rows. */
 static km_status build_chain(km_arm *a, const km_state *s, const km_arc **arcs, km_error *error) {
   const km_model *model = a->mechanism->model;
   const km_model_frame *effector = &model->frames[a->frame];
@@ -257,6 +259,7 @@ int km_arm_limit_passed(const km_arm *a, const double *q) {
   return -1;
 }
 
+/* Least (distance to the nearer limit)/(half range) over the limited joints. */
 double km_arm_limit_distance(const km_arm *a, const double *q) {
   double least = 1.0;
   for (int k = 0; k < a->n; ++k) {

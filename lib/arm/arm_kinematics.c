@@ -83,6 +83,7 @@ static bool update_seven(const km_arm *a, km_arm_space *s, const double *q) {
   return true;
 }
 
+/* Forward kinematics and Jacobian at q[n]. */
 void km_arm_update(const km_arm *a, km_arm_space *s, const double *q) {
   s->evaluations++;
   s->seven_factored = s->sigma_valid = false;
@@ -121,6 +122,7 @@ static km_vec3 rotation_error(const km_arm *a, const km_rotation *R, const km_ro
   return km_quaternion_log(km_rotation_quaternion(&difference));
 }
 
+/* Pose error: position difference and rotation vector to the target, as rows of the task. */
 double km_arm_error(const km_arm *a, const km_arm_space *s, const km_pose *target, double *error, double *position,
                     double *rotation) {
   km_twist e = {km_vec3_sub(target->p, s->pose.p), {0, 0, 0}};
@@ -176,6 +178,7 @@ static void jacobi_singular_values(const km_arm *a, km_arm_space *s, double *sig
   }
 }
 
+/* Singular values of the Jacobian, computed once per configuration and sorted. */
 void km_arm_singular_values(const km_arm *a, km_arm_space *s, double *sigma) {
   if (!s->sigma_valid && s->seven_valid)
     km_one_singular_values(s->seven, s->sigma);

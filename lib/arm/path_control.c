@@ -36,6 +36,8 @@ void km_control_factor(const km_arm *a, km_arm_space *s, const double *xi, const
     km_control_pivot(a, s, xi, fixed);
 }
 
+/* Gauss-Jordan elimination of [J | −ξ] with complete pivoting, the path column forced independent; orthonormal null
+ * space of J. */
 void km_control_pivot(const km_arm *a, km_arm_space *s, const double *xi, const bool *fixed) {
   const int rows = a->rows, n = a->n;
   double *path = s->jacobian + n * rows;
@@ -94,6 +96,8 @@ static void set_pose_control_columns(const km_arm *a, const km_arm_space *s, con
   }
 }
 
+/* Path-control column: null vector of [J | −ξ] for the path column, without its self-motion part, normalised;
+ * pose-control columns along the guide. Returns the path entry. */
 double km_control_columns(const km_arm *a, const km_arm_space *s, const double *guide, double *path, double *self) {
   const int n = a->n;
   set_pose_control_columns(a, s, guide, self);
@@ -113,6 +117,7 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
   return path[n];
 }
 
+/* Minimum-norm solution of J x = rhs, minus the null-space part of `moved`. */
 void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const double *moved, const bool *fixed,
                       double *x) {
   double all[KM_ARM_MAX_JOINTS + 1], row[KM_ARM_MAX_JOINTS];
@@ -134,6 +139,7 @@ void km_control_solve(const km_arm *a, km_arm_space *s, const double *rhs, const
     x[k] = fixed[k] ? 0.0 : x[k];
 }
 
+/* Newton's method with minimum-norm steps to a target pose. */
 bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const bool *fixed, int most, double longest,
                   double *q) {
   static const double none[KM_ARM_ROWS] = {0};

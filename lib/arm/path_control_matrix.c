@@ -50,6 +50,7 @@ static void align_with_path(const double *basis, int n, int freedom, double *Z) 
   }
 }
 
+/* Factors the matrix, finds its null space and rotates it to path-control and pose-control columns. */
 static km_status solve(const double *matrix, int rows, int columns, km_arena *arena, double *Z, km_control *out,
                        km_error *error) {
   km_partition p;

@@ -9,6 +9,7 @@
 /* A pivot of D below this part of its diagonal entry is rounding: the motion moves no mass. */
 static const double massless_pivot = 1e-13;
 
+/* Wrench I a of a node's bodies and eliminated clusters at the acceleration a. */
 km_wrench km_node_inertia_force(const km_dynamics *d, int n, km_twist a) {
   const km_node *node = &d->tree.nodes[n];
   km_wrench w = node->has_mass ? km_inertia_times(&d->node[n].inertia, a) : (km_wrench){{0, 0, 0}, {0, 0, 0}};
@@ -161,6 +162,7 @@ static void solve_udot(const km_cluster_motion *c, const km_twist *base, double 
       x[k] -= c->D[l * count + k] * x[l];
 }
 
+/* Eliminates one cluster: forms and factors D, b, U and adds the cluster to its base. */
 static km_dynamics_outcome inward_pass(km_dynamics *d, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   km_cluster_motion *c = &d->cluster[index];
@@ -181,6 +183,7 @@ static km_dynamics_outcome inward_pass(km_dynamics *d, int index) {
   return KM_DYNAMICS_DONE;
 }
 
+/* Accelerations of one cluster and its nodes from the acceleration of its base. */
 static void outward_pass(km_dynamics *d, km_state *s, int index) {
   const km_cluster *cluster = &d->tree.clusters[index];
   const km_cluster_motion *c = &d->cluster[index];
@@ -203,6 +206,8 @@ static void outward_pass(km_dynamics *d, km_state *s, int index) {
   }
 }
 
+/* Inward pass over the clusters from the tips, outward pass from the base; gravity is an acceleration of the
+ * inertial frame. */
 km_dynamics_outcome km_tree_solve(km_dynamics *d, km_state *s) {
   km_dynamics_outcome outcome = KM_DYNAMICS_DONE;
   d->node[0].A = (km_twist){km_vec3_scale(-1.0, d->forces->stated_gravity), {0, 0, 0}};

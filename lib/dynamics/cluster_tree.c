@@ -21,6 +21,7 @@ double km_inertial_factor(const km_model *model) {
   return km_units_factor(&model->units, inertial);
 }
 
+/* Adds a body and its inertia to a node. */
 static void add_body(tree_builder *w, int body, int node, const km_pose *in_node) {
   km_tree *tree = w->tree;
   const km_model_body *def = &w->m->model->bodies[body];
@@ -71,6 +72,7 @@ static void add_arc(tree_builder *w, const km_arc *arc) {
   add_body(w, arc->body, node, &X);
 }
 
+/* Root of a union-find set, with path halving. */
 static int find_leader(const tree_builder *w, int node) {
   while (w->leader[node] != node)
     node = w->leader[node] = w->leader[w->leader[node]];
@@ -82,6 +84,7 @@ static int substructure_of(const tree_builder *w, int node) {
   return w->m->topology.substructure_of_joint[joint];
 }
 
+/* Merges the nodes of each substructure. */
 static void join_substructures(tree_builder *w, int *first /* [substructure], -1 */) {
   for (int n = 1; n < w->tree->node_count; ++n) {
     int s = substructure_of(w, n);
@@ -165,6 +168,7 @@ static void number_nodes(tree_builder *w, const int *base, int *order, int *next
     tree->clusters[i].base = w->number[base[order[i]]];
 }
 
+/* Moves the nodes to their final numbers. */
 static void reorder_nodes(tree_builder *w, km_node *old) {
   km_tree *tree = w->tree;
   memcpy(old, tree->nodes, (size_t)tree->node_count * sizeof *old);
@@ -210,6 +214,7 @@ static void list_coordinates(tree_builder *w, int *index_in_cluster, bool *liste
   }
 }
 
+/* Sets the references between nodes, coordinates and bases. */
 static void link_nodes(tree_builder *w, const int *index_in_cluster) {
   km_tree *tree = w->tree;
   for (int c = 0; c < w->m->coordinate_count; ++c)
@@ -224,6 +229,7 @@ static void link_nodes(tree_builder *w, const int *index_in_cluster) {
     tree->nodes[tree->clusters[i].base].is_base = true;
 }
 
+/* Builds nodes along the spanning tree, merges them to clusters, and numbers both. */
 bool km_tree_build(const km_mechanism *m, km_arena *arena, km_tree *tree) {
   const km_topology *t = &m->topology;
   km_arena scratch = {0};

@@ -18,6 +18,7 @@ static void set_armatures(km_dynamics *d) {
     d->armature[c] = km_inertial_factor(m->model) * m->armature[c];
 }
 
+/* Allocates tree, nodes, clusters and work arrays. */
 static bool allocate(km_dynamics *d) {
   const km_mechanism *m = d->mechanism;
   km_arena *arena = &d->arena;
@@ -173,6 +174,7 @@ static km_dynamics_outcome solve_forces_and_accelerations(km_dynamics *d, km_sta
   return km_tree_solve(d, s);
 }
 
+/* One evaluation: prescribed coordinates, loops, kinematics, forces, accelerations, then friction by reactions. */
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
   km_dynamics_apply_prescribed(d, s, true);
   if (!km_constraints_update(d, s, search))
@@ -197,7 +199,7 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
                    "a mass or a moment of inertia on what it moves",
                    model->coordinates[d->massless].label);
   if (outcome == KM_DYNAMICS_JAMMED)
-    return km_fail(error, KM_DIVERGED, "friction jams: none agrees with the forces that press the joints under it");
+    return km_fail(error, KM_DIVERGED, "friction jams: no friction is consistent with the reactions");
   if (d->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the equations of motion");
   if (outcome == KM_DYNAMICS_INFINITE)
@@ -222,6 +224,7 @@ km_status km_dynamics_accelerate(km_dynamics *d, km_state *s, km_error *error) {
   return outcome == KM_DYNAMICS_DONE ? KM_OK : km_dynamics_fail(d, outcome, error);
 }
 
+/* Kinetic energy: Σ ½ V·I V of the bodies plus ½ a q̇² of the rotors. */
 double km_dynamics_kinetic(const km_dynamics *d, const km_state *s) {
   double sum = 0.0;
   for (int n = 1; n < d->tree.node_count; ++n)
@@ -290,6 +293,7 @@ double km_dynamics_driving_force(const km_dynamics *d, const km_state *s, int co
   return nan("");
 }
 
+/* Adds weights and inertia forces −(I A + V ×* I V) of all bodies and rotors to the forces. */
 void km_dynamics_balance(km_dynamics *d, const km_state *s) {
   const km_mechanism *m = d->mechanism;
   km_forces *f = d->forces;
@@ -317,6 +321,7 @@ void km_dynamics_balance(km_dynamics *d, const km_state *s) {
     km_forces_add_joint(m->model, f, c, -d->armature[c] * s->acceleration[c]);
 }
 
+/* Sum of inertia forces −Σ (I A + V ×* I V), about km_forces.origin. */
 km_wrench km_dynamics_inertia_forces(const km_dynamics *d) {
   km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
   for (int n = 1; n < d->tree.node_count; ++n) {

@@ -19,6 +19,7 @@ static int compare_corners(const void *a, const void *b) {
                                         : (x->value > y->value) - (x->value < y->value);
 }
 
+/* Lists limits with stops and knots of springs, sorted. */
 static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) {
   const km_mechanism *m = d->mechanism;
   const km_forces *f = d->forces;
@@ -50,6 +51,7 @@ static size_t append_times(km_corners *out, const double *times, int count, int 
   return (size_t)count;
 }
 
+/* Lists times of tables and knots of motors and prescribed motions; counts them if there is no memory yet. */
 static size_t list_times(const km_dynamics *d, km_corners *out) {
   const km_model *model = d->mechanism->model;
   const km_moving_forces *moving = d->forces->moving;
@@ -80,6 +82,7 @@ bool km_corners_list(const km_dynamics *d, km_arena *arena, km_corners *out) {
   return true;
 }
 
+/* Binary search in the sorted corners. */
 int km_corners_above(const km_corners *c, int coordinate, double value) {
   const km_corner wanted = {coordinate, value};
   int low = 0, high = c->count;

@@ -152,6 +152,7 @@ static bool fit(rate_fit *f) {
   return done;
 }
 
+/* Projects the rates of one substructure on its loops and stated rates; sums their change. */
 static bool project(km_dynamics *d, km_state *s, int index, double *changed, double *size) {
   const km_mechanism *m = d->mechanism;
   const km_substructure *sub = &m->substructures[index];
@@ -183,6 +184,7 @@ static bool project(km_dynamics *d, km_state *s, int index, double *changed, dou
   return true;
 }
 
+/* Closes the loops and projects the rates of all substructures. */
 km_status km_dynamics_project_rates(km_dynamics *d, km_state *s, double *change, km_error *error) {
   km_status status = km_check_given(d != NULL, "equations of motion", error);
   if (!status)

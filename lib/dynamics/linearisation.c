@@ -36,6 +36,7 @@ static double choose_step(const km_dynamics *d, const km_state *s, km_arena *are
   return fmax(step, least_step);
 }
 
+/* Stores the state and its independent coordinates. */
 bool km_stored_configuration_create(const km_dynamics *d, const km_state *s, km_stored_configuration *out) {
   const km_mechanism *m = d->mechanism;
   size_t n = (size_t)m->coordinate_count;
@@ -129,6 +130,7 @@ bool km_stiffness_of_accelerations(km_dynamics *d, km_state *s, const km_stored_
   return true;
 }
 
+/* Allocates the matrices and eigenvalues. */
 static bool allocate(km_linear *out, int freedom, int coordinates) {
   size_t f = (size_t)freedom, n = (size_t)coordinates;
   out->freedom = freedom;
@@ -349,7 +351,8 @@ static km_status linearise(km_dynamics *d, km_state *s, km_linear *out, km_error
   km_stored_configuration_free(&stored);
   if (!memory)
     return km_fail(error, KM_MEMORY, "out of memory for the linearised equations");
-  return is_ok ? status : km_fail(error, KM_DIVERGED, "the loops can't be closed beside the pose; is it a dead point?");
+  return is_ok ? status
+               : km_fail(error, KM_DIVERGED, "the loops can't be closed near the pose, which can be a dead point");
 }
 
 static bool is_at_rest(const km_state *s) {
@@ -391,6 +394,7 @@ const char *km_stability_name(km_stability stability) {
   return (size_t)stability < sizeof names / sizeof *names ? names[stability] : "";
 }
 
+/* Unstable if an eigenvalue has a positive real part beyond its error, indifferent if one is 0 within its error. */
 km_stability km_linear_stability(const km_linear *l) {
   bool still = false;
   if (!l)

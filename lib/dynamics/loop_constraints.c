@@ -323,6 +323,7 @@ static void compute_gamma(km_dynamics *d, km_state *s, int index) {
   }
 }
 
+/* Closes all loops, then computes N, dependent rates and γ of all clusters. */
 static bool update_loops(km_dynamics *d, km_state *s, bool search) {
   const km_topology *t = &d->mechanism->topology;
   d->residual = 0.0;

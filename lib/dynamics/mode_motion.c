@@ -71,6 +71,7 @@ static bool set_row(const mode_motion *s, int row) {
   return true;
 }
 
+/* Halves the amplitude until the loops close in every row. */
 static bool find_amplitude(mode_motion *s) {
   for (s->amplitude = amplitude_first; s->amplitude >= amplitude_least; s->amplitude *= 0.5) {
     int row = 0;
@@ -82,6 +83,7 @@ static bool find_amplitude(mode_motion *s) {
   return false;
 }
 
+/* Columns of the table: phase or time, then all coordinates. */
 static bool add_columns(const mode_motion *s, km_table *table) {
   const km_model *model = s->dynamics->mechanism->model;
   bool is_oscillation = s->kind == KM_LINEAR_OSCILLATES || s->kind == KM_LINEAR_ZERO;
@@ -96,6 +98,7 @@ static bool add_columns(const mode_motion *s, km_table *table) {
   return is_ok;
 }
 
+/* Rows of the table along the mode. */
 static bool add_rows(const mode_motion *s, km_table *table) {
   bool is_oscillation = s->kind == KM_LINEAR_OSCILLATES || s->kind == KM_LINEAR_ZERO;
   double range = is_oscillation ? 360.0 : time_constants / fabs(s->linear->real[s->k]);
@@ -119,9 +122,10 @@ static km_status check_mode(const km_dynamics *d, const km_linear *l, int k, int
   return rows < 2 ? km_fail(error, KM_USAGE, "%d rows; expected at least 2", rows) : KM_OK;
 }
 
+/* Finds the amplitude and writes the table. */
 static km_status write_motion(mode_motion *s, km_table **out, km_error *error) {
   if (!find_amplitude(s))
-    return km_fail(error, KM_DIVERGED, "the loops can't be closed along the mode; is the pose a dead point?");
+    return km_fail(error, KM_DIVERGED, "the loops can't be closed along the mode; the pose can be a dead point");
   km_table *table = km_table_create();
   if (table && add_columns(s, table) && add_rows(s, table)) {
     *out = table;

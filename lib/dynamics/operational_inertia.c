@@ -103,6 +103,7 @@ static void compute_inverse(inertia_work *w, double out[36]) {
     }
 }
 
+/* Sums Nᵀ M N over the bodies and rotors, factors it, and forms Λ⁻¹ of the frame. */
 static km_status compute(inertia_work *w, int frame, double out[36], km_error *error) {
   const km_model *model = w->m->model;
   size_t n = (size_t)w->m->coordinate_count;

@@ -5,6 +5,8 @@
 #include "dynamics/dynamics.h"
 #include "kinematics/primitive_motion.h"
 
+/* Kinematics of one node from its parent: pose, joint twist, V, ζ = [V_parent, Σ h q̇], inertia about the origin,
+ * p. */
 static void move_node(km_dynamics *d, const km_state *s, int n) {
   const km_node *node = &d->tree.nodes[n];
   km_node_motion *out = &d->node[n];

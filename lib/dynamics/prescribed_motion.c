@@ -21,6 +21,7 @@ struct km_prescribed {
   law *laws;
 };
 
+/* Cubic spline of a table, linear for two rows. */
 static bool make_spline(law *l) {
   size_t rows = (size_t)l->def->count;
   const gsl_interp_type *type = rows > 2 ? gsl_interp_cspline : gsl_interp_linear;
@@ -88,6 +89,7 @@ int km_prescribed_count(const km_prescribed *p) {
   return p->count;
 }
 
+/* Horner's scheme for value, rate and acceleration. */
 static void polynomial_at(const km_joint_prescribed *def, double t, double motion[3]) {
   for (int k = def->count - 1; k >= 0; --k) {
     motion[2] = motion[2] * t + 2.0 * motion[1];
@@ -96,6 +98,7 @@ static void polynomial_at(const km_joint_prescribed *def, double t, double motio
   }
 }
 
+/* offset + amplitude sin(2π frequency t + phase), with its derivatives. */
 static void sine_at(const law *l, double t, double motion[3]) {
   const double *v = l->def->values; /* values: offset, amplitude, frequency, phase */
   double w = 2.0 * M_PI * v[2], angle = w * t + l->angle * v[3];

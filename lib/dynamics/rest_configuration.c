@@ -330,6 +330,7 @@ static km_status find_stable(rest_search *e, km_progress progress, void *context
   return status || !is_unstable ? status : km_fail(error, KM_NO_RESULT, "no stable rest pose was found from here");
 }
 
+/* Moves to the prescribed motions, then searches by Newton's method or settling. */
 km_status km_equilibrium_find(km_dynamics *d, km_state *s, bool settles, km_progress progress, void *context,
                               km_error *error) {
   km_status status = km_check_given(d != NULL, "equations of motion", error);

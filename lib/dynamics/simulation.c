@@ -14,6 +14,7 @@ km_simulation_def km_simulation_default(void) {
   return (km_simulation_def){.relative = 1e-7, .absolute = 1e-7, .end = HUGE_VAL};
 }
 
+/* Checks tolerances, steps, method and crossings of a run. */
 static km_status check_def(const km_mechanism *m, const km_simulation_def *def, double time, km_error *error) {
   if (!(def->relative >= 0.0) || !(def->absolute > 0.0) || !(def->relative < 1.0) || !isfinite(def->absolute))
     return km_fail(error, KM_USAGE, "tolerances %g and %g; expected a relative one below 1 and a positive absolute one",
@@ -90,6 +91,7 @@ static void set_tolerances(km_simulation *run) {
     run->tolerance[i] = HUGE_VAL;
 }
 
+/* Initialises vector, crossings, works and integrator at the start of a run. */
 static km_status begin(km_simulation *run, km_error *error) {
   km_state *s = run->state;
   km_dynamics *d = run->dynamics;
@@ -223,6 +225,7 @@ static km_status set_state_at(km_simulation *run, double time, km_error *error) 
   return is_ok ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
+/* Makes steps until a time or a stopping crossing, then sets the state there by dense output. */
 km_status km_simulation_advance(km_simulation *run, double time, km_progress progress, void *context, km_error *error) {
   km_status status = km_check_given(run != NULL, "run", error);
   if (status)

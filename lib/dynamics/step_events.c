@@ -154,6 +154,7 @@ static bool add_pair(km_simulation *run, size_t first, int crossing, const km_co
          add(run, first, (km_crossing_met){crossing, back, sense});
 }
 
+/* Finds all crossings of the last step: changes of sign, and passages there and back. */
 bool km_crossings_find(km_simulation *run) {
   size_t first = run->crossings_met_count;
   bool is_ok = true;

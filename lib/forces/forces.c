@@ -6,6 +6,7 @@
 
 #include <string.h>
 
+/* Allocates the arrays of forces. */
 static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
   size_t bodies = (size_t)m->topology.body_count;
   f->loads = KM_ARENA_NEW(&f->arena, km_load, (size_t)load_count);
@@ -111,6 +112,7 @@ void km_loads_add(const km_mechanism *m, km_forces *f) {
   }
 }
 
+/* Sums weights, loads, springs and additional joint forces at the state's configuration. */
 void km_forces_compute(const km_mechanism *m, const km_state *s, km_forces *f) {
   if (!f || f->mechanism != m || !km_state_belongs_to(m, s))
     return;

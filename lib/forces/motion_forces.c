@@ -33,6 +33,7 @@ static bool has_stop(const km_mechanism *m, int c) {
   return (stop->stiffness > 0.0 || stop->damping > 0.0) && km_is_limited(m, c);
 }
 
+/* Lists coordinates with dampers, stops and constant friction. */
 static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_model_coordinate *def = &m->model->coordinates[c];
@@ -51,6 +52,7 @@ static int internal_state_count(km_module_type type) {
   return type == KM_MODULE_PID ? 1 : type == KM_MODULE_TIRE ? 2 : 0;
 }
 
+/* Lists the force modules except springs, and numbers their internal states. */
 static void list_modules(const km_model *model, km_moving_forces *out) {
   for (int i = 0; i < model->module_count; ++i) {
     const km_model_module *module = &model->modules[i];
@@ -62,6 +64,7 @@ static void list_modules(const km_model *model, km_moving_forces *out) {
   }
 }
 
+/* Checks that tyres act between frames and have positive parameters. */
 static km_status check_tires(const km_model *model, km_error *error) {
   for (int i = 0; i < model->module_count; ++i) {
     const km_model_module *module = &model->modules[i];
@@ -167,6 +170,7 @@ static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km
   f->joint[c + 2] -= force * u.z;
 }
 
+/* Adds the forces of all stops. */
 static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->moving->stop_count; ++i) {
     int c = f->moving->stops[i];
@@ -251,6 +255,7 @@ static void add_drive_force(const km_mechanism *m, const km_state *s, km_forces 
     f->moving->drive_force[c] += km_length_sense(m, s, c) * force;
 }
 
+/* Adds the force of one module: damping, friction, motor, controller or tyre. */
 static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
@@ -284,6 +289,7 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   }
 }
 
+/* Power of all loads. */
 static double power_of_loads(const km_mechanism *m, const km_forces *f) {
   double power = 0.0;
   for (int i = 0; i < f->load_count; ++i) {
@@ -301,6 +307,7 @@ static double power_of_loads(const km_mechanism *m, const km_forces *f) {
   return power;
 }
 
+/* Sums all forces of a motion with dissipated and supplied power. */
 void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces *f) {
   km_moving_forces *moving = f->moving;
   moving->dissipation = moving->motor_power = 0.0;

@@ -13,6 +13,7 @@ static double piece_force(const km_law *law, int piece, double x) {
   return force;
 }
 
+/* Value of a piecewise polynomial. */
 double km_law_force(const km_law *law, double x) {
   int piece = 0;
   while (piece < law->knot_count && x >= law->knots[piece])
@@ -42,6 +43,7 @@ double km_law_resistance(const km_law *law, double rate, double width) {
   return force;
 }
 
+/* Integral of a piecewise polynomial from 0, knot by knot. */
 double km_law_work(const km_law *law, double x) {
   double from = 0.0, work = 0.0;
   int piece = 0, step = x < 0.0 ? -1 : 1;

@@ -18,6 +18,7 @@ typedef struct tyre_contact {
   double spin;
 } tyre_contact;
 
+/* Contact of the wheel with the road plane: directions, contact point, penetration, velocities. */
 static tyre_contact find_contact(const km_mechanism *m, const km_forces *f, const km_model_module *module) {
   const km_model_frame *road = &m->model->frames[module->output.frame[0]];
   const km_model_frame *wheel = &m->model->frames[module->output.frame[1]];
@@ -52,6 +53,7 @@ static double sign_of(double x) {
   return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : 0.0;
 }
 
+/* Tyre forces from load and slips, and the rates of both slips. */
 void km_tire_apply(const km_mechanism *m, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];

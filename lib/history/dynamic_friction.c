@@ -56,6 +56,8 @@ static bool sum_friction(km_dynamic_friction *w, const km_state *s) {
   return true;
 }
 
+/* Fixed-point iteration: reactions, friction, accelerations, until the friction changes by less than 1e-12 of all
+ * forces. */
 static km_dynamics_outcome iterate_friction(void *context, km_state *s) {
   km_dynamic_friction *w = context;
   km_dynamics *d = w->dynamics;
@@ -79,6 +81,7 @@ static km_dynamics_outcome iterate_friction(void *context, km_state *s) {
   return KM_DYNAMICS_JAMMED;
 }
 
+/* Allocates the arrays and attaches the friction to the equations of motion. */
 static bool reserve(km_dynamic_friction *w) {
   const km_mechanism *m = w->dynamics->mechanism;
   size_t n = (size_t)m->coordinate_count;

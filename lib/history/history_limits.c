@@ -39,6 +39,7 @@ km_status km_limits_monitor_begin(km_limit_monitor *w, const km_mechanism *m, co
   return KM_OK;
 }
 
+/* Records coordinates that are beyond their limits in a row. */
 void km_limits_row(km_limit_monitor *w, const km_state *s) {
   for (int i = 0; i < w->count; ++i) {
     km_passed_limit *limit = &w->limit[i];

@@ -22,6 +22,7 @@ static const char *rate_unit(const km_model *model, int coordinate, const char *
   return text->failed ? "" : text->data;
 }
 
+/* Columns of coordinates, rates, accelerations and driving forces. */
 static void coordinate_columns(const km_history_writer *w, km_table *table, bool *failed) {
   const km_model *model = w->m->model;
   km_text unit = {0};
@@ -42,6 +43,7 @@ static void coordinate_columns(const km_history_writer *w, km_table *table, bool
   km_text_free(&unit);
 }
 
+/* Columns of energies, loop error and counts. */
 static void figure_columns(const km_history_writer *w, km_table *table, bool *failed) {
   static const char *const energies[] = {"energy_kinetic", "energy_potential", "energy_dissipated", "motor_work"};
   km_text unit = {0};
@@ -73,6 +75,7 @@ static void shaking_columns(const km_history_writer *w, km_table *table, bool *f
   km_text_free(&torque);
 }
 
+/* Columns of position, velocity and acceleration of the tabulated frames. */
 static void frame_columns(const km_history_writer *w, km_table *table, bool *failed) {
   static const char *const parts[3][3] = {{".x", ".y", ".z"}, {".vx", ".vy", ".vz"}, {".ax", ".ay", ".az"}};
   static const char *const suffixes[3] = {"", "", "^2"};
@@ -88,6 +91,7 @@ static void frame_columns(const km_history_writer *w, km_table *table, bool *fai
   }
 }
 
+/* Columns of the reactions of all joints. */
 static void reaction_columns(const km_history_writer *w, km_table *table, bool *failed) {
   static const char *const parts[6] = {".fx", ".fy", ".fz", ".tx", ".ty", ".tz"};
   const km_model *model = w->m->model;
@@ -104,6 +108,7 @@ static void reaction_columns(const km_history_writer *w, km_table *table, bool *
   km_text_free(&torque);
 }
 
+/* Creates the table with all its columns. */
 static km_status create_table(km_history_writer *w, km_error *error) {
   const km_model *model = w->m->model;
   bool failed = false;
@@ -123,6 +128,7 @@ static km_status create_table(km_history_writer *w, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the table") : KM_OK;
 }
 
+/* Cells of coordinates, rates, accelerations and driving forces. */
 static double *write_coordinates(const km_history_writer *w, double *out) {
   const km_mechanism *m = w->m;
   km_state *s = w->state;
@@ -154,6 +160,7 @@ static double loop_error(const km_history_writer *w) {
   return worst;
 }
 
+/* Cells of energies, loop error and counts; updates the largest errors. */
 static double *write_figures(km_history_writer *w, double *out) {
   km_history *h = w->out;
   km_energy energy;
@@ -208,6 +215,7 @@ static double *write_frame(const km_history_writer *w, int frame, double *out) {
   return out;
 }
 
+/* Cells of the reactions, by a static balance with inertia forces. */
 static km_status write_reactions(km_history_writer *w, double **cells, km_error *error) {
   double *out = *cells;
   km_dynamics_balance(w->dynamics, w->state);
@@ -229,6 +237,7 @@ static double drive_force(const km_history_writer *w, int c) {
   return d->driven[c] ? settings + km_dynamics_driving_force(d, w->state, c) : settings;
 }
 
+/* Updates the largest forces and rates of the drives. */
 static void monitor_drives(km_history_writer *w) {
   for (int i = 0; i < w->monitored_count; ++i) {
     km_exceeded *e = &w->monitored[i];
@@ -240,6 +249,7 @@ static void monitor_drives(km_history_writer *w) {
   }
 }
 
+/* Lists the drives that have a bound of force or rate. */
 static bool list_monitored(km_history_writer *w) {
   const km_mechanism *m = w->m;
   w->monitored = KM_NEW(km_exceeded, 2 * (size_t)m->coordinate_count + 1);
@@ -271,6 +281,7 @@ km_status km_history_monitor_limits(km_history_writer *w, km_simulation_def *sim
   return status;
 }
 
+/* Writes one row at the present state. */
 km_status km_history_row(km_history_writer *w, km_error *error) {
   double *out = km_table_add_row(w->out->table);
   if (!out)

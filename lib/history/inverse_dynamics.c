@@ -9,6 +9,7 @@
 enum { MAX_PARTS = 64 };
 static const double max_motion = 0.1; /* largest motion in one part, radians or characteristic lengths */
 
+/* Checks the definition of inverse dynamics. */
 static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_error *error) {
   if (!(def->until > 0.0) || !isfinite(def->until))
     return km_fail(error, KM_USAGE, "duration %g; expected a positive time", def->until);
@@ -20,6 +21,7 @@ static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_
   return status ? status : km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 
+/* Checks that every freedom is prescribed. */
 static km_status check_no_freedom(const km_history_writer *w, km_error *error) {
   const km_dynamics *d = w->dynamics;
   if (km_prescribed_count(d->prescribed) == 0)
@@ -38,6 +40,7 @@ static km_status check_no_freedom(const km_history_writer *w, km_error *error) {
   return KM_OK;
 }
 
+/* Prescribes the rates, computes the first accelerations and writes the first row. */
 static km_status start(km_history_writer *w, const km_inverse_def *def, km_error *error) {
   km_state *s = w->state;
   s->time = 0.0;
@@ -91,6 +94,7 @@ static km_status fail_rows_too_far(const km_history_writer *w, double step, km_e
       w->state->time, unit, step, unit);
 }
 
+/* Advances to a time in parts: predictor, then an evaluation that closes the loops. */
 static km_status advance_to(km_history_writer *w, double time, km_error *error) {
   km_state *s = w->state;
   double from = s->time, parts_wanted = parts_needed(w->m, s, time - from);
@@ -106,6 +110,7 @@ static km_status advance_to(km_history_writer *w, double time, km_error *error) 
   return KM_OK;
 }
 
+/* Writes the rows of the motion. */
 static km_status write_rows(km_history_writer *w, const km_inverse_def *def, km_error *error) {
   km_error why;
   for (int row = 1; row <= def->steps; ++row) {

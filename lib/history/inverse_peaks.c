@@ -82,6 +82,7 @@ static double parabola_rise(double a, double b, double c) {
   return curvature > 0.0 ? 0.5 * slope * slope / curvature : 0.0;
 }
 
+/* Peak and root mean square of one force: the largest row, then the brackets that can exceed it. */
 static void find_peak(km_history_writer *w, km_inverse_motion *advance_to, km_force_peak *peak) {
   const km_table *table = w->out->table;
   size_t rows = km_table_rows(table), most = 0;

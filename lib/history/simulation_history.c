@@ -22,6 +22,7 @@ km_history_def km_history_default(const km_model *model) {
   return def;
 }
 
+/* Checks times and frames of a simulation. */
 static km_status check_def(const km_mechanism *m, const km_history_def *def, km_error *error) {
   if (!isfinite(def->start) || !(def->until > def->start) || !isfinite(def->until))
     return km_fail(error, KM_USAGE, "end %g; expected a time after the start at %g", def->until, def->start);
@@ -73,6 +74,7 @@ static km_status start_rates(km_history_writer *w, km_error *error) {
   return status;
 }
 
+/* Creates equations of motion, friction, initial rates, limits and run, and writes the first row. */
 static km_status start(km_history_writer *w, const km_history_def *def, km_error *error) {
   km_simulation_def simulation = def->simulation;
   simulation.end = def->until;
@@ -110,6 +112,7 @@ static km_status write_rows(km_history_writer *w, const km_history_def *def, km_
   return status;
 }
 
+/* Copies the crossings of the caller to the result and those of limits to the monitor. */
 static km_status copy_crossings(km_history_writer *w, km_status status, km_error *error) {
   km_history *h = w->out;
   int count = km_simulation_crossing_count(w->simulation);

@@ -44,6 +44,7 @@ static km_cached_answer **find_slot(const km_answer_cache *map, uint64_t h, cons
   return &map->slots[i];
 }
 
+/* Doubles the table and reinserts all entries. */
 static bool grow(km_answer_cache *map) {
   size_t capacity = map->capacity ? 2 * map->capacity : 64;
   km_cached_answer **slots = KM_NEW(km_cached_answer *, capacity);
@@ -67,6 +68,7 @@ static bool has_bands(const km_store_shape *shape, const km_design_answer *a) {
   return shape->band_numbers && a->outcome <= KM_DESIGN_SHORT;
 }
 
+/* Copy of an answer in one block. */
 static km_cached_answer *copy_answer(km_answer_cache *map, uint64_t h, const km_store_shape *shape, const double *key,
                                      const km_design_answer *a) {
   const size_t parameters = (size_t)shape->parameters, figures = (size_t)shape->figures;

@@ -40,6 +40,7 @@ static km_status check_named_figure(const km_design_study_def *def, const char *
   return km_design_find_figure(def, name) >= 0 ? KM_OK : no_figure(def, place, name, error);
 }
 
+/* Checks number, names and paths of the parameters. */
 static km_status check_parameters(const km_design_study_def *def, km_error *error) {
   if (def->parameter_count > KM_MAX_DESIGN_PARAMETERS)
     return km_fail(error, KM_USAGE, "parameters: found %d; expected at most %d", def->parameter_count,
@@ -62,6 +63,7 @@ static km_status check_index(const km_design_study_def *def, const char *place, 
                  def->parameter_count - 1);
 }
 
+/* Checks names and values of the variants. */
 static km_status check_variants(const km_design_study_def *def, km_error *error) {
   km_status status = km_check_list(def->variants, def->variant_count, "variants", error);
   for (int v = 0; v < def->variant_count && !status; ++v) {
@@ -73,6 +75,7 @@ static km_status check_variants(const km_design_study_def *def, km_error *error)
   return status;
 }
 
+/* Checks the axes of a grid and the number of its designs. */
 static km_status check_axes(const km_design_study_def *def, km_error *error) {
   double designs = 1.0;
   km_status status = km_check_list(def->axes, def->axis_count, "axes of a grid", error);
@@ -97,6 +100,7 @@ static km_status check_axes(const km_design_study_def *def, km_error *error) {
   return status;
 }
 
+/* Checks the distribution of a sampled parameter. */
 static km_status check_spread(const km_design_study_def *def, const km_design_spread *s, km_error *error) {
   km_status status = check_index(def, "sample", s->parameter, error);
   if (status)
@@ -119,6 +123,7 @@ static km_status check_spread(const km_design_study_def *def, const km_design_sp
   return KM_OK;
 }
 
+/* Checks a sample: count, method, distributions, accuracy. */
 static km_status check_sample(const km_design_study_def *def, const km_design_sample *s, km_error *error) {
   int width = km_sampler_width(s);
   if (s->count < 1 || s->count > MAX_DESIGNS / width)
@@ -154,6 +159,7 @@ static km_status check_sample(const km_design_study_def *def, const km_design_sa
   return status;
 }
 
+/* Checks bounds and start of a variable. */
 static km_status check_variable(const km_design_study_def *def, const km_design_variable *v, km_error *error) {
   km_status status = check_index(def, "optimise.variables", v->parameter, error);
   if (status)
@@ -168,6 +174,7 @@ static km_status check_variable(const km_design_study_def *def, const km_design_
   return KM_OK;
 }
 
+/* Checks variables, goals, algorithm and limits of an optimisation. */
 static km_status check_optimise(const km_design_study_def *def, const km_design_optimise *o, km_error *error) {
   km_status status = km_check_list(o->variables, o->variable_count, "variables", error);
   if (!status && o->variable_count == 0)
@@ -195,6 +202,7 @@ static km_status check_optimise(const km_design_study_def *def, const km_design_
   return status;
 }
 
+/* Checks a figure. */
 static km_status check_figure(const km_design_question *q, const km_design_figure *f, km_error *error) {
   if (!f->name || !*f->name)
     return km_fail(error, KM_USAGE, "ask.%.80s.figures: a figure has no name", q->name);
@@ -212,6 +220,7 @@ static km_status check_figure(const km_design_question *q, const km_design_figur
   return KM_OK;
 }
 
+/* Checks the requests and their figures. */
 static km_status check_questions(const km_design_study_def *def, km_error *error) {
   int figures = 0;
   if (def->question_count < 1 || def->question_count > KM_MAX_DESIGN_QUESTIONS || !def->questions)

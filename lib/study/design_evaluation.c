@@ -59,6 +59,7 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for a study");
 }
 
+/* Allocates the arrays of a batch. */
 static km_status allocate(km_evaluation *b, km_error *error) {
   const km_design_study_def *def = b->study->def;
   size_t capacity = (size_t)b->capacity, jobs = (size_t)b->jobs;
@@ -155,6 +156,7 @@ static computation begin_computation(km_evaluation *b, km_error *error) {
   return r;
 }
 
+/* Computes the missing answers of one piece by a worker. */
 static void compute_piece(const computation *r, int worker, int first) {
   km_evaluation *b = r->batch;
   const km_design_study_def *def = b->study->def;
@@ -178,6 +180,7 @@ static void compute_piece(const computation *r, int worker, int first) {
     atomic_store(&b->answered[i], true);
 }
 
+/* Stores the new answers of one design. */
 static km_status store_one(km_evaluation *b, int i, km_error *error) {
   const km_design_study_def *def = b->study->def;
   if (b->statuses[i])
@@ -201,6 +204,7 @@ static void store_answered(computation *r) {
     r->status = store_one(r->batch, r->stored++, r->error);
 }
 
+/* Loop of a worker over the pieces; the caller's thread also stores complete answers. */
 static void run_worker(void *context, int worker) {
   computation *r = context;
   bool stores = r->caller == km_thread_mark();

@@ -76,7 +76,7 @@ km_status km_design_study_values(const km_design_study *s, int design, double *v
 }
 
 const char *km_design_outcome_name(km_design_outcome outcome) {
-  static const char *const names[KM_DESIGN_OUTCOMES] = {"done",     "stops short", "no pose in reach", "not closing",
-                                                        "no model", "gave out",    "not asked"};
+  static const char *const names[KM_DESIGN_OUTCOMES] = {"done",     "stops short",   "no pose in reach", "not closing",
+                                                        "no model", "not converged", "not computed"};
   return (unsigned)outcome < KM_DESIGN_OUTCOMES ? names[outcome] : "";
 }

@@ -26,6 +26,7 @@ static km_status check_syntax(const km_design_study *s, const km_text *text, km_
   return status ? km_fail(error, status, "%s: %s", s->def->model, found.text) : KM_OK;
 }
 
+/* Reads the text of the model. */
 static km_status read_text(km_design_study *s, km_error *error) {
   km_text text = {0};
   if (s->def->bytes) {
@@ -69,6 +70,7 @@ static km_status compute_track(km_question *q, km_state *state, int *rows, km_er
   return status;
 }
 
+/* Computes a request for the reference design, to check its options, figures and columns. */
 static km_status try_question(km_design_study *s, int index, const km_model *model, km_error *error) {
   const km_design_question *def = &s->def->questions[index];
   km_mechanism *m = NULL;
@@ -100,6 +102,7 @@ static km_status try_questions(km_design_study *s, const km_model *model, km_err
   return status;
 }
 
+/* Characteristic length of the reference design. */
 static km_status read_length(km_design_study *s, const km_model *model, km_error *error) {
   static const km_design_question plain = {0};
   km_mechanism *m = NULL;
@@ -151,6 +154,7 @@ static km_status bind_model(km_design_study *s, km_error *error) {
   return try_reference(s, &second) ? status : KM_OK;
 }
 
+/* Lists the figures of all requests. */
 static void list_figures(km_design_study *s) {
   for (int q = 0; q < s->def->question_count; ++q) {
     const km_design_question *question = &s->def->questions[q];
@@ -171,6 +175,7 @@ static void add_settings(km_text *out, const km_design_setting *settings, int co
   km_text_add(out, "|");
 }
 
+/* Appends all settings of a request that affect its answers, for its hash. */
 static void add_question(km_text *out, const km_design_question *q) {
   km_design_add_name(out, q->kind ? q->kind : "function");
   for (int i = 0; i < q->option_count; ++i) {
@@ -217,6 +222,7 @@ static km_status register_question(km_design_study *s, int index, km_error *erro
                 : km_store_question(s->store, key, s->def->questions[index].name, &s->question_ids[index], error);
 }
 
+/* Opens the store under the hash of model and parameter paths, and registers the requests. */
 static km_status open_store(km_design_study *s, const char *path, bool replace, km_error *error) {
   km_text text = {0}, what = {0};
   char identity[KM_SHA256_TEXT], model[KM_SHA256_TEXT] = "";
@@ -242,6 +248,7 @@ static km_status open_store(km_design_study *s, const char *path, bool replace, 
   return status;
 }
 
+/* Binds the model and opens the store. */
 static km_status open_study(km_design_study *s, const char *store, bool replace, km_error *error) {
   const km_design_study_def *def = s->def;
   s->base = KM_ARENA_NEW(&s->arena, double, (size_t)def->parameter_count + 1);

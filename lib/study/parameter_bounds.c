@@ -57,6 +57,7 @@ static km_status check_sample(const km_design_study_def *def, const bounds *of, 
   return status;
 }
 
+/* Checks variants, grid, sample and variables. */
 static km_status check_all(const km_design_study_def *def, const bounds *of, km_error *error) {
   km_status status = KM_OK;
   for (int v = 0; v < def->variant_count && !status; ++v)

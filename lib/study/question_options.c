@@ -44,6 +44,7 @@ static km_status find_frame(const km_model *model, const char *text, size_t leng
   return km_model_find_frame(model, names, count, frame, error);
 }
 
+/* Reads a direction dx,dy,dz and normalises it. */
 static bool read_direction(const char *text, double out[3]) {
   for (int k = 0; k < 3; ++k) {
     char *end;
@@ -72,6 +73,7 @@ static km_status read_port(const km_design_option *o, const km_model *model, con
   return find_frame(model, text, (size_t)(colon - text), arena, &out->frame, error);
 }
 
+/* Reads an option with a list of coordinates, points or ports. */
 static km_status read_lists(const km_option *what, const km_design_option *o, const km_model *model, km_arena *arena,
                             km_option_value *v, km_error *error) {
   int *coordinates = KM_ARENA_NEW(arena, int, (size_t)o->text_count + 1);
@@ -126,6 +128,7 @@ const char *km_design_file(const km_design_study_def *study, const km_design_que
                                                                     : NULL;
 }
 
+/* Reads the value of an option by its type. */
 static km_status read_value(const km_option *what, const km_design_option *o, const km_model *model, const char *folder,
                             km_arena *arena, km_option_value *v, km_error *error) {
   double number = nan("");

@@ -50,6 +50,7 @@ static km_status fail_to_write(const km_entry_store *s, km_error *error) {
   return km_fail(error, KM_IO, "%s: the store can't be written, only shown and exported", s->path);
 }
 
+/* Reports an error of SQLite. */
 static km_status fail(const km_entry_store *s, km_error *error) {
   if (s->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the store %s", s->path);
@@ -85,6 +86,7 @@ static const char *query_text(km_entry_store *s, const char *sql, const char *bo
   return text;
 }
 
+/* Executes a statement with two bound texts. */
 static km_status insert(const km_entry_store *s, const char *sql, const char *a, const char *b, km_error *error) {
   sqlite3_stmt *statement = NULL;
   int code = sqlite3_prepare_v2(s->db, sql, -1, &statement, NULL);
@@ -129,6 +131,7 @@ static km_status adopt_file(km_entry_store *s, const char *identity, const char 
   return status ? status : run(s, "COMMIT", error);
 }
 
+/* Prepares the statements for reading and writing results. */
 static km_status prepare(km_entry_store *s, km_error *error) {
   static const char get[] = "SELECT outcome, reason, figures, bands FROM results WHERE question = ? AND design = ?";
   static const char put[] = "INSERT OR REPLACE INTO results VALUES(?, ?, ?, ?, ?, ?)";
@@ -221,6 +224,7 @@ static km_status check_integrity(km_entry_store *s, km_error *error) {
                  found);
 }
 
+/* Opens the file with an exclusive lock and a write-ahead log. */
 static km_status open_file(km_entry_store *s, const char *folder, km_error *error) {
   s->read_only = !s->in_memory && is_read_only(s->path, folder);
   if (s->read_only)
@@ -352,6 +356,7 @@ km_status km_store_get(km_entry_store *s, const km_store_shape *shape, const dou
   return code == SQLITE_ROW || code == SQLITE_DONE ? KM_OK : fail(s, error);
 }
 
+/* Writes an answer: to the cache, the table, or the appended table. */
 km_status km_store_put(km_entry_store *s, const km_store_shape *shape, const double *values, const km_design_answer *a,
                        km_error *error) {
   double key[KM_MAX_DESIGN_PARAMETERS];

@@ -43,6 +43,7 @@ static const char *table_of(const char *study, const km_text *bytes, km_arena *a
   return km_text_move_to_arena(&file, arena);
 }
 
+/* Appends the hash of a file and, for a path study, of its table of poses. */
 static km_status add_file(const char *file, bool is_study, km_arena *arena, km_text *out, km_error *error) {
   km_text bytes = {0};
   char key[KM_SHA256_TEXT];

@@ -43,6 +43,7 @@ static bool is_accurate(const run *r) {
          km_student(n - 1.0) * (km_moments_deviation(&r->moments) / sqrt(n)) <= r->study->def->sample->accuracy;
 }
 
+/* Adds the figures of designs to the running moments. */
 static km_status add_figures(run *r, int begin, int end, km_error *error) {
   km_status status = KM_OK;
   for (int i = begin; i < end && !status; ++i) {
@@ -102,6 +103,7 @@ static km_status run_part(run *r, int end, km_error *error) {
   return status ? status : taken;
 }
 
+/* Runs all designs, part by part; after each part the accuracy of the mean is tested. */
 static km_status run_parts(run *r, km_error *error) {
   km_status status = KM_OK;
   int end = r->figure >= 0 && FIRST_CHECK < r->total ? FIRST_CHECK : r->total;
@@ -120,6 +122,7 @@ static km_status run_parts(run *r, km_error *error) {
   return status ? status : stored;
 }
 
+/* Opens the batch evaluation and runs the designs of the study. */
 static km_status run_designs(run *r, int jobs, km_error *error) {
   km_design_study *s = r->study;
   r->total = km_designs_planned(s);

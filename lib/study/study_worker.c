@@ -59,6 +59,7 @@ void km_design_worker_free(km_design_worker *w) {
   km_free(w);
 }
 
+/* Reads the model with the file's values and compiles its mechanism. */
 static km_status open_slot(const km_design_study *s, model_slot *at, km_error *error) {
   double values[KM_MAX_DESIGN_PARAMETERS];
   km_design_clear(s, values);
@@ -135,10 +136,12 @@ static void fail_answer(km_design_answer *a, const km_design_question *q, km_des
 
 /* Reason and place of the end of an arm's track. */
 static void write_track_reason(const km_track *track, km_design_answer *a) {
-  static const char *const reasons[] = {
-      [KM_TRACK_LIMIT] = "a joint is at its limit", [KM_TRACK_RATE] = "a joint would be too fast",
-      [KM_TRACK_SINGULAR] = "the pose is singular", [KM_TRACK_HELD] = "with the held joints the arm can't go on",
-      [KM_TRACK_EDGE] = "the workspace ends here",  [KM_TRACK_NOT_CONVERGED] = "dynamic programming gave out"};
+  static const char *const reasons[] = {[KM_TRACK_LIMIT] = "a joint is at its limit",
+                                        [KM_TRACK_RATE] = "a joint would be too fast",
+                                        [KM_TRACK_SINGULAR] = "the pose is singular",
+                                        [KM_TRACK_FIXED_JOINTS] = "the arm can't continue with the fixed joints",
+                                        [KM_TRACK_WORKSPACE_BOUNDARY] = "the workspace ends here",
+                                        [KM_TRACK_NOT_CONVERGED] = "dynamic programming needs too much work"};
   km_track_end end = km_track_ending(track);
   const char *reason = (size_t)end.stop < sizeof reasons / sizeof *reasons ? reasons[end.stop] : NULL;
   snprintf(a->reason, sizeof a->reason, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
@@ -199,6 +202,7 @@ static const char **columns_read(const km_design_question *q, km_arena *arena) {
   return reads;
 }
 
+/* Creates a request with its options and the columns that it must compute. */
 static km_status create_question(const km_design_worker *w, int index, const km_mechanism *m, const km_model *model,
                                  km_question **out, km_error *error) {
   const km_design_question *def = &w->study->def->questions[index];
@@ -218,6 +222,7 @@ static km_status create_question(const km_design_worker *w, int index, const km_
   return status;
 }
 
+/* Copies figures and bands of a computed request, with the reason of an early end. */
 static void copy_answer(const km_design_worker *w, int index, const km_model *model, const km_question *q,
                         km_status status, km_design_answer *a) {
   const km_design_question *def = &w->study->def->questions[index];
@@ -241,6 +246,7 @@ typedef struct prepared_request {
   km_design_task *task;
 } prepared_request;
 
+/* Converts the status of a request to the outcome of its answer. */
 static void store_outcome(const km_design_worker *w, int index, const prepared_request *a, km_status status,
                           const km_error *found) {
   km_design_answer *answer = &a->task->answers[index];
@@ -350,6 +356,7 @@ static void answer_question(const km_design_worker *w, int question, const desig
     close_request(&own[i]);
 }
 
+/* Evaluates the study's function. */
 static km_status answer_function(const km_design_worker *w, const km_design_task *task) {
   const km_design_study_def *def = w->study->def;
   km_design_answer *a = &task->answers[0];

@@ -29,21 +29,23 @@ struct km_worker_processes {
 };
 
 km_status km_worker_processes_check(const km_design_workers *c, km_error *error) {
-  km_status status = km_check_given(c && c->send && c->receive, "crew with its ways of sending and receiving", error);
-  return status || c->size >= 0 ? status : km_fail(error, KM_USAGE, "found a crew of %d members", c->size);
+  km_status status =
+      km_check_given(c && c->send && c->receive, "worker processes with functions to send and receive", error);
+  return status || c->size >= 0 ? status
+                                : km_fail(error, KM_USAGE, "found %d worker processes; expected at least 0", c->size);
 }
 
 km_status km_worker_processes_open(km_design_study *study, const km_design_workers *members, km_worker_processes **out,
                                    km_error *error) {
   km_worker_processes *c = *out = KM_NEW(km_worker_processes, 1);
   if (!c)
-    return km_fail(error, KM_MEMORY, "out of memory for a crew");
+    return km_fail(error, KM_MEMORY, "out of memory for worker processes");
   *c = (km_worker_processes){.study = study, .members = members};
   c->state = KM_ARENA_NEW(&c->arena, member, (size_t)members->size + 1);
   c->answers = km_design_answers(study, &c->arena);
   for (int m = 1; m <= members->size && c->state; ++m)
     c->state[m].size = 1;
-  return c->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a crew") : KM_OK;
+  return c->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for worker processes") : KM_OK;
 }
 
 void km_worker_processes_close(km_worker_processes *c) {
@@ -81,6 +83,7 @@ static km_status find_missing(const km_worker_processes *c, int design, int *wan
   return status;
 }
 
+/* Sends a piece of designs with missing answers to a member. */
 static km_status send_piece(km_worker_processes *c, int m, int *next, int end, km_error *error) {
   km_text message = {0};
   km_status status = KM_OK;
@@ -241,6 +244,7 @@ static km_status answer_piece(km_evaluation *b, message_reader *r, km_text *repl
   return status;
 }
 
+/* Loop of a member: receives pieces, computes them, sends the answers. */
 static km_status run_member_loop(km_evaluation *b, const km_design_workers *c, km_error *error) {
   for (;;) {
     const void *bytes = NULL;

@@ -199,7 +199,7 @@ static void test_numbers(void **unused) {
 
 static void test_studies(void **unused) {
   (void)unused;
-  assert_says(open_crew, "out of memory for a crew");
+  assert_says(open_crew, "out of memory for worker processes");
   assert_says(optimise, "out of memory for the optimisation");
 }
 

@@ -182,7 +182,7 @@ static void hinges_turn_on_to_their_limits(void **state) {
     arm->high[k] = HUGE_VAL;
   }
   km_selfmotion free_motion = follow(arm, well_inside);
-  assert_true(free_motion.closed && !free_motion.turns_on && free_motion.whole);
+  assert_true(free_motion.closed && !free_motion.continues_by_turns && free_motion.is_within_limits);
   int turning = -1;
   for (int k = 0; k < 7; ++k)
     if (fabs(free_motion.q[7 * (free_motion.count - 1) + k] - well_inside[k]) > 6.0)
@@ -192,7 +192,7 @@ static void hinges_turn_on_to_their_limits(void **state) {
     arm->low[turning] = -high;
     arm->high[turning] = high;
     km_selfmotion motion = follow(arm, well_inside);
-    assert_true(motion.closed && motion.turns_on && !motion.whole);
+    assert_true(motion.closed && motion.continues_by_turns && !motion.is_within_limits);
     assert_near(motion.length, free_motion.length, 1e-12);
     assert_int_equal(motion.arc_count, 1);
     assert_int_equal(motion.arcs[0].column[0], turning);
@@ -221,7 +221,7 @@ static void narrow_gaps_are_found(void **state) {
       arm->low[k] = -arm->high[k];
     }
     km_selfmotion motion = follow(arm, well_inside);
-    assert_true(motion.arc_count > 0 && !motion.whole);
+    assert_true(motion.arc_count > 0 && !motion.is_within_limits);
     double missing = motion.length;
     for (int k = 0; k < motion.arc_count; ++k)
       missing -= motion.arcs[k].to - motion.arcs[k].from;
@@ -293,7 +293,7 @@ static void wide_limits_keep_the_branches(void **state) {
     const km_selfmotion *m = &branches.items[b];
     assert_int_equal(km_arm_limit_passed(arm, branches.pose + 7 * b), -1);
     assert_near(branches.margin[b], km_arm_limit_distance(arm, branches.pose + 7 * b), 1e-12);
-    assert_true(m->arc_count > 0 && !m->whole);
+    assert_true(m->arc_count > 0 && !m->is_within_limits);
     for (int i = 0; i < m->row_count; ++i) {
       bool first = i == 0 || m->row_arc[i] != m->row_arc[i - 1];
       bool last = i + 1 == m->row_count || m->row_arc[i] != m->row_arc[i + 1];

@@ -35,7 +35,7 @@ static void the_edge_is_located(void **state) {
   km_track *track = track_of(study, 0, 1);
   size_t last = km_table_rows(track->table) - 1;
   double q[KM_ARM_MAX_JOINTS];
-  assert_int_equal(track->end.stop, KM_TRACK_EDGE);
+  assert_int_equal(track->end.stop, KM_TRACK_WORKSPACE_BOUNDARY);
   for (int k = 0; k < 7; ++k)
     q[k] = km_table_row(track->table, last)[3 + k];
   km_pose at = effector_by_bodies(&f, study->arm, q);
@@ -61,7 +61,7 @@ static void the_edge_is_told_by_what_lies_just_ahead(void **state) {
         steps);
     km_study *study = study_of(&f, text);
     km_track *track = track_of(study, 0, 1);
-    assert_int_equal(track->end.stop, KM_TRACK_EDGE);
+    assert_int_equal(track->end.stop, KM_TRACK_WORKSPACE_BOUNDARY);
     km_track_free(track);
     km_study_free(study);
   }
@@ -76,7 +76,7 @@ static void a_held_joint_is_named(void **state) {
   km_track *track = track_of(study, 0, 1);
   km_text text = {0};
   km_track_end_text(track, &text);
-  assert_int_equal(track->end.stop, KM_TRACK_HELD);
+  assert_int_equal(track->end.stop, KM_TRACK_FIXED_JOINTS);
   assert_true(track_cell(track, km_table_rows(track->table) - 1, "objective.singular-value") > 0.1);
   assert_non_null(strstr(text.data, "with joint joint3 held"));
   km_text_free(&text);

@@ -170,7 +170,7 @@ static void strangers(void **state) {
   for (int c = 0; c < 8; ++c) /* the mode of no pose: what follows the independent coordinate goes the wrong way */
     linear.modes[c] *= c % 4 == linear.independent[0] ? 1.0 : -1.0;
   expect(km_linear_motion(d, f.state, &linear, 0, 9, &motion, &e), KM_DIVERGED, &e,
-         "the loops can't be closed along the mode; is the pose a dead point?");
+         "the loops can't be closed along the mode; the pose can be a dead point");
   km_linear_free(&linear);
   km_dynamics_free(d);
   km_dynamics_free(of_g);

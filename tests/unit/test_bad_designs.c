@@ -361,7 +361,8 @@ static void crews_are_refused(void **state) {
   }
   talk nobody = {true, -1, NULL, 0};
   const km_design_workers few = {&nobody, -1, say, hear}, alone = {&nobody, 1, say, hear};
-  const told_text size = {"a crew", "found a crew of -1 members"}, leader = {"a crew", "the leader can't be reached"};
+  const told_text size = {"a crew", "found -1 worker processes; expected at least 0"},
+                  leader = {"a crew", "the leader can't be reached"};
   const told_text threads = {"a crew", "found 0 threads; expected 1 to 1024"};
   assert_int_equal(km_design_study_open(&d.def, NULL, false, &study, &e), KM_OK);
   km_status status = km_design_study_run_worker(study, 1, &few, &e);

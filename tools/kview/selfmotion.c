@@ -10,7 +10,7 @@ static void add_rows(const kv_call *call, const km_arm *arm, const km_selfmotion
   km_text *out = &call->answer->bytes;
   int columns = km_arm_coordinates(arm);
   km_text_format(out, "{\"kind\":\"selfmotion\",\"request\":%u,\"whole\":%s,\"coordinates\":[", call->request,
-                 motion->whole ? "true" : "false");
+                 motion->is_within_limits ? "true" : "false");
   for (int c = 0; c < columns; ++c) {
     kv_add_comma(out);
     km_text_format(out, "%d", km_arm_coordinate(arm, c));

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Shifts hinges by full turns to within half a turn of the middle of their limits. */
 void km_arm_unwind(const km_arm *a, double *q) {
   for (int k = 0; k < a->n; ++k) {
     bool limited = a->high[k] - a->low[k] < (double)INFINITY;
@@ -41,6 +42,7 @@ void km_arm_full_turn_range(const km_arm *a, int column, double min_sine, double
   *last = (int)floor((a->high[column] - min_sine + group_tolerance) / (2.0 * M_PI));
 }
 
+/* Shifts hinges with wide limits by the full turns that are closest to near[n]. */
 void km_arm_shift_to_nearest(const km_arm *a, const double *near, double *q) {
   for (int k = 0; k < a->n; ++k) {
     int first, last;
@@ -106,6 +108,7 @@ static void set_ranges(lift_search *l) {
   }
 }
 
+/* Appends arcs with their shifts and the full turns in their middles. */
 static bool add_arcs(lift_search *l, const km_selfmotion_curve *at, const km_arc_span *arcs, int count) {
   const size_t n = (size_t)at->arm->n, size = (size_t)l->out->count + (size_t)count;
   km_lifted_arcs *out = l->out;
@@ -129,6 +132,7 @@ static bool add_arcs(lift_search *l, const km_selfmotion_curve *at, const km_arc
   return true;
 }
 
+/* Computes and appends the arcs of the curve at the present shift. */
 static bool add_shifted_arcs(lift_search *l) {
   km_selfmotion_curve at = *l->curve;
   at.q = l->shifted;
@@ -168,6 +172,7 @@ static int compare_turns(const void *a, const void *b) {
   return x->from < y->from ? -1 : x->from > y->from ? 1 : x->index - y->index;
 }
 
+/* Sorts the arcs by turns, then by arc length. */
 static bool sort_arcs(km_lifted_arcs *lifts, int n) {
   size_t count = (size_t)lifts->count, row = (size_t)n * sizeof *lifts->turn;
   arc_order *order = KM_NEW(arc_order, count + 1);
@@ -192,6 +197,7 @@ static bool sort_arcs(km_lifted_arcs *lifts, int n) {
   return is_ok;
 }
 
+/* Enumerates all shifts by full turns and collects their arcs. */
 bool km_selfmotion_curve_find_lifted_arcs(const km_selfmotion_curve *c, km_lifted_arcs *out) {
   enum { MAX_LIFTS = 20000 };
   lift_search l = {.curve = c, .out = out};

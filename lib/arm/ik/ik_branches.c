@@ -59,6 +59,7 @@ static void unwind_at(const km_arm *a, km_selfmotion_curve *c, int i) {
       c->q[j * a->n + k] += turn[k];
 }
 
+/* Record of one branch, with its configuration of largest limit distance. */
 static km_status write_branch(km_ik_search *search, km_selfmotion_curve *c, km_selfmotion *out, double *pose,
                               double *margin, km_error *error) {
   const km_arm *a = search->arm;
@@ -100,6 +101,7 @@ static int compare_branches(const void *a, const void *b) {
   return x->index - y->index;
 }
 
+/* Records of all branches, sorted: branches within the limits first. */
 static km_status write_solutions(km_ik_search *search, km_ik_solutions *out, km_error *error) {
   size_t count = (size_t)search->count, n = (size_t)search->arm->n;
   km_selfmotion *items = KM_NEW(km_selfmotion, count + 1);
@@ -217,6 +219,7 @@ static bool find_nearest(km_ik_search *search, const double *near, double *q) {
   return best < (double)INFINITY;
 }
 
+/* Closest configuration: Newton's method from `near`, else the best point of all branches. */
 km_status km_arm_nearest(const km_arm *a, const km_pose *target, const double *near, unsigned long seed,
                          km_progress progress, void *context, double *q, km_error *error) {
   km_ik_search search;

@@ -23,6 +23,7 @@ static double random_coordinate(const km_arm *a, int k, km_random *r) {
   return km_random_between(r, middle - half, middle + half);
 }
 
+/* One random start: Newton's method to the target, hinges unwound, diverged slides rejected. */
 static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, km_random *r, double *q) {
   for (int k = 0; k < a->n; ++k)
     q[k] = random_coordinate(a, k, r);
@@ -280,6 +281,7 @@ static void search_random(km_ik_search *search, unsigned long seed) {
   }
 }
 
+/* Closed form if there is one, then random starts unless the count is confirmed. */
 km_status km_ik_search_run(const km_arm *a, const km_pose *target, unsigned long seed, km_progress progress,
                            void *context, km_ik_search *search, km_error *error) {
   *search = (km_ik_search){.arm = a, .target = *target, .progress = progress, .context = context};

@@ -104,6 +104,7 @@ static void equations_parallel(const km_six_hinges *six, const km_pose *T, outer
   linear_equation(s, km_vec3_sub(s->b.point, s->a.point), km_vec3_sub(s->c.point, s->b.point), constant, out[1]);
 }
 
+/* The three hinges outside the group in cyclic order; those after the group are moved by T. */
 static outer_hinges outer_hinges_of(const km_six_hinges *six, const km_pose *T, int index[3]) {
   km_hinge order[3];
   for (int k = 0; k < 3; ++k) {
@@ -175,6 +176,7 @@ static int add_solutions(const km_six_hinges *six, const km_pose *T, const int i
   return count;
 }
 
+/* Solves the equations of the outer hinges for pairs of angles, then the group for each pair. */
 int km_six_hinges_solve(const km_six_hinges *six, const km_pose *target, double (*angles)[KM_SIX]) {
   km_pose back = km_pose_inverse(&six->effector), T = km_pose_product(target, &back);
   int index[3], count = 0;
@@ -199,6 +201,7 @@ static const double group_tolerance = 1e-5;
  * ill-conditioned. */
 static const double min_sine = 1e-4;
 
+/* True if the three axes of the group meet in one point, which is stored as its centre. */
 static bool is_concurrent(km_six_hinges *six) {
   const km_hinge *h = six->hinges + six->first;
   km_vec3 n = km_vec3_cross(h[0].axis, h[1].axis);
@@ -214,6 +217,7 @@ static bool is_concurrent(km_six_hinges *six) {
          km_vec3_norm(perpendicular_part(h[2].axis, km_vec3_sub(six->centre, h[2].point))) < group_tolerance;
 }
 
+/* True if the three axes of the group are parallel and distinct. */
 static bool is_parallel(km_six_hinges *six) {
   const km_hinge *h = six->hinges + six->first;
   six->group = KM_GROUP_PARALLEL;

@@ -13,6 +13,7 @@
 
 static const double negligible = 1e-12;
 
+/* a cos x + b sin x + c = 0 as hypot(a, b) cos(x − atan2(b, a)) = −c. */
 int km_solve_cos_sin(const double line[3], double x[2]) {
   double size = hypot(line[0], line[1]), middle = atan2(line[1], line[0]);
   if (!(size > negligible) || fabs(line[2]) > 1.5 * size)
@@ -151,6 +152,8 @@ static double independence(double e[2][5], bool second) {
   return size > negligible * negligible ? fabs(det) / size : 0.0;
 }
 
+/* Normalises both rows and eliminates the angle with the better conditioned coefficients; nearly proportional
+ * coefficients are also solved separately. */
 int km_solve_cos_sin_pair(double e[2][5], double (*pairs)[2]) {
   static const double min_independence = 1e-5;
   for (int row = 0; row < 2; ++row) {

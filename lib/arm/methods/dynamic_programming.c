@@ -72,6 +72,7 @@ static void advance_states(km_dp_grid *g, int worker, int first, int count) {
   }
 }
 
+/* Part of a worker: batches of KM_STEP_BATCH pairs (state, action). */
 static void advance_share(void *context, int worker) {
   km_dp_grid *g = context;
   int count = g->stages[g->now - 1].count * g->actions;
@@ -97,6 +98,7 @@ static bool choose_actions(km_dp_grid *g) {
   return true;
 }
 
+/* Computes all arrivals of a stage, in parallel, and keeps the best of each neighbourhood. */
 static bool fill_stage(km_dp_grid *g) {
   if (!choose_actions(g))
     return false;
@@ -157,6 +159,7 @@ static km_status stop_early(km_dp_grid *g) {
   return KM_PARTIAL;
 }
 
+/* Allocates the grid; its first stage has one state, the start. */
 static bool begin(km_dp_grid *g) {
   static const km_step_choice greedy_choice = {0};
   km_tracking_run *run = g->run;
@@ -202,6 +205,7 @@ static bool exceeds_work_limit(const km_dp_grid *g) {
   return work > BASE_WORK + (double)WORK_PER_SAMPLE * g->run->plan->path->samples;
 }
 
+/* Solves stage by stage and writes the track of the best final state. */
 static km_status solve(km_dp_grid *g, km_error *error) {
   km_tracking_run *run = g->run;
   if (!begin(g))
@@ -235,6 +239,7 @@ typedef struct pass {
   bool eased;
 } pass;
 
+/* Solves once with a spacing and a stage length. */
 static km_status solve_grid(km_tracking_run *run, double spacing, int length, pass p, km_error *error) {
   km_dp_grid g = {.run = run,
                   .spacing = spacing,

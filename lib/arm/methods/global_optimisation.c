@@ -18,6 +18,7 @@ typedef struct problem {
   int tried;
 } problem;
 
+/* tan φ at a sample: linear interpolation between the knots. */
 static void choose(void *context, km_tracking_run *run, int sample, const km_path_node *node, km_step_choice *choice) {
   problem *p = context;
   (void)node;
@@ -30,6 +31,8 @@ static void choose(void *context, km_tracking_run *run, int sample, const km_pat
   choice->tan_phi = p->tan_phi;
 }
 
+/* Cost for NLopt: minus the score of a complete track; a track that ends early costs more than any complete one,
+ * less the farther it goes. */
 static double objective_cost(unsigned count, const double *x, double *gradient, void *context) {
   static const km_step_choice greedy_choice = {0};
   problem *p = context;
@@ -57,6 +60,7 @@ static double objective_cost(unsigned count, const double *x, double *gradient, 
   return value;
 }
 
+/* Runs one algorithm of NLopt from the best knots so far, |tan φ| bounded by the method's angle. */
 static bool run_optimiser(problem *p, nlopt_algorithm algorithm, int evaluations) {
   const km_method *method = &p->run->plan->method;
   unsigned count = (unsigned)(method->knots * p->run->arm->freedom);
@@ -77,6 +81,7 @@ static bool run_optimiser(problem *p, nlopt_algorithm algorithm, int evaluations
   return result != NLOPT_OUT_OF_MEMORY;
 }
 
+/* Controlled random search, then Subplex, each with half of the evaluations; writes the best track. */
 km_status km_method_global(km_tracking_run *run, km_error *error) {
   static const km_step_choice greedy_choice = {0};
   const km_method *method = &run->plan->method;

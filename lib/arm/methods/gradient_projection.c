@@ -21,6 +21,7 @@ static double objective_along(km_tracking_run *run, gradient_search *c, int samp
   return c->probe.value;
 }
 
+/* tan φ along the gradient of the objective by central differences, shortened to tan(angle). */
 static void choose(void *context, km_tracking_run *run, int sample, const km_path_node *node, km_step_choice *choice) {
   static const double h = 1e-4;
   gradient_search *c = context;

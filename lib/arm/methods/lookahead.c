@@ -205,6 +205,7 @@ static km_status try_eased(km_tracking_run *run, km_status status, km_error *err
   return status;
 }
 
+/* Look-ahead; with easing if rates end it early; greedy's track if that is better. */
 km_status km_method_lookahead(km_tracking_run *run, km_error *error) {
   const km_method *method = &run->plan->method;
   double nodes = 0.0;

@@ -14,7 +14,7 @@ enum { THREADS_PAY = 16 };
 
 /* Sets tan φ of each branch towards each pose-control column. One freedom: kφ, k = −(n−1)/2 … (n−1)/2. Two: 0 and a
  * circle of directions. More: 0, then ± along each column. */
-static void set_tilts(km_look_tree *t) {
+static void set_branch_angles(km_look_tree *t) {
   const km_method *method = &t->run->plan->method;
   const int freedom = t->run->arm->freedom, n = t->branches;
   for (int b = 0; b < n && freedom > 0; ++b) {
@@ -168,6 +168,7 @@ static void grow_group(km_look_tree *t, int level, int worker, int first, int co
     store_branch(t, worker, &all[l]);
 }
 
+/* Part of a worker: its groups of every level of the present round. */
 static void grow_share(void *context, int worker) {
   km_look_tree *t = context;
   for (int level = t->first; level < t->end; ++level) {
@@ -254,6 +255,7 @@ static void plan_round(km_look_tree *t, int levels) {
     t->end++;
 }
 
+/* Allocates root, first level and first samples of a tree. */
 static km_look_root_level *create_root_level(km_look_tree *t) {
   const km_arm *a = t->run->arm;
   km_arena *arena = &t->run->arena;
@@ -304,7 +306,7 @@ bool km_look_tree_create(km_look_tree *t, km_tracking_run *run) {
   for (int i = 0; i < branch_nodes && is_ok; ++i)
     is_ok = km_path_node_create(a, arena, &t->branch_nodes[i]);
   if (is_ok)
-    set_tilts(t);
+    set_branch_angles(t);
   return is_ok;
 }
 
@@ -315,6 +317,7 @@ void km_look_tree_destroy(km_look_tree *t) {
   }
 }
 
+/* Grows the tree round by round; a round contains the levels without a barrier between them. */
 int km_look_tree_grow(km_look_tree *t) {
   int levels = (depth_of(t, t->now) + t->stride - 1) / t->stride;
   t->guesses = 0;
@@ -340,6 +343,7 @@ static bool adopt_guess(km_look_tree *t, int branch) {
   return false;
 }
 
+/* Moves the root by one sample along the executed branch, to a speculative tree if there is one. */
 void km_look_tree_recede(km_look_tree *t, int branch) {
   t->other = branch == t->branch ? t->other : t->branch;
   t->branch = branch;

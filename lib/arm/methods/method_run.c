@@ -75,6 +75,8 @@ static bool at_limit(const km_arm *a, const double *q, int column) {
   return fmin(fabs(q[column] - a->low[column]), fabs(a->high[column] - q[column])) <= is_near * (1.0 + fabs(q[column]));
 }
 
+/* Locates the end by bisection and distinguishes limit, rate, singular configuration, workspace boundary and fixed
+ * joints. */
 void km_run_stop(km_tracking_run *run, const km_path_node *node, const km_step_choice *choice, km_step_end end) {
   km_path_node at = {.q = run->last};
   km_arena arena = {0};
@@ -101,9 +103,9 @@ void km_run_stop(km_tracking_run *run, const km_path_node *node, const km_step_c
   run->column = end.column;
   memcpy(run->last, at.q, (size_t)run->arm->n * sizeof *at.q);
   if (end.stop == KM_TRACK_SINGULAR && is_workspace_boundary(run))
-    run->stop = KM_TRACK_EDGE;
+    run->stop = KM_TRACK_WORKSPACE_BOUNDARY;
   else if (end.stop == KM_TRACK_SINGULAR && choice->fixed && is_regular(run, run->last))
-    run->stop = KM_TRACK_HELD;
+    run->stop = KM_TRACK_FIXED_JOINTS;
   km_arena_free(&arena);
 }
 
@@ -177,6 +179,7 @@ static double rate_margin_correction(km_tracking_run *run, int sample) {
   return weight * (km_objective_rate_margin(a, rates) - values[KM_RATE_MARGIN]);
 }
 
+/* Evaluates the objective at every sample of the track. */
 km_run_value km_run_evaluate(km_tracking_run *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
   static const km_step_choice greedy_choice = {0};

@@ -42,6 +42,7 @@ static bool limit_rates(const km_arm *a, const km_path_node *node, double speed,
   return false;
 }
 
+/* Repeats a step that exceeded a rate with the closest tan φ that satisfies the rates, with growing margins. */
 km_step_end km_tracker_ease(const km_tracker *w, km_tracker_space *s, int sample, const km_path_node *from,
                             const km_step_choice *choice, km_step_end end, km_path_node *to) {
   static const double margins[] = {0.001, 0.01, 0.03, 0.1}; /* relative margins, tried in turn, because rates grow

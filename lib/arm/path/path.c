@@ -112,6 +112,7 @@ static const km_segment *segment_at(const km_path *path, int i) {
   return &path->segments[path->segment_of[i]];
 }
 
+/* Path point at a fraction of an interval; splines and weaves are integrated, other shapes are linear in u. */
 km_path_point km_path_at(const km_path *path, int i, double fraction) {
   const km_segment *segment = segment_at(path, i);
   const km_path_point *a = &path->points[i], *b = &path->points[i + 1];
@@ -162,6 +163,7 @@ static bool sample_segment(km_path *path, int index) {
   return true;
 }
 
+/* Numbers the samples of all segments and computes them. */
 km_status km_path_finish(km_path *path, int *which, km_error *error) {
   int steps = 0;
   for (int i = 0; i < path->segment_count; ++i) {

@@ -33,6 +33,7 @@ static km_vec3 direction_of(const double v[3]) {
   return km_vec3_scale(1.0 / km_vec3_norm(axis), axis);
 }
 
+/* Helix segment: axis, angle, rise and rotation of the effector. */
 static km_status make_helix(path_builder *b, const km_path_segment *g, km_segment *out, km_error *error) {
   out->kind = KM_SEGMENT_HELIX;
   out->centre = position_of(b, g->center);
@@ -67,6 +68,7 @@ typedef struct knots {
   int given, first;    /* first: index of the first pose used, 0 or 1 */
 } knots;
 
+/* Checks and collects the poses of a spline, preceded by the end of the path so far. */
 static km_status gather_points(path_builder *b, const km_path_segment *g, knots *out, km_error *error) {
   km_status status = km_check_list(g->points, g->point_count, "points of a spline", error);
   *out = (knots){.given = g->point_count, .times = g->times};
@@ -123,6 +125,7 @@ static km_status set_knots(path_builder *b, const knots *k, km_segment *out, km_
   return KM_OK;
 }
 
+/* Spline segment through poses. */
 static km_status make_spline(path_builder *b, const km_path_segment *g, km_segment *out, km_error *error) {
   knots k;
   b->fault->key = "points";
@@ -136,6 +139,7 @@ static km_status make_spline(path_builder *b, const km_path_segment *g, km_segme
   return status ? status : km_segment_fit(out, k.poses + k.first, &b->path->arena, error);
 }
 
+/* Builds one segment by its shape. */
 static km_status make_segment(path_builder *b, const km_path_segment *g, km_segment *out, km_error *error) {
   km_frame_pose end = {.p = {g->to[0], g->to[1], g->to[2]}};
   memcpy(end.R, g->turns ? g->R : (const double[]){1, 0, 0, 0, 1, 0, 0, 0, 1}, sizeof end.R);
@@ -159,6 +163,7 @@ static km_status make_segment(path_builder *b, const km_path_segment *g, km_segm
   }
 }
 
+/* Builds all segments, each from the end of the previous one, and samples the path. */
 static km_status make_segments(path_builder *b, const km_path_plan *plan, km_error *error) {
   km_path *path = b->path;
   path->segments = KM_ARENA_NEW(&path->arena, km_segment, (size_t)plan->segment_count);

@@ -17,6 +17,7 @@ static km_pose line_pose(const km_segment *g, double u, km_twist *rate) {
   return (km_pose){has_rotation(km_vec3_scale(u, g->turn), &g->start.R), km_vec3_axpy(u, g->travel, g->start.p)};
 }
 
+/* Pose and rate of a helix: rotation of the arm about the axis plus rise. */
 static km_pose helix_pose(const km_segment *g, double u, km_twist *rate) {
   km_rotation turn = km_quaternion_rotation(km_quaternion_exp(km_vec3_scale(u * g->angle, g->axis)));
   km_vec3 arm = km_rotate(&turn, km_vec3_sub(g->start.p, g->centre));
@@ -45,6 +46,7 @@ static void bernstein(double x, double value[3], double rate[3]) {
   rate[2] = 3.0 * x * x;
 }
 
+/* Pose and rate of a spline: cubic positions, orientation by the product of three exponentials. */
 static km_pose spline_pose(const km_segment *g, double u, km_twist *rate) {
   int k = 0;
   while (k < g->knots - 2 && u >= g->knot[k + 1])
@@ -117,6 +119,7 @@ static bool fit_position(km_segment *g, int axis, const km_pose *poses, double *
   return g->spline[axis] && gsl_spline_init(g->spline[axis], g->knot, value, (size_t)g->knots) == GSL_SUCCESS;
 }
 
+/* Fits cubic splines to the positions and orientation pieces to the rotations. */
 km_status km_segment_fit(km_segment *g, const km_pose *poses, km_arena *arena, km_error *error) {
   size_t count = (size_t)g->knots;
   gsl_set_error_handler_off();

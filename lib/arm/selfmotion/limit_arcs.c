@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 
+/* Excess over the limits; for hinges with narrow limits, modulo full turns. */
 double km_arm_limit_excess(const km_arm *a, int column, double q) {
   double half = 0.5 * (a->high[column] - a->low[column]);
   if (!km_arm_has_narrow_limits(a, column))
@@ -218,6 +219,7 @@ static int rounds_within(double room, double turn) {
   return count < (double)INFINITY ? (int)fmin(count, MAX_ROUNDS) : 1;
 }
 
+/* Rounds of a closed curve within the wide limits of all hinges that make full turns. */
 static rounds rounds_of(const km_selfmotion_curve *c) {
   const km_arm *a = c->arm;
   int before = 0, after = 1;
@@ -239,6 +241,7 @@ static rounds rounds_of(const km_selfmotion_curve *c) {
   return (rounds){-before, after};
 }
 
+/* Locates all crossings of limits, sorts them and returns the arcs within the limits. */
 km_arc_span *km_selfmotion_curve_arcs(const km_selfmotion_curve *c, int *count) {
   crossings all = {.curve = c};
   const rounds r = rounds_of(c);

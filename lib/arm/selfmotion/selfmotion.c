@@ -4,6 +4,7 @@
 
 #include "arm/arm_arguments.h"
 
+/* Appends a row of an arc, shifted by full turns. */
 static void add_row(const km_selfmotion_curve *c, km_selfmotion *out, int arc, double u, const int *shift, double *q) {
   for (int k = 0; k < c->arm->n; ++k)
     q[k] += 2.0 * M_PI * shift[k];
@@ -39,6 +40,7 @@ static void add_arc(const km_selfmotion_curve *c, km_selfmotion *out, int arc, c
     add_row(c, out, arc, to, shift, q);
 }
 
+/* Writes the rows of all arcs. */
 static bool add_rows(const km_selfmotion_curve *c, const int *shift, km_selfmotion *out) {
   size_t most = 2;
   for (int arc = 0; arc < out->arc_count; ++arc)
@@ -53,12 +55,13 @@ static bool add_rows(const km_selfmotion_curve *c, const int *shift, km_selfmoti
   return true;
 }
 
+/* Public record: points, lifted arcs, rows and the largest pose error. */
 km_status km_selfmotion_export(const km_selfmotion_curve *c, km_selfmotion *out, km_error *error) {
   const int n = c->arm->n;
   out->count = c->count;
   out->columns = n;
   out->closed = c->closed;
-  out->turns_on = km_selfmotion_curve_continues(c);
+  out->continues_by_turns = km_selfmotion_curve_continues(c);
   out->length = c->length;
   out->u = KM_NEW(double, (size_t)c->count);
   out->q = KM_NEW(double, (size_t)(c->count * n));
@@ -73,9 +76,9 @@ km_status km_selfmotion_export(const km_selfmotion_curve *c, km_selfmotion *out,
   km_lifted_arcs_free(&lifts);
   if (!is_ok)
     return km_fail(error, KM_MEMORY, "out of memory for a self-motion");
-  out->whole = c->closed && !out->turns_on && out->arc_count > 0;
+  out->is_within_limits = c->closed && !out->continues_by_turns && out->arc_count > 0;
   for (int i = 0; i < out->arc_count; ++i)
-    out->whole = out->whole && out->arcs[i].column[0] < 0 && out->arcs[i].column[1] < 0;
+    out->is_within_limits = out->is_within_limits && out->arcs[i].column[0] < 0 && out->arcs[i].column[1] < 0;
   for (int i = 0; i < c->count; ++i) {
     out->u[i] = c->u[i];
     for (int k = 0; k < n; ++k)

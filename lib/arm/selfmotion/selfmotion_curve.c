@@ -43,6 +43,7 @@ static bool tangent(const km_arm *a, km_arm_space *s, const double *guide, doubl
   return s->null_count == 1;
 }
 
+/* Projects q onto the target pose by Newton's method; false if it moves farther than `most`. */
 static bool project(const km_arm *a, km_arm_space *s, const km_pose *target, double most, double *q) {
   double before[KM_ARM_MAX_JOINTS], moved = 0.0;
   memcpy(before, q, (size_t)a->n * sizeof *q);
@@ -53,6 +54,7 @@ static bool project(const km_arm *a, km_arm_space *s, const km_pose *target, dou
   return sqrt(moved) <= most;
 }
 
+/* Appends a point with arc length, configuration and tangent. */
 static bool add(km_selfmotion_curve *c, double u, const double *q, const double *t) {
   size_t n = (size_t)c->arm->n;
   if (c->count == c->capacity) {
@@ -193,6 +195,7 @@ static void orient_tangent(double *t, int n) {
     t[k] = -t[k];
 }
 
+/* Continuation forward from the start and, unless the curve closes, backward. */
 bool km_selfmotion_curve_follow(km_selfmotion_curve *c, const double *q, double longest) {
   const int n = c->arm->n;
   double start[KM_ARM_MAX_JOINTS], t[KM_ARM_MAX_JOINTS];
@@ -243,6 +246,7 @@ static double next_point(const km_selfmotion_curve *c, int i, double *move, cons
   return last ? c->length - c->u[i] : c->u[i + 1] - c->u[i];
 }
 
+/* Cubic Hermite interpolation between two points, projected onto the target pose. */
 bool km_selfmotion_curve_interpolate(const km_selfmotion_curve *c, int i, double x, double *q, double *t) {
   const int n = c->arm->n;
   double move[KM_ARM_MAX_JOINTS];
@@ -258,6 +262,7 @@ bool km_selfmotion_curve_interpolate(const km_selfmotion_curve *c, int i, double
   return true;
 }
 
+/* Full turns of a hinge over one round, from its accumulated angle. */
 double km_selfmotion_curve_turn(const km_selfmotion_curve *c, int column) {
   const int n = c->arm->n;
   if (!c->closed || !km_arm_is_hinge(c->arm, column))
@@ -267,6 +272,7 @@ double km_selfmotion_curve_turn(const km_selfmotion_curve *c, int column) {
   return 2.0 * M_PI * round(round_trip / (2.0 * M_PI));
 }
 
+/* Configuration at an arc length, also in other rounds of a closed curve. */
 bool km_selfmotion_curve_at(const km_selfmotion_curve *c, double u, double *q) {
   double rounds = c->closed ? floor(u / c->length) : 0.0;
   int i = 0;
@@ -281,6 +287,7 @@ bool km_selfmotion_curve_at(const km_selfmotion_curve *c, double u, double *q) {
   return true;
 }
 
+/* Searches the foot of the perpendicular of q near each point within two steps. */
 bool km_selfmotion_curve_contains(const km_selfmotion_curve *c, const double *q) {
   const int n = c->arm->n;
   double difference[KM_ARM_MAX_JOINTS], at[KM_ARM_MAX_JOINTS];

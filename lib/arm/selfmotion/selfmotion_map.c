@@ -58,6 +58,7 @@ static void copy_arcs(const km_selfmotion_curve *c, const km_arc_span *arcs, int
     }
 }
 
+/* Follows the self-motion of the reference at a sample and adds it as a station. */
 static bool add_station(map_builder *m, int sample) {
   km_motion_map *out = m->out;
   const km_path_point *point = &m->path->points[sample];
@@ -87,6 +88,7 @@ static bool add_station(map_builder *m, int sample) {
   return is_ok;
 }
 
+/* Carries the reference along the path by the path-control column and adds stations at equal strides. */
 static bool trace_reference(map_builder *m, const double *start, int stations) {
   static const km_step_choice greedy_choice = {0};
   const km_tracker w = {&m->free_arm, m->path, NULL};
@@ -103,6 +105,7 @@ static bool trace_reference(map_builder *m, const double *start, int stations) {
   return true;
 }
 
+/* Allocates the map and an arm without limits and rates. */
 static bool prepare(map_builder *m, km_arena *arena, const km_arm *arm, int stations) {
   size_t n = (size_t)arm->n;
   m->free_arm = *arm;

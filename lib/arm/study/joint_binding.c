@@ -125,6 +125,7 @@ static bool unknown_joint(km_binder *b, const km_study_names *joints, const char
                          a->n, km_nearest_text(&nearest, names));
 }
 
+/* Adds a joint, by its label, to the fixed joints of a method. */
 static bool add_fixed_joint(km_binder *b, const km_study_names *joints, const char *label, km_method *out) {
   const km_arm *a = b->study->arm;
   int k = find_column(a, label);

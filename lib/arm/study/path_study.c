@@ -33,6 +33,7 @@ bool km_binder_pass(km_binder *b, const km_study_place *place, km_status status,
   return !status || km_binder_fault(b, place, "%s", found->text);
 }
 
+/* Finds the effector's frame, by index or by its names. */
 static bool find_effector(km_binder *b, int *frame) {
   const km_model *model = b->mechanism->model;
   const km_study_names *names = &b->def->effector;
@@ -76,6 +77,7 @@ static void find_start(km_binder *b, const double *q) {
   }
 }
 
+/* Binds order, rates, methods, start and path, and finds the start by inverse kinematics. */
 static bool bind_parts(km_binder *b) {
   double q[KM_ARM_MAX_JOINTS];
   if (!make_arm(b) || !km_bind_order(b))
@@ -91,6 +93,7 @@ static bool bind_parts(km_binder *b) {
   return true;
 }
 
+/* Checks the arguments of km_study_bind. */
 static km_status check_arguments(const km_mechanism *mechanism, const km_state *state, const km_study_def *def,
                                  km_study **out, km_error *error) {
   if (!out)

@@ -52,6 +52,7 @@ static inline lanes_row lanes_from(const lanes_row *row, int c) {
     out.at[i] = ZERO;
   return out;
 }
+/* Dot product of rows with zeros before index c, in the order of summation of km_one_product. */
 static inline T lanes_product(const lanes_row *a, const lanes_row *b, int c) {
   T sum[2] = {a->at[6] * b->at[6], ZERO};
   UNROLLED

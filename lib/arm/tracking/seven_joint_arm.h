@@ -49,6 +49,7 @@ static inline double km_one_signed(double size, double x) {
   const km_bits sign = {INT64_MIN, 0};
   return km_pair_or((km_pair){size, 0.0}, km_pair_and((km_pair){x, 0.0}, (km_pair)sign))[0];
 }
+/* The row with zeros before index c. */
 static inline km_one_row km_one_from(const km_one_row *row, int c) {
   const km_bits second = {0, -1};
   km_one_row out = *row;
@@ -59,6 +60,7 @@ static inline km_one_row km_one_from(const km_one_row *row, int c) {
     out.pair[c / 2] = km_pair_and(out.pair[c / 2], (km_pair)second);
   return out;
 }
+/* Dot product of rows with zeros before index c. */
 static inline double km_one_product(const km_one_row *a, const km_one_row *b, int c) {
   km_pair sum = a->pair[3] * b->pair[3];
   if (c < 4)

@@ -30,6 +30,7 @@ static void add_column(table_builder *m, const char *name, const char *unit) {
   m->is_ok = km_table_add_column(m->table, name, unit) >= 0 && m->is_ok;
 }
 
+/* Adds one column per joint. */
 static void add_columns(table_builder *m, const km_arm *a, const char *prefix, const char *per) {
   const km_model *model = a->mechanism->model;
   for (int k = 0; k < a->n; ++k) {
@@ -104,6 +105,7 @@ typedef struct row_summary {
   double value, position, rotation, limit_margin;
 } row_summary;
 
+/* Adds a row to the summary of the track. */
 static void count_row(km_track *t, const row *r, const row *last, const row_summary *of) {
   const km_arm *a = t->arm;
   km_track_summary *s = &t->summary;
@@ -194,6 +196,7 @@ typedef struct writing {
   int count, pieces;
 } writing;
 
+/* Writes the rows of one piece. */
 static void write_piece(void *context, int piece) {
   const writing *w = context;
   const long long count = w->count;
@@ -225,6 +228,7 @@ static bool write_rows(km_track *t, km_tracking_run *run, int count, km_arena *a
   return is_ok;
 }
 
+/* Creates the table, writes its rows, and sums up the track. */
 static km_status fill_table(km_track *t, km_tracking_run *run, km_error *error) {
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
   km_arena arena = {0};
@@ -270,6 +274,7 @@ static km_status check_plan(const km_arm *arm, const km_track_plan *plan, km_err
   return status ? status : km_check_method(arm, &plan->method, error);
 }
 
+/* Runs a method on a path and tabulates the result. */
 km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);

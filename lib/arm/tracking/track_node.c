@@ -34,6 +34,7 @@ void km_path_node_copy(const km_arm *a, km_path_node *to, const km_path_node *fr
   to->value = from->value;
 }
 
+/* Joint rates: c₁/z · speed along the path, plus the part of `mean` along the self-motions. */
 void km_path_node_rates(const km_arm *a, const double *path, const double *self, double speed, const double *mean,
                         double *rates) {
   const double scale = path[a->n] > 0.0 ? speed / path[a->n] : 0.0;
@@ -77,8 +78,8 @@ int km_path_node_valid_corrections(const km_arm *a, const km_path_node *here, co
 
 /* Extrapolated correction `moved`: linear in the last two corrections, the last one if only one is valid, else 0;
  * also 0 if longer than `most`. */
-static void expect(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds, double most,
-                   double *moved) {
+static void extrapolate_correction(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds,
+                                   double most, double *moved) {
   const double *last = here->corrections, *before = last + a->n;
   int known = km_path_node_valid_corrections(a, here, choice, ds);
   for (int k = 0; k < a->n; ++k) {
@@ -89,11 +90,12 @@ static void expect(const km_arm *a, const km_path_node *here, const km_step_choi
     memset(moved, 0, (size_t)a->n * sizeof *moved);
 }
 
+/* Predictor step and extrapolated correction of a step. */
 double km_path_node_predict(const km_arm *a, const km_path_node *here, const km_step_choice *choice, double ds,
                             double *step, double *moved) {
   predict(a, here, choice, ds, step);
   double most = 0.5 * km_joint_length(step, a->n) + 1e-12; /* half the predictor, plus rounding */
-  expect(a, here, choice, ds, most, moved);
+  extrapolate_correction(a, here, choice, ds, most, moved);
   return most;
 }
 

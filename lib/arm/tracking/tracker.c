@@ -160,6 +160,7 @@ static int joint_over_rate(const km_arm *a, const double *rates) {
 
 static const km_step_end complete = {.stop = KM_TRACK_COMPLETE, .column = -1, .fraction = 1.0};
 
+/* Checks a step: limits at its end, rates of its mean and of its end; at the first sample also those of its start. */
 static km_step_end check_limits_and_rates(const km_tracker *w, int sample, const km_path_point *point,
                                           const km_path_node *from, const km_path_node *to) {
   const km_arm *a = w->arm;
@@ -186,6 +187,7 @@ static km_step_end check_limits_and_rates(const km_tracker *w, int sample, const
   return end;
 }
 
+/* Advances over an interval in partial steps, which are halved after a rejection and doubled after success. */
 km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample, double fraction,
                             const km_path_node *from, const km_step_choice *choice, km_path_node *to) {
   enum { MAX_PARTIAL_STEPS = 5000 };
@@ -284,6 +286,7 @@ static unsigned fill_lanes(const km_tracker *w, const int *samples, int count, c
   return used;
 }
 
+/* Advances several nodes as a batch; steps that fail in the batch are repeated one by one. */
 void km_tracker_steps(const km_tracker *w, km_tracker_space *s, const int *samples, int count,
                       const km_path_node *const *from, const km_step_choice *choices, km_path_node *const *to,
                       km_step_end *ends) {

@@ -91,6 +91,7 @@ static bool differentiate(km_newton *n, double t, const double *y) {
   return is_ok;
 }
 
+/* LU factorisation of I − γ J_CC. */
 static bool factor(km_newton *n) {
   size_t size = (size_t)n->run->size, count = (size_t)n->count;
   for (size_t k = 0; k < count; ++k) {
@@ -108,6 +109,7 @@ static bool factor(km_newton *n) {
 /* Return codes for CVODE: success, recoverable failure (shorter step), unrecoverable failure. */
 enum { SUCCESS = 0, RECOVERABLE = 1, UNRECOVERABLE = -1 };
 
+/* CVODE's callback: computes J_C if needed and factors I − γ J_CC. */
 static int prepare(realtype t, N_Vector y, N_Vector f, SUNMatrix A, booleantype known, booleantype *repartitions,
                    realtype gamma, void *data, N_Vector a, N_Vector b, N_Vector c) {
   km_newton *n = (km_newton *)A->content;
@@ -125,6 +127,7 @@ static int prepare(realtype t, N_Vector y, N_Vector f, SUNMatrix A, booleantype 
   return factor(n) ? SUCCESS : RECOVERABLE;
 }
 
+/* CVODE's callback: solves (I − γ J) x = b. */
 static int solve(SUNLinearSolver solver, SUNMatrix A, N_Vector out, N_Vector right, realtype tolerance) {
   km_newton *n = (km_newton *)solver->content;
   size_t size = (size_t)n->run->size;
@@ -158,6 +161,7 @@ static SUNMatrix_ID matrix_id(SUNMatrix matrix) {
   return SUNMATRIX_CUSTOM;
 }
 
+/* Allocates matrix, solver and work arrays. */
 static bool allocate(km_newton *n, SUNContext context) {
   size_t size = (size_t)n->run->size;
   n->solver = SUNLinSolNewEmpty(context);

@@ -88,6 +88,7 @@ static double truncation(const km_simulation *run, double h) {
   return first > 0.0 ? first * fmax(pow(fourth / first, 2.5), pow(fifth / first, 2.0)) : 0.0;
 }
 
+/* Fixed-point iteration of the stages; returns the noise of the stages and the truncation error. */
 bool km_collocation_try(km_simulation *run, double h, double *noise, double *after) {
   size_t n = (size_t)run->size;
   double weight[KM_STAGES][KM_STAGES], *at = run->stage + KM_STAGES * n, *slope = at + n;
@@ -122,6 +123,7 @@ void km_collocation_keep(km_simulation *run) {
   memcpy(run->kept_stages, run->stage, KM_STAGES * (size_t)run->size * sizeof *run->kept_stages);
 }
 
+/* Advances by the stored stages and closes the loops at the end. */
 bool km_collocation_step(km_simulation *run, double h) {
   size_t n = (size_t)run->size;
   double weight[KM_STAGES];

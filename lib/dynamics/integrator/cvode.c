@@ -59,6 +59,7 @@ static void ignore_error(int code, const char *module, const char *function, cha
   (void)data;
 }
 
+/* Creates CVODE's memory for Adams or BDF at the present vector. */
 static bool create_integrator(km_simulation *run, km_cvode *c) {
   bool bdf = run->choice.method == KM_BDF;
   c->memory = CVodeCreate(bdf ? CV_BDF : CV_ADAMS, c->context);
@@ -133,6 +134,7 @@ static double max_omega(const km_simulation *run) {
   return sqrt(run->def.absolute / rounding) * run->dynamics->mechanism->model->units.time->si;
 }
 
+/* After a step: shift, ω of Baumgarte's stabilisation, and the choice of the method. */
 static void update_step_control(km_simulation *run) {
   double h;
   int order;
@@ -179,6 +181,7 @@ static bool step_over_weak_constraints(km_simulation *run) {
   return chosen > 0.0 && km_collocation_step(run, chosen) && km_cvode_restart(run);
 }
 
+/* Records an accepted step. */
 static void accept_step(km_simulation *run, double t) {
   double h;
   CVodeGetNumErrTestFails(run->cvode->memory, &run->rejected);
@@ -222,6 +225,7 @@ static int try_step(km_simulation *run) {
   return flag;
 }
 
+/* One step; before configurations with weak constraints a collocation step, after failures the other method. */
 km_status km_cvode_step(km_simulation *run, km_error *error) {
   km_cvode *c = run->cvode;
   if (c->change_due && !change_method(run)) /* not earlier: dense output needs this method's history */

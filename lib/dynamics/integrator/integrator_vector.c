@@ -11,6 +11,7 @@
 
 #include <string.h>
 
+/* Sets the state from the vector plus shift. */
 void km_simulation_unpack(km_simulation *run, const double *y, double time) {
   const km_mechanism *m = run->dynamics->mechanism;
   km_state *s = run->state;
@@ -95,6 +96,7 @@ static bool differentiate(km_simulation *run, double *ydot) {
   return isfinite(sum);
 }
 
+/* Right side of the ordinary differential equations: rates, accelerations, internal rates, powers. */
 bool km_simulation_derivative(km_simulation *run, double time, const double *y, double *ydot) {
   km_dynamics *d = run->dynamics;
   km_dynamics_outcome outcome = run->outcome;

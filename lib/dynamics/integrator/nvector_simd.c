@@ -16,6 +16,7 @@ static inline sunindextype count_of(N_Vector v) {
   return NV_LENGTH_S(v) / KM_VECTOR_LANES;
 }
 
+/* z = a x + b y. */
 static void linear_sum(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector z) {
   const lane4 *from = lanes_of(x), *other = lanes_of(y);
   lane4 *to = lanes_of(z);
@@ -64,6 +65,7 @@ static int scale_array(int count, realtype *a, N_Vector *x, N_Vector *z) {
   return 0;
 }
 
+/* z = Σ a_k x_k. */
 static int combine(int count, realtype *a, N_Vector *x, N_Vector z) {
   lane4 *to = lanes_of(z);
   for (sunindextype i = 0; i < count_of(z); ++i) {

@@ -10,6 +10,7 @@ static void combine(const km_simulation *run, const double *slope, double h, dou
     out[i] = run->y[i] + h * slope[i];
 }
 
+/* One step of the classical Runge-Kutta method, with the loops closed at its end. */
 static bool make_step(km_simulation *run, double h, double to) {
   size_t n = (size_t)run->size;
   double *k1 = run->stage, *k2 = k1 + n, *k3 = k2 + n, *k4 = k3 + n, *at = k4 + n, t = run->time;

@@ -10,9 +10,9 @@ static bool is_motion_of(const km_arm *a, const km_selfmotion *m) {
 
 static void add_motion(const km_arm *a, const km_selfmotion *m, km_value *record, km_arena *arena) {
   km_value_boolean(arena, record, "closed", m->closed);
-  km_value_boolean(arena, record, "but_for_full_turns", m->turns_on);
+  km_value_boolean(arena, record, "but_for_full_turns", m->continues_by_turns);
   km_value_number(arena, record, "length", m->length);
-  km_value_boolean(arena, record, "within_limits_all_round", m->whole);
+  km_value_boolean(arena, record, "within_limits_all_round", m->is_within_limits);
   km_value *arcs = km_value_add(arena, record, "arcs", KM_LIST);
   for (int i = 0; i < m->arc_count && !arena->failed; ++i) {
     km_value *arc = km_value_add(arena, arcs, NULL, KM_OBJECT);
@@ -132,10 +132,10 @@ static void print_motion(const km_arm *a, const km_selfmotion *m, const char *in
   }
   if (m->closed)
     km_text_format(out, "a closed curve of %.6g rad%s", m->length,
-                   m->turns_on ? " but for full turns of joints within limits" : "");
+                   m->continues_by_turns ? " but for full turns of joints within limits" : "");
   else
     km_text_format(out, "an open curve of %.6g rad", m->length);
-  if (m->whole) {
+  if (m->is_within_limits) {
     km_text_add(out, ", within the limits all the way round");
     km_text_format(out, m->arc_count > 1 ? ", in each of %d combinations of full turns\n" : "\n", m->arc_count);
     return;

@@ -122,13 +122,13 @@ void km_track_end_text(const km_track *t, km_text *out) {
     km_text_add(out,
                 "singular pose: the arm can't go on along the path from here, though the poses ahead are in reach");
     break;
-  case KM_TRACK_HELD:
+  case KM_TRACK_FIXED_JOINTS:
     add_held(t, out);
     break;
   case KM_TRACK_NOT_CONVERGED:
     km_text_add(out, "dynamic programming gives out: beyond here it takes more steps than it makes");
     break;
-  case KM_TRACK_EDGE:
+  case KM_TRACK_WORKSPACE_BOUNDARY:
     km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
     break;
   default:

@@ -77,6 +77,7 @@ static int compare_goals(const void *a, const void *b) {
   return p->design - q->design;
 }
 
+/* Non-dominated designs: sorted by the first goal, those with a new minimum of the second. */
 int km_design_study_front(const km_design_study *s, int *designs, int capacity) {
   if (!s || !s->def->optimise || s->def->optimise->goal_count != 2 || (capacity > 0 && !designs))
     return 0;

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <string.h>
 
+/* Sets objective, bounds, constraints and tolerances of NLopt. */
 static bool configure(km_attempt *a, nlopt_opt o) {
   unsigned limits = (unsigned)km_attempt_limits(a);
   double tolerances[KM_MAX_ATTEMPT_LIMITS];
@@ -92,6 +93,7 @@ static void find_start(km_attempt *a, double *x) {
     start_point(a, x);
 }
 
+/* Runs one start: start point, then NLopt. */
 static void run_attempt(km_attempt *a) {
   double x[KM_MAX_DESIGN_PARAMETERS], least;
   a->worst = -DBL_MAX;
@@ -133,6 +135,7 @@ static km_status run_attempts(km_optimisation *o, km_attempt *attempts, int coun
   return status;
 }
 
+/* Appends the designs of a start to the study's trail. */
 static bool add_to_trail(km_design_study *s, const km_attempt *a) {
   size_t size = (size_t)s->def->parameter_count, count = (size_t)s->trail.count, more = (size_t)a->count;
   void *values = s->trail.values, *starts = s->trail.starts;
@@ -150,6 +153,7 @@ static bool add_to_trail(km_design_study *s, const km_attempt *a) {
   return true;
 }
 
+/* Appends the designs of all starts and frees them. */
 static km_status collect_trails(km_design_study *s, km_attempt *attempts, int count, km_status status,
                                 km_error *error) {
   for (int i = 0; i < count; ++i) {
@@ -208,6 +212,7 @@ static km_status run_front(km_optimisation *o, int jobs, km_error *error) {
   return collect_trails(o->study, between, count, status, error);
 }
 
+/* Runs all starts of an optimisation with one goal. */
 static km_status run_starts(km_optimisation *o, int jobs, km_error *error) {
   int count = o->def->starts;
   km_attempt *attempts = KM_NEW(km_attempt, (size_t)count);

@@ -69,6 +69,7 @@ static bool add_point(km_attempt *a, const double *values) {
   return true;
 }
 
+/* Adds points to the batch, with their answers from the store. */
 static void add_points(void *context) {
   store_access *d = context;
   km_attempt *a = d->a;

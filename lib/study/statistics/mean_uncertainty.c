@@ -32,6 +32,7 @@ void km_rows_next(km_rows *r) {
   r->n = r->x = 0.0;
 }
 
+/* Variance of the row sums over that of independent designs, clamped to 1 … width. */
 double km_rows_effect(const km_rows *r, double squares) {
   if (r->width <= 1.0 || !(squares > 0.0))
     return 1.0;

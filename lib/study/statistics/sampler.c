@@ -88,6 +88,7 @@ void km_sampler_free(km_sampler *s) {
   km_free(s);
 }
 
+/* Point of Sobol's sequence, shifted modulo 1 by a hash of the seed. */
 static void compute_sobol_row(km_sampler *s, int row) {
   if (row < s->next) {
     gsl_qrng_init(s->sequence);
@@ -102,6 +103,7 @@ static void compute_sobol_row(km_sampler *s, int row) {
   }
 }
 
+/* Point of the unit cube for a row. */
 static void compute_row(km_sampler *s, int row) {
   const km_design_sample *sample = s->sample;
   if (row == s->row)
@@ -137,6 +139,7 @@ static double quantile(const km_design_spread *s, double u) {
   return s->distribution == KM_NORMAL ? s->mean + s->deviation * gsl_cdf_ugaussian_Pinv(u) : truncated_normal(s, u);
 }
 
+/* Parameter values of a design: quantiles of its point; with indices, Saltelli's exchanged columns. */
 void km_sampler_values(km_sampler *s, int design, int parameter_count, double *values) {
   const km_design_sample *sample = s->sample;
   int spreads = sample->spread_count;

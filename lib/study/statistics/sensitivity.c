@@ -36,6 +36,7 @@ static void rank(const double *values, int count, ranked *work, double *ranks) {
   }
 }
 
+/* Pearson's correlation of two lists of ranks. */
 static double correlation_of(const double *a, const double *b, int count) {
   double middle = 0.5 * (count - 1), ab = 0.0, aa = 0.0, bb = 0.0;
   for (int i = 0; i < count; ++i) {
@@ -68,6 +69,7 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for rank correlations");
 }
 
+/* Allocates the ranks of all parameters. */
 static km_ranking *create_ranking(int parameters, int count) {
   km_ranking *r = KM_NEW(km_ranking, 1);
   size_t capacity = (size_t)count + 1, table = (size_t)parameters * capacity;
@@ -126,6 +128,7 @@ static const double *ranks_of(const km_ranking *r, int p, int used) {
   return r->part_ranks;
 }
 
+/* Rank correlations of one figure with all parameters. */
 static void correlate(km_design_study *s, int figure, km_ranking *r, double *correlations) {
   int used = collect_values(s, figure, r);
   rank(r->figures, used, r->work, r->figure_ranks);
@@ -239,6 +242,7 @@ km_status km_design_study_indices(km_design_study *s, int figure, double *first,
   return KM_OK;
 }
 
+/* Quantiles of one row of a band over all designs. */
 static int quantile_row(const double *values, int designs, int rows, int row, double *sorted, double *out) {
   int count = 0;
   for (int i = 0; i < designs; ++i) {

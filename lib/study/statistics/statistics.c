@@ -55,6 +55,7 @@ void km_design_free_statistics(km_design_study *s) {
   s->ranking = NULL;
 }
 
+/* Adds a value of a figure to moments, row sums and extremes. */
 static void add_value(km_statistics_cache *c, const km_design_study *s, int f, int design, double x) {
   km_design_statistics *st = &c->figures[f];
   if (!isfinite(x))
@@ -73,6 +74,7 @@ static void add_value(km_statistics_cache *c, const km_design_study *s, int f, i
   }
 }
 
+/* Adds the result of a design to yield and figures. */
 static void add_design(km_statistics_cache *c, const km_design_study *s, int design, const km_design_result *r) {
   c->yield.outcomes[r->outcome]++;
   if (r->outcome != KM_DESIGN_MISSING) {
@@ -104,6 +106,7 @@ static void wilson(km_design_yield *y, const km_rows *rows) {
   y->share_high = y->good == y->count ? 1.0 : fmin(1.0, middle + half);
 }
 
+/* Quantiles, mean, deviation and half width t s/√n_e of a figure. */
 static void finish_figure(km_statistics_cache *c, int f, double *sorted) {
   km_design_statistics *st = &c->figures[f];
   const double *column = c->representatives + (size_t)f * (size_t)c->representative_count;
@@ -134,6 +137,7 @@ static void end_row(km_statistics_cache *c, const km_design_study *s) {
     km_rows_next(&c->rows[f]);
 }
 
+/* One pass over all results: yields, moments, row sums, representative values. */
 static km_status collect(km_design_study *s, km_error *error) {
   int designs = km_design_study_designs(s);
   km_statistics_cache *c = KM_NEW(km_statistics_cache, 1);
