@@ -39,7 +39,7 @@ typedef struct km_look_tree {
   int *level_start;           /* [levels + 1] index of each level's first node, from the second level on */
   double *tan_phis;           /* [branches × freedom] */
   km_tracker_space *spaces;   /* [workers] */
-  km_path_node *branch_nodes; /* [workers × KM_WALK_ABREAST × 2] */
+  km_path_node *branch_nodes; /* [workers × KM_STEP_BATCH × 2] */
   km_look_root_level *now, *next[KM_LOOK_GUESSES]; /* first levels of the current tree and of the speculative next
                                                     * trees */
   km_look_share *shares;                           /* [levels] */
