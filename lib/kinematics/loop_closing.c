@@ -13,176 +13,13 @@
 
 #include "base/extrema.h"
 #include "kinematics/loop_equations.h"
+#include "kinematics/minimum_norm_step.h"
 
 #include <string.h>
 
 enum { MAX_ITERATIONS = 60 };
 /* Divergence test: r > 1e3 (r_0 + 0.1). */
 static const double residual_growth = 1e3, residual_offset = 0.1;
-
-/* min(0.05, max(1e-9 size, 10 misfit, 10 closure tolerance if stated)). */
-double km_rank_tolerance(const km_mechanism *m, const km_substructure *sub, double misfit) {
-  int size = sub->rows > sub->columns ? sub->rows : sub->columns;
-  double tolerance = 1e-9 * fmax(size, 1.0);
-  /* A misfit e of the data can produce a pivot of a few e. */
-  if (m->closure_tolerance_given)
-    tolerance = fmax(tolerance, 10.0 * m->closure_tolerance);
-  return fmin(fmax(tolerance, 10.0 * misfit), 0.05);
-}
-
-/* True if the present pivots are those that this search would find. The sparse factor tests that itself
- * (km_sparse_has_factor). */
-static bool is_search_current(const km_state *s, int index, int driver, double tolerance) {
-  const km_partition *p = &s->partition[index];
-  const km_cached_configuration *shown = &s->cached[index];
-  return !p->sparse && !p->failed && shown->is_valid && shown->evaluation_at_search == shown->evaluations &&
-         shown->partition_version == p->version && shown->driver == driver &&
-         shown->forced_never_pivot == p->forced_never_pivot && shown->tolerance == tolerance;
-}
-
-/* Records the arguments of the last search for pivots. */
-static void record_search(km_state *s, int index, int driver, double tolerance) {
-  const km_partition *p = &s->partition[index];
-  km_cached_configuration *shown = &s->cached[index];
-  shown->evaluation_at_search = shown->evaluations;
-  shown->partition_version = p->version;
-  shown->driver = driver;
-  shown->forced_never_pivot = p->forced_never_pivot;
-  shown->tolerance = tolerance;
-}
-
-/* Factors the Jacobian with complete pivoting, unless an equal search is current. */
-void km_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
-  const km_substructure *sub = &m->substructures[index];
-  tolerance = km_larger(tolerance, s->partition[index].min_relative_pivot);
-  if (is_search_current(s, index, driver, tolerance)) {
-    s->pivot_driver[index] = driver;
-    return;
-  }
-  s->partition[index].ties_by_position = driver >= 0;
-  if (driver >= 0)
-    s->forced[driver] = true;
-  km_partition_factor(&s->partition[index], km_state_jacobian(s, sub), sub->rows, sub->columns,
-                      driver >= 0 ? s->forced : NULL, tolerance);
-  if (driver >= 0)
-    s->forced[driver] = false;
-  s->partition[index].ties_by_position = false;
-  s->pivot_driver[index] = driver;
-  record_search(s, index, driver, tolerance);
-}
-
-/* Evaluates the Jacobian at the present configuration and searches pivots. */
-void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, int driver, double misfit) {
-  const km_substructure *sub = &m->substructures[index];
-  km_loops_update(m, s, sub);
-  km_search_pivots(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
-}
-
-/* (D a)·(D b): inner product of scaled steps in the metric D. */
-double km_step_dot(const km_mechanism *m, const km_substructure *sub, const double *a, const double *b) {
-  const double *weight = m->column_weight + sub->column_start;
-  double sum = 0.0;
-  for (int k = 0; k < sub->columns; ++k)
-    sum += weight[k] * a[k] * weight[k] * b[k];
-  return sum;
-}
-
-double km_step_length(const km_mechanism *m, const km_substructure *sub, const double *x) {
-  return sqrt(km_step_dot(m, sub, x, x));
-}
-
-/* Projection of D x onto the `count` orthonormal vectors of Y, into sum[columns]. */
-static void project_onto_basis(const km_substructure *sub, const double *weight, const double *Y, int count,
-                               const double *x, double *sum) {
-  memset(sum, 0, (size_t)sub->columns * sizeof *sum);
-  for (int k = 0; k < count; ++k) {
-    const double *y = Y + (size_t)k * (size_t)sub->columns;
-    double dot = 0.0;
-    for (int j = 0; j < sub->columns; ++j)
-      dot += y[j] * weight[j] * x[j];
-    for (int j = 0; j < sub->columns; ++j)
-      sum[j] += dot * y[j];
-  }
-}
-
-/* Number of null vectors that do not move the driver. */
-static int count_free_motions(const km_partition *p, int driver) {
-  return km_partition_freedom(p) - (driver >= 0 && !p->forced_dependent);
-}
-
-/* True if the basis vectors are so many that equations in the rows (normal equations, QR) are cheaper. */
-static bool uses_row_equations(const km_partition *p, int count) {
-  return p->sparse && (p->rank < count ? p->rank : count) > KM_MANY_VECTORS;
-}
-
-/* Minimum-norm step by the row equations. False if a basis is cheaper or they fail. */
-static bool remove_null_space_by_rows(const km_mechanism *m, km_state *s, int index, int count, double *x) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  return uses_row_equations(p, count) &&
-         km_partition_remove_null_space(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count, x,
-                                        s->projection);
-}
-
-/* D x minus its projection onto the null space Z, or its projection onto the row space R: whichever has fewer
- * vectors. */
-void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  const double *weight = m->column_weight + sub->column_start;
-  int count = count_free_motions(p, driver);
-  if (count <= 0)
-    return;
-  bool uses_row_space = p->rank < count, is_ok = remove_null_space_by_rows(m, s, index, count, x);
-  if (!is_ok && p->is_deferred) {
-    km_partition_refactor_full_pattern(&s->partition[index], km_state_jacobian(s, sub));
-    is_ok = remove_null_space_by_rows(m, s, index, count, x);
-  }
-  if (is_ok) {
-    s->basis[index].count = 0;
-    return;
-  }
-  const double *Y = uses_row_space ? km_state_row_space(m, s, index, count) : km_state_null_space(m, s, index, count);
-  if (!Y)
-    return;
-  project_onto_basis(sub, weight, Y, uses_row_space ? p->rank : count, x, s->projection);
-  bool keeps_driver = driver >= 0 && !p->forced_dependent; /* the null vectors have no entry at the driver, and R omits
-                                                            * its column */
-  double driver_value = keeps_driver ? x[driver] : 0.0;
-  for (int j = 0; j < sub->columns; ++j)
-    x[j] = uses_row_space ? s->projection[j] / weight[j] : x[j] - s->projection[j] / weight[j];
-  if (keeps_driver)
-    x[driver] = driver_value;
-}
-
-/* Minimum-norm rates as the null-space projection of the driver's unit vector over its driver entry, t = P u / (P
- * u)_driver. The null vector of the driver can be long and cancel; this avoids it. */
-static bool project_driver(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
-  const km_substructure *sub = &m->substructures[index];
-  memset(t, 0, (size_t)sub->columns * sizeof *t);
-  t[driver] = 1.0;
-  km_minimum_norm_step(m, s, index, KM_NO_DRIVER, t);
-  double share = 1.0 - t[driver];
-  for (int k = 0; k < sub->columns; ++k)
-    t[k] = k == driver ? 1.0 : -t[k] / share;
-  return share > 0.0;
-}
-
-/* Rates t with t_driver = 1, J t = 0, |D t| minimal. */
-void km_minimum_norm_rates(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
-  const km_partition *p = &s->partition[index];
-  if (p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS && project_driver(m, s, index, driver, t))
-    return;
-  km_partition_null_vector(p, driver, t);
-  km_minimum_norm_step(m, s, index, driver, t);
-}
-
-void km_search_pivots_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
-  km_partition *p = &s->partition[index];
-  p->basis_quality_unneeded = true;
-  km_search_pivots(m, s, index, driver, tolerance);
-  p->basis_quality_unneeded = false;
-}
 
 /* Root mean square of the errors of the primary rows. */
 static double primary_rms(const km_partition *p, const double *error) {
@@ -194,7 +31,7 @@ static double primary_rms(const km_partition *p, const double *error) {
 
 /* True if minimum-norm steps need only the primary rows, not the null space. */
 static bool needs_rows_only(const km_partition *p, int driver) {
-  return p->rows_only || uses_row_equations(p, count_free_motions(p, driver));
+  return p->rows_only || km_uses_row_equations(p, km_count_free_motions(p, driver));
 }
 
 /* Defers the factorisation where steps need only the primary rows. */
@@ -241,7 +78,7 @@ static bool solve_by_row_equations(const km_mechanism *m, km_state *s, int index
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
-  int count = count_free_motions(p, driver);
+  int count = km_count_free_motions(p, driver);
   return needs_rows_only(p, driver) &&
          ((reuse_factor && km_partition_minimum_norm_reuse(p, weight, count, error, x)) ||
           km_partition_minimum_norm(p, km_state_jacobian(s, sub), weight, count, error, x));
