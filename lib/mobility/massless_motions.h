@@ -4,8 +4,9 @@
 
 #include "kinematics/state.h"
 
-/* Finds out whether the substructure has a free motion that moves no mass, so that a simulation has no equation for
- * it: Nᵀ M N is singular. Mobility and body poses must be current. KM_MEMORY. O(bodies · depth · freedom + freedom³). */
+/* Finds out whether the substructure has a free motion that moves no mass: Nᵀ M N is singular, and a simulation has
+ * no equation for it. Mobility and body poses must be current. KM_MEMORY. Cost: O(bodies · depth · freedom +
+ * freedom³). */
 km_status km_has_massless_motion(const km_mechanism *mechanism, km_state *state, int substructure, bool *is_massless,
                                  km_error *error);
 

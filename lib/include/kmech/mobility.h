@@ -245,7 +245,7 @@ typedef enum km_finding_severity {
   KM_FINDING_HINT,      /* a property that mechanisms of this kind have by nature */
   KM_FINDING_SEVERITIES /* number of severities */
 } km_finding_severity;
-/* Returns "fault", "warning", "remark" (for a hint). */
+/* Returns "fault", "warning", and the third level for a hint. */
 KM_API const char *km_finding_severity_name(km_finding_severity severity);
 
 /* One finding: a key for programs, a statement, an advice. */
