@@ -45,7 +45,7 @@ typedef struct member {
 
 /* A round ends when all its indices are done, not when all threads have noticed it. A thread that wakes late finds
  * no index left, or takes one of the next round. Therefore an index is taken first and its data read afterwards: the
- * round can't end before that index is done. Between rounds a thread polls for a short time, then sleeps. */
+ * round can't end before that index is done. A thread polls for a short time, then sleeps. */
 struct km_team {
   member members[KM_MAX_THREADS + 1]; /* the first member is the caller */
   int started;

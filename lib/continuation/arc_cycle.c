@@ -52,13 +52,13 @@ bool km_arc_motion_closed(const km_arc_motion *f) {
   return f->closed;
 }
 
-double km_arc_motion_cycle(const km_arc_motion *f) {
+double km_arc_motion_cycle_length(const km_arc_motion *f) {
   if (!f)
     return 0.0;
   return f->cycle;
 }
 
-void km_arc_motion_pass_cycle(km_arc_motion *f) {
+void km_arc_motion_continue_past_cycle(km_arc_motion *f) {
   if (!f)
     return;
   f->closed = false;

@@ -42,7 +42,6 @@ void km_arc_motion_set_origin(km_arc_motion *f) {
   f->is_origin_pending = false;
 }
 
-/*  */
 bool km_arc_motion_try(km_arc_motion *f, double h, double *length) {
   const km_substructure *sub = km_arc_motion_sub(f);
   const km_step_terms terms = {.most_correction = 0.2 * fabs(h) + 1e-9, .least_cosine = least_cosine_of_step};

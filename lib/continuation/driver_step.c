@@ -14,7 +14,6 @@ static void remember_pivots(km_driver_motion *d) {
   km_partition_copy_pivots(&d->c.history.reference, &d->c.state->partition[d->c.substructure]);
 }
 
-/*  */
 bool km_driver_motion_start(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   int worst;
@@ -92,7 +91,6 @@ static bool predict_minimum_norm_path(km_driver_motion *d, double h) {
          (!d->current.is_stiff && d->rejections >= MOST_EXPLICIT_REJECTIONS && predict_implicit(d, h));
 }
 
-/*  */
 double km_driver_step_slide_position(const km_driver_motion *d, int column) {
   const km_mechanism *m = d->c.mechanism;
   int c = m->column_coordinate[km_driver_motion_substructure(d)->column_start + column];
@@ -205,7 +203,6 @@ static km_attempt check_limits(const km_driver_motion *d, double h, int *limit) 
   return passed >= 0 ? KM_ATTEMPT_AT_LIMIT : diverging >= 0 ? KM_ATTEMPT_DIVERGING : KM_ATTEMPT_ACCEPTED;
 }
 
-/*  */
 km_attempt km_driver_motion_advance(km_driver_motion *d, double h, double correction_ratio, int *limit) {
   km_state_save(d->c.state, km_driver_motion_substructure(d), d->c.from);
   km_attempt result = try_step(d, h, correction_ratio);

@@ -2,13 +2,11 @@
 #include "continuation/batch/batch_arrays.h"
 #include "kinematics/loop_equations.h"
 
-/*  */
 void km_batch_write_ball_joints(const km_batch *l, int i) {
   for (int b = 0; b < l->m->ball_count; ++b)
     l->drives[i]->c.state->ball[b] = km_lane_ball(&l->ball[b], i);
 }
 
-/*  */
 void km_batch_refresh_state(const km_batch *l, km_driver_motion *d) {
   km_state *s = d->c.state;
   const km_substructure *sub = km_driver_motion_substructure(d);

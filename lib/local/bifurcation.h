@@ -5,6 +5,9 @@
 #include "kinematics/state.h"
 #include "kmech/continuation.h"
 
+/* True if J has full row rank, so that the configuration is no branch point. Pivots are searched. */
+bool km_is_regular_configuration(const km_mechanism *mechanism, km_state *state, int substructure);
+
 /* Directions of the branches at the state's configuration: confirmed tangents that differ in more than their sense, as
  * scaled unit directions[KM_MAX_BRANCHES × columns]. Returns their number; 0 at a regular configuration; -1 when out of
  * memory. Only a few starts are tried with many freedoms. The state stays, with its pivots searched again. */
@@ -19,7 +22,7 @@ typedef struct km_branch_exit {
 
 /* Departs from a branch point by a short step along the branch that moves the coordinate fastest. If more than one
  * freedom remains on it, the branch with the shortest step is taken: the step ends at the closed configuration nearest
- * to the branch point with the coordinate moved by at most |way| (the model's unit) towards the sign of `way`. */
+ * to the branch point with the coordinate moved by at most |driver_step| (the model's unit) in its sense. */
 km_branch_exit km_branch_depart(const km_mechanism *mechanism, km_state *state, int coordinate, double driver_step);
 
 #endif

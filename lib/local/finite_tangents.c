@@ -88,7 +88,7 @@ static bool needs_rows_only(const km_partition *p) {
   return p->sparse && km_partition_freedom(p) > KM_MAX_BASIS_FREEDOM;
 }
 
-/* Requests primary rows only where these suffice. `kept`: the present primary rows are tried first. */
+/* Requests primary rows only where these suffice. `keeps_rows`: the present primary rows are tried first. */
 static void request_rows_only(const km_tangents *f, bool keeps_rows) {
   km_partition *p = &f->s->partition[f->index];
   p->rows_only = needs_rows_only(p);

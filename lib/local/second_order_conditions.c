@@ -114,7 +114,7 @@ static bool cholesky(double *A, int k) {
   return positive;
 }
 
-/* True if |aᵀQ a| exceeds `least` for every unit vector a: sign Q − least I is positive definite. sign: 1 or −1. */
+/* True if |aᵀQ a| exceeds `margin` for every unit vector a: sign Q − margin I is positive definite. sign: 1 or −1. */
 static bool is_condition_definite(const double *Q, double sign, double margin, int k, double *A) {
   for (int i = 0; i < k * k; ++i)
     A[i] = sign * Q[i];
@@ -135,7 +135,7 @@ static bool has_definite_condition(const km_second_order *c, double *work) {
   return false;
 }
 
-/* Column of M[rows × columns] with the largest sum of squares, which is returned. */
+/* Returns the largest squared norm of the columns of M[rows × columns]; *longest: that column. */
 static double find_longest_column(const double *M, int rows, int columns, int *longest) {
   double max_square = -1.0;
   for (int c = 0; c < columns; ++c) {
@@ -150,7 +150,7 @@ static double find_longest_column(const double *M, int rows, int columns, int *l
   return max_square;
 }
 
-/* Gram-Schmidt with column pivoting, M = V R, until all remaining columns are shorter than `least`. M is overwritten.
+/* Gram-Schmidt with column pivoting, M = V R, until all remaining columns are shorter than `margin`. M is overwritten.
  * Returns the number of rows of R[… × columns]. */
 static int compress_columns(double *M, int rows, int columns, double margin, double *R) {
   int count = 0, longest = 0;

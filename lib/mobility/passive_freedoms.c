@@ -27,7 +27,7 @@ typedef struct body_groups {
   int *size;                /* [body] size of the group, at its representative */
   int *index_in_group;      /* [body] index in its group, in the order of the model; -1 in none */
   bool *is_fixed;           /* [body] at a representative: the group cannot be passive */
-  int *joint_start, *joint; /* [body + 1] by representative: the joints at bodies of the group */
+  int *joint_start, *joint; /* [body + 1] by representative body: the joints at bodies of the group */
 } body_groups;
 
 static int find_representative(const body_groups *g, int body) {
@@ -58,7 +58,7 @@ static void unite(const body_groups *g, int a, int b) {
 
 /* Unites the bodies of rigid, single-coordinate and coupled joints. A group that contains the base of the
  * substructure is fixed. */
-static void unite_tied_bodies(const body_groups *g) {
+static void unite_across_simple_joints(const body_groups *g) {
   const km_model *model = g->m->model;
   const km_topology *t = &g->m->topology;
   for (int i = t->joint_start[g->index]; i < t->joint_start[g->index + 1]; ++i) {
@@ -174,7 +174,7 @@ static int find_group_freedoms(const body_groups *g, int group, int bodies) {
 }
 
 /* Lists the joints of every group, in the order of the substructure. */
-static bool list_joints(body_groups *g, km_arena *arena) {
+static bool list_joints_by_group(body_groups *g, km_arena *arena) {
   const km_topology *t = &g->m->topology;
   const km_model *model = g->m->model;
   int first = t->joint_start[g->index], end = t->joint_start[g->index + 1];
@@ -201,7 +201,8 @@ static bool list_joints(body_groups *g, km_arena *arena) {
   return true;
 }
 
-/* Builds the groups and the indices of bodies in them. */
+/* Builds the candidate groups of passive freedoms: bodies connected by rigid, single-coordinate or coupled joints are
+ * united (union-find). Numbers the bodies of each group and lists its joints. */
 static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   size_t bodies = (size_t)m->model->body_count;
   *g = (body_groups){m,
@@ -222,7 +223,7 @@ static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int 
   }
   for (int i = t->body_start[index]; i < t->body_start[index + 1]; ++i)
     g->is_fixed[t->body[i]] = false; /* other bodies are the base of the substructure */
-  unite_tied_bodies(g);
+  unite_across_simple_joints(g);
   /* Only bodies of this substructure can be passive in it; each is counted once. */
   memset(g->index_in_group, -1, bodies * sizeof *g->index_in_group);
   for (int i = t->joint_start[index]; i < t->joint_start[index + 1]; ++i)
@@ -231,7 +232,7 @@ static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int 
       if (g->index_in_group[body] < 0)
         g->index_in_group[body] = g->size[find_representative(g, body)]++;
     }
-  return list_joints(g, arena);
+  return list_joints_by_group(g, arena);
 }
 
 static bool add_group(const body_groups *g, int group, int count, km_passive_freedoms *out, size_t *capacity) {
@@ -353,7 +354,7 @@ km_status km_passive_freedoms_find(const km_mechanism *m, km_state *s, km_progre
   km_mobility mobility;
   km_poses_compute(m, s);
   km_ranks_update(m, s, &mobility);
-  return km_each_substructure(m, search_substructure, &f, progress, context, "the idle freedoms", error);
+  return km_each_substructure(m, search_substructure, &f, progress, context, "the passive freedoms", error);
 }
 
 static bool in_group(const km_passive_freedom *group, int body) {
@@ -363,23 +364,23 @@ static bool in_group(const km_passive_freedom *group, int body) {
   return false;
 }
 
-void km_passive_coordinates(const km_mechanism *m, const km_passive_freedoms *find_group_freedoms, bool *marks) {
-  if (!m || !find_group_freedoms || !marks)
+void km_passive_coordinates(const km_mechanism *m, const km_passive_freedoms *freedoms, bool *marks) {
+  if (!m || !freedoms || !marks)
     return;
   memset(marks, 0, (size_t)m->coordinate_count * sizeof *marks);
-  for (int i = 0; i < find_group_freedoms->count; ++i)
+  for (int i = 0; i < freedoms->count; ++i)
     for (int j = 0; j < m->model->joint_count; ++j) {
       int freedom = km_joint_kind_of(m->model->joints[j].type)->freedom;
-      bool one = in_group(&find_group_freedoms->items[i], body_at(m->model, j, 0)),
-           other = in_group(&find_group_freedoms->items[i], body_at(m->model, j, 1));
+      bool one = in_group(&freedoms->items[i], body_at(m->model, j, 0)),
+           other = in_group(&freedoms->items[i], body_at(m->model, j, 1));
       for (int k = 0; k < freedom && freedom > 1 && one != other; ++k)
         marks[m->model->joints[j].first_coordinate + k] = true;
     }
 }
 
-void km_passive_freedoms_free(km_passive_freedoms *find_group_freedoms) {
-  if (!find_group_freedoms)
+void km_passive_freedoms_free(km_passive_freedoms *freedoms) {
+  if (!freedoms)
     return;
-  km_free(find_group_freedoms->items);
-  *find_group_freedoms = (km_passive_freedoms){0};
+  km_free(freedoms->items);
+  *freedoms = (km_passive_freedoms){0};
 }

@@ -22,8 +22,8 @@ typedef struct block {
   double *load; /* [n] P τ, scaled */
   double *v;    /* [count × n] P Aᵀ, then the Householder vectors */
   double *tau;  /* [count] factors of the reflections */
-  double *z;    /* [known × n] first vectors of Z */
-  int known;
+  double *z;    /* [z_count × n] first vectors of Z */
+  int z_count;
   gsl_matrix *U, *W; /* [count × count] Rᵀ = U S Wᵀ */
   gsl_vector *S;
   double *reported; /* [KM_MAX_DIRECTIONS × n] reported directions */
@@ -64,12 +64,12 @@ static gsl_matrix *square(km_arena *arena, int size) {
 
 static bool reserve(block *b, int freedom, km_arena *arena) {
   size_t n = (size_t)b->n, count = (size_t)b->count;
-  b->known = b->count + KM_MAX_DIRECTIONS + 1; /* the direction in which loads act is spanned by the others */
-  b->known = b->known < freedom ? b->known : freedom;
+  b->z_count = b->count + KM_MAX_DIRECTIONS + 1; /* the direction in which loads act is spanned by the others */
+  b->z_count = b->z_count < freedom ? b->z_count : freedom;
   b->load = KM_ARENA_NEW(arena, double, n);
   b->v = KM_ARENA_NEW(arena, double, count *n);
   b->tau = KM_ARENA_NEW(arena, double, count);
-  b->z = KM_ARENA_NEW(arena, double, (size_t)b->known *n);
+  b->z = KM_ARENA_NEW(arena, double, (size_t)b->z_count *n);
   b->U = square(arena, b->count);
   b->W = square(arena, b->count);
   b->S = KM_ARENA_NEW(arena, gsl_vector, 1);
@@ -125,7 +125,7 @@ static void decompose(block *b) {
 
 /* Replaces the first columns of Z by those of Z Q. */
 static void apply_reflections(const block *b) {
-  for (int i = 0; i < b->known; ++i)
+  for (int i = 0; i < b->z_count; ++i)
     for (int k = b->count - 1; k >= 0; --k)
       reflect(b, k, b->z + (size_t)i * (size_t)b->n);
 }
@@ -176,7 +176,7 @@ static bool report_unreached(const block *b) {
   int unreached = b->h->freedom - b->h->rank, reported = 0;
   double size = sqrt(dot(b->load, b->load, b->n));
   bool is_loaded = unreached > 0 && size > load_rounding(b, size);
-  for (int i = is_loaded ? b->h->rank - 1 : b->h->rank; i < b->known && reported < unreached; ++i) {
+  for (int i = is_loaded ? b->h->rank - 1 : b->h->rank; i < b->z_count && reported < unreached; ++i) {
     if (b->st->direction_count >= KM_MAX_DIRECTIONS)
       break;
     double *x = b->reported + (size_t)reported * (size_t)b->n;
@@ -206,7 +206,8 @@ static void copy_minimum_norm(const km_actuator_workspace *h, km_statics *st) {
     st->actuator_forces[h->actuator[a]] = st->least_norm[st->actuators[h->actuator[a]].coordinate];
 }
 
-/* Computes the projections of the rows and the load, and the first vectors of Z. */
+/* Computes P Aᵀ, the actuators' rows projected onto the null space of J, the first `z_count` vectors of its orthonormal
+ * basis Z, and the load P τ = −D⁻¹ f̄, which needs no projection because the minimum-norm forces f̄ are projected. */
 static bool compute_projections(block *b, const km_state *s, int index) {
   const km_partition *p = &s->partition[index];
   const double *weight = b->m->column_weight + b->m->substructures[index].column_start;
@@ -217,7 +218,7 @@ static bool compute_projections(block *b, const km_state *s, int index) {
     b->load[j] = -b->st->least_norm[b->h->coordinate[j]] / b->m->scale[b->h->coordinate[j]];
   if (b->count > 0 && !km_partition_project_null_space(p, J, weight, b->v, b->count))
     return false;
-  km_partition_null_space(p, weight, b->known, b->z);
+  km_partition_null_space(p, weight, b->z_count, b->z);
   return true;
 }
 

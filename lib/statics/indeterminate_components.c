@@ -28,8 +28,8 @@ static km_pair magnitude(km_pair a) {
 static void draw_coefficients(int degree, km_pair *coefficients) {
   uint64_t random = 1;
   for (int k = 0; k < degree; ++k)
-    for (int look = 0; look < 2; ++look)
-      coefficients[k][look] = km_uniform(&random);
+    for (int sample = 0; sample < 2; ++sample)
+      coefficients[k][sample] = km_uniform(&random);
 }
 
 /* Marks the components above rounding. parts[6 · joints]: both self-stresses along the reactions' axes. */
@@ -52,8 +52,8 @@ static void mark_components(const km_reaction_workspace *c, const km_pair *parts
   }
 }
 
-/* Computes L⁻ᵀ r, so that no self-stress outweighs the others. */
-static void normalise_coefficients(const km_reaction_workspace *c, int degree, km_pair *coefficients) {
+/* Computes L⁻ᵀ r, L Lᵀ the Gram matrix of the self-stresses, so that no self-stress dominates. */
+static void whiten_coefficients(const km_reaction_workspace *c, int degree, km_pair *coefficients) {
   size_t n = (size_t)degree;
   for (size_t k = n; k-- > 0;) {
     const double *l = c->gram + k * n;
@@ -80,10 +80,12 @@ static void compute_in_joint(const km_reaction_workspace *c, const km_rotation *
   rotate_back(R, (pair3){t.x - moved.x, t.y - moved.y, t.z - moved.z}, parts + 3);
 }
 
+/* Evaluates two random combinations of the self-stresses in every joint, and marks the reaction components in which one
+ * of them is not zero. */
 void km_indeterminate_components_mark(km_reaction_workspace *c, const km_statics_workspace *w, km_reaction *reactions) {
   km_pair *coefficients = c->sample, *chords = coefficients + c->rows, *parts = chords + c->rows;
   draw_coefficients(c->degree, coefficients);
-  normalise_coefficients(c, c->degree, coefficients);
+  whiten_coefficients(c, c->degree, coefficients);
   memset(chords, 0, (size_t)c->rows * sizeof *chords);
   for (int k = 0; k < c->degree; ++k)
     for (int i = c->stress_start[k]; i < c->stress_start[k + 1]; ++i)

@@ -9,8 +9,6 @@
 
 #include <string.h>
 
-/*  */
-
 static const double rounding = 1e-10; /* relative to all applied forces: smaller generalised forces are 0 */
 
 static km_status add_joint_actuator(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {

@@ -5,8 +5,8 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "kmech/transfer.h"
-#include "sweep/event_search.h"
 #include "sweep/sweep_observer.h"
+#include "sweep/zero_pole_search.h"
 #include "transfer/transfer.h"
 #include "transfer/transmission_metrics.h"
 

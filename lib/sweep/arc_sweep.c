@@ -143,8 +143,8 @@ static km_status write_rows(km_sweeper *r, km_arc_motion *motion, km_error *erro
     km_status motion_status;
     status = advance_to(r, motion, plan->arclength * i, i == plan->steps, &motion_status, error);
     if (km_arc_motion_closed(motion)) {
-      r->out->cycle = km_arc_motion_cycle(motion);
-      km_arc_motion_pass_cycle(motion);
+      r->out->cycle = km_arc_motion_cycle_length(motion);
+      km_arc_motion_continue_past_cycle(motion);
       if (!plan->cycle && !status)
         status = advance_to(r, motion, plan->arclength * i, i == plan->steps, &motion_status, error);
     }

@@ -101,7 +101,7 @@ static void write_branch_point(km_driver_sweep *w) {
   km_driver_motion_expect_stiff(w->at.motion);
   km_driver_motion_tangent(w->at.motion, r->rates);
   km_state_save(r->s, &r->m->substructures[r->substructure], saved);
-  km_loops_restore_cached(r->m, r->s, r->substructure, r->branch_point);
+  km_loops_restore_cached(r->m, r->s, r->substructure, r->branch_first_row);
   write_row(w, (km_motion_end){KM_STOP_NONE, r->plan->from, -1, -1});
   km_loops_restore_cached(r->m, r->s, r->substructure, saved);
   km_free(saved);
@@ -223,7 +223,7 @@ static bool advance(km_driver_sweep *sweeps, int count, km_batch *lanes) {
   for (int i = 0; i < count; ++i) {
     unsigned lane = next_target(&sweeps[i], &targets[i]) ? 1u << i : 0;
     active |= lane;
-    at_branch_point |= sweeps[i].step == 0 && sweeps[i].r->branch_point ? lane : 0;
+    at_branch_point |= sweeps[i].step == 0 && sweeps[i].r->branch_first_row ? lane : 0;
   }
   for (unsigned bits = at_branch_point; bits; bits &= bits - 1) {
     km_driver_sweep *w = &sweeps[__builtin_ctz(bits)];

@@ -9,12 +9,13 @@ static bool take_sample(km_sweeper *r, km_driver_motion *d, double s, km_status 
   return !*status;
 }
 
-/* Samples from the first row to s, densely near the row. From a branch point with several freedoms the return path
- * differs, so none are taken near it. */
+/* Samples from the first row to s at distances (s − from)/4^k, k descending. No samples if the state is at a branch
+ * point; only the one at s if the first row is a branch point with several freedoms, because a motion back towards
+ * it takes another path. */
 static km_status sample_after_start(km_sweeper *r, km_driver_motion *d, double from, double s, km_error *error) {
   km_status status = KM_OK;
   bool continues = !km_sweeper_is_at_branch_point(r);
-  for (int k = r->branch_point ? 0 : KM_END_SAMPLES; k >= 0 && continues; --k)
+  for (int k = r->branch_first_row ? 0 : KM_END_SAMPLES; k >= 0 && continues; --k)
     continues = take_sample(r, d, k ? km_sweeper_end_sample(s, from, k) : s, &status, error);
   return status;
 }

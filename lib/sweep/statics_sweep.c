@@ -5,8 +5,8 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "statics/statics.h"
-#include "sweep/event_search.h"
 #include "sweep/sweep_observer.h"
+#include "sweep/zero_pole_search.h"
 
 #include <string.h>
 

@@ -128,7 +128,7 @@ static void end_sweep(km_sweeper *r, km_sweep_job *job) {
   if (job->s->arena.failed && job->status != KM_MEMORY) /* an array of the state could not grow */
     job->status = km_fail(job->error, KM_MEMORY, "out of memory for a pose of a sweep");
   km_free(r->rates);
-  km_free(r->branch_point);
+  km_free(r->branch_first_row);
   if (job->status == KM_OK || job->status == KM_PARTIAL)
     job->status = job->observer->finish(job->observer->self, job);
 }

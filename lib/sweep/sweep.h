@@ -79,7 +79,7 @@ struct km_sweeper {
   double *rates;    /* [coordinate] */
   double *scratch;  /* [coordinate] */
   /* configuration of the first row if it is a branch point with several freedoms; NULL: regular */
-  double *branch_point;
+  double *branch_first_row;
   bool is_batched;       /* the row was reached in a batch, and the state has its mobility numbers: */
   bool is_passed_row;    /* the motion has passed the row already, so that it cannot be probed */
   double residual;       /* residual of the moving loops, in a batch */
@@ -181,7 +181,7 @@ km_status km_sweeper_find_branch_directions(const km_sweeper *sweeper, km_state 
 /* Locates the branch point that the motion passed before the last row, and its branches. */
 km_status km_sweeper_find_branch(km_sweeper *sweeper, km_error *error);
 /* Leaves a branch point at the start by a short step onto the branch that moves the plan's coordinate fastest; with
- * several freedoms `branch_point` becomes the first row. KM_MEMORY. */
+ * several freedoms `branch_first_row` becomes the first row. KM_MEMORY. */
 km_status km_sweeper_leave_branch(km_sweeper *sweeper, km_error *error);
 
 /* Run driven sweeps in a batch, and one sweep by arc length. sweepers[i] belongs to jobs[i]; jobs with a status are

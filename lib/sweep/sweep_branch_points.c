@@ -109,7 +109,7 @@ km_status km_sweeper_leave_branch(km_sweeper *r, km_error *error) {
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   }
   if (is_first && exit_point.has_further_freedoms)
-    r->branch_point = pose;
+    r->branch_first_row = pose;
   else
     km_free(pose);
   return KM_OK;

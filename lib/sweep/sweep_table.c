@@ -258,7 +258,7 @@ static km_status find_passive(km_sweeper *r, km_error *error) {
     if (r->out->passive_coordinates)
       km_passive_coordinates(r->m, &passive, r->out->passive_coordinates);
     else
-      status = km_fail(error, KM_MEMORY, "out of memory for the idle freedoms");
+      status = km_fail(error, KM_MEMORY, "out of memory for the passive freedoms");
   }
   km_passive_freedoms_free(&passive);
   return status;

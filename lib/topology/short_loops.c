@@ -102,8 +102,8 @@ static int write_path(cycle_finder *f, int which, int body, int joint) {
   return count;
 }
 
-/* Shortest path between the chord's ends with fewer than `most` joints, into `path`. Returns its number of joints; 0:
- * none. */
+/* Shortest path between the chord's ends with fewer than `max_length` joints, into `path`. Returns its number of
+ * joints; 0: none. */
 static int find_shortest_path(cycle_finder *f, int loop, int max_length) {
   const km_edge *ends = &f->g->edges[f->t->chord[loop]];
   f->search_stamp++;

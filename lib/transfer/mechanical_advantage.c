@@ -13,8 +13,6 @@
 
 #include <string.h>
 
-/*  */
-
 /* Rates below this part of the largest scaled rate are zero. A rate nearer to its dead point is not determined by the
  * digits of its own angle, since they differ by the square. */
 static const double zero_rate_tolerance = 3e-8;

@@ -17,8 +17,6 @@
 
 #include <string.h>
 
-/*  */
-
 struct km_transmission_workspace {
   km_arena arena;
   const km_mechanism *mechanism;
@@ -53,6 +51,7 @@ static void list_ring(const km_mechanism *m, int loop, km_transmission_workspace
   }
 }
 
+/* Index of a joint in the loop's ring of joints; w->joints if absent. */
 static int index_in_ring(const km_transmission_workspace *w, int joint) {
   int index = 0;
   while (index < w->joints && w->ring[index] != joint)

@@ -16,7 +16,8 @@ struct bench_simbody {
 
 static Body::Rigid rod(double length) {
   return Body::Rigid(MassProperties(1.0, Vec3(0.5 * length, 0, 0),
-                                    UnitInertia::cylinderAlongX(1e-6, 0.5 * length).shiftFromCentroid(Vec3(-0.5 * length, 0, 0))));
+                                    UnitInertia::cylinderAlongX(1e-6, 0.5 * length)
+                                        .shiftFromCentroid(Vec3(-0.5 * length, 0, 0))));
 }
 
 extern "C" bench_simbody *bench_simbody_create(const bench_fourbar *b) {
@@ -41,7 +42,7 @@ extern "C" void bench_simbody_free(bench_simbody *s) {
 }
 
 extern "C" void bench_simbody_accelerate(bench_simbody *s, double out[3]) {
-  s->state.updQ(); // what was computed at this pose doesn't count any more
+  s->state.updQ(); // invalidates cached results of this configuration
   s->system.realize(s->state, Stage::Acceleration);
   const Vector &a = s->state.getUDot();
   for (int i = 0; i < 3; ++i)

@@ -1,9 +1,9 @@
-/* Interposes calloc and realloc of a tool, loaded by LD_PRELOAD (tests/faults/memory). Every call from a new location
- * fails once: the process is forked, the call of the copy fails, and the copy continues in a folder of its own below
- * KMECH_FAIL_IN with its output (.out, .said), the location (.place) and its end (.status). The first process continues
- * unaffected. A location is the last few functions of the tool on the stack; known ones are in KMECH_FAIL_IN/places,
- * which the next run of the tool reads. Calls of other libraries never fail. The time of copies doesn't count towards the
- * time limit of a tool. */
+/* Interposes calloc and realloc of a tool, loaded by LD_PRELOAD (tests/faults/memory). Every call from a new
+ * location fails once: the process is forked, the call of the copy fails, and the copy continues in a folder of its
+ * own below KMECH_FAIL_IN with its output (.out, .said), the location (.place) and its end (.status). The first
+ * process continues unaffected. A location is the last few functions of the tool on the stack; known ones are in
+ * KMECH_FAIL_IN/places, which the next run of the tool reads. Calls of other libraries never fail. The time of
+ * copies doesn't count towards the time limit of a tool. */
 #include <dirent.h>
 #include <execinfo.h>
 #include <fcntl.h>

@@ -113,7 +113,7 @@ static void searches_can_be_cancelled(void **state) {
   km_passive_freedoms idle;
   km_error error;
   assert_int_equal(km_passive_freedoms_find(f.mechanism, f.state, refuse, NULL, &idle, &error), KM_CANCELLED);
-  assert_string_equal(error.text, "the search for the idle freedoms was cancelled");
+  assert_string_equal(error.text, "the search for the passive freedoms was cancelled");
   km_passive_freedoms_free(&idle);
   fixture_close(&f);
 }

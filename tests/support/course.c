@@ -39,7 +39,7 @@ static bool follow_to(km_arc_motion *follow, double s) {
   bool there = km_arc_motion_advance(follow, s - km_arc_motion_length(follow)) == KM_OK;
   if (!km_arc_motion_closed(follow))
     return there;
-  km_arc_motion_pass_cycle(follow);
+  km_arc_motion_continue_past_cycle(follow);
   return km_arc_motion_length(follow) >= s || km_arc_motion_advance(follow, s - km_arc_motion_length(follow)) == KM_OK;
 }
 

@@ -16,8 +16,8 @@ static km_bytes written(const km_model *model, km_model_format format, km_messag
   return bytes;
 }
 
-#define SLIDE(JOINT, MODULES)                                                                                                   \
-  "{\"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", \"mass\": 2, \"frames\": [{\"name\": \"tool\", \"T\": "   \
+#define SLIDE(JOINT, MODULES) \
+  "{\"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", \"mass\": 2, \"frames\": [{\"name\": \"tool\", \"T\": " \
   "[0.1, 0.2, 0.3]}, {\"name\": \"S\", \"T\": [0, 0, 1]}]}], \"joints\": [{\"name\": \"S\", \"body_frame_pairs\": [\"fixed\", " \
   "\"b\"], " JOINT "}], \"force_modules\": [" MODULES "]}]}"
 #define SPRING(NAME, LAW)                                                                                              \

@@ -1,5 +1,5 @@
-/* The shortest decimal digits that read back to the same double: the Schubfach algorithm (R. Giulietti, "The Schubfach way
- * to render doubles", 2020).
+/* The shortest decimal digits that read back to the same double: the Schubfach algorithm (R. Giulietti, "The Schubfach
+ * way to render doubles", 2020).
  *
  * A double is c · 2^q, and every real number between its two halfway neighbours cl · 2^q and cr · 2^q reads back to it
  * (the ends too where c is even). With k = ⌊log10 2^q⌋ the interval, divided by 10^k, holds at least one and at most

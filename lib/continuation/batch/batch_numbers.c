@@ -74,7 +74,6 @@ static bool has_limited_ball(const km_driver_motion *d) {
   return false;
 }
 
-/*  */
 bool km_batch_has_same_structure(const km_driver_motion *d, const km_driver_motion *e) {
   const km_mechanism *a = d->c.mechanism, *b = e->c.mechanism;
   if (a->coordinate_count != b->coordinate_count || a->ball_count != b->ball_count || has_limited_ball(e) ||
@@ -97,7 +96,6 @@ bool km_batch_has_same_structure(const km_driver_motion *d, const km_driver_moti
          same_couplings(a, b, s);
 }
 
-/*  */
 bool km_batch_fits(const km_driver_motion *d) {
   return d->c.substructure >= 0 && km_batch_has_same_structure(d, d);
 }
@@ -249,7 +247,6 @@ static void copy_couplings(km_batch *l, const km_mechanism *m, int i) {
   }
 }
 
-/*  */
 void km_batch_copy_numbers(km_batch *l, int i) {
   const km_driver_motion *d = l->drives[i];
   const km_mechanism *m = d->c.mechanism;

@@ -43,7 +43,8 @@ typedef struct km_error {
   char text[KM_ERROR_TEXT]; /* one line, without the name of a program */
 } km_error;
 
-/* Fills `error` (may be NULL) by a `format` of printf and returns `status`. The text is cut at KM_ERROR_TEXT - 1 bytes. */
+/* Fills `error` (may be NULL) by a `format` of printf and returns `status`. The text is cut at KM_ERROR_TEXT - 1
+ * bytes. */
 KM_API km_status km_fail(km_error *error, km_status status, const char *format, ...)
 #if defined(__GNUC__)
     __attribute__((format(printf, 3, 4)))
@@ -114,7 +115,7 @@ KM_API bool km_reserve(void **data, size_t *capacity, size_t need, size_t size);
 /* A block of bytes, followed by a NUL that `size` doesn't count. */
 typedef struct km_bytes {
   char *data;  /* owned by the caller, freed by km_bytes_free */
-  size_t size; /* without the closing NUL */
+  size_t size; /* number of bytes, the closing NUL not counted */
 } km_bytes;
 /* Frees the bytes and resets the structure to {0}. */
 KM_API void km_bytes_free(km_bytes *bytes);

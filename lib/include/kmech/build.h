@@ -10,8 +10,8 @@
  *   km_builder_finish(builder, &model, &error);
  *   km_builder_free(builder);
  *
- * Numbers are in the units of km_settings_def; texts and arrays are copied. An id of 0 is invalid, so a definition left at
- * {0} is refused. A failed call leaves the builder unchanged. */
+ * Numbers are in the units of km_settings_def; texts and arrays are copied. An id of 0 is invalid, so a definition left
+ * at {0} is refused. A failed call leaves the builder unchanged. */
 #ifndef KMECH_BUILD_H
 #define KMECH_BUILD_H
 
@@ -203,7 +203,7 @@ typedef struct km_force_def {
   km_module_type type;          /* argument of the law */
   km_coordinate_ref coordinate; /* coordinate at which it measures and acts, or … */
   km_frame_id from, to;         /* … frames between which it measures and acts */
-  km_distance distance;         /* between frames: the measure */
+  km_distance distance;         /* measure between the frames */
   int knot_count;
   const double *knots;          /* [knot_count] ends of the pieces, increasing */
   const int *piece_sizes;       /* [knot_count + 1] numbers of coefficients of the pieces */

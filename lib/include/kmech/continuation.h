@@ -109,11 +109,11 @@ KM_API int km_arc_motion_start_branches(
  * another length. Never allocates. */
 KM_API km_status km_arc_motion_advance(km_arc_motion *follow, double length);
 
-KM_API double km_arc_motion_length(const km_arc_motion *follow); /* arc length so far */
-KM_API bool km_arc_motion_closed(const km_arc_motion *follow);   /* the motion returned to its start, to 1e-9 */
-KM_API double km_arc_motion_cycle(const km_arc_motion *follow);  /* arc length of the closed cycle; 0: none */
+KM_API double km_arc_motion_length(const km_arc_motion *follow);       /* arc length so far */
+KM_API bool km_arc_motion_closed(const km_arc_motion *follow);         /* the motion returned to its start, to 1e-9 */
+KM_API double km_arc_motion_cycle_length(const km_arc_motion *follow); /* arc length of the closed cycle; 0: none */
 /* Continues a motion whose cycle is closed; further cycles do not stop it. */
-KM_API void km_arc_motion_pass_cycle(km_arc_motion *follow);
+KM_API void km_arc_motion_continue_past_cycle(km_arc_motion *follow);
 KM_API int km_arc_motion_limit(const km_arc_motion *follow); /* coordinate whose limit ended the motion, -1 none */
 /* Returns the branch point that the last advance passed on the smooth branch; false if there was none. */
 KM_API bool km_arc_motion_branch(const km_arc_motion *follow, km_branch_point *out);

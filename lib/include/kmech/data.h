@@ -48,8 +48,8 @@ KM_API km_value *km_value_numbers(km_arena *arena, km_value *parent, const char 
 /* The member with `key`; NULL if there is none. O(members). */
 KM_API const km_value *km_value_get(const km_value *object, const char *key);
 
-/* Parses `size` bytes of JSON (a byte order mark is skipped). Duplicate keys, NaN, numbers out of range, strings with NUL
- * and nesting past 2048 are KM_MODEL, with line and column. The tree lives in `arena`. O(bytes). */
+/* Parses `size` bytes of JSON (a byte order mark is skipped). Duplicate keys, NaN, numbers out of range, strings
+ * with NUL and nesting past 2048 are KM_MODEL, with line and column. The tree lives in `arena`. O(bytes). */
 KM_API km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, const km_value **root, km_error *error);
 /* Appends the record as text, two spaces a level; lists of scalars stay on one line. Numbers that are not finite are
  * written as null. O(bytes). */

@@ -137,8 +137,8 @@ typedef struct km_units {
   const km_unit *angle, *length, *mass, *time, *force; /* static */
 } km_units;
 
-/* Exponents of the five base units; generalised forces and rates of angles count radians, so `angle` is 1 only for angles
- * written in the angle unit. */
+/* Exponents of the five base units; generalised forces and rates of angles count radians, so `angle` is 1 only for
+ * angles written in the angle unit. */
 typedef struct km_dimension {
   signed char angle, length, mass, time, force; /* exponents of the quantities */
 } km_dimension;

@@ -179,7 +179,7 @@ KM_API km_status km_chart_picture(const km_chart *chart, km_picture_format forma
 KM_API km_status km_question_report(const km_answered *answer, const char *stopped_by, bool html, km_text *out,
                                     km_error *error);
 
-/* ---- Drawings of a mechanism: joints by the symbols of textbooks, links as bars and plates, in one pose or several; the same
+/* ---- Drawings of a mechanism: joints by the symbols of textbooks, links as bars and plates, in one pose or several;
  * as moving pictures, as outlines of links, and its graph.
  *
  *   km_drawing_create(mechanism, &drawing, &error);

@@ -49,11 +49,11 @@ static double entry_multiple(const null_pivoting *h, int times) {
   return (double)times * h->p->sparse->start[h->p->columns];
 }
 
-/* True if the sum over the first `done` of all vectors extrapolates to more than `most`. */
-static bool will_exceed(const null_pivoting *h, double sum, int is_done, double most) {
+/* True if the sum over the first `done_count` of all vectors extrapolates to more than `most`. */
+static bool will_exceed(const null_pivoting *h, double sum, int done_count, double most) {
   enum { MIN_SAMPLE = 20 };
-  return is_done >= MIN_SAMPLE && km_partition_freedom(h->p) > KM_MANY_VECTORS &&
-         sum * km_partition_freedom(h->p) > most * is_done;
+  return done_count >= MIN_SAMPLE && km_partition_freedom(h->p) > KM_MANY_VECTORS &&
+         sum * km_partition_freedom(h->p) > most * done_count;
 }
 
 /* Counts a visit of all entries of a vector. */
@@ -156,7 +156,7 @@ static double find_entry(const null_vector *v, int column) {
   return 0.0;
 }
 
-/* Eliminates the pivot column from the vectors that are not `done`. */
+/* Eliminates the pivot column from the vectors that are not done. */
 static bool eliminate_column(null_pivoting *h, int vector, const bool *is_done) {
   const null_vector *pivot_vector = &h->vectors[vector];
   int pivot = pivot_vector->largest;

@@ -151,7 +151,7 @@ static double estimate_longest_row(const km_partition *p, const bool *forced) {
 }
 
 /* max|B_ij| over all independent columns, or over those that are not preset. Ends at such a column with an entry beyond
- * `most`. NaN is returned. */
+ * `max_entry`. NaN is returned. */
 static double measure_max_b(const km_partition *p, bool free_only, const bool *forced, double max_entry) {
   const km_sparse *s = p->sparse;
   double largest = 0.0;

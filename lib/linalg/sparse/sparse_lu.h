@@ -151,8 +151,8 @@ void km_sparse_supernode_subtract(const km_partition *partition, int step, doubl
 bool km_sparse_reserve_factor(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_entry_store *store, int need);
 /* Takes column singletons as the first pivots: columns with one entry in open rows, which eliminate nothing. Preset and
- * postponed columns, and entries up to `least`, are excluded. Returns the number of entries of U. */
-int km_sparse_take_singletons(km_partition *partition, const double *matrix, const bool *forced, double least);
+ * postponed columns, and entries up to `min_pivot`, are excluded. Returns the number of entries of U. */
+int km_sparse_take_singletons(km_partition *partition, const double *matrix, const bool *forced, double min_pivot);
 /* One elimination in the order given by is_postponed and `forced`. */
 void km_sparse_eliminate(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* max|B_ij| over the independent columns that are not preset; with many entries an estimate of the length of the

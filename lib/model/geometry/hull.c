@@ -14,7 +14,7 @@ typedef struct point {
 } point;
 
 typedef struct face {
-  int corner[3], beyond[3]; /* beyond[k]: the adjacent face across the edge from corner k to the next one */
+  int corner[3], beyond[3]; /* adjacent faces: beyond[k] across the edge from corner k to the next corner */
   point normal;
   int outside, farthest; /* list (by `next`) of points outside the face; -1: none */
   wide height;           /* distance of the farthest one */

@@ -1,6 +1,6 @@
 /* Mass properties of a closed surface (docs/theory.md 14.1). A tetrahedron 0abc has the signed volume V = d/6, d =
- * a·(b × c). With s = a + b + c: ∫ x dV = d/24 s, ∫ x xᵀ dV = d/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ), exact because the
- * integrands are quadratic. The sum over a closed surface is the integral over its interior. */
+ * a·(b × c), and with s = a + b + c the integrals ∫ x dV = d/24 s, ∫ x xᵀ dV = d/120 (s sᵀ + a aᵀ + b bᵀ + c cᵀ),
+ * exact because the integrands are quadratic. The sum over a closed surface is the integral over its interior. */
 #include "model/geometry/mass_properties.h"
 
 #include "base/memory.h"

@@ -29,7 +29,7 @@
 #define KM_PANGO_FUNCTIONS(X)                                                                                          \
   X(cairo_copy_path) X(cairo_create) X(cairo_destroy) X(cairo_font_options_create) X(cairo_font_options_destroy)       \
   X(cairo_font_options_set_antialias) X(cairo_font_options_set_hint_metrics) X(cairo_font_options_set_hint_style)      \
-  X(cairo_path_destroy) X(cairo_recording_surface_create) X(cairo_surface_destroy) X(g_free) X(g_object_unref)             \
+  X(cairo_path_destroy) X(cairo_recording_surface_create) X(cairo_surface_destroy) X(g_free) X(g_object_unref) \
   X(g_utf8_make_valid) X(pango_cairo_context_set_font_options) X(pango_cairo_font_map_get_default)                     \
   X(pango_cairo_layout_path) X(pango_cairo_show_layout) X(pango_context_set_language)                                  \
   X(pango_context_set_round_glyph_positions) X(pango_font_description_free) X(pango_font_description_from_string)      \

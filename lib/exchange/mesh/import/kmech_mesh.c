@@ -1,8 +1,9 @@
 /* kmech-mesh FILE: reads a mesh by assimp and writes its triangles to the standard output (stream.h).
  *
- * assimp's importers fail on damaged files by crashes, endless loops and any amount of memory. The library therefore starts
- * this program for each file: it limits itself before it opens the file, and whatever ends it leaves the caller unharmed.
- * Exit status 0: the stream is complete, with a mesh or with a reason why there is none. 1: the stream couldn't be written. */
+ * assimp's importers fail on damaged files by crashes, endless loops and unbounded memory. The library therefore starts
+ * this program for each file. It limits its own time and memory before it opens the file, and its end doesn't affect
+ * the caller. Exit status 0: the stream is complete, with a mesh or with the reason of its absence. 1: the stream
+ * couldn't be written. */
 #include "exchange/mesh/import/stream.h"
 
 #include <assimp/cimport.h>

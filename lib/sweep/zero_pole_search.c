@@ -3,7 +3,7 @@
  *   zero : root of n;   pole: root of d;   undefined: both      sign change, Brent's method, n or d drops to 1e-7
  *   extremum of f      : middle one of three samples            Brent's minimisation, to 4 sqrt(eps)
  *   near a pole        : 16 samples at halved distances, for extrema next to it and for pictures */
-#include "sweep/event_search.h"
+#include "sweep/zero_pole_search.h"
 
 #include "mobility/mobility_numbers.h"
 

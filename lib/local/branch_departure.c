@@ -1,61 +1,18 @@
-/* Branch points: directions of the branches, and departure along one of them (docs/theory.md 4.10).
+/* Departure from a branch point along one of its branches (docs/theory.md 4.10).
  *
- *   directions: confirmed tangents (5.3) that differ, 1 − |cos| > 2e-5
- *   departure : q₀ + h t with h max|t_j| = 5e-3, closed; with several freedoms the configuration nearest to q₀ (4.8) */
+ *   q₀ + h t with h max|t_j| = 5e-3, closed; with several freedoms the configuration nearest to q₀ (4.8)
+ *
+ * The branch is the one that moves the driver fastest, or with several freedoms the one with the shortest step. A
+ * motion by arc length that starts at a branch point takes the branch nearest to its tangent instead
+ * (continuation/arc_branch_point.c); a sweep by arc length takes the branch of its plan (sweep/arc_sweep.c). */
 #include "local/bifurcation.h"
 
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kinematics/nearest_configuration.h"
 #include "local/constant_rank_motion.h"
-#include "local/sampled_tangents.h"
 
 #include <string.h>
-
-/* Counts the direction after the `found` ones if it differs from them in more than its sense. */
-static int count_if_new(const km_tangents *f, const double *directions, int found) {
-  size_t n = (size_t)f->sub->columns;
-  for (int i = 0; i < found; ++i)
-    if (km_is_same_tangent(km_step_dot(f->m, f->sub, directions + (size_t)found * n, directions + (size_t)i * n)))
-      return found;
-  return found + 1;
-}
-
-/* Branch directions by a basis of the tangents. */
-static int find_by_basis(km_tangents *f, double *directions) {
-  int found = 0;
-  size_t k = (size_t)f->conditions.freedom;
-  double length;
-  if (!km_tangents_create_basis(f) || km_tangents_are_regular(f) || km_tangents_all_finite(f))
-    return 0;
-  double *known = KM_ARENA_NEW(f->arena, double, KM_MAX_BRANCHES *k);
-  while (known && found < KM_MAX_BRANCHES && km_tangents_find_next(f, known, found, &length)) {
-    memcpy(known + (size_t)found * k, f->a, k * sizeof *known);
-    km_tangents_direction(f, f->a, directions + (size_t)found++ * (size_t)f->sub->columns);
-  }
-  return found;
-}
-
-/* Branch directions by random single tangents, with many freedoms. */
-static int find_by_samples(km_tangents *f, double *directions) {
-  km_sampled_tangents sample;
-  int found = 0;
-  double length;
-  if (km_sampled_tangents_create(&sample, f) && !km_sampled_tangents_all_finite(&sample, &length))
-    while (found < KM_MAX_BRANCHES && km_sampled_tangents_find_next(&sample, &length)) {
-      memcpy(directions + (size_t)found * (size_t)f->sub->columns, sample.x,
-             (size_t)f->sub->columns * sizeof *sample.x);
-      found = count_if_new(f, directions, found);
-    }
-  km_sampled_tangents_free(&sample);
-  return found;
-}
-
-/* True if J has full row rank, so that the configuration is no branch point. Pivots are searched. */
-static bool is_regular(const km_mechanism *m, km_state *s, int index) {
-  km_second_order conditions;
-  return km_second_order_count_tangents(m, s, index, &conditions) && !conditions.has_redundant_rows;
-}
 
 /* True for a permanently shaky mechanism: its rank deficiency is no branch point. */
 static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index) {
@@ -64,28 +21,6 @@ static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index) 
   km_constant_rank_begin(&motion, m, s, index, KM_NO_DRIVER, &arena);
   km_arena_free(&arena);
   return motion.is_active;
-}
-
-/* Branch directions: confirmed or undecided tangents at a configuration of deficient rank. */
-int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
-  if (is_regular(m, s, index))
-    return 0;
-  km_arena arena = {0};
-  km_tangents f;
-  int found = 0;
-  bool is_ok = km_tangents_create(&f, m, s, index, &arena);
-  f.min_verdict = KM_TANGENT_UNDECIDED; /* undecided tangents count, since rounded data have branches too */
-  if (is_ok)
-    found = (km_tangents_are_many(&f) ? find_by_samples : find_by_basis)(&f, directions);
-  if (arena.failed) {
-    found = -1;
-  } else {
-    km_state_restore(s, f.sub, f.origin);
-    km_loops_update(m, s, f.sub);
-    km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, f.sub, 0.0));
-  }
-  km_arena_free(&arena);
-  return found;
 }
 
 /* Direction that moves a column fastest, near-ties by position; -1: none moves it. */
@@ -218,7 +153,8 @@ static void choose_shortest(branch_departure *d, const double *directions, int c
 km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double driver_step) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
-  if (index < 0 || km_state_is_fixed(s, coordinate) || is_regular(m, s, index) || is_permanently_shaky(m, s, index))
+  if (index < 0 || km_state_is_fixed(s, coordinate) || km_is_regular_configuration(m, s, index) ||
+      is_permanently_shaky(m, s, index))
     return out; /* a fixed coordinate cannot parametrise a branch */
   const km_substructure *sub = &m->substructures[index];
   size_t n = (size_t)sub->columns;

@@ -1,6 +1,6 @@
 /* Events of functions f = n/d along a sweep (theory 10.1): zeros, poles, extrema. Private to sweep/. */
-#ifndef KM_SWEEP_EVENT_SEARCH_H
-#define KM_SWEEP_EVENT_SEARCH_H
+#ifndef KM_SWEEP_ZERO_POLE_SEARCH_H
+#define KM_SWEEP_ZERO_POLE_SEARCH_H
 
 #include "sweep/sweep.h"
 
