@@ -80,7 +80,7 @@ static void print_help(const char *tool, const char *about, const kt_command *co
     printf("  %-*s %s\n", (int)width, c->name, c->summary);
   printf("\n`%s COMMAND --help` tells a command's options. A model of - is the standard input.\n"
          "Exit status: 0 done, 1 done but the answer is no or partial, 2 usage or files, 3 the model is bad,\n"
-         "4 an iteration gave out, 5 internal.\n",
+         "4 an iteration didn't converge, 5 internal.\n",
          tool);
 }
 

@@ -8,7 +8,7 @@
 #include "kmech/mechanism.h"
 #include "kmech/report.h"
 
-/* Exit codes of every tool (cli.md). */
+/* Exit codes of every tool. */
 typedef enum kt_exit {
   KT_DONE = 0,
   KT_PARTIAL = 1,

@@ -39,7 +39,7 @@ class NoResult(KmechError):
 
 
 class Diverged(KmechError, ArithmeticError):
-    """An iteration gave out."""
+    """An iteration didn't converge."""
 
     status = "diverged"
 

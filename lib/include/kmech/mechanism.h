@@ -31,7 +31,7 @@ KM_API km_status km_mechanism_compile(const km_model *model, const km_hold *hold
                                       km_error *error);
 KM_API void km_mechanism_free(km_mechanism *mechanism);
 
-/* Copies the model's numbers after some have changed (kmech/edit.h): dimensions, displacements, limits, ratios. Held
+/* Copies the model's numbers after some have changed (kmech/model.h): dimensions, displacements, limits, ratios. Held
  * coordinates keep their values. The bits are those of a new compilation. States stay usable after km_state_restart.
  * KM_PARTIAL: a loop's motion space has changed, compile again; the mechanism is then unchanged. KM_MEMORY. No
  * allocation after the first call. Not while another thread uses the mechanism. Cost: that of compiling without the

@@ -87,7 +87,7 @@ static void write_option(const kt_option *o) {
 
 static void write_end(const char *others) {
   fputs(".SH EXIT STATUS\n0 done; 1 done, but the answer is no or partial; 2 usage or files; 3 the model is bad; 4 an "
-        "iteration gave out; 5 internal.\n.SH SEE ALSO\n",
+        "iteration didn't converge; 5 internal.\n.SH SEE ALSO\n",
         stdout);
   printf("%s.BR kmech (7),\n.BR kmech\\-model (5),\n.BR kmech\\-path\\-study (5),\n.BR kmech\\-study (5),\n"
          ".BR kmech\\-tables (5)\n",
