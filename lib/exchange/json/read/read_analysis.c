@@ -1,6 +1,6 @@
 /* The tools' defaults for a model, and the loads on it: checked and kept. */
-#include "exchange/json/name_path.h"
 #include "exchange/json/read/reader.h"
+#include "model/name_path.h"
 
 #include <math.h>
 #include <string.h>

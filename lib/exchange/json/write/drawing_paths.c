@@ -1,5 +1,5 @@
 /* Paths to frames in a model that becomes a drawing, where bodies lose the frames of their own. */
-#include "exchange/json/name_path.h"
+#include "model/name_path.h"
 #include "exchange/json/write/drawing_tree.h"
 
 #include <string.h>

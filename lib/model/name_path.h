@@ -1,11 +1,13 @@
 /* Paths as a file writes them: a name, a list of names, or one text with slashes between the names. */
-#ifndef KM_EXCHANGE_JSON_NAME_PATH_H
-#define KM_EXCHANGE_JSON_NAME_PATH_H
+#ifndef KM_MODEL_NAME_PATH_H
+#define KM_MODEL_NAME_PATH_H
 
 #include "base/value.h"
-#include "exchange/json/json_location.h"
 
-enum { KM_LONGEST_PATH = 2100 }; /* more than the parser's nesting limit */
+enum {
+  KM_LONGEST_PATH = 2100, /* names; more than the parser's nesting limit */
+  KM_PATH_TEXT = 256      /* bytes of a path as text, the NUL included */
+};
 
 typedef struct km_path_names {
   const char *names[KM_LONGEST_PATH]; /* borrowed, or parts of `copy` */
@@ -22,6 +24,6 @@ bool km_path_names_split(const char *text, km_path_names *out);
 void km_path_names_free(km_path_names *path);
 
 /* Names as a person reads them: `a/b/c`. */
-const char *km_path_names_text(const char *const *names, size_t count, char out[KM_PLACE_TEXT]);
+const char *km_path_names_text(const char *const *names, size_t count, char out[KM_PATH_TEXT]);
 
 #endif

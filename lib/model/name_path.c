@@ -1,5 +1,5 @@
 /* Paths as a file writes them, taken apart into names. */
-#include "exchange/json/name_path.h"
+#include "model/name_path.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -54,11 +54,11 @@ void km_path_names_free(km_path_names *path) {
   path->copy = NULL;
 }
 
-const char *km_path_names_text(const char *const *names, size_t count, char out[KM_PLACE_TEXT]) {
+const char *km_path_names_text(const char *const *names, size_t count, char out[KM_PATH_TEXT]) {
   size_t used = 0;
   out[0] = '\0';
-  for (size_t i = 0; i < count && used < KM_PLACE_TEXT - 1; ++i) {
-    int length = snprintf(out + used, KM_PLACE_TEXT - used, "%s%s", i ? "/" : "", names[i]);
+  for (size_t i = 0; i < count && used < KM_PATH_TEXT - 1; ++i) {
+    int length = snprintf(out + used, KM_PATH_TEXT - used, "%s%s", i ? "/" : "", names[i]);
     used += length > 0 ? (size_t)length : 0;
   }
   return out;
