@@ -63,7 +63,7 @@ typedef struct assembly {
   int violating_loop;                   /* -1: none */
 } assembly;
 
-/* Displaces every unlocked coordinate by a random share of `most`, uniform in [−1, 1]. */
+/* Displaces every unlocked coordinate by `amplitude` times a random number, uniform in [−1, 1]. */
 static void displace_randomly(const km_mechanism *m, km_state *s, const km_substructure *sub, double amplitude,
                               uint64_t *random) {
   for (int k = 0; k < sub->columns; ++k) {

@@ -78,8 +78,9 @@ static bool close_with_fixed(const branch_departure *d, int driver, bool is_full
   return outcome == KM_CLOSED;
 }
 
-/* Moves to the closed configuration nearest to the branch point, by homotopy in the distance: nearest configurations to
- * points at a growing fraction of the step back, the last one closed by all rows. The state stays without a result. */
+/* Moves to the closed configuration nearest to the branch point q₀, with the driver fixed. Homotopy: nearest
+ * configurations to y = q − fraction (q − q₀), from the last one q; fraction grows to 1, where y = q₀ and all rows
+ * close the loops. The state stays if a stage finds none. */
 static void approach_nearest(branch_departure *d) {
   enum { MAX_STEPS = 40 };
   static const double min_fraction = 1e-3;
@@ -91,17 +92,17 @@ static void approach_nearest(branch_departure *d) {
   for (int i = 0; i < MAX_STEPS && !is_nearest && fraction > min_fraction; ++i) {
     km_state_save(d->s, d->sub, d->last_accepted);
     km_state_difference(d->s, d->sub, d->origin, displacement);
-    double length = km_step_length(d->m, d->sub, displacement);
+    double distance_before = km_step_length(d->m, d->sub, displacement);
     for (int k = 0; k < d->sub->columns; ++k)
       displacement[k] *= fraction;
     bool found = km_nearest_configuration_find(&closest, d->m, d->s, d->index, d->column, &d->s->partition[d->index],
                                                displacement);
     km_state_difference(d->s, d->sub, d->origin, displacement);
-    double shorter = km_step_length(d->m, d->sub, displacement);
+    double distance_after = km_step_length(d->m, d->sub, displacement);
     const bool last = fraction == 1.0;
-    found = found && shorter <= length && close_with_fixed(d, d->column, last);
+    found = found && distance_after <= distance_before && close_with_fixed(d, d->column, last);
     is_nearest = found && last;
-    fraction = !found ? 0.5 * fraction : shorter > 0.9 * length ? fmin(1.0, 2.0 * fraction) : fraction;
+    fraction = !found ? 0.5 * fraction : distance_after > 0.9 * distance_before ? fmin(1.0, 2.0 * fraction) : fraction;
     if (!found)
       km_state_restore(d->s, d->sub, d->last_accepted);
   }

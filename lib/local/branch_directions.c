@@ -4,8 +4,8 @@
 
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
-#include "local/second_order_conditions.h"
 #include "local/sampled_tangents.h"
+#include "local/second_order_conditions.h"
 
 #include <string.h>
 

@@ -138,8 +138,8 @@ static void scale_move(km_tangents *f, double factor) {
     f->move[c] *= factor;
 }
 
-/* Predicts the next move of size h: along the tangent if the fixed coordinate leaves just one, else along the last
- * move. */
+/* Predicts the next move of size h: along the tangent (null vector of J) if there is one freedom, with the fixed
+ * coordinate as its independent one; else along the last move (secant). */
 static void predict(km_tangents *f, int driver, double h) {
   const km_partition *p = &f->s->partition[f->index];
   int column, n = f->sub->columns;

@@ -4,7 +4,8 @@
 
 #include "model/model.h"
 
-/* The labels of joints nearest to `wanted`, as text; names while a file is read and labels don't exist. Returns `out`. */
+/* The labels of joints nearest to `wanted`, as text; names while a file is read and labels don't exist. Returns
+ * `out`. */
 const char *km_nearest_joint_labels(const km_model *model, const char *wanted, char out[KM_NEAREST_TEXT]);
 /* The paths body/frame nearest to `wanted`, as text. Returns `out`. */
 const char *km_nearest_frame_paths(const km_model *model, const char *wanted, char out[KM_NEAREST_TEXT]);

@@ -125,10 +125,11 @@ void km_body_equilibrium_free(equilibrium *e) {
 typedef struct equation_builder {
   equilibrium *e;
   km_columns c;
-  const double *r0; /* [6 · joints] scaled */
+  const double *r0; /* [6 · joints] scaled reactions of the tree alone: they satisfy the bodies' balance */
   long next;
 } equation_builder;
 
+/* Appends an entry to the present equation, and entry · r₀ to its right side; zeros are omitted. */
 static void add_entry(equation_builder *s, int unknown, double value) {
   if (value == 0.0)
     return;
@@ -200,6 +201,7 @@ static int motion_entries(const equilibrium *e, const km_statics_workspace *w, i
   return w->joint_index[joint];
 }
 
+/* Scaled force along a motion: of its actuator, f, and of the loads, τ (right side of h · (r − r₀) = f + τ). */
 static double given_force(const equilibrium *e, const km_statics_workspace *w, int column) {
   int c = e->m->column_coordinate[e->sub->column_start + column];
   return e->m->unit[c] * (w->force[c] + w->tau[c]);

@@ -12,9 +12,9 @@ static double value_at(km_singular_value_minima *w, const km_sweeper *r, int ind
   return index > 0 && index <= count ? values[index - 1] : nan("");
 }
 
-static void compute_value(void *self, km_sweeper *r, double *value, double *one) {
+static void compute_value(void *self, km_sweeper *r, double *value, double *denominator) {
   km_singular_value_minima *w = self;
-  (void)one;
+  (void)denominator; /* minima of the value, not zeros of a quotient */
   *value = value_at(w, r, w->regular_rank);
 }
 

@@ -223,6 +223,8 @@ static bool is_point(const km_mechanism *m, const km_transmission_workspace *w, 
   return type == KM_SPHERICAL || (is_planar(m, w) && (type == KM_RX || type == KM_RY || type == KM_RZ));
 }
 
+/* Virtual coefficient, and the indices of Sutherland-Roth (point: centre of the joint next to the output, if it is a
+ * ball or planar revolute joint) and Chen-Angeles (point of the wrench's line nearest to that joint's axis). */
 static void find_indices(const km_mechanism *m, const km_transmission_workspace *w, km_wrench wrench,
                          km_transmission *out) {
   km_twist s = w->twist[w->output.coordinate];

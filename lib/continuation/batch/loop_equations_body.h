@@ -18,7 +18,7 @@ static inline void put_planar_pose(km_lane_slot *slot, int lane, const planar_po
   put(slot->y.of + lane, at->y);
 }
 
-/* Moves the pose by `value` of a slide, or of a hinge, and writes the column h. */
+/* Moves the pose by `value` along a prismatic joint, and writes the joint's direction as Jacobian column h. */
 static inline void slide(const km_batch *l, const km_lane_step *n, vector value, double sign, km_lane_column *h,
                          planar_pose *at, int r, int first) {
   const vector c = at->cosine, s = at->sine, ux = GET(n->ux), uy = GET(n->uy);
@@ -29,6 +29,8 @@ static inline void slide(const km_batch *l, const km_lane_step *n, vector value,
   at->x += value * along_x;
   at->y += value * along_y;
 }
+
+/* Rotates the pose by `value` about a revolute joint, and writes the joint's Jacobian column h. */
 static inline void turn_hinge(vector value, double sign, km_lane_column *h, planar_pose *at, int r, int first) {
   at->angle += value;
   lanes_sincos(at->angle, &at->sine, &at->cosine);
