@@ -46,9 +46,9 @@ bool km_defer_pivots(km_state *s, int index, int driver) {
 /* Refactors with the previous pivots; false if they became unstable. B is not monitored if only rows are needed. */
 static bool try_refactor(const km_mechanism *m, km_state *s, int index, int driver) {
   km_partition *p = &s->partition[index];
-  p->basis_quality_unneeded = needs_rows_only(p, driver);
+  p->accepts_any_basis = needs_rows_only(p, driver);
   bool is_accepted = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
-  p->basis_quality_unneeded = false;
+  p->accepts_any_basis = false;
   return is_accepted;
 }
 

@@ -69,7 +69,7 @@ void km_search_pivots(const km_mechanism *mechanism, km_state *state, int substr
 void km_update_and_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                  double misfit);
 
-/* As km_search_pivots for steps only: with many freedoms any independent columns will do, see `basis_quality_unneeded`
+/* As km_search_pivots for steps only: with many freedoms any independent columns will do, see `accepts_any_basis`
  * of a partition. */
 void km_search_pivots_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                 double tolerance);

@@ -61,9 +61,11 @@ void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, 
   km_search_pivots(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
 }
 
+/* Searches pivots for Newton steps only: any independent columns are accepted, because minimum-norm steps do not depend
+ * on the choice of the basis. */
 void km_search_pivots_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
   km_partition *p = &s->partition[index];
-  p->basis_quality_unneeded = true;
+  p->accepts_any_basis = true;
   km_search_pivots(m, s, index, driver, tolerance);
-  p->basis_quality_unneeded = false;
+  p->accepts_any_basis = false;
 }

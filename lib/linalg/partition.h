@@ -61,9 +61,9 @@ typedef struct km_partition {
   bool rows_were_kept;       /* the last search of the sparse factor accepted the rows of `kept_row_tolerance` */
   double min_relative_pivot; /* set by the caller: relative pivot threshold below which no search goes, over the largest
                            * entry */
-  bool basis_quality_unneeded; /* set by the caller: any independent columns will do; the sparse factor with many
+  bool accepts_any_basis;    /* set by the caller: any independent columns will do; the sparse factor with many
                                * freedoms does not optimise them, and a refactorisation does not measure B */
-  bool is_deferred;            /* the factorisation is deferred (km_partition_defer) */
+  bool is_deferred;          /* the factorisation is deferred (km_partition_defer) */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Locked columns have entries 0, come last and
                        * are no freedom */
   int locked_count;   /* locked columns at the last search */

@@ -272,6 +272,7 @@ bool km_partition_minimum_norm(const km_partition *p, const double *matrix, cons
          (minimum_norm_by_null(p, weight, count, rhs, x) || minimum_norm_by_rows(p, matrix, weight, count, rhs, x));
 }
 
+/* As km_partition_minimum_norm, with the normal equations factored last; false if they do not fit. */
 bool km_partition_minimum_norm_reuse(const km_partition *p, const double *weight, int count, const double *rhs,
                                      double *x) {
   return minimum_norm_by_normal(p, NULL, weight, count, rhs, x);

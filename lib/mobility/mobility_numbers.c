@@ -121,6 +121,7 @@ void km_substructure_evidence(const km_mechanism *m, const km_state *s, int inde
                                     .tolerance = km_rank_tolerance(m, sub, 0.0)};
 }
 
+/* Squared cosine between the coordinate and the null space, 0 … 1. */
 double km_mobility_number(const km_state *s, int coordinate) {
   if (!s || coordinate < 0 || coordinate >= s->mechanism->coordinate_count)
     return nan("");

@@ -20,6 +20,7 @@ int km_substructure_coordinate(const km_mechanism *m, int index, int column) {
   return sub && column >= 0 && column < sub->columns ? m->column_coordinate[sub->column_start + column] : -1;
 }
 
+/* Factor from a column's scaled rate to the coordinate's rate: 1 for an angle, the substructure's size for a length. */
 double km_substructure_unit(const km_mechanism *m, int index, int column) {
   int coordinate = km_substructure_coordinate(m, index, column);
   return coordinate >= 0 ? m->unit[coordinate] : nan("");

@@ -161,6 +161,7 @@ static km_status add_dead_point_at_row(sweep_events *w, double s, km_error *erro
   return toggle && !known ? add_toggle(w, w->state, s, error) : KM_OK;
 }
 
+/* Passes the rates and n, d at a row or probe to the zero and pole search. */
 static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
   w->has_rates = r->is_batched || km_sweeper_update_rates(r);

@@ -42,7 +42,7 @@ static bool is_read(const sweep_events *w, char kind, const char *label) {
   return found;
 }
 
-/* Adds the column of coordinate c, -1: of a joint without freedom. */
+/* Adds the column of coordinate c, -1: of a joint without freedom, if it is read. */
 static bool add_column(sweep_events *w, const char *label, int c, km_table *table) {
   if (!is_read(w, 'm', label))
     return true;
@@ -52,7 +52,8 @@ static bool add_column(sweep_events *w, const char *label, int c, km_table *tabl
   return km_table_add_joined_column(table, "m.", label, "", NULL);
 }
 
-/* Adds a column for each coordinate, and one for each joint without freedom. */
+/* Adds the columns of mobility numbers that are read: one for each coordinate, and one for each joint without freedom.
+ * Marks the coordinates whose own columns are not read. */
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   sweep_events *w = self;
   const km_model *model = r->m->model;

@@ -25,9 +25,9 @@ static void fill_band(void) {
 }
 
 static void factor_band(km_partition *p, bool unwatched) {
-  p->basis_quality_unneeded = unwatched;
+  p->accepts_any_basis = unwatched;
   km_partition_factor(p, values, ROWS, COLUMNS, NULL, 1e-9);
-  p->basis_quality_unneeded = false;
+  p->accepts_any_basis = false;
 }
 
 /* Without independent columns, rank, primary rows and minimum-norm steps are equal; columns requested afterwards are

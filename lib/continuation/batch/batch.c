@@ -208,7 +208,7 @@ static unsigned step_to_targets(km_batch *l, unsigned wanted) {
   for (unsigned stepping = wanted; stepping; stepping &= ~l->at_target) {
     stepping = step_lanes(l, stepping);
     if (l->extra_freedoms == 0)
-      km_batch_extend_history(l, stepping);
+      km_batch_rotate_history(l, stepping);
     l->unwritten |= stepping;
     at_target |= l->at_target;
     notify_steps(l, stepping & ~l->at_target);

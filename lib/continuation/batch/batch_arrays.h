@@ -123,7 +123,7 @@ struct km_batch {
   km_batch_number *t, *last_t, *last_move; /* [columns] as in km_step_history; remaining_step too */
   km_batch_number *remaining_step;
   /* [columns] with one freedom `moves` of km_step_history; a step writes its move in place of the oldest one until
-   * km_batch_extend_history. The first are `older_t` with several freedoms. */
+   * km_batch_rotate_history. The first are `older_t` with several freedoms. */
   km_batch_number *past[KM_CURVE_MOVES];
   km_batch_number sign, next_sign; /* sign of the pivots' product, at the start and at the end of a step */
   km_batch_number max_b_at_search, smallest_pivot;
@@ -184,7 +184,7 @@ void km_batch_copy_numbers(km_batch *lanes, int index);
 void km_batch_finish_ball_joints(km_batch *lanes, unsigned ended);
 
 /* Shifts the moves of the lanes that `took` a step and adds its move; one freedom. */
-void km_batch_extend_history(km_batch *lanes, unsigned took);
+void km_batch_rotate_history(km_batch *lanes, unsigned took);
 
 /* Saves the positions of all lanes; restores all of them, or one. */
 void km_batch_save(km_batch *lanes);

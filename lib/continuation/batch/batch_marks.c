@@ -16,14 +16,16 @@ static void shift_moves(km_batch *l, int i) {
 /* Reverses the shift of a lane that took no step while the arrays were exchanged. */
 static void unshift_moves(km_batch *l, int i) {
   for (int k = 0; k < l->sub->columns; ++k) {
-    double oldest = l->past[0][k].of[i];
+    double rotated = l->past[0][k].of[i];
     for (int j = 0; j < KM_CURVE_MOVES - 1; ++j)
       l->past[j][k].of[i] = l->past[j + 1][k].of[i];
-    l->past[KM_CURVE_MOVES - 1][k].of[i] = oldest;
+    l->past[KM_CURVE_MOVES - 1][k].of[i] = rotated;
   }
 }
 
-void km_batch_extend_history(km_batch *l, unsigned took) {
+/* Rotates the moves of the lanes that took the step by one place: the new move, which the step wrote over the oldest
+ * one in the last array, becomes the first. */
+void km_batch_rotate_history(km_batch *l, unsigned took) {
   unsigned others = l->active & ~took;
   if (__builtin_popcount(took) <= __builtin_popcount(others)) {
     for (unsigned left = took; left; left &= left - 1)

@@ -205,7 +205,7 @@ static INLINED void check_tangents(const km_batch *l, mask *valid, int first, in
     valid[r] &= equal(GET(l->next_sign), GET(l->sign));
 }
 
-/* Writes the last move, `way`, in place of the oldest one; km_batch_extend_history then orders the moves. */
+/* Writes the last move, `way`, in place of the oldest one; km_batch_rotate_history then orders the moves. */
 static INLINED void push_move(km_batch *l, int k, vector step_k, mask took, int r, int first) {
   km_batch_number *to = &l->past[KM_CURVE_MOVES - 1][k];
   vector x = GET(l->x[k]), remaining_step = GET(l->remaining_step[k]);

@@ -220,6 +220,7 @@ void km_register_factor(km_partition *p, const double *matrix, int candidates, d
   }
 }
 
+/* Gauss-Jordan elimination with known pivots, by the instance for the stride. False if a value is not finite. */
 bool km_register_refactor(const km_partition *p, const double *matrix) {
   switch (p->stride) {
   case 2:

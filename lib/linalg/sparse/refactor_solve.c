@@ -275,7 +275,7 @@ static void refactor_singleton(km_partition *p, const double *matrix, int k) {
 static bool update_b(km_partition *p) {
   if (p->unrestricted_basis || p->sparse->has_rows_only)
     return true;
-  bool is_deferred = p->basis_quality_unneeded && km_partition_freedom(p) > KM_MANY_VECTORS;
+  bool is_deferred = p->accepts_any_basis && km_partition_freedom(p) > KM_MANY_VECTORS;
   return is_deferred ? defer_b(p) : km_sparse_find_b(p, NULL, HUGE_VAL);
 }
 

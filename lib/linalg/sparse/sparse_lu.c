@@ -98,7 +98,7 @@ static bool uses_row_equations(const km_partition *p) {
 
 /* True if any independent columns suffice for the request. */
 static bool is_any_basis_sufficient(const km_partition *p) {
-  return p->basis_quality_unneeded && uses_row_equations(p);
+  return p->accepts_any_basis && uses_row_equations(p);
 }
 
 /* Options that the cached factor depends on, as flags. */
