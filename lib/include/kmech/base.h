@@ -150,7 +150,7 @@ KM_API void km_text_number(km_text *text, double value);
 enum {
   KM_NUMBER_TEXT = 48 /* bytes of the longest number, the NUL included */
 };
-/* Writes the text of km_text_number into a buffer. Returns its length. */
+/* Writes `value` as km_text_number does into a buffer. Returns the length. */
 KM_API size_t km_number_format(char out[KM_NUMBER_TEXT], double value);
 
 /* ---- Files. */

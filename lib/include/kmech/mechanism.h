@@ -87,7 +87,7 @@ KM_API km_status km_state_assign(const km_mechanism *mechanism, km_state *to, co
 /* True if a full turn of the coordinate leaves the configuration unchanged: hinges, but not slides, screws and ball
  * joints. */
 KM_API bool km_coordinate_turns(const km_mechanism *mechanism, int coordinate);
-/* Time of the state in the model's unit, for prescribed motions and motors. KM_USAGE: not finite. */
+/* The `time` of the state in the model's unit, for prescribed motions and motors. KM_USAGE: not finite. */
 KM_API double km_state_time(const km_state *state);
 KM_API km_status km_state_set_time(const km_mechanism *mechanism, km_state *state, double time, km_error *error);
 
@@ -113,7 +113,7 @@ KM_API km_status km_model_apply_pose(km_model *model, int pose, km_error *error)
 
 /* Computes the poses of all bodies in the inertial frame from the state's coordinates. O(bodies). */
 KM_API void km_poses_compute(const km_mechanism *mechanism, km_state *state);
-/* Position of a frame's origin in the inertial frame, in the model's length unit; NaN: invalid index. After
+/* The `position` of a frame's origin in the inertial frame, in the model's length unit; NaN: invalid index. After
  * km_poses_compute. */
 KM_API void km_frame_position(const km_mechanism *mechanism, const km_state *state, int frame, double position[3]);
 
@@ -138,7 +138,7 @@ KM_API km_status km_frame_pose_make(const double p[3], const double turn[3], km_
 KM_API km_status km_frame_place(const km_mechanism *mechanism, const km_state *state, int frame, km_frame_pose *out,
                                 km_error *error);
 
-/* Twist of a frame at rates[coordinate], which must satisfy the loops: rates of km_driver_motion_tangent,
+/* The `twist` of a frame at rates[coordinate], which must satisfy the loops: rates of km_driver_motion_tangent,
  * km_arc_motion_tangent, km_transfer_rates, or a column of km_motions_basis. After km_poses_compute. KM_USAGE.
  * O(depth). */
 KM_API km_status km_frame_twist(const km_mechanism *mechanism, const km_state *state, int frame, const double *rates,

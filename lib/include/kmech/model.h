@@ -107,8 +107,8 @@ KM_API void km_model_share_length(km_model *model, double length);
 KM_API double km_model_length_unit(const km_model *model);
 KM_API const char *km_model_sha256(const km_model *model); /* SHA-256 of the bytes read; borrowed */
 
-/* Named poses of the model: their number, name ("" if the index is invalid), and the index of a name. KM_USAGE with
- * the nearest names. */
+/* Named poses of the model: their number, the name of `pose` ("" if the index is invalid), and the index *pose of a
+ * name. KM_USAGE with the nearest names. */
 KM_API int km_model_pose_count(const km_model *model);
 KM_API const char *km_model_pose_name(const km_model *model, int pose);
 KM_API km_status km_model_find_pose(const km_model *model, const char *name, int *pose, km_error *error);

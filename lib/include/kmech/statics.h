@@ -87,8 +87,8 @@ typedef struct km_statics {
   km_statics_workspace *work; /* private */
 } km_statics;
 
-/* Creates the balance for actuated coordinates (copied; NULL: every free coordinate). KM_USAGE: an actuator is held
- * or named twice; KM_MEMORY. Free `*out` in any case. */
+/* Creates the balance for `actuators`, actuated coordinates (copied; NULL: every free coordinate). KM_USAGE: an
+ * actuator is held or named twice; KM_MEMORY. Free `*out` in any case. */
 KM_API km_status km_statics_create(const km_mechanism *mechanism, const int *actuators, int actuator_count,
                                    km_axes axes, km_statics *out, km_error *error);
 /* Creates the balance for actuators that are joints or points of bodies pushed along a direction (inertial axes); the
