@@ -1,7 +1,7 @@
 """The messages that the library can tell: what its sources hand to the functions that tell errors, warnings and notes."""
 import re
 
-TELLING = re.compile(r"\b(km_fail|km_messages_add|km_reader_(?:error|warning|note)|km_robot_(?:error|warn)|km_binder_fault|add)\(")
+TELLING = re.compile(r"\b(km_fail|km_messages_add|km_reader_(?:error|warning|note)|km_robot_(?:error|warn)|km_binder_fault|add_finding|add)\(")
 
 
 def statement(text, start):
