@@ -104,8 +104,9 @@ static double make_reflector(block *b, int k, double *x) {
   return beta;
 }
 
-/* Computes Rᵀ into U, and its singular value decomposition. */
-static void decompose(block *b) {
+/* Householder QR of Z_Aᵀ = Q R, from the columns P Aᵀ = Z Z_Aᵀ in v by their products with the first vectors of Z; Rᵀ,
+ * lower triangular, into U; then its SVD Rᵀ = U S Wᵀ. v receives the Householder vectors. */
+static void factor_actuator_rows(block *b) {
   gsl_matrix_set_zero(b->U);
   for (int k = 0; k < b->count; ++k) {
     double *x = b->v + (size_t)k * (size_t)b->n;
@@ -239,7 +240,7 @@ bool km_actuator_forces_solve_columns(const km_mechanism *m, const km_state *s, 
     if (all_actuated) {
       copy_minimum_norm(h, st);
     } else {
-      decompose(&b);
+      factor_actuator_rows(&b);
       apply_reflections(&b);
       for (h->rank = 0; h->rank < h->count && gsl_vector_get(b.S, (size_t)h->rank) > km_actuator_rank_tolerance;)
         h->rank++;

@@ -11,7 +11,7 @@
 #include <math.h>
 
 /* y <- (L U)⁻ᵀ y, by step. */
-static void solve_block_transposed(const km_partition *p, double *y) {
+static void solve_pivot_block_transposed(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = 0; k < p->rank; ++k) {
     const km_entry_range *above = &s->upper[p->column[k]];
@@ -26,8 +26,8 @@ static void solve_block_transposed(const km_partition *p, double *y) {
   }
 }
 
-/* y <- (L U)⁻¹ y, by step. */
-static void solve_block(const km_partition *p, double *y) {
+/* y <- (L U)⁻¹ y over all steps of the pivot block; column singletons come first and have no entries in L. */
+static void solve_pivot_block(const km_partition *p, double *y) {
   const km_sparse *s = p->sparse;
   for (int k = s->singleton_count; k < p->rank; ++k) {
     const km_entry_range *below = &s->lower[p->column[k]];
@@ -49,9 +49,9 @@ static bool find_singular_vector(const km_partition *p, const bool *forced, doub
   *largest_step = -1;
   for (int k = 0, i = 0; k < p->rank; ++k, i = i + 1 < STARTS ? i + 1 : 0)
     y[k] = start[i];
-  solve_block_transposed(p, y);
+  solve_pivot_block_transposed(p, y);
   double first = sqrt(km_sum_of_squares(y, p->rank));
-  solve_block(p, y); /* one iteration suffices: it amplifies so small a value by its inverse square */
+  solve_pivot_block(p, y); /* one iteration suffices: it amplifies so small a value by its inverse square */
   double length = sqrt(km_sum_of_squares(y, p->rank));
   if (!(length * threshold >= first && first > 0.0 && isfinite(length))) /* first / length is the singular value */
     return false;
@@ -90,7 +90,7 @@ int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool
   if (!find_singular_vector(p, forced, threshold, &largest_step))
     return -1;
   double square = km_sum_of_squares(y, p->rank);
-  solve_block_transposed(p, y);
+  solve_pivot_block_transposed(p, y);
   if (are_rows_independent(p, matrix, forced, threshold, y, square))
     return -1;
   largest_step = 0;
