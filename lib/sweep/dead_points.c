@@ -105,8 +105,8 @@ static bool find_bracket(entry *e, const km_minimum_search *samples, double lowe
   return t->f < t->f_low && t->f < t->f_high;
 }
 
-/* Minimises the coordinate's entry of the unit direction of motion, signed to be positive, by Brent's method; stops at a
- * sign change (two dead points) or at the minimum (a touching one). False if a configuration was not reached. */
+/* Minimises the coordinate's entry of the unit direction of motion, signed to be positive, by Brent's method; stops
+ * at a sign change (two dead points) or at the minimum (a touching one). False if a configuration was not reached. */
 static bool minimise(entry *e, bracket *t) {
   gsl_function f = {entry_at, e};
   double shortest = minimum_tolerance * (t->high - t->low);
