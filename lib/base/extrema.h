@@ -4,11 +4,11 @@
 
 #include <math.h>
 
-/* a > b ? a : b, which is b if one of them is NaN. */
+/* Maximum of a and b as a > b ? a : b; the result is b if a or b is NaN. */
 static inline double km_larger(double a, double b) {
   return a > b ? a : b;
 }
-/* a < b ? a : b, which is b if one of them is NaN. */
+/* Minimum of a and b as a < b ? a : b; the result is b if a or b is NaN. */
 static inline double km_smaller(double a, double b) {
   return a < b ? a : b;
 }

@@ -136,7 +136,8 @@ double *km_state_null_space(const km_mechanism *mechanism, const km_state *state
 /* Sets the basis to one vector z[column · stride] that another method found. It is valid until the next
  * factorisation. */
 void km_state_set_single_basis(km_state *state, int substructure, const double *z, size_t apart);
-/* Marks the null space as known and forms the basis, unless the freedoms are so many that it is deferred. */
+/* Marks the null space as known. Forms its basis if the freedom is at most KM_MANY_VECTORS; otherwise the basis is
+ * deferred. */
 void km_state_mark_mobility_known(km_state *state, int substructure);
 /* Mobility numbers m_j (docs/theory.md 3.4) by column. No basis is formed if the freedoms are many. */
 void km_state_mobility_numbers(const km_mechanism *mechanism, km_state *state, int substructure, double *numbers);

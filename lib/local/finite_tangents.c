@@ -42,7 +42,7 @@ static void append_misfit(misfit_record *r, double length, double misfit) {
 }
 
 /* Largest order of growth of the misfit, log(misfit ratio)/log(length ratio) between half a length and the length,
- * where the misfit stands out from rounding. */
+ * over lengths at which the misfit exceeds rounding. */
 static double order_of_contact(const misfit_record *r, double start) {
   double largest = 0.0;
   for (int i = 1; i < r->count; ++i) {

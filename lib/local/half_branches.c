@@ -20,7 +20,7 @@
 
 enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, HALVINGS = 3 };
 static const double radius =
-    0.08; /* d: an order of contact n leaves a misfit of d^n, which must stand out from `closed` */
+    0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed `max_residual` */
 static const double max_residual = 1e-12;       /* rms of the worst loop */
 static const double min_cosine = 0.8;           /* cosine between the directions at d and d/2 */
 static const double min_distance = 1e-4;        /* relative to d: closer solutions are one */

@@ -19,7 +19,8 @@ typedef struct km_sampled_tangents {
 double km_tangent_project(const km_mechanism *mechanism, km_state *state, int substructure, double *x,
                           double *projection);
 
-/* True if the freedoms or rows are so many that no basis is used. A single freedom never counts as many. */
+/* True if random single tangents replace a basis, because the freedom or the number of rows is large. False for a
+ * single freedom. */
 bool km_tangents_are_many(const km_tangents *tangents);
 
 /* Creates the sampler for created tangents. False when out of memory. Free it in any case. */

@@ -16,7 +16,7 @@ typedef struct km_path_names {
   bool failed; /* out of memory */
 } km_path_names;
 
-/* The names as they stand; a text is one name. False if there are too many. */
+/* Collects the names unchanged; a text is one name. False if there are too many. */
 bool km_path_names_gather(const km_value *value, km_path_names *out);
 /* One text with slashes becomes the names between them; a backslash keeps the character after it. False where it has no
  * slash, an empty name, too many names, or memory is out. */

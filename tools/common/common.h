@@ -142,7 +142,7 @@ kt_exit kt_each_once(const kt_common *common, const char *option, char *const *t
 bool kt_number(const char *text, double *out);
 /* Such a number that is whole and within bounds. */
 bool kt_integer(const char *text, int least, int most, int *out);
-/* Just so many numbers with commas between them. */
+/* Reads exactly `count` numbers separated by commas. */
 bool kt_numbers(const char *text, int count, double *out);
 
 /* File formats requested by --format. */

@@ -26,7 +26,7 @@ typedef struct work {
   km_plotted_table shown[MOST_TABLES];
 } work;
 
-/* The name of a column in the first `length` bytes, as it stands in the file: perhaps in quotes. The caller frees
+/* The name of a column in the first `length` bytes as written in the file, with or without quotes. The caller frees
  * it. */
 static char *name_of(const char *text, size_t length) {
   char *name = KM_NEW(char, length + 1);

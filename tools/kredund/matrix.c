@@ -16,7 +16,7 @@ typedef struct options {
   int json;
 } options;
 
-/* Numbers row by row as they stand in the file. */
+/* Numbers row by row, in the order of the file. */
 typedef struct sheet {
   double *items;
   size_t capacity, count;

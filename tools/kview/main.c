@@ -17,7 +17,7 @@ static bool is_command(const char *word) {
   return false;
 }
 
-/* `kview MODEL` stands for `kview open MODEL`. */
+/* `kview MODEL` is short for `kview open MODEL`. */
 int main(int argc, char **argv) {
   static char open[] = "open";
   static const char about[] = "A mechanism in the hand: moved, seen through and changed in the browser.";

@@ -1,5 +1,4 @@
-/* Poses to choose from: assembly modes, in which the loops close where one joint stands, and those that the model
- * names. */
+/* Selectable configurations: assembly modes with one joint fixed, and named poses of the model. */
 #include "kview/messages.h"
 #include "kview/server/time_limit.h"
 

@@ -1,4 +1,4 @@
-/* The model as it stands: its file's text with the present pose and design. */
+/* The present model: its file's text with the present configuration and design. */
 #include "kview/messages.h"
 
 #include "kmech/data.h"

@@ -184,7 +184,7 @@ static int divide_up(int count, int by) {
   return (count + by - 1) / by;
 }
 
-/* Number of batches for so many nodes. */
+/* Number of batches that hold `nodes` nodes. */
 static int batch_count(int nodes) {
   return divide_up(nodes, KM_STEP_BATCH);
 }

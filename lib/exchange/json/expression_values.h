@@ -6,9 +6,9 @@
 #include "exchange/json/format/format.h"
 #include "kmech/base.h"
 
-/* Evaluates `parameters` and puts its value into every string that stands where the format wants a number: it becomes
- * a KM_NUMBER that keeps its text in `string`. Faults are reported at their places. KM_IO: expressions can't be
- * evaluated at all; KM_MEMORY. */
+/* Evaluates `parameters`, and replaces each string in the place of a number by its value: a KM_NUMBER that keeps its
+ * text in `string`. Faults are reported with their locations. KM_IO: expressions can't be evaluated at all;
+ * KM_MEMORY. */
 km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *error);
 
 /* Evaluates a file of another format, which has no parameters. */

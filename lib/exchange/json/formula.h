@@ -1,4 +1,4 @@
-/* Numbers by name: the parameters of a model file, and the expressions over them that stand for numbers. */
+/* Parameters of a model file, and expressions over them in place of numbers. */
 #ifndef KM_EXCHANGE_JSON_FORMULA_H
 #define KM_EXCHANGE_JSON_FORMULA_H
 

@@ -102,7 +102,7 @@ km_vec3 km_mjcf_unit(km_robot *robot, const km_xml *at, const char *what, const 
 /* A mesh of the assets: x = pose · scale · v. */
 typedef struct km_mjcf_mesh {
   const km_xml *element;
-  const char *file; /* NULL: its vertices stand in the model */
+  const char *file; /* NULL: the model contains its vertices */
   double scale[3];
   km_pose pose;
 } km_mjcf_mesh;

@@ -190,7 +190,7 @@ void km_mjcf_read_body(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
     km_robot_error(robot, e, "body \"%.80s\": this name is used twice; expected a name of its own", name);
     return;
   }
-  c->is_stated = km_xml_child(e, "inertial") != NULL; /* wherever it stands among the geoms */
+  c->is_stated = km_xml_child(e, "inertial") != NULL; /* whatever its position in the list of geoms */
   km_mjcf_walk(m, e, &inside, gather, c);
   bool stated = c->is_stated && (m->compiler.from_geoms != KM_MJCF_YES || c->weighed.mass == 0.0);
   km_mass mass = adjusted(m, stated ? c->stated : c->weighed);

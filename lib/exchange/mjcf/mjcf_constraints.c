@@ -139,7 +139,7 @@ static void read_loop(km_mjcf *m, const km_xml *e) {
     place_weld(m, e, sites, &ends);
   else
     place_connect(m, e, sites, &ends);
-  if (!rigid) /* the ball stands at 0 */
+  if (!rigid) /* the ball joint is at 0 */
     ends.pose[1].R = across(m, &ends).R;
   judge_gap(m, &ends, rigid);
   if (ends.body[0] == ends.body[1]) {

@@ -114,7 +114,7 @@ static void set_free(km_robot_joint *joint, const km_pose *pose) {
   memcpy(joint->position + 3, &turn, sizeof turn);
 }
 
-/* The frames at the anchor; the coordinate is the reference value where the bodies stand as the file has them. */
+/* Adds the frames at the anchor. The coordinate has the reference value in the configuration of the file. */
 static void set_single(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const km_mjcf_link *link,
                        km_robot_joint *joint, double unit) {
   double p[3] = {0}, u[3] = {0, 0, 1};

@@ -84,7 +84,7 @@ void km_mjcf_read_keyframes(km_mjcf *m) {
 
 typedef struct counting {
   const km_xml *part; /* a body, up to which is counted; NULL: to the end */
-  bool bodies;        /* they come behind the joints of the body around, wherever those stand in the text */
+  bool bodies;        /* they follow the joints of the enclosing body, whatever their position in the text */
   int numbers;
   bool met, open; /* open: another model is attached there, whose joints aren't known */
 } counting;

@@ -65,7 +65,7 @@ static bool copy_faces(km_mjcf *m, const km_xml *e, const double *corners, km_me
   return true;
 }
 
-/* A mesh whose vertices stand in the model; without faces it is their convex hull. */
+/* Reads a mesh whose vertices are in the model; without faces it is their convex hull. */
 static km_mesh *read_inline(km_mjcf *m, const km_xml *e) {
   int vertices, faces;
   const double *at = read_threes(m, e, "vertex", &vertices), *corners = read_threes(m, e, "face", &faces);

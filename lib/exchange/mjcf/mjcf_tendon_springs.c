@@ -30,7 +30,7 @@ bool km_mjcf_is_spring(km_mjcf *m, const km_xml *tendon) {
 
 /* Terms of a tendon's length. */
 typedef struct length {
-  double constant, factor, at_rest; /* c, f; L where the bodies stand as the file has them */
+  double constant, factor, at_rest; /* c, f; L in the configuration of the file */
   km_coordinate_ref coordinate;     /* x, or the distance of */
   km_frame_id ends[2];
 } length;

@@ -36,7 +36,7 @@ static void add_inertial(km_written *w, int body) {
   km_xml_end(&w->xml, "inertial");
 }
 
-/* A ball's angle counts from the pose that is written; that is the model's own where it stands at 0. */
+/* The angle of a ball joint counts from the written configuration, which is the model's own where the joint is at 0. */
 static void add_turn_limit(km_written *w, const km_written_motion *motion) {
   double most = w->model->joints[w->model->coordinates[motion->coordinate].joint].most_turn;
   const double range[2] = {0.0, most * w->model->units.angle->si}, *from = w->reference + motion->coordinate;
@@ -173,7 +173,7 @@ static km_pose between(const km_written *w, int from, int to) {
   return km_pose_product(&back, &w->world[to]);
 }
 
-/* A loop's joint that stays a joint: of a massless body, which is welded to the one that it stands for. */
+/* Writes a loop joint as the joint of a massless body that is welded to the body that it represents. */
 static bool is_welded(const km_written *w, int joint) {
   const km_model_joint *def = &w->model->joints[joint];
   bool hinge = def->type == KM_RX || def->type == KM_RY || def->type == KM_RZ;

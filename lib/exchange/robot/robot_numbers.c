@@ -77,7 +77,7 @@ double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const
   return otherwise;
 }
 
-/* Half a unit in the last digit of a number; 0 where so few digits are written that it is meant as it stands. */
+/* Half a unit in the last digit of a number; 0 for a number with few digits, which is taken as exact. */
 static double half_unit(const char *number, size_t length) {
   int digits = 0, decimals = 0;
   bool point = false;

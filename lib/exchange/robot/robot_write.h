@@ -35,7 +35,7 @@ typedef struct km_written {
   km_messages *messages;
   km_xml_writer xml;
   double *q;                     /* [coordinate] radians and metres, as the pose has it */
-  double *reference;             /* [coordinate] that the file's own pose stands for */
+  double *reference;             /* [coordinate] values in the file's configuration */
   km_pose *world;                /* [body] at `reference` */
   const char **bodies, **joints; /* names, unique in the file */
   const char **frames; /* [frame] names of those that no joint is held by, such as a tool's; NULL: of others */

@@ -30,7 +30,7 @@ typedef struct km_sdf_entity {
   int first_link;           /* model: canonical link; −1: none */
 } km_sdf_entity;
 
-/* An element that may tie links, and the model or world that it stands in. */
+/* An element that may tie links, and the model or world that contains it. */
 typedef struct km_sdf_other {
   const km_xml *at;
   int home;

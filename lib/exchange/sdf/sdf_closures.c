@@ -35,7 +35,7 @@ static void add(const km_closures *c, const km_xml *at, const km_closure_end end
   def->child = ends[1].body;
   def->in_parent = ends[0].in_link;
   def->in_child = ends[1].in_link;
-  if (def->type == KM_SPHERICAL) { /* the ball stands at 0 where the file's joints do */
+  if (def->type == KM_SPHERICAL) { /* the ball joint is at 0 if the file's joints are */
     km_rotation back_to_link = km_rotation_inverse(&ends[1].world.R);
     def->in_child.R = km_rotation_product(&back_to_link, &one.R);
   }
@@ -142,7 +142,7 @@ static bool named_frame(const km_closures *c, const km_xml *e, const char *attri
   return true;
 }
 
-/* The joint's axis in its own frame, which stands at `at` in the world. */
+/* The joint's axis in its own frame, whose pose in the world is `at`. */
 static km_vec3 axis_of(const km_closures *c, const km_xml *axis, const km_pose *at) {
   const km_xml *xyz = km_xml_child(axis, "xyz");
   double u[3] = {0, 0, 1};
@@ -158,8 +158,8 @@ static km_vec3 axis_of(const km_closures *c, const km_xml *axis, const km_pose *
   return km_rotate_back(&at->R, km_rotate(&other.R, unit));
 }
 
-/* A joint of SDF: its frame is that of its pose in the child, and stands there in the parent too where all joints
- * are at 0. */
+/* Reads a joint of SDF. Its pose in the child defines its frame, which coincides with the frame in the parent when
+ * all joints are at 0. */
 static void read_sdf_joint(const km_closures *c, const km_xml *e) {
   const char *names[2] = {km_sdf_text(e, "parent"), km_sdf_text(e, "child")};
   km_closure_end ends[2];

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* A new last child, which stands in the file where `at` does. NULL: out of memory. */
+/* Appends a child with the location of `at` in the file. NULL: out of memory. */
 static km_xml *add(km_robot *robot, km_xml *parent, const char *name, const km_xml *at) {
   km_xml *e = KM_ARENA_NEW(&robot->arena, km_xml, 1);
   if (!e)
@@ -110,8 +110,8 @@ static bool is_world(const char *name) {
   return strcmp(name, "world") == 0;
 }
 
-/* A link stands where the origin of the joint whose child it is puts it, and that joint's frame is its own. By the
- * parent's name, as a joint may be called as a link. */
+/* Places a link at the origin of its parent joint, whose frame is the link's frame. The pose is relative to the
+ * parent link, given by its name, because a joint may have the name of a link. */
 static void place(km_robot *robot, km_xml *link, const km_xml *root, const char *name) {
   for (const km_xml *joint = km_xml_child(root, "joint"); joint; joint = km_xml_next(joint)) {
     const char *parent = end_of(joint, "parent");
@@ -172,7 +172,7 @@ static void add_joint(km_robot *robot, km_xml *model, const km_xml *from) {
     add_axis(robot, joint, from);
 }
 
-/* An element of another program, which may close a loop: as it stands. */
+/* Copies an element of another program, which may close a loop. */
 static void add_copy(km_robot *robot, km_xml *model, const km_xml *from) {
   km_xml *to = add(robot, model, from->name, from);
   if (!to)

@@ -1,4 +1,4 @@
-/* A model as SDFormat: links where they stand, and all joints between them. */
+/* Writes a model as SDFormat: links at their poses, and all joints. */
 #include "exchange/robot/robot_write.h"
 
 #include "model/validation.h"

@@ -167,7 +167,7 @@ double km_sparse_current_max_b(const km_partition *partition);
 double km_sparse_gram_cost(const km_partition *partition);
 /* Σ over all columns of (entries)², over all rows. */
 double km_sparse_full_gram_cost(const km_partition *partition);
-/* True if columns have so many entries that the Gram matrix of the rows would be dense. */
+/* True if the Gram matrix of the rows would be dense, because columns have many entries. */
 bool km_sparse_gram_is_dense(const km_partition *partition);
 /* Pseudo-random weight of magnitude 1 to 2, of either sign. */
 double km_sparse_random_weight(int index, int probe);

@@ -52,7 +52,7 @@ typedef struct km_film {
   km_film_shapes *into; /* index of the current group */
 } km_film;
 
-/* An empty film of so many frames and its canvas. KM_MEMORY. */
+/* Creates an empty film of `frame_count` frames and its canvas. KM_MEMORY. */
 km_status km_film_open(km_film *film, km_arena *arena, double width, double height, size_t frame_count,
                        km_error *error);
 /* Returns the first failure of drawing. KM_MEMORY, KM_IO (a text needs Pango, which isn't installed). */

@@ -25,7 +25,7 @@ void km_svg_path_end(km_svg_path *path);
 /* The data of a whole path. */
 void km_svg_path_write(km_text *out, const km_canvas_path *path, int decimals, double slack);
 
-/* A number with at most so many decimals: "-.5", "12". */
+/* Writes `value` with at most `decimals` decimals: "-.5", "12". */
 void km_svg_number(km_text *out, double value, int decimals);
 
 #endif

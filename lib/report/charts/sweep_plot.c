@@ -47,8 +47,8 @@ static row *rows_of(const km_sweep *motion, km_arena *arena, size_t *count) {
   return rows;
 }
 
-/* A line's points from left to right, so that its name stands at its right end; a point that is none breaks it, at a
- * pole too: there x is the pole's place. */
+/* Points of a line from left to right, so that its name is at its right end. An undefined point interrupts the line,
+ * also at a pole, where x is the location of the pole. */
 static void fill_series(const km_sweep_picture *p, const km_swept_line *line, km_arena *arena, km_plot_series *out) {
   size_t count;
   row *rows = rows_of(p->sweeps[line->sweep].motion, arena, &count);

@@ -219,7 +219,7 @@ void km_ground_paint(const km_scene *scene, km_canvas *canvas, const km_item *it
  * omitted. */
 void km_labels_place(km_canvas *canvas, const km_scene *scene, const km_drawing_trace *traces, size_t trace_count,
                      km_label *labels, size_t count, const km_font *font, km_rectangle place);
-/* Draws a label that has a place, with a leader where it stands off. */
+/* Draws a placed label, with a leader if it is away from its element. */
 void km_label_paint(km_canvas *canvas, const km_label *label, const km_font *font);
 
 static inline double km_spot_distance(km_spot a, km_spot b) {

@@ -13,7 +13,7 @@ typedef struct work {
   km_studio studio;
   km_film *film;
   bool *rigid;  /* [body] keeps its shape on the page */
-  int *carrier; /* [item of the first frame] body that carries it, 0: it stands, or KM_FILM_DRAWN */
+  int *carrier; /* [item of the first frame] body that moves it; 0: it is fixed; or KM_FILM_DRAWN */
   km_scene first;
 } work;
 

@@ -20,7 +20,7 @@ int km_graph_width(const char *label) {
   return count;
 }
 
-/* The widest label decides: a node's stands in its column's middle, an arc's right of it. */
+/* The widest label determines the width: a node's label is centred in its column, an arc's is right of the middle. */
 static double find_pitch(const km_mechanism *m) {
   int widest = 0;
   for (int b = 0; b < m->model->body_count; ++b) {

@@ -260,7 +260,7 @@ static void add_symbol(km_scene *scene, int joint) {
 
 static void add_joint(km_scene *scene, int joint) {
   const km_mark *mark = &scene->marks[joint];
-  if (scene->fade <= 0.0) /* a ghost stands on the ground of the full pose */
+  if (scene->fade <= 0.0) /* a faint configuration uses the ground of the full one */
     add_ground(scene, joint);
   if (mark->look == KM_LOOK_SLEEVE || mark->look == KM_LOOK_SCREW)
     add_spindle(scene, joint);

@@ -11,7 +11,7 @@ enum { KM_AXIS_LABEL = 64 };
 typedef struct km_axis {
   double low, high;
   int mantissa, exponent; /* ticks are mantissa * 10^exponent apart: mantissa 1, 2 or 5, or whole degrees */
-  long long first;        /* tick i stands at (first + i) steps */
+  long long first;        /* tick i is at (first + i) steps */
   size_t count;
   int multiplier; /* labels leave out 10^multiplier; 0 when they are short without it */
 } km_axis;

@@ -13,7 +13,7 @@ static void line(const km_plot_layout *layout, km_colour colour, double width, d
   km_canvas_line(layout->canvas, &pen, (km_canvas_point){x1, y1}, (km_canvas_point){x2, y2});
 }
 
-/* Nothing stands beneath the panel, so that it names its own x ticks. */
+/* True if no panel is below, so that this one labels its own x ticks. */
 static bool is_lowest(const km_plot_layout *layout, size_t panel) {
   return panel + layout->columns >= layout->plot->panel_count;
 }
@@ -49,7 +49,7 @@ static void draw_y(const km_plot_layout *layout, const km_frame *frame, const km
                    (km_canvas_point){frame->left - 5, frame->top - 0.6 * layout->tick.size}, (km_anchor){1, 1, 0});
 }
 
-/* A long label shrinks before it loses its end, where the unit stands. */
+/* A long label is scaled down before its end, the unit, is cut. */
 static km_font fit_label(const km_plot_layout *layout, const char *text, double room) {
   const double shrink_most = 0.7;
   km_font font = layout->label;

@@ -212,7 +212,7 @@ static void measure_rows(km_plot_layout *layout) {
   }
   double row = text_height(layout, &layout->mark, "x");
   layout->head = layout->heading_height + (rows ? (double)rows * row + 3 : 0);
-  /* The top tick's label stands half above the frame, the multiplier's above that. */
+  /* Half of the top tick's label is above the frame, the multiplier's label is above that. */
   layout->head = fmax(layout->head, (has_y_multiplier(layout) ? 2 : 0.7) * layout->tick.size);
   layout->mark_room = marked ? 0.75 * layout->tick.size : 0;
   layout->foot = layout->mark_room + 3 + 1.3 * layout->tick.size;

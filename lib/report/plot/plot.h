@@ -47,7 +47,7 @@ typedef struct km_plot {
   double y_low, y_high;          /* both 0, or own_y: fitted to the data with round ticks */
   const km_plot_panel *panels;   /* small multiples with common axes */
   size_t panel_count;
-  bool own_y; /* the panels stand above each other, each with a y axis and y_label of its own */
+  bool own_y; /* the panels are stacked, each with its own y axis and y_label */
   bool equal; /* a unit is as long along x as along y: for curves in a plane */
   km_plot_strip strip;
   double width, height; /* in points (1/72 inch), without the strip; 0: chosen from the number of panels */

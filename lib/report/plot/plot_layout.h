@@ -8,7 +8,7 @@
 #include "report/plot/data_curve.h"
 #include "report/plot/plot.h"
 
-/* A name above the frame, on a pole that stands at its mark, like a flag flying to the right. */
+/* A name above the frame, to the right of a vertical line at its mark. */
 typedef struct km_plot_flag {
   double x;         /* in the axis' units */
   double at, width; /* points from the frame's left edge; width of the name */

@@ -26,7 +26,7 @@ void km_design_label(const km_design_study *s, const km_design_study_def *def, i
   }
 }
 
-/* RFC 4180: a field with a comma, a quote or a line's end stands in quotes. */
+/* RFC 4180: a field with a comma, a quote or a line end is quoted. */
 static void add_field(const char *text, km_text *out) {
   if (!strpbrk(text, ",\"\r\n")) {
     km_text_add(out, text);

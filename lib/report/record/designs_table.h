@@ -12,7 +12,7 @@ typedef struct km_designs_table {
   int rows, columns;
   int left_out; /* number of designs that were omitted */
   bool failed;  /* while it was made: out of memory */
-  bool marked;  /* "*" stands before the best of a figure */
+  bool marked;  /* "*" precedes the best value of a figure */
 } km_designs_table;
 
 /* KM_IO, KM_MEMORY. */

@@ -154,7 +154,7 @@ void km_selfmotion_print(const km_arm *a, const km_selfmotion *m, const char *na
                  a->freedom == 2 ? m->row_count : m->count);
 }
 
-/* With two or more redundant freedoms the solutions form surfaces, of which random points are found. */
+/* True if the result is a random sample: two or more redundant freedoms make the solutions surfaces. */
 static bool is_sampled(const km_arm *a) {
   return a->freedom > 1;
 }

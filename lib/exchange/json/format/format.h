@@ -31,8 +31,8 @@ typedef enum km_shape {
   KM_SHAPE_VALUE_MAPS,     /* {name: {name: number}} */
   KM_SHAPE_TEXT_MAP,       /* {name: text} */
   KM_SHAPE_MAP,            /* {name: object} */
-  KM_SHAPE_LIST_MAP,       /* {name: object, or a list of numbers that stands for one} */
-  KM_SHAPE_WORD_MAP,       /* {name: object, or a text that stands for one} */
+  KM_SHAPE_LIST_MAP,       /* {name: object, or a list of numbers as its short form} */
+  KM_SHAPE_WORD_MAP,       /* {name: object, or a text as its short form} */
   KM_SHAPE_OBJECT,
   KM_SHAPE_OBJECTS, /* a list of objects */
   KM_SHAPE_METHODS, /* a text, an object, or a list of either; checked by its reader */

@@ -154,7 +154,7 @@ static void check_member(km_messages *m, const km_place *place, const km_value *
     check_object(m, place, value, field->object);
 }
 
-/* Members that are no objects stand for one: checked by the reader, numbers here. */
+/* Members in short form are checked by the reader, their numbers here. */
 static void check_object_map(km_messages *m, const km_place *place, const km_value *value, const km_field *field) {
   if (value->kind != KM_OBJECT) {
     expected(m, place, value, "an object {name: …}");

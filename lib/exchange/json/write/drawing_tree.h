@@ -11,7 +11,7 @@ typedef struct km_sketch {
   bool *drawn;           /* [assembly] */
   bool *pointed;         /* [joint] defined by a point */
   bool *needed;          /* [frame] named by something else than a joint that is pointed */
-  const char **own;      /* [body] the new frame that stands where the body's own one stood; NULL: none is needed */
+  const char **own;      /* [body] new frame at the former position of the body's own frame; NULL: none is needed */
   double grain;          /* rounding unit of points' coordinates */
   km_arena *arena;
 } km_sketch;
