@@ -13,8 +13,6 @@
 
 #include <string.h>
 
-static const double longest_first_step = 0.05; /* first step, arc length; see arc_step_control.c */
-
 static bool allocate(km_arc_motion *f) {
   size_t n = (size_t)km_arc_motion_sub(f)->columns;
   double **vectors[] = {&f->before_branch_t, &f->after_branch_t, &f->origin_t, &f->branch_t};
@@ -116,7 +114,7 @@ km_status km_arc_motion_create(const km_mechanism *m, km_state *s, int coordinat
                              .coordinate = KM_NO_DRIVER,
                              .column = KM_NO_DRIVER,
                              .ignore_limits = ignore_limits},
-                       .largest = longest_first_step,
+                       .largest = km_longest_arc_step,
                        .limit = -1};
   km_status status = start_at_regular_configuration(f, coordinate, sign < 0.0 ? -1.0 : 1.0, error);
   if (!status)

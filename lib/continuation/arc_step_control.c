@@ -4,7 +4,6 @@
 
 #include "continuation/arc_motion.h"
 
-static const double longest = 0.05;    /* longest step: the arc length of the cubic has an error of about h⁵/1000 */
 static const double shortest = 1e-9;   /* shortest step: below, the motion ends */
 static const double furthest = 1000.0; /* longest advance */
 static const double narrow = 4e-3;     /* arc length to which a branch point is bracketed before interpolation */
@@ -56,7 +55,7 @@ static bool advance_one_step(km_arc_motion *f, double most) {
       return false;
     }
     km_arc_motion_accept(f, length);
-    f->largest = fmin(longest, h == first_h ? 2.0 * f->largest : h);
+    f->largest = fmin(km_longest_arc_step, h == first_h ? 2.0 * f->largest : h);
     return true;
   }
   return false;

@@ -13,7 +13,6 @@
 
 #include "base/extrema.h"
 #include "kinematics/loop_equations.h"
-#include "kinematics/minimum_norm_step.h"
 
 #include <string.h>
 

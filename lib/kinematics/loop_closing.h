@@ -6,6 +6,7 @@
 #ifndef KM_KINEMATICS_LOOP_CLOSING_H
 #define KM_KINEMATICS_LOOP_CLOSING_H
 
+#include "kinematics/minimum_norm_step.h"
 #include "kinematics/state.h"
 
 static const double km_residual_tolerance = 1e-12; /* rms of the primary rows e_p (docs/theory.md 4.2) */
@@ -83,16 +84,5 @@ static inline bool km_has_full_row_rank(const km_partition *p) {
 /* Defers the factorisation of the state's Jacobian with the present pivots, if minimum-norm steps by the normal
  * equations suffice (km_partition_defer). Otherwise false, and nothing changes. */
 bool km_defer_pivots(km_state *state, int substructure, int driver);
-
-/* Minimum-norm step: x <- x − D⁻¹ Z Zᵀ D x over the null vectors that do not move the driver (docs/theory.md 3.5). */
-void km_minimum_norm_step(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *x);
-
-/* Minimum-norm rates of an independent driver: t_driver = 1, J t = 0, |D t| minimal (docs/theory.md 3.5). */
-void km_minimum_norm_rates(const km_mechanism *mechanism, km_state *state, int substructure, int driver, double *t);
-
-/* (D a)·(D b) of two scaled steps. */
-double km_step_dot(const km_mechanism *mechanism, const km_substructure *sub, const double *a, const double *b);
-/* |D x| of a scaled step. */
-double km_step_length(const km_mechanism *mechanism, const km_substructure *sub, const double *x);
 
 #endif
