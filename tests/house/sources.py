@@ -1,6 +1,8 @@
 """Files and comments of the tree, and baselines: counts of findings that still exist, which may shrink only."""
 import os
 import re
+import sys
+from pathlib import Path
 
 SKIPPED = {".git", "build", "node_modules", "__pycache__"}
 C_FOLDERS = ("lib", "tools", "tests", "bindings", "examples")
@@ -74,3 +76,50 @@ def baseline_faults(path, counts):
         elif has < had:
             faults.append(f"{name}: {has} findings, but {path.name} says {had}; --update lowers it")
     return faults, grown
+
+
+class Lint:
+    """A check with a baseline and a white list, tests/house/NAME.baseline and NAME.allowed. findings(root, allowed) gives
+    {path: [(line, kind, excerpt)]} and the entries of the white list that nothing needs; self_test() gives an exit status."""
+
+    def __init__(self, name, findings, self_test):
+        self.name, self.findings, self.self_test = name, findings, self_test
+        self.head = f"# Findings of tests/house/{name} that still exist, per file. --update lowers them; they may not grow.\n"
+
+    def check(self, root, update=False, quiet=False):
+        baseline = root / f"tests/house/{self.name}.baseline"
+        found, unused = self.findings(root, self.allowed(root))
+        counts = {path: len(rows) for path, rows in found.items()}
+        if update:
+            baseline_write(baseline, self.head, counts)
+        faults, grown = baseline_faults(baseline, counts)
+        faults += [f"{self.name}.allowed: nothing needs \"{entry}\"" for entry in sorted(unused)]
+        if not quiet:
+            for path in grown:
+                show(path, found[path])
+            for fault in faults:
+                print(fault)
+            print(f"{sum(counts.values())} findings in {len(counts)} files, {len(faults)} faults")
+        return 1 if faults else 0
+
+    def main(self):
+        root, options = Path(sys.argv[1]), sys.argv[2:]
+        if options == ["--self-test"]:
+            return self.self_test()
+        if options[:1] == ["--list"]:
+            found, _ = self.findings(root, self.allowed(root))
+            prefix = options[1].rstrip("/")
+            rows = {path: found[path] for path in sorted(found) if prefix == "." or path == prefix or path.startswith(prefix + "/")}
+            for path, list_of in rows.items():
+                show(path, list_of)
+            print(f"{sum(map(len, rows.values()))} findings in {len(rows)} files")
+            return 0
+        return self.check(root, update="--update" in options)
+
+    def allowed(self, root):
+        return listed(root / f"tests/house/{self.name}.allowed")
+
+
+def show(path, rows):
+    for line, kind, excerpt in sorted(rows):
+        print(f"{path}:{line}: {kind}: {excerpt}")
