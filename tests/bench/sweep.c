@@ -84,7 +84,7 @@ static void check(sweep *s, by_hand *h) {
     point(s, i);
     hand_crank_move(&h->crank, target(h->from, h->to, i, h->backwards));
     for (int k = 0; k < 4; ++k)
-      numbers[k] = s->machine.state->numbers[bench_machine_coordinate(&s->machine, joints[k])];
+      numbers[k] = s->machine.state->mobility_number[bench_machine_coordinate(&s->machine, joints[k])];
     bench_agree("sweep/slider_crank", "mobility numbers", numbers, h->crank.numbers, 4, 1e-10);
   }
   s->backwards = h->backwards = true;
