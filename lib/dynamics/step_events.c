@@ -2,6 +2,8 @@
  * (docs/theory.md 11.6). */
 #include "dynamics/simulation.h"
 
+#include "base/event_locator.h"
+
 #include <string.h>
 
 /* Coordinate minus value. */
@@ -14,58 +16,29 @@ static double difference_at(km_simulation *run, double time, int coordinate, dou
   return km_simulation_interpolate(run, time, run->at) ? difference(run, run->at, coordinate, value) : nan("");
 }
 
-/* Locates the passage of a coordinate through a value between two times, with the differences fa and fb there:
- * secants, every third step bisection. */
-static double locate(km_simulation *run, const km_corner *at, double a, double fa, double b, double fb) {
-  for (int i = 0; i < 100 && b - a > 1e-15 * (fabs(a) + fabs(b)); ++i) {
-    double t = i % 3 == 2 ? 0.5 * (a + b) : a - fa * (b - a) / (fb - fa);
-    if (!(t > a && t < b))
-      t = 0.5 * (a + b);
-    double f = difference_at(run, t, at->coordinate, at->value);
-    if (isnan(f))
-      break;
-    if ((f > 0.0) == (fa > 0.0)) {
-      a = t;
-      fa = f;
-    } else {
-      b = t;
-      fb = f;
-    }
-  }
-  return b;
+/* sign · (coordinate − value) within the last step, as a function of time. */
+typedef struct signed_difference {
+  km_simulation *run;
+  const km_corner *at;
+  double sign;
+} signed_difference;
+
+static double evaluate_at(double time, void *context) {
+  const signed_difference *q = context;
+  return q->sign * difference_at(q->run, time, q->at->coordinate, q->at->value);
 }
 
-/* Golden-section search for the minimum of sign · coordinate between two times; returns the first time at which it
- * is beyond the value by more than `depth`. Infinity: none. */
-static double golden_section(km_simulation *run, const km_corner *at, double sign, double depth, double a, double b) {
-  enum { SECTIONS = 40 };
-  static const double golden = 0.38196601125010515;
-  double t[2] = {a + golden * (b - a), b - golden * (b - a)}, f[2];
-  for (int i = 0; i < 2; ++i)
-    f[i] = sign * difference_at(run, t[i], at->coordinate, at->value);
-  for (int i = 0; i < SECTIONS; ++i) {
-    int less = f[1] < f[0];
-    if (f[less] < -depth)
-      return t[less];
-    if (less) {
-      a = t[0];
-      t[0] = t[1];
-      f[0] = f[1];
-    } else {
-      b = t[1];
-      t[1] = t[0];
-      f[1] = f[0];
-    }
-    t[less] = less ? b - golden * (b - a) : a + golden * (b - a);
-    f[less] = sign * difference_at(run, t[less], at->coordinate, at->value);
-  }
-  return HUGE_VAL;
+/* Locates the passage of a coordinate through a value between two times, with the differences fa and fb there. */
+static double locate(km_simulation *run, const km_corner *at, double a, double fa, double b, double fb) {
+  signed_difference q = {run, at, 1.0};
+  return km_locate_root(evaluate_at, &q, a, b, fa, fb);
 }
 
 /* Time within the last step at which a coordinate is on the other side of the value than at both ends, by more than
- * `depth`: eight samples, then golden sections. */
+ * `depth`: eight samples, then the minimum. Infinity: none. */
 static double find_excursion(km_simulation *run, const km_corner *at, double depth) {
   enum { PARTS = 8 };
+  static const double width = 1e-8; /* relative: the minimum is known to the square of it */
   double h = (run->time - run->last_time) / PARTS, f[PARTS + 1];
   f[0] = difference(run, run->accepted, at->coordinate, at->value);
   f[PARTS] = difference(run, run->y, at->coordinate, at->value);
@@ -79,7 +52,11 @@ static double find_excursion(km_simulation *run, const km_corner *at, double dep
   }
   if (least == 0 || sign * f[PARTS] <= sign * f[least])
     return HUGE_VAL;
-  return golden_section(run, at, sign, depth, run->last_time + (least - 1) * h, run->last_time + (least + 1) * h);
+  signed_difference q = {run, at, sign};
+  const double s = run->last_time + least * h;
+  km_minimum_bracket b = {s - h, sign * f[least - 1], s, sign * f[least], s + h, sign * f[least + 1]};
+  km_locate_minimum(evaluate_at, &q, width * h, -depth, &b);
+  return b.f < -depth ? b.s : HUGE_VAL;
 }
 
 /* True if the coordinate can have passed the value and returned, judged by the rates at both ends of the step. */

@@ -1,14 +1,14 @@
 /* Peaks and root mean square of the forces of a prescribed motion, also between rows (docs/theory.md 11.11).
  *
- *   peak : max |f(t)|; a row not below its neighbours brackets a maximum, found by golden sections of the motion itself
- *          (J. Kiefer 1953), if the parabola through the three rows can exceed the largest row
+ *   peak : max |f(t)|; a row not below its neighbours brackets a maximum, located on the motion itself, if the parabola
+ *          through the three rows can exceed the largest row
  *   rms  : sqrt(1/T integral f^2 dt) by the trapezoidal rule, exact to rounding for smooth forces over a full period */
 #include "history/inverse_peaks.h"
 
 #include "base/arguments.h"
+#include "base/event_locator.h"
 #include "base/table.h"
 
-enum { SECTIONS = 32 };                /* reduces the bracket to 4e-7 of its length, the peak's error to 1e-13 */
 static const double overshoot = 1e-12; /* relative to the row: a maximum between rows that exceeds it by less is
                                         * ignored */
 
@@ -51,28 +51,24 @@ static double value_at(const peak_search *p, double time) {
   return km_vec3_norm(km_dynamics_inertia_forces(w->dynamics).f);
 }
 
-/* Golden-section search for the maximum between the neighbours of a row. */
-static void golden_section(const peak_search *p, double a, double b, km_force_peak *peak) {
-  static const double golden = 0.38196601125010515;
-  double t[2] = {a + golden * (b - a), b - golden * (b - a)};
-  double f[2] = {value_at(p, t[0]), value_at(p, t[1])};
-  for (int i = 0; i < SECTIONS && isfinite(f[0]) && isfinite(f[1]); ++i) {
-    int more = fabs(f[1]) > fabs(f[0]);
-    if (fabs(f[more]) > fabs(peak->value)) {
-      peak->value = f[more];
-      peak->time = t[more];
-    }
-    if (more) {
-      a = t[0];
-      t[0] = t[1];
-      f[0] = f[1];
-    } else {
-      b = t[1];
-      t[1] = t[0];
-      f[1] = f[0];
-    }
-    t[more] = more ? b - golden * (b - a) : a + golden * (b - a);
-    f[more] = value_at(p, t[more]);
+/* −|f| at a time, for the minimiser. */
+static double negative_magnitude(double time, void *context) {
+  return -fabs(value_at(context, time));
+}
+
+/* Locates the maximum around row r. */
+static void locate_peak(peak_search *p, size_t r, km_force_peak *peak) {
+  static const double width = 4e-7; /* relative to the bracket: the error of the peak is 1e-13 */
+  const km_history_writer *w = p->w;
+  const double *rows[3];
+  for (size_t k = 0; k < 3; ++k)
+    rows[k] = km_table_row(w->out->table, r + k - 1);
+  km_minimum_bracket b = {rows[0][0], -magnitude_in_row(w, peak, r - 1), rows[1][0], -magnitude_in_row(w, peak, r),
+                          rows[2][0], -magnitude_in_row(w, peak, r + 1)};
+  km_locate_minimum(negative_magnitude, p, width * (b.high - b.low), -HUGE_VAL, &b);
+  if (-b.f > fabs(peak->value)) {
+    peak->time = b.s;
+    peak->value = value_at(p, b.s);
   }
 }
 
@@ -104,8 +100,8 @@ static void find_peak(km_history_writer *w, km_inverse_motion *advance_to, km_fo
     double above = parabola_rise(a, b, c);
     if (a > b || c > b || above <= overshoot * b || b + 2.0 * above < largest)
       continue;
-    const peak_search p = {w, advance_to, peak, r - 1};
-    golden_section(&p, km_table_row(table, r - 1)[0], km_table_row(table, r + 1)[0], peak);
+    peak_search p = {w, advance_to, peak, r - 1};
+    locate_peak(&p, r, peak);
   }
 }
 

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "kmech/transfer.h"
 #include "sweep/sweep_observer.h"
-#include "sweep/zero_pole_search.h"
+#include "sweep/event_search.h"
 #include "transfer/transfer.h"
 #include "transfer/transmission_metrics.h"
 
@@ -115,16 +115,19 @@ static double find_orientation(const sweep_events *w, const km_sweeper *r) {
   return along < 0.0 ? -1.0 : 1.0;
 }
 
-/* Computes both rates, oriented along the sweep. */
+/* Computes both rates, oriented along the sweep; rounding is 0 but at a probe, where a root would be a stretch. */
 static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
   sweep_events *w = self;
   km_advantage a;
+  km_sweeper_update_motions(r);
   compute_advantage(w, r, &a);
   w->orientation = find_orientation(w, r);
   const km_transfer_end *is_last[2] = {&w->transfer->input, &w->transfer->output};
   double *const out[2] = {n, d};
   for (int i = 0; i < 2; ++i)
-    *out[i] = fabs(is_last[i]->rate) > rounding * is_last[i]->size ? w->orientation * is_last[i]->rate : 0.0;
+    *out[i] = w->search.is_probing || fabs(is_last[i]->rate) > rounding * is_last[i]->size
+                  ? w->orientation * is_last[i]->rate
+                  : 0.0;
 }
 
 static void set_reference(void *self, km_sweeper *r) {
@@ -176,7 +179,7 @@ static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error
 }
 
 static void handle_branch_switch(void *self) {
-  ((sweep_events *)self)->search.have = 0;
+  km_event_search_restart(&((sweep_events *)self)->search);
 }
 
 static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
@@ -341,7 +344,7 @@ static km_status open_observer(km_sweep_job *job, bool transmission, km_advantag
   w->observer.reads_jacobian =
       w->transmission || w->losses || !is_in_driven_substructure(job->m, job->plan, w->transfer);
   w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
-  if (!w->reference || !km_event_search_reserve(&w->search, 1))
+  if (!w->reference || !km_event_search_reserve(&w->search, 1, job->plan))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }

@@ -4,25 +4,22 @@
  *   sign change between rows, several sign changes between steps, or a minimum of |z_j| near 0 */
 #include "base/arguments.h"
 #include "base/table.h"
-#include "sweep/dead_points.h"
+#include "sweep/event_search.h"
 #include "sweep/singular_value_minima.h"
 #include "sweep/sweep_observer.h"
 
 #include <string.h>
 
-/* Relative distance at which dead points count as one position. */
-static const double same_position = 1e-9;
+/* Entries of the unit direction below this are 0; they are known to about 1e-12. */
+static const double zero_entry = 1e-9;
 
 /* State of the search between rows. */
 typedef struct sweep_events {
   km_mobility_sweep *out;
   km_observer observer;
-  km_directions directions;
-  size_t rows; /* rows of the table at the last call */
-  km_root_search root_search;
-  bool searching; /* root_search runs for the coordinate candidates[next] */
-  int next;
-  bool *listed;    /* [coordinate] its dead points since the last row are in the list */
+  km_event_search search; /* zeros of the entries z of the candidates */
+  km_events events;
+  size_t rows;     /* rows of the table at the last call */
   bool *moved;     /* [coordinate] it moved at some row: coordinates at rest have no dead points */
   int *candidates; /* coordinates that can have dead points */
   int candidate_count;
@@ -83,25 +80,6 @@ static double *write_numbers(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-/* Returns the sign of s along the sweep. */
-static double sweep_sign(const km_sweep_plan *plan) {
-  return km_plan_is_driven(plan) && plan->to < plan->from ? -1.0 : 1.0;
-}
-
-/* Inserts a dead point in the order of the sweep. */
-static bool add_toggle(km_mobility_sweep *out, const km_sweep_plan *plan, int coordinate, double s) {
-  const double sign = sweep_sign(plan);
-  void *toggles = out->toggles;
-  if (!km_reserve(&toggles, &out->toggle_capacity, out->toggle_count + 1, sizeof *out->toggles))
-    return false;
-  out->toggles = toggles;
-  size_t index = out->toggle_count++;
-  for (; index > 0 && sign * (out->toggles[index - 1].s - s) > same_position * (1.0 + fabs(s)); --index)
-    out->toggles[index] = out->toggles[index - 1];
-  out->toggles[index] = (km_toggle){coordinate, s};
-  return true;
-}
-
 static bool is_passive(const km_sweep *sweep, int coordinate) {
   return sweep->passive_coordinates && sweep->passive_coordinates[coordinate];
 }
@@ -119,6 +97,18 @@ static void write_null_vector(const km_sweeper *r, double *z) {
     z[coordinate[k]] = along < 0.0 ? -Z[k] : Z[k];
 }
 
+/* Computes the unit direction D q̇/|D q̇| of the rates. */
+static void compute_unit_direction(const km_mechanism *m, const double *rates, double *z) {
+  double sum = 0.0;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    z[c] = m->scale[c] * rates[c];
+    sum += z[c] * z[c];
+  }
+  double inverse = 1.0 / sqrt(sum);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    z[c] *= inverse;
+}
+
 /* Computes the unit direction of the single freedom besides passive ones; false with more freedoms or at the driver's
  * dead point. */
 static bool compute_direction(const km_sweeper *r, double *z) {
@@ -134,8 +124,33 @@ static bool compute_direction(const km_sweeper *r, double *z) {
   if (freedom == 1)
     write_null_vector(r, z);
   else
-    km_unit_direction(r->m, r->rates, z);
+    compute_unit_direction(r->m, r->rates, z);
   return true;
+}
+
+/* Copies the candidates' entries of a unit direction, rounding as 0 but at a probe, and marks those that move. */
+static void copy_entries(sweep_events *w, const double *z, double *entries) {
+  for (int i = 0; i < w->candidate_count; ++i) {
+    const int c = w->candidates[i];
+    bool moves = fabs(z[c]) >= zero_entry;
+    entries[i] = moves || w->search.is_probing ? z[c] : 0.0;
+    w->moved[c] = w->moved[c] || moves;
+  }
+}
+
+/* Computes the entries at a row or a probe; NaN without a direction of motion. */
+static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
+  sweep_events *w = self;
+  (void)d;
+  bool has_direction = true;
+  if (w->search.is_probing)
+    compute_unit_direction(r->m, r->rates, r->scratch);
+  else
+    has_direction = compute_direction(r, r->scratch);
+  if (has_direction)
+    copy_entries(w, r->scratch, n);
+  for (int i = 0; i < w->candidate_count && !has_direction; ++i)
+    n[i] = nan("");
 }
 
 /* Finds the smallest mobility numbers of the table's rows. */
@@ -148,182 +163,46 @@ static void find_extremes(const sweep_events *w, int count) {
   }
 }
 
+/* Chooses the coordinates that can have dead points: of the moving substructure, without passive ones. */
 static void choose_candidates(sweep_events *w, const km_sweeper *r) {
   for (int c = 0; c < r->m->coordinate_count; ++c)
-    if (r->m->substructure_of[c] == r->substructure && !r->m->held[c] && !is_passive(r->out, c))
+    if (c == r->plan->coordinate ||
+        (r->m->substructure_of[c] == r->substructure && !r->m->held[c] && !is_passive(r->out, c)))
       w->candidates[w->candidate_count++] = c;
 }
 
-/* Entry of a coordinate at the row and at the previous one. */
-static double entry_at_row(const sweep_events *w, int c) {
-  return km_directions_entry(&w->directions, w->directions.row, c);
-}
-
-static double entry_at_last(const sweep_events *w, int c) {
-  return km_directions_entry(&w->directions, w->directions.last, c);
-}
-
-static bool has_last_row(const sweep_events *w) {
-  return w->directions.last >= 0;
-}
-
-/* Returns the next candidate, from w->next on, whose entry is 0 at this row or may have been since the last. */
-static int next_candidate(const sweep_events *w) {
-  int i = w->next;
-  while (has_last_row(w) && i < w->candidate_count &&
-         entry_at_row(w, w->candidates[i]) * entry_at_last(w, w->candidates[i]) > km_batch_sign_threshold)
-    ++i;
-  return i;
-}
-
-/* Adds the dead points at this row and those that a sign change since the last row shows, until a probe is needed. */
-static bool add_sign_changes(sweep_events *w, const km_sweeper *r) {
-  const km_directions *d = &w->directions;
-  for (; (w->next = next_candidate(w)) < w->candidate_count; ++w->next) {
-    int c = w->candidates[w->next];
-    double z = entry_at_row(w, c), last = has_last_row(w) ? entry_at_last(w, c) : z;
-    bool zero_here = fabs(z) < km_zero_entry, zero_before = has_last_row(w) && fabs(last) < km_zero_entry;
-    bool changes_sign = !zero_here && !zero_before && z * last < 0.0 && !w->listed[c];
-    if (zero_here && !zero_before && !add_toggle(w->out, r->plan, c, d->s[d->row]))
-      return false;
-    if (changes_sign && !w->searching)
-      km_root_search_begin(&w->root_search, d->s[d->last], d->s[d->row], last, z);
-    w->searching = changes_sign && w->root_search.open;
-    if (w->searching)
-      return true;
-    if (changes_sign && !add_toggle(w->out, r->plan, c, w->root_search.root))
-      return false;
-  }
-  return true;
-}
-
-static km_status no_memory(km_error *error) {
-  return km_fail(error, KM_MEMORY, "out of memory for the dead points");
-}
-
-static km_status continue_search(sweep_events *w, const km_sweeper *r, km_error *error) {
-  return add_sign_changes(w, r) ? KM_OK : no_memory(error);
-}
-
-/* True if the entry changes its sign between samples i and i + 1. */
-static bool changes_sign_after(const km_directions *d, int i, int c) {
-  double z = km_directions_entry(d, i, c), next = km_directions_entry(d, i + 1, c);
-  return z * next < 0.0 && fabs(z) >= km_zero_entry && fabs(next) >= km_zero_entry;
-}
-
-/* Adds the coordinate's dead points since the last row if the steps show several sign changes. */
-static bool add_changes_between_steps(sweep_events *w, km_sweeper *r, int c, bool *moved) {
-  const km_directions *d = &w->directions;
-  int count = 0;
-  bool added = true;
-  for (int i = d->last; i < d->row; ++i)
-    count += changes_sign_after(d, i, c);
-  w->listed[c] = count > 1;
-  *moved = *moved || count > 1;
-  for (int i = d->last; i < d->row && count > 1 && added; ++i)
-    added = !changes_sign_after(d, i, c) || add_toggle(w->out, r->plan, c, km_dead_point_between(r, d, i, c));
-  return added;
-}
-
-/* True if a dead point of the coordinate in this interval is in the list. */
-static bool is_known(const km_mobility_sweep *out, int c, const km_minimum_search *samples) {
-  bool known = false;
-  for (size_t i = out->toggle_count; i > 0 && !known; --i) {
-    const km_toggle *toggle = &out->toggles[i - 1];
-    known = toggle->coordinate == c && (toggle->s - samples->s[0]) * (toggle->s - samples->s[2]) <= 0.0;
-  }
-  return known;
-}
-
-/* Adds the coordinate's dead points, since the sample before the last row, that no sign change shows: minima of |z_j|
- * near 0. */
-static bool add_minima(sweep_events *w, km_sweeper *r, int c, bool *moved) {
-  const km_directions *d = &w->directions;
-  bool added = true;
-  for (int i = d->last > 0 ? d->last - 1 : 0; i + 2 <= d->row && added; ++i) {
-    km_minimum_search samples = {.s = {d->s[i], d->s[i + 1], d->s[i + 2]}};
-    double lowest, roots[2];
-    for (int k = 0; k < 3; ++k)
-      samples.f[k] = km_directions_entry(d, i + k, c);
-    if (!km_minimum_search_may_reach_zero(&samples, &lowest) || is_known(w->out, c, &samples))
-      continue;
-    *moved = true;
-    for (int k = km_minimum_search_find(r, c, &samples, lowest, roots); k > 0 && added; --k)
-      added = add_toggle(w->out, r->plan, c, roots[k - 1]);
-  }
-  return added;
-}
-
-/* Adds the dead points since the last row that the two rows do not show; none between passed rows. */
-static bool add_hidden_dead_points(sweep_events *w, km_sweeper *r) {
-  const bool may_probe = has_last_row(w) && !r->is_passed_row;
-  bool added = true, moved = false;
-  for (int i = 0; i < w->candidate_count && may_probe && added; ++i)
-    added = add_changes_between_steps(w, r, w->candidates[i], &moved) && add_minima(w, r, w->candidates[i], &moved);
-  if (moved)
-    r->mover.restore(r->mover.self);
-  return added;
-}
-
-/* Stores the direction of motion at the row, if it has one. False without memory. */
-static bool store_direction(sweep_events *w, const km_sweeper *r, double s, bool *has_one) {
-  const size_t rows = km_table_rows(r->out->table);
-  if (rows > w->rows + 1) /* the rows between contain no zero */
-    km_directions_skip(&w->directions);
-  w->rows = rows;
-  double *z = km_directions_row(&w->directions, s);
-  *has_one = z && compute_direction(r, z);
-  if (!*has_one)
-    km_directions_clear(&w->directions);
-  return z && !w->directions.failed;
-}
-
-static void mark_moved(sweep_events *w) {
-  const km_directions *d = &w->directions;
-  for (int i = 0; i < w->candidate_count; ++i) {
-    const int c = w->candidates[i];
-    for (int index = has_last_row(w) ? d->last : d->row; index <= d->row && !w->moved[c]; ++index)
-      w->moved[c] = fabs(km_directions_entry(d, index, c)) >= km_zero_entry;
-  }
-}
-
-/* Finds the dead points since the last row. */
+/* Finds the dead points and the least singular values since the last row. */
 static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
-  bool moves;
+  const size_t rows = km_table_rows(r->out->table);
   km_status status = km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
   if (status)
     return status;
-  if (!store_direction(w, r, s, &moves))
-    return no_memory(error);
-  if (!moves)
-    return KM_OK;
-  if (w->candidate_count == 0)
+  if (rows == 1) {
     choose_candidates(w, r);
-  mark_moved(w);
-  w->next = 0;
-  return add_hidden_dead_points(w, r) ? continue_search(w, r, error) : no_memory(error);
+    km_event_search_set_count(&w->search, w->candidate_count);
+  }
+  if (rows > w->rows + 1) /* the rows between contain no zero */
+    km_event_search_restart(&w->search);
+  w->rows = rows;
+  return km_event_search_sample(&w->search, r, s, error);
 }
 
 static void handle_step(void *self, const km_sweeper *r, double s, const double *rates) {
   sweep_events *w = self;
-  km_directions_step(&w->directions, r->m, s, rates);
+  double *entries = km_event_search_step(&w->search, s);
+  if (!entries)
+    return;
+  compute_unit_direction(r->m, rates, r->scratch);
+  copy_entries(w, r->scratch, entries);
 }
 
 static bool next_probe(void *self, double *s) {
-  const sweep_events *w = self;
-  *s = w->root_search.root;
-  return w->searching;
+  return km_event_search_next_probe(&((sweep_events *)self)->search, s);
 }
 
-static km_status cell_coordinate(void *self, km_sweeper *r, const double *rates, km_error *error) {
-  sweep_events *w = self;
-  w->root_search.open = false;
-  if (rates) {
-    km_unit_direction(r->m, rates, r->scratch);
-    km_root_search_update(&w->root_search, r->scratch[w->candidates[w->next]]);
-  }
-  return continue_search(w, r, error);
+static km_status handle_probe(void *self, km_sweeper *r, const double *rates, km_error *error) {
+  return km_event_search_probed(&((sweep_events *)self)->search, r, rates != NULL, error);
 }
 
 static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
@@ -333,8 +212,8 @@ static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *er
 
 static void handle_branch_switch(void *self) {
   sweep_events *w = self;
-  km_directions_clear(&w->directions);
-  w->singular.search.have = 0;
+  km_event_search_restart(&w->search);
+  km_event_search_restart(&w->singular.search);
 }
 
 /* True if the coordinate is at rest at the driver's dead point. The driver's mobility number, the square of its rate,
@@ -349,37 +228,46 @@ static bool rests_with_driver(const km_sweeper *r, int c) {
 static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
   const int driver = r->plan->coordinate;
-  const bool one = r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) == 1;
-  bool added = add_toggle(w->out, r->plan, driver, s);
+  const bool has_one_freedom = r->substructure >= 0 && km_partition_freedom(&r->s->partition[r->substructure]) == 1;
+  km_status status = KM_OK;
+  for (int pass = 0; pass < 2; ++pass) /* the driver first */
+    for (int i = 0; i < w->candidate_count && !status; ++i) {
+      const int c = w->candidates[i];
+      if (pass ? c != driver && has_one_freedom && rests_with_driver(r, c) : c == driver)
+        status = km_events_add(&w->events, (km_event){KM_EVENT_ZERO, i, s, 0.0}, error);
+    }
   w->moved[driver] = true;
-  for (int i = 0; i < w->candidate_count && one && added; ++i)
-    if (w->candidates[i] != driver && rests_with_driver(r, w->candidates[i]))
-      added = add_toggle(w->out, r->plan, w->candidates[i], s);
-  return added ? KM_OK : no_memory(error);
+  return status;
 }
 
-/* Removes the dead points of coordinates that never move. */
-static void remove_resting(const sweep_events *w) {
+/* Collects the dead points of coordinates that move, in the order of the sweep. */
+static km_status collect_toggles(const sweep_events *w, const km_sweep_job *job) {
   km_mobility_sweep *out = w->out;
-  size_t kept = 0;
-  for (size_t i = 0; i < out->toggle_count; ++i)
-    if (w->moved[out->toggles[i].coordinate])
-      out->toggles[kept++] = out->toggles[i];
-  out->toggle_count = kept;
+  km_events events = w->events;
+  km_events_sort(&events, job->plan);
+  out->toggles = KM_NEW(km_toggle, events.count);
+  if (!out->toggles)
+    return km_fail(job->error, KM_MEMORY, "out of memory for the dead points");
+  for (size_t i = 0; i < events.count; ++i) {
+    const int c = w->candidates[events.items[i].function];
+    if (w->moved[c])
+      out->toggles[out->toggle_count++] = (km_toggle){c, events.items[i].s};
+  }
+  return KM_OK;
 }
 
 static km_status finish(void *self, const km_sweep_job *job) {
-  remove_resting(self);
+  km_status status = collect_toggles(self, job);
   if (!job->table_only)
     find_extremes(self, job->m->coordinate_count);
-  return job->status;
+  return status ? status : job->status;
 }
 
 static void close_observer(void *self) {
   sweep_events *w = self;
   km_singular_value_minima_free(&w->singular);
-  km_directions_free(&w->directions);
-  km_free(w->listed);
+  km_event_search_free(&w->search);
+  km_free(w->events.items);
   km_free(w->moved);
   km_free(w->candidates);
   km_free(w->cell);
@@ -396,7 +284,7 @@ static km_observer observer_of(sweep_events *w, bool singularities, bool table_o
                        .row_written = may_probe ? handle_row : NULL,
                        .step_taken = may_probe ? handle_step : NULL,
                        .next_probe = may_probe ? next_probe : NULL,
-                       .probed = may_probe ? cell_coordinate : NULL,
+                       .probed = may_probe ? handle_probe : NULL,
                        .sampled_between = singularities ? handle_sample : NULL,
                        .corner = handle_branch_switch,
                        .end_reached = may_probe ? handle_end : NULL,
@@ -411,14 +299,20 @@ static km_observer observer_of(sweep_events *w, bool singularities, bool table_o
 static bool reserve(sweep_events *w, const km_mechanism *m, const km_sweep_plan *plan) {
   size_t count = (size_t)m->coordinate_count;
   w->out->extremes = KM_NEW(km_extreme, count);
-  w->directions = (km_directions){.coordinates = count, .sense = sweep_sign(plan), .last = -1, .row = -1};
-  w->listed = KM_NEW(bool, count);
+  w->search = (km_event_search){.self = w,
+                                .values = compute_values,
+                                .ratios = true,
+                                .dips = true,
+                                .defers = true,
+                                .zero = zero_entry,
+                                .events = &w->events};
   w->moved = KM_NEW(bool, count);
   w->candidates = KM_NEW(int, count);
   w->cell = KM_NEW(size_t, count);
   w->unread = KM_NEW(bool, count);
   w->cell_coordinate = KM_NEW(int, count + (size_t)m->model->joint_count);
-  if (!w->listed || !w->moved || !w->candidates || !w->cell || !w->unread || !w->cell_coordinate || !w->out->extremes)
+  if (!km_event_search_reserve(&w->search, m->coordinate_count, plan) || !w->moved || !w->candidates || !w->cell ||
+      !w->unread || !w->cell_coordinate || !w->out->extremes)
     return false;
   for (size_t c = 0; c < count; ++c)
     w->out->extremes[c] = (km_extreme){HUGE_VAL, nan("")};
@@ -434,7 +328,8 @@ static km_status open_observer(km_sweep_job *job, km_mobility_sweep *out) {
   if (ready) {
     w->out = out;
     w->read_columns = job->table_only ? job->read_columns : NULL;
-    ready = reserve(w, job->m, job->plan) && (!singularities || km_singular_value_minima_create(&w->singular, job->m));
+    ready = reserve(w, job->m, job->plan) &&
+            (!singularities || km_singular_value_minima_create(&w->singular, job->m, job->plan));
     w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;
   }

@@ -15,14 +15,15 @@ static double value_at(km_singular_value_minima *w, const km_sweeper *r, int ind
 static void compute_value(void *self, km_sweeper *r, double *value, double *denominator) {
   km_singular_value_minima *w = self;
   (void)denominator; /* minima of the value, not zeros of a quotient */
+  km_sweeper_update_motions(r);
   *value = value_at(w, r, w->regular_rank);
 }
 
-bool km_singular_value_minima_create(km_singular_value_minima *w, const km_mechanism *m) {
+bool km_singular_value_minima_create(km_singular_value_minima *w, const km_mechanism *m, const km_sweep_plan *plan) {
   *w = (km_singular_value_minima){.singular = km_singular_value_workspace_create(m)};
   w->search = (km_event_search){
       .self = w, .values = compute_value, .extremes = true, .accepts_best_sample = true, .events = &w->events};
-  return km_event_search_reserve(&w->search, 1) && w->singular;
+  return km_event_search_reserve(&w->search, 1, plan) && w->singular;
 }
 
 void km_singular_value_minima_free(km_singular_value_minima *w) {
@@ -61,11 +62,11 @@ km_status km_singular_value_minima_sample(km_singular_value_minima *w, km_sweepe
   int rank = r->s->partition[r->substructure].rank;
   if (rank > w->regular_rank) { /* singular values with different indices are not comparable: the search starts anew */
     w->regular_rank = rank;
-    w->search.have = 0;
+    km_event_search_restart(&w->search);
   }
   size_t known = w->events.count;
   km_status status = km_event_search_sample(&w->search, r, s, error);
-  keep_smaller(&out->smallest, (km_extreme){w->search.n[0][0], s});
+  keep_smaller(&out->smallest, (km_extreme){km_event_numerator(&w->search, 0, 0), s});
   for (size_t i = known; i < w->events.count && !status; ++i) {
     km_extreme minimum = {w->events.items[i].value, w->events.items[i].s};
     if (w->events.items[i].kind != KM_EVENT_MINIMUM)

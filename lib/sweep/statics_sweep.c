@@ -5,8 +5,8 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "statics/statics.h"
+#include "sweep/event_search.h"
 #include "sweep/sweep_observer.h"
-#include "sweep/zero_pole_search.h"
 
 #include <string.h>
 
@@ -99,6 +99,7 @@ static bool has_more_freedoms(const km_sweeper *r) {
 
 static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
   sweep_events *w = self;
+  km_sweeper_update_motions(r);
   if (has_more_freedoms(r)) {
     for (int i = 0; i < w->search.count; ++i)
       n[i] = nan("");
@@ -122,7 +123,7 @@ static km_status add_start_pole(sweep_events *w, km_error *error) {
   double s = w->search.first.s[0];
   km_status status = KM_OK;
   for (int i = 0; i < w->search.count && !status; ++i)
-    if (isnan(w->search.n[1][i]) && !isnan(w->search.n[0][i]))
+    if (isnan(km_event_numerator(&w->search, i, 1)) && !isnan(km_event_numerator(&w->search, i, 0)))
       status = km_events_add(&w->events, (km_event){KM_EVENT_POLE, i, s, HUGE_VAL}, error);
   return status;
 }
@@ -132,14 +133,14 @@ static km_status sample_forces(sweep_events *w, km_sweeper *r, double s, km_erro
     return km_fail(error, KM_MEMORY, "out of memory for the balance");
   if (has_more_freedoms(r))
     return KM_OK;
-  bool has_sample = w->search.have > 0;
+  bool has_sample = km_event_search_has_sample(&w->search);
   w->gained_freedoms = false;
   w->has_rates = r->is_batched ? r->mover.rates(r->mover.self, r->rates) : km_sweeper_update_rates(r);
   km_status status = km_event_search_sample(&w->search, r, s, error);
   if (w->gained_freedoms && has_sample && !status)
     status = add_start_pole(w, error);
   if (w->gained_freedoms)
-    w->search.have = 1;
+    km_event_search_restart_at_row(&w->search);
   return status;
 }
 
@@ -177,7 +178,7 @@ static km_status handle_end(void *self, km_sweeper *r, double s, km_error *error
 }
 
 static void handle_branch_switch(void *self) {
-  ((sweep_events *)self)->search.have = 0;
+  km_event_search_restart(&((sweep_events *)self)->search);
 }
 
 /* Converts an event of the ratio n/d to one of the actuator's force; false if it is not reported. */
@@ -287,7 +288,7 @@ static km_status open_observer(km_sweep_job *job, km_forces *forces, km_statics 
     job->observer = &w->observer;
     statics->work->keeps_factors = true;
   }
-  if (!w || !copy_actuators(w) || !km_event_search_reserve(&w->search, statics->actuator_count))
+  if (!w || !copy_actuators(w) || !km_event_search_reserve(&w->search, statics->actuator_count, job->plan))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   return KM_OK;
 }

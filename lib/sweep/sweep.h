@@ -99,6 +99,11 @@ static inline bool km_plan_is_driven(const km_sweep_plan *plan) {
   return plan->steps > 0 && !(plan->arclength > 0.0);
 }
 
+/* Sign of s along the sweep. */
+static inline double km_sweep_sense(const km_sweep_plan *plan) {
+  return km_plan_is_driven(plan) && plan->to < plan->from ? -1.0 : 1.0;
+}
+
 /* Memory of an earlier sweep, which the next one takes and returns, except for its result. */
 typedef struct km_sweep_workspace {
   km_table *table; /* NULL: a new one is created */
@@ -168,6 +173,8 @@ km_status km_sweeper_sample_to_row(km_sweeper *sweeper, km_driver_motion *drive,
 /* True if the state is at a branch point, where the freedom exceeds that of the motion. */
 bool km_sweeper_is_at_branch_point(km_sweeper *sweeper);
 
+/* Updates the motions of the moving substructure, unless the row was reached in a batch. */
+void km_sweeper_update_motions(km_sweeper *sweeper);
 /* Computes the rates r->rates and the null space of the configuration; computing rates can leave the null space with
  * a fixed driver behind. False if there is no direction of motion. */
 bool km_sweeper_update_rates(km_sweeper *sweeper);

@@ -95,6 +95,11 @@ static double *write_points(const km_sweeper *r, double *cell) {
   return cell;
 }
 
+void km_sweeper_update_motions(km_sweeper *r) {
+  if (r->substructure >= 0 && !r->is_batched)
+    km_motions_update(r->m, r->s, r->substructure);
+}
+
 bool km_sweeper_update_rates(km_sweeper *r) {
   bool moves = r->mover.rates(r->mover.self, r->rates);
   if (r->substructure >= 0)

@@ -4,7 +4,7 @@
 #include "support/support.h"
 
 #include "kmech/sweep.h"
-#include "sweep/dead_points.h"
+#include "sweep/event_location.h"
 
 #include <stdio.h>
 
@@ -62,7 +62,7 @@ static void near_and_at_zero(void **state) {
   fixture f = open_cubic(0.0);
   km_mobility_sweep sweep = swept(&f, (km_sweep_plan){.from = -1.0, .to = 1.3, .steps = 7, .direction = -1});
   assert_int_equal(sweep.toggle_count, 1);
-  assert_near(sweep.toggles[0].s, 0.0, sqrt(km_zero_entry));
+  assert_near(sweep.toggles[0].s, 0.0, sqrt(1e-9));
   km_mobility_sweep_free(&sweep);
   fixture_close(&f);
 }
@@ -110,22 +110,22 @@ static void of_random_linkages(void **state) {
 /* The parabola through three places, however they lie. */
 static void dips_are_shown(void **state) {
   (void)state;
-  double lowest;
+  const double s[3] = {-1.0, 0.2, 1.0}, equal[3] = {0.0, 1.0, 2.0};
   for (double at = -0.9; at < 1.0; at += 0.1) {
-    km_minimum_search through = {.s = {-1.0, 0.2, 1.0}};
+    double n[3];
     for (int i = 0; i < 3; ++i)
-      through.f[i] = -((through.s[i] - at) * (through.s[i] - at) - 1e-12);
-    bool same_sign = through.f[0] * through.f[1] > 0.0 && through.f[1] * through.f[2] > 0.0;
-    assert_int_equal(km_minimum_search_may_reach_zero(&through, &lowest), same_sign);
+      n[i] = -((s[i] - at) * (s[i] - at) - 1e-12);
+    bool same_sign = n[0] * n[1] > 0.0 && n[1] * n[2] > 0.0;
+    assert_int_equal(!isnan(km_event_lowest_point(s, n)), same_sign);
     if (same_sign)
-      assert_near(lowest, at, 1e-12);
+      assert_near(km_event_lowest_point(s, n), at, 1e-12);
     for (int i = 0; i < 3; ++i)
-      through.f[i] -= 10.0;
-    assert_false(km_minimum_search_may_reach_zero(&through, &lowest));
+      n[i] -= 10.0;
+    assert_true(isnan(km_event_lowest_point(s, n)));
   }
-  assert_false(km_minimum_search_may_reach_zero(&(km_minimum_search){{0, 1, 2}, {3, 2, 1}}, &lowest));
-  assert_false(km_minimum_search_may_reach_zero(&(km_minimum_search){{0, 1, 2}, {1, 2, 1}}, &lowest));
-  assert_false(km_minimum_search_may_reach_zero(&(km_minimum_search){{0, 1, 2}, {1, NAN, 1}}, &lowest));
+  assert_true(isnan(km_event_lowest_point(equal, (double[3]){3, 2, 1})));
+  assert_true(isnan(km_event_lowest_point(equal, (double[3]){1, 2, 1})));
+  assert_true(isnan(km_event_lowest_point(equal, (double[3]){1, NAN, 1})));
 }
 
 int main(void) {

@@ -3,7 +3,6 @@
 #include "support/planar.h"
 
 #include "kmech/sweep.h"
-#include "sweep/motion_directions.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -24,7 +23,11 @@ static bool trace(const char *text, const km_sweep_plan *plan, const km_sweep *m
   for (int i = 0; i <= GRID && there; ++i) {
     there = !km_driver_motion_move_to(drive, from + (to - from) * (i + 0.5) / (GRID + 1)).stop &&
             km_driver_motion_tangent(drive, rates);
-    km_unit_direction(f.mechanism, rates, z + i * count);
+    double square = 0.0;
+    for (int c = 0; c < count; ++c)
+      square += pow(f.mechanism->scale[c] * rates[c], 2.0);
+    for (int c = 0; c < count; ++c)
+      z[i * count + c] = f.mechanism->scale[c] * rates[c] / sqrt(square);
   }
   km_driver_motion_free(drive);
   fixture_close(&f);

@@ -2,6 +2,8 @@
  * between turning points of the coordinate (docs/theory.md 12.8). */
 #include "arm/ik/ik_branches.h"
 
+#include "base/event_locator.h"
+
 #include <stdlib.h>
 
 /* Excess over the limits; for hinges with narrow limits, modulo full turns. */
@@ -56,50 +58,49 @@ static void add(crossings *all, int i, double x, int column, int change) {
   all->items[all->count++] = (crossing){all->round * c->length + c->u[i] + x * span_of(c, i), column, change};
 }
 
-/* Locates the crossing of a limit between x0 and x1 of step i, where the coordinate is monotone: regula falsi with
- * bisection. */
+/* One coordinate on step i of the curve, for root searches. */
+typedef struct coordinate_on_step {
+  const crossings *all;
+  int i, column;
+} coordinate_on_step;
+
+static double limit_excess_of(double x, void *context) {
+  const coordinate_on_step *on = context;
+  return limit_excess_at(on->all, on->i, x, on->column);
+}
+
+/* Angle of a hinge past the position half a turn from the middle between its limits. */
+static double angle_past_opposite(double x, void *context) {
+  const coordinate_on_step *on = context;
+  const km_arm *a = on->all->curve->arm;
+  double q[KM_ARM_MAX_JOINTS], middle = 0.5 * (a->low[on->column] + a->high[on->column]);
+  return km_selfmotion_curve_interpolate(on->all->curve, on->i, x, q, NULL)
+             ? km_arm_difference(a, on->column, middle + M_PI, q[on->column])
+             : (double)NAN;
+}
+
+static double slope_of(double x, void *context) {
+  const coordinate_on_step *on = context;
+  double q[KM_ARM_MAX_JOINTS], t[KM_ARM_MAX_JOINTS];
+  return km_selfmotion_curve_interpolate(on->all->curve, on->i, x, q, t) ? t[on->column] : 0.0;
+}
+
+/* Locates the crossing of a limit between x0 and x1 of step i, where the coordinate is monotone. */
 static void find_monotone_crossing(crossings *all, int i, double x0, double x1, double f0, double f1, int column) {
-  if ((f0 > 0.0) == (f1 > 0.0))
-    return;
-  int change = f1 > 0.0 ? 1 : -1;
-  for (int k = 0; k < 60 && x1 - x0 > 1e-13; ++k) {
-    double x = x0 - f0 * (x1 - x0) / (f1 - f0);
-    if (!(x > x0 && x < x1) || k % 4 == 3)
-      x = 0.5 * (x0 + x1);
-    double f = limit_excess_at(all, i, x, column);
-    if ((f > 0.0) == (f1 > 0.0)) {
-      x1 = x;
-      f1 = f;
-    } else {
-      x0 = x;
-      f0 = f;
-    }
-  }
-  add(all, i, 0.5 * (x0 + x1), column, change);
+  coordinate_on_step on = {all, i, column};
+  if ((f0 > 0.0) != (f1 > 0.0))
+    add(all, i, km_locate_root(limit_excess_of, &on, x0, x1, f0, f1), column, f1 > 0.0 ? 1 : -1);
 }
 
 /* Finds x between x0 and x1 at which a hinge with narrow limits is half a turn from their middle; it is outside the
  * limits there, however small the excluded range. −1: none. */
 static double find_opposite(const crossings *all, int i, double x0, double x1, int column) {
-  const km_selfmotion_curve *c = all->curve;
-  const km_arm *a = c->arm;
-  double q[KM_ARM_MAX_JOINTS], middle = 0.5 * (a->low[column] + a->high[column]);
-  if (!km_arm_has_narrow_limits(a, column) || !km_selfmotion_curve_interpolate(c, i, x0, q, NULL))
+  coordinate_on_step on = {all, i, column};
+  if (!km_arm_has_narrow_limits(all->curve->arm, column))
     return -1.0;
-  double side = km_arm_difference(a, column, middle, q[column]);
-  if (fabs(side) < 0.5 * M_PI || !km_selfmotion_curve_interpolate(c, i, x1, q, NULL) ||
-      side * km_arm_difference(a, column, middle, q[column]) > 0.0)
-    return -1.0;
-  for (int k = 0; k < 60 && x1 - x0 > 1e-13; ++k) {
-    double x = 0.5 * (x0 + x1);
-    if (!km_selfmotion_curve_interpolate(c, i, x, q, NULL))
-      return -1.0;
-    if (side * km_arm_difference(a, column, middle, q[column]) > 0.0)
-      x0 = x;
-    else
-      x1 = x;
-  }
-  return 0.5 * (x0 + x1);
+  double past0 = angle_past_opposite(x0, &on), past1 = angle_past_opposite(x1, &on);
+  bool passes = past0 * past1 <= 0.0 && fabs(past0) < 0.5 * M_PI && fabs(past1) < 0.5 * M_PI;
+  return passes ? km_locate_root(angle_past_opposite, &on, x0, x1, past0, past1) : -1.0;
 }
 
 /* Locates the crossings of limits on a monotone stretch, including an excluded range that is passed within the step. */
@@ -114,29 +115,13 @@ static void find_crossings(crossings *all, int i, double x0, double x1, double f
   find_monotone_crossing(all, i, x, x1, f, f1, column);
 }
 
-static double slope_at(const km_selfmotion_curve *c, int i, double x, int column) {
-  double q[KM_ARM_MAX_JOINTS], t[KM_ARM_MAX_JOINTS];
-  return km_selfmotion_curve_interpolate(c, i, x, q, t) ? t[column] : 0.0;
-}
-
-/* Turning point of the coordinate between x0 and x1, by bisection of its slope. */
-static double turning_point(const km_selfmotion_curve *c, int i, double x0, double x1, double s0, int column) {
-  for (int k = 0; k < 50 && x1 - x0 > 1e-12; ++k) {
-    double x = 0.5 * (x0 + x1), s = slope_at(c, i, x, column);
-    if ((s > 0.0) == (s0 > 0.0))
-      x0 = x;
-    else
-      x1 = x;
-  }
-  return 0.5 * (x0 + x1);
-}
-
 /* Locates all crossings of one coordinate on step i. The step is halved, so that two turning points on a step are
  * separated. */
 static void find_step_crossings(crossings *all, int i, int column) {
   const km_selfmotion_curve *c = all->curve;
   const int n = c->arm->n;
   int next = i == c->count - 1 ? 0 : i + 1;
+  coordinate_on_step on = {all, i, column};
   double x[3] = {0.0, 0.5, 1.0}, f[3], s[3];
   f[0] = limit_excess(all, all->round, column, c->q[i * n + column]);
   /* the end of a round equals the start of the next one to the bit, so rounding cannot separate them at a limit */
@@ -146,14 +131,14 @@ static void find_step_crossings(crossings *all, int i, int column) {
     return;
   f[1] = limit_excess_at(all, i, 0.5, column);
   s[0] = c->t[i * n + column];
-  s[1] = slope_at(c, i, 0.5, column);
+  s[1] = slope_of(0.5, &on);
   s[2] = c->t[next * n + column];
   for (int half = 0; half < 2; ++half) {
     if ((s[half] > 0.0) == (s[half + 1] > 0.0)) {
       find_crossings(all, i, x[half], x[half + 1], f[half], f[half + 1], column);
       continue;
     }
-    double turn = turning_point(c, i, x[half], x[half + 1], s[half], column),
+    double turn = km_locate_root(slope_of, &on, x[half], x[half + 1], s[half], s[half + 1]),
            f_turn = limit_excess_at(all, i, turn, column);
     find_crossings(all, i, x[half], turn, f[half], f_turn, column);
     find_crossings(all, i, turn, x[half + 1], f_turn, f[half + 1], column);

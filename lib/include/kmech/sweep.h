@@ -101,7 +101,7 @@ typedef struct km_extreme {
 typedef struct km_mobility_sweep {
   km_sweep motion;    /* the table has m. of every coordinate */
   km_toggle *toggles; /* sorted in the order of the sweep */
-  size_t toggle_count, toggle_capacity;
+  size_t toggle_count;
   km_extreme *extremes; /* [coordinate] smallest mobility numbers over the rows */
   km_extreme smallest;  /* smallest kept singular value; NaN unless the plan has singularities */
   km_extreme *minima;   /* its minima along the sweep, located between the rows, in their order */

@@ -55,10 +55,11 @@ static const char *join(km_arena *arena, const char *a, const char *b) {
   return text;
 }
 
-/* Insertion keeps the caller's order where marks share a place. */
+/* Insertion keeps the caller's order where marks share a place to the rounding of located events. */
 static void insert(km_plot_flags *flags, km_plot_flag flag) {
+  static const double same_place = 1e-6; /* points */
   size_t i = flags->count++;
-  for (; i > 0 && flags->flags[i - 1].x > flag.x; i--)
+  for (; i > 0 && flags->flags[i - 1].at > flag.at + same_place; i--)
     flags->flags[i] = flags->flags[i - 1];
   flags->flags[i] = flag;
 }

@@ -3,7 +3,7 @@
  *   x(s') = x_0 + c sqrt(s'), s' the driver's distance to its end; samples x_1, x_2, x_4 at s', 4 s', 16 s'
  *   x_0 = (8 x_1 - 6 x_2 + x_4) / 3  (parabola in sqrt(s')),  or  (x_1 x_4 - x_2^2) / (x_1 + x_4 - 2 x_2)  (Aitken)
  *   x vanishes at the end if |x_0| is below the change that an end located to 5e-9 explains */
-#include "sweep/zero_pole_search.h"
+#include "sweep/event_search.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,15 +14,17 @@ void km_event_record_end_sample(km_event_search *search) {
   memmove(last->s + 1, last->s, (KM_MAX_END_SAMPLES - 1) * sizeof *last->s);
   memmove(last->n + n, last->n, (KM_MAX_END_SAMPLES - 1) * row);
   memmove(last->d + n, last->d, (KM_MAX_END_SAMPLES - 1) * row);
-  last->s[0] = search->s[0];
-  memcpy(last->n, search->n[0], row);
-  memcpy(last->d, search->d[0], row);
+  const km_sample_window *w = &search->window;
+  const double *values = w->value + (size_t)w->row * w->width;
+  last->s[0] = w->s[w->row];
+  memcpy(last->n, values, row);
+  memcpy(last->d, values + n, row);
   last->have += last->have < KM_MAX_END_SAMPLES;
   if (first->have == KM_MAX_END_SAMPLES)
     return;
-  first->s[first->have] = search->s[0];
-  memcpy(first->n + (size_t)first->have * n, search->n[0], row);
-  memcpy(first->d + (size_t)first->have * n, search->d[0], row);
+  first->s[first->have] = w->s[w->row];
+  memcpy(first->n + (size_t)first->have * n, values, row);
+  memcpy(first->d + (size_t)first->have * n, values + n, row);
   first->have++;
 }
 
@@ -94,8 +96,7 @@ static int find_end_samples(const km_end_samples *ending, double end) {
 
 /* Takes new samples at an end where the sweep left none in this ratio, towards `inside`: returns 0, the first of
  * them; −1: not reached. */
-static int take_end_samples(const km_event_search *search, km_sweeper *r, km_end_samples *ending, double end,
-                            double inside) {
+static int take_end_samples(km_event_search *search, km_sweeper *r, km_end_samples *ending, double end, double inside) {
   size_t n = (size_t)search->count;
   for (int k = 0; k < 3; ++k) {
     double distance = 1e-6 * (1.0 + fabs(end)) * ldexp(1.0, 2 * k), s = end + copysign(distance, inside - end);
