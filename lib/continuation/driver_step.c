@@ -160,11 +160,9 @@ static bool violates_closure(km_driver_motion *d) {
 static bool rank_changed(km_driver_motion *d) {
   const km_substructure *sub = km_driver_motion_substructure(d);
   km_partition *p = &d->c.state->partition[d->c.substructure];
-  p->rows_only = p->sparse != NULL;
-  km_search_pivots(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
-                   km_rank_tolerance(d->c.mechanism, sub, 0.0));
+  km_search_pivots_for_steps(d->c.mechanism, d->c.state, d->c.substructure, d->c.column,
+                             km_rank_tolerance(d->c.mechanism, sub, 0.0));
   int rank = p->rank;
-  p->rows_only = false;
   km_partition_copy_pivots(p, &d->c.history.reference);
   km_partition_refactor_full_pattern(p, km_state_jacobian(d->c.state, sub));
   return rank != d->c.history.reference.rank;

@@ -63,16 +63,14 @@ static void combine_stages(const km_minimum_norm_path *path, const double *weigh
       move[k] += h * weight[i] * path->rate[i][k];
 }
 
-/* Computes the tangent at a stage, which is not closed: that of the primary rows, which keep their closure errors.
- * has_pivots: the last stage left the given pivots in the partition. */
+/* Computes the tangent at a stage, which is not closed: that of the primary rows, which keep their closure errors. */
 static bool compute_stage_rate(const km_mechanism *m, km_state *s, int index, int driver, const km_partition *pivots,
-                               bool has_pivots, double *rate) {
+                               double *rate) {
   const km_substructure *sub = &m->substructures[index];
   km_partition *p = &s->partition[index];
   km_loops_recompute(m, s, sub);
-  if (!has_pivots || !p->is_deferred)
-    km_partition_copy_pivots(p, pivots);
-  if (!km_defer_pivots(s, index, driver) && !km_partition_refactor_full_pattern(p, km_state_jacobian(s, sub)))
+  km_partition_copy_pivots(p, pivots);
+  if (!km_refactor_for_steps(m, s, index, true))
     return false;
   km_minimum_norm_rates(m, s, index, driver, rate);
   return true;
@@ -99,7 +97,7 @@ double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, cons
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
     km_state_move_temporarily(m, s, sub, move);
-    if (!compute_stage_rate(m, s, index, driver, pivots, i > 1, path->rate[i]))
+    if (!compute_stage_rate(m, s, index, driver, pivots, path->rate[i]))
       return HUGE_VAL;
     convert_ball_rates(m, sub, move, path->rate[i]);
   }

@@ -28,85 +28,39 @@ static double primary_rms(const km_partition *p, const double *error) {
   return p->rank ? sqrt(sum / p->rank) : 0.0;
 }
 
-/* True if minimum-norm steps need only the primary rows, not the null space. */
-static bool needs_rows_only(const km_partition *p, int driver) {
-  return p->rows_only || km_uses_row_equations(p, km_count_free_motions(p, driver));
-}
-
-/* Defers the factorisation where steps need only the primary rows. */
-bool km_defer_pivots(km_state *s, int index, int driver) {
-  km_partition *p = &s->partition[index];
-  if (!needs_rows_only(p, driver) || !km_partition_may_defer(p))
-    return false;
-  km_partition_defer(p);
-  return true;
-}
-
-/* Refactors with the previous pivots; false if they became unstable. B is not monitored if only rows are needed. */
-static bool try_refactor(const km_mechanism *m, km_state *s, int index, int driver) {
-  km_partition *p = &s->partition[index];
-  p->accepts_any_basis = needs_rows_only(p, driver);
-  bool is_accepted = km_partition_refactor(p, km_state_jacobian(s, &m->substructures[index]));
-  p->accepts_any_basis = false;
-  return is_accepted;
-}
-
-/* Searches pivots for a step. Pivots that were found with the loose tolerance of an open configuration can omit rows,
- * so they are not reused. */
-static void search_step_pivots(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
+/* Factors J for a step: reuses the pivots near the solution while the growth monitor accepts them, else searches.
+ * Pivots that were found with the loose tolerance of an open configuration can omit rows, so they are not reused. */
+static void factor_step(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
+  if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == driver &&
+      km_refactor_for_steps(m, s, index, false))
+    return;
   double tolerance = km_rank_tolerance(m, sub, residual);
   km_search_pivots_for_steps(m, s, index, driver, tolerance);
-  if (!km_has_full_row_rank(&s->partition[index]) && tolerance > km_rank_tolerance(m, sub, 0.0))
+  if (tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_invalidate_pivots(s, index);
-}
-
-/* Factors J for a step: reuses the pivots near the solution while the growth monitor accepts them, else searches. If
- * steps need rows only, the monitor is evaluated once, at the converged configuration. */
-static void factor_step(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
-  if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == driver &&
-      (km_defer_pivots(s, index, driver) || try_refactor(m, s, index, driver)))
-    return;
-  search_step_pivots(m, s, index, driver, residual);
-}
-
-/* Minimum-norm step by the row equations; with the factor of the last step's Jacobian if `reuse_factor` is set and that
- * factor exists. */
-static bool solve_by_row_equations(const km_mechanism *m, km_state *s, int index, int driver, bool reuse_factor,
-                                   double *x) {
-  const km_substructure *sub = &m->substructures[index];
-  const km_partition *p = &s->partition[index];
-  const double *weight = m->column_weight + sub->column_start, *error = km_state_error(s, sub);
-  int count = km_count_free_motions(p, driver);
-  return needs_rows_only(p, driver) &&
-         ((reuse_factor && km_partition_minimum_norm_reuse(p, weight, count, error, x)) ||
-          km_partition_minimum_norm(p, km_state_jacobian(s, sub), weight, count, error, x));
 }
 
 /* Minimum-norm x with J_p x = e_p. With many freedoms other solutions can be so long that projecting them leaves
  * rounding, so the row equations are tried first. */
-static void solve_minimum_norm(const km_mechanism *m, km_state *s, int index, int driver, double residual,
-                               bool reuse_factor, double *x) {
+static void solve_minimum_norm(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
+  const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
-  bool is_ok = solve_by_row_equations(m, s, index, driver, reuse_factor && p->is_deferred, x);
-  if (!is_ok && p->is_deferred) {
-    if (!try_refactor(m, s, index, driver))
-      search_step_pivots(m, s, index, driver, residual);
-    is_ok = solve_by_row_equations(m, s, index, driver, false, x);
-  }
-  if (is_ok)
+  int count = km_count_free_motions(p, driver);
+  if ((p->rows_only || km_uses_row_equations(p, count)) &&
+      km_partition_minimum_norm(p, km_state_jacobian(s, sub), m->column_weight + sub->column_start, count,
+                                km_state_error(s, sub), x))
     return;
-  km_partition_solve(p, km_state_error(s, &m->substructures[index]), x);
+  km_partition_solve(p, km_state_error(s, sub), x);
   if (!p->rows_only)
     km_minimum_norm_step(m, s, index, driver, x);
 }
 
 /* Newton step x = −J_p⁺ e_p in the metric D. Returns |x|_∞. */
-static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double residual, bool reuse_factor,
-                          double *x) {
+static double newton_step(const km_mechanism *m, km_state *s, int index, int driver, double *x) {
   const km_substructure *sub = &m->substructures[index];
   double largest = 0.0;
-  solve_minimum_norm(m, s, index, driver, residual, reuse_factor, x);
+  solve_minimum_norm(m, s, index, driver, x);
   for (int k = 0; k < sub->columns; ++k)
     x[k] = -x[k];
   if (driver >= 0) /* a dependent driver column has a step, which is discarded */
@@ -136,34 +90,11 @@ typedef struct newton_state {
   double step, last;                         /* |δ|_∞ of this step, and of the last step from a converged residual */
   double residual_tolerance, step_tolerance; /* tolerances of the residual and of the step */
   bool is_residual_small;
-  bool reuses_jacobian; /* convergence is so fast that the next step may use the same Jacobian */
 } newton_state;
-
-/* The Jacobian is reused after a step of at most 0.01 that is at most a tenth of the one before it: then the next step
- * by the same Jacobian is again shorter by more than that ratio, unless rows are nearly dependent. */
-static const double max_reuse_step = 0.01, max_reuse_ratio = 0.1;
-
-/* Computes the next Newton step and the convergence indicators. */
-static void update_newton_step(const km_mechanism *m, km_state *s, int index, int driver, const km_closure *evidence,
-                               double *x, newton_state *n) {
-  double before = n->step;
-  n->step = newton_step(m, s, index, driver, evidence->residual, n->reuses_jacobian, x);
-  n->reuses_jacobian = n->step <= max_reuse_step && n->step <= max_reuse_ratio * before;
-  n->is_residual_small =
-      primary_rms(&s->partition[index], km_state_error(s, &m->substructures[index])) <= n->residual_tolerance;
-}
 
 /* Convergence test; with a fixed driver also the first step that is not shorter than the last one. */
 static bool is_converged(const km_partition *p, const newton_state *n) {
   return n->is_residual_small && (n->step <= n->step_tolerance || (p->forced_never_pivot && n->step >= n->last));
-}
-
-/* True if deferred pivots pass the growth monitor at the converged configuration. Kept rows of a deficient rank must be
- * searched again. */
-static bool accept_deferred_pivots(const km_mechanism *m, km_state *s, int index, int driver) {
-  const km_partition *p = &s->partition[index];
-  return !p->is_deferred ||
-         ((p->kept_row_tolerance == 0.0 || km_has_full_row_rank(p)) && try_refactor(m, s, index, driver));
 }
 
 /* Newton-Raphson with minimum-norm steps; convergence, consistency and divergence tests as in the head of this file.
@@ -187,12 +118,8 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
       first = evidence->residual;
     n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_predicted_step_tolerance : km_step_tolerance);
     factor_step(m, s, index, driver, evidence->residual);
-    update_newton_step(m, s, index, driver, evidence, x, &n);
-    if (is_converged(p, &n) && !accept_deferred_pivots(m, s, index, driver)) {
-      search_step_pivots(m, s, index, driver, evidence->residual);
-      if (!p->rows_were_kept) /* equal primary rows give an equal step */
-        update_newton_step(m, s, index, driver, evidence, x, &n);
-    }
+    n.step = newton_step(m, s, index, driver, x);
+    n.is_residual_small = primary_rms(p, km_state_error(s, sub)) <= n.residual_tolerance;
     if (is_converged(p, &n))
       return closed_outcome(m, evidence->residual, scale);
     n.last = n.is_residual_small ? n.step : HUGE_VAL;
@@ -218,8 +145,6 @@ km_closure_outcome km_loops_close(const km_mechanism *m, km_state *s, int index,
   km_closure_outcome outcome = close_loops(m, s, index, driver, evidence);
   if (driver < 0) /* configurations of a driven motion are not evaluated again */
     km_loops_cache(m, s, &m->substructures[index]);
-  if (s->partition[index].is_deferred)
-    try_refactor(m, s, index, driver);
   return outcome;
 }
 

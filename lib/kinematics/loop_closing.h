@@ -70,19 +70,10 @@ void km_search_pivots(const km_mechanism *mechanism, km_state *state, int substr
 void km_update_and_search_pivots(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                  double misfit);
 
-/* As km_search_pivots for steps only: with many freedoms any independent columns will do, see `accepts_any_basis`
- * of a partition. */
+/* km_search_pivots and km_partition_refactor for minimum-norm steps, which do not depend on the basis of the null
+ * space: any independent columns are accepted (`accepts_any_basis` of a partition). */
 void km_search_pivots_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, int driver,
                                 double tolerance);
-
-/* True if a sparse factor has full row rank, so that no later search finds more pivots. Dense factors are always
- * searched again, which is cheap. */
-static inline bool km_has_full_row_rank(const km_partition *p) {
-  return p->sparse && p->rank == p->rows;
-}
-
-/* Defers the factorisation of the state's Jacobian with the present pivots, if minimum-norm steps by the normal
- * equations suffice (km_partition_defer). Otherwise false, and nothing changes. */
-bool km_defer_pivots(km_state *state, int substructure, int driver);
+bool km_refactor_for_steps(const km_mechanism *mechanism, km_state *state, int substructure, bool is_full_pattern);
 
 #endif

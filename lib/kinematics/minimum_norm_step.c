@@ -55,10 +55,6 @@ void km_minimum_norm_step(const km_mechanism *m, km_state *s, int index, int dri
   if (count <= 0)
     return;
   bool uses_row_space = p->rank < count, is_ok = remove_null_space_by_rows(m, s, index, count, x);
-  if (!is_ok && p->is_deferred) {
-    km_partition_refactor_full_pattern(&s->partition[index], km_state_jacobian(s, sub));
-    is_ok = remove_null_space_by_rows(m, s, index, count, x);
-  }
   if (is_ok) {
     s->basis[index].count = 0;
     return;

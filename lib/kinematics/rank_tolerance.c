@@ -61,11 +61,17 @@ void km_update_and_search_pivots(const km_mechanism *m, km_state *s, int index, 
   km_search_pivots(m, s, index, driver, km_rank_tolerance(m, sub, misfit));
 }
 
-/* Searches pivots for Newton steps only: any independent columns are accepted, because minimum-norm steps do not depend
- * on the choice of the basis. */
 void km_search_pivots_for_steps(const km_mechanism *m, km_state *s, int index, int driver, double tolerance) {
+  s->partition[index].accepts_any_basis = true;
+  km_search_pivots(m, s, index, driver, tolerance);
+  s->partition[index].accepts_any_basis = false;
+}
+
+bool km_refactor_for_steps(const km_mechanism *m, km_state *s, int index, bool is_full_pattern) {
+  const double *J = km_state_jacobian(s, &m->substructures[index]);
   km_partition *p = &s->partition[index];
   p->accepts_any_basis = true;
-  km_search_pivots(m, s, index, driver, tolerance);
+  bool is_accepted = is_full_pattern ? km_partition_refactor_full_pattern(p, J) : km_partition_refactor(p, J);
   p->accepts_any_basis = false;
+  return is_accepted;
 }

@@ -88,25 +88,21 @@ static bool needs_rows_only(const km_partition *p) {
   return p->sparse && km_partition_freedom(p) > KM_MAX_BASIS_FREEDOM;
 }
 
-/* Requests primary rows only where these suffice. `keeps_rows`: the present primary rows are tried first. */
-static void request_rows_only(const km_tangents *f, bool keeps_rows) {
+/* Requests primary rows only where these suffice. */
+static void request_rows_only(const km_tangents *f) {
   km_partition *p = &f->s->partition[f->index];
   p->rows_only = needs_rows_only(p);
-  p->kept_row_tolerance = keeps_rows && p->rows_only ? km_rank_tolerance(f->m, f->sub, 0.0) : 0.0;
 }
 
 /* Requests complete factorisations again. */
 static void request_all(const km_tangents *f) {
-  km_partition *p = &f->s->partition[f->index];
-  p->rows_only = false;
-  p->kept_row_tolerance = 0.0;
+  f->s->partition[f->index].rows_only = false;
 }
 
 /* True if the present pivots suffice for the next step. Further on more rows can be independent and fewer motions
- * remain; kept rows are tested by the closing itself. */
+ * remain. */
 static bool are_pivots_sufficient(const km_partition *p) {
-  return (km_partition_freedom(p) <= 1 && !p->rows_only) ||
-         ((km_has_full_row_rank(p) || p->rows_only) && p->rows_only == needs_rows_only(p));
+  return p->rows_only == needs_rows_only(p) && (p->rank == p->rows || (km_partition_freedom(p) <= 1 && !p->rows_only));
 }
 
 /* Takes the step `move` and closes the loops with the column `driver` fixed. False, and the state is restored, if the
@@ -117,7 +113,7 @@ static bool take_step(km_tangents *f, int driver, double length, double *misfit)
   double moved = fastest_column(f->move, f->sub->columns, &column);
   double largest = length > 0.0 ? 3.0 * fmax(*misfit, exact_misfit) * pow(1.0 + moved / length, max_order) : HUGE_VAL;
   km_partition *p = &f->s->partition[f->index];
-  request_rows_only(f, length > 0.0); /* primary rows of this curve only */
+  request_rows_only(f);
   km_state_save(f->s, f->sub, f->last);
   km_state_move(f->m, f->s, f->sub, f->move);
   double step_length = km_step_length(f->m, f->sub, f->move);
@@ -219,7 +215,7 @@ bool km_tangents_have_dropped(km_tangents *f) {
   km_partition_stash(f->s, f->index);
   km_loops_update(f->m, f->s, f->sub);
   double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
-  request_rows_only(f, true);
+  request_rows_only(f);
   km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
   bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom + f->conditions.passive_count;
   request_all(f);

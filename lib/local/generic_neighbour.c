@@ -83,7 +83,6 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
   s->partition[index].rows_only = p->sparse && sample;
   if (sample)
     choose_random_motion(m, s, index, move);
-  s->partition[index].kept_row_tolerance = s->partition[index].rows_only ? km_rank_tolerance(m, sub, 0.0) : 0.0;
   km_state_save(s, sub, saved);
   km_state_move(m, s, sub, move);
   km_state_invalidate_pivots(s, index);
@@ -97,7 +96,6 @@ bool km_generic_neighbour_enter(const km_mechanism *m, km_state *s, int index, d
 /* Restores the configuration, its partition and its poses. */
 void km_generic_neighbour_leave(const km_mechanism *m, km_state *s, int index, const double *saved) {
   s->partition[index].rows_only = false;
-  s->partition[index].kept_row_tolerance = 0.0;
   km_partition_unstash(s, index);
   km_loops_restore_cached(m, s, index, saved);
   km_poses_compute_in(m, s, index);
