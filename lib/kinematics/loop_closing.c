@@ -29,7 +29,8 @@ static double primary_rms(const km_partition *p, const double *error) {
 }
 
 /* Factors J for a step: reuses the pivots near the solution while the growth monitor accepts them, else searches.
- * Pivots that were found with the loose tolerance of an open configuration can omit rows, so they are not reused. */
+ * Pivots of a deficient rank that were found with the loose tolerance of an open configuration can omit rows, so they
+ * are not reused. */
 static void factor_step(const km_mechanism *m, km_state *s, int index, int driver, double residual) {
   const km_substructure *sub = &m->substructures[index];
   if (residual < km_pivot_reuse_residual && s->pivot_driver[index] == driver &&
@@ -37,7 +38,7 @@ static void factor_step(const km_mechanism *m, km_state *s, int index, int drive
     return;
   double tolerance = km_rank_tolerance(m, sub, residual);
   km_search_pivots_for_steps(m, s, index, driver, tolerance);
-  if (tolerance > km_rank_tolerance(m, sub, 0.0))
+  if (s->partition[index].rank < sub->rows && tolerance > km_rank_tolerance(m, sub, 0.0))
     km_state_invalidate_pivots(s, index);
 }
 
