@@ -4,7 +4,7 @@
  *   neighbour: σ t + ½ κ t² = 0,  σ, u, v smallest singular value and vectors of F',  κ = uᵀF''(v, v)   =>   t = −2 σ/κ
  *
  * A motion through q0 crosses every small sphere once for each of its halves. Each solution (Levenberg-Marquardt, then
- * Gauss-Newton) counts if it continues at d/2, d/4 and d/8 within 37° of its direction. Where two half-branches lie
+ * Gauss-Newton) counts if it continues at d/2, d/4, … within 37° of its direction. Where two half-branches lie
  * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. */
 #include "local/half_branches.h"
 
@@ -18,11 +18,13 @@
 #include <gsl/gsl_multifit_nlinear.h>
 #include <string.h>
 
-enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, HALVINGS = 3 };
+enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, MIN_HALVINGS = 3, MAX_HALVINGS = 11 };
 static const double radius =
     0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed `max_residual` */
 static const double max_residual = 1e-12;       /* rms of the worst loop */
 static const double min_cosine = 0.8;           /* cosine between the directions at d and d/2 */
+static const double rounding = 1e-14;           /* residual of a solution on which Gauss-Newton steps have ended */
+static const double max_error = 1e-3;           /* relative to d: error of solutions that decide */
 static const double min_distance = 1e-4;        /* relative to d: closer solutions are one */
 static const double min_singular_ratio = 1e-12; /* singular values below this share of the largest count as 0 */
 
@@ -36,6 +38,8 @@ typedef struct sphere {
   double *solution;         /* [columns] solution at d = radius */
   double *last;             /* [columns] solution at the last distance */
   double *previous_but_one; /* [columns] solution at the distance before */
+  double *end;              /* [KM_MAX_HALF_BRANCHES × columns] solution of each half-branch nearest to q0, */
+  double end_distance[KM_MAX_HALF_BRANCHES]; /* and its distance */
   double *rate, *gamma;
   gsl_multifit_nlinear_workspace *fit;
   gsl_matrix *A, *V;
@@ -125,15 +129,21 @@ static bool solve_on_sphere(sphere *p, double d) {
   return km_loops_residual(f->m, f->s, f->sub, &worst) <= max_residual && fabs(length - d) <= 1e-6 * d;
 }
 
-/* True if the half-branch through the solution y at d = radius continues to d/8, with direction changes below acos(0.8)
- * = 37°. y becomes the solution there; the state is overwritten. */
+/* Error of the last solution for a residual: the residual over the smallest singular value of F'. */
+static double solution_error(const sphere *p, double residual) {
+  return residual / gsl_vector_get(p->S, p->S->size - 1);
+}
+
+/* True if the half-branch through the solution y at d = radius continues to d/8, and further as long as solutions are
+ * accurate, with direction changes below acos(0.8) = 37°. A motion that passes q0 at a distance ends at that distance.
+ * y becomes the solution there; the state is overwritten. */
 static bool continues_to_origin(sphere *p) {
   const km_tangents *f = p->f;
   const int n = f->sub->columns;
   double d = radius;
   for (int k = 0; k < n; ++k)
     p->previous_but_one[k] = 2.0 * p->y[k];
-  for (int i = 0; i < HALVINGS; ++i) {
+  for (int i = 0; i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, max_residual) < max_error * p->d); ++i) {
     memcpy(p->last, p->y, (size_t)n * sizeof *p->last);
     /* Predictor: parabola through q0 and the last two solutions. */
     for (int k = 0; k < n; ++k)
@@ -173,6 +183,19 @@ static bool is_new_half_branch(const sphere *p, const km_half_branches *out) {
   return true;
 }
 
+/* True if the solution y nearest to q0 is that of a half-branch found before, which meets the sphere of the radius
+ * more than once. */
+static bool is_known_end(const sphere *p, const km_half_branches *out) {
+  const size_t n = (size_t)p->f->sub->columns;
+  bool known = false;
+  for (int i = 0; i < out->count && !known; ++i) {
+    for (size_t k = 0; k < n; ++k)
+      p->last[k] = p->y[k] - p->end[(size_t)i * n + k];
+    known = p->end_distance[i] == p->d && km_step_length(p->f->m, p->f->sub, p->last) <= solution_error(p, rounding);
+  }
+  return known;
+}
+
 /* Adds the solution y at the state if it is a new half-branch that continues to q0. y is unchanged. */
 static bool add_half_branch(sphere *p, km_half_branches *out) {
   km_tangents *f = p->f;
@@ -183,11 +206,14 @@ static bool add_half_branch(sphere *p, km_half_branches *out) {
   memcpy(p->solution, p->y, bytes);
   if (!is_full)
     km_state_save(f->s, f->sub, saved_of(out, f, out->count));
-  bool is_continued = continues_to_origin(p);
+  bool is_continued = continues_to_origin(p) && !is_known_end(p, out);
   out->truncated = is_continued && is_full;
   is_continued = is_continued && !is_full;
-  if (is_continued) /* direction by the solution nearest to q0 */
+  if (is_continued) { /* direction by the solution nearest to q0 */
+    memcpy(p->end + (size_t)out->count * (size_t)f->sub->columns, p->y, bytes);
+    p->end_distance[out->count] = p->d;
     read_coefficients(f, p->y, out->shares + (size_t)out->count++ * (size_t)f->conditions.freedom);
+  }
   memcpy(p->y, p->solution, bytes);
   return is_continued;
 }
@@ -240,6 +266,7 @@ static bool reserve_sphere(sphere *p) {
   double **vectors[] = {&p->y, &p->solution, &p->last, &p->previous_but_one};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
     *vectors[i] = KM_ARENA_NEW(arena, double, n);
+  p->end = KM_ARENA_NEW(arena, double, KM_MAX_HALF_BRANCHES *n);
   p->J = KM_ARENA_NEW(arena, double, n *rows);
   p->rate = KM_ARENA_NEW(arena, double, (size_t)p->f->m->coordinate_count);
   p->gamma = KM_ARENA_NEW(arena, double, rows);

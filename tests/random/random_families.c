@@ -2,6 +2,7 @@
  * contains WORD gets an equal share of the time, at least one case, and counts agreements with its reference. Cases
  * run in child processes, so that a crash or an endless case is counted, too. */
 #include "support/families.h"
+#include "support/motion_families.h"
 
 #include <errno.h>
 #include <poll.h>
@@ -16,8 +17,10 @@
 enum { LONGEST = 300 }; /* seconds that a case may take */
 
 typedef struct count {
-  unsigned long agreed, disagreed, broken;
+  unsigned long agreed, disagreed, undecided, broken;
 } count;
+
+enum { DISAGREES, AGREES, UNDECIDED };
 
 static double now(void) {
   struct timespec t;
@@ -28,8 +31,9 @@ static double now(void) {
 /* The cases from `seed` on, until the time is over: a byte to the pipe for each. */
 static void run_cases(const family *f, uint64_t seed, double end, int pipe_end) {
   do {
-    char verdict = f->agrees(seed) ? 1 : 0;
-    if (!verdict)
+    char verdict = f->agrees(seed) ? AGREES : DISAGREES;
+    verdict = family_is_undecided() ? UNDECIDED : verdict;
+    if (verdict == DISAGREES)
       fprintf(stderr, "%s disagrees at seed %llu\n", f->name, (unsigned long long)seed);
     if (write(pipe_end, &verdict, 1) != 1)
       break;
@@ -66,13 +70,14 @@ static uint64_t gather(pid_t child, int pipe_end, count *c) {
     if (got != 1)
       return cases;
     ++cases;
-    c->agreed += verdict == 1;
-    c->disagreed += verdict == 0;
+    c->agreed += verdict == AGREES;
+    c->disagreed += verdict == DISAGREES;
+    c->undecided += verdict == UNDECIDED;
   }
 }
 
 static count run_family(const family *f, uint64_t seed, double seconds) {
-  count c = {0, 0, 0};
+  count c = {0};
   double end = now() + seconds;
   bool first = true;
   while (first || now() < end) {
@@ -111,7 +116,9 @@ int main(int argc, char **argv) {
     if (!strstr(f->name, word))
       continue;
     count c = run_family(f, seed, seconds / families);
-    printf("%-20s %8lu of %lu agree", f->name, c.agreed, c.agreed + c.disagreed + c.broken);
+    printf("%-20s %8lu of %lu agree", f->name, c.agreed, c.agreed + c.disagreed + c.undecided + c.broken);
+    if (c.undecided)
+      printf(", %lu undecided", c.undecided);
     printf(c.broken ? ", %lu break\n" : "\n", c.broken);
     fflush(stdout);
     wrong += c.disagreed + c.broken;

@@ -29,6 +29,18 @@ bool family_contact(uint64_t seed);
 bool family_shaky(uint64_t seed);
 bool family_change_point(uint64_t seed);
 
+/* Branches: curves s^m = c t^k (touching branches, cusps, isolated points); equal four-bars with tied cranks;
+ * parallelograms with stretched chains; flat parallelograms beside nearly stretched bars; loops drawn straight or
+ * folded; platforms on mirror-image legs. An undecided answer agrees and is counted apart. */
+bool family_powers(uint64_t seed);
+bool family_twins(uint64_t seed);
+bool family_stretched(uint64_t seed);
+bool family_change_beside_toggle(uint64_t seed);
+bool family_straight_start(uint64_t seed);
+bool family_mirrored_legs(uint64_t seed);
+/* True if the answer of the last of these calls was undecided; the next call is false. */
+bool family_is_undecided(void);
+
 /* Overconstrained linkages rounded to 3 to 9 digits, near singular poses too: the tolerance that a refusal names gives
  * the mobility that it promises. Exact linkages with links of 1e-6 and 10 are accepted. */
 bool family_rounded(uint64_t seed);
