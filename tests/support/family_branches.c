@@ -52,8 +52,8 @@ static int greatest_common_divisor(int a, int b) {
   return b ? greatest_common_divisor(b, a % b) : a;
 }
 
-/* Slides s, t, z with the couplings z = a s^m and z = b t^k. With g = gcd(m, k): s^m = (b/a) t^k are g complex
- * branches. Real are: one for odd g; for even g two if b/a > 0, and none but the point itself if b/a < 0. */
+/* Slides s, t, z with the couplings z = a s^m and z = b t^k: s^m = (b/a) t^k has g = gcd(m, k) complex branches. One is
+ * real for odd g; for even g two are if b/a > 0, and none if b/a < 0. */
 bool family_powers(uint64_t seed) {
   randomness r = {seed};
   int power[2] = {2 + below(&r, 3), 2 + below(&r, 3)}, g = greatest_common_divisor(power[0], power[1]);
@@ -102,7 +102,7 @@ static bool add_four_bar(linkage *l, int first, double x, double crank, double c
   return true;
 }
 
-/* Equal four-bars beside each other whose cranks' pins are tied by rods: the cranks are parallelograms, which have a
+/* Equal four-bars in a row whose cranks' pins are tied by rods: the cranks are parallelograms, which have a
  * second branch each where they lie along the rods. */
 bool family_twins(uint64_t seed) {
   randomness r = {seed};
@@ -145,8 +145,8 @@ bool family_stretched(uint64_t seed) {
   return linkage_has_motions(&l, &r, 1, 0, "stretched chains", seed);
 }
 
-/* A flat parallelogram, where two motions meet, with two bars from its coupler to the ground: they add no freedom,
- * however near they are to being stretched. */
+/* A flat parallelogram (a branch point of two motions) with two bars from its coupler to the ground: they add no
+ * freedom, however near they are to being stretched. */
 bool family_change_beside_toggle(uint64_t seed) {
   randomness r = {seed};
   double crank = uniform(&r, 0.3, 0.8), base = uniform(&r, 1.2, 2.0), u = uniform(&r, 0.2, 0.8) * base;
