@@ -8,7 +8,7 @@
 
 #include "base/extrema.h"
 #include "kinematics/loop_closing.h"
-#include "local/sampled_tangents.h"
+#include "local/local.h"
 
 #include <string.h>
 

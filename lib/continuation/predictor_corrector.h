@@ -10,7 +10,7 @@
 
 #include "continuation/hermite_curve.h"
 #include "kinematics/state.h"
-#include "local/constant_rank_motion.h"
+#include "local/constant_rank.h"
 
 /* True if the last pivot is below 1e-7 of the largest entry: the tangent is then determined by rounding errors. */
 static inline bool km_continuation_is_singular(const km_partition *p) {

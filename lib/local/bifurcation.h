@@ -5,9 +5,6 @@
 #include "kinematics/state.h"
 #include "kmech/continuation.h"
 
-/* True if J has full row rank, so that the configuration is no branch point. Pivots are searched. */
-bool km_is_regular_configuration(const km_mechanism *mechanism, km_state *state, int substructure);
-
 /* Directions of the branches at the state's configuration: confirmed tangents that differ in more than their sense, as
  * scaled unit directions[KM_MAX_BRANCHES × columns]. Returns their number; 0 at a regular configuration; -1 when out of
  * memory. Only a few starts are tried with many freedoms. The state stays, with its pivots searched again. */

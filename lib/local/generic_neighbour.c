@@ -6,12 +6,13 @@
  * combination that satisfies the second order; permanently shaky mechanisms use their constant-rank tangents (5.6). */
 #include "local/generic_neighbour.h"
 
+#include "base/random.h"
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
-#include "local/constant_rank_motion.h"
+#include "local/constant_rank.h"
+#include "local/local_private.h"
 #include "local/partition_stash.h"
-#include "local/sampled_tangents.h"
 
 #include <string.h>
 
@@ -25,21 +26,28 @@ static void combine_motions(const km_mechanism *m, int index, const double *Z, i
       move[c] += 0.02 * (1.0 + 0.3 * i) * Z[(size_t)i * (size_t)sub->columns + (size_t)c] / weight[c];
 }
 
-/* Random tangent that satisfies the second order, scaled so that its fastest coordinate moves by 0.05. */
+/* Random tangent that satisfies the second order, scaled so that its fastest coordinate moves by 0.05. The start is
+ * nearly uniform, so that equal loops move alike. */
 static void choose_random_motion(const km_mechanism *m, km_state *s, int index, double *move) {
   static const double displacement = 0.05;
   int columns = m->substructures[index].columns;
   double fastest = 0.0;
   km_arena arena = {0};
-  km_tangents f;
-  km_sampled_tangents sample = {0};
-  bool is_mobile = km_tangents_create(&f, m, s, index, &arena) && km_sampled_tangents_create(&sample, &f) &&
-                   km_sampled_tangents_draw_second_order(&sample);
-  for (int c = 0; c < columns && is_mobile; ++c)
-    fastest = fmax(fastest, fabs(sample.x[c]));
+  km_local *l = km_local_create(m, s, index, NULL, &arena);
+  bool is_mobile = l && km_local_reserve_tangents(l, false) && km_local_draw(l, &l->random, l->a);
+  if (is_mobile && km_local_violates_second_order(l, l->a)) {
+    for (int c = 0; c < columns; ++c)
+      l->a[c] = 1.0 + 0.3 * km_uniform(&l->random);
+    is_mobile = km_local_normalise(l, l->a) > 0.0 && km_local_solve_second_order(l, l->a);
+  }
+  memset(move, 0, (size_t)columns * sizeof *move);
+  if (is_mobile)
+    km_local_direction(l, l->a, move);
   for (int c = 0; c < columns; ++c)
-    move[c] = is_mobile ? displacement / fastest * sample.x[c] : 0.0;
-  km_sampled_tangents_free(&sample);
+    fastest = fmax(fastest, fabs(move[c]));
+  for (int c = 0; c < columns && is_mobile; ++c)
+    move[c] *= displacement / fastest;
+  km_local_free(l);
   km_arena_free(&arena);
 }
 

@@ -6,9 +6,8 @@
  * A motion through q0 crosses every small sphere once for each of its halves. Each solution (Levenberg-Marquardt, then
  * Gauss-Newton) counts if it continues at d/2, d/4, … within 37° of its direction. Where two half-branches lie
  * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. */
-#include "local/half_branches.h"
+#include "local/local_private.h"
 
-#include "base/random.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 
@@ -30,7 +29,7 @@ static const double min_singular_ratio = 1e-12; /* singular values below this sh
 
 /* The system at one distance, with its workspace. */
 typedef struct sphere {
-  km_tangents *f;
+  km_local *l;
   double d;
   size_t equations;         /* GSL requires at least as many as unknowns: the excess ones are 0 */
   double *y;                /* [columns] scaled step from q0 */
@@ -48,23 +47,23 @@ typedef struct sphere {
 
 /* Moves the state to q0 + x and evaluates errors and Jacobian. */
 static void evaluate_at(const sphere *p, const gsl_vector *x) {
-  const km_tangents *f = p->f;
-  for (int k = 0; k < f->sub->columns; ++k)
+  const km_local *l = p->l;
+  for (int k = 0; k < l->sub->columns; ++k)
     p->y[k] = gsl_vector_get(x, (size_t)k);
-  km_state_restore(f->s, f->sub, f->origin);
-  km_state_move(f->m, f->s, f->sub, p->y);
-  km_loops_recompute(f->m, f->s, f->sub);
+  km_state_restore(l->s, l->sub, l->origin);
+  km_state_move(l->m, l->s, l->sub, p->y);
+  km_loops_recompute(l->m, l->s, l->sub);
 }
 
 /* F(y) for GSL. */
 static int compute_residuals(const gsl_vector *x, void *data, gsl_vector *out) {
   const sphere *p = data;
-  const km_substructure *sub = p->f->sub;
+  const km_substructure *sub = p->l->sub;
   evaluate_at(p, x);
   gsl_vector_set_zero(out);
   for (int r = 0; r < sub->rows; ++r)
-    gsl_vector_set(out, (size_t)r, km_state_error(p->f->s, sub)[r]);
-  double square = km_step_dot(p->f->m, sub, p->y, p->y);
+    gsl_vector_set(out, (size_t)r, km_state_error(p->l->s, sub)[r]);
+  double square = km_step_dot(p->l->m, sub, p->y, p->y);
   gsl_vector_set(out, (size_t)sub->rows, (square - p->d * p->d) / (2.0 * p->d));
   return GSL_SUCCESS;
 }
@@ -72,12 +71,12 @@ static int compute_residuals(const gsl_vector *x, void *data, gsl_vector *out) {
 /* F'(y) for GSL. */
 static int compute_derivatives(const gsl_vector *x, void *data, gsl_matrix *out) {
   const sphere *p = data;
-  const km_substructure *sub = p->f->sub;
-  const double *weight = p->f->m->column_weight + sub->column_start;
+  const km_substructure *sub = p->l->sub;
+  const double *weight = p->l->m->column_weight + sub->column_start;
   evaluate_at(p, x);
   /* For ball joints this is the derivative by the angular velocity, which equals that by y up to |y|/2: convergence is
    * linear there. */
-  km_state_jacobian_dense(p->f->s, sub, p->J);
+  km_state_jacobian_dense(p->l->s, sub, p->J);
   gsl_matrix_set_zero(out);
   for (int k = 0; k < sub->columns; ++k) {
     for (int r = 0; r < sub->rows; ++r)
@@ -113,20 +112,20 @@ static void gauss_newton(sphere *p) {
 
 /* Moves the state to a closed configuration at distance d, from y. False: there is none nearby. */
 static bool solve_on_sphere(sphere *p, double d) {
-  const km_tangents *f = p->f;
+  const km_local *l = p->l;
   gsl_multifit_nlinear_fdf fdf = {
-      .f = compute_residuals, .df = compute_derivatives, .n = p->equations, .p = (size_t)f->sub->columns, .params = p};
+      .f = compute_residuals, .df = compute_derivatives, .n = p->equations, .p = (size_t)l->sub->columns, .params = p};
   int info, worst;
   p->d = d;
-  for (int k = 0; k < f->sub->columns; ++k)
+  for (int k = 0; k < l->sub->columns; ++k)
     gsl_vector_set(p->x, (size_t)k, p->y[k]);
   gsl_multifit_nlinear_init(p->x, &fdf, p->fit);
   gsl_multifit_nlinear_driver(MAX_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, p->fit);
   gsl_vector_memcpy(p->x, gsl_multifit_nlinear_position(p->fit));
   gauss_newton(p);
   evaluate_at(p, p->x);
-  double length = km_step_length(f->m, f->sub, p->y);
-  return km_loops_residual(f->m, f->s, f->sub, &worst) <= max_residual && fabs(length - d) <= 1e-6 * d;
+  double length = km_step_length(l->m, l->sub, p->y);
+  return km_loops_residual(l->m, l->s, l->sub, &worst) <= max_residual && fabs(length - d) <= 1e-6 * d;
 }
 
 /* Error of the last solution for a residual: the residual over the smallest singular value of F'. */
@@ -138,8 +137,8 @@ static double solution_error(const sphere *p, double residual) {
  * accurate, with direction changes below acos(0.8) = 37°. A motion that passes q0 at a distance ends at that distance.
  * y becomes the solution there; the state is overwritten. */
 static bool continues_to_origin(sphere *p) {
-  const km_tangents *f = p->f;
-  const int n = f->sub->columns;
+  const km_local *l = p->l;
+  const int n = l->sub->columns;
   double d = radius;
   for (int k = 0; k < n; ++k)
     p->previous_but_one[k] = 2.0 * p->y[k];
@@ -149,35 +148,23 @@ static bool continues_to_origin(sphere *p) {
     for (int k = 0; k < n; ++k)
       p->y[k] = 0.75 * p->last[k] - 0.125 * p->previous_but_one[k];
     d *= 0.5;
-    if (!solve_on_sphere(p, d) || km_step_dot(f->m, f->sub, p->y, p->last) < min_cosine * d * 2.0 * d)
+    if (!solve_on_sphere(p, d) || km_step_dot(l->m, l->sub, p->y, p->last) < min_cosine * d * 2.0 * d)
       return false;
     memcpy(p->previous_but_one, p->last, (size_t)n * sizeof *p->last);
   }
   return true;
 }
 
-/* Coefficients of D y in the basis, normalised. */
-static void read_coefficients(const km_tangents *f, const double *y, double *a) {
-  const double *weight = f->m->column_weight + f->sub->column_start;
-  int n = f->sub->columns;
-  for (int i = 0; i < f->conditions.freedom; ++i) {
-    a[i] = 0.0;
-    for (int k = 0; k < n; ++k)
-      a[i] += f->conditions.Z[(size_t)i * (size_t)n + (size_t)k] * weight[k] * y[k];
-  }
-  km_tangents_normalise(a, f->conditions.freedom);
-}
-
-static double *saved_of(const km_half_branches *out, const km_tangents *f, int i) {
-  return out->saved + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)f->sub->columns;
+static double *saved_of(const km_half_branches *out, const km_local *l, int i) {
+  return out->saved + (size_t)i * KM_SAVED_PER_COLUMN * (size_t)l->sub->columns;
 }
 
 /* True if the state is at none of the half-branches found so far. */
 static bool is_new_half_branch(const sphere *p, const km_half_branches *out) {
-  const km_tangents *f = p->f;
+  const km_local *l = p->l;
   for (int i = 0; i < out->count; ++i) {
-    km_state_difference(f->s, f->sub, saved_of(out, f, i), p->last);
-    if (km_step_length(f->m, f->sub, p->last) <= min_distance * radius)
+    km_state_difference(l->s, l->sub, saved_of(out, l, i), p->last);
+    if (km_step_length(l->m, l->sub, p->last) <= min_distance * radius)
       return false;
   }
   return true;
@@ -186,33 +173,33 @@ static bool is_new_half_branch(const sphere *p, const km_half_branches *out) {
 /* True if the solution y nearest to q0 is that of a half-branch found before, which meets the sphere of the radius
  * more than once. */
 static bool is_known_end(const sphere *p, const km_half_branches *out) {
-  const size_t n = (size_t)p->f->sub->columns;
+  const size_t n = (size_t)p->l->sub->columns;
   bool known = false;
   for (int i = 0; i < out->count && !known; ++i) {
     for (size_t k = 0; k < n; ++k)
       p->last[k] = p->y[k] - p->end[(size_t)i * n + k];
-    known = p->end_distance[i] == p->d && km_step_length(p->f->m, p->f->sub, p->last) <= solution_error(p, rounding);
+    known = p->end_distance[i] == p->d && km_step_length(p->l->m, p->l->sub, p->last) <= solution_error(p, rounding);
   }
   return known;
 }
 
 /* Adds the solution y at the state if it is a new half-branch that continues to q0. y is unchanged. */
 static bool add_half_branch(sphere *p, km_half_branches *out) {
-  km_tangents *f = p->f;
-  const size_t bytes = (size_t)f->sub->columns * sizeof *p->y;
+  km_local *l = p->l;
+  const size_t bytes = (size_t)l->sub->columns * sizeof *p->y;
   const bool is_full = out->count == KM_MAX_HALF_BRANCHES;
   if (out->truncated || !is_new_half_branch(p, out))
     return false;
   memcpy(p->solution, p->y, bytes);
   if (!is_full)
-    km_state_save(f->s, f->sub, saved_of(out, f, out->count));
+    km_state_save(l->s, l->sub, saved_of(out, l, out->count));
   bool is_continued = continues_to_origin(p) && !is_known_end(p, out);
   out->truncated = is_continued && is_full;
   is_continued = is_continued && !is_full;
   if (is_continued) { /* direction by the solution nearest to q0 */
-    memcpy(p->end + (size_t)out->count * (size_t)f->sub->columns, p->y, bytes);
+    memcpy(p->end + (size_t)out->count * (size_t)l->sub->columns, p->y, bytes);
     p->end_distance[out->count] = p->d;
-    read_coefficients(f, p->y, out->shares + (size_t)out->count++ * (size_t)f->conditions.freedom);
+    km_local_coefficients(l, p->y, out->coefficients + (size_t)out->count++ * (size_t)l->freedom);
   }
   memcpy(p->y, p->solution, bytes);
   return is_continued;
@@ -221,9 +208,9 @@ static bool add_half_branch(sphere *p, km_half_branches *out) {
 /* Start for the neighbour of the solution y at d = radius, along the right singular vector of the smallest singular
  * value, into y. False: the neighbour is no nearer than q0. */
 static bool start_neighbour(sphere *p) {
-  const km_tangents *f = p->f;
-  const km_substructure *sub = f->sub;
-  const double *weight = f->m->column_weight + sub->column_start;
+  const km_local *l = p->l;
+  const km_substructure *sub = l->sub;
+  const double *weight = l->m->column_weight + sub->column_start;
   size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
   double square = 0.0, curvature = 0.0;
   p->d = radius;
@@ -231,12 +218,12 @@ static bool start_neighbour(sphere *p) {
     gsl_vector_set(p->x, k, p->y[k]);
   compute_svd(p);
   for (size_t k = 0; k < n; ++k) {
-    int c = f->m->column_coordinate[sub->column_start + (int)k];
+    int c = l->m->column_coordinate[sub->column_start + (int)k];
     double v = gsl_matrix_get(p->V, k, n - 1);
-    p->rate[c] = f->m->unit[c] * v;
+    p->rate[c] = l->m->unit[c] * v;
     square += weight[k] * v * weight[k] * v;
   }
-  km_loops_velocity_products(f->m, f->s, sub, p->rate, p->gamma); /* -e''(v, v) */
+  km_loops_velocity_products(l->m, l->s, sub, p->rate, p->gamma); /* -e''(v, v) */
   for (size_t r = 0; r < rows; ++r)
     curvature -= gsl_matrix_get(p->A, r, n - 1) * p->gamma[r];
   curvature += gsl_matrix_get(p->A, rows, n - 1) * square / p->d;
@@ -248,12 +235,10 @@ static bool start_neighbour(sphere *p) {
 
 /* Solves from one random start, and from the neighbour of its solution. */
 static void search_from_random_start(sphere *p, km_half_branches *out) {
-  km_tangents *f = p->f;
-  for (int i = 0; i < f->conditions.freedom; ++i)
-    f->a[i] = km_uniform(&f->random);
-  km_tangents_normalise(f->a, f->conditions.freedom);
-  km_tangents_direction(f, f->a, p->y);
-  for (int k = 0; k < f->sub->columns; ++k)
+  km_local *l = p->l;
+  km_local_draw(l, &l->random, l->a);
+  km_local_direction(l, l->a, p->y);
+  for (int k = 0; k < l->sub->columns; ++k)
     p->y[k] *= radius;
   if (solve_on_sphere(p, radius) && add_half_branch(p, out) && start_neighbour(p) && solve_on_sphere(p, radius))
     add_half_branch(p, out);
@@ -261,14 +246,14 @@ static void search_from_random_start(sphere *p, km_half_branches *out) {
 
 /* Allocates the workspace of the system on the sphere. */
 static bool reserve_sphere(sphere *p) {
-  km_arena *arena = p->f->arena;
-  size_t n = (size_t)p->f->sub->columns, rows = (size_t)p->f->sub->rows;
+  km_arena *arena = p->l->arena;
+  size_t n = (size_t)p->l->sub->columns, rows = (size_t)p->l->sub->rows;
   double **vectors[] = {&p->y, &p->solution, &p->last, &p->previous_but_one};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
     *vectors[i] = KM_ARENA_NEW(arena, double, n);
   p->end = KM_ARENA_NEW(arena, double, KM_MAX_HALF_BRANCHES *n);
   p->J = KM_ARENA_NEW(arena, double, n *rows);
-  p->rate = KM_ARENA_NEW(arena, double, (size_t)p->f->m->coordinate_count);
+  p->rate = KM_ARENA_NEW(arena, double, (size_t)p->l->m->coordinate_count);
   p->gamma = KM_ARENA_NEW(arena, double, rows);
   p->equations = rows + 1 > n ? rows + 1 : n;
   /* GSL's handler belongs to the process: it stays off, since restoring it would race with other threads. */
@@ -296,19 +281,19 @@ static void free_sphere(sphere *p) {
 }
 
 /* Solves the system on the sphere from random starts and collects the half-branches. */
-bool km_half_branches_find(km_tangents *f, km_half_branches *out) {
-  size_t n = (size_t)f->sub->columns, k = (size_t)f->conditions.freedom;
+bool km_half_branches_find(km_local *l, km_half_branches *out) {
+  size_t n = (size_t)l->sub->columns, k = (size_t)l->freedom;
   *out = (km_half_branches){.length = radius};
-  out->saved = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
-  out->shares = KM_ARENA_NEW(f->arena, double, KM_MAX_HALF_BRANCHES *k);
-  sphere p = {.f = f};
+  out->saved = KM_ARENA_NEW(l->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
+  out->coefficients = KM_ARENA_NEW(l->arena, double, KM_MAX_HALF_BRANCHES *k);
+  sphere p = {.l = l};
   bool is_ok = reserve_sphere(&p);
   for (size_t i = 0; is_ok && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)
     search_from_random_start(&p, out);
   free_sphere(&p);
-  km_state_restore(f->s, f->sub, f->origin);
-  km_loops_update(f->m, f->s, f->sub);
-  km_state_invalidate_pivots(f->s, f->index);
-  f->arena->failed = f->arena->failed || !is_ok;
+  km_state_restore(l->s, l->sub, l->origin);
+  km_loops_update(l->m, l->s, l->sub);
+  km_state_invalidate_pivots(l->s, l->index);
+  l->arena->failed = l->arena->failed || !is_ok;
   return is_ok;
 }

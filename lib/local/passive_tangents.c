@@ -1,17 +1,8 @@
 /* Tangents that move one group of bodies while all others are at rest (docs/theory.md 6.6): null space of the rows of Z
  * outside the group. */
-#include "local/passive_tangents.h"
-
-#include "linalg/partition.h"
+#include "local/local_private.h"
 
 #include <string.h>
-
-/* Passive tangents as coefficients of Z: orthonormal rows of V[freedom × freedom]. */
-typedef struct passive_basis {
-  km_tangents *f;
-  int freedom, count;
-  double *V;
-} passive_basis;
 
 static bool contains_body(const km_passive_freedom *group, int body) {
   bool found = false;
@@ -21,70 +12,66 @@ static bool contains_body(const km_passive_freedom *group, int body) {
 }
 
 /* True if the column belongs to a joint at a body of the group. */
-static bool is_column_of_group(const km_tangents *f, const km_passive_freedom *group, int column) {
-  const km_model *model = f->m->model;
+static bool is_column_of_group(const km_local *l, const km_passive_freedom *group, int column) {
+  const km_model *model = l->m->model;
   const km_model_joint *joint =
-      &model->joints[model->coordinates[f->m->column_coordinate[f->sub->column_start + column]].joint];
+      &model->joints[model->coordinates[l->m->column_coordinate[l->sub->column_start + column]].joint];
   return contains_body(group, model->frames[joint->frame[0]].body) ||
          contains_body(group, model->frames[joint->frame[1]].body);
 }
 
 /* Coefficients of tangents that move the group only: null space of the rows of Z outside the group. Returns their
  * number. */
-static int find_group_null_space(const passive_basis *l, const km_passive_freedom *group, km_arena *arena,
+static int find_group_null_space(const km_local *l, const km_passive_freedom *group, km_arena *arena,
                                  double **coefficients) {
   static const double tolerance = 1e-7;
-  const double *Z = l->f->conditions.Z;
-  int n = l->f->sub->columns, k = l->freedom, rows = 0;
-  double *outside = KM_ARENA_NEW(arena, double, (size_t)n *(size_t)k),
-         *unit_weight = KM_ARENA_NEW(arena, double, (size_t)k);
-  bool *is_outside = KM_ARENA_NEW(arena, bool, (size_t)n);
-  km_partition p;
-  if (arena->failed)
+  int n = l->sub->columns, k = l->freedom, rows = 0;
+  double *outside = KM_ARENA_NEW(arena, double, (size_t)n *(size_t)k);
+  if (!outside)
     return 0;
-  for (int c = 0; c < n; ++c) {
-    is_outside[c] = !is_column_of_group(l->f, group, c);
-    rows += is_outside[c];
-  }
-  for (int i = 0, at = 0; i < k; ++i) {
-    unit_weight[i] = 1.0;
-    for (int c = 0; c < n; ++c)
-      if (is_outside[c])
-        outside[at++] = Z[(size_t)i * (size_t)n + (size_t)c];
-  }
-  if (rows == 0 || !km_partition_reserve(&p, rows, k, arena))
-    return 0;
-  km_partition_factor(&p, outside, rows, k, NULL, tolerance);
-  int count = km_partition_freedom(&p);
-  *coefficients = KM_ARENA_NEW(arena, double, (size_t)(count * k));
-  if (arena->failed)
-    return 0;
-  km_partition_null_space(&p, unit_weight, count, *coefficients);
-  return count;
+  for (int c = 0; c < n; ++c)
+    rows += !is_column_of_group(l, group, c);
+  for (int c = 0, row = 0; c < n; ++c)
+    if (!is_column_of_group(l, group, c)) {
+      for (int i = 0; i < k; ++i)
+        outside[i * rows + row] = l->Z[i * n + c];
+      row++;
+    }
+  return rows == 0 ? 0 : km_dense_null_space(outside, rows, k, tolerance, arena, coefficients);
 }
 
-/* Adds the group's tangents that are finite to V. */
-static void add_group_tangents(passive_basis *l, const km_passive_freedom *group, km_arena *arena) {
+/* Adds the group's tangents that are finite to the `found` orthonormal rows of V; returns their number. */
+static int add_group_tangents(km_local *l, const km_passive_freedom *group, km_arena *arena, double *V, int found) {
   double *coefficients = NULL;
   int k = l->freedom, count = find_group_null_space(l, group, arena, &coefficients);
-  for (int i = 0; i < count && l->count < k; ++i)
-    if (km_tangents_append_orthonormal(l->V, l->count, k, coefficients + (size_t)i * (size_t)k) &&
-        km_tangents_is_finite(l->f, l->V + (size_t)l->count * (size_t)k))
-      l->count++;
+  for (int i = 0; i < count && found < k; ++i)
+    found += km_append_orthonormal(V, found, k, coefficients + (size_t)i * (size_t)k) &&
+             km_local_is_finite(l, V + (size_t)found * (size_t)k);
+  return found;
 }
 
 /* Removes the finite passive tangents of all groups from the basis. */
-int km_passive_tangents_remove(km_tangents *f, const km_passive_freedoms *passive, double *directions) {
+int km_local_remove_passive(km_local *l, const km_passive_freedoms *passive, double *directions) {
   km_arena arena = {0};
-  passive_basis l = {.f = f, .freedom = f->conditions.freedom};
-  l.V = KM_ARENA_NEW(&arena, double, (size_t)(l.freedom * l.freedom) + 1);
-  for (int i = 0; i < passive->count && !arena.failed; ++i)
-    if (passive->items[i].substructure == f->index)
-      add_group_tangents(&l, &passive->items[i], &arena);
-  for (int i = 0; i < l.count && directions; ++i)
-    km_tangents_direction(f, l.V + (size_t)i * (size_t)l.freedom, directions + (size_t)i * (size_t)f->sub->columns);
-  f->arena->failed = f->arena->failed || arena.failed || !km_tangents_remove(f, l.V, l.count);
-  f->conditions.passive_count = l.count;
+  int k = l->freedom, found = 0;
+  double *V = KM_ARENA_NEW(&arena, double, (size_t)(k * k) + 1);
+  for (int i = 0; i < (passive ? passive->count : 0) && !arena.failed; ++i)
+    if (passive->items[i].substructure == l->index)
+      found = add_group_tangents(l, &passive->items[i], &arena, V, found);
+  for (int i = 0; i < found && directions; ++i)
+    km_local_direction(l, V + (size_t)i * (size_t)k, directions + (size_t)i * (size_t)l->sub->columns);
+  bool is_ok = !arena.failed &&
+               (found == 0 || (km_complete_basis(V, found, k) && km_local_restrict(l, V + found * k, k - found)));
+  l->arena->failed = l->arena->failed || !is_ok;
+  l->passive_count += found;
   km_arena_free(&arena);
-  return l.count;
+  return found;
+}
+
+int km_local_count_passive(km_local *l, const km_passive_freedom *group) {
+  km_passive_freedom item = *group;
+  const km_passive_freedoms single_group = {1, group->freedoms, &item};
+  if (l->freedom > KM_MANY_VECTORS || !km_local_reserve_tangents(l, true))
+    return group->freedoms;
+  return km_local_remove_passive(l, &single_group, NULL);
 }

@@ -1,242 +1,101 @@
-/* Tangents of finite motions: random starts, second-order conditions, following in both senses (docs/theory.md
- * 5.2-5.4). */
-#include "local/tangent_cone.h"
-
-#include "base/random.h"
-#include "kinematics/loop_closing.h"
-#include "kinematics/loop_equations.h"
+/* Tangents of finite motions: regular configurations, random starts on the tangent cone (docs/theory.md 5.2-5.5). */
+#include "local/local_private.h"
 
 #include <string.h>
 
-enum { MAX_SECANT_STEPS = 5 }; /* secant iterations from a direction to that of a nearby motion */
-
-/* Counts the tangents at the state's configuration and stores it. */
-bool km_tangents_create(km_tangents *f, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
-  const km_substructure *sub = &m->substructures[index];
-  size_t n = (size_t)sub->columns;
-  *f = (km_tangents){
-      .m = m, .s = s, .index = index, .sub = sub, .min_verdict = KM_TANGENT_CONFIRMED, .random = 1, .arena = arena};
-  arena->failed = !km_second_order_count_tangents(m, s, index, &f->conditions) || arena->failed;
-  f->origin = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
-  f->last = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
-  f->end_ahead = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
-  f->x = KM_ARENA_NEW(arena, double, n);
-  f->move = KM_ARENA_NEW(arena, double, n);
-  f->direction = KM_ARENA_NEW(arena, double, n);
-  f->chord = KM_ARENA_NEW(arena, double, n);
-  f->secant = KM_ARENA_NEW(arena, double, n);
-  if (arena->failed)
+/* Exact data: one random tangent decides, in one sense, since the misfit is analytic on the manifold of the primary
+ * equations. Its chord decides between it and a neighbouring motion, or, where the curvature is large, its secant. */
+static bool is_exact_family(km_local *l) {
+  if (km_local_follow(l, l->direction, 1.0).verdict < KM_TANGENT_CONFIRMED || km_local_has_dropped(l))
     return false;
-  int worst;
-  f->residual = km_loops_residual(m, s, sub, &worst);
-  km_state_save(s, sub, f->origin);
-  return true;
+  return km_local_chord_agrees(l, l->direction) ||
+         (km_local_follow_both_senses(l, l->direction).verdict >= l->min_verdict &&
+          km_local_secant_agrees(l, l->direction));
 }
 
-bool km_tangents_create_basis(km_tangents *f) {
-  size_t k = (size_t)f->conditions.freedom;
-  f->a = KM_ARENA_NEW(f->arena, double, k);
-  f->previous = KM_ARENA_NEW(f->arena, double, k);
-  f->length = KM_ARENA_NEW(f->arena, double, k);
-  f->work = KM_ARENA_NEW(f->arena, double, 4 * k * k + 8 * k);
-  if (f->arena->failed)
+/* True if a random tangent and its secant are finite and the number of tangents stays. */
+static bool is_sample_finite(km_local *l, uint64_t *random) {
+  bool is_exact = km_local_is_exact(l);
+  if (!km_local_draw(l, random, l->a) ||
+      (is_exact && (l->has_basis ? km_local_is_small(l->sub) : l->freedom > KM_MANY_VECTORS) &&
+       km_local_violates_second_order(l, l->a)))
     return false;
-  for (size_t i = 0; i < k; ++i)
-    f->length[i] = -1.0;
-  return km_second_order_create_basis(f->m, f->s, f->index, f->arena, &f->conditions);
+  km_local_direction(l, l->a, l->direction);
+  if (is_exact && l->freedom > 1)
+    return is_exact_family(l);
+  return km_local_is_finite(l, l->a) && (l->freedom == 1 || !km_local_has_dropped(l));
 }
 
-/* Scaled tangent D⁻¹ Z a. */
-void km_tangents_direction(const km_tangents *f, const double *a, double *x) {
-  const double *weight = f->m->column_weight + f->sub->column_start;
-  km_second_order_combine(&f->conditions, a, x);
-  for (int c = 0; c < f->sub->columns; ++c)
-    x[c] /= weight[c];
-}
-
-/* Averages the chords ahead and back into the secant: the curvature of the motion cancels to second order. */
-static void add_to_secant(km_tangents *f, int sign) {
-  double length = km_step_length(f->m, f->sub, f->chord);
-  for (int c = 0; c < f->sub->columns; ++c)
-    f->secant[c] = (sign > 0 ? 0.0 : f->secant[c]) + 0.5 * sign * f->chord[c] / length;
-}
-
-/* Follows a tangent ahead and back: the lower verdict and the shorter length. */
-km_followed_tangent km_tangents_follow_both_senses(km_tangents *f, const double *direction) {
-  km_followed_tangent worse = {HUGE_VAL, KM_TANGENT_CONFIRMED};
-  for (int sign = 1; sign >= -1; sign -= 2) {
-    km_followed_tangent followed = km_tangents_follow(f, direction, sign);
-    f->has_undecided =
-        f->has_undecided || followed.verdict == KM_TANGENT_LOST || followed.verdict == KM_TANGENT_UNDECIDED;
-    if (followed.verdict < f->min_verdict)
-      return (km_followed_tangent){0.0, followed.verdict};
-    add_to_secant(f, sign);
-    if (sign > 0)
-      km_state_save(f->s, f->sub, f->end_ahead);
-    worse = (km_followed_tangent){fmin(worse.length, followed.length),
-                                  followed.verdict < worse.verdict ? followed.verdict : worse.verdict};
-  }
-  return worse;
-}
-
-/* True if a unit direction and a chord agree up to the curvature of the curve. */
-static bool is_along(const km_tangents *f, const double *direction, const double *chord) {
-  static const double max_deviation = 1e-3; /* bound of 1 − cos */
-  double length = km_step_length(f->m, f->sub, chord);
-  return length > 0.0 && 1.0 - fabs(km_step_dot(f->m, f->sub, chord, direction)) / length <= max_deviation;
-}
-
-bool km_tangents_secant_agrees(const km_tangents *f, const double *direction) {
-  return f->conditions.freedom == 1 || is_along(f, direction, f->secant);
-}
-
-/* Follows the tangent `a` in both senses. */
-bool km_tangents_is_finite(km_tangents *f, const double *a) {
-  km_tangents_direction(f, a, f->direction);
-  return km_tangents_follow_both_senses(f, f->direction).verdict >= f->min_verdict &&
-         km_tangents_secant_agrees(f, f->direction);
-}
-
-void km_tangents_normalise(double *a, int k) {
-  double sum = 0.0;
-  for (int i = 0; i < k; ++i)
-    sum += a[i] * a[i];
-  for (int i = 0; i < k; ++i)
-    a[i] /= sqrt(sum);
-}
-
-/* Follows all basis vectors and random combinations. */
-bool km_tangents_all_finite(km_tangents *f) {
-  int k = f->conditions.freedom, random = km_tangents_are_exact(f) ? 1 : k;
-  random = k > 1 ? random : 0; /* a single tangent has no combinations */
-  for (int attempt = 0; attempt < k + random; ++attempt) {
-    for (int i = 0; i < k; ++i)
-      f->a[i] = attempt < k ? attempt == i : km_uniform(&f->random);
-    km_tangents_normalise(f->a, k);
-    km_tangents_direction(f, f->a, f->direction);
-    km_followed_tangent found = km_tangents_follow_both_senses(f, f->direction);
-    if (found.verdict < f->min_verdict || !km_tangents_secant_agrees(f, f->direction) ||
-        (attempt >= k && km_tangents_have_dropped(f)))
-      return false;
-    if (attempt < k)
-      f->length[attempt] = found.length;
-  }
-  return true;
-}
-
-/* Regular configuration: one random tangent of exact data is finite, and the dimension stays. */
-bool km_tangents_are_regular(km_tangents *f) {
+/* All tangents are finite if J has full row rank. Otherwise random tangents show it: one of exact data, else as many as
+ * basis vectors and combinations of them. */
+bool km_local_is_regular(km_local *l) {
   uint64_t random = 1;
-  if (!km_tangents_are_exact(f))
-    return false;
-  for (int i = 0; i < f->conditions.freedom; ++i)
-    f->a[i] = km_uniform(&random);
-  km_tangents_normalise(f->a, f->conditions.freedom);
-  km_tangents_direction(f, f->a, f->direction);
-  if (km_tangents_follow(f, f->direction, 1.0).verdict != KM_TANGENT_CONFIRMED || km_tangents_have_dropped(f))
-    return false;
-  if (f->conditions.freedom == 1 || is_along(f, f->direction, f->chord))
-    return true;
-  add_to_secant(f, 1);
-  km_tangents_follow(f, f->direction, -1.0);
-  add_to_secant(f, -1);
-  return km_tangents_secant_agrees(f, f->direction);
-}
-
-/* Computes the second-order conditions once, at the configuration. */
-bool km_tangents_update_conditions(km_tangents *f) {
-  if (f->conditions.is_built)
-    return !f->arena->failed;
-  km_state_restore(f->s, f->sub, f->origin);
-  return km_second_order_build(f->m, f->s, f->index, f->arena, &f->conditions);
-}
-
-/* Finds a random tangent that satisfies the second-order conditions. */
-static bool find_second_order_tangent(km_tangents *f) {
-  int k = f->conditions.freedom;
-  if (k == 1 || !km_tangents_update_conditions(f)) /* the only tangent was followed as it is */
-    return false;
-  for (int i = 0; i < k; ++i)
-    f->a[i] = km_uniform(&f->random);
-  km_tangents_normalise(f->a, k);
-  return km_second_order_solve(&f->conditions, f->a, f->work);
-}
-
-/* Random starts on the tangent cone. */
-bool km_tangents_satisfy_second_order(km_tangents *f) {
-  for (int start = 0; start < KM_STARTS_PER_FREEDOM; ++start)
-    if (find_second_order_tangent(f))
-      return true;
-  return false;
-}
-
-bool km_tangents_find_random(km_tangents *f) {
-  return find_second_order_tangent(f) && km_tangents_is_finite(f, f->a);
-}
-
-/* True if two unit coefficient vectors are one tangent in either sense. */
-static bool is_same(int k, const double *a, const double *b) {
-  double cosine = 0.0;
-  for (int r = 0; r < k; ++r)
-    cosine += a[r] * b[r];
-  return km_is_same_tangent(cosine);
+  int samples = km_local_is_exact(l) || l->freedom == 1 ? 1 : l->has_basis ? 2 * l->freedom : 2;
+  bool is_regular = true;
+  for (int i = 0; i < samples && is_regular && l->has_redundant_rows; ++i)
+    is_regular = is_sample_finite(l, &random);
+  return is_regular;
 }
 
 /* True if the tangent `a` is among the known ones. */
-static bool is_known_tangent(const km_tangents *f, const double *known, int count) {
-  int k = f->conditions.freedom;
+static bool is_known_tangent(const km_local *l, const double *known, int count) {
   for (int i = 0; i < count; ++i)
-    if (is_same(k, known + (size_t)i * (size_t)k, f->a))
+    if (km_local_is_same(l, known + (size_t)i * (size_t)l->size, l->a))
       return true;
   return false;
 }
 
-/* Coefficients of the secant in the basis, a = Zᵀ D secant, normalised. */
-static void read_secant(const km_tangents *f, double *a) {
-  const double *weight = f->m->column_weight + f->sub->column_start;
-  int n = f->sub->columns;
-  for (int k = 0; k < f->conditions.freedom; ++k) {
-    a[k] = 0.0;
-    for (int c = 0; c < n; ++c)
-      a[k] += f->conditions.Z[(size_t)k * (size_t)n + (size_t)c] * weight[c] * f->secant[c];
-  }
-  km_tangents_normalise(a, f->conditions.freedom);
-}
-
 /* Follows the direction `a`. If it is refuted only at higher order, closing can have led to a nearby motion: its secant
- * replaces `a` and is followed, up to five times. */
-static km_followed_tangent follow_with_secants(km_tangents *f) {
-  int k = f->conditions.freedom;
+ * replaces `a` and is followed, up to five times. By columns, where that is costly, only if the secant disagrees. */
+static km_followed_tangent follow_with_secants(km_local *l) {
+  enum { MAX_SECANT_STEPS = 5 };
   km_followed_tangent found;
   for (int i = 0; i < MAX_SECANT_STEPS; ++i) {
-    km_tangents_direction(f, f->a, f->direction);
-    found = km_tangents_follow_both_senses(f, f->direction);
-    if (found.verdict < f->min_verdict)
+    km_local_direction(l, l->a, l->direction);
+    found = km_local_follow_both_senses(l, l->direction);
+    if (found.verdict < l->min_verdict || (!l->has_basis && km_local_secant_agrees(l, l->direction)))
       return found;
-    memcpy(f->previous, f->a, (size_t)k * sizeof *f->a);
-    read_secant(f, f->a);
-    if (!km_second_order_solve(&f->conditions, f->a, f->work) || is_same(k, f->a, f->previous))
+    memcpy(l->previous, l->a, (size_t)l->size * sizeof *l->a);
+    if (km_local_coefficients(l, l->secant, l->a) == 0.0 || !km_local_solve_second_order(l, l->a) ||
+        km_local_is_same(l, l->a, l->previous))
       break;
   }
-  memcpy(f->a, f->previous, (size_t)k * sizeof *f->a);
+  memcpy(l->a, l->previous, (size_t)l->size * sizeof *l->a);
   return found;
 }
 
-/* Finds a new branch tangent from random starts on the tangent cone. */
-bool km_tangents_find_next(km_tangents *f, const double *known, int count, double *length) {
-  int max_deviation = KM_STARTS_PER_FREEDOM * (count > f->conditions.freedom ? count : f->conditions.freedom);
-  while (f->starts < max_deviation) {
-    f->starts++;
-    if (!find_second_order_tangent(f) || is_known_tangent(f, known, count))
+/* Number of starts: 40 times the larger of the freedom and the number of known tangents, since many known branches
+ * indicate further ones. Many freedoms: each start takes a few dozen sparse factorisations. */
+static int count_starts(const km_local *l, int known) {
+  enum { MAX_STARTS_TIMES_COLUMNS = 1200, MIN_STARTS = 2 };
+  int starts = MAX_STARTS_TIMES_COLUMNS / l->sub->columns;
+  if (l->has_basis)
+    return KM_STARTS_PER_FREEDOM * (known > l->freedom ? known : l->freedom);
+  return starts > MIN_STARTS ? starts : MIN_STARTS;
+}
+
+/* Draws a start. The first one of few is uniform, so that equal loops move alike. */
+static bool start_tangent(km_local *l) {
+  if (l->starts++ > 0 || l->has_basis)
+    return km_local_draw(l, &l->random, l->a);
+  for (int i = 0; i < l->size; ++i)
+    l->a[i] = 1.0;
+  return km_local_normalise(l, l->a) > 0.0;
+}
+
+/* Finds a new branch tangent from random starts on the tangent cone. A single tangent was followed as it is. */
+bool km_local_find_next(km_local *l, const double *known, int count, double *length) {
+  while (l->freedom > 1 && l->starts < count_starts(l, count)) {
+    if (!start_tangent(l) || !km_local_solve_second_order(l, l->a) || is_known_tangent(l, known, count))
       continue;
-    const bool before = f->has_undecided;
-    f->has_undecided = false;
-    km_followed_tangent found = follow_with_secants(f);
-    int dimension = f->has_undecided ? km_second_order_dimension(&f->conditions, f->a) : 0;
-    f->undecided_dimension = dimension > f->undecided_dimension ? dimension : f->undecided_dimension;
-    f->has_undecided = f->has_undecided || before;
+    const bool before = l->has_undecided;
+    l->has_undecided = false;
+    km_followed_tangent found = follow_with_secants(l);
+    int dimension = l->has_undecided ? km_local_dimension_bound(l, l->a) : 0;
+    l->undecided_dimension = dimension > l->undecided_dimension ? dimension : l->undecided_dimension;
+    l->has_undecided = l->has_undecided || before;
     *length = found.length;
-    if (found.verdict >= f->min_verdict && !is_known_tangent(f, known, count))
+    if (found.verdict >= l->min_verdict && !is_known_tangent(l, known, count))
       return true;
   }
   return false;

@@ -11,7 +11,7 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/generic_neighbour.h"
-#include "local/passive_tangents.h"
+#include "local/local.h"
 #include "mobility/full_jacobian.h"
 #include "mobility/mobility_numbers.h"
 #include "mobility/substructure_loop.h"
@@ -263,15 +263,11 @@ static bool find_in_groups(const body_groups *g, km_passive_freedoms *out, size_
 /* Returns how many of a group's freedoms are finite motions, for a configuration without a neighbouring one. */
 static int count_finite_freedoms(const body_groups *g, const km_passive_freedom *group) {
   km_arena arena = {0};
-  km_tangents f;
-  km_passive_freedom item = *group;
-  const km_passive_freedoms single_group = {1, group->freedoms, &item};
-  int count = group->freedoms;
-  if (km_tangents_create(&f, g->m, g->s, g->index, &arena) && f.conditions.freedom <= KM_MANY_VECTORS) {
-    count = km_tangents_create_basis(&f) ? km_passive_tangents_remove(&f, &single_group, NULL) : -1;
-    km_loops_restore_cached(g->m, g->s, g->index, f.origin);
-  }
+  km_local *l = km_local_create(g->m, g->s, g->index, NULL, &arena);
+  int count = l ? km_local_count_passive(l, group) : -1;
+  km_local_restore(l);
   count = arena.failed ? -1 : count;
+  km_local_free(l);
   km_arena_free(&arena);
   return count;
 }

@@ -2,7 +2,7 @@
  *
  *   Z_A = U S Vᵀ,  f_A = D_A F,  F = -U S⁻¹ Vᵀ g,  g = Zᵀ D⁻¹ τ;   σ < 1e-9: motion out of reach */
 #include "linalg/partition.h"
-#include "local/tangent_cone.h"
+#include "local/local.h"
 #include "statics/statics.h"
 
 #include <gsl/gsl_linalg.h>

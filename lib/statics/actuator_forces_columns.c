@@ -4,7 +4,7 @@
  *   P = Z Zᵀ, A the actuators' rows:  P Aᵀ = Z Z_Aᵀ has the singular values of Z_A
  *   Z_Aᵀ = Q R by Householder reflections, here Z times those of km_decompose_wide;   Rᵀ = U S Wᵀ */
 #include "linalg/partition.h"
-#include "local/tangent_cone.h"
+#include "local/local.h"
 #include "statics/statics.h"
 
 #include <gsl/gsl_linalg.h>

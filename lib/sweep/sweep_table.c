@@ -5,7 +5,7 @@
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "local/constant_rank_motion.h"
+#include "local/constant_rank.h"
 #include "mobility/mobility_numbers.h"
 #include "sweep/sweep.h"
 

@@ -3,7 +3,7 @@
 #define KM_TRANSFER_TRANSFER_H
 
 #include "kmech/transfer.h"
-#include "local/constant_rank_motion.h"
+#include "local/constant_rank.h"
 
 /* Rate of a port as a linear function of the coordinates' rates: Σ row[c] q̇_c. */
 typedef struct km_transfer_end {

@@ -9,7 +9,7 @@
 #include "kinematics/loop_equations.h"
 #include "kinematics/nearest_configuration.h"
 #include "kmech/sweep.h"
-#include "local/sampled_tangents.h"
+#include "local/local.h"
 #include "model/model.h"
 #include "topology/mechanism.h"
 

@@ -3,7 +3,7 @@
 
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "local/sampled_tangents.h"
+#include "local/local_private.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -98,16 +98,14 @@ static void starts_in_folded_chains(void **state) {
   for (size_t i = 0; i < sizeof loops / sizeof *loops; ++i) {
     fixture f = folded_chain(loops[i]);
     km_arena arena = {0};
-    km_tangents t;
-    km_sampled_tangents many;
     double length;
-    int found = 0;
-    km_loops_update(f.mechanism, f.state, &f.mechanism->substructures[0]);
-    assert_true(km_tangents_create(&t, f.mechanism, f.state, 0, &arena) && km_sampled_tangents_create(&many, &t));
-    while (km_sampled_tangents_find_next(&many, &length))
+    int found = 0, starts = 1200 / f.mechanism->substructures[0].columns;
+    km_local *l = km_local_create(f.mechanism, f.state, 0, NULL, &arena);
+    assert_true(l && km_local_reserve_tangents(l, false));
+    while (km_local_find_next(l, NULL, 0, &length))
       ++found;
-    assert_int_equal(found, many.max_starts);
-    km_sampled_tangents_free(&many);
+    assert_int_equal(found, starts);
+    km_local_free(l);
     km_arena_free(&arena);
     fixture_close(&f);
   }

@@ -9,7 +9,7 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "local/sampled_tangents.h"
+#include "local/local_private.h"
 #include "statics/statics.h"
 #include "topology/mechanism.h"
 
@@ -174,7 +174,7 @@ static void many_real_freedoms(void **state) {
 }
 
 /* The motion of few freedoms that goes along x in one sense or the other; -1: none does. */
-static int motion_along(const fixture *f, const km_finite_mobility *few, const km_tangents *t, const double *x) {
+static int motion_along(const fixture *f, const km_finite_mobility *few, const km_local *t, const double *x) {
   const int *coordinate = f->mechanism->column_coordinate + t->sub->column_start;
   const double *weight = f->mechanism->column_weight + t->sub->column_start;
   for (int i = 0; i < few->motion_count; ++i) {
@@ -187,32 +187,34 @@ static int motion_along(const fixture *f, const km_finite_mobility *few, const k
   return -1;
 }
 
-/* All starts of the sparse way at a pose that the dense way decides: they find its branches, each of them, and no other
- * ones; and all tangents are real by the one where they are by the other. Returns whether there were any branches. */
+/* All starts by columns at a pose that the basis decides: they find its branches, each of them, and no other ones; and
+ * all tangents are real by the one where they are by the other. Returns whether there were any branches. */
 static bool compare(fixture f) {
   const km_mechanism *m = f.mechanism;
   km_finite_mobility few = find(&f);
   km_arena arena = {0};
-  km_tangents t;
-  km_sampled_tangents many;
   bool met[KM_MAX_FINITE_MOTIONS] = {false};
-  double length;
   assert_false(few.undecided || few.truncated);
-  km_loops_update(m, f.state, &m->substructures[0]);
-  assert_true(km_tangents_create(&t, m, f.state, 0, &arena) && km_sampled_tangents_create(&many, &t));
+  km_local *l = km_local_create(m, f.state, 0, NULL, &arena);
+  assert_true(l && km_local_reserve_tangents(l, false));
+  double *x = KM_ARENA_NEW(&arena, double, (size_t)l->sub->columns);
   bool regular = few.motion_count == 0 || few.motions[0].kind == KM_MOTION_REGULAR;
   bool branches = few.motion_count > 0 && few.motions[0].kind == KM_MOTION_BRANCH;
-  if (t.conditions.freedom > 0)
-    assert_int_equal(km_sampled_tangents_all_finite(&many, &length), regular);
-  many.max_starts = regular ? 0 : 100 * t.conditions.freedom;
-  while (km_sampled_tangents_find_next(&many, &length)) {
-    int i = motion_along(&f, &few, &t, many.x);
+  if (l->freedom > 0)
+    assert_int_equal(km_local_is_regular(l), regular);
+  for (int start = 0; start < 100 * l->freedom && !regular; ++start) {
+    if (!km_local_draw(l, &l->random, l->a) || !km_local_solve_second_order(l, l->a))
+      continue;
+    km_local_direction(l, l->a, x);
+    if (km_local_follow_both_senses(l, x).verdict < KM_TANGENT_CONFIRMED)
+      continue;
+    int i = motion_along(&f, &few, l, x);
     assert_true(i >= 0 && few.motions[i].kind == KM_MOTION_BRANCH);
     met[i] = true;
   }
   for (int i = 0; i < few.motion_count && branches; ++i)
     assert_true(met[i]);
-  km_sampled_tangents_free(&many);
+  km_local_free(l);
   km_arena_free(&arena);
   km_finite_mobility_free(&few);
   fixture_close(&f);

@@ -7,6 +7,7 @@
 
 #include "kinematics/loop_equations.h"
 #include "kmech/model.h"
+#include "linalg/sparse/sparse_qr.h"
 #include "local/second_order_columns.h"
 #include "mobility/massless_motions.h"
 #include "model/geometry/hull.h"
@@ -120,11 +121,11 @@ static fixture trellis(void) {
 static km_status set_conditions(km_error *error) {
   fixture f = trellis();
   km_arena arena = {0};
-  km_second_order_columns conditions;
-  km_loops_update(f.mechanism, f.state, &f.mechanism->substructures[0]);
+  km_local *l = km_local_create(f.mechanism, f.state, 0, NULL, &arena);
+  assert_true(l && km_local_reserve_tangents(l, false));
   begin();
-  km_status status = end(km_second_order_columns_create(f.mechanism, f.state, 0, 1e-9, &arena, &conditions, error));
-  km_second_order_columns_free(&conditions);
+  km_status status = end(km_second_order_columns_create(l, error));
+  km_local_free(l);
   km_arena_free(&arena);
   fixture_close(&f);
   return status;

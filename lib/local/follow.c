@@ -7,8 +7,8 @@
  *   lost     : data not exact, ends before 4e-3;   undecided: otherwise */
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
+#include "local/local_private.h"
 #include "local/partition_stash.h"
-#include "local/tangent_cone.h"
 
 static const double first_step = 1e-3;           /* scaled: radians or substructure sizes, of the fastest coordinate */
 static const double longest_step = 0.05;         /* scaled */
@@ -16,7 +16,6 @@ static const double shortest_step = 1e-6;        /* scaled */
 static const double min_confirmed_length = 4e-3; /* scaled; tangents whose loops open earlier are rejected */
 static const double confirmed_length = 0.3;      /* scaled; length of a confirmed tangent in each sense */
 static const double chord_length = 0.02;         /* scaled; length up to which the chord is stored */
-static const double exact_misfit = 1e-11;        /* misfit that closing can leave */
 static const double min_order = 1.5;        /* order of contact that refutes, for a misfit far above the tolerance */
 static const double refuting_ratio = 100.0; /* relative to the tolerance */
 static const double min_order_of_exact_data = 3.5; /* order of contact that rounding of exact data does not
@@ -49,9 +48,9 @@ static double order_of_contact(const misfit_record *r, double start) {
     int midpoint = i;
     while (midpoint >= 0 && r->length[midpoint] > 0.5 * r->length[i])
       --midpoint;
-    if (midpoint < 0 || r->worst[i] < exact_misfit || r->worst[i] < 1e3 * start)
+    if (midpoint < 0 || r->worst[i] < km_exact_misfit || r->worst[i] < 1e3 * start)
       continue;
-    double before = fmax(r->worst[midpoint], 1e-3 * exact_misfit);
+    double before = fmax(r->worst[midpoint], 1e-3 * km_exact_misfit);
     largest = fmax(largest, log(r->worst[i] / before) / log(r->length[i] / r->length[midpoint]));
   }
   return largest;
@@ -71,16 +70,16 @@ static double fastest_column(const double *move, int columns, int *column) {
 
 /* Column to fix in the next closing: the fastest. The present one stays while it moves more than 0.3 of the fastest, so
  * that the pivots can be reused. */
-static int choose_fixed_column(const km_tangents *f, int driver) {
+static int choose_fixed_column(const km_local *l, int driver) {
   int column;
-  double largest = fastest_column(f->move, f->sub->columns, &column);
-  return driver >= 0 && fabs(f->move[driver]) > 0.3 * largest ? driver : column;
+  double largest = fastest_column(l->move, l->sub->columns, &column);
+  return driver >= 0 && fabs(l->move[driver]) > 0.3 * largest ? driver : column;
 }
 
 /* Displacement that the misfit of the configuration can cause if other rows become the primary ones. */
-static double repivot_slack(const km_tangents *f) {
-  const km_partition *p = &f->s->partition[f->index];
-  return p->rank ? 3.0 * f->residual * p->scale / p->smallest_pivot : 0.0;
+static double repivot_slack(const km_local *l) {
+  const km_partition *p = &l->s->partition[l->index];
+  return p->rank ? 3.0 * l->residual * p->scale / p->smallest_pivot : 0.0;
 }
 
 /* True if steps need the primary rows only: many freedoms of a sparse factor. */
@@ -89,14 +88,9 @@ static bool needs_rows_only(const km_partition *p) {
 }
 
 /* Requests primary rows only where these suffice. */
-static void request_rows_only(const km_tangents *f) {
-  km_partition *p = &f->s->partition[f->index];
+static void request_rows_only(const km_local *l) {
+  km_partition *p = &l->s->partition[l->index];
   p->rows_only = needs_rows_only(p);
-}
-
-/* Requests complete factorisations again. */
-static void request_all(const km_tangents *f) {
-  f->s->partition[f->index].rows_only = false;
 }
 
 /* True if the present pivots suffice for the next step. Further on more rows can be independent and fewer motions
@@ -107,119 +101,166 @@ static bool are_pivots_sufficient(const km_partition *p) {
 
 /* Takes the step `move` and closes the loops with the column `driver` fixed. False, and the state is restored, if the
  * primary rows do not close nearby or the misfit grows too fast. */
-static bool take_step(km_tangents *f, int driver, double length, double *misfit) {
+static bool take_step(km_local *l, int driver, double length, double *misfit) {
   km_closure evidence;
   int column;
-  double moved = fastest_column(f->move, f->sub->columns, &column);
-  double largest = length > 0.0 ? 3.0 * fmax(*misfit, exact_misfit) * pow(1.0 + moved / length, max_order) : HUGE_VAL;
-  km_partition *p = &f->s->partition[f->index];
-  request_rows_only(f);
-  km_state_save(f->s, f->sub, f->last);
-  km_state_move(f->m, f->s, f->sub, f->move);
-  double step_length = km_step_length(f->m, f->sub, f->move);
-  bool closed = km_close_with_driver(f->m, f->s, f->index, driver, &evidence) != KM_OPEN;
+  double moved = fastest_column(l->move, l->sub->columns, &column);
+  double largest =
+      length > 0.0 ? 3.0 * fmax(*misfit, km_exact_misfit) * pow(1.0 + moved / length, max_order) : HUGE_VAL;
+  km_partition *p = &l->s->partition[l->index];
+  request_rows_only(l);
+  km_state_save(l->s, l->sub, l->last);
+  km_state_move(l->m, l->s, l->sub, l->move);
+  double step_length = km_step_length(l->m, l->sub, l->move);
+  bool closed = km_close_with_driver(l->m, l->s, l->index, driver, &evidence) != KM_OPEN;
   if (closed && evidence.residual <= largest &&
-      evidence.correction <= (length > 0.0 ? 0.3 : 0.05) * step_length + repivot_slack(f)) {
+      evidence.correction <= (length > 0.0 ? 0.3 : 0.05) * step_length + repivot_slack(l)) {
     *misfit = evidence.residual;
     if (!are_pivots_sufficient(p))
-      km_state_invalidate_pivots(f->s, f->index);
+      km_state_invalidate_pivots(l->s, l->index);
     return true;
   }
-  km_state_restore(f->s, f->sub, f->last);
+  km_state_restore(l->s, l->sub, l->last);
   return false;
 }
 
-static void scale_move(km_tangents *f, double factor) {
-  for (int c = 0; c < f->sub->columns; ++c)
-    f->move[c] *= factor;
+static void scale_move(km_local *l, double factor) {
+  for (int c = 0; c < l->sub->columns; ++c)
+    l->move[c] *= factor;
 }
 
 /* Predicts the next move of size h: along the tangent (null vector of J) if there is one freedom, with the fixed
  * coordinate as its independent one; else along the last move (secant). */
-static void predict(km_tangents *f, int driver, double h) {
-  const km_partition *p = &f->s->partition[f->index];
-  int column, n = f->sub->columns;
-  double *t = f->x;
+static void predict(km_local *l, int driver, double h) {
+  const km_partition *p = &l->s->partition[l->index];
+  int column, n = l->sub->columns;
+  double *t = l->tangent;
   if (km_partition_freedom(p) == 1 && p->column[p->rank] == driver && !p->rows_only) {
     km_partition_null_vector(p, driver, t);
-    double sign = copysign(1.0, km_step_dot(f->m, f->sub, t, f->move)), size = fastest_column(t, n, &column);
+    double sign = copysign(1.0, km_step_dot(l->m, l->sub, t, l->move)), size = fastest_column(t, n, &column);
     for (int c = 0; c < n && isfinite(size); ++c)
-      f->move[c] = sign * t[c] / size;
+      l->move[c] = sign * t[c] / size;
   }
-  scale_move(f, h / fastest_column(f->move, n, &column));
+  scale_move(l, h / fastest_column(l->move, n, &column));
 }
 
-bool km_tangents_are_exact(const km_tangents *f) {
-  return !f->m->closure_tolerance_given && f->residual < exact_misfit;
+bool km_local_is_exact(const km_local *l) {
+  return !l->m->closure_tolerance_given && l->residual < km_exact_misfit;
 }
 
 /* Verdict from the length and the order of contact, as in the head of this file. */
-static km_tangent_verdict decide_verdict(const km_tangents *f, const misfit_record *r, double tolerance,
+static km_tangent_verdict decide_verdict(const km_local *l, const misfit_record *r, double tolerance,
                                          bool is_complete) {
   double length = r->count ? r->length[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
-  bool exact = km_tangents_are_exact(f);
+  bool exact = km_local_is_exact(l);
   if (length < min_confirmed_length)
     return exact ? KM_TANGENT_REFUTED : KM_TANGENT_LOST;
-  double order = order_of_contact(r, f->residual);
+  double order = order_of_contact(r, l->residual);
   if ((misfit > refuting_ratio * tolerance && order >= min_order) || (exact && order >= min_order_of_exact_data))
     return KM_TANGENT_REFUTED;
   return is_complete && misfit <= tolerance ? KM_TANGENT_CONFIRMED : KM_TANGENT_UNDECIDED;
 }
 
 /* Follows a tangent with adaptive steps and decides whether it belongs to a finite motion. */
-km_followed_tangent km_tangents_follow(km_tangents *f, const double *direction, double sign) {
+km_followed_tangent km_local_follow(km_local *l, const double *direction, double sign) {
   misfit_record r = {0};
-  int column, columns = f->sub->columns, driver = -1;
-  double start = f->residual, tolerance = fmax(f->m->closure_tolerance, 3.0 * start);
+  int column, columns = l->sub->columns, driver = -1;
+  double start = l->residual, tolerance = fmax(l->m->closure_tolerance, 3.0 * start);
   double first = fmin(fmax(first_step, start_step_ratio * start), longest_step), h = first;
   double misfit = 0.0, length = 0.0, opening_length = HUGE_VAL; /* length at which the misfit exceeds the tolerance */
   km_followed_tangent result = {0};
   double size = fastest_column(direction, columns, &column);
   for (int c = 0; c < columns; ++c)
-    f->move[c] = sign * h * direction[c] / size;
-  km_partition_stash(f->s, f->index);
-  km_state_restore(f->s, f->sub, f->origin);
-  km_state_invalidate_pivots(f->s, f->index);
+    l->move[c] = sign * h * direction[c] / size;
+  km_partition_stash(l->s, l->index);
+  km_state_restore(l->s, l->sub, l->origin);
+  km_state_invalidate_pivots(l->s, l->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
   while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > refuting_ratio * tolerance) &&
          r.count < MAX_SAMPLES && h >= (length > 0.0 ? shortest_step : 0.1 * first)) {
-    driver = choose_fixed_column(f, driver);
-    if (!take_step(f, driver, length, &misfit)) {
-      scale_move(f, 0.5);
+    driver = choose_fixed_column(l, driver);
+    if (!take_step(l, driver, length, &misfit)) {
+      scale_move(l, 0.5);
       h *= 0.5;
       continue;
     }
-    km_state_difference(f->s, f->sub, f->last, f->move);
-    double moved = fastest_column(f->move, columns, &column);
+    km_state_difference(l->s, l->sub, l->last, l->move);
+    double moved = fastest_column(l->move, columns, &column);
     if (length < chord_length)
-      km_state_difference(f->s, f->sub, f->origin, f->chord);
+      km_state_difference(l->s, l->sub, l->origin, l->chord);
     length += moved;
     append_misfit(&r, length, misfit);
     if (misfit > tolerance)
       opening_length = fmin(opening_length, length);
     else if (opening_length == HUGE_VAL)
-      result.length += km_step_length(f->m, f->sub, f->move);
+      result.length += km_step_length(l->m, l->sub, l->move);
     h = fmin(1.5 * h, longest_step);
-    predict(f, driver, h);
+    predict(l, driver, h);
   }
-  request_all(f);
-  km_partition_unstash(f->s, f->index);
-  km_state_invalidate_pivots(f->s, f->index);
-  result.verdict = decide_verdict(f, &r, tolerance, length >= confirmed_length);
+  l->s->partition[l->index].rows_only = false;
+  km_partition_unstash(l->s, l->index);
+  km_state_invalidate_pivots(l->s, l->index);
+  result.verdict = decide_verdict(l, &r, tolerance, length >= confirmed_length);
   return result;
 }
 
 /* Compares the freedom at the end of a followed curve with that of the configuration. */
-bool km_tangents_have_dropped(km_tangents *f) {
+bool km_local_has_dropped(km_local *l) {
   int worst;
-  km_partition_stash(f->s, f->index);
-  km_loops_update(f->m, f->s, f->sub);
-  double residual = km_loops_residual(f->m, f->s, f->sub, &worst);
-  request_rows_only(f);
-  km_search_pivots(f->m, f->s, f->index, KM_NO_DRIVER, km_rank_tolerance(f->m, f->sub, residual));
-  bool fewer = km_partition_freedom(&f->s->partition[f->index]) < f->conditions.freedom + f->conditions.passive_count;
-  request_all(f);
-  km_partition_unstash(f->s, f->index);
-  km_state_invalidate_pivots(f->s, f->index);
+  km_partition_stash(l->s, l->index);
+  km_loops_update(l->m, l->s, l->sub);
+  double residual = km_loops_residual(l->m, l->s, l->sub, &worst);
+  request_rows_only(l);
+  km_search_pivots(l->m, l->s, l->index, KM_NO_DRIVER, km_rank_tolerance(l->m, l->sub, residual));
+  bool fewer = km_partition_freedom(&l->s->partition[l->index]) < l->freedom + l->passive_count;
+  l->s->partition[l->index].rows_only = false;
+  km_partition_unstash(l->s, l->index);
+  km_state_invalidate_pivots(l->s, l->index);
   return fewer;
+}
+
+/* Averages the chords ahead and back into the secant: the curvature of the motion cancels to second order. */
+static void add_to_secant(km_local *l, int sign) {
+  double length = km_step_length(l->m, l->sub, l->chord);
+  for (int c = 0; c < l->sub->columns; ++c)
+    l->secant[c] = (sign > 0 ? 0.0 : l->secant[c]) + 0.5 * sign * l->chord[c] / length;
+}
+
+/* Follows a tangent ahead and back: the lower verdict and the shorter length. */
+km_followed_tangent km_local_follow_both_senses(km_local *l, const double *direction) {
+  km_followed_tangent worse = {HUGE_VAL, KM_TANGENT_CONFIRMED};
+  for (int sign = 1; sign >= -1; sign -= 2) {
+    km_followed_tangent followed = km_local_follow(l, direction, sign);
+    l->has_undecided =
+        l->has_undecided || followed.verdict == KM_TANGENT_LOST || followed.verdict == KM_TANGENT_UNDECIDED;
+    if (followed.verdict < l->min_verdict)
+      return (km_followed_tangent){0.0, followed.verdict};
+    add_to_secant(l, sign);
+    if (sign > 0)
+      km_state_save(l->s, l->sub, l->end_ahead);
+    worse = (km_followed_tangent){fmin(worse.length, followed.length),
+                                  followed.verdict < worse.verdict ? followed.verdict : worse.verdict};
+  }
+  return worse;
+}
+
+/* True if a unit direction and a chord agree up to the curvature of the curve. */
+static bool is_along(const km_local *l, const double *direction, const double *chord) {
+  static const double max_deviation = 1e-3; /* bound of 1 − cos */
+  double length = km_step_length(l->m, l->sub, chord);
+  return length > 0.0 && 1.0 - fabs(km_step_dot(l->m, l->sub, chord, direction)) / length <= max_deviation;
+}
+
+bool km_local_secant_agrees(const km_local *l, const double *direction) {
+  return l->freedom == 1 || is_along(l, direction, l->secant);
+}
+
+bool km_local_chord_agrees(const km_local *l, const double *direction) {
+  return l->freedom == 1 || is_along(l, direction, l->chord);
+}
+
+bool km_local_is_finite(km_local *l, const double *a) {
+  km_local_direction(l, a, l->direction);
+  return km_local_follow_both_senses(l, l->direction).verdict >= l->min_verdict &&
+         km_local_secant_agrees(l, l->direction);
 }

@@ -1,4 +1,4 @@
-/* Departure from a branch point along one of its branches (docs/theory.md 4.10).
+/* Directions of the branches through a branch point, and departure along one of them (docs/theory.md 4.10).
  *
  *   q₀ + h t with h max|t_j| = 5e-3, closed; with several freedoms the configuration nearest to q₀ (4.8)
  *
@@ -10,16 +10,46 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kinematics/nearest_configuration.h"
-#include "local/constant_rank_motion.h"
+#include "local/constant_rank.h"
+#include "local/local_private.h"
 
 #include <string.h>
 
-/* True for a permanently shaky mechanism: its rank deficiency is no branch point. */
-static bool is_permanently_shaky(const km_mechanism *m, km_state *s, int index) {
+/* Branch directions: confirmed or undecided tangents at a configuration of deficient rank. */
+int km_local_find_branches(km_local *l, double *directions) {
+  int found = 0;
+  double length;
+  if (!l->has_redundant_rows || !km_local_reserve_tangents(l, l->has_basis))
+    return 0;
+  double *known = KM_ARENA_NEW(l->arena, double, KM_MAX_BRANCHES *(size_t)l->size);
+  l->min_verdict = KM_TANGENT_UNDECIDED; /* undecided tangents count, since rounded data have branches too */
+  if (!known || km_local_is_regular(l))
+    return 0;
+  while (found < KM_MAX_BRANCHES && km_local_find_next(l, known, found, &length)) {
+    memcpy(known + (size_t)found * (size_t)l->size, l->a, (size_t)l->size * sizeof *known);
+    km_local_direction(l, l->a, directions + (size_t)found++ * (size_t)l->sub->columns);
+  }
+  return found;
+}
+
+int km_branch_directions(const km_mechanism *m, km_state *s, int index, double *directions) {
   km_arena arena = {0};
-  km_constant_rank motion = {0};
-  km_constant_rank_begin(&motion, m, s, index, KM_NO_DRIVER, &arena);
+  km_local *l = km_local_create(m, s, index, NULL, &arena);
+  int found = l ? km_local_find_branches(l, directions) : 0;
+  if (!arena.failed && !km_local_has_full_row_rank(l)) {
+    km_state_restore(s, l->sub, l->origin);
+    km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
+  }
+  found = arena.failed ? -1 : found;
+  km_local_free(l);
   km_arena_free(&arena);
+  return found;
+}
+
+/* True for a permanently shaky mechanism: its rank deficiency is no branch point. */
+static bool is_permanently_shaky(const km_local *l) {
+  km_constant_rank motion = {0};
+  km_constant_rank_begin(&motion, l->m, l->s, l->index, KM_NO_DRIVER, l->arena);
   return motion.is_active;
 }
 
@@ -43,7 +73,7 @@ typedef struct branch_departure {
   km_state *s;
   int index, column;
   const km_substructure *sub;
-  km_arena arena;
+  km_arena *arena;
   double *origin, *last_accepted,
       *best;    /* saved configurations: the branch point, the last accepted one, the best one */
   double *step; /* [columns] */
@@ -85,7 +115,7 @@ static void approach_nearest(branch_departure *d) {
   enum { MAX_STEPS = 40 };
   static const double min_fraction = 1e-3;
   km_nearest_configuration closest;
-  if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, &d->arena))
+  if (d->m->ball_count > 0 || !km_nearest_configuration_reserve(&closest, d->m, d->sub, d->arena))
     return;
   double fraction = 0.5, *displacement = closest.displacement;
   bool is_nearest = false;
@@ -150,32 +180,40 @@ static void choose_shortest(branch_departure *d, const double *directions, int c
   km_state_restore(d->s, d->sub, d->best);
 }
 
+/* Departs from the branch point of an analysis. */
+static km_branch_exit depart(km_local *l, int column, double driver_step, km_arena *arena) {
+  size_t n = (size_t)l->sub->columns;
+  km_branch_exit out = {0};
+  branch_departure d = {.m = l->m, .s = l->s, .index = l->index, .column = column, .sub = l->sub, .arena = arena};
+  double *directions = KM_ARENA_NEW(arena, double, KM_MAX_BRANCHES *n);
+  d.origin = l->origin;
+  d.last_accepted = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  d.best = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *n);
+  d.step = KM_ARENA_NEW(arena, double, n);
+  out.branch_count = arena->failed ? 0 : km_local_find_branches(l, directions);
+  km_local_restore(l);
+  int best = fastest_direction(directions, out.branch_count, l->sub->columns, column);
+  if (best >= 0) {
+    out.has_further_freedoms = depart_along(&d, directions + (size_t)best * n, driver_step);
+    if (out.has_further_freedoms)
+      choose_shortest(&d, directions, out.branch_count, best, driver_step);
+    km_state_invalidate_pivots(l->s, l->index);
+  }
+  return out;
+}
+
 /* Leaves a branch point along the branch that moves the coordinate fastest. */
 km_branch_exit km_branch_depart(const km_mechanism *m, km_state *s, int coordinate, double driver_step) {
   int index = m->substructure_of[coordinate];
   km_branch_exit out = {0};
-  if (index < 0 || km_state_is_fixed(s, coordinate) || km_is_regular_configuration(m, s, index) ||
-      is_permanently_shaky(m, s, index))
+  km_arena arena = {0};
+  if (index < 0 || km_state_is_fixed(s, coordinate))
     return out; /* a fixed coordinate cannot parametrise a branch */
-  const km_substructure *sub = &m->substructures[index];
-  size_t n = (size_t)sub->columns;
-  branch_departure d = {.m = m, .s = s, .index = index, .column = m->column_of[coordinate], .sub = sub};
-  double *directions = KM_ARENA_NEW(&d.arena, double, KM_MAX_BRANCHES *n);
-  d.origin = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
-  d.last_accepted = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
-  d.best = KM_ARENA_NEW(&d.arena, double, KM_SAVED_PER_COLUMN *n);
-  d.step = KM_ARENA_NEW(&d.arena, double, n);
-  out.branch_count = d.arena.failed ? -1 : km_branch_directions(m, s, index, directions);
-  int best = fastest_direction(directions, out.branch_count, sub->columns, d.column);
-  if (best >= 0) {
-    km_state_save(s, sub, d.origin);
-    driver_step *= m->factor[coordinate] / m->unit[coordinate];
-    out.has_further_freedoms = depart_along(&d, directions + (size_t)best * n, driver_step);
-    if (out.has_further_freedoms)
-      choose_shortest(&d, directions, out.branch_count, best, driver_step);
-    km_state_invalidate_pivots(s, index);
-  }
-  out.branch_count = d.arena.failed ? -1 : out.branch_count;
-  km_arena_free(&d.arena);
+  km_local *l = km_local_create(m, s, index, NULL, &arena);
+  if (l && l->has_redundant_rows && km_local_reserve_tangents(l, l->has_basis) && !is_permanently_shaky(l))
+    out = depart(l, m->column_of[coordinate], driver_step * m->factor[coordinate] / m->unit[coordinate], &arena);
+  out.branch_count = arena.failed ? -1 : out.branch_count;
+  km_local_free(l);
+  km_arena_free(&arena);
   return out;
 }

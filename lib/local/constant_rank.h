@@ -4,24 +4,10 @@
  *
  * Along U the rank of J is constant to first order. The instantaneous mobility of a permanently shaky mechanism exceeds
  * the finite one along a whole branch (e.g. a platform on four or more parallel rods); its motions are tangent to U. */
-#ifndef KM_LOCAL_CONSTANT_RANK_MOTION_H
-#define KM_LOCAL_CONSTANT_RANK_MOTION_H
+#ifndef KM_LOCAL_CONSTANT_RANK_H
+#define KM_LOCAL_CONSTANT_RANK_H
 
 #include "kinematics/loop_closing.h"
-#include "local/tangent_cone.h"
-
-/* Restricts the basis of the tangents to U, if no other tangent satisfies the conditions. U is a linear space, while
- * single directions satisfy the quadratic conditions only to half of the digits. No conditions remain. Returns the
- * number of removed tangents; their scaled unit directions are written to directions[freedom × columns] (may be NULL).
- * 0: there are none, other tangents can belong to motions too, or (by the arena's flag) memory is out. O(conditions ·
- * freedom³). */
-int km_tangents_restrict_to_constant_rank(km_tangents *tangents, double *directions);
-
-/* True if dense second-order conditions are affordable: rows² · columns < 1e7. */
-static inline bool km_constant_rank_is_small(const km_substructure *sub) {
-  static const double most_work = 1e7;
-  return (double)sub->rows * sub->rows * sub->columns < most_work;
-}
 
 /* Motion of a permanently shaky mechanism: its constant-rank tangents at the present configuration. */
 typedef struct km_constant_rank {

@@ -1,13 +1,14 @@
-/* Motions of permanently shaky mechanisms along their constant-rank tangents (docs/theory.md 5.6).
+/* Constant-rank tangents, and motions of permanently shaky mechanisms along them (docs/theory.md 5.6).
  *
+ *   U = { a : Q_i a = 0 for all i },  orthonormal rows of V, completed by the other tangents
  *   deflation: F(q) = wᵀ J z = 0 for all left and right null vectors w, z, by Newton's method
  *   step     : Σ_o y_o Q_i(v, o) = −w_iᵀ J z_v  for all i, v, by least squares; o: tangents outside U
- *   test     : four steps along U, ahead or back, keep rank and dimension */
-#include "local/constant_rank_motion.h"
-#include "local/constant_rank_basis.h"
+ *   test     : no other tangent satisfies second order; four steps along U, ahead or back, keep rank and dimension */
+#include "local/constant_rank.h"
 
 #include "kinematics/loop_equations.h"
 #include "linalg/partition.h"
+#include "local/local_private.h"
 
 #include <string.h>
 
@@ -35,79 +36,114 @@ bool km_constant_rank_tangent(const km_constant_rank *st, const km_mechanism *m,
   return size > min_share;
 }
 
-/* Null space of a configuration, divided into constant-rank tangents and the others. */
+/* Tangents of a configuration, divided into those of constant rank and the others. */
 typedef struct tangent_split {
-  km_second_order c;
+  km_local *l;
   double *V; /* [freedom × freedom] orthonormal coefficients: constant-rank tangents first, then the others */
-  int constant_rank_count;
+  int count; /* number of constant-rank tangents */
 } tangent_split;
 
-/* Divides the null space at the state's configuration. `count`: number of constant-rank tangents on the motion; 0:
- * unknown. False if there are none or another number. */
-static bool split_tangents(tangent_split *p, const km_mechanism *m, km_state *s, int index, int count,
-                           km_arena *arena) {
-  if (!km_second_order_count_tangents(m, s, index, &p->c) || p->c.freedom < 1 ||
-      !km_second_order_create_basis(m, s, index, arena, &p->c) || !km_second_order_build_all(m, s, index, arena, &p->c))
+/* Computes U as the common null space of all Q_i, to 1e-6 of their largest entry, and completes V. `known`: number of
+ * constant-rank tangents on the motion, so the tolerance is widened until there are as many; 0: unknown. */
+static bool find_constant_rank_tangents(tangent_split *p, int known) {
+  static const double null_tolerance = 1e-6, max_tolerance = 1e-2;
+  const km_local *l = p->l;
+  const int k = l->freedom, rows = l->conditions * k;
+  double *M = KM_ARENA_NEW(l->arena, double, (size_t)rows *(size_t)k), *U = NULL;
+  p->V = KM_ARENA_NEW(l->arena, double, (size_t)(k * k) + 1);
+  if (l->arena->failed || !km_local_is_significant(l))
     return false;
-  p->constant_rank_count = km_constant_rank_basis(&p->c, count, arena, &p->V);
-  return p->constant_rank_count > 0 && (count == 0 || p->constant_rank_count == count);
+  for (int a = 0; a < k; ++a)
+    for (int i = 0; i < rows; ++i)
+      M[a * rows + i] = l->Q[i * k + a];
+  for (double tolerance = null_tolerance; p->count < (known ? known : 1) && tolerance <= max_tolerance;
+       tolerance = known ? 10.0 * tolerance : HUGE_VAL)
+    p->count = km_dense_null_space(M, rows, k, fmax(tolerance, l->noise / l->scale), l->arena, &U);
+  if (p->count <= 0 || p->count == k || (known && p->count != known))
+    return false;
+  memcpy(p->V, U, (size_t)(p->count * k) * sizeof *U);
+  return km_complete_basis(p->V, p->count, k);
 }
 
-/* Stores the constant-rank tangents as columns of Z in the motion. */
+/* Divides the tangents at the state's configuration. False if none are of constant rank, all are, or another number
+ * than known. */
+static bool split_tangents(tangent_split *p, const km_mechanism *m, km_state *s, int index, int known,
+                           km_arena *arena) {
+  *p = (tangent_split){.l = km_local_create(m, s, index, NULL, arena)};
+  return p->l && p->l->freedom > 0 && km_local_reserve_tangents(p->l, true) && km_local_update_conditions(p->l) &&
+         find_constant_rank_tangents(p, known);
+}
+
+/* True if some combination of the other tangents satisfies the conditions, as far as random starts show, so that it can
+ * belong to a finite motion. */
+static bool may_others_be_finite(const tangent_split *p) {
+  km_local others = *p->l;
+  uint64_t random = 1;
+  int k = others.freedom, count = k - p->count;
+  if (!km_local_restrict(&others, p->V + p->count * k, count))
+    return true;
+  bool is_satisfied = false;
+  for (int start = 0; start < KM_STARTS_PER_FREEDOM * count && count > 1 && !is_satisfied; ++start)
+    is_satisfied = km_local_draw(&others, &random, others.a) && km_local_solve_second_order(&others, others.a);
+  return is_satisfied;
+}
+
+/* Stores the constant-rank tangents as rows of Z in the motion. */
 static bool store_tangents(km_constant_rank *st, const tangent_split *p) {
-  if (p->constant_rank_count > st->capacity)
+  int n = p->l->sub->columns;
+  if (p->count > st->capacity)
     return false;
-  st->count = p->constant_rank_count;
-  for (int i = 0; i < st->count; ++i)
-    km_second_order_combine(&p->c, p->V + i * p->c.freedom, st->Z + (size_t)i * (size_t)p->c.columns);
+  st->count = p->count;
+  for (int i = 0; i < st->count; ++i) {
+    double *z = st->Z + (size_t)i * (size_t)n;
+    km_local_direction(p->l, p->V + i * p->l->freedom, z);
+    for (int c = 0; c < n; ++c)
+      z[c] *= p->l->weight[c];
+  }
   return true;
 }
 
 /* Newton step of the deflation: coefficients y of the other tangents with Σ_o y_o Q_i(v, o) = −w_iᵀ J z_v for all i, v,
  * by normal equations. */
-static bool solve_deflation(const tangent_split *p, const double *changes, km_arena *arena, double *y) {
-  int k = p->c.freedom, other_count = k - p->constant_rank_count, rows = p->c.conditions * k;
-  double *A = KM_ARENA_NEW(arena, double, (size_t)(rows * other_count));
-  double *square = KM_ARENA_NEW(arena, double, (size_t)(other_count * other_count)),
-         *b = KM_ARENA_NEW(arena, double, (size_t)other_count);
+static bool solve_deflation(const tangent_split *p, const double *defect, double *y) {
+  const km_local *l = p->l;
+  int k = l->freedom, others = k - p->count, rows = l->conditions * k;
+  double *A = KM_ARENA_NEW(l->arena, double, (size_t)(rows * others));
+  double *square = KM_ARENA_NEW(l->arena, double, (size_t)(others * others)),
+         *b = KM_ARENA_NEW(l->arena, double, (size_t)others);
   km_partition normal;
-  if (arena->failed || !km_partition_reserve(&normal, other_count, other_count, arena))
+  if (l->arena->failed || !km_partition_reserve(&normal, others, others, l->arena))
     return false;
-  for (int o = 0; o < other_count; ++o)
+  for (int o = 0; o < others; ++o)
     for (int i = 0; i < rows; ++i)
       for (int r = 0; r < k; ++r)
-        A[o * rows + i] += p->c.Q[i * k + r] * p->V[(p->constant_rank_count + o) * k + r];
-  for (int o = 0; o < other_count; ++o)
+        A[o * rows + i] += l->Q[i * k + r] * p->V[(p->count + o) * k + r];
+  for (int o = 0; o < others; ++o)
     for (int i = 0; i < rows; ++i) {
-      b[o] -= A[o * rows + i] * changes[i];
-      for (int q = 0; q < other_count; ++q)
-        square[q * other_count + o] += A[o * rows + i] * A[q * rows + i];
+      b[o] -= A[o * rows + i] * defect[i];
+      for (int q = 0; q < others; ++q)
+        square[q * others + o] += A[o * rows + i] * A[q * rows + i];
     }
-  km_partition_factor(&normal, square, other_count, other_count, NULL, 1e-12);
+  km_partition_factor(&normal, square, others, others, NULL, 1e-12);
   km_partition_solve(&normal, b, y);
-  return normal.rank == other_count;
+  return normal.rank == others;
 }
 
 /* The deflation step in the scaled coordinates, corrected along U so that the driver is fixed. Returns |x|_∞; infinite:
  * there is no step. */
-static double compute_deflation_step(km_constant_rank *st, const tangent_split *p, const km_mechanism *m, km_state *s,
-                                     int index, int driver, km_arena *arena, double *x) {
-  const km_substructure *sub = &m->substructures[index];
-  const double *weight = m->column_weight + sub->column_start;
-  int k = p->c.freedom, n = sub->columns;
-  double *changes = KM_ARENA_NEW(arena, double, (size_t)(p->c.conditions * k)), largest = 0.0;
-  double *y = KM_ARENA_NEW(arena, double, (size_t)k), *t = KM_ARENA_NEW(arena, double, (size_t)n);
-  double *coefficients = KM_ARENA_NEW(arena, double, (size_t)k);
-  if (arena->failed || !km_second_order_rank_defect(m, s, index, &p->c, changes) ||
-      !solve_deflation(p, changes, arena, y) ||
-      (driver >= 0 && !km_constant_rank_tangent(st, m, index, driver, NULL, t)))
+static double compute_deflation_step(const km_constant_rank *st, const tangent_split *p, int driver, double *x) {
+  km_local *l = p->l;
+  int k = l->freedom, n = l->sub->columns;
+  double *defect = KM_ARENA_NEW(l->arena, double, (size_t)(l->conditions * k)), largest = 0.0;
+  double *y = KM_ARENA_NEW(l->arena, double, (size_t)k), *t = l->tangent;
+  if (l->arena->failed || !km_local_rank_defect(l, defect) || !solve_deflation(p, defect, y) ||
+      (driver >= 0 && !km_constant_rank_tangent(st, l->m, l->index, driver, NULL, t)))
     return HUGE_VAL;
-  for (int o = 0; o < k - p->constant_rank_count; ++o)
+  memset(l->a, 0, (size_t)k * sizeof *l->a);
+  for (int o = 0; o < k - p->count; ++o)
     for (int r = 0; r < k; ++r)
-      coefficients[r] += y[o] * p->V[(p->constant_rank_count + o) * k + r];
-  km_second_order_combine(&p->c, coefficients, x);
-  for (int c = 0; c < n; ++c)
-    x[c] /= weight[c];
+      l->a[r] += y[o] * p->V[(p->count + o) * k + r];
+  km_local_direction(l, l->a, x);
   double driver_part = driver >= 0 ? x[driver] : 0.0;
   for (int c = 0; c < n; ++c) {
     x[c] -= driver_part * t[c];
@@ -127,7 +163,7 @@ static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, 
   double *x = KM_ARENA_NEW(&arena, double, (size_t)sub->columns), size = HUGE_VAL;
   if (x && split_tangents(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
       store_tangents(st, &p))
-    size = compute_deflation_step(st, &p, m, s, index, driver, &arena, x);
+    size = compute_deflation_step(st, &p, driver, x);
   if (size > converged && size < max_step && size < last)
     km_state_move(m, s, sub, x);
   km_arena_free(&arena);
@@ -166,8 +202,7 @@ static void update_rank_tolerance(km_constant_rank *st, const km_partition *p) {
 
 /* Largest residual of secondary rows on the motion: the stated closure tolerance, else that of exact data. */
 static double max_residual(const km_mechanism *m) {
-  static const double exact = 1e-11;
-  return m->closure_tolerance_given ? m->closure_tolerance : exact;
+  return m->closure_tolerance_given ? m->closure_tolerance : km_exact_misfit;
 }
 
 /* Closes the loops onto the permanently shaky motion: Newton's method, then deflation. */
@@ -259,8 +294,7 @@ static bool begin_motion(km_constant_rank *st, const km_mechanism *m, km_state *
   km_partition *p = &s->partition[index];
   size_t n = (size_t)sub->columns;
   tangent_split at_start = {0};
-  if (!split_tangents(&at_start, m, s, index, 0, arena) ||
-      km_constant_rank_others_may_be_finite(&at_start.c, at_start.V, at_start.constant_rank_count, arena))
+  if (!split_tangents(&at_start, m, s, index, 0, arena) || may_others_be_finite(&at_start))
     return false;
   st->rank = p->rank;
   km_update_and_search_pivots(m, s, index, driver, 0.0); /* pivots with the driver forced: near its dead point the last
@@ -279,7 +313,7 @@ bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_stat
   km_arena scratch = {0};
   int freedom = km_partition_freedom(p);
   st->is_active = false;
-  if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_constant_rank_is_small(sub))
+  if (freedom < 2 || freedom > KM_MANY_VECTORS || p->rank == sub->rows || !km_local_is_small(sub))
     return true;
   if (st->capacity < freedom) {
     st->Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)sub->columns);
@@ -290,4 +324,38 @@ bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_stat
   km_arena_free(&scratch);
   km_update_and_search_pivots(m, s, index, driver, 0.0);
   return is_ok;
+}
+
+/* Restricts the tangents to U if the mechanism is permanently shaky and all tangents of U are finite. */
+int km_local_restrict_to_constant_rank(km_local *l, double *directions) {
+  static const double min_length = 1e-3; /* length of a tangent in U without its passive part; for some tangents of a
+                                          * basis it is 1/√freedom or more */
+  km_constant_rank motion = {0};
+  km_local all = *l;
+  km_arena scratch = {0};
+  int k = l->freedom, n = l->sub->columns, count = 0;
+  km_state_restore(l->s, l->sub, l->origin);
+  km_update_and_search_pivots(l->m, l->s, l->index, KM_NO_DRIVER, l->residual);
+  double *V = KM_ARENA_NEW(&scratch, double, (size_t)(k * k) + 1);
+  bool is_ok = V && km_constant_rank_begin(&motion, l->m, l->s, l->index, KM_NO_DRIVER, &scratch);
+  for (int i = 0; i < motion.count && motion.is_active && is_ok; ++i) {
+    for (int c = 0; c < n; ++c)
+      l->direction[c] = motion.Z[(size_t)i * (size_t)n + (size_t)c] / l->weight[c];
+    count += km_local_coefficients(l, l->direction, l->a) > min_length && count < k &&
+             km_append_orthonormal(V, count, k, l->a);
+  }
+  if (count > 0 && count < k && km_complete_basis(V, count, k)) {
+    for (int i = count; i < k && directions; ++i)
+      km_local_direction(l, V + i * k, directions + (size_t)(i - count) * (size_t)n);
+    is_ok = km_local_restrict(l, V, count);
+    l->conditions = 0;
+    if (!is_ok || !km_local_is_regular(l)) {
+      *l = all;
+      count = 0;
+    }
+  } else
+    count = 0;
+  l->arena->failed = l->arena->failed || !is_ok;
+  km_arena_free(&scratch);
+  return count > 0 ? k - count : 0;
 }

@@ -1,0 +1,62 @@
+/* Orthonormal bases of null spaces and of subspaces of the tangents. */
+#include "local/local_private.h"
+
+#include "linalg/partition.h"
+
+#include <string.h>
+
+int km_dense_null_space(const double *A, int rows, int columns, double tolerance, km_arena *arena, double **N) {
+  km_arena scratch = {0};
+  km_partition p;
+  double *unit_weight = KM_ARENA_NEW(&scratch, double, (size_t)columns);
+  int dimension = -1;
+  for (int c = 0; c < columns && unit_weight; ++c)
+    unit_weight[c] = 1.0;
+  if (km_partition_reserve(&p, rows, columns, &scratch)) {
+    km_partition_factor(&p, A, rows, columns, NULL, tolerance);
+    dimension = km_partition_freedom(&p);
+    *N = KM_ARENA_NEW(arena, double, (size_t)dimension *(size_t)columns + 1);
+    if (*N)
+      km_partition_null_space(&p, unit_weight, dimension, *N);
+    dimension = *N ? dimension : -1;
+  }
+  km_arena_free(&scratch);
+  return dimension;
+}
+
+/* One Gram-Schmidt step: v minus its projection onto the basis, normalised. */
+bool km_orthonormalise(const double *basis, int count, int size, double *v) {
+  double square = 0.0;
+  for (int i = 0; i < count; ++i) {
+    double dot = 0.0;
+    for (int k = 0; k < size; ++k)
+      dot += basis[i * size + k] * v[k];
+    for (int k = 0; k < size; ++k)
+      v[k] -= dot * basis[i * size + k];
+  }
+  for (int k = 0; k < size; ++k)
+    square += v[k] * v[k];
+  for (int k = 0; k < size; ++k)
+    v[k] /= sqrt(square);
+  return square > 1e-6; /* squared length that remains of a unit vector: spanned vectors leave rounding, others far
+                         * more */
+}
+
+/* Gram-Schmidt, twice: the second pass removes the rounding of the first. */
+bool km_append_orthonormal(double *V, int count, int size, const double *a) {
+  double *v = V + (size_t)count * (size_t)size;
+  memcpy(v, a, (size_t)size * sizeof *v);
+  return km_orthonormalise(V, count, size, v) && km_orthonormalise(V, count, size, v);
+}
+
+/* Completes orthonormal rows by orthonormalised unit vectors. */
+bool km_complete_basis(double *V, int count, int size) {
+  double *unit = KM_NEW(double, (size_t)size + 1);
+  for (int i = 0; i < size && count < size && unit; ++i) {
+    memset(unit, 0, (size_t)size * sizeof *unit);
+    unit[i] = 1.0;
+    count += km_append_orthonormal(V, count, size, unit);
+  }
+  km_free(unit);
+  return count == size;
+}
