@@ -172,12 +172,14 @@ static bool lies_in_known_space(const branch_spaces *spaces, const double *a) {
 static void add_tangent_space(branch_spaces *spaces, km_local *l) {
   const int n = l->sub->columns, k = spaces->freedom;
   km_closure evidence;
+  if (!l->has_basis || l->passive_count > 0 || k < 3 || spaces->count == MOST_SPACES)
+    return;
   km_state_restore(l->s, l->sub, l->origin);
   km_state_move(l->m, l->s, l->sub, l->chord);
   bool closed = km_close_fully(km_loops_close, l->m, l->s, l->index, KM_NO_DRIVER, &evidence) == KM_CLOSED;
   const km_partition *p = &l->s->partition[l->index];
   int freedom = km_partition_freedom(p) - l->passive_count;
-  if (!closed || !l->has_basis || spaces->count == MOST_SPACES || freedom < 2 || freedom >= k || l->passive_count > 0)
+  if (!closed || freedom < 2 || freedom >= k)
     return;
   double *Z = KM_ARENA_NEW(l->arena, double, (size_t)freedom *(size_t)n);
   double *coefficient = KM_ARENA_NEW(l->arena, double, (size_t)k), *V = tangent_space(spaces, spaces->count);
