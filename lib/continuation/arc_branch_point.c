@@ -1,7 +1,7 @@
 /* Branch points of a continuation by arc length (theory 4.9, 4.10).
  *
- *   locate : g at four points, 2e-3 apart, around the zero of its chord; root of the cubic through them;
- *            configuration by the Hermite cubic between the two inner points
+ *   locate : four configurations around the zero of the chord of g; root of the cubic through their values of g;
+ *            configuration on the curve through them (node_curve.h)
  *   leave  : tangent = direction of the branch; the first step grows from 1e-3 to 0.25 until the freedom of the
  *            branch is unambiguous */
 #include "continuation/arc_motion.h"
@@ -11,59 +11,25 @@
 
 #include <string.h>
 
-static const double half_spacing = 1e-3;                     /* half the distance of the points, arc length */
+static const double node_distance = 1e-3;                    /* unit of the nodes' places, arc length */
 static const double first_step = 1e-3, longest_first = 0.25; /* first step on a branch, arc length */
-
-/* Returns the root of the cubic through four equally spaced values g around `middle`: Newton's method on Lagrange's
- * form. */
-static double cubic_root(const double g[4], double x, double spacing, double middle) {
-  for (int i = 0; i < 20; ++i) {
-    double u = (x - middle) / spacing, value = 0.0, slope = 0.0; /* nodes at u = -1.5, -0.5, 0.5, 1.5 */
-    for (int k = 0; k < 4; ++k) {
-      double product = g[k], derivative = 0.0, at = k - 1.5;
-      for (int o = 0; o < 4; ++o)
-        if (o != k)
-          product *= (u - (o - 1.5)) / (at - (o - 1.5));
-      for (int o = 0; o < 4; ++o) {
-        if (o == k)
-          continue;
-        double partial = g[k] / (at - (o - 1.5));
-        for (int n = 0; n < 4; ++n)
-          if (n != k && n != o)
-            partial *= (u - (n - 1.5)) / (at - (n - 1.5));
-        derivative += partial;
-      }
-      value += product;
-      slope += derivative;
-    }
-    x -= value / slope * spacing;
-  }
-  return x;
-}
 
 bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) {
   const km_substructure *sub = km_arc_motion_sub(f);
-  double guess = length * f->g / (f->g - g_end), g[4], reached;
-  for (int k = 0; k < 4; ++k) {
-    if (!km_arc_motion_step(f, guess + (2.0 * k - 3.0) * half_spacing, &reached))
+  double guess = length * f->g / (f->g - g_end), g[KM_CURVE_NODES], reached;
+  f->curve.c = guess;
+  f->curve.h = node_distance;
+  for (int i = 0; i < KM_CURVE_NODES; ++i) {
+    if (!km_arc_motion_step(f, guess + km_node_place[i] * node_distance, &reached))
       return false;
-    g[k] = km_arc_motion_branch_function_after_step(f);
-    if (k != 1 && k != 2)
-      continue;
-    memcpy(k == 1 ? f->before_branch_t : f->after_branch_t, f->c.next_t, (size_t)sub->columns * sizeof *f->c.history.t);
-    km_state_save(f->c.state, sub, k == 1 ? f->before_branch : f->after_branch);
+    g[i] = km_arc_motion_branch_function_after_step(f);
+    km_node_curve_record(&f->curve, &f->c, i, f->c.next_t);
   }
-  double root = cubic_root(g, guess, 2.0 * half_spacing, guess);
-  if (!(fabs(root - guess) < 2.0 * half_spacing))
+  double u = km_node_curve_root(g, 0.0), root = guess + u * node_distance;
+  if (!(fabs(u) < km_node_place[KM_CURVE_NODES - 1]))
     return false;
-  km_state_restore(f->c.state, sub, f->after_branch);
-  km_state_difference(f->c.state, sub, f->before_branch, f->c.move);
-  km_state_restore(f->c.state, sub, f->before_branch);
-  double width = km_continuation_arc_length(&f->c, f->c.move, f->before_branch_t, f->after_branch_t);
-  km_curve_interpolate(sub->columns, width, f->c.move, f->before_branch_t, f->after_branch_t,
-                       root - guess + half_spacing, f->c.work, f->c.next_t);
-  km_state_move(f->c.mechanism, f->c.state, sub, f->c.work);
-  km_loops_update(f->c.mechanism, f->c.state, sub);
+  km_node_curve_place(&f->curve, &f->c, root);
+  km_node_curve_tangent(&f->curve, &f->c, root, f->c.next_t);
   int worst;
   double residual = km_loops_residual(f->c.mechanism, f->c.state, sub, &worst);
   km_search_pivots(f->c.mechanism, f->c.state, f->c.substructure, KM_NO_DRIVER,

@@ -15,13 +15,11 @@
 
 static bool allocate(km_arc_motion *f) {
   size_t n = (size_t)km_arc_motion_sub(f)->columns;
-  double **vectors[] = {&f->before_branch_t, &f->after_branch_t, &f->origin_t, &f->branch_t};
-  double **poses[] = {&f->before_branch, &f->after_branch, &f->origin, &f->branch_pose};
-  for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i) {
-    *vectors[i] = KM_ARENA_NEW(&f->arena, double, n);
-    *poses[i] = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
-  }
-  return km_continuation_reserve(&f->c, &f->arena);
+  f->origin_t = KM_ARENA_NEW(&f->arena, double, n);
+  f->branch_t = KM_ARENA_NEW(&f->arena, double, n);
+  f->origin = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
+  f->branch_pose = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *n);
+  return km_node_curve_reserve(&f->curve, (int)n, &f->arena) && km_continuation_reserve(&f->c, &f->arena);
 }
 
 /* Computes the tangent in which `column` moves with `sign` and the others least. */

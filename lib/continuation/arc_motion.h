@@ -3,7 +3,7 @@
 #ifndef KM_CONTINUATION_ARC_MOTION_H
 #define KM_CONTINUATION_ARC_MOTION_H
 
-#include "continuation/predictor_corrector.h"
+#include "continuation/node_curve.h"
 #include "kmech/continuation.h"
 
 #define KM_SHORTEST_ARC 1e-13 /* shortest arc length that rounding resolves */
@@ -22,9 +22,9 @@ struct km_arc_motion {
   double cycle;                   /* length of the closed cycle; 0: none */
   bool closed, is_origin_pending; /* the next accepted configuration becomes the origin */
   int limit;                      /* coordinate whose limit ended the motion, -1 */
-  double *origin_t, *before_branch_t, *after_branch_t, *branch_t;
-  /* configurations as km_state_save: origin, both sides of a branch point, the branch point */
-  double *origin, *before_branch, *after_branch, *branch_pose;
+  double *origin_t, *branch_t;
+  double *origin, *branch_pose; /* configurations as km_state_save: origin, branch point */
+  km_node_curve curve;          /* interpolates the motion around the branch point */
   /* branch function g (arc_step.c) at the present configuration, with the history's pivots */
   double g;
   km_branch_point branch; /* branch point passed in the last advance, if `branched` */
@@ -67,8 +67,8 @@ bool km_arc_motion_meet_origin(km_arc_motion *follow, double length);
 double km_arc_motion_branch_function(const km_arc_motion *follow, const double *t);
 double km_arc_motion_branch_function_after_step(km_arc_motion *follow);
 /* Locates the branch point within `length` from c.from, where g is g_end at the end: root of the cubic through four
- * values of g, configuration by the Hermite cubic. The state returns to c.from; false if the root is not within the
- * bracket. */
+ * values of g, configuration on the curve through them. The state returns to c.from; false if the root is not within
+ * the bracket. */
 bool km_arc_motion_locate_branch(km_arc_motion *follow, double length, double g_end);
 
 /* Moves the state to the branch point passed last; `tangent` is that of the smooth motion. Then

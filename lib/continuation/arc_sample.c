@@ -6,19 +6,10 @@
 
 enum { MOST_PROBE_STEPS = 16 }; /* steps of a probe that one step does not reach */
 
-static void write_rates(const km_arc_motion *f, const double *t, double *rates) {
-  const km_mechanism *m = f->c.mechanism;
-  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
-  for (int k = 0; k < km_arc_motion_sub(f)->columns; ++k) {
-    int c = m->column_coordinate[km_arc_motion_sub(f)->column_start + k];
-    rates[c] = t[k] * m->unit[c];
-  }
-}
-
 void km_arc_motion_tangent(const km_arc_motion *f, double *rates) {
   if (!f || !rates)
     return;
-  write_rates(f, f->c.history.t, rates);
+  km_continuation_rates(&f->c, f->c.history.t, 1, 1.0, rates);
 }
 
 /* Allocates the history and configuration of a probe; false without memory. */
@@ -71,7 +62,7 @@ bool km_arc_motion_sample(km_arc_motion *f, double offset, double *rates) {
   double reached;
   bool is_reached = km_arc_motion_step(f, offset, &reached) || sample_by_steps(f, offset);
   if (is_reached)
-    write_rates(f, f->c.next_t, rates);
+    km_continuation_rates(&f->c, f->c.next_t, 1, 1.0, rates);
   km_state_invalidate_pivots(f->c.state, f->c.substructure);
   return is_reached;
 }

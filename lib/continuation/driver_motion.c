@@ -247,17 +247,11 @@ km_motion_end km_driver_motion_move_to(km_driver_motion *d, double target) {
 }
 
 void km_driver_motion_rates(const km_driver_motion *d, const double *t, int stride, double *rates) {
-  const km_mechanism *m = d->c.mechanism;
-  memset(rates, 0, (size_t)m->coordinate_count * sizeof *rates);
+  if (d->c.substructure >= 0)
+    km_continuation_rates(&d->c, t, stride, 1.0 / d->c.mechanism->unit[d->c.coordinate], rates);
+  else
+    memset(rates, 0, (size_t)d->c.mechanism->coordinate_count * sizeof *rates);
   rates[d->c.coordinate] = 1.0;
-  if (d->c.substructure < 0)
-    return;
-  const km_substructure *sub = km_driver_motion_substructure(d);
-  double inverse = 1.0 / m->unit[d->c.coordinate];
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = m->column_coordinate[sub->column_start + k];
-    rates[c] = t[k * stride] * m->unit[c] * inverse;
-  }
 }
 
 void km_driver_motion_notify(const km_driver_motion *d, double s, const double *t, int stride) {

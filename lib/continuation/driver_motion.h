@@ -4,6 +4,7 @@
 #define KM_CONTINUATION_DRIVER_MOTION_H
 
 #include "continuation/minimum_norm_path.h"
+#include "continuation/node_curve.h"
 #include "continuation/predictor_corrector.h"
 #include "kmech/continuation.h"
 
@@ -50,14 +51,11 @@ typedef struct km_driver_regular_sample {
   double *pose; /* configuration as km_state_save */
 } km_driver_regular_sample;
 
-/* Hermite interpolant over a stretch of s around a singular configuration (theory 4.11, singular_bridge.c). */
-enum { KM_BRIDGE_NODES = 4 };
+/* Curve over a stretch of s around a singular configuration (theory 4.11, singular_bridge.c); h is signed. */
 typedef struct km_singular_bridge {
   int number, count;     /* number of this bridge, 0: none; count of all bridges built */
-  double c, h;           /* centre c and half distance h of the inner nodes, signed, in s */
   double smallest_pivot; /* smallest relative pivot at the nodes */
-  double *nodes;         /* [KM_BRIDGE_NODES] configurations as km_state_save */
-  double *tangents;      /* [KM_BRIDGE_NODES × columns] */
+  km_node_curve curve;
 } km_singular_bridge;
 
 struct km_driver_motion {
@@ -67,7 +65,7 @@ struct km_driver_motion {
   km_driver_motion_snapshot mark, passed[2]; /* user's snapshot; two passed configurations, the latest first */
   km_driver_motion_snapshot before_bridge;   /* snapshot at which a bridge is built */
   bool crosses_singular;                     /* the step crosses a singular configuration deliberately: no sign test */
-  double *work_configuration, *from_bridge;  /* [3 · columns] configurations, workspace of singular_bridge.c */
+  double *from_bridge;                       /* [3 · columns] configuration, workspace of singular_bridge.c */
   km_driver_regular_sample regular;
   km_singular_bridge bridge;
   km_minimum_norm_path path;         /* explicit predictor with several freedoms */

@@ -14,12 +14,10 @@ static bool allocate_snapshot(km_driver_motion *d, km_driver_motion_snapshot *sn
 
 static bool allocate(km_driver_motion *d) {
   size_t n = (size_t)km_driver_motion_substructure(d)->columns;
-  double **poses[] = {&d->work_configuration, &d->regular.pose, &d->from_bridge};
-  for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i)
-    *poses[i] = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
-  d->bridge.nodes = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *KM_SAVED_PER_COLUMN *n);
-  d->bridge.tangents = KM_ARENA_NEW(&d->arena, double, KM_BRIDGE_NODES *n);
-  return km_minimum_norm_path_reserve(&d->path, (int)n, &d->arena) && km_continuation_reserve(&d->c, &d->arena) &&
+  d->regular.pose = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
+  d->from_bridge = KM_ARENA_NEW(&d->arena, double, KM_SAVED_PER_COLUMN *n);
+  return km_node_curve_reserve(&d->bridge.curve, (int)n, &d->arena) &&
+         km_minimum_norm_path_reserve(&d->path, (int)n, &d->arena) && km_continuation_reserve(&d->c, &d->arena) &&
          allocate_snapshot(d, &d->mark) && allocate_snapshot(d, &d->before_bridge);
 }
 

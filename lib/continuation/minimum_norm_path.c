@@ -1,7 +1,7 @@
 /* Predictors along the path of least motion dq/ds = t(q) (theory 4.7; equations in minimum_norm_path.h).
  *
  *   moments        : sum_k w_k x_k^j = 1 / (j + 1): weights of the integral over [0, 1] with nodes x_k = (s_k - s) / h
- *   rotation vector: u' = w - u x w / 2 + c u x (u x w);   integral by the Magnus series */
+ *   rotation vector: integral of its rate by the Magnus series */
 #include "continuation/minimum_norm_path.h"
 
 #include "base/extrema.h"
@@ -31,16 +31,6 @@ bool km_minimum_norm_path_reserve(km_minimum_norm_path *path, int columns, km_ar
   return !arena->failed;
 }
 
-/* Returns the rate of the rotation vector u for the angular velocity w (fixed axes): u̇ = w − ½ u × w + c u × (u ×
- * w), c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
-static km_vec3 rotation_vector_rate(km_vec3 u, km_vec3 w) {
-  double angle = km_vec3_norm(u), square = angle * angle, sine, cosine;
-  km_sincos(angle, &sine, &cosine);
-  double c = angle < KM_PATH_NEAR ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
-  km_vec3 once = km_vec3_cross(u, w), twice = km_vec3_cross(u, once);
-  return km_vec3_axpy(c, twice, km_vec3_axpy(-0.5, once, w));
-}
-
 /* Converts the angular velocities of ball joints in `rate` to rates of the rotation vectors `move` from the saved
  * configuration. */
 static void convert_ball_rates(const km_mechanism *m, const km_substructure *sub, const double *move, double *rate) {
@@ -48,7 +38,7 @@ static void convert_ball_rates(const km_mechanism *m, const km_substructure *sub
   for (int k = 0; k < sub->columns; ++k) {
     if (m->ball_of[coordinate[k]] < 0)
       continue;
-    km_vec3 v = rotation_vector_rate(km_vec3_from_array(move + k), km_vec3_from_array(rate + k));
+    km_vec3 v = km_rotation_vector_rate(km_vec3_from_array(move + k), km_vec3_from_array(rate + k));
     memcpy(rate + k, &(double[3]){v.x, v.y, v.z}, 3 * sizeof *rate);
     k += 2;
   }

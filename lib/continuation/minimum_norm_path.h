@@ -16,8 +16,6 @@ enum { KM_PATH_STAGES = 6, KM_PATH_NODES = KM_OLDER_STEPS + 2, KM_PATH_LEAST_NOD
 /* Allowed error relative to |move|, and the rounding of a step (scaled). The end of a sweep is promised to 1e-4 for
  * any division of the range; neighbouring paths of least motion can diverge a thousandfold on the way. */
 static const double km_path_allowed = 1e-7, km_path_rounding = 1e-13;
-/* Rotation angle in radians below which the rate of a rotation vector is found by a series. */
-#define KM_PATH_NEAR 1e-2
 /* Coefficients of the Runge-Kutta method 5(4) of J. R. Cash and A. H. Karp, 1990: stages, fifth and fourth order. */
 extern const double km_path_stage_weights[KM_PATH_STAGES][KM_PATH_STAGES - 1], km_path_fifth[KM_PATH_STAGES],
     km_path_fourth[KM_PATH_STAGES];

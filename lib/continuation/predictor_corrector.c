@@ -247,6 +247,15 @@ void km_continuation_reject(km_continuation *c) {
   km_state_invalidate_pivots(c->state, c->substructure);
 }
 
+void km_continuation_rates(const km_continuation *c, const double *t, int stride, double scale, double *rates) {
+  const km_substructure *sub = km_continuation_sub(c);
+  memset(rates, 0, (size_t)c->mechanism->coordinate_count * sizeof *rates);
+  for (int k = 0; k < sub->columns; ++k) {
+    int a = c->mechanism->column_coordinate[sub->column_start + k];
+    rates[a] = t[k * stride] * c->mechanism->unit[a] * scale;
+  }
+}
+
 double km_continuation_arc_length(const km_continuation *c, const double *move, const double *t0, const double *t1) {
   static const double node[5] = {0.5, 0.23076534494715845, 0.7692346550528415, 0.046910077030668, 0.953089922969332};
   static const double share[5] = {0.28444444444444444, 0.23931433524968324, 0.23931433524968324, 0.11846344252809454,

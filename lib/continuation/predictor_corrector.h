@@ -116,6 +116,11 @@ void km_continuation_reject(km_continuation *continuation);
 /* Sets the driver's coordinate to the scaled value. */
 void km_continuation_set_driver(km_continuation *continuation, double parameter);
 
+/* Converts the tangent t[column · stride] to rates of all coordinates, in radians and the model's length, per unit of s
+ * times `scale`. Coordinates outside the substructure have rate 0. */
+void km_continuation_rates(const km_continuation *continuation, const double *t, int stride, double scale,
+                           double *rates);
+
 /* Returns the arc length of the cubic between two configurations `move` apart with unit tangents t0, t1, negative if
  * `move` opposes t0. The cubic depends on its own length, so four fixed-point iterations; five-point Gauss-Legendre
  * quadrature. */

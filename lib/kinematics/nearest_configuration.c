@@ -2,8 +2,7 @@
  *
  *   K = [D² − Σ λ_r ∂²e_r   −Jᵀ; J   0],   K (δ, λ) = (−D² (x − y), −e),   x <- x + δ
  *
- * Unknowns of fixed coordinates and secondary rows are removed by unit rows. K is factored by sparse LU (3.6). A factor
- * of an earlier K solves by iterative refinement where factoring costs more. */
+ * Unknowns of fixed coordinates and secondary rows are removed by unit rows. K is factored by sparse LU (3.6). */
 #include "kinematics/nearest_configuration.h"
 
 #include "base/extrema.h"
@@ -119,10 +118,7 @@ bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mech
   c->next_displacement = KM_ARENA_NEW(arena, double, (size_t)sub->columns);
   c->b = KM_ARENA_NEW(arena, double, size);
   c->x = KM_ARENA_NEW(arena, double, size);
-  c->residual = KM_ARENA_NEW(arena, double, size);
-  c->correction = KM_ARENA_NEW(arena, double, size);
   c->fixed = KM_ARENA_NEW(arena, bool, size);
-  c->fixed_next = KM_ARENA_NEW(arena, bool, size);
   if (!create_pattern(c, m, sub, arena) ||
       !km_partition_reserve_sparse(&c->factor, c->size, c->size, c->start, c->row, arena))
     return false;
@@ -130,17 +126,13 @@ bool km_nearest_configuration_reserve(km_nearest_configuration *c, const km_mech
   return true;
 }
 
-/* Sets the fixed unknowns. A factor of other fixed unknowns becomes invalid. */
+/* Sets the fixed unknowns. */
 static void set_fixed(km_nearest_configuration *c, const km_substructure *sub, int driver, const bool *locked,
                       const km_partition *pivots) {
-  bool *before = c->fixed, *now = c->fixed_next;
   for (int i = 0; i < c->size; ++i)
-    now[i] = i >= sub->columns || i == driver || (locked && locked[i]);
+    c->fixed[i] = i >= sub->columns || i == driver || (locked && locked[i]);
   for (int i = 0; i < pivots->rank; ++i)
-    now[sub->columns + pivots->row[i]] = false;
-  c->is_factored = c->is_factored && memcmp(before, now, (size_t)c->size * sizeof *now) == 0;
-  c->fixed = now;
-  c->fixed_next = before;
+    c->fixed[sub->columns + pivots->row[i]] = false;
 }
 
 /* Adds to an entry of K. Rows of fixed unknowns are omitted: their diagonal 1 makes the unknown 0. */
@@ -154,7 +146,6 @@ static void assemble_matrix(km_nearest_configuration *c, const km_mechanism *m, 
                             const double *lambda) {
   const double *weight = m->column_weight + sub->column_start, *J = km_state_jacobian(s, sub);
   km_loops_hessian(m, s, sub, lambda, c->hessian, c->hessian_diagonal);
-  c->is_current = false;
   memset(c->value, 0, (size_t)c->start[c->size] * sizeof *c->value);
   for (int i = 0; i < 2 * c->hessian_count; ++i)
     add_entry(c, c->hessian_index[i], -c->hessian[i / 2]);
@@ -177,55 +168,14 @@ static double max_norm(const double *x, int count) {
   return largest;
 }
 
-/* Iterative refinement of K x = b with the factor of an earlier matrix, from the present x. False if it converges
- * slowly, since the matrix has changed too much. */
-static bool refine(km_nearest_configuration *c) {
-  enum { MAX_CORRECTIONS = 6 };
-  static const double relative_tolerance = 1e-14, stagnation_size = 1e-10, max_ratio = 0.05;
-  double last = HUGE_VAL;
-  for (int pass = 0; pass < MAX_CORRECTIONS; ++pass) {
-    memcpy(c->residual, c->b, (size_t)c->size * sizeof *c->residual);
-    for (int k = 0; k < c->size; ++k)
-      for (int i = c->start[k]; i < c->start[k + 1]; ++i)
-        c->residual[c->row[i]] -= c->value[i] * c->x[k];
-    km_partition_solve(&c->factor, c->residual, c->correction);
-    for (int k = 0; k < c->size; ++k)
-      c->x[k] += c->correction[k];
-    double size = max_norm(c->correction, c->size), all = max_norm(c->x, c->size);
-    if (size <= relative_tolerance * all)
-      return true;
-    if (!(size <= max_ratio * last)) /* corrections of rounding size no longer shrink */
-      return size <= stagnation_size * all;
-    last = size;
-  }
-  return false;
-}
-
-/* True if factoring costs more than all refinement steps that may be tried. Chains of loops have little fill-in and are
- * factored. */
-static bool is_factor_costly(const km_nearest_configuration *c) {
-  static const double max_entries = 100.0; /* multiplications per entry of the matrix */
-  return km_partition_multiplications(&c->factor) > max_entries * c->start[c->size];
-}
-
-/* Factors K, with the previous pivots if the growth monitor accepts them. */
-static bool update_factor(km_nearest_configuration *c) {
-  if (c->factor.rank == c->size && km_partition_refactor(&c->factor, c->value))
-    return true;
-  km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
-  c->is_costly = is_factor_costly(c);
-  return !c->factor.failed && c->factor.rank == c->size;
-}
-
-/* Solves K x = b by the present factor, by refinement with an earlier one, or after factoring. */
-static bool solve(km_nearest_configuration *c) {
-  if (!c->is_current && c->is_factored && c->is_costly && refine(c))
-    return true;
-  if (!c->is_current)
-    c->is_current = c->is_factored = update_factor(c);
-  if (c->is_current)
+/* Factors K, with the previous pivots if the growth monitor accepts them, and solves K x = b. */
+static bool factor_and_solve(km_nearest_configuration *c) {
+  if (c->factor.rank != c->size || !km_partition_refactor(&c->factor, c->value))
+    km_partition_factor(&c->factor, c->value, c->size, c->size, NULL, 0.0);
+  bool is_regular = !c->factor.failed && c->factor.rank == c->size;
+  if (is_regular)
     km_partition_solve(&c->factor, c->b, c->x);
-  return c->is_current;
+  return is_regular;
 }
 
 /* Newton's method on the Karush-Kuhn-Tucker conditions of min |D (x − y)|² with e(x) = 0. */
@@ -246,7 +196,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
                                    : -error[i - sub->columns];
     memset(c->x, 0, (size_t)sub->columns * sizeof *c->x); /* δ restarts at 0; the multipliers of the last pass are good
                                                            * starts */
-    if (!solve(c))
+    if (!factor_and_solve(c))
       return false;
     if (pass == 0) /* the first solution supplies λ only; without λ the step would omit the Hessian */
       continue;
@@ -270,7 +220,6 @@ void km_nearest_configuration_follow(km_nearest_configuration *c, const km_mecha
   memset(c->b, 0, (size_t)c->size * sizeof *c->b);
   for (int k = 0; k < sub->columns; ++k)
     c->b[k] = c->fixed[k] ? 0.0 : weight[k] * weight[k] * step[k];
-  memset(c->x, 0, (size_t)c->size * sizeof *c->x);
-  if (solve(c))
-    memcpy(step, c->x, (size_t)sub->columns * sizeof *step);
+  km_partition_solve(&c->factor, c->b, c->x);
+  memcpy(step, c->x, (size_t)sub->columns * sizeof *step);
 }

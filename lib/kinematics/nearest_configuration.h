@@ -19,16 +19,10 @@ typedef struct km_nearest_configuration {
   int *diagonal_index;                      /* [size] indices of the diagonal entries in `value` */
   double *hessian, *hessian_diagonal;       /* [hessian_count], [columns] results of km_loops_hessian */
   double *b, *x;                            /* [size] right side; solution (δ, λ) */
-  double *residual, *correction;            /* [size] iterative refinement with the factor of an earlier matrix */
   double *displacement, *next_displacement; /* [columns] for the caller: x − y, and its next value */
   bool *fixed;                              /* [size] fixed unknowns: driver, locked coordinates, multipliers of
                                              * secondary rows */
-  bool *fixed_next;                         /* [size] flags of the next call */
-  km_partition factor;                      /* factor of the present matrix, or of an earlier one with equal fixed
-                                             * unknowns */
-  bool is_factored;                         /* `factor` is valid for the fixed unknowns */
-  bool is_current;                          /* `factor` belongs to the present matrix */
-  bool is_costly;                           /* factoring costs more than iterative refinement with an earlier factor */
+  km_partition factor;                      /* factor of the matrix */
 } km_nearest_configuration;
 
 /* Reserves a solver for a substructure. Mechanisms with ball joints are excluded: two rotations about different axes

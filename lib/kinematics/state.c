@@ -62,20 +62,21 @@ static bool allocate_arrays(const km_mechanism *m, km_state *s) {
   return !arena->failed;
 }
 
-/* Writes the constant Jacobian entries of linear couplings. */
-static void set_coupling_rows(const km_mechanism *m, km_state *s) {
-  for (int i = 0; i < m->topology.substructure_count; ++i) {
-    const km_substructure *sub = &m->substructures[i];
-    double *J = km_state_jacobian(s, sub);
-    for (int k = 0; k < sub->coupling_count; ++k) {
-      const km_coupling *coupling = &m->couplings[sub->coupling_start + k];
-      for (int n = 0; n < coupling->term_count; ++n) {
-        const km_term *term = &m->terms[coupling->term_start + n];
-        if (term->column >= 0)
-          J[term->value_index] = term->coefficient;
-      }
+/* Writes the constant Jacobian entries of linear couplings. Marks Jacobian, pivots and null space as stale. */
+static void reset_substructure(const km_mechanism *m, km_state *s, int index) {
+  const km_substructure *sub = &m->substructures[index];
+  double *J = km_state_jacobian(s, sub);
+  for (int k = 0; k < sub->coupling_count; ++k) {
+    const km_coupling *coupling = &m->couplings[sub->coupling_start + k];
+    for (int n = 0; n < coupling->term_count; ++n) {
+      const km_term *term = &m->terms[coupling->term_start + n];
+      if (term->column >= 0)
+        J[term->value_index] = term->coefficient;
     }
   }
+  s->cached[index].is_valid = false;
+  s->basis[index].is_known = false;
+  km_state_invalidate_pivots(s, index);
 }
 
 bool km_state_belongs_to(const km_mechanism *m, const km_state *s) {
@@ -332,12 +333,9 @@ void km_state_unlock(km_state *s) {
   const km_mechanism *m = s->mechanism;
   memset(s->locked, 0, (size_t)m->coordinate_count * sizeof *s->locked);
   memset(s->locked_column, 0, (size_t)m->coordinate_count * sizeof *s->locked_column);
-  set_coupling_rows(m, s);
   for (int i = 0; i < m->topology.substructure_count; ++i) {
     s->partition[i].locked = NULL;
-    s->cached[i].is_valid = false;
-    s->basis[i].is_known = false;
-    km_state_invalidate_pivots(s, i);
+    reset_substructure(m, s, i);
   }
 }
 

@@ -57,7 +57,6 @@ void km_manipulation_free(km_manipulation *h) {
   if (!h)
     return;
   km_driver_motion_free(h->drive);
-  km_free(h->limit_rows);
   km_arena_free(&h->arena);
   km_free(h);
 }

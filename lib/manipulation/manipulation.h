@@ -20,8 +20,6 @@ struct km_manipulation {
   double *A;                                      /* [3 × freedoms] velocities in the basis, column by column */
   double *w;                                      /* [freedoms] */
   double *z;                                      /* [coordinate] the step D δq */
-  double *limit_rows;                             /* orthonormal rows of the basis at active limits */
-  size_t limit_rows_capacity;                     /* doubles in limit_rows */
   bool *blocked;                                  /* [coordinate] its limit is active */
   int blocking;                                   /* coordinate of the last active limit; -1: none */
   double *saved_q;                                /* [coordinate] */

@@ -3,7 +3,7 @@
  *
  *   w = Aᵀ (A Aᵀ + ε)⁻¹ e,  z = Z w:   A velocities of the point over L in the basis Z of D q̇, e displacement
  *   ε = max(1e-4 min(1, |e| / 0.01)², 1e-10)
- *   active limits : their rows are removed from the basis
+ *   active limits : their coordinates are locked while the step is found
  *   rejected      : correction > 0.3 of the step, lower rank, cosine with the new tangent space < 0.8 */
 #include "manipulation/manipulation.h"
 
@@ -88,49 +88,13 @@ static bool is_free_tree(const km_manipulation *h, int body, int *first, int *en
   return *end > *first && m->substructure_of[*first] < 0;
 }
 
-/* Subtracts from z its projection on orthonormal rows. */
-static void project_out(const double *rows, int rank, int n, double *z) {
-  for (int r = 0; r < rank; ++r) {
-    double dot = 0.0;
-    for (int k = 0; k < n; ++k)
-      dot += rows[(size_t)r * (size_t)n + (size_t)k] * z[k];
-    for (int k = 0; k < n; ++k)
-      z[k] -= dot * rows[(size_t)r * (size_t)n + (size_t)k];
-  }
-}
-
-/* Computes the orthonormal basis rows of coordinates at active limits; returns their number. */
-static int find_limit_rows(km_manipulation *h, int index, const double *Z, int freedom) {
-  const km_substructure *sub = &h->mechanism->substructures[index];
-  int count = 0;
-  for (int k = 0; k < sub->columns && count < freedom; ++k) {
-    if (!h->blocked[h->mechanism->column_coordinate[sub->column_start + k]])
-      continue;
-    if (!km_reserve((void **)&h->limit_rows, &h->limit_rows_capacity, (size_t)(count + 1) * (size_t)freedom,
-                    sizeof *h->limit_rows))
-      return count;
-    double *row = h->limit_rows + (size_t)count * (size_t)freedom, size = 0.0;
-    for (int i = 0; i < freedom; ++i)
-      row[i] = Z[(size_t)i * (size_t)sub->columns + (size_t)k];
-    project_out(h->limit_rows, count, freedom, row);
-    for (int i = 0; i < freedom; ++i)
-      size += row[i] * row[i];
-    if (size < 1e-20)
-      continue;
-    for (int i = 0; i < freedom; ++i)
-      row[i] /= sqrt(size);
-    ++count;
-  }
-  return count;
-}
-
-/* Appends the columns of a substructure's basis to A, without the rows of active limits. */
+/* Appends the columns of a substructure's basis to A. Coordinates at active limits are locked in it. */
 static void add_substructure_columns(point_motion *p, int index) {
   km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
   const km_substructure *sub = &m->substructures[index];
   const double *Z = km_state_basis(h->state, index);
-  int freedom = km_partition_freedom(&h->state->partition[index]), start = p->freedoms;
+  int freedom = km_partition_freedom(&h->state->partition[index]);
   const int *coordinate = m->column_coordinate + sub->column_start;
   for (int i = 0; i < freedom; ++i) {
     km_vec3 v = {0, 0, 0};
@@ -138,53 +102,27 @@ static void add_substructure_columns(point_motion *p, int index) {
       v = km_vec3_axpy(Z[(size_t)i * (size_t)sub->columns + (size_t)k], h->column[coordinate[k]], v);
     add_column(p, v);
   }
-  if (h->blocking < 0)
-    return;
-  int count = find_limit_rows(h, index, Z, freedom);
-  for (int axis = 0; axis < 3 && count; ++axis) { /* the rows of A in this basis */
-    for (int i = 0; i < freedom; ++i)
-      h->w[i] = h->A[3 * (size_t)(start + i) + (size_t)axis];
-    project_out(h->limit_rows, count, freedom, h->w);
-    for (int i = 0; i < freedom; ++i)
-      h->A[3 * (size_t)(start + i) + (size_t)axis] = h->w[i];
-  }
 }
 
-/* Solves (A Aᵀ + ε) x = e, 3 × 3, by Cholesky factorisation. */
-static void solve_damped(const point_motion *p, double x[3]) {
-  double e = fmin(1.0, km_vec3_norm(km_vec3_from_array(p->e)) / damping_distance),
-         epsilon = fmax(damping * e * e, least_damping);
-  double G[3][3] = {{epsilon, 0, 0}, {0, epsilon, 0}, {0, 0, epsilon}}, y[3];
+/* Solves (A Aᵀ + ε) x = e, 3 × 3 symmetric, by Cramer's rule. */
+static km_vec3 solve_damped(const point_motion *p) {
+  km_vec3 e = km_vec3_from_array(p->e);
+  double share = fmin(1.0, km_vec3_norm(e) / damping_distance), epsilon = fmax(damping * share * share, least_damping);
+  km_vec3 G[3] = {{epsilon, 0, 0}, {0, epsilon, 0}, {0, 0, epsilon}};
   for (int k = 0; k < p->freedoms; ++k)
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        G[i][j] += p->h->A[3 * k + i] * p->h->A[3 * k + j];
-  for (int j = 0; j < 3; ++j)
-    for (int i = j; i < 3; ++i) {
-      double sum = G[i][j];
-      for (int k = 0; k < j; ++k)
-        sum -= G[i][k] * G[j][k];
-      G[i][j] = i == j ? sqrt(fmax(sum, 1e-30)) : sum / G[j][j];
-    }
-  for (int i = 0; i < 3; ++i) {
-    y[i] = p->e[i];
-    for (int k = 0; k < i; ++k)
-      y[i] -= G[i][k] * y[k];
-    y[i] /= G[i][i];
-  }
-  for (int i = 2; i >= 0; --i) {
-    x[i] = y[i];
-    for (int k = i + 1; k < 3; ++k)
-      x[i] -= G[k][i] * x[k];
-    x[i] /= G[i][i];
-  }
+      G[i] = km_vec3_axpy(p->h->A[3 * k + i], km_vec3_from_array(p->h->A + 3 * k), G[i]);
+  km_vec3 cofactor = km_vec3_cross(G[1], G[2]),
+          x = {km_vec3_dot(e, cofactor), km_vec3_dot(e, km_vec3_cross(G[2], G[0])),
+               km_vec3_dot(e, km_vec3_cross(G[0], G[1]))};
+  return km_vec3_scale(1.0 / km_vec3_dot(G[0], cofactor), x);
 }
 
 /* Computes A and the step z = Z Aᵀ x; returns |z|. */
 static double find_step(point_motion *p) {
   km_manipulation *h = p->h;
   const km_mechanism *m = h->mechanism;
-  double x[3], square = 0.0;
+  double square = 0.0;
   int first, end, k = 0;
   p->freedoms = 0;
   for (int i = 0; i < h->substructure_count_on_path; ++i)
@@ -193,10 +131,10 @@ static double find_step(point_motion *p) {
     for (bool tree = is_free_tree(h, body, &first, &end); tree && first < end; ++first)
       if (!m->held[first])
         add_column(p, h->blocked[first] ? (km_vec3){0, 0, 0} : h->column[first]);
-  solve_damped(p, x);
+  km_vec3 x = solve_damped(p);
   memset(h->z, 0, (size_t)m->coordinate_count * sizeof *h->z);
   for (int i = 0; i < p->freedoms; ++i) {
-    h->w[i] = h->A[3 * i] * x[0] + h->A[3 * i + 1] * x[1] + h->A[3 * i + 2] * x[2];
+    h->w[i] = km_vec3_dot(x, km_vec3_from_array(h->A + 3 * i));
     square += h->w[i] * h->w[i];
   }
   for (int i = 0; i < h->substructure_count_on_path; ++i) {
@@ -224,6 +162,10 @@ static bool activate_limit(km_manipulation *h) {
     if ((h->z[c] > 0.0 && q >= m->high[c] - slack) || (h->z[c] < 0.0 && q <= m->low[c] + slack)) {
       h->blocked[c] = true;
       h->blocking = c;
+      if (m->substructure_of[c] >= 0) {
+        km_state_lock(h->state, c);
+        km_update_and_search_pivots(m, h->state, m->substructure_of[c], KM_NO_DRIVER, 0.0);
+      }
       return true;
     }
   }
@@ -327,10 +269,10 @@ static void move_tree_joints(const point_motion *p, double part) {
 
 /* Updates pivots, null spaces and Jacobians for the present configuration. */
 static void update_state(km_manipulation *h) {
-  for (int i = 0; i < h->substructure_count_on_path; ++i) {
-    km_loops_update(h->mechanism, h->state, &h->mechanism->substructures[h->substructures[i]]);
-    km_state_invalidate_pivots(h->state, h->substructures[i]);
-    km_numbers_update(h->mechanism, h->state, h->substructures[i]);
+  for (int i = 0; i < h->mechanism->topology.substructure_count; ++i) {
+    km_loops_update(h->mechanism, h->state, &h->mechanism->substructures[i]);
+    km_state_invalidate_pivots(h->state, i);
+    km_numbers_update(h->mechanism, h->state, i);
   }
   km_poses_compute(h->mechanism, h->state);
 }
@@ -377,6 +319,10 @@ static double step(point_motion *p, double most) {
     length = find_step(p);
     if (length < shortest_step || !activate_limit(h))
       break;
+  }
+  if (h->blocking >= 0) {
+    km_state_unlock(h->state);
+    update_state(h);
   }
   if (length < shortest_step)
     return 0.0;

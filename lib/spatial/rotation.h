@@ -155,6 +155,20 @@ static inline km_vec3 km_quaternion_log_near(km_quaternion q, km_vec3 near) {
   return turns == 0.0 ? v : km_vec3_scale(angle + 2.0 * M_PI * turns, axis);
 }
 
+/* Angle in radians below which the rate of a rotation vector is computed by a series. */
+#define KM_ROTATION_RATE_SERIES 1e-2
+
+/* Rate of the rotation vector u for the angular velocity w along fixed axes: u̇ = w − ½ u × w + c u × (u × w),
+ * c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
+static inline km_vec3 km_rotation_vector_rate(km_vec3 u, km_vec3 w) {
+  double angle = km_vec3_norm(u), square = angle * angle, sine, cosine;
+  km_sincos(angle, &sine, &cosine);
+  double c =
+      angle < KM_ROTATION_RATE_SERIES ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
+  km_vec3 once = km_vec3_cross(u, w), twice = km_vec3_cross(u, once);
+  return km_vec3_axpy(c, twice, km_vec3_axpy(-0.5, once, w));
+}
+
 /* Rotation matrix of a unit quaternion. */
 static inline km_rotation km_quaternion_rotation(km_quaternion q) {
   double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;

@@ -149,7 +149,8 @@ static inline lanes_vec rotation_vector_rate(lanes_vec u, lanes_vec w) {
   lanes_sincos(angle, &sine, &cosine);
   vector series = 1.0 / 12 + square / 720, closed_form = 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
   lanes_vec once = lanes_cross(u, w), twice = lanes_cross(u, once);
-  return lanes_axpy(pick(below(angle, all(KM_PATH_NEAR)), series, closed_form), twice, lanes_axpy(all(-0.5), once, w));
+  vector c = pick(below(angle, all(KM_ROTATION_RATE_SERIES)), series, closed_form);
+  return lanes_axpy(c, twice, lanes_axpy(all(-0.5), once, w));
 }
 
 /* Stores the rates of a stage in place of the move that led to it; angular velocities become rates of rotation
