@@ -1,7 +1,6 @@
 /* Passive degrees of freedom (theory 6.6), by test of groups of bodies.
  *
- *   V_child - V_parent = H q̇ for each joint of the group, V = 0 outside it
- *   V twists of the group's bodies, q̇ rates of its joints: passive freedoms = dimension of the null space
+ *   J_g q̇_g = 0,  g: columns of the joints at bodies of the group;   passive freedoms = columns − rank J_g
  *
  * A group is joined by rigid, single-coordinate and coupled joints; all its other joints have several coordinates. */
 #include "kmech/mobility.h"
@@ -12,7 +11,6 @@
 #include "kinematics/loop_equations.h"
 #include "local/generic_neighbour.h"
 #include "local/local.h"
-#include "mobility/full_jacobian.h"
 #include "mobility/mobility_numbers.h"
 #include "mobility/substructure_loop.h"
 
@@ -23,11 +21,12 @@ typedef struct body_groups {
   const km_mechanism *m;
   km_state *s;
   int index;
-  int *parent;              /* [body] union-find */
-  int *size;                /* [body] size of the group, at its representative */
-  int *index_in_group;      /* [body] index in its group, in the order of the model; -1 in none */
-  bool *is_fixed;           /* [body] at a representative: the group cannot be passive */
-  int *joint_start, *joint; /* [body + 1] by representative body: the joints at bodies of the group */
+  int *parent;         /* [body] union-find */
+  int *size;           /* [body] size of the group, at its representative */
+  int *index_in_group; /* [body] index in its group, in the order of the model; -1 in none */
+  bool *is_fixed;      /* [body] at a representative: the group cannot be passive */
+  int *column_group;   /* [2 · columns] representatives at both ends of each column's joint */
+  int *row_index;      /* [rows] index of each row among those of the present group; -1: none */
 } body_groups;
 
 static int find_representative(const body_groups *g, int body) {
@@ -68,141 +67,78 @@ static void unite_across_simple_joints(const body_groups *g) {
   }
 }
 
-/* Counts the group's joints and coordinates. */
-static void count_joints(const body_groups *g, int group, int *joints, int *coordinates) {
-  const km_model *model = g->m->model;
-  *joints = g->joint_start[group + 1] - g->joint_start[group];
-  *coordinates = 0;
-  for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i) {
-    int j = g->joint[i], first = model->joints[j].first_coordinate;
-    for (int c = first; c < first + km_model_freedom(model, j); ++c)
-      *coordinates += g->m->column_of[c] >= 0;
-  }
-}
+/* The columns of J in joints at bodies of a group, compressed. */
+typedef struct group_columns {
+  int rows, count;  /* rows with an entry, in the order in which they are met; columns */
+  int *start, *row; /* rows of column c: row[start[c] … start[c + 1]-1], */
+  double *value;    /* and its entries */
+} group_columns;
 
-/* The equations of a group in compressed columns: six rows for each joint; six columns for each body, one for each
- * coordinate. */
-typedef struct group_equations {
-  int rows, columns;
-  int *start, *row;                             /* rows of column c: row[start[c] … start[c + 1]-1], */
-  double *value;                                /* and its entries */
-  int next[KM_MAX_PASSIVE_BODIES], next_column; /* joints written so far, per body; next coordinate's column */
-} group_equations;
-
-static bool reserve_equations(const body_groups *g, int group, int bodies, km_arena *scratch, group_equations *e) {
-  int joints, coordinates, ends[KM_MAX_PASSIVE_BODIES] = {0};
-  count_joints(g, group, &joints, &coordinates);
-  *e = (group_equations){.rows = 6 * joints, .columns = 6 * bodies + coordinates, .next_column = 6 * bodies};
-  e->start = KM_ARENA_NEW(scratch, int, (size_t)e->columns + 1);
-  e->row = KM_ARENA_NEW(scratch, int, 12 * (size_t)joints + 6 * (size_t)coordinates);
-  e->value = KM_ARENA_NEW(scratch, double, 12 * (size_t)joints + 6 * (size_t)coordinates);
-  if (scratch->failed)
-    return false;
-  for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i)
-    for (int end = 0; end < 2; ++end) {
-      int body = body_at(g->m->model, g->joint[i], end);
-      if (find_representative(g, body) == group)
-        ends[g->index_in_group[body]]++;
-    }
-  for (int c = 0; c < e->columns; ++c)
-    e->start[c + 1] = e->start[c] + (c < 6 * bodies ? ends[c / 6] : 6);
-  return true;
-}
-
-/* Fills the equations of joint `j`, from `row` on. */
-static void fill_joint(const body_groups *g, int group, int j, km_vec3 about, int row, group_equations *e) {
-  const km_model *model = g->m->model;
-  int first = model->joints[j].first_coordinate;
-  for (int end = 0; end < 2; ++end) {
-    int body = body_at(model, j, end), index_in_group = g->index_in_group[body];
-    if (find_representative(g, body) != group)
+static bool collect_columns(const body_groups *g, int group, km_arena *arena, group_columns *out) {
+  const km_substructure *sub = &g->m->substructures[g->index];
+  const km_pattern *pattern = &sub->pattern;
+  const double *J = km_state_jacobian(g->s, sub);
+  size_t capacity = 0, value_capacity = 0, column_capacity = 0;
+  *out = (group_columns){0};
+  memset(g->row_index, -1, (size_t)sub->rows * sizeof *g->row_index);
+  for (int k = 0; k < sub->columns; ++k) {
+    if (g->column_group[2 * k] != group && g->column_group[2 * k + 1] != group)
       continue;
-    for (int r = 0; r < 6; ++r) {
-      int at = e->start[6 * index_in_group + r] + e->next[index_in_group];
-      e->row[at] = row + r;
-      e->value[at] = end ? 1.0 : -1.0;
+    int first = pattern->start ? pattern->start[k] : k * sub->rows;
+    int end = pattern->start ? pattern->start[k + 1] : first + sub->rows;
+    int at = out->count ? out->start[out->count] : 0;
+    size_t size = (size_t)(at + end - first) + 1;
+    if (!km_arena_grow(arena, (void **)&out->start, &column_capacity, (size_t)out->count + 2, sizeof *out->start) ||
+        !km_arena_grow(arena, (void **)&out->row, &capacity, size, sizeof *out->row) ||
+        !km_arena_grow(arena, (void **)&out->value, &value_capacity, size, sizeof *out->value))
+      return false;
+    for (int i = first; i < end; ++i, ++at) {
+      int *index = &g->row_index[pattern->start ? pattern->row[i] : i - first];
+      if (*index < 0)
+        *index = out->rows++;
+      out->row[at] = *index;
+      out->value[at] = J[i];
     }
-    e->next[index_in_group]++;
+    out->start[++out->count] = at;
   }
-  for (int c = first; c < first + km_model_freedom(model, j); ++c) {
-    if (g->m->column_of[c] < 0)
-      continue;
-    int at = e->start[e->next_column++];
-    double entry[6]; /* lengths over the substructure's size */
-    km_twist_entries(&g->m->substructures[g->index], km_coordinate_twist(g->m, g->s, c), about, g->m->unit[c], entry);
-    for (int r = 0; r < 6; ++r) {
-      e->row[at + r] = row + r;
-      e->value[at + r] = 0.0 - entry[r];
-    }
-  }
+  return out->count > 0;
 }
 
 /* Returns the dimension of the null space; -1: no memory. */
-static int find_nullity(const group_equations *e, km_arena *scratch) {
-  enum { MOST_DENSE_ROWS = 60 };
-  const double tolerance = 1e-9 * e->columns;
+static int find_nullity(const body_groups *g, const group_columns *e, km_arena *scratch) {
+  enum { MOST_DENSE_ENTRIES = 10000 };
+  const km_substructure *sub = &g->m->substructures[g->index];
+  int worst;
+  double tolerance = km_rank_tolerance(g->m, sub, km_loops_residual(g->m, g->s, sub, &worst));
   km_partition p;
-  if (e->rows > MOST_DENSE_ROWS) {
-    if (!km_partition_reserve_sparse(&p, e->rows, e->columns, e->start, e->row, scratch))
+  if ((double)e->rows * e->count > MOST_DENSE_ENTRIES) {
+    if (!km_partition_reserve_sparse(&p, e->rows, e->count, e->start, e->row, scratch))
       return -1;
     p.rows_only = true;
-    km_partition_factor(&p, e->value, e->rows, e->columns, NULL, tolerance);
+    km_partition_factor(&p, e->value, e->rows, e->count, NULL, tolerance);
     return p.failed ? -1 : km_partition_freedom(&p);
   }
-  double *A = KM_ARENA_NEW(scratch, double, (size_t)e->rows *(size_t)e->columns);
-  if (!A || !km_partition_reserve(&p, e->rows, e->columns, scratch))
+  double *A = KM_ARENA_NEW(scratch, double, (size_t)e->rows *(size_t)e->count);
+  if (!A || !km_partition_reserve(&p, e->rows, e->count, scratch))
     return -1;
-  for (int c = 0; c < e->columns; ++c)
+  for (int c = 0; c < e->count; ++c)
     for (int i = e->start[c]; i < e->start[c + 1]; ++i)
       A[(size_t)c * (size_t)e->rows + (size_t)e->row[i]] = e->value[i];
-  km_partition_factor(&p, A, e->rows, e->columns, NULL, tolerance);
+  km_partition_factor(&p, A, e->rows, e->count, NULL, tolerance);
   return km_partition_freedom(&p);
 }
 
 /* Returns the freedoms of the group with all other bodies at rest; -1: no memory. */
-static int find_group_freedoms(const body_groups *g, int group, int bodies) {
+static int find_group_freedoms(const body_groups *g, int group) {
   km_arena scratch = {0};
-  group_equations e;
-  int found = -1, row = 0;
-  if (reserve_equations(g, group, bodies, &scratch, &e)) {
-    for (int i = g->joint_start[group]; i < g->joint_start[group + 1]; ++i, row += 6)
-      fill_joint(g, group, g->joint[i], g->s->pose[group].p, row, &e);
-    found = find_nullity(&e, &scratch);
-  }
+  group_columns e;
+  int found = collect_columns(g, group, &scratch, &e) ? find_nullity(g, &e, &scratch) : scratch.failed ? -1 : 0;
   km_arena_free(&scratch);
   return found;
 }
 
-/* Lists the joints of every group, in the order of the substructure. */
-static bool list_joints_by_group(body_groups *g, km_arena *arena) {
-  const km_topology *t = &g->m->topology;
-  const km_model *model = g->m->model;
-  int first = t->joint_start[g->index], end = t->joint_start[g->index + 1];
-  g->joint_start = KM_ARENA_NEW(arena, int, (size_t)model->body_count + 2);
-  g->joint = KM_ARENA_NEW(arena, int, 2 * (size_t)(end - first));
-  if (arena->failed)
-    return false;
-  /* first pass: counts; second pass: joint_start[b + 1] is the next position of group b */
-  for (int pass = 0; pass < 2; ++pass) {
-    for (int i = first; i < end; ++i) {
-      int a = find_representative(g, body_at(model, t->joint[i], 0)),
-          b = find_representative(g, body_at(model, t->joint[i], 1));
-      for (int n = 0; n < (a == b ? 1 : 2); ++n) {
-        int group = n ? b : a;
-        if (pass == 0)
-          g->joint_start[group + 2]++;
-        else
-          g->joint[g->joint_start[group + 1]++] = t->joint[i];
-      }
-    }
-    for (int b = 0; b < model->body_count && pass == 0; ++b)
-      g->joint_start[b + 2] += g->joint_start[b + 1];
-  }
-  return true;
-}
-
 /* Builds the candidate groups of passive freedoms: bodies connected by rigid, single-coordinate or coupled joints are
- * united (union-find). Numbers the bodies of each group and lists its joints. */
+ * united (union-find). Numbers the bodies of each group. */
 static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int index, km_arena *arena) {
   size_t bodies = (size_t)m->model->body_count;
   *g = (body_groups){m,
@@ -212,8 +148,8 @@ static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int 
                      KM_ARENA_NEW(arena, int, bodies),
                      KM_ARENA_NEW(arena, int, bodies),
                      KM_ARENA_NEW(arena, bool, bodies),
-                     NULL,
-                     NULL};
+                     KM_ARENA_NEW(arena, int, 2 * (size_t)m->substructures[index].columns),
+                     KM_ARENA_NEW(arena, int, (size_t)m->substructures[index].rows)};
   if (arena->failed)
     return false;
   const km_topology *t = &m->topology;
@@ -232,7 +168,11 @@ static bool make_groups(body_groups *g, const km_mechanism *m, km_state *s, int 
       if (g->index_in_group[body] < 0)
         g->index_in_group[body] = g->size[find_representative(g, body)]++;
     }
-  return list_joints_by_group(g, arena);
+  for (int k = 0; k < 2 * m->substructures[index].columns; ++k) {
+    int coordinate = m->column_coordinate[m->substructures[index].column_start + k / 2];
+    g->column_group[k] = find_representative(g, body_at(m->model, m->model->coordinates[coordinate].joint, k % 2));
+  }
+  return true;
 }
 
 static bool add_group(const body_groups *g, int group, int count, km_passive_freedoms *out, size_t *capacity) {
@@ -253,7 +193,7 @@ static bool find_in_groups(const body_groups *g, km_passive_freedoms *out, size_
     if (g->index_in_group[b] < 0 || find_representative(g, b) != b || g->is_fixed[b] ||
         g->size[b] > KM_MAX_PASSIVE_BODIES)
       continue;
-    int count = find_group_freedoms(g, b, g->size[b]);
+    int count = find_group_freedoms(g, b);
     if (count < 0 || (count > 0 && !add_group(g, b, count, out, capacity)))
       return false;
   }
@@ -295,8 +235,8 @@ static bool keep_persistent(const body_groups *g, int first, km_arena *arena, km
   int count = first;
   for (int i = first; i < out->count; ++i) {
     km_passive_freedom item = out->items[i];
-    int persistent_freedoms = moved ? find_group_freedoms(g, find_representative(g, item.bodies[0]), item.body_count)
-                                    : count_finite_freedoms(g, &item);
+    int persistent_freedoms =
+        moved ? find_group_freedoms(g, find_representative(g, item.bodies[0])) : count_finite_freedoms(g, &item);
     ok = ok && persistent_freedoms >= 0;
     item.freedoms = persistent_freedoms < item.freedoms ? persistent_freedoms : item.freedoms;
     out->mobility += item.freedoms > 0 ? item.freedoms : 0;
