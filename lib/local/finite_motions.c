@@ -297,7 +297,7 @@ static void find_touching_branches(km_local *l, int first, int *mobility, bool *
     *mobility = dimension_of_half_branches(l, &halves);
     *undecided = halves.truncated && *mobility <= 1; /* a family of motions meets a small sphere in a continuum */
   }
-  *undecided = *undecided || *mobility == 0;
+  *undecided = *undecided || (*mobility == 0 && !halves.is_isolated);
   if (*mobility > 0)
     add_half_branches(l, &halves, first, out);
   out->truncated = out->truncated || *mobility > 1;

@@ -246,9 +246,8 @@ km_followed_tangent km_local_follow_both_senses(km_local *l, const double *direc
 
 /* True if a unit direction and a chord agree up to the curvature of the curve. */
 static bool is_along(const km_local *l, const double *direction, const double *chord) {
-  static const double max_deviation = 1e-3; /* bound of 1 − cos */
   double length = km_step_length(l->m, l->sub, chord);
-  return length > 0.0 && 1.0 - fabs(km_step_dot(l->m, l->sub, chord, direction)) / length <= max_deviation;
+  return length > 0.0 && 1.0 - fabs(km_step_dot(l->m, l->sub, chord, direction)) / length <= km_secant_tolerance;
 }
 
 bool km_local_secant_agrees(const km_local *l, const double *direction) {

@@ -5,7 +5,8 @@
  *
  * A motion through q0 crosses every small sphere once for each of its halves. Each solution (Levenberg-Marquardt, then
  * Gauss-Newton) counts if it continues at d/2, d/4, … within 37° of its direction. Where two half-branches lie
- * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. */
+ * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. If
+ * the starts cover the sphere and none makes |F| small, q0 is isolated. */
 #include "local/local_private.h"
 
 #include "kinematics/loop_closing.h"
@@ -18,9 +19,11 @@
 #include <string.h>
 
 enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, MIN_HALVINGS = 3, MAX_HALVINGS = 11 };
+enum { MAX_COVERED_FREEDOM = 3 }; /* freedoms for which the starts cover the sphere of tangents, 20 degrees apart */
 static const double radius =
     0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed `max_residual` */
 static const double max_residual = 1e-12;       /* rms of the worst loop */
+static const double min_misfit = 1e-9;          /* |F| of a sphere without closed configurations: d^n, n <= 8 */
 static const double min_cosine = 0.8;           /* cosine between the directions at d and d/2 */
 static const double rounding = 1e-14;           /* residual of a solution on which Gauss-Newton steps have ended */
 static const double max_error = 1e-3;           /* relative to d: error of solutions that decide */
@@ -39,6 +42,7 @@ typedef struct sphere {
   double *previous_but_one; /* [columns] solution at the distance before */
   double *end;              /* [KM_MAX_HALF_BRANCHES × columns] solution of each half-branch nearest to q0, */
   double end_distance[KM_MAX_HALF_BRANCHES]; /* and its distance */
+  double least_residual;                     /* least |F| of the starts at d = radius, before Gauss-Newton steps */
   double *rate, *gamma;
   gsl_multifit_nlinear_workspace *fit;
   gsl_matrix *A, *V;
@@ -122,6 +126,7 @@ static bool solve_on_sphere(sphere *p, double d) {
   gsl_multifit_nlinear_init(p->x, &fdf, p->fit);
   gsl_multifit_nlinear_driver(MAX_ITERATIONS, 1e-12, 1e-14, 0.0, NULL, NULL, &info, p->fit);
   gsl_vector_memcpy(p->x, gsl_multifit_nlinear_position(p->fit));
+  p->least_residual = fmin(p->least_residual, gsl_blas_dnrm2(gsl_multifit_nlinear_residual(p->fit)));
   gauss_newton(p);
   evaluate_at(p, p->x);
   double length = km_step_length(l->m, l->sub, p->y);
@@ -286,10 +291,11 @@ bool km_half_branches_find(km_local *l, km_half_branches *out) {
   *out = (km_half_branches){.length = radius};
   out->saved = KM_ARENA_NEW(l->arena, double, KM_MAX_HALF_BRANCHES *KM_SAVED_PER_COLUMN *n);
   out->coefficients = KM_ARENA_NEW(l->arena, double, KM_MAX_HALF_BRANCHES *k);
-  sphere p = {.l = l};
+  sphere p = {.l = l, .least_residual = HUGE_VAL};
   bool is_ok = reserve_sphere(&p);
   for (size_t i = 0; is_ok && i < STARTS_PER_FREEDOM * k && !out->truncated; ++i)
     search_from_random_start(&p, out);
+  out->is_isolated = k <= MAX_COVERED_FREEDOM && p.least_residual > min_misfit;
   free_sphere(&p);
   km_state_restore(l->s, l->sub, l->origin);
   km_loops_update(l->m, l->s, l->sub);

@@ -161,9 +161,9 @@ bool km_local_draw(km_local *l, uint64_t *random, double *a) {
   return km_local_normalise(l, a) > 0.0;
 }
 
-bool km_local_is_same(const km_local *l, const double *a, const double *b) {
+bool km_local_is_same(const km_local *l, const double *a, const double *b, double tolerance) {
   double cosine = 0.0;
   for (int i = 0; i < l->size; ++i)
     cosine += a[i] * b[i];
-  return km_is_same_tangent(cosine);
+  return 1.0 - fabs(cosine) <= tolerance;
 }

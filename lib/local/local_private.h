@@ -17,12 +17,10 @@ static const double km_exact_misfit = 1e-11;
  * the direction is tried. */
 static const double km_condition_tolerance = 1e-5;
 
-/* True if unit vectors with this cosine can be one tangent, in either sense. A direction that misses a square by the
- * tolerance lies √tolerance from its zero, so two of one tangent are at most twice that apart, and 1 − cos is half the
- * square of that. */
-static inline bool km_is_same_tangent(double cosine) {
-  return 1.0 - fabs(cosine) <= 2.0 * km_condition_tolerance;
-}
+/* Bounds of 1 − |cos| between tangents that can be one. A direction that misses a square by the tolerance lies
+ * √tolerance from its zero, so two of one tangent are at most twice that apart, and 1 − cos is half the square of that.
+ * A tangent and the secant of its curve differ more, since that is curved and closed to a tolerance. */
+static const double km_tangent_tolerance = 2.0 * 1e-5, km_secant_tolerance = 1e-3;
 
 /* Verdict on a followed tangent (docs/theory.md 5.3). */
 typedef enum km_tangent_verdict {
@@ -103,8 +101,8 @@ bool km_local_draw(km_local *local, uint64_t *random, double *a);
 /* Normalises coefficients; by columns it projects them onto the null space first. Returns their length before, 0 if
  * nothing remains. */
 double km_local_normalise(km_local *local, double *a);
-/* True if two unit vectors of coefficients are one tangent in either sense. */
-bool km_local_is_same(const km_local *local, const double *a, const double *b);
+/* True if two unit vectors of coefficients are one tangent, in either sense: 1 − |cos| <= tolerance. */
+bool km_local_is_same(const km_local *local, const double *a, const double *b, double tolerance);
 
 /* Appends the part of a[size] that is orthogonal to the first `count` orthonormal rows of V[size × size] as a further
  * row; false if it is nearly 0. */
@@ -187,6 +185,7 @@ enum { KM_MAX_HALF_BRANCHES = 32 };
 typedef struct km_half_branches {
   int count;
   bool truncated;       /* there are more than KM_MAX_HALF_BRANCHES */
+  bool is_isolated;     /* the starts cover the sphere, and the loops close on it nowhere */
   double length;        /* |D (q - q0)| of the configurations */
   double *saved;        /* [KM_MAX_HALF_BRANCHES × 3 · columns] saved */
   double *coefficients; /* [KM_MAX_HALF_BRANCHES × freedom] unit directions from q0 */

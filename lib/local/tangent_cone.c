@@ -37,10 +37,11 @@ bool km_local_is_regular(km_local *l) {
   return is_regular;
 }
 
-/* True if the tangent `a` is among the known ones. */
+/* True if the tangent `a` is among the known ones, which are secants if no condition is significant. */
 static bool is_known_tangent(const km_local *l, const double *known, int count) {
+  double tolerance = km_local_is_significant(l) ? km_tangent_tolerance : km_secant_tolerance;
   for (int i = 0; i < count; ++i)
-    if (km_local_is_same(l, known + (size_t)i * (size_t)l->size, l->a))
+    if (km_local_is_same(l, known + (size_t)i * (size_t)l->size, l->a, tolerance))
       return true;
   return false;
 }
@@ -57,7 +58,7 @@ static km_followed_tangent follow_with_secants(km_local *l) {
       return found;
     memcpy(l->previous, l->a, (size_t)l->size * sizeof *l->a);
     if (km_local_coefficients(l, l->secant, l->a) == 0.0 || !km_local_solve_second_order(l, l->a) ||
-        km_local_is_same(l, l->a, l->previous))
+        km_local_is_same(l, l->a, l->previous, km_tangent_tolerance))
       break;
   }
   memcpy(l->a, l->previous, (size_t)l->size * sizeof *l->a);

@@ -156,11 +156,11 @@ typedef struct km_finite_mobility {
  * it ahead and back by 0.3 rad (or substructure sizes) of its fastest coordinate. A tangent along which the misfit
  * grows as a power of the length is refuted. If no tangent is confirmed although second order allows some, closed
  * configurations are searched all around (cusps, branches with a common tangent); if none is found, the result is
- * `undecided`, never 0. A substructure with more than 12 freedoms, or more than 240 equations and more than one
- * freedom, is sampled by random directions: one if all tangents are finite motions, which it then shows; at a branch
- * point up to 1200 / coordinates, at least two. They yield a lower bound, `undecided`. The state keeps its
- * configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Some dozens of sparse factorisations per
- * direction. */
+ * `undecided`, or 0 if the search covers all directions. A substructure with more than 12 freedoms, or more than 240
+ * equations and more than one freedom, is sampled by random directions: one if all tangents are finite motions, which
+ * it then shows; at a branch point up to 1200 / coordinates, at least two. They yield a lower bound, `undecided`. The
+ * state keeps its configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Some dozens of sparse factorisations
+ * per direction. */
 KM_API km_status km_finite_mobility_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                          void *context, km_finite_mobility *out, km_error *error);
 /* Returns the number of motions that meet at the configuration: the product over the substructures of their branches,
