@@ -156,7 +156,6 @@ static double compute_deflation_step(const km_constant_rank *st, const tangent_s
  * is close. */
 static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                                    double last) {
-  static const double max_step = 0.05, converged = 1e-13;
   const km_substructure *sub = &m->substructures[index];
   km_arena arena = {0};
   tangent_split p = {0};
@@ -164,10 +163,10 @@ static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, 
   if (x && split_tangents(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
       store_tangents(st, &p))
     size = compute_deflation_step(st, &p, driver, x);
-  if (size > converged && size < max_step && size < last)
+  if (size > km_predicted_step_tolerance && size < km_longest_local_step && size < last)
     km_state_move(m, s, sub, x);
   km_arena_free(&arena);
-  return size <= converged ? 0.0 : size < max_step ? size : HUGE_VAL;
+  return size <= km_predicted_step_tolerance ? 0.0 : size < km_longest_local_step ? size : HUGE_VAL;
 }
 
 /* Closes the primary rows to full accuracy: the last Newton step, below the tolerance, is applied too. */
@@ -182,17 +181,16 @@ static bool close_exactly(const km_mechanism *m, km_state *s, int index, int dri
 static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                     km_closure *evidence) {
   enum { MAX_STEPS = 8 };
-  static const double tolerance = 1e-9;
   double size = HUGE_VAL;
   for (int i = 0; i < MAX_STEPS && size != 0.0; ++i) {
     double last = size;
     size = apply_deflation_step(st, m, s, index, driver, last);
     if (size >= last) /* step no longer decreases: converged to rounding, or diverging */
-      return last < tolerance;
+      return last < km_step_tolerance;
     if (size != 0.0 && !close_exactly(m, s, index, driver, evidence))
       return false;
   }
-  return size < tolerance;
+  return size < km_step_tolerance;
 }
 
 static void update_rank_tolerance(km_constant_rank *st, const km_partition *p) {

@@ -10,14 +10,10 @@
 #include "local/local_private.h"
 #include "local/partition_stash.h"
 
-static const double first_step = 1e-3;           /* scaled: radians or substructure sizes, of the fastest coordinate */
-static const double longest_step = 0.05;         /* scaled */
-static const double shortest_step = 1e-6;        /* scaled */
-static const double min_confirmed_length = 4e-3; /* scaled; tangents whose loops open earlier are rejected */
-static const double confirmed_length = 0.3;      /* scaled; length of a confirmed tangent in each sense */
-static const double chord_length = 0.02;         /* scaled; length up to which the chord is stored */
+static const double first_step = 1e-3;      /* scaled: radians or substructure sizes, of the fastest coordinate */
+static const double confirmed_length = 0.3; /* scaled; length of a confirmed tangent in each sense */
+static const double chord_length = 0.02;    /* scaled; length up to which the chord is stored */
 static const double min_order = 1.5;        /* order of contact that refutes, for a misfit far above the tolerance */
-static const double refuting_ratio = 100.0; /* relative to the tolerance */
 static const double min_order_of_exact_data = 3.5; /* order of contact that rounding of exact data does not
                                                              * produce */
 static const double max_order = 12.0;              /* a misfit that grows with a higher order has left the curve */
@@ -153,10 +149,10 @@ static km_tangent_verdict decide_verdict(const km_local *l, const misfit_record 
                                          bool is_complete) {
   double length = r->count ? r->length[r->count - 1] : 0.0, misfit = r->count ? r->worst[r->count - 1] : 0.0;
   bool exact = km_local_is_exact(l);
-  if (length < min_confirmed_length)
+  if (length < 4.0 * first_step)
     return exact ? KM_TANGENT_REFUTED : KM_TANGENT_LOST;
   double order = order_of_contact(r, l->residual);
-  if ((misfit > refuting_ratio * tolerance && order >= min_order) || (exact && order >= min_order_of_exact_data))
+  if ((misfit > km_refuting_ratio * tolerance && order >= min_order) || (exact && order >= min_order_of_exact_data))
     return KM_TANGENT_REFUTED;
   return is_complete && misfit <= tolerance ? KM_TANGENT_CONFIRMED : KM_TANGENT_UNDECIDED;
 }
@@ -166,7 +162,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   misfit_record r = {0};
   int column, columns = l->sub->columns, driver = -1;
   double start = l->residual, tolerance = fmax(l->m->closure_tolerance, 3.0 * start);
-  double first = fmin(fmax(first_step, start_step_ratio * start), longest_step), h = first;
+  double first = fmin(fmax(first_step, start_step_ratio * start), km_longest_local_step), h = first;
   double misfit = 0.0, length = 0.0, opening_length = HUGE_VAL; /* length at which the misfit exceeds the tolerance */
   km_followed_tangent result = {0};
   double size = fastest_column(direction, columns, &column);
@@ -176,8 +172,8 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   km_state_restore(l->s, l->sub, l->origin);
   km_state_invalidate_pivots(l->s, l->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
-  while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > refuting_ratio * tolerance) &&
-         r.count < MAX_SAMPLES && h >= (length > 0.0 ? shortest_step : 0.1 * first)) {
+  while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > km_refuting_ratio * tolerance) &&
+         r.count < MAX_SAMPLES && h >= (length > 0.0 ? 1e-3 * first_step : 0.1 * first)) {
     driver = choose_fixed_column(l, driver);
     if (!take_step(l, driver, length, &misfit)) {
       scale_move(l, 0.5);
@@ -194,7 +190,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
       opening_length = fmin(opening_length, length);
     else if (opening_length == HUGE_VAL)
       result.length += km_step_length(l->m, l->sub, l->move);
-    h = fmin(1.5 * h, longest_step);
+    h = fmin(1.5 * h, km_longest_local_step);
     predict(l, driver, h);
   }
   l->s->partition[l->index].rows_only = false;

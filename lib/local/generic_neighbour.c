@@ -29,7 +29,6 @@ static void combine_motions(const km_mechanism *m, int index, const double *Z, i
 /* Random tangent that satisfies the second order, scaled so that its fastest coordinate moves by 0.05. The start is
  * nearly uniform, so that equal loops move alike. */
 static void choose_random_motion(const km_mechanism *m, km_state *s, int index, double *move) {
-  static const double displacement = 0.05;
   int columns = m->substructures[index].columns;
   double fastest = 0.0;
   km_arena arena = {0};
@@ -46,7 +45,7 @@ static void choose_random_motion(const km_mechanism *m, km_state *s, int index, 
   for (int c = 0; c < columns; ++c)
     fastest = fmax(fastest, fabs(move[c]));
   for (int c = 0; c < columns && is_mobile; ++c)
-    move[c] *= displacement / fastest;
+    move[c] *= km_longest_local_step / fastest;
   km_local_free(l);
   km_arena_free(&arena);
 }

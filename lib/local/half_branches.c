@@ -21,8 +21,7 @@
 enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, MIN_HALVINGS = 3, MAX_HALVINGS = 11 };
 enum { MAX_COVERED_FREEDOM = 3 }; /* freedoms for which the starts cover the sphere of tangents, 20 degrees apart */
 static const double radius =
-    0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed `max_residual` */
-static const double max_residual = 1e-12;       /* rms of the worst loop */
+    0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed the residual tolerance */
 static const double min_misfit = 1e-9;          /* |F| of a sphere without closed configurations: d^n, n <= 8 */
 static const double min_cosine = 0.8;           /* cosine between the directions at d and d/2 */
 static const double rounding = 1e-14;           /* residual of a solution on which Gauss-Newton steps have ended */
@@ -130,7 +129,7 @@ static bool solve_on_sphere(sphere *p, double d) {
   gauss_newton(p);
   evaluate_at(p, p->x);
   double length = km_step_length(l->m, l->sub, p->y);
-  return km_loops_residual(l->m, l->s, l->sub, &worst) <= max_residual && fabs(length - d) <= 1e-6 * d;
+  return km_loops_residual(l->m, l->s, l->sub, &worst) <= km_residual_tolerance && fabs(length - d) <= 1e-6 * d;
 }
 
 /* Error of the last solution for a residual: the residual over the smallest singular value of F'. */
@@ -147,7 +146,8 @@ static bool continues_to_origin(sphere *p) {
   double d = radius;
   for (int k = 0; k < n; ++k)
     p->previous_but_one[k] = 2.0 * p->y[k];
-  for (int i = 0; i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, max_residual) < max_error * p->d); ++i) {
+  for (int i = 0; i < MIN_HALVINGS || (i < MAX_HALVINGS && solution_error(p, km_residual_tolerance) < max_error * p->d);
+       ++i) {
     memcpy(p->last, p->y, (size_t)n * sizeof *p->last);
     /* Predictor: parabola through q0 and the last two solutions. */
     for (int k = 0; k < n; ++k)

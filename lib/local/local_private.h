@@ -13,6 +13,10 @@ enum {
 
 /* Misfit that closing leaves on exact data. */
 static const double km_exact_misfit = 1e-11;
+/* A misfit, or a violated condition, beyond its tolerance by this ratio is no effect of rounded data. */
+static const double km_refuting_ratio = 100.0;
+/* Longest step along a motion, scaled: radians or substructure sizes. */
+static const double km_longest_local_step = 0.05;
 /* Tolerance of a condition over the size of Q. A condition that is a square converges slowly to its zero; below this
  * the direction is tried. */
 static const double km_condition_tolerance = 1e-5;
@@ -128,6 +132,8 @@ static inline bool km_local_is_small(const km_substructure *sub) {
 }
 /* True if the conditions refute the tangent, far beyond rounding. */
 bool km_local_violates_second_order(km_local *local, const double *a);
+/* Largest |c_i| of the conditions along a unit vector a, over their scale. The conditions must be significant. */
+double km_local_violation(km_local *local, const double *a);
 /* Finds a unit vector near `a` that satisfies all conditions, by damped Gauss-Newton; false if there is none. */
 bool km_local_solve_second_order(km_local *local, double *a);
 /* True if some tangent satisfies the conditions, as far as random starts show. */

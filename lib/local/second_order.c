@@ -6,6 +6,7 @@
  *   dimension bound: freedom − rank { Q_i a }
  *
  * The basis stores all Q_i; the other back end evaluates v_i and g_i (second_order_columns.c). */
+#include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "local/second_order_columns.h"
 
@@ -156,8 +157,8 @@ bool km_local_restrict(km_local *l, const double *V, int count) {
   return true;
 }
 
-/* Values and derivatives of all conditions along a, over the scale. Returns the largest |value|. */
-static double evaluate(km_local *l, const double *a) {
+/* Values and derivatives of all conditions along a, over the scale. */
+double km_local_violation(km_local *l, const double *a) {
   int k = l->freedom;
   double worst = 0.0, steepest;
   if (!l->has_basis)
@@ -229,26 +230,24 @@ static bool evaluate_start(km_local *l, const double *a, double *worst) {
   }
   if (!km_local_is_significant(l))
     return false;
-  *worst = evaluate(l, a);
+  *worst = km_local_violation(l, a);
   return true;
 }
 
 bool km_local_violates_second_order(km_local *l, const double *a) {
-  static const double violated = 1e-3; /* far beyond the rounding of Q and of a */
   double worst;
-  return evaluate_start(l, a, &worst) && worst > violated;
+  return evaluate_start(l, a, &worst) && worst > km_refuting_ratio * km_condition_tolerance;
 }
 
 /* Damped Gauss-Newton iteration onto the tangent cone. */
 bool km_local_solve_second_order(km_local *l, double *a) {
   enum { MAX_PASSES = 60 };
-  static const double converged = 1e-9;
   double worst;
   if (!evaluate_start(l, a, &worst))
     return !l->arena->failed && !l->lacks_conditions;
   for (int pass = 0; pass < MAX_PASSES && !l->has_definite; ++pass) {
     double damping = 1e-9 + 1e-3 * worst;
-    if (worst < converged)
+    if (worst < km_step_tolerance)
       return true;
     if (l->has_basis)
       add_step(l, damping, a);
@@ -256,7 +255,7 @@ bool km_local_solve_second_order(km_local *l, double *a) {
       return false;
     if (!scale_to_unit(l, a))
       return false;
-    worst = evaluate(l, a);
+    worst = km_local_violation(l, a);
   }
   return !l->has_definite && worst < km_condition_tolerance;
 }
@@ -277,7 +276,7 @@ int km_local_dimension_bound(km_local *l, const double *a) {
   double *null, largest = 0.0;
   if (!l->has_basis || !km_local_is_significant(l))
     return k;
-  evaluate(l, a);
+  km_local_violation(l, a);
   for (int i = 0; i < l->conditions * k; ++i)
     largest = fmax(largest, fabs(l->gradient[i]));
   int dependent = km_dense_null_space(l->gradient, k, l->conditions, 2.0 * k * sqrt(km_condition_tolerance) / largest,

@@ -1,4 +1,5 @@
 /* Tangents of finite motions: regular configurations, random starts on the tangent cone (docs/theory.md 5.2-5.5). */
+#include "kinematics/loop_closing.h"
 #include "local/local_private.h"
 
 #include <string.h>
@@ -37,11 +38,28 @@ bool km_local_is_regular(km_local *l) {
   return is_regular;
 }
 
-/* True if the tangent `a` is among the known ones, which are secants if no condition is significant. */
-static bool is_known_tangent(const km_local *l, const double *known, int count) {
-  double tolerance = km_local_is_significant(l) ? km_tangent_tolerance : km_secant_tolerance;
+/* True if two tangents can be one. They are known as secants only if no condition is significant. Otherwise tangents
+ * that are close and each satisfy the conditions are two if their mean violates them. */
+static bool is_one_tangent(km_local *l, const double *a, const double *b) {
+  static const double violation_ratio = 10.0; /* the mean of converged tangents of one branch has less by rounding */
+  if (!km_local_is_significant(l) || !l->has_basis)
+    return km_local_is_same(l, a, b, km_local_is_significant(l) ? km_tangent_tolerance : km_secant_tolerance);
+  if (!km_local_is_same(l, a, b, km_tangent_tolerance))
+    return false;
+  double *mean = l->work, along = 0.0;
+  for (int i = 0; i < l->size; ++i)
+    along += a[i] * b[i];
+  for (int i = 0; i < l->size; ++i)
+    mean[i] = a[i] + copysign(1.0, along) * b[i];
+  km_local_normalise(l, mean);
+  double violation = fmax(km_local_violation(l, a), km_local_violation(l, b));
+  return km_local_violation(l, mean) <= violation_ratio * fmax(violation, km_step_tolerance);
+}
+
+/* True if the tangent `a` is among the known ones. */
+static bool is_known_tangent(km_local *l, const double *known, int count) {
   for (int i = 0; i < count; ++i)
-    if (km_local_is_same(l, known + (size_t)i * (size_t)l->size, l->a, tolerance))
+    if (is_one_tangent(l, known + (size_t)i * (size_t)l->size, l->a))
       return true;
   return false;
 }
