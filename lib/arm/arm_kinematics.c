@@ -111,11 +111,11 @@ static km_vec3 rotation_error(const km_arm *a, const km_rotation *R, const km_ro
       return km_vec3_scale(atan2(sine, cosine) / sine, across);
     return cosine > 0.0 ? across : km_vec3_scale(M_PI, R->axis[0]);
   }
-  km_one_vec axes[3], wanted[3];
+  km_one_vec3 axes[3], wanted[3];
   double sine2, trace;
   memcpy(axes, R, sizeof axes);
   memcpy(wanted, target, sizeof wanted);
-  km_one_vec small = km_one_rotation_error(axes, wanted, &sine2, &trace);
+  km_one_vec3 small = km_one_rotation_error(axes, wanted, &sine2, &trace);
   if (sine2 < KM_SMALL_ROTATION && trace > 1.0)
     return (km_vec3){small.x, small.y, small.z};
   km_rotation back = km_rotation_inverse(R), difference = km_rotation_product(target, &back);

@@ -3,15 +3,11 @@
 #ifndef KM_CONTINUATION_HERMITE_CURVE_H
 #define KM_CONTINUATION_HERMITE_CURVE_H
 
-/* Extrapolates the cubic through the last configuration and the present one by h: last_move led here over last_h;
- * last_t and t are the tangents there and here. */
-static inline void km_curve_extrapolate(int n, double last_h, const double *last_move, const double *last_t,
-                                        const double *t, double h, double *move) {
-  double u = h / last_h + 1.0; /* 0 at the last configuration, 1 at the present one */
-  double h00 = 2 * u * u * u - 3 * u * u + 1, h10 = u * u * u - 2 * u * u + u, h11 = u * u * u - u * u;
-  for (int k = 0; k < n; ++k)
-    move[k] = -h00 * last_move[k] + last_h * (h10 * last_t[k] + h11 * t[k]);
-}
+#define T        double
+#define FN(name) km_##name
+#include "continuation/polynomials_body.h"
+#undef T
+#undef FN
 
 /* Weights of the degree-10 Hermite polynomial through nine configurations, h apart, and the tangents at the last two,
  * evaluated h after the last: of the eight moves and of the two tangents times h, the latest first. Error 9! 2! h¹¹

@@ -101,20 +101,6 @@ double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, cons
   return error / (km_path_allowed * largest_magnitude(move, columns) + km_path_rounding);
 }
 
-/* Solves the dual Vandermonde system Σ w_k x_k^j = moment_j, j = 0 … count-1, in place (Å. Björck and V. Pereyra,
- * 1970). */
-static void solve_vandermonde(const double *x, int count, double *moment) {
-  for (int k = 0; k < count - 1; ++k)
-    for (int i = count - 1; i > k; --i)
-      moment[i] -= x[k] * moment[i - 1];
-  for (int k = count - 2; k >= 0; --k) {
-    for (int i = k + 1; i < count; ++i)
-      moment[i] /= x[i] - x[i - k - 1];
-    for (int i = k; i < count - 1; ++i)
-      moment[i] -= moment[i + 1];
-  }
-}
-
 /* Tangents t at the nodes x = (s_k − s) / h. */
 typedef struct nodes {
   int count;
@@ -144,8 +130,8 @@ static void add_magnus_terms(const km_mechanism *m, const km_substructure *sub, 
                              double *move) {
   const int *coordinate = m->column_coordinate + sub->column_start;
   double slope[KM_PATH_NODES] = {0.0, 1.0}, curvature[KM_PATH_NODES] = {0.0, 0.0, 2.0};
-  solve_vandermonde(n->x, n->count, slope);
-  solve_vandermonde(n->x, n->count, curvature);
+  km_solve_vandermonde(n->x, n->count, slope);
+  km_solve_vandermonde(n->x, n->count, curvature);
   for (int k = 0; k < sub->columns; ++k) {
     if (m->ball_of[coordinate[k]] < 0)
       continue;
@@ -168,8 +154,8 @@ double km_minimum_norm_path_predict_multistep(const km_mechanism *m, const km_su
   for (int i = 0; i < n.count; ++i) /* moments of [0, 1] */
     weight[i] = lower_weight[i] = 1.0 / (i + 1);
   lower_weight[n.count - 1] = 0.0;
-  solve_vandermonde(n.x, n.count, weight);
-  solve_vandermonde(n.x, n.count - 1, lower_weight);
+  km_solve_vandermonde(n.x, n.count, weight);
+  km_solve_vandermonde(n.x, n.count - 1, lower_weight);
   for (int k = 0; k < sub->columns; ++k) {
     double sum = 0.0, difference = 0.0;
     for (int i = 0; i < n.count; ++i) {

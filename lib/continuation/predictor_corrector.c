@@ -139,7 +139,9 @@ void km_continuation_predict(km_continuation *c, double h, bool single_freedom) 
   int columns = km_continuation_sub(c)->columns;
   bool has_history = history->last_h != 0.0 && fabs(h) <= km_continuation_extrapolation_limit * fabs(history->last_h);
   if (has_history && single_freedom) {
-    km_curve_extrapolate(columns, history->last_h, history->last_move, history->last_t, history->t, h, c->move);
+    const km_cubic cubic = km_cubic_weights(h, history->last_h);
+    for (int k = 0; k < columns; ++k)
+      c->move[k] = km_cubic_value(&cubic, history->last_move[k], history->last_t[k], history->t[k]);
     bool equal = history->equal_count == KM_CURVE_MOVES && is_equal_step(h, history->last_h);
     if (equal && c->column >= 0 && c->mechanism->ball_count == 0)
       predict_degree_ten(c, h);

@@ -5,13 +5,24 @@
 #include "spatial/sincos.h"
 #include "spatial/vec3.h"
 
-typedef struct km_rotation {
-  km_vec3 axis[3]; /* axis[k] = R e_k: column k */
-} km_rotation;
+/* Angle below which sin(θ)/θ is computed by two terms of its series. */
+#define KM_EXP_SERIES 1e-4
+/* Angle in radians below which the rate of a rotation vector is computed by a series. */
+#define KM_ROTATION_RATE_SERIES 1e-2
 
-typedef struct km_quaternion {
-  double w, x, y, z;
-} km_quaternion;
+#define T                     double
+#define FN(name)              km_##name
+#define ALL(x)                (x)
+#define ROOT                  sqrt
+#define SINCOS                km_sincos
+#define BELOW(a, limit, x, y) ((a) < (limit) ? (x) : (y))
+#include "spatial/rotation_body.h"
+#undef T
+#undef FN
+#undef ALL
+#undef ROOT
+#undef SINCOS
+#undef BELOW
 
 static inline km_rotation km_rotation_identity(void) {
   return (km_rotation){{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -26,32 +37,15 @@ static inline void km_rotation_rows(const km_rotation *r, double rows[9]) {
   }
 }
 
-/* R a. */
-static inline km_vec3 km_rotate(const km_rotation *r, km_vec3 a) {
-  return km_vec3_axpy(a.x, r->axis[0], km_vec3_axpy(a.y, r->axis[1], km_vec3_scale(a.z, r->axis[2])));
-}
-
 /* Rᵀ a. */
 static inline km_vec3 km_rotate_back(const km_rotation *r, km_vec3 a) {
   return (km_vec3){km_vec3_dot(r->axis[0], a), km_vec3_dot(r->axis[1], a), km_vec3_dot(r->axis[2], a)};
 }
 
-static inline km_rotation km_rotation_product(const km_rotation *a, const km_rotation *b) {
-  return (km_rotation){{km_rotate(a, b->axis[0]), km_rotate(a, b->axis[1]), km_rotate(a, b->axis[2])}};
-}
-
-static inline km_rotation km_rotation_inverse(const km_rotation *r) {
-  const km_vec3 *a = r->axis;
-  return (km_rotation){{{a[0].x, a[1].x, a[2].x}, {a[0].y, a[1].y, a[2].y}, {a[0].z, a[1].z, a[2].z}}};
-}
-
 /* R · rot_k(angle): rotation about the own axis k (0, 1, 2). Twelve multiplications. */
 static inline km_rotation km_rotation_about_axis(const km_rotation *r, int k, double cosine, double sine) {
-  int i = (k + 1) % 3, j = (k + 2) % 3;
-  km_rotation out;
-  out.axis[k] = r->axis[k];
-  out.axis[i] = km_vec3_axpy(cosine, r->axis[i], km_vec3_scale(sine, r->axis[j]));
-  out.axis[j] = km_vec3_axpy(cosine, r->axis[j], km_vec3_scale(-sine, r->axis[i]));
+  km_rotation out = *r;
+  km_vec3_turn_about(out.axis, k, cosine, sine);
   return out;
 }
 
@@ -106,31 +100,6 @@ static inline km_rotation km_rotation_nearest(const km_rotation *m) {
   return X;
 }
 
-static inline km_quaternion km_quaternion_product(km_quaternion a, km_quaternion b) {
-  return (km_quaternion){a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-                         a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
-
-static inline km_quaternion km_quaternion_conjugate(km_quaternion a) {
-  return (km_quaternion){a.w, -a.x, -a.y, -a.z};
-}
-
-static inline km_quaternion km_quaternion_normalised(km_quaternion a) {
-  double s = 1.0 / sqrt(a.w * a.w + a.x * a.x + a.y * a.y + a.z * a.z);
-  return (km_quaternion){s * a.w, s * a.x, s * a.y, s * a.z};
-}
-
-/* Angle below which sin(θ)/θ is computed by two terms of its series. */
-#define KM_EXP_SERIES 1e-4
-
-/* Unit quaternion exp(v/2) of a rotation vector v. */
-static inline km_quaternion km_quaternion_exp(km_vec3 v) {
-  double angle = km_vec3_norm(v), sine, cosine;
-  km_sincos(0.5 * angle, &sine, &cosine);
-  double s = angle < KM_EXP_SERIES ? 0.5 - angle * angle / 48.0 : sine / angle;
-  return (km_quaternion){cosine, s * v.x, s * v.y, s * v.z};
-}
-
 /* Rotation vector of a quaternion, with an angle of at most π. */
 static inline km_vec3 km_quaternion_log(km_quaternion q) {
   if (q.w < 0.0)
@@ -153,30 +122,6 @@ static inline km_vec3 km_quaternion_log_near(km_quaternion q, km_vec3 near) {
     return v;
   double turns = round((km_vec3_dot(axis, near) - angle) / (2.0 * M_PI));
   return turns == 0.0 ? v : km_vec3_scale(angle + 2.0 * M_PI * turns, axis);
-}
-
-/* Angle in radians below which the rate of a rotation vector is computed by a series. */
-#define KM_ROTATION_RATE_SERIES 1e-2
-
-/* Rate of the rotation vector u for the angular velocity w along fixed axes: u̇ = w − ½ u × w + c u × (u × w),
- * c = 1/θ² − (1 + cos θ)/(2 θ sin θ). */
-static inline km_vec3 km_rotation_vector_rate(km_vec3 u, km_vec3 w) {
-  double angle = km_vec3_norm(u), square = angle * angle, sine, cosine;
-  km_sincos(angle, &sine, &cosine);
-  double c =
-      angle < KM_ROTATION_RATE_SERIES ? 1.0 / 12 + square / 720 : 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
-  km_vec3 once = km_vec3_cross(u, w), twice = km_vec3_cross(u, once);
-  return km_vec3_axpy(c, twice, km_vec3_axpy(-0.5, once, w));
-}
-
-/* Rotation matrix of a unit quaternion. */
-static inline km_rotation km_quaternion_rotation(km_quaternion q) {
-  double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z;
-  double xy = q.x * q.y, yz = q.y * q.z, zx = q.z * q.x;
-  double wx = q.w * q.x, wy = q.w * q.y, wz = q.w * q.z;
-  return (km_rotation){{{1 - 2 * (yy + zz), 2 * (xy + wz), 2 * (zx - wy)},
-                        {2 * (xy - wz), 1 - 2 * (zz + xx), 2 * (yz + wx)},
-                        {2 * (zx + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}}};
 }
 
 /* Unit quaternion of a rotation matrix, from its largest component. */

@@ -91,11 +91,11 @@ static inline void lanes_sincos_of(const lanes_angles *angles, int j, T *sine, T
 
 /* Target poses of the lanes. */
 typedef struct lanes_target {
-  lanes_vec p, axes[3];
+  lanes_vec3 p, axes[3];
 } lanes_target;
 
-static inline lanes_vec read_vec(km_batch_number *components, int first) {
-  return (lanes_vec){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
+static inline lanes_vec3 read_vec(km_batch_number *components, int first) {
+  return (lanes_vec3){get(components[0] + first), get(components[1] + first), get(components[2] + first)};
 }
 
 /* Pose error e[6] = (position, rotation vector) from the current to the target pose. Clears the lanes of *valid
@@ -103,8 +103,8 @@ static inline lanes_vec read_vec(km_batch_number *components, int first) {
 static inline vector pose_error(const km_arm *a, const lanes_seven *k, const lanes_target *target, vector *e,
                                 mask *valid) {
   vector sine2, write_track;
-  lanes_vec v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
-  lanes_vec w = lanes_rotation_error(k->R, target->axes, &sine2, &write_track);
+  lanes_vec3 v = {target->p.x - k->p.x, target->p.y - k->p.y, target->p.z - k->p.z};
+  lanes_vec3 w = lanes_rotation_error(k->R, target->axes, &sine2, &write_track);
   *valid &= below(sine2, all(KM_SMALL_ROTATION)) & below(all(1.0), write_track);
   e[0] = v.x;
   e[1] = v.y;
@@ -112,7 +112,7 @@ static inline vector pose_error(const km_arm *a, const lanes_seven *k, const lan
   e[3] = w.x;
   e[4] = w.y;
   e[5] = w.z;
-  return root(a->position_weight * lanes_dot(v, v) + lanes_dot(w, w));
+  return root(a->position_weight * lanes_vec3_dot(v, v) + lanes_vec3_dot(w, w));
 }
 
 static inline mask is_regular(const lanes_seven *k) {

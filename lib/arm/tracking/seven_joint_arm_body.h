@@ -24,9 +24,9 @@
 
 typedef struct FN(seven) {
   T jacobian[SEVEN][6]; /* column j: effector's linear, then angular velocity per unit of joint j */
-  FN(vec) axis[SEVEN], point[SEVEN];
-  FN(vec) R[3], p; /* pose of the effector */
-  FN(row) v[6];    /* reflection c is I − inverse[c] v vᵀ; v is 0 before index c */
+  FN(vec3) axis[SEVEN], point[SEVEN];
+  FN(vec3) R[3], p; /* pose of the effector */
+  FN(row) v[6];     /* reflection c is I − inverse[c] v vᵀ; v is 0 before index c */
   T inverse[6];
   T gram[6][6];                /* vᵢᵀ vⱼ for i < j */
   T r[6][6], pivot_inverse[6]; /* R by rows; reciprocals of its diagonal */
@@ -36,59 +36,59 @@ typedef struct FN(seven) {
 } FN(seven);
 
 /* R a for a constant vector a. */
-static inline FN(vec) FN(rotate)(const FN(vec) * R, km_vec3 a) {
-  return (FN(vec)){a.x * R[0].x + (a.y * R[1].x + a.z * R[2].x), a.x * R[0].y + (a.y * R[1].y + a.z * R[2].y),
-                   a.x * R[0].z + (a.y * R[1].z + a.z * R[2].z)};
+static inline FN(vec3) FN(rotate)(const FN(vec3) * R, km_vec3 a) {
+  return (FN(vec3)){a.x * R[0].x + (a.y * R[1].x + a.z * R[2].x), a.x * R[0].y + (a.y * R[1].y + a.z * R[2].y),
+                    a.x * R[0].z + (a.y * R[1].z + a.z * R[2].z)};
 }
 
 /* Forward kinematics: joint axes and points, pose of the effector, Jacobian (docs/theory.md 12.1). */
 static inline void FN(forward)(const km_arm *a, const T *q, FN(seven) * k) {
-  FN(vec) R[3], p;
+  FN(vec3) R[3], p;
   T value[SEVEN];
   for (int j = 0; j < SEVEN; ++j)
     value[j] = a->motions[j].sign * q[j];
   const FN(angles) angles = FN(angles_of)(value);
   const km_pose *first = &a->motions[0].before;
   for (int i = 0; i < 3; ++i)
-    R[i] = (FN(vec)){ZERO + first->R.axis[i].x, ZERO + first->R.axis[i].y, ZERO + first->R.axis[i].z};
-  p = (FN(vec)){ZERO + first->p.x, ZERO + first->p.y, ZERO + first->p.z};
+    R[i] = (FN(vec3)){ZERO + first->R.axis[i].x, ZERO + first->R.axis[i].y, ZERO + first->R.axis[i].z};
+  p = (FN(vec3)){ZERO + first->p.x, ZERO + first->p.y, ZERO + first->p.z};
   for (int j = 0; j < SEVEN; ++j) {
     const km_arm_motion *m = &a->motions[j];
     if (j > 0) {
-      FN(vec) step = FN(rotate)(R, m->before.p);
-      p = (FN(vec)){p.x + step.x, p.y + step.y, p.z + step.z};
+      FN(vec3) step = FN(rotate)(R, m->before.p);
+      p = (FN(vec3)){p.x + step.x, p.y + step.y, p.z + step.z};
       if (m->has_rotation) {
-        FN(vec) x = FN(rotate)(R, m->before.R.axis[0]), y = FN(rotate)(R, m->before.R.axis[1]);
+        FN(vec3) x = FN(rotate)(R, m->before.R.axis[0]), y = FN(rotate)(R, m->before.R.axis[1]);
         R[2] = FN(rotate)(R, m->before.R.axis[2]);
         R[0] = x;
         R[1] = y;
       }
     }
-    const FN(vec) along = FN(axis)(R, m->axis);
-    k->axis[j] = FN(scaled)(ZERO + m->sign, along);
+    const FN(vec3) along = FN(vec3_axis)(R, m->axis);
+    k->axis[j] = FN(vec3_scale)(ZERO + m->sign, along);
     k->point[j] = p;
     if (m->primitive != KM_REVOLUTE)
-      p = FN(axpy)(m->primitive == KM_PRISMATIC ? value[j] : m->pitch * value[j], along, p);
+      p = FN(vec3_axpy)(m->primitive == KM_PRISMATIC ? value[j] : m->pitch * value[j], along, p);
     if (m->primitive == KM_PRISMATIC)
       continue;
     T sine, cosine;
     FN(sincos_of)(&angles, j, &sine, &cosine);
-    FN(turn_about)(R, m->axis, cosine, sine);
+    FN(vec3_turn_about)(R, m->axis, cosine, sine);
   }
-  FN(vec) tip = FN(rotate)(R, a->tool.p);
-  k->p = (FN(vec)){p.x + tip.x, p.y + tip.y, p.z + tip.z};
+  FN(vec3) tip = FN(rotate)(R, a->tool.p);
+  k->p = (FN(vec3)){p.x + tip.x, p.y + tip.y, p.z + tip.z};
   for (int i = 0; i < 3; ++i)
     k->R[i] = FN(rotate)(R, a->tool.R.axis[i]);
   for (int j = 0; j < SEVEN; ++j) {
     const km_arm_motion *m = &a->motions[j];
-    FN(vec) v = k->axis[j], w = {ZERO, ZERO, ZERO};
+    FN(vec3) v = k->axis[j], w = {ZERO, ZERO, ZERO};
     if (m->primitive != KM_PRISMATIC) {
-      FN(vec) arm = {k->p.x - k->point[j].x, k->p.y - k->point[j].y, k->p.z - k->point[j].z};
-      v = FN(cross)(k->axis[j], arm);
+      FN(vec3) arm = {k->p.x - k->point[j].x, k->p.y - k->point[j].y, k->p.z - k->point[j].z};
+      v = FN(vec3_cross)(k->axis[j], arm);
       w = k->axis[j];
     }
     if (m->primitive == KM_HELICAL)
-      v = FN(axpy)(ZERO + m->pitch, k->axis[j], v);
+      v = FN(vec3_axpy)(ZERO + m->pitch, k->axis[j], v);
     T *c = k->jacobian[j];
     c[0] = v.x;
     c[1] = v.y;
@@ -212,18 +212,18 @@ static inline T FN(along_null)(const FN(seven) * k, const T *x) {
 /* Rotation vector from R to the target's axes, in inertial axes, for small angles: s = ½ Σ Rᵢ × targetᵢ has length
  * sin θ, and θ/sin θ is a series. *sine2 = sin²θ and *trace = 1 + 2 cos θ show if the angle is small; the result is
  * invalid otherwise. */
-static inline FN(vec) FN(rotation_error)(const FN(vec) * R, const FN(vec) * target, T *sine2, T *write_track) {
-  FN(vec) s = {ZERO, ZERO, ZERO};
+static inline FN(vec3) FN(rotation_error)(const FN(vec3) * R, const FN(vec3) * target, T *sine2, T *write_track) {
+  FN(vec3) s = {ZERO, ZERO, ZERO};
   *write_track = ZERO;
   for (int i = 0; i < 3; ++i) {
-    FN(vec) c = FN(cross)(R[i], target[i]);
-    s = (FN(vec)){s.x + c.x, s.y + c.y, s.z + c.z};
-    *write_track += FN(dot)(R[i], target[i]);
+    FN(vec3) c = FN(vec3_cross)(R[i], target[i]);
+    s = (FN(vec3)){s.x + c.x, s.y + c.y, s.z + c.z};
+    *write_track += FN(vec3_dot)(R[i], target[i]);
   }
-  s = FN(scaled)(ZERO + 0.5, s);
-  T x = FN(dot)(s, s);
+  s = FN(vec3_scale)(ZERO + 0.5, s);
+  T x = FN(vec3_dot)(s, s);
   *sine2 = x;
-  return FN(scaled)(1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (15.0 / 336.0))), s);
+  return FN(vec3_scale)(1.0 + x * (1.0 / 6.0 + x * (3.0 / 40.0 + x * (15.0 / 336.0))), s);
 }
 
 /* Path-control column path[8] = (rates, 1)/√(1 + |rates|²). */

@@ -2,68 +2,36 @@
  * minimum_norm_path.c. Rotation vectors are computed at the end of a step only, by km_batch_finish_ball_joints;
  * before, their coordinates are undefined. */
 
-typedef struct quaternion {
-  vector w, x, y, z;
-} quaternion;
-
-static inline quaternion get_quaternion(const km_lane_quaternion *n, int lane) {
-  return (quaternion){get(n->w.of + lane), get(n->x.of + lane), get(n->y.of + lane), get(n->z.of + lane)};
+static inline lanes_quaternion get_quaternion(const km_lane_quaternion *n, int lane) {
+  return (lanes_quaternion){get(n->w.of + lane), get(n->x.of + lane), get(n->y.of + lane), get(n->z.of + lane)};
 }
-static inline void put_quaternion(km_lane_quaternion *n, int lane, const quaternion *a) {
+static inline void put_quaternion(km_lane_quaternion *n, int lane, const lanes_quaternion *a) {
   put(n->w.of + lane, a->w);
   put(n->x.of + lane, a->x);
   put(n->y.of + lane, a->y);
   put(n->z.of + lane, a->z);
 }
-static inline quaternion pick_quaternion(mask m, const quaternion *a, const quaternion *b) {
-  return (quaternion){pick(m, a->w, b->w), pick(m, a->x, b->x), pick(m, a->y, b->y), pick(m, a->z, b->z)};
-}
-
-static inline quaternion quaternion_product(const quaternion *a, const quaternion *b) {
-  return (quaternion){
-      a->w * b->w - a->x * b->x - a->y * b->y - a->z * b->z, a->w * b->x + a->x * b->w + a->y * b->z - a->z * b->y,
-      a->w * b->y - a->x * b->z + a->y * b->w + a->z * b->x, a->w * b->z + a->x * b->y - a->y * b->x + a->z * b->w};
-}
-static inline quaternion quaternion_conjugate(const quaternion *a) {
-  return (quaternion){a->w, -a->x, -a->y, -a->z};
-}
-static inline quaternion quaternion_normalised(const quaternion *a) {
-  vector s = 1.0 / root(a->w * a->w + a->x * a->x + a->y * a->y + a->z * a->z);
-  return (quaternion){s * a->w, s * a->x, s * a->y, s * a->z};
-}
-/* Exponential of a rotation vector not longer than KM_SINCOS_MAX_ANGLE. */
-static inline quaternion quaternion_exp(lanes_vec v) {
-  vector angle = root(lanes_dot(v, v)), sine, cosine;
-  lanes_sincos(0.5 * angle, &sine, &cosine);
-  vector s = pick(below(angle, all(KM_EXP_SERIES)), 0.5 - angle * angle / 48.0, sine / angle);
-  return (quaternion){cosine, s * v.x, s * v.y, s * v.z};
-}
-static inline rotation quaternion_rotation(const quaternion *q) {
-  vector xx = q->x * q->x, yy = q->y * q->y, zz = q->z * q->z;
-  vector xy = q->x * q->y, yz = q->y * q->z, zx = q->z * q->x;
-  vector wx = q->w * q->x, wy = q->w * q->y, wz = q->w * q->z;
-  return (rotation){{{1 - 2 * (yy + zz), 2 * (xy + wz), 2 * (zx - wy)},
-                     {2 * (xy - wz), 1 - 2 * (zz + xx), 2 * (yz + wx)},
-                     {2 * (zx + wy), 2 * (yz - wx), 1 - 2 * (xx + yy)}}};
+static inline lanes_quaternion pick_quaternion(mask m, const lanes_quaternion *a, const lanes_quaternion *b) {
+  return (lanes_quaternion){pick(m, a->w, b->w), pick(m, a->x, b->x), pick(m, a->y, b->y), pick(m, a->z, b->z)};
 }
 
 /* Moves the pose X by a ball joint, as km_motion_step; h: its three unit twists. */
-static NOT_INLINED pose ball_step(double sign, const quaternion *ball, pose X, km_lane_twist *h, int lane) {
-  quaternion back = quaternion_conjugate(ball);
-  rotation turn = quaternion_rotation(sign > 0.0 ? ball : &back), before = X.R;
-  X.R = rotation_product(&X.R, &turn);
-  const rotation *axes = sign > 0.0 ? &before : &X.R;
+static NOT_INLINED lanes_pose ball_step(double sign, const lanes_quaternion *ball, lanes_pose X, km_lane_twist *h,
+                                        int lane) {
+  lanes_rotation turn = lanes_quaternion_rotation(sign > 0.0 ? *ball : lanes_quaternion_conjugate(*ball)), before = X.R;
+  X.R = lanes_rotation_product(&X.R, &turn);
+  const lanes_rotation *axes = sign > 0.0 ? &before : &X.R;
   for (int k = 0; k < 3; ++k) {
-    lanes_vec w = lanes_scaled(all(sign), axes->axis[k]);
-    put_vec(&h[k].v, lane, lanes_cross(X.p, w));
+    lanes_vec3 w = lanes_vec3_scale(all(sign), axes->axis[k]);
+    put_vec(&h[k].v, lane, lanes_vec3_cross(X.p, w));
     put_vec(&h[k].w, lane, w);
   }
   return X;
 }
 
 /* Reads the three columns of a ball joint as a vector. */
-static inline lanes_vec get_columns(const km_batch_number *x, int lane) {
-  return (lanes_vec){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
+static inline lanes_vec3 get_columns(const km_batch_number *x, int lane) {
+  return (lanes_vec3){get(x[0].of + lane), get(x[1].of + lane), get(x[2].of + lane)};
 }
 
 /* Rotates all ball joints by the step where the mask is set, as km_state_turn_ball. */
@@ -76,10 +44,9 @@ static NOT_INLINED void rotate_ball_joints(km_batch *l, const km_batch_number *s
     const km_batch_number *turn = step + k;
     km_lane_quaternion *at = &l->ball[l->m->ball_of[coordinate[k]]];
     EACH(r) {
-      quaternion old = get_quaternion(at, AT(r));
-      quaternion by = quaternion_exp(get_columns(turn, AT(r)));
-      quaternion turned = quaternion_product(&by, &old);
-      turned = quaternion_normalised(&turned);
+      lanes_quaternion old = get_quaternion(at, AT(r));
+      lanes_quaternion turned =
+          lanes_quaternion_normalised(lanes_quaternion_product(lanes_quaternion_exp(get_columns(turn, AT(r))), old));
       turned = pick_quaternion(where[r], &turned, &old);
       put_quaternion(at, AT(r), &turned);
     }
@@ -90,7 +57,7 @@ static NOT_INLINED void rotate_ball_joints(km_batch *l, const km_batch_number *s
 static NOT_INLINED void save_ball_joints(km_batch *l, int first, int count) {
   for (int b = 0; b < l->m->ball_count; ++b)
     EACH(r) {
-      quaternion q = get_quaternion(&l->ball[b], AT(r));
+      lanes_quaternion q = get_quaternion(&l->ball[b], AT(r));
       put_quaternion(&l->from_ball[b], AT(r), &q);
     }
 }
@@ -103,7 +70,7 @@ static NOT_INLINED void end_ball_joints(km_batch *l, const mask *took, int first
   km_batch_finish_ball_joints(l, ended);
   for (int b = 0; b < l->m->ball_count; ++b)
     EACH(r) {
-      quaternion q = get_quaternion(&l->ball[b], AT(r)), from = get_quaternion(&l->from_ball[b], AT(r));
+      lanes_quaternion q = get_quaternion(&l->ball[b], AT(r)), from = get_quaternion(&l->from_ball[b], AT(r));
       q = pick_quaternion(took[r], &q, &from);
       put_quaternion(&l->ball[b], AT(r), &q);
     }

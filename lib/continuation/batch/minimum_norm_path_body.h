@@ -1,19 +1,6 @@
 /* Predictors along the path of least motion (theory 4.7) in a batch; part of step_body.h. Per lane the operations are
  * those of minimum_norm_path.c and predictor_corrector.c. */
 
-/* Solves the dual Vandermonde system Σ w_k x_k^j = moment_j in place. */
-static inline void solve_vandermonde(const vector *x, int nodes, vector *moment) {
-  for (int k = 0; k < nodes - 1; ++k)
-    for (int i = nodes - 1; i > k; --i)
-      moment[i] -= x[k] * moment[i - 1];
-  for (int k = nodes - 2; k >= 0; --k) {
-    for (int i = k + 1; i < nodes; ++i)
-      moment[i] /= x[i] - x[i - k - 1];
-    for (int i = k; i < nodes - 1; ++i)
-      moment[i] -= moment[i + 1];
-  }
-}
-
 /* Weights of the tangents at all nodes; 0 where a lane lacks the tangent. */
 typedef struct node_weights {
   vector weight[KM_PATH_NODES]; /* weights of the step */
@@ -27,7 +14,7 @@ typedef struct node_weights {
 static inline void solve_first_nodes(const vector *x, int nodes, const double *moment, vector *weight) {
   for (int i = 0; i < KM_PATH_NODES; ++i)
     weight[i] = all(i < nodes ? moment[i] : 0.0);
-  solve_vandermonde(x, nodes, weight);
+  lanes_solve_vandermonde(x, nodes, weight);
 }
 
 /* Computes the weights of a lane's nodes but the last `less`: a lane has all nodes or all but one. */
@@ -59,11 +46,11 @@ static inline node_weights compute_node_weights(const km_batch *l, vector h, int
 }
 
 /* Returns the weighted sum of a ball joint's angular velocities at the nodes. */
-static inline lanes_vec weighted_angular_velocity(const km_batch_number *const *t, const vector *weight, int column,
-                                                  int lane) {
-  lanes_vec sum = {all(0.0), all(0.0), all(0.0)};
+static inline lanes_vec3 weighted_angular_velocity(const km_batch_number *const *t, const vector *weight, int column,
+                                                   int lane) {
+  lanes_vec3 sum = {all(0.0), all(0.0), all(0.0)};
   for (int i = 0; i < KM_PATH_NODES; ++i)
-    sum = lanes_axpy(weight[i], get_columns(t[i] + column, lane), sum);
+    sum = lanes_vec3_axpy(weight[i], get_columns(t[i] + column, lane), sum);
   return sum;
 }
 
@@ -76,10 +63,11 @@ static inline void add_magnus_terms(km_batch *l, const km_batch_number *const *t
     const km_batch_number *now = t[0] + k;
     km_batch_number *turn = l->move + k;
     EACH(r) {
-      lanes_vec curvature = weighted_angular_velocity(t, w[r].curvature, k, AT(r)),
-                slope = weighted_angular_velocity(t, w[r].slope, k, AT(r));
-      lanes_vec error_weight = lanes_axpy(all(0.5), curvature, slope);
-      lanes_vec correction = lanes_scaled(-h[r] * h[r] / 12.0, lanes_cross(get_columns(now, AT(r)), error_weight));
+      lanes_vec3 curvature = weighted_angular_velocity(t, w[r].curvature, k, AT(r)),
+                 slope = weighted_angular_velocity(t, w[r].slope, k, AT(r));
+      lanes_vec3 error_weight = lanes_vec3_axpy(all(0.5), curvature, slope);
+      lanes_vec3 correction =
+          lanes_vec3_scale(-h[r] * h[r] / 12.0, lanes_vec3_cross(get_columns(now, AT(r)), error_weight));
       PUT(turn[0], GET(turn[0]) + correction.x);
       PUT(turn[1], GET(turn[1]) + correction.y);
       PUT(turn[2], GET(turn[2]) + correction.z);
@@ -143,16 +131,6 @@ static inline vector combine_stages(const km_batch *l, const double *weight, int
   return sum;
 }
 
-/* Returns the rate of a rotation vector u for the angular velocity w, as minimum_norm_path.c. */
-static inline lanes_vec rotation_vector_rate(lanes_vec u, lanes_vec w) {
-  vector angle = root(lanes_dot(u, u)), square = angle * angle, sine, cosine;
-  lanes_sincos(angle, &sine, &cosine);
-  vector series = 1.0 / 12 + square / 720, closed_form = 1.0 / square - (1.0 + cosine) / (2.0 * angle * sine);
-  lanes_vec once = lanes_cross(u, w), twice = lanes_cross(u, once);
-  vector c = pick(below(angle, all(KM_ROTATION_RATE_SERIES)), series, closed_form);
-  return lanes_axpy(c, twice, lanes_axpy(all(-0.5), once, w));
-}
-
 /* Stores the rates of a stage in place of the move that led to it; angular velocities become rates of rotation
  * vectors. */
 static inline void store_stage_rates(const km_batch *l, km_batch_number *stage, int first, int count) {
@@ -160,7 +138,7 @@ static inline void store_stage_rates(const km_batch *l, km_batch_number *stage, 
     bool is_ball = l->is_ball[k];
     EACH(r) {
       if (is_ball) {
-        lanes_vec v = rotation_vector_rate(get_columns(stage + k, AT(r)), get_columns(l->next_t + k, AT(r)));
+        lanes_vec3 v = lanes_rotation_vector_rate(get_columns(stage + k, AT(r)), get_columns(l->next_t + k, AT(r)));
         PUT(stage[k], v.x);
         PUT(stage[k + 1], v.y);
         PUT(stage[k + 2], v.z);
@@ -179,7 +157,7 @@ static inline void restore_start(km_batch *l, int first, int count) {
   PUT(l->q[coordinate[k]], GET(l->from[k]));
   for (int b = 0; b < l->m->ball_count; ++b)
     EACH(r) {
-      quaternion q = get_quaternion(&l->from_ball[b], AT(r));
+      lanes_quaternion q = get_quaternion(&l->from_ball[b], AT(r));
       put_quaternion(&l->ball[b], AT(r), &q);
     }
 }

@@ -3,74 +3,56 @@
 
 #include "spatial/vec3_body.h"
 
-typedef struct rotation {
-  lanes_vec axis[3];
-} rotation;
-typedef struct pose {
-  rotation R;
-  lanes_vec p;
-} pose;
-typedef struct twist {
-  lanes_vec v, w;
-} twist;
+#define ALL                   all
+#define ROOT                  root
+#define SINCOS                lanes_sincos
+#define BELOW(a, limit, x, y) pick(below((a), all(limit)), (x), (y))
+#include "spatial/rotation_body.h"
 
-static inline lanes_vec get_vec(const km_lane_vec3 *n, int lane) {
-  return (lanes_vec){get(n->x.of + lane), get(n->y.of + lane), get(n->z.of + lane)};
+typedef struct lanes_twist {
+  lanes_vec3 v, w;
+} lanes_twist;
+
+static inline lanes_vec3 get_vec(const km_lane_vec3 *n, int lane) {
+  return (lanes_vec3){get(n->x.of + lane), get(n->y.of + lane), get(n->z.of + lane)};
 }
-static inline void put_vec(km_lane_vec3 *n, int lane, lanes_vec a) {
+static inline void put_vec(km_lane_vec3 *n, int lane, lanes_vec3 a) {
   put(n->x.of + lane, a.x);
   put(n->y.of + lane, a.y);
   put(n->z.of + lane, a.z);
 }
-static inline rotation get_rotation(const km_lane_pose *n, int lane) {
-  return (rotation){{get_vec(&n->axis[0], lane), get_vec(&n->axis[1], lane), get_vec(&n->axis[2], lane)}};
+static inline lanes_rotation get_rotation(const km_lane_pose *n, int lane) {
+  return (lanes_rotation){{get_vec(&n->axis[0], lane), get_vec(&n->axis[1], lane), get_vec(&n->axis[2], lane)}};
 }
-static inline pose get_pose(const km_lane_pose *n, int lane) {
-  return (pose){get_rotation(n, lane), get_vec(&n->p, lane)};
+static inline lanes_pose get_pose(const km_lane_pose *n, int lane) {
+  return (lanes_pose){get_rotation(n, lane), get_vec(&n->p, lane)};
 }
-static inline void put_pose(km_lane_pose *n, int lane, const pose *X) {
+static inline void put_pose(km_lane_pose *n, int lane, const lanes_pose *X) {
   for (int k = 0; k < 3; ++k)
     put_vec(&n->axis[k], lane, X->R.axis[k]);
   put_vec(&n->p, lane, X->p);
-}
-
-static inline lanes_vec rotate(const rotation *R, lanes_vec a) {
-  return lanes_axpy(a.x, R->axis[0], lanes_axpy(a.y, R->axis[1], lanes_scaled(a.z, R->axis[2])));
-}
-static inline rotation rotation_product(const rotation *a, const rotation *b) {
-  return (rotation){{rotate(a, b->axis[0]), rotate(a, b->axis[1]), rotate(a, b->axis[2])}};
-}
-static inline rotation rotation_inverse(const rotation *R) {
-  const lanes_vec *a = R->axis;
-  return (rotation){{{a[0].x, a[1].x, a[2].x}, {a[0].y, a[1].y, a[2].y}, {a[0].z, a[1].z, a[2].z}}};
-}
-static inline lanes_vec pose_point(const pose *a, lanes_vec x) {
-  return lanes_sum(rotate(&a->R, x), a->p);
-}
-static inline pose pose_product(const pose *a, const pose *b) {
-  return (pose){rotation_product(&a->R, &b->R), pose_point(a, b->p)};
 }
 
 #include "continuation/batch/ball_joints_body.h"
 
 /* Moves the pose X by a joint other than a ball joint, as km_motion_step. Clears lanes whose angle exceeds the sine's
  * range. */
-static inline pose motion_step(const km_step *step, vector pitch, vector value, pose X, km_lane_twist *h, mask *valid,
-                               int lane) {
-  lanes_vec axis = lanes_axis(X.R.axis, step->axis), w = lanes_scaled(all(step->sign), axis), v = w;
+static inline lanes_pose motion_step(const km_step *step, vector pitch, vector value, lanes_pose X, km_lane_twist *h,
+                                     mask *valid, int lane) {
+  lanes_vec3 axis = lanes_vec3_axis(X.R.axis, step->axis), w = lanes_vec3_scale(all(step->sign), axis), v = w;
   if (step->primitive == KM_PRISMATIC) {
-    w = (lanes_vec){all(0.0), all(0.0), all(0.0)};
-    X.p = lanes_axpy(value, axis, X.p);
+    w = (lanes_vec3){all(0.0), all(0.0), all(0.0)};
+    X.p = lanes_vec3_axpy(value, axis, X.p);
   } else {
     vector sine, cosine;
-    v = lanes_cross(X.p, w);
+    v = lanes_vec3_cross(X.p, w);
     if (step->primitive == KM_HELICAL) {
-      v = lanes_axpy(all(step->sign) * pitch, axis, v);
-      X.p = lanes_axpy(value * pitch, axis, X.p);
+      v = lanes_vec3_axpy(all(step->sign) * pitch, axis, v);
+      X.p = lanes_vec3_axpy(value * pitch, axis, X.p);
     }
     lanes_sincos(value, &sine, &cosine);
     *valid &= at_most(size_of(value), all(KM_SINCOS_MAX_ANGLE));
-    lanes_turn_about(X.R.axis, step->axis, cosine, sine);
+    lanes_vec3_turn_about(X.R.axis, step->axis, cosine, sine);
   }
   put_vec(&h->v, lane, v);
   put_vec(&h->w, lane, w);
@@ -83,17 +65,17 @@ static inline void spatial_steps(km_batch *l, const km_program *program, mask *v
     const km_step *step = &l->m->steps[i];
     const km_lane_spatial_step *n = &l->spatial_steps[i];
     EACH(r) {
-      pose X = get_pose(&l->poses[step->from], AT(r));
+      lanes_pose X = get_pose(&l->poses[step->from], AT(r));
       vector value = all(step->sign) * GET(l->q[step->coordinate]);
       if (step->primitive == KM_PRISMATIC)
         value /= GET(l->size);
-      X.p = pose_point(&X, get_vec(&n->before.p, AT(r)));
+      X.p = lanes_pose_point(&X, get_vec(&n->before.p, AT(r)));
       if (step->has_rotation) {
-        rotation before = get_rotation(&n->before, AT(r));
-        X.R = rotation_product(&X.R, &before);
+        lanes_rotation before = get_rotation(&n->before, AT(r));
+        X.R = lanes_rotation_product(&X.R, &before);
       }
       if (step->primitive == KM_BALL) {
-        quaternion ball = get_quaternion(&l->ball[step->ball], AT(r));
+        lanes_quaternion ball = get_quaternion(&l->ball[step->ball], AT(r));
         X = ball_step(step->sign, &ball, X, &l->twists[3 * i], AT(r));
       } else {
         X = motion_step(step, GET(n->pitch), value, X, &l->twists[3 * i], &valid[r], AT(r));
@@ -104,15 +86,15 @@ static inline void spatial_steps(km_batch *l, const km_program *program, mask *v
 }
 
 /* Logarithm of a small displacement E as a twist, by series. Clears lanes whose rotation is not small. */
-static inline twist twist_log(const pose *E, mask *valid) {
-  const lanes_vec *a = E->R.axis;
-  lanes_vec w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
-  vector sine2 = lanes_dot(w, w);
+static inline lanes_twist twist_log(const lanes_pose *E, mask *valid) {
+  const lanes_vec3 *a = E->R.axis;
+  lanes_vec3 w = {0.5 * (a[1].z - a[2].y), 0.5 * (a[2].x - a[0].z), 0.5 * (a[0].y - a[1].x)};
+  vector sine2 = lanes_vec3_dot(w, w);
   *valid &= below(sine2, all(KM_SERIES_ANGLE * KM_SERIES_ANGLE)) & below(all(2.0), a[0].x + a[1].y + a[2].z);
-  w = lanes_scaled(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
-  vector c = 1.0 / 12.0 + lanes_dot(w, w) * (1.0 / 720.0);
-  lanes_vec wp = lanes_cross(w, E->p);
-  return (twist){lanes_axpy(c, lanes_cross(w, wp), lanes_axpy(all(-0.5), wp, E->p)), w};
+  w = lanes_vec3_scale(1.0 + sine2 * (1.0 / 6.0) + sine2 * sine2 * (3.0 / 40.0), w);
+  vector c = 1.0 / 12.0 + lanes_vec3_dot(w, w) * (1.0 / 720.0);
+  lanes_vec3 wp = lanes_vec3_cross(w, E->p);
+  return (lanes_twist){lanes_vec3_axpy(c, lanes_vec3_cross(w, wp), lanes_vec3_axpy(all(-0.5), wp, E->p)), w};
 }
 
 /* Closure error of a spatial loop, its square and its rows. */
@@ -120,20 +102,21 @@ static inline void compute_spatial_error(km_batch *l, int index, mask *valid, in
   const km_loop *loop = &l->m->loops[index];
   km_lane_spatial_loop *n = &l->spatial_loops[index];
   km_lane_loop *out = &l->loops[index];
-  pose close[2] = {get_pose(&n->closing_frame[0], AT(r)), get_pose(&n->closing_frame[1], AT(r))};
-  pose a = get_pose(&l->poses[loop->slot[0]], AT(r)), b = get_pose(&l->poses[loop->slot[1]], AT(r));
-  lanes_vec difference = get_vec(&n->origin_offset, AT(r));
-  a = pose_product(&a, &close[0]);
-  b = pose_product(&b, &close[1]);
-  lanes_vec point = loop->has_moving_point ? a.p : get_vec(&n->point, AT(r));
+  lanes_pose close[2] = {get_pose(&n->closing_frame[0], AT(r)), get_pose(&n->closing_frame[1], AT(r))};
+  lanes_pose a = get_pose(&l->poses[loop->slot[0]], AT(r)), b = get_pose(&l->poses[loop->slot[1]], AT(r));
+  lanes_vec3 difference = get_vec(&n->origin_offset, AT(r));
+  a = lanes_pose_product(&a, &close[0]);
+  b = lanes_pose_product(&b, &close[1]);
+  lanes_vec3 point = loop->has_moving_point ? a.p : get_vec(&n->point, AT(r));
   put_vec(&n->origin[0], AT(r), point);
-  put_vec(&n->origin[1], AT(r), lanes_difference(point, difference));
-  b.p = lanes_sum(lanes_difference(b.p, a.p), difference);
-  rotation back = rotation_inverse(&b.R);
-  pose E = {rotation_product(&a.R, &back), rotate(&a.R, lanes_scaled(all(-1.0), rotate(&back, b.p)))};
-  twist misfit = twist_log(&E, &valid[r]);
-  PUT(out->square, lanes_dot(misfit.v, misfit.v) + lanes_dot(misfit.w, misfit.w));
-  lanes_vec v = lanes_sum(misfit.v, lanes_cross(misfit.w, lanes_difference(point, a.p)));
+  put_vec(&n->origin[1], AT(r), lanes_vec3_sub(point, difference));
+  b.p = lanes_vec3_add(lanes_vec3_sub(b.p, a.p), difference);
+  lanes_rotation back = lanes_rotation_inverse(&b.R);
+  lanes_pose E = {lanes_rotation_product(&a.R, &back),
+                  lanes_rotate(&a.R, lanes_vec3_scale(all(-1.0), lanes_rotate(&back, b.p)))};
+  lanes_twist misfit = twist_log(&E, &valid[r]);
+  PUT(out->square, lanes_vec3_dot(misfit.v, misfit.v) + lanes_vec3_dot(misfit.w, misfit.w));
+  lanes_vec3 v = lanes_vec3_add(misfit.v, lanes_vec3_cross(misfit.w, lanes_vec3_sub(point, a.p)));
   const vector values[6] = {v.x, v.y, v.z, misfit.w.x, misfit.w.y, misfit.w.z};
   for (int k = 0; k < 6; ++k)
     put(l->error->of + out->row[k] + AT(r), values[k]);
@@ -149,8 +132,8 @@ static inline void set_spatial_entries(km_batch *l, int index, const km_lane_twi
     double *J = l->J->of;
     for (int k = 0; k < entry->columns; ++k, ++of, J += entry->column_stride)
       EACH(r) {
-        lanes_vec w = get_vec(&of->w, AT(r)), o = get_vec(&n->origin[entry->side < 0.0], AT(r));
-        lanes_vec v = lanes_sum(get_vec(&of->v, AT(r)), lanes_cross(w, o));
+        lanes_vec3 w = get_vec(&of->w, AT(r)), o = get_vec(&n->origin[entry->side < 0.0], AT(r));
+        lanes_vec3 v = lanes_vec3_add(get_vec(&of->v, AT(r)), lanes_vec3_cross(w, o));
         const vector column[6] = {v.x, v.y, v.z, w.x, w.y, w.z};
         for (int a = 0; a < 6; ++a)
           put(J + entry->position[a] + AT(r), entry->side * column[a]);

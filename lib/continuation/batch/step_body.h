@@ -13,6 +13,8 @@
 #include "spatial/twist.h"
 
 #include "continuation/batch/arithmetic_body.h"
+#include "continuation/polynomials_body.h"
+
 #include "continuation/batch/spatial_loops_body.h" /* includes ball joints */
 
 #include "continuation/batch/loop_equations_body.h"
@@ -40,28 +42,14 @@ static NOT_INLINED void predict_linear(km_batch *l, const vector *h, const mask 
   PUT(l->move[k], pick(within_limit[r], GET(l->move[k]), h[r] * GET(l->t[k])));
 }
 
-/* The cubic through the last two poses and their tangents, as its weights in a step of h. */
-typedef struct cubic {
-  vector last_h, h00, h10, h11;
-} cubic;
-
-static inline cubic cubic_weights(vector h, vector last_h) {
-  const vector u = h / last_h + 1.0;
-  return (cubic){last_h, 2.0 * u * u * u - 3.0 * u * u + 1.0, u * u * u - 2.0 * u * u + u, u * u * u - u * u};
-}
-
-static inline vector evaluate_cubic(const cubic *c, vector last_move, vector last_t, vector t) {
-  return -c->h00 * last_move + c->last_h * (c->h10 * last_t + c->h11 * t);
-}
-
-static INLINED void predict_cubic(km_batch *l, const cubic *c, int first, int count) {
+static INLINED void predict_cubic(km_batch *l, const lanes_cubic *c, int first, int count) {
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r)
-  PUT(l->move[k], evaluate_cubic(&c[r], GET(l->last_move[k]), GET(l->last_t[k]), GET(l->t[k])));
+  PUT(l->move[k], lanes_cubic_value(&c[r], GET(l->last_move[k]), GET(l->last_t[k]), GET(l->t[k])));
 }
 
 /* Replaces the cubic by the polynomial of degree 10 where `far` is set and both agree. */
-static INLINED void predict_degree_ten(km_batch *l, const cubic *c, const vector *h, mask *degree_ten,
+static INLINED void predict_degree_ten(km_batch *l, const lanes_cubic *c, const vector *h, mask *degree_ten,
                                        const mask *valid, int first, int count) {
   vector difference[REGISTERS];
   mask others[REGISTERS];
@@ -70,7 +58,7 @@ static INLINED void predict_degree_ten(km_batch *l, const cubic *c, const vector
   for (int k = 0; k < l->sub->columns; ++k)
     EACH(r) {
       const vector t = GET(l->t[k]), last_t = GET(l->last_t[k]);
-      const vector within_limit = evaluate_cubic(&c[r], GET(l->last_move[k]), last_t, t);
+      const vector within_limit = lanes_cubic_value(&c[r], GET(l->last_move[k]), last_t, t);
       vector even = h[r] * (km_curve_tangents[0] * t + km_curve_tangents[1] * last_t), odd = GET(l->remaining_step[k]);
       for (int i = 0; i < KM_CURVE_MOVES; i += 2) {
         even += km_curve_moves[i] * GET(l->past[i][k]);
@@ -98,13 +86,13 @@ static INLINED void predict_degree_ten(km_batch *l, const cubic *c, const vector
 
 /* Predicts a step with one freedom, as km_continuation_predict. */
 static INLINED void predict_single_freedom(km_batch *l, const vector *h, const mask *valid, int first, int count) {
-  cubic c[REGISTERS];
+  lanes_cubic c[REGISTERS];
   mask within_limit[REGISTERS], beyond_limit[REGISTERS], degree_ten[REGISTERS];
   const bool has_balls = l->m->ball_count > 0;
   EACH(r) {
     within_limit[r] = is_within_extrapolation(l, h[r], r, first);
     beyond_limit[r] = ~within_limit[r];
-    c[r] = cubic_weights(h[r], GET(l->current.last_h));
+    c[r] = lanes_cubic_weights(h[r], GET(l->current.last_h));
     degree_ten[r] =
         valid[r] & is_equal_step(l, h[r], r, first) & equal(GET(l->current.equal_count), all(KM_CURVE_MOVES));
   }
