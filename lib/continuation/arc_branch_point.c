@@ -11,21 +11,20 @@
 
 #include <string.h>
 
-static const double node_distance = 1e-3;                    /* unit of the nodes' places, arc length */
-static const double first_step = 1e-3, longest_first = 0.25; /* first step on a branch, arc length */
+static const double longest_first = 0.25; /* longest first step on a branch, arc length */
 
 bool km_arc_motion_locate_branch(km_arc_motion *f, double length, double g_end) {
   const km_substructure *sub = km_arc_motion_sub(f);
   double guess = length * f->g / (f->g - g_end), g[KM_CURVE_NODES], reached;
   f->curve.c = guess;
-  f->curve.h = node_distance;
+  f->curve.h = km_singular_step;
   for (int i = 0; i < KM_CURVE_NODES; ++i) {
-    if (!km_arc_motion_step(f, guess + km_node_place[i] * node_distance, &reached))
+    if (!km_arc_motion_step(f, guess + km_node_place[i] * km_singular_step, &reached))
       return false;
     g[i] = km_arc_motion_branch_function_after_step(f);
     km_node_curve_record(&f->curve, &f->c, i, f->c.next_t);
   }
-  double u = km_node_curve_root(g, 0.0), root = guess + u * node_distance;
+  double u = km_node_curve_root(g, 0.0), root = guess + u * km_singular_step;
   if (!(fabs(u) < km_node_place[KM_CURVE_NODES - 1]))
     return false;
   km_node_curve_place(&f->curve, &f->c, root);
@@ -101,7 +100,7 @@ static int find_freedom_after(km_arc_motion *f, double h) {
 static int find_branch_freedom(km_arc_motion *f) {
   const km_substructure *sub = km_arc_motion_sub(f);
   int most = km_partition_freedom(&f->c.state->partition[f->c.substructure]), freedom = most;
-  for (double h = first_step; h <= longest_first; h *= 2.0) {
+  for (double h = km_singular_step; h <= longest_first; h *= 2.0) {
     int freedom_after_h = find_freedom_after(f, h), next = find_freedom_after(f, 2.0 * h);
     f->largest = h;
     freedom = freedom_after_h > 0 ? freedom_after_h : freedom;

@@ -1,10 +1,10 @@
 /* Closed cycles of a continuation by arc length (theory 4.9): the motion returns to its origin within 1e-9, full turns
  * of hinges not counted. */
 #include "continuation/arc_motion.h"
+#include "kinematics/loop_closing.h"
 
 #include <string.h>
 
-static const double closing = 1e-9;       /* distance |D Δq| at which a cycle counts as closed */
 static const double shortest_cycle = 0.1; /* arc length of the shortest cycle that is detected */
 
 /* Computes the displacement from the origin to the state's configuration, full turns of hinges removed. */
@@ -38,7 +38,7 @@ bool km_arc_motion_meet_origin(km_arc_motion *f, double length) {
       return false;
     difference_from_origin(f, displacement);
   }
-  if (km_continuation_dot(&f->c, displacement, displacement) > closing * closing)
+  if (km_continuation_dot(&f->c, displacement, displacement) > km_step_tolerance * km_step_tolerance)
     return false;
   km_arc_motion_accept(f, reached);
   f->cycle = f->s - f->origin_s;

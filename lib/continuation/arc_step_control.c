@@ -3,8 +3,8 @@
 #include "kmech/continuation.h"
 
 #include "continuation/arc_motion.h"
+#include "kinematics/loop_closing.h"
 
-static const double shortest = 1e-9;   /* shortest step: below, the motion ends */
 static const double furthest = 1000.0; /* longest advance */
 static const double narrow = 4e-3;     /* arc length to which a branch point is bracketed before interpolation */
 
@@ -28,7 +28,7 @@ static void stop_at_limit(km_arc_motion *f, int c, double length) {
 /* Takes one controlled step of at most `most`; false if the motion ends. */
 static bool advance_one_step(km_arc_motion *f, double most) {
   double first_h = most / ceil(most / f->largest * (1.0 - 1e-9)); /* equal steps avoid a short last one */
-  for (double h = first_h; h >= fmin(shortest, most); h *= 0.5) {
+  for (double h = first_h; h >= fmin(km_step_tolerance, most); h *= 0.5) {
     double length;
     if (!(h == most ? km_arc_motion_step(f, h, &length) : km_arc_motion_try(f, h, &length)) ||
         length > most * (1.0 + 1e-9))

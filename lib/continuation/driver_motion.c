@@ -94,7 +94,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
         km_continuation_set_driver(&d->c, target);
       } else if (fabs(h) >
                  /* shorter steps are close to a branch point, where the tangent mixes several motions */
-                 km_driver_motion_branch_width) {
+                 km_driver_motion_short_step) {
         km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);
       }
       continue;
@@ -110,7 +110,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
       continue;
     if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_TOO_LONG) &&
         km_singular_bridge_build(d, d->current.s, copysign(1.0, remaining), 0.7) && move_along_bridge(d, target)) {
-      step = km_driver_motion_least_first;
+      step = km_singular_step;
       continue;
     }
     if (result != KM_ATTEMPT_OPEN || !is_blocked_on_return(d, remaining)) {
@@ -120,7 +120,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
     d->current.stopped = -copysign(1.0, remaining); /* the end lies in the other direction */
     step = km_smaller(d->current.largest, longest_driver_step(d));
   }
-  d->current.largest = km_larger(step, km_driver_motion_least_first);
+  d->current.largest = km_larger(step, km_singular_step);
   return KM_ATTEMPT_ACCEPTED;
 }
 
@@ -167,7 +167,7 @@ static double clamp_to_driver_limit(const km_driver_motion *d, double goal) {
  * approaches only linearly. The state is then at the goal. */
 static bool close_at_turning_point(km_driver_motion *d, double goal) {
   const km_substructure *sub = km_driver_motion_substructure(d);
-  if (!(fabs(d->current.s - goal) <= 1e-9))
+  if (!(fabs(d->current.s - goal) <= km_step_tolerance))
     return false;
   km_closure evidence;
   int worst;
@@ -176,7 +176,7 @@ static bool close_at_turning_point(km_driver_motion *d, double goal) {
   km_loops_close(d->c.mechanism, d->c.state, d->c.substructure, d->c.column, &evidence);
   km_loops_update(d->c.mechanism, d->c.state, sub);
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
-  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_driver_motion_closed_residual)
+  if (km_loops_residual(d->c.mechanism, d->c.state, sub, &worst) <= km_residual_tolerance)
     return true;
   km_state_restore(d->c.state, sub, d->c.from);
   return false;
@@ -210,7 +210,7 @@ void km_driver_motion_begin(km_driver_motion *d, double target) {
   double h = copysign(step, remaining);
   if (km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) != KM_ATTEMPT_ACCEPTED)
     return;
-  d->current.largest = fmax(lengthen_step(d, step, h), km_driver_motion_least_first);
+  d->current.largest = fmax(lengthen_step(d, step, h), km_singular_step);
   km_driver_motion_notify(d, d->current.s, d->c.history.t, 1);
 }
 

@@ -8,11 +8,11 @@
 #include "continuation/predictor_corrector.h"
 #include "kmech/continuation.h"
 
-/* Longest step of the driver; shortest first step towards a new target; largest move of a coordinate in one step,
+/* Longest step of the driver; largest move of a coordinate in one step,
  * beyond which the linearisation of an angle is useless. In radians or substructure sizes. */
-static const double km_driver_longest_step = 0.3, km_driver_motion_least_first = 1e-3,
-                    km_driver_motion_longest_move = 0.6;
-/* A slide beyond this distance (sizes) with a rate above this value (per unit of the driver) diverges. */
+static const double km_driver_longest_step = 0.3, km_driver_motion_longest_move = 0.6;
+/* A slide beyond this distance (sizes) with a rate above this value (per unit of the driver) diverges; a rate above it
+ * where a motion ends shows a turning point. */
 static const double km_driver_motion_diverging = 1e3;
 /* A target within 1e-6 of the step's end is reached by this step. A remainder of rounding size would corrupt the
  * history of the predictor. */

@@ -188,7 +188,7 @@ static km_attempt try_step(km_driver_motion *d, double h, double correction_rati
   if (may_be_singular(d) && rank_changed(d))
     return KM_ATTEMPT_TOO_LONG;
   bool changed = !d->crosses_singular && sign_changed(d);
-  if (changed && fabs(h) > km_driver_motion_branch_width)
+  if (changed && fabs(h) > km_driver_motion_short_step)
     return KM_ATTEMPT_TOO_LONG;
   d->current.crossings += changed;
   return KM_ATTEMPT_ACCEPTED;

@@ -15,12 +15,9 @@ typedef enum km_attempt {
   KM_ATTEMPT_EXHAUSTED  /* step bound reached */
 } km_attempt;
 
-/* Steps below this length hardly advance; see MOST_SHORT_ATTEMPTS. */
+/* Steps below this length hardly advance (MOST_SHORT_ATTEMPTS); a sign change of det(pivot block) over such a step is a
+ * branch point. */
 static const double km_driver_motion_short_step = 1e-5;
-/* Largest residual (scaled) of a configuration that counts as closed without another Newton step. */
-static const double km_driver_motion_closed_residual = 1e-12;
-/* A sign change of det(pivot block) over a step not longer than this is a branch point. */
-static const double km_driver_motion_branch_width = 1e-5;
 
 /* Searches pivots and computes the tangent of the present configuration. False if it has no tangent. */
 bool km_driver_motion_start(km_driver_motion *drive);

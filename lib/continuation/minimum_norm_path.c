@@ -10,10 +10,6 @@
 
 #include <string.h>
 
-/* Rounding of an implicit step (scaled): near singular configurations closed loops determine it to fewer digits. The
- * error decays on a stiff path. */
-static const double implicit_rounding = 1e-9;
-
 const double km_path_stage_weights[KM_PATH_STAGES][KM_PATH_STAGES - 1] = {
     {0},
     {1.0 / 5},
@@ -198,5 +194,7 @@ double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, 
     km_nearest_configuration_follow(closest, m, sub, extrapolated);
   for (int k = 0; k < columns; ++k)
     error = fabs(extrapolated[k]) <= error ? error : fabs(extrapolated[k]);
-  return error / (km_path_allowed * largest_magnitude(move, columns) + implicit_rounding);
+  /* The loops determine an implicit step to the step tolerance near singular configurations; the error decays on a
+   * stiff path. */
+  return error / (km_path_allowed * largest_magnitude(move, columns) + km_step_tolerance);
 }

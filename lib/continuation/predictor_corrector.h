@@ -18,6 +18,10 @@ static inline bool km_continuation_is_singular(const km_partition *p) {
   return p->last_pivot < singular * p->scale;
 }
 
+/* First step beside a singular configuration, distance of the configurations by which it is located, and shortest first
+ * step towards a new target: radians or substructure sizes. */
+static const double km_singular_step = 1e-3;
+
 /* Extrapolation limit: the history predicts steps of at most this many previous step lengths (theory 4.5). */
 static const double km_continuation_extrapolation_limit = 4.0;
 

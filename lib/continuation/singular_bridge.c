@@ -18,9 +18,8 @@
  * the Newton step not applied (km_step_tolerance, 1e-9); and the closure error (km_residual_tolerance) over the
  * smallest pivot, times the largest weight, below 100. */
 static double allowed_deviation(const km_driver_motion *d) {
-  static const double rounding = 1e-9;
   const double h = d->bridge.curve.h;
-  return fabs(h * h * h * h * h) + rounding + 100.0 * km_residual_tolerance / d->bridge.smallest_pivot;
+  return fabs(h * h * h * h * h) + km_step_tolerance + 100.0 * km_residual_tolerance / d->bridge.smallest_pivot;
 }
 
 /* Closes the loops with the driver fixed by the rows whose pivots stay away from 0 on the stretch. */
@@ -38,7 +37,7 @@ static bool close_independent_rows(km_driver_motion *d, double *correction) {
   km_state_invalidate_pivots(d->c.state, d->c.substructure);
   km_loops_update(d->c.mechanism, d->c.state, km_driver_motion_substructure(d));
   return km_loops_residual(d->c.mechanism, d->c.state, km_driver_motion_substructure(d), &worst) <=
-         km_larger(km_driver_motion_closed_residual, d->c.mechanism->closure_tolerance);
+         km_larger(km_residual_tolerance, d->c.mechanism->closure_tolerance);
 }
 
 /* Puts the drive at s; *correction is how far the closed configuration is from the interpolated one. */
@@ -83,10 +82,9 @@ bool km_singular_bridge_leave(km_driver_motion *d, double target) {
 /* Advances to s by controlled steps of at most `most`. */
 static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   enum { MOST_ATTEMPTS = 100 };
-  static const double shortest_step = 1e-9;
   int limit = -1;
   double step = most;
-  for (int i = 0; i < MOST_ATTEMPTS && step > shortest_step && d->current.s != s; ++i) {
+  for (int i = 0; i < MOST_ATTEMPTS && step > km_step_tolerance && d->current.s != s; ++i) {
     double left = s - d->current.s,
            h = fabs(left) <= step * km_driver_motion_reach_factor ? left : copysign(step, left);
     bool is_accepted = km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
@@ -129,11 +127,10 @@ static bool find_nodes(km_driver_motion *d, double c, double h) {
  * unit of the driver) at the distance to which an end is located. Bounded rates mean a singular configuration that is
  * not an end. */
 static bool is_turning_point(const km_driver_motion *d) {
-  static const double unbounded_rate = 1e3;
   double fastest = 0.0;
   for (int k = 0; k < km_driver_motion_substructure(d)->columns; ++k)
     fastest = km_larger_or_nan(fabs(d->c.history.t[k]), fastest);
-  return !(fastest < unbounded_rate);
+  return !(fastest < km_driver_motion_diverging);
 }
 
 void km_singular_bridge_record(km_driver_motion *d, double h) {
@@ -172,7 +169,7 @@ static bool is_decisive(const km_driver_motion *d) {
 }
 
 bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double lead) {
-  static const double shortest = 1e-3, longest = 0.13, growth = 2.0;
+  static const double longest = 0.13;
   const bool ignore_limits = d->c.ignore_limits;
   const int crossings = d->current.crossings;
   bool built = false;
@@ -182,7 +179,7 @@ bool km_singular_bridge_build(km_driver_motion *d, double s, double side, double
   km_driver_motion_store(d, &d->before_bridge);
   d->c.ignore_limits = true;
   for (int pass = 0; pass < 2 && !built; ++pass)
-    for (double h = shortest; h < longest && !built; h *= growth)
+    for (double h = km_singular_step; h < longest && !built; h *= 2.0)
       built = return_to_regular(d) && find_nodes(d, s + lead * side * h, side * h) && (pass > 0 || is_decisive(d)) &&
               km_node_curve_highest_coefficient(&d->bridge.curve, &d->c) <= allowed_deviation(d) &&
               closes_near_interpolant(d);

@@ -10,8 +10,6 @@
 
 #include <string.h>
 
-static const double equal_values = 1e-12; /* relative difference below which a coordinate has its value already */
-
 /* A state that is moved to prescribed values; coordinates that have theirs are locked. */
 typedef struct value_search {
   const km_model *model;
@@ -23,8 +21,9 @@ static double coordinate_value(const value_search *j, int coordinate) {
   return km_state_coordinate(j->state, coordinate);
 }
 
+/* True if the coordinate has the value to the residual tolerance of closed loops. */
 static bool has_value(const value_search *j, const km_hold *goal) {
-  return fabs(coordinate_value(j, goal->coordinate) - goal->value) <= equal_values * (1.0 + fabs(goal->value));
+  return fabs(coordinate_value(j, goal->coordinate) - goal->value) <= km_residual_tolerance * (1.0 + fabs(goal->value));
 }
 
 /* Sets a coordinate to the goal's value and locks it. */

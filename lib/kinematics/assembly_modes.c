@@ -212,10 +212,9 @@ static bool run_starts(mode_search *f, int starts) {
 
 /* Returns a coordinate for output. A value that is 0 to the rounding of closing is written as 0. */
 static double output_coordinate(const mode_search *f, int c) {
-  static const double rounding = 1e-12; /* radians, or substructure sizes */
   if (f->m->substructure_of[c] != f->substructure)
     return km_state_coordinate(f->original, c);
-  return fabs(f->s->q[c]) <= rounding * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
+  return fabs(f->s->q[c]) <= km_residual_tolerance * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
 }
 
 /* Copies the modes within the joint limits to the result and counts the others. */

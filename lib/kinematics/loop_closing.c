@@ -117,7 +117,7 @@ static km_closure_outcome close_loops(const km_mechanism *m, km_state *s, int in
       return KM_OPEN;
     if (i == 0)
       first = evidence->residual;
-    n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_predicted_step_tolerance : km_step_tolerance);
+    n.step_tolerance = scale * (i == 0 && driver >= 0 ? km_residual_tolerance : km_step_tolerance);
     factor_step(m, s, index, driver, evidence->residual);
     n.step = newton_step(m, s, index, driver, x);
     n.is_residual_small = primary_rms(p, km_state_error(s, sub)) <= n.residual_tolerance;

@@ -9,12 +9,12 @@
 #include "kinematics/minimum_norm_step.h"
 #include "kinematics/state.h"
 
-static const double km_residual_tolerance = 1e-12; /* rms of the primary rows e_p (docs/theory.md 4.2) */
-static const double km_step_tolerance =
-    1e-9; /* |δ|_∞; a small residual alone is not convergence near singular configurations */
-/* Limit of |δ|_∞ for a predicted configuration: its error is not the square of an earlier one, and near singular
- * configurations a small error can belong to a large distance. */
-static const double km_predicted_step_tolerance = 1e-12;
+/* rms of the primary rows e_p; also |δ|_∞ for a predicted configuration, whose error is not the square of an earlier
+ * one: near singular configurations a small error can belong to a large distance (docs/theory.md 4.2). */
+static const double km_residual_tolerance = 1e-12;
+/* |δ|_∞: a small residual alone is not convergence near singular configurations. Configurations and steps closer than
+ * this are equal. */
+static const double km_step_tolerance = 1e-9;
 static const double km_max_newton_step = 0.6;       /* radians, or substructure sizes */
 static const double km_pivot_reuse_residual = 0.05; /* residual below which the pivots of the last configuration are
                                                      * reused */

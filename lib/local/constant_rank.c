@@ -163,10 +163,10 @@ static double apply_deflation_step(km_constant_rank *st, const km_mechanism *m, 
   if (x && split_tangents(&p, m, s, index, st->count, &arena) && s->partition[index].rank == st->rank &&
       store_tangents(st, &p))
     size = compute_deflation_step(st, &p, driver, x);
-  if (size > km_predicted_step_tolerance && size < km_longest_local_step && size < last)
+  if (size > km_residual_tolerance && size < km_longest_local_step && size < last)
     km_state_move(m, s, sub, x);
   km_arena_free(&arena);
-  return size <= km_predicted_step_tolerance ? 0.0 : size < km_longest_local_step ? size : HUGE_VAL;
+  return size <= km_residual_tolerance ? 0.0 : size < km_longest_local_step ? size : HUGE_VAL;
 }
 
 /* Closes the primary rows to full accuracy: the last Newton step, below the tolerance, is applied too. */

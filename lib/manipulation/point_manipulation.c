@@ -19,12 +19,10 @@
 enum { MAX_STEPS = 4, MAX_HALVINGS = 14, MAX_ACTIVE_LIMITS = 12 };
 static const double damping = 1e-4, least_damping = 1e-10; /* ε far from the target, and its smallest value */
 static const double damping_distance = 0.01;               /* relative to L */
-static const double target_tolerance = 1e-9;               /* relative to L */
 /* relative to the step: a larger correction indicates another branch */
 static const double max_correction = 0.3;
 /* least cosine of the angle between the step and the tangent space at its end */
 static const double least_cosine = 0.8;
-static const double at_limit = 1e-9;       /* scaled distance at which a limit is reached */
 static const double shortest_step = 1e-10; /* shortest step */
 
 typedef struct point_motion {
@@ -158,7 +156,7 @@ static bool activate_limit(km_manipulation *h) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     if (h->blocked[c] || fabs(h->z[c]) < shortest_step || (!isfinite(m->low[c]) && !isfinite(m->high[c])))
       continue;
-    double q = h->state->q[c], slack = at_limit * m->unit[c];
+    double q = h->state->q[c], slack = km_step_tolerance * m->unit[c];
     if ((h->z[c] > 0.0 && q >= m->high[c] - slack) || (h->z[c] < 0.0 && q <= m->low[c] + slack)) {
       h->blocked[c] = true;
       h->blocking = c;
@@ -374,7 +372,7 @@ km_status km_manipulation_pull_point(km_manipulation *h, const km_manipulation_p
   if (status)
     return status;
   double has_left_branch_point = update_remaining(&p), remaining_length = most;
-  for (int i = 0; i < MAX_STEPS && has_left_branch_point > target_tolerance && remaining_length > shortest_step; ++i) {
+  for (int i = 0; i < MAX_STEPS && has_left_branch_point > km_step_tolerance && remaining_length > shortest_step; ++i) {
     double length = step(&p, remaining_length);
     if (length <= 0.0) {
       out->stop = h->blocking >= 0 ? KM_MANIPULATION_LIMIT : KM_MANIPULATION_NEAREST;
@@ -384,7 +382,7 @@ km_status km_manipulation_pull_point(km_manipulation *h, const km_manipulation_p
     remaining_length -= length;
     has_left_branch_point = update_remaining(&p);
   }
-  out->is_reached = has_left_branch_point <= target_tolerance;
+  out->is_reached = has_left_branch_point <= km_step_tolerance;
   out->remaining = has_left_branch_point * p.length;
   return KM_OK;
 }

@@ -1,5 +1,5 @@
-/* Rotations, unit quaternions and poses for a type T, a double or a vector of doubles; included once for each type after
- * vec3_body.h (docs/theory.md 1.2, 1.6). The includer defines T, FN(name), and
+/* Rotations, unit quaternions and poses for a type T, a double or a vector of doubles; included once for each type
+ * after vec3_body.h (docs/theory.md 1.2, 1.6). The includer defines T, FN(name), and
  *
  *   ALL(x), ROOT(x), SINCOS(x, &sine, &cosine)
  *   BELOW(a, limit, x, y)                 x where a is below the double `limit`, else y */

@@ -174,7 +174,7 @@ static INLINED void close_loops(km_batch *l, mask *trying, vector *correction, v
   }
   for (; moves < MOST_ITERATIONS; ++moves) {
     vector square[REGISTERS], step[REGISTERS], error[REGISTERS], moved[REGISTERS];
-    const double settled = moves == 0 ? km_predicted_step_tolerance : km_step_tolerance;
+    const double settled = moves == 0 ? km_residual_tolerance : km_step_tolerance;
     update(l, moves > 0, square, trying, first, count);
     refactor(l, largest_b, trying, first, count);
     newton_step(l, error, step, first, count);

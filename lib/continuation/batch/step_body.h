@@ -258,7 +258,7 @@ static INLINED void accept_step(km_batch *l, const mask *took, const mask *arriv
     PUT(l->current.last_h, pick(took[r], h[r], GET(l->current.last_h)));
     PUT(l->current.closed_at, pick(took[r], q, GET(l->current.closed_at)));
     PUT(l->current.s, pick(took[r], pick(arrives[r], GET(l->target), s + h[r]), s));
-    PUT(l->current.largest, pick(took[r], larger(longest, all(km_driver_motion_least_first)), largest));
+    PUT(l->current.largest, pick(took[r], larger(longest, all(km_singular_step)), largest));
     PUT(l->current.stopped, pick(away, all(0.0), GET(l->current.stopped)));
     if (!single_freedom)
       PUT(l->sign, pick(took[r], GET(l->next_sign), GET(l->sign)));
