@@ -6,7 +6,7 @@
  * Up to 240 rows: dense elimination, orthonormal vectors. Larger: one vector of the sparse factor per superfluous
  * row, each in few loops. A block is the rows of a loop or the row of a coupling. */
 #include "kinematics/loop_equations.h"
-#include "mobility/full_jacobian.h"
+#include "local/local.h"
 #include "mobility/left_null_space.h"
 
 #include <stdlib.h>
@@ -55,11 +55,10 @@ static int orthogonal_complement(const double *W, int count, double *C) {
 typedef struct reduced_matrix {
   const km_left_space *a;
   int rows;
-  double *C;  /* [36 · loop] complements */
-  int *first; /* [block + 1] first row of each block */
-  /* Rᵀ: row after row of R, dense or in compressed form by `start` */
-  double *entries;
-  int *start, *column; /* NULL: dense */
+  double *C;           /* [36 · loop] complements */
+  int *first;          /* [block + 1] first row of each block */
+  double *entries;     /* row after row of R, compressed: */
+  int *start, *column; /* columns of row r: column[start[r] … start[r + 1]-1] */
   int block, next;     /* block being filled, and the next entry of its first row */
 } reduced_matrix;
 
@@ -88,14 +87,7 @@ static double project_on_complement(const reduced_matrix *R, int k, const double
   return sum;
 }
 
-static void write_dense_column(void *out, int column, const double entry[6]) {
-  reduced_matrix *R = out;
-  int first = R->first[R->block];
-  for (int k = 0; first + k < R->first[R->block + 1]; ++k)
-    R->entries[(size_t)(first + k) * (size_t)R->a->sub->columns + (size_t)column] = project_on_complement(R, k, entry);
-}
-
-static void write_sparse_column(void *out, int column, const double entry[6]) {
+static void write_column(void *out, int column, const double entry[6]) {
   reduced_matrix *R = out;
   int first = R->first[R->block];
   for (int k = 0; first + k < R->first[R->block + 1]; ++k) {
@@ -112,8 +104,7 @@ static void count_column(void *out, int column, const double entry[6]) {
   ++*(int *)out;
 }
 
-/* Writes a coupling's terms into its row, dense or compressed; NULL arrays: counts them only. Returns how many have a
- * column. */
+/* Writes a coupling's terms into its compressed row; NULL arrays: counts them only. Returns how many have a column. */
 static int write_coupling_row(const reduced_matrix *R, int index, double *entries, int *column) {
   const km_left_space *a = R->a;
   const km_coupling *coupling = &a->m->couplings[a->sub->coupling_start + index];
@@ -122,25 +113,13 @@ static int write_coupling_row(const reduced_matrix *R, int index, double *entrie
     const km_term *term = &a->m->terms[coupling->term_start + k];
     if (term->column < 0)
       continue;
-    if (entries)
-      km_term_value(a->m, a->s, term, &entries[column ? count : term->column]);
-    if (column)
+    if (entries) {
+      km_term_value(a->m, a->s, term, &entries[count]);
       column[count] = term->column;
+    }
     ++count;
   }
   return count;
-}
-
-static bool write_dense(reduced_matrix *R, km_arena *scratch) {
-  const km_substructure *sub = R->a->sub;
-  R->entries = KM_ARENA_NEW(scratch, double, (size_t)R->rows *(size_t)sub->columns);
-  if (!R->entries)
-    return false;
-  for (R->block = 0; R->block < sub->loop_count; R->block++)
-    km_left_for_each_column(R->a, R->block, write_dense_column, R);
-  for (int i = 0; i < sub->coupling_count; ++i)
-    write_coupling_row(R, i, R->entries + (size_t)R->first[sub->loop_count + i] * (size_t)sub->columns, NULL);
-  return true;
 }
 
 static bool count_entries(reduced_matrix *R, km_arena *scratch) {
@@ -162,13 +141,13 @@ static bool count_entries(reduced_matrix *R, km_arena *scratch) {
   return !scratch->failed;
 }
 
-static bool write_sparse(reduced_matrix *R, km_arena *scratch) {
+static bool write_rows(reduced_matrix *R, km_arena *scratch) {
   const km_substructure *sub = R->a->sub;
   if (!count_entries(R, scratch))
     return false;
   for (R->block = 0; R->block < sub->loop_count; R->block++) {
     R->next = 0;
-    km_left_for_each_column(R->a, R->block, write_sparse_column, R);
+    km_left_for_each_column(R->a, R->block, write_column, R);
   }
   for (int i = 0; i < sub->coupling_count; ++i) {
     int at = R->start[R->first[sub->loop_count + i]];
@@ -221,17 +200,20 @@ static bool reserve_vectors(int count, km_arena *arena, km_left_null *out) {
   return out->part_start != NULL;
 }
 
-/* Computes orthonormal vectors from the dense reduced matrix. */
+/* Computes orthonormal vectors from the reduced matrix, made dense. */
 static bool solve_dense(reduced_matrix *R, km_arena *scratch, km_arena *arena, km_left_null *out) {
-  size_t rows = (size_t)R->rows, capacity = 0;
-  double *W = KM_ARENA_NEW(scratch, double, rows *rows);
-  if (!W || !write_dense(R, scratch))
-    return false;
-  int found = km_left_solve(R->entries, R->a->sub->columns, R->rows, R->a->tolerance, scratch, W);
+  size_t rows = (size_t)R->rows, columns = (size_t)R->a->sub->columns, capacity = 0;
   int block_count = R->a->sub->loop_count + R->a->sub->coupling_count;
+  double *transposed = KM_ARENA_NEW(scratch, double, rows *columns), *W = NULL;
   int *blocks = KM_ARENA_NEW(scratch, int, (size_t)block_count);
-  bool ok = found >= 0 && blocks && reserve_vectors(found, arena, out);
-  for (int i = 0; i < block_count && ok; ++i)
+  if (!write_rows(R, scratch))
+    return false;
+  for (size_t r = 0; r < rows; ++r)
+    for (int i = R->start[r]; i < R->start[r + 1]; ++i)
+      transposed[r * columns + (size_t)R->column[i]] = R->entries[i];
+  int found = km_dense_null_space(transposed, (int)columns, R->rows, R->a->tolerance, scratch, &W);
+  bool ok = found >= 0 && reserve_vectors(found, arena, out);
+  for (int i = 0; i < block_count; ++i)
     blocks[i] = i;
   for (int n = 0; n < found && ok; ++n)
     ok = add_vector(R, W + (size_t)n * rows, blocks, block_count, arena, &capacity, out);
@@ -306,7 +288,7 @@ static bool solve_sparse(reduced_matrix *R, km_arena *scratch, km_arena *arena, 
   km_partition p;
   sparse_vector v;
   size_t capacity = 0;
-  if (!reserve_vector(R, scratch, &v) || !write_sparse(R, scratch) ||
+  if (!reserve_vector(R, scratch, &v) || !write_rows(R, scratch) ||
       !km_partition_reserve_sparse(&p, R->a->sub->columns, R->rows, R->start, R->column, scratch))
     return false;
   p.unrestricted_basis = true;

@@ -1,4 +1,5 @@
 /* Left null vectors of single loops: null space of the transposed six rows of each loop (theory 7.1). */
+#include "local/local.h"
 #include "mobility/left_null_space.h"
 
 /* The loop's columns of J, transposed: row-major by constraint. */
@@ -27,10 +28,13 @@ static int solve_loop(const km_left_space *a, int block, double *W) {
   int columns = 0;
   km_left_for_each_column(a, block, count_column, &columns);
   transposed T = {KM_ARENA_NEW(&scratch, double, 6 * (size_t)columns), columns, 0};
+  double *found = NULL;
   int count = -1;
   if (!scratch.failed) {
     km_left_for_each_column(a, block, write_column, &T);
-    count = km_left_solve(T.entries, columns, 6, a->tolerance, &scratch, W);
+    count = km_dense_null_space(T.entries, columns, 6, a->tolerance, &scratch, &found);
+    for (int i = 0; i < 6 * count; ++i)
+      W[i] = found[i];
   }
   km_arena_free(&scratch);
   return count;

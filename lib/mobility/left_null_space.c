@@ -66,15 +66,3 @@ void km_left_for_each_column(const km_left_space *a, int block, km_left_column_v
     }
   }
 }
-
-int km_left_solve(const double *transposed, int columns, int rows, double tolerance, km_arena *arena, double *W) {
-  km_partition p;
-  double *unit_weight = KM_ARENA_NEW(arena, double, (size_t)rows);
-  if (!unit_weight || !km_partition_reserve(&p, columns, rows, arena))
-    return -1;
-  for (int r = 0; r < rows; ++r)
-    unit_weight[r] = 1.0;
-  km_partition_factor(&p, transposed, columns, rows, NULL, tolerance);
-  km_partition_null_space(&p, unit_weight, km_partition_freedom(&p), W);
-  return km_partition_freedom(&p);
-}

@@ -59,9 +59,6 @@ static inline int km_left_null_count(const km_left_null *null) {
 /* Visits the columns of one loop in J: six entries each, with the sign of the loop's direction through the joint. */
 typedef void (*km_left_column_visitor)(void *out, int column, const double entry[6]);
 void km_left_for_each_column(const km_left_space *space, int block, km_left_column_visitor visit, void *out);
-/* Computes orthonormal left null vectors W[rows × returned] of a matrix given transposed: `rows` constraints of
- * `columns` entries. -1: no memory. */
-int km_left_solve(const double *transposed, int columns, int rows, double tolerance, km_arena *arena, double *W);
 /* Adds the vectors that span several loops to those of single loops. False without memory. */
 bool km_left_null_find_multiloop(const km_left_space *space, km_arena *arena, km_left_null *null);
 
