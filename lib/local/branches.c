@@ -79,10 +79,6 @@ typedef struct branch_departure {
   double *step; /* [columns] */
 } branch_departure;
 
-/* Scaled step of the fastest coordinate. */
-static const double step_length = 5e-3;
-/* Smallest driver step for which the nearest configuration is sought: loops open by its square. */
-static const double min_driver_step = 1e-5;
 /* Directions with a driver rate below this ratio of the first one's lead to no shorter step. */
 static const double min_rate_ratio = 0.1;
 
@@ -143,7 +139,7 @@ static bool depart_along(branch_departure *d, const double *direction, double dr
   double most = 0.0, rate = direction[d->column], side = driver_step * rate < 0.0 ? -1.0 : 1.0;
   for (int k = 0; k < d->sub->columns; ++k)
     most = fmax(most, fabs(direction[k]));
-  double length = step_length / most;
+  double length = 0.1 * km_longest_local_step / most;
   move_from_branch_point(d, direction, length);
   close_with_fixed(d, KM_NO_DRIVER, true);
   if (km_partition_freedom(&d->s->partition[d->index]) <= 1)
@@ -153,7 +149,7 @@ static bool depart_along(branch_departure *d, const double *direction, double dr
   move_from_branch_point(d, direction, side * length);
   if (!close_with_fixed(d, d->column, true))
     km_state_restore(d->s, d->sub, d->last_accepted);
-  else if (length * fabs(rate) > min_driver_step)
+  else if (length * fabs(rate) > 10.0 * sqrt(km_residual_tolerance)) /* loops open by the square of the step */
     approach_nearest(d);
   return true;
 }

@@ -194,8 +194,7 @@ static bool deflate(km_constant_rank *st, const km_mechanism *m, km_state *s, in
 }
 
 static void update_rank_tolerance(km_constant_rank *st, const km_partition *p) {
-  static const double min_ratio = 0.1;
-  st->rank_tolerance = min_ratio * p->last_pivot / p->scale;
+  st->rank_tolerance = p->last_pivot / (km_max_pivot_shrinkage * p->scale);
 }
 
 /* Largest residual of secondary rows on the motion: the stated closure tolerance, else that of exact data. */
@@ -242,7 +241,6 @@ typedef enum step_outcome { STEP_ACCEPTED, LOOPS_OPEN, RANK_CHANGED } step_outco
 static step_outcome step_along_motion(km_constant_rank *st, const km_mechanism *m, km_state *s, int index, int driver,
                                       double step, double *direction) {
   const km_substructure *sub = &m->substructures[index];
-  static const double max_misfit = 1e-5; /* a larger misfit is no tangency of high order */
   km_closure evidence;
   double fastest = 0.0, *x = s->projection;
   if (!km_constant_rank_tangent(st, m, index, driver, direction, x))
@@ -256,7 +254,7 @@ static step_outcome step_along_motion(km_constant_rank *st, const km_mechanism *
   km_state_move(m, s, sub, x);
   km_state_invalidate_pivots(s, index);
   if (!km_constant_rank_close(st, m, s, index, driver, &evidence))
-    return evidence.residual > max_misfit ? LOOPS_OPEN : RANK_CHANGED;
+    return evidence.residual > fabs(step * step * step) ? LOOPS_OPEN : RANK_CHANGED; /* a contact above third order */
   km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, evidence.residual);
   bool exact = m->closure_tolerance_given || evidence.residual <= km_residual_tolerance;
   return exact && s->partition[index].rank == st->rank ? STEP_ACCEPTED : RANK_CHANGED;

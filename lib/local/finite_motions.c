@@ -11,7 +11,6 @@
  * dimension of a branch, a short way along it. */
 #include "local/local_private.h"
 
-#include "base/random.h"
 #include "kinematics/loop_closing.h"
 
 #include <string.h>
@@ -95,44 +94,15 @@ static bool is_single_family(km_local *l, km_finite_mobility *out) {
   return is_regular || is_permanently_shaky(l, out);
 }
 
-/* Returns the largest number of independent confirmed tangents whose random combinations are confirmed too: the
- * dimension of their common family. */
-static int find_family_dimension(km_local *l) {
-  int k = l->freedom, found = 0;
-  double *basis = KM_ARENA_NEW(l->arena, double, (size_t)((k + 1) * k));
-  for (int start = 0; start < KM_STARTS_PER_FREEDOM * k && found < k && basis; ++start) {
-    if (!km_local_draw(l, &l->random, l->a) || !km_local_solve_second_order(l, l->a) || !km_local_is_finite(l, l->a))
-      continue;
-    memcpy(basis + (size_t)found * (size_t)k, l->a, (size_t)k * sizeof *basis);
-    bool all_finite = true;
-    for (int trial = 0; trial < 3 && all_finite && found > 0; ++trial) {
-      memset(l->a, 0, (size_t)k * sizeof *l->a);
-      for (int i = 0; i <= found; ++i) {
-        double coefficient = km_uniform(&l->random);
-        for (int r = 0; r < k; ++r)
-          l->a[r] += coefficient * basis[(size_t)i * (size_t)k + (size_t)r];
-      }
-      all_finite = km_local_normalise(l, l->a) > 0.0 && km_local_is_finite(l, l->a);
-    }
-    memcpy(l->previous, basis + (size_t)found * (size_t)k, (size_t)k * sizeof *basis);
-    found +=
-        all_finite && km_append_orthonormal(basis, found, k, l->previous); /* a tangent in their span adds nothing */
-  }
-  return found;
-}
-
-/* Returns the dimension of the branch on which the state lies, at least 1. */
+/* Returns the dimension of the branch on which the state lies; 1, undecided, if it is not one family of tangents. */
 static int find_branch_dimension(const km_local *from, bool *undecided) {
   km_arena arena = {0};
   km_local *l = km_local_create(from->m, from->s, from->index, from->passive, &arena);
   int dimension = 1;
   if (l && l->freedom > 1 && km_local_reserve_tangents(l, from->has_basis)) {
-    if (is_single_family(l, NULL))
-      dimension = l->freedom + l->passive_count;
-    else if (l->has_basis) {
-      dimension = find_family_dimension(l) + l->passive_count;
-      *undecided = l->has_undecided && dimension < l->freedom + l->passive_count;
-    }
+    bool is_known = is_single_family(l, NULL);
+    dimension = (is_known ? l->freedom : 1) + l->passive_count;
+    *undecided = !is_known && l->has_basis && dimension < l->freedom + l->passive_count;
   }
   km_local_free(l);
   km_arena_free(&arena);

@@ -12,7 +12,6 @@
 
 static const double first_step = 1e-3;      /* scaled: radians or substructure sizes, of the fastest coordinate */
 static const double confirmed_length = 0.3; /* scaled; length of a confirmed tangent in each sense */
-static const double chord_length = 0.02;    /* scaled; length up to which the chord is stored */
 static const double min_order = 1.5;        /* order of contact that refutes, for a misfit far above the tolerance */
 static const double min_order_of_exact_data = 3.5; /* order of contact that rounding of exact data does not
                                                              * produce */
@@ -182,7 +181,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
     }
     km_state_difference(l->s, l->sub, l->last, l->move);
     double moved = fastest_column(l->move, columns, &column);
-    if (length < chord_length)
+    if (length < 20.0 * first_step)
       km_state_difference(l->s, l->sub, l->origin, l->chord);
     length += moved;
     append_misfit(&r, length, misfit);

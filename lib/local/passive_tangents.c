@@ -24,7 +24,6 @@ static bool is_column_of_group(const km_local *l, const km_passive_freedom *grou
  * number. */
 static int find_group_null_space(const km_local *l, const km_passive_freedom *group, km_arena *arena,
                                  double **coefficients) {
-  static const double tolerance = 1e-7;
   int n = l->sub->columns, k = l->freedom, rows = 0;
   double *outside = KM_ARENA_NEW(arena, double, (size_t)n *(size_t)k);
   if (!outside)
@@ -37,7 +36,7 @@ static int find_group_null_space(const km_local *l, const km_passive_freedom *gr
         outside[i * rows + row] = l->Z[i * n + c];
       row++;
     }
-  return rows == 0 ? 0 : km_dense_null_space(outside, rows, k, tolerance, arena, coefficients);
+  return rows == 0 ? 0 : km_dense_null_space(outside, rows, k, l->tolerance, arena, coefficients);
 }
 
 /* Adds the group's tangents that are finite to the `found` orthonormal rows of V; returns their number. */
