@@ -18,7 +18,7 @@ static bool is_exact_family(km_local *l) {
 static bool is_sample_finite(km_local *l, uint64_t *random) {
   bool is_exact = km_local_is_exact(l);
   if (!km_local_draw(l, random, l->a) ||
-      (is_exact && (l->has_basis ? km_local_is_small(l->sub) : l->freedom > KM_MANY_VECTORS) &&
+      (is_exact && (l->has_basis ? l->freedom > 1 && km_local_is_small(l->sub) : l->freedom > KM_MANY_VECTORS) &&
        km_local_violates_second_order(l, l->a)))
     return false;
   km_local_direction(l, l->a, l->direction);
