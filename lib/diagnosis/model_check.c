@@ -292,8 +292,10 @@ static bool is_position_used(const km_model *model, const bool *used, int frame)
 }
 
 static void mark_module_port(const km_module_port *port, bool *used) {
+  if (port->coordinate < 0)
+    used[port->frame[0]] = true;
   if (port->coordinate == KM_MODULE_PORT_FRAMES)
-    used[port->frame[0]] = used[port->frame[1]] = true;
+    used[port->frame[1]] = true;
 }
 
 static void mark_port(const km_model_port *port, bool *used) {
@@ -308,7 +310,8 @@ static void find_used(const km_model *model, bool *used) {
   for (int i = 0; i < model->load_count; ++i)
     used[model->loads[i].frame] = true;
   for (int i = 0; i < model->module_count; ++i) {
-    mark_module_port(&model->modules[i].input, used);
+    for (int k = 0; k < model->modules[i].input_count; ++k)
+      mark_module_port(&model->modules[i].inputs[k].port, used);
     mark_module_port(&model->modules[i].output, used);
   }
   mark_port(&model->advantage_input, used);

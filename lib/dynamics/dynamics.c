@@ -168,10 +168,35 @@ static void apply_forces(km_dynamics *d, const km_state *s) {
   }
 }
 
-/* Forces and accelerations; requires km_tree_move. */
-static km_dynamics_outcome solve_forces_and_accelerations(km_dynamics *d, km_state *s) {
+/* Sets the accelerations of the bodies on which forces act. The nodes' contain −g. */
+static void read_accelerations(const km_dynamics *d) {
+  const km_forces *f = d->forces;
+  for (int i = 0; i < f->moving->loaded_body_count; ++i) {
+    int body = f->moving->loaded_bodies[i];
+    km_twist A = d->node[d->tree.node_of_body[body]].A;
+    f->acceleration[body] = (km_twist){km_vec3_add(A.v, f->stated_gravity), A.w};
+  }
+}
+
+/* Forces and accelerations at the present implicit forces; requires km_tree_update. */
+static km_dynamics_outcome solve_explicit(km_dynamics *d, km_state *s) {
   apply_forces(d, s);
-  return km_tree_solve(d, s);
+  km_dynamics_outcome outcome = km_tree_solve(d, s);
+  if (outcome == KM_DYNAMICS_DONE && d->forces->moving->implicit_count > 0)
+    read_accelerations(d);
+  return outcome;
+}
+
+km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *d, km_state *s) {
+  km_tree_update(d, s);
+  return solve_explicit(d, s);
+}
+
+/* Forces and accelerations; requires km_tree_update. */
+static km_dynamics_outcome solve_forces_and_accelerations(km_dynamics *d, km_state *s) {
+  km_dynamics_outcome outcome = solve_explicit(d, s);
+  return outcome == KM_DYNAMICS_DONE && d->forces->moving->implicit_count > 0 ? km_implicit_forces_solve(d, s)
+                                                                              : outcome;
 }
 
 /* One evaluation: prescribed coordinates, loops, kinematics, forces, accelerations, then friction by reactions. */
@@ -200,6 +225,8 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
                    model->coordinates[d->massless].label);
   if (outcome == KM_DYNAMICS_JAMMED)
     return km_fail(error, KM_DIVERGED, "friction jams: no friction is consistent with the reactions");
+  if (outcome == KM_DYNAMICS_IMPLICIT)
+    return km_fail(error, KM_DIVERGED, "no force of the modules that read an acceleration is consistent with it");
   if (d->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the equations of motion");
   if (outcome == KM_DYNAMICS_INFINITE)

@@ -20,6 +20,7 @@ typedef enum km_dynamics_outcome {
   KM_DYNAMICS_OPEN,     /* a loop can't be closed, or out of memory */
   KM_DYNAMICS_MASSLESS, /* a free motion has no mass */
   KM_DYNAMICS_JAMMED,   /* no friction is consistent with the reactions */
+  KM_DYNAMICS_IMPLICIT, /* no forces of modules that read accelerations are consistent with these */
   KM_DYNAMICS_INFINITE  /* rates or accelerations aren't finite numbers */
 } km_dynamics_outcome;
 
@@ -85,6 +86,11 @@ struct km_dynamics {
  * one; partitions are renewed where the monitor requests it and the origin follows the mechanism. Otherwise pivots
  * change only if they fail. */
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state, bool search);
+/* Forces and accelerations at the present forces of the implicit modules. */
+km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *dynamics, km_state *state);
+/* Finds the forces of the implicit modules with which laws and accelerations agree, after
+ * km_dynamics_solve_explicit. */
+km_dynamics_outcome km_implicit_forces_solve(km_dynamics *dynamics, km_state *state);
 /* Repeats forces and accelerations after an external force has changed. */
 km_dynamics_outcome km_dynamics_resolve(km_dynamics *dynamics, km_state *state);
 km_status km_dynamics_fail(const km_dynamics *dynamics, km_dynamics_outcome outcome, km_error *error);

@@ -31,9 +31,13 @@ static bool list_values(const km_dynamics *d, km_arena *arena, km_corners *out) 
     add_value(m, out, f->moving->stops[i], m->low[f->moving->stops[i]]);
     add_value(m, out, f->moving->stops[i], m->high[f->moving->stops[i]]);
   }
-  for (int i = 0; i < f->spring_count && out->corners; ++i)
-    for (int k = 0; k < f->springs[i]->law.knot_count && f->springs[i]->input.coordinate >= 0; ++k)
-      add_value(m, out, f->springs[i]->input.coordinate, f->springs[i]->law.knots[k]);
+  for (int i = 0; i < f->spring_count && out->corners; ++i) {
+    const km_model_module *spring = f->springs[i];
+    const bool measures_joint =
+        spring->input_count == 1 && spring->input.coordinate >= 0 && spring->inputs[0].weight == 1.0;
+    for (int k = 0; k < spring->law.knot_count && measures_joint; ++k)
+      add_value(m, out, spring->input.coordinate, spring->law.knots[k]);
+  }
   if (out->corners)
     qsort(out->corners, (size_t)out->count, sizeof *out->corners, compare_corners);
   return out->corners != NULL;
@@ -58,7 +62,9 @@ static size_t list_times(const km_dynamics *d, km_corners *out) {
   size_t count = 0;
   for (int i = 0; i < moving->module_count; ++i) {
     const km_model_module *module = moving->modules[i];
-    if (module->type != KM_MODULE_MOTOR)
+    if (module->type == KM_MODULE_PID && module->reference.is_table)
+      count += append_times(out, module->reference.numbers, module->reference.count, 2);
+    if (module->type != KM_MODULE_MOTOR || module->variable != KM_VARIABLE_TIME)
       continue;
     count += module->table_count ? append_times(out, module->table, module->table_count, 2)
                                  : append_times(out, module->law.knots, module->law.knot_count, 1);

@@ -19,13 +19,14 @@ struct km_forces {
   const km_model_module **springs; /* force modules of type stiffness */
   struct km_moving_forces *moving; /* forces that act during a motion; NULL in statics */
   /* Results of km_forces_compute. Wrenches are along the inertial axes, moments about `origin`. */
-  km_vec3 origin;     /* point near the mechanism, because moments about a distant point lose digits */
-  km_pose *pose;      /* [body] in the inertial frame moved to `origin` */
-  km_twist *twist;    /* [body] about `origin`; 0 in statics */
-  km_wrench *body;    /* [body] applied wrenches */
-  double *joint;      /* [coordinate] forces in joints along +q */
-  double force_size;  /* sum of the magnitudes of all forces */
-  double couple_size; /* sum of the magnitudes of all couples; both scale rounding errors */
+  km_vec3 origin;         /* point near the mechanism, because moments about a distant point lose digits */
+  km_pose *pose;          /* [body] in the inertial frame moved to `origin` */
+  km_twist *twist;        /* [body] about `origin`; 0 in statics */
+  km_twist *acceleration; /* [body] rate of the twist; NULL: not known */
+  km_wrench *body;        /* [body] applied wrenches */
+  double *joint;          /* [coordinate] forces in joints along +q */
+  double force_size;      /* sum of the magnitudes of all forces */
+  double couple_size;     /* sum of the magnitudes of all couples; both scale rounding errors */
 };
 
 /* Appends the unit of a coordinate's generalised force, for example "N" or "N*mm"; km_torque_unit that of a torque. */
@@ -39,21 +40,27 @@ double km_law_resistance(const km_law *law, double rate, double width);
 /* Work: integral of the force from 0 to the displacement. */
 double km_law_work(const km_law *law, double displacement);
 
-/* Port between two frames: origins of parent and child, unit direction of the displacement, displacement and rate.
- * For coincident points the direction is 0, so a force there is 0. */
+/* Measure between two frames: origins of parent and child, displacement and its derivatives, and its gradient by the
+ * child's position (a unit vector; 0 for coincident points) or, of an angle, by its rotation. */
 typedef struct km_line {
-  km_vec3 from, to, along; /* unit vector */
-  double displacement, rate;
+  km_vec3 from, to, along;
+  bool is_angle;
+  double displacement, rate, acceleration;
 } km_line;
 km_line km_line_of(const km_mechanism *mechanism, const km_forces *forces, const km_module_port *port,
                    km_distance distance);
 /* d|q|/dq of a strut's coordinate, whose length is |q|: 1, or −1 if its ends have passed each other; 1 for other
  * coordinates. */
 double km_length_sense(const km_mechanism *mechanism, const km_state *state, int coordinate);
-/* Input of a force module: a coordinate (for a strut, its length) or a displacement between frames; *rate is its
- * rate. */
-double km_module_input(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
-                       const km_model_module *module, double *rate);
+/* Sum of the weighted inputs of a force module; of a strut its length counts. The acceleration belongs to the last
+ * solution of the equations of motion. */
+typedef struct km_measured {
+  double displacement, velocity, acceleration;
+} km_measured;
+km_measured km_module_measure(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
+                              const km_model_module *module);
+/* The force within the module's bounds. */
+double km_module_saturate(const km_model_module *module, double force);
 /* Adds a module's force at its output; returns the rate of the output along the force. */
 double km_module_apply(const km_mechanism *mechanism, const km_state *state, km_forces *forces,
                        const km_model_module *module, double force);

@@ -14,7 +14,8 @@ static void add_loaded_body(km_moving_forces *out, bool *is_listed, int body) {
 }
 
 static void add_loaded_port(const km_model *model, km_moving_forces *out, bool *is_listed, const km_module_port *port) {
-  for (int side = 0; side < 2 && port->coordinate < 0; ++side)
+  int frames = port->coordinate == KM_MODULE_PORT_FRAMES ? 2 : port->coordinate == KM_MODULE_PORT_FRAME ? 1 : 0;
+  for (int side = 0; side < frames; ++side)
     add_loaded_body(out, is_listed, model->frames[port->frame[side]].body);
 }
 
@@ -23,7 +24,8 @@ static void list_loaded_bodies(const km_model *model, const km_forces *f, bool *
   for (int i = 0; i < f->load_count; ++i)
     add_loaded_body(out, is_listed, model->frames[f->loads[i].frame].body);
   for (int i = 0; i < model->module_count; ++i) {
-    add_loaded_port(model, out, is_listed, &model->modules[i].input);
+    for (int k = 0; k < model->modules[i].input_count; ++k)
+      add_loaded_port(model, out, is_listed, &model->modules[i].inputs[k].port);
     add_loaded_port(model, out, is_listed, &model->modules[i].output);
   }
 }
@@ -52,12 +54,20 @@ static int internal_state_count(km_module_type type) {
   return type == KM_MODULE_PID ? 1 : type == KM_MODULE_TIRE ? 2 : 0;
 }
 
+/* True if the force depends on an acceleration: by its variable, or as the derivative of a controlled velocity. */
+static bool is_implicit(const km_model_module *module) {
+  bool differentiates = module->type == KM_MODULE_PID && module->kd != 0.0;
+  return module->variable == KM_VARIABLE_ACCELERATION || (module->variable == KM_VARIABLE_VELOCITY && differentiates);
+}
+
 /* Lists the force modules except springs, and numbers their internal states. */
 static void list_modules(const km_model *model, km_moving_forces *out) {
   for (int i = 0; i < model->module_count; ++i) {
     const km_model_module *module = &model->modules[i];
-    if (module->type == KM_MODULE_STIFFNESS)
+    if (module->type == KM_MODULE_STIFFNESS && module->variable == KM_VARIABLE_DISPLACEMENT)
       continue;
+    if (is_implicit(module))
+      out->implicit[out->implicit_count++] = out->module_count;
     out->first_state_of[out->module_count] = out->state_count;
     out->modules[out->module_count++] = module;
     out->state_count += internal_state_count(module->type);
@@ -122,14 +132,24 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
                               .constant_friction = KM_ARENA_NEW(arena, int, coordinates),
                               .modules = KM_ARENA_NEW(arena, const km_model_module *, modules),
                               .first_state_of = KM_ARENA_NEW(arena, int, modules),
+                              .implicit = KM_ARENA_NEW(arena, int, modules),
+                              .implicit_force = KM_ARENA_NEW(arena, double, modules),
+                              .measured = KM_ARENA_NEW(arena, km_measured, modules),
+                              .module_force = KM_ARENA_NEW(arena, double, modules),
+                              .module_power = KM_ARENA_NEW(arena, double, modules),
                               .internal_state = KM_ARENA_NEW(arena, double, 2 * modules),
                               .internal_rate = KM_ARENA_NEW(arena, double, 2 * modules),
                               .drive_force = KM_ARENA_NEW(arena, double, coordinates)};
+  f->acceleration = KM_ARENA_NEW(arena, km_twist, bodies);
   if (!arena->failed && !scratch.failed) {
     f->moving = out;
     list_loaded_bodies(m->model, f, is_listed);
     list_coordinates(m, out);
     list_modules(m->model, out);
+    size_t n = (size_t)out->implicit_count;
+    out->implicit_work = KM_ARENA_NEW(arena, double, n *n + 4 * n);
+    out->implicit_places = KM_ARENA_NEW(arena, size_t, n);
+    f->moving = arena->failed ? NULL : out;
   }
   km_arena_free(&scratch);
   return f->moving ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the forces");
@@ -232,61 +252,126 @@ static void add_reaction_friction(const km_mechanism *m, const km_state *s, km_f
   }
 }
 
-/* Motor force at a time: linear interpolation of a table, constant beyond its ends; else the law. */
-double km_motor_force(const km_model_module *module, double time) {
-  const double *t = module->table;
-  int rows = module->table_count;
-  if (rows == 0)
-    return km_law_force(&module->law, time);
-  if (time <= t[0])
+/* Linear interpolation of rows x, value, constant beyond their ends. */
+static double table_value(const double *t, int rows, double x, double *slope) {
+  *slope = 0.0;
+  if (x <= t[0])
     return t[1];
   for (int i = 1; i < rows; ++i)
-    if (time <= t[2 * i])
-      return t[2 * i - 1] + (t[2 * i + 1] - t[2 * i - 1]) * (time - t[2 * i - 2]) / (t[2 * i] - t[2 * i - 2]);
+    if (x <= t[2 * i]) {
+      *slope = (t[2 * i + 1] - t[2 * i - 1]) / (t[2 * i] - t[2 * i - 2]);
+      return t[2 * i - 1] + *slope * (x - t[2 * i - 2]);
+    }
   return t[2 * rows - 1];
 }
 
-/* Adds the force of a motor or controller and its power. */
-static void add_drive_force(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module,
-                            double force) {
-  int c = module->output.coordinate;
-  f->moving->motor_power += force * km_module_apply(m, s, f, module, force);
-  if (c >= 0)
-    f->moving->drive_force[c] += km_length_sense(m, s, c) * force;
+double km_time_law_value(const km_time_law *law, double time, double *rate) {
+  if (law->is_table)
+    return table_value(law->numbers, law->count, time, rate);
+  double value = 0.0;
+  *rate = 0.0;
+  for (int k = law->count - 1; k >= 0; --k) {
+    *rate = *rate * time + value;
+    value = value * time + law->numbers[k];
+  }
+  return value;
 }
 
-/* Adds the force of one module: damping, friction, motor, controller or tyre. */
+double km_motor_force(const km_model_module *module, double variable) {
+  double slope;
+  return module->table_count ? table_value(module->table, module->table_count, variable, &slope)
+                             : km_law_force(&module->law, variable);
+}
+
+/* Value of the module's variable; of a time law its time. */
+static double variable_of(const km_model_module *module, const km_measured *x, double time) {
+  return module->variable == KM_VARIABLE_DISPLACEMENT ? x->displacement
+         : module->variable == KM_VARIABLE_VELOCITY   ? x->velocity
+         : module->variable == KM_VARIABLE_TIME       ? time
+                                                      : x->acceleration;
+}
+
+/* Controller k_p e + k_i ∫e + k_d ė with e = reference − variable. */
+static double controller_force(const km_moving_forces *moving, int index, const km_measured *x, double time,
+                               double *error) {
+  const km_model_module *module = moving->modules[index];
+  double slope, value = km_time_law_value(&module->reference, time, &slope);
+  *error = value - variable_of(module, x, time);
+  double rate = module->kd == 0.0                              ? 0.0
+                : module->variable == KM_VARIABLE_DISPLACEMENT ? slope - x->velocity
+                                                               : slope - x->acceleration;
+  double integral = moving->internal_state[moving->first_state_of[index]];
+  return module->kp * *error + module->ki * integral + module->kd * rate;
+}
+
+/* Rate of a controller's integral: its error, but 0 where the error only pushes further beyond a bound of the force. */
+static double integrated_error(const km_moving_forces *moving, int index, double time) {
+  const km_model_module *module = moving->modules[index];
+  double error, force = controller_force(moving, index, &moving->measured[index], time, &error);
+  bool is_bound = module->saturates && (force - km_module_saturate(module, force)) * module->ki * error > 0.0;
+  return is_bound ? 0.0 : error;
+}
+
+/* Force of a module's law at what it measures, within its bounds. */
+static double law_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index,
+                        const km_measured *x) {
+  const km_model_module *module = moving->modules[index];
+  double error, value = variable_of(module, x, s->time);
+  double force = module->type == KM_MODULE_PID     ? controller_force(moving, index, x, s->time, &error)
+                 : module->type == KM_MODULE_MOTOR ? km_motor_force(module, value)
+                 : module->variable == KM_VARIABLE_VELOCITY && module->type != KM_MODULE_STIFFNESS
+                     ? km_law_resistance(&module->law, value, stiction_rate(m, module->input.coordinate))
+                     : km_law_force(&module->law, value);
+  return km_module_saturate(module, force);
+}
+
+void km_implicit_forces_compute(const km_mechanism *m, const km_state *s, const km_forces *f, double *out) {
+  const km_moving_forces *moving = f->moving;
+  for (int k = 0; k < moving->implicit_count; ++k) {
+    km_measured x = km_module_measure(m, s, f, moving->modules[moving->implicit[k]]);
+    out[k] = law_force(m, s, moving, moving->implicit[k], &x);
+  }
+}
+
+/* Force of one module: of an implicit one the unknown of the equations of motion, else that of its law. */
+static double module_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index) {
+  for (int k = 0; k < moving->implicit_count; ++k)
+    if (moving->implicit[k] == index)
+      return moving->implicit_force[k];
+  return law_force(m, s, moving, index, &moving->measured[index]);
+}
+
+/* True for dampers and friction that act where they measure a rate: they dissipate. */
+static bool is_dissipative(const km_model_module *module) {
+  return (module->type == KM_MODULE_DAMPING || module->type == KM_MODULE_FRICTION) &&
+         module->variable == KM_VARIABLE_VELOCITY;
+}
+
+/* Adds the force of one module and its power. */
 static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
-  int state = moving->first_state_of[index];
-  double rate;
-  switch (module->type) {
-  case KM_MODULE_DAMPING:
-  case KM_MODULE_FRICTION: {
-    if (module->type == KM_MODULE_FRICTION && moving->frictionless)
-      break;
-    km_module_input(m, s, f, module, &rate);
-    double force = km_law_resistance(&module->law, rate, stiction_rate(m, module->input.coordinate));
-    moving->dissipation -= force * km_module_apply(m, s, f, module, force);
-    break;
-  }
-  case KM_MODULE_MOTOR:
-    add_drive_force(m, s, f, module, km_motor_force(module, s->time));
-    break;
-  case KM_MODULE_PID: {
-    double error = module->reference - km_module_input(m, s, f, module, &rate);
-    moving->internal_rate[state] = error;
-    add_drive_force(m, s, f, module,
-                    module->kp * error + module->ki * moving->internal_state[state] - module->kd * rate);
-    break;
-  }
-  case KM_MODULE_TIRE:
+  moving->measured[index] = km_module_measure(m, s, f, module);
+  moving->module_force[index] = moving->module_power[index] = 0.0;
+  if (module->type == KM_MODULE_TIRE) {
     km_tire_apply(m, f, index);
-    break;
-  default:
-    break;
+    return;
   }
+  if (module->type == KM_MODULE_FRICTION && moving->frictionless)
+    return;
+  if (module->type == KM_MODULE_PID)
+    moving->internal_rate[moving->first_state_of[index]] = integrated_error(moving, index, s->time);
+  double force = module_force(m, s, moving, index), power = force * km_module_apply(m, s, f, module, force);
+  int c = module->output.coordinate;
+  moving->module_force[index] = force;
+  moving->module_power[index] = power;
+  if (is_dissipative(module)) {
+    moving->dissipation -= power;
+    return;
+  }
+  moving->motor_power += power;
+  if (c >= 0 && (module->type == KM_MODULE_MOTOR || module->type == KM_MODULE_PID))
+    moving->drive_force[c] += km_length_sense(m, s, c) * force;
 }
 
 /* Power of all loads. */

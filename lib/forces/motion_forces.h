@@ -9,13 +9,22 @@ typedef struct km_moving_forces {
   int *loaded_bodies;                       /* bodies with forces; their poses and twists must be set */
   int *dampers, *stops, *constant_friction; /* coordinates with damping, stops, constant friction */
   const km_model_module **modules;
-  int *first_state_of;       /* [module] index of its first internal state */
-  double *internal_state;    /* [state_count] internal states: ∫e of a controller, slips of a tyre */
-  double *internal_rate;     /* [state_count] rates of the internal states at the last update */
-  double *drive_force;       /* [coordinate] joint forces of motors and controllers at the last update */
-  bool frictionless;         /* linearisation at rest: friction is omitted, because it has no slope at rest */
-  double *reaction_friction; /* [coordinate] friction by reactions, set by an analysis; NULL: none */
-  double dissipation;        /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
+  int *first_state_of;    /* [module] index of its first internal state */
+  double *internal_state; /* [state_count] internal states: ∫e of a controller, slips of a tyre */
+  double *internal_rate;  /* [state_count] rates of the internal states at the last update */
+  double *drive_force;    /* [coordinate] joint forces of motors and controllers at the last update */
+  /* Modules whose force depends on an acceleration. Their forces are unknowns of the equations of motion: `force` acts,
+   * and km_implicit_forces_compute gives the force of the law at the accelerations that result. */
+  int implicit_count;
+  int *implicit;                       /* [implicit_count] indices of these modules */
+  double *implicit_force;              /* [implicit_count] force that acts */
+  double *implicit_work;               /* [implicit_count² + 4 implicit_count] workspace of the solution, */
+  size_t *implicit_places;             /* [implicit_count] */
+  km_measured *measured;               /* [module] values at the last update */
+  double *module_force, *module_power; /* [module] force and power at the last update */
+  bool frictionless;                   /* linearisation at rest: friction is omitted, because it has no slope at rest */
+  double *reaction_friction;           /* [coordinate] friction by reactions, set by an analysis; NULL: none */
+  double dissipation;                  /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
   double motor_power; /* power supplied by motors, controllers, loads, and springs that act where they don't measure */
 } km_moving_forces;
 
@@ -36,8 +45,13 @@ double km_slip_share(double speed, double stiction);
  * second. */
 double km_stiction_speed(const km_mechanism *mechanism, const km_joint_friction *friction);
 
-/* Value of a motor's law at a time. */
-double km_motor_force(const km_model_module *module, double time);
+/* Value and rate of a law over time. */
+double km_time_law_value(const km_time_law *law, double time, double *rate);
+/* Value of a motor's law at its variable. */
+double km_motor_force(const km_model_module *module, double variable);
+/* Forces of the laws of the implicit modules at the state's accelerations and those of the bodies. */
+void km_implicit_forces_compute(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
+                                double *out);
 
 /* Adds the forces of tyre `index` on wheel and road, and computes the rates of its slips. */
 void km_tire_apply(const km_mechanism *mechanism, km_forces *forces, int index);

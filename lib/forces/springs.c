@@ -3,9 +3,6 @@
 #include "forces/forces.h"
 #include "forces/motion_forces.h"
 
-/* Rounding of positions, relative to the lengths that they result from. */
-static const double rounding = 1e-11;
-
 static double piece_force(const km_law *law, int piece, double x) {
   double force = 0.0;
   for (int k = law->start[piece + 1] - 1; k >= law->start[piece]; --k)
@@ -72,92 +69,44 @@ double km_law_work(const km_law *law, double x) {
 km_status km_springs_collect(const km_model *model, km_forces *f, km_error *error) {
   f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
   for (int i = 0; i < model->module_count && f->springs; ++i)
-    if (model->modules[i].type == KM_MODULE_STIFFNESS)
+    if (model->modules[i].type == KM_MODULE_STIFFNESS && model->modules[i].variable == KM_VARIABLE_DISPLACEMENT)
       f->springs[f->spring_count++] = &model->modules[i];
   return f->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the springs") : KM_OK;
 }
 
-km_line km_line_of(const km_mechanism *m, const km_forces *f, const km_module_port *port, km_distance distance) {
-  const km_model_frame *a = &m->model->frames[port->frame[0]], *b = &m->model->frames[port->frame[1]];
-  km_pose A = km_pose_product(&f->pose[a->body], &a->pose);
-  km_line l = {.from = A.p, .to = km_pose_point(&f->pose[b->body], b->pose.p)};
-  km_vec3 offset = km_vec3_sub(l.to, l.from);
-  km_twist va = f->twist[a->body], vb = f->twist[b->body];
-  /* Velocity of the child's point relative to the parent's body: along an axis of the parent it is the rate of the
-   * displacement, along the line between the points the rate of the distance. */
-  km_vec3 rate =
-      km_vec3_sub(km_vec3_add(vb.v, km_vec3_cross(vb.w, l.to)), km_vec3_add(va.v, km_vec3_cross(va.w, l.to)));
-  if (distance == KM_DISTANCE_EUCLID) {
-    const double coincident = rounding * (m->length + km_vec3_norm(l.from));
-    l.displacement = km_vec3_norm(offset);
-    l.along = l.displacement > coincident ? km_vec3_scale(1.0 / l.displacement, offset) : (km_vec3){0, 0, 0};
-  } else {
-    l.along = A.R.axis[distance - KM_DISTANCE_X];
-    l.displacement = km_vec3_dot(l.along, offset);
-  }
-  l.rate = km_vec3_dot(l.along, rate);
-  return l;
-}
-
-double km_length_sense(const km_mechanism *m, const km_state *s, int c) {
-  return m->model->coordinates[c].is_strut && s->q[c] < 0.0 ? -1.0 : 1.0;
-}
-
-double km_module_input(const km_mechanism *m, const km_state *s, const km_forces *f, const km_model_module *module,
-                       double *rate) {
-  int c = module->input.coordinate;
-  if (c >= 0) {
-    double sense = km_length_sense(m, s, c);
-    *rate = sense * s->rate[c];
-    return sense * s->q[c];
-  }
-  km_line l = km_line_of(m, f, &module->input, module->distance);
-  *rate = l.rate;
-  return l.displacement;
-}
-
-/* Between frames both forces act at the child's point, so that their power is force · rate of the displacement also
- * for a displacement along a parent's axis. */
-double km_module_apply(const km_mechanism *m, const km_state *s, km_forces *f, const km_model_module *module,
-                       double force) {
-  const km_vec3 none = {0, 0, 0};
-  int c = module->output.coordinate;
-  if (c >= 0) {
-    double sense = km_length_sense(m, s, c);
-    km_forces_add_joint(m->model, f, c, sense * force);
-    return sense * s->rate[c];
-  }
-  km_line l = km_line_of(m, f, &module->output, module->distance);
-  const int *frame = module->output.frame;
-  km_forces_add(f, m->model->frames[frame[1]].body, km_vec3_scale(force, l.along), none, l.to);
-  km_forces_add(f, m->model->frames[frame[0]].body, km_vec3_scale(-force, l.along), none, l.to);
-  return l.rate;
+double km_module_saturate(const km_model_module *module, double force) {
+  return module->saturates ? fmin(fmax(force, module->least), module->most) : force;
 }
 
 /* True if a spring is conservative: it acts where it measures, and not on a ball's coordinate, whose rate isn't
  * conjugate to its torque. */
 static bool is_conservative(const km_mechanism *m, const km_model_module *module) {
   const km_module_port *in = &module->input, *out = &module->output;
+  if (module->input_count != 1 || module->inputs[0].weight != 1.0 || module->saturates)
+    return false;
   if (in->coordinate >= 0 || out->coordinate >= 0)
     return in->coordinate == out->coordinate && m->ball_of[in->coordinate] < 0;
-  return in->frame[0] == out->frame[0] && in->frame[1] == out->frame[1];
+  return in->coordinate == out->coordinate && in->frame[0] == out->frame[0] && in->frame[1] == out->frame[1] &&
+         module->inputs[0].distance == module->distance;
 }
 
 double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
-  double rate, power_supplied = 0.0;
+  double power_supplied = 0.0;
   for (int i = 0; i < f->spring_count; ++i) {
-    double force = km_law_force(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
-    double power = force * km_module_apply(m, s, f, f->springs[i], force);
-    if (!is_conservative(m, f->springs[i]))
+    const km_model_module *spring = f->springs[i];
+    double force =
+        km_module_saturate(spring, km_law_force(&spring->law, km_module_measure(m, s, f, spring).displacement));
+    double power = force * km_module_apply(m, s, f, spring, force);
+    if (!is_conservative(m, spring))
       power_supplied += power;
   }
   return power_supplied;
 }
 
 double km_springs_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
-  double rate, energy = 0.0;
+  double energy = 0.0;
   for (int i = 0; i < f->spring_count; ++i)
     if (is_conservative(m, f->springs[i]))
-      energy -= km_law_work(&f->springs[i]->law, km_module_input(m, s, f, f->springs[i], &rate));
+      energy -= km_law_work(&f->springs[i]->law, km_module_measure(m, s, f, f->springs[i]).displacement);
   return energy;
 }

@@ -47,7 +47,7 @@ km_status km_model_add_force(km_builder *b, const km_force_def *def, km_error *e
   const char *name;
   char who[120];
   if (!b || !b->model || !def || def->type < 0 || def->type >= KM_MODULE_TYPES || def->distance < 0 ||
-      def->distance > KM_DISTANCE_Z || is_lawless(def))
+      def->distance > KM_DISTANCE_RZ || is_lawless(def))
     return km_fail(error, KM_MODEL, "force \"%.80s\": found no builder, a type that isn't one, or no law",
                    def && def->name ? def->name : "");
   km_status status = km_builder_name(b, "force", def->name, NULL, 0, NULL, &name, error);
@@ -58,13 +58,18 @@ km_status km_model_add_force(km_builder *b, const km_force_def *def, km_error *e
                             .where = name,
                             .type = def->type,
                             .distance = def->distance,
-                            .reference = def->reference,
+                            .variable = km_module_type_variable(def->type),
+                            .input_count = 1,
                             .kp = def->kp,
                             .ki = def->ki,
                             .kd = def->kd};
   if (!find_port(b, def, who, &module.input, error))
     return KM_MODEL;
   module.output = module.input;
+  module.inputs = km_model_single_input(&b->model->arena, module.input, def->distance);
+  module.reference = (km_time_law){1, false, km_builder_numbers(b, &def->reference, 1)};
+  if (!module.inputs || !module.reference.numbers)
+    return km_builder_memory(error);
   status = copy_law(b, def, who, &module.law, error);
   if (status)
     return status;

@@ -102,17 +102,38 @@ typedef struct km_model_coupling {
   double *polynomial; /* [polynomial_count] coefficients, lowest power first; radians, lengths */
 } km_model_coupling;
 
-enum { KM_MODULE_PORT_FRAMES = -1 };
+enum { KM_MODULE_PORT_FRAMES = -1, KM_MODULE_PORT_FRAME = -3 };
 
-/* Port of a force module: a coordinate, or two frames. */
+/* Port of a force module: a coordinate, two frames, or (inputs only) one frame. */
 typedef struct km_module_port {
-  int coordinate; /* KM_MODULE_PORT_FRAMES: between two frames */
-  int frame[2];   /* parent frame, child frame */
+  int coordinate; /* KM_MODULE_PORT_FRAMES: between two frames; KM_MODULE_PORT_FRAME: one frame */
+  int frame[2];   /* parent frame, child frame; of one frame: frame[0] */
 } km_module_port;
+
+/* Derivative of its inputs that a force module's law or controller reads; or time. */
+typedef enum km_module_variable {
+  KM_VARIABLE_DISPLACEMENT,
+  KM_VARIABLE_VELOCITY,
+  KM_VARIABLE_ACCELERATION,
+  KM_VARIABLE_TIME
+} km_module_variable;
+
+/* An input of a force module: a coordinate, a measure between two frames, or a component of one frame's motion. */
+typedef struct km_module_input {
+  km_module_port port;
+  km_distance distance; /* measure between two frames */
+  int component;        /* component of one frame: 0-2 its origin along x, y, z; 3-5 its angular motion about them */
+  bool body_axes;       /* the component is along the frame's own axes, not the inertial ones */
+  double weight;
+} km_module_input;
 
 /* Names of the types in the format: "stiffness", "damping" … */
 const char *km_module_type_word(km_module_type type);
 int km_module_type_find(const char *word); /* type with a name; -1 if there is none */
+/* One input of weight 1; NULL without memory. */
+const km_module_input *km_model_single_input(km_arena *arena, km_module_port port, km_distance distance);
+/* Variable that a type reads unless another is stated. */
+km_module_variable km_module_type_variable(km_module_type type);
 
 /* A force law: piecewise polynomial of a variable in radians, length or time. */
 typedef struct km_law {
@@ -121,6 +142,13 @@ typedef struct km_law {
   const int *start;           /* [knot_count + 2] index of the first coefficient of each piece */
   const double *coefficients; /* coefficients, lowest power first */
 } km_law;
+
+/* A law over time: a polynomial, or a table whose rows are joined by lines. */
+typedef struct km_time_law {
+  int count;             /* number of coefficients, lowest power first; of rows */
+  bool is_table;         /* rows t, value */
+  const double *numbers; /* [count] or [2 · count] */
+} km_time_law;
 
 /* Parameters of a Fiala tyre. */
 typedef struct km_tire {
@@ -133,14 +161,23 @@ typedef struct km_tire {
 typedef struct km_model_module {
   const char *name, *where;
   km_module_type type;
-  km_module_port input, output;
-  km_distance distance;
+  km_module_port input, output; /* first input; output */
+  km_distance distance;         /* measure between the output's frames */
+  km_module_variable variable;  /* variable of the sum of the weighted inputs */
+  int input_count;
+  const km_module_input *inputs; /* [input_count] */
+  bool saturates;
+  double least, most; /* bounds of the force, if it saturates */
   km_law law;
-  double reference, kp, ki, kd; /* gains of a controller */
-  int table_count;              /* number of rows of a motor's table */
-  const double *table;          /* [2 · table_count] rows t, f */
+  double kp, ki, kd;     /* gains of a controller */
+  km_time_law reference; /* reference of a controller */
+  int table_count;       /* number of rows of a motor's table, over time or its variable */
+  const double *table;   /* [2 · table_count] rows t, f */
   km_tire tire;
 } km_model_module;
+
+/* True for a force of the displacement of the joint in which it acts. */
+bool km_module_is_spring_in_joint(const km_model_module *module);
 
 typedef struct km_applied_load {
   const char *name;

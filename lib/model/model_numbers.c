@@ -88,8 +88,11 @@ static void add_forces(km_model_numbers *n, km_model *m) {
     add(n, at->law.knots, (size_t)at->law.knot_count, KM_NUMBER_CHECKED);
     if (at->law.start)
       add(n, at->law.coefficients, (size_t)at->law.start[at->law.knot_count + 1], KM_NUMBER_FREE);
-    const double *checked[] = {&at->reference, &at->kp, &at->ki, &at->kd};
-    for (int k = 0; k < 4; ++k)
+    const double *checked[] = {&at->kp, &at->ki, &at->kd, &at->least, &at->most};
+    add(n, at->reference.numbers, (size_t)at->reference.count * (at->reference.is_table ? 2 : 1), KM_NUMBER_CHECKED);
+    for (int k = 0; k < at->input_count; ++k)
+      add(n, &at->inputs[k].weight, 1, KM_NUMBER_CHECKED);
+    for (int k = 0; k < 5; ++k)
       add(n, checked[k], 1, KM_NUMBER_CHECKED);
     add(n, at->table, 2 * (size_t)at->table_count, KM_NUMBER_CHECKED);
     const km_tire *t = &at->tire;

@@ -51,7 +51,8 @@ static void evaluate_map(evaluation *e, km_value *map, const km_field *field, co
 
 /* A string in place of a whole list is none of its numbers: it is left to the check of the field. */
 static bool stands_for_a_list(const km_value *value, km_shape shape) {
-  return value->kind == KM_STRING && shape != KM_SHAPE_NUMBER && shape != KM_SHAPE_COORDINATES;
+  return value->kind == KM_STRING && shape != KM_SHAPE_NUMBER && shape != KM_SHAPE_COORDINATES &&
+         shape != KM_SHAPE_TIME_LAW;
 }
 
 static void evaluate_object(evaluation *e, km_value *object, const km_object_format *format, const km_place *place) {

@@ -187,12 +187,16 @@ typedef enum km_module_type {
   KM_MODULE_TYPES      /* number of enumerators */
 } km_module_type;
 
-/* Measure between two frames: distance of their origins, or a component along an axis of the parent frame. */
+/* Measure between two frames: distance of their origins, a component along an axis of the parent frame, or the angle of
+ * the child frame about such an axis, from -pi to pi. */
 typedef enum km_distance {
   KM_DISTANCE_EUCLID, /* distance */
   KM_DISTANCE_X,      /* component along x */
   KM_DISTANCE_Y,      /* component along y */
-  KM_DISTANCE_Z       /* component along z */
+  KM_DISTANCE_Z,      /* component along z */
+  KM_DISTANCE_RX,     /* angle about x: of the child's y axis in the parent's plane x = 0 */
+  KM_DISTANCE_RY,     /* angle about y: of the child's z axis in the parent's plane y = 0 */
+  KM_DISTANCE_RZ      /* angle about z: of the child's x axis in the parent's plane z = 0 */
 } km_distance;
 
 /* Definition of a force as a piecewise polynomial of a displacement, rate or time: in a joint's coordinate, or

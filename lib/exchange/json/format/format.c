@@ -133,6 +133,7 @@ bool km_shape_is_numeric(km_shape shape) {
   case KM_SHAPE_RANGE:
   case KM_SHAPE_RANGES:
   case KM_SHAPE_ROWS:
+  case KM_SHAPE_TIME_LAW:
   case KM_SHAPE_COORDINATE_MAP:
   case KM_SHAPE_VALUE_MAPS:
   case KM_SHAPE_POSES:

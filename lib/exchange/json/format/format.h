@@ -21,6 +21,7 @@ typedef enum km_shape {
   KM_SHAPE_RANGE,          /* [low, high] */
   KM_SHAPE_RANGES,         /* [low, high], or one such pair for each coordinate */
   KM_SHAPE_ROWS,           /* a list of lists of numbers */
+  KM_SHAPE_TIME_LAW,       /* a number, a list of coefficients, or a list of rows [time, number] */
   KM_SHAPE_STRINGS,        /* a string or a list of strings */
   KM_SHAPE_PATH,           /* a name, or a list of names from the root */
   KM_SHAPE_PATHS,          /* a list of paths */
@@ -56,7 +57,8 @@ typedef enum km_measure {
   KM_MEASURE_PIECES,         /* rows; item k: the module's force over its variable^k */
   KM_MEASURE_LAW_TABLE,      /* rows of time and the module's force */
   KM_MEASURE_LAW_POLYNOMIAL, /* item k: the module's force over time^k */
-  KM_MEASURE_REFERENCE,      /* the module's variable */
+  KM_MEASURE_REFERENCE,      /* the module's variable; of a polynomial over time^k, in rows after the time */
+  KM_MEASURE_MODULE_FORCE,   /* the module's force */
   KM_MEASURE_GAIN            /* the module's force over its variable */
 } km_measure;
 

@@ -170,6 +170,17 @@ static void check_object_map(km_messages *m, const km_place *place, const km_val
   }
 }
 
+static void check_time_law(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind != KM_LIST)
+    check_number(m, place, value);
+  else if (value->first && value->first->kind == KM_LIST)
+    check_rows(m, place, value, 0, 2, "a list of rows [time, value]");
+  else if (value->first)
+    check_numbers(m, place, value, 0, "a number, a list of numbers, or rows [time, value]");
+  else
+    expected(m, place, value, "a number, a list of numbers, or rows [time, value]");
+}
+
 static void check_range(km_messages *m, const km_place *place, const km_value *value, int many) {
   if (many && value->kind == KM_LIST && value->first && value->first->kind == KM_LIST)
     check_rows(m, place, value, 0, 2, "[low, high] for each coordinate");
@@ -213,6 +224,9 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
     break;
   case KM_SHAPE_ROWS:
     check_rows(m, place, value, 0, 0, "a list of lists of numbers");
+    break;
+  case KM_SHAPE_TIME_LAW:
+    check_time_law(m, place, value);
     break;
   case KM_SHAPE_STRINGS:
     check_strings(m, place, value, "a string or a list of strings");

@@ -2,9 +2,17 @@
 #include "exchange/json/format/format_rows.h"
 
 static const km_field port_fields[] = {
-    {"type", "\"joint\" or \"frame\".", STRING, REQUIRED},
+    {"type", "\"joint\" or \"frame\".", STRING, UNSTATED("by the other keys")},
     {"joint", "The joint, of a port of type joint.", SHAPE(PATH)},
     {"body_frame_pair", "The two frames, of a port of type frame: parent and child.", SHAPE(PATH_PAIR)},
+    {"distance_type", "How the way between two frames is measured, instead of the module's own key.", STRING,
+     UNSTATED("the module's")},
+    {"frame", "Instead of two frames, of an input: the one frame whose motion is measured.", SHAPE(PATH)},
+    {"component",
+     "Part of the frame's motion: x, y or z of its origin, or wx, wy or wz of its angular velocity or acceleration.",
+     STRING},
+    {"axes", "Axes of the component: fixed (inertial) or body (the frame's own).", STRING, UNSTATED("fixed")},
+    {"weight", "Factor of this input in the sum of all inputs.", NUMBER, UNSTATED("1")},
     {0}};
 static const km_object_format port_format = {"force_module_port", port_fields};
 
@@ -27,13 +35,22 @@ static const km_field module_fields[] = {
     {"name", "Name of the force module.", STRING, REQUIRED},
     {"type",
      "stiffness is a force from a displacement, damping and friction from a rate, motor from time, pid a controller, "
-     "fiala_tire a tyre. Statics counts stiffness; the others count in a simulation.",
+     "fiala_tire a tyre; `variable` states another variable. Statics counts a stiffness of displacement; the others "
+     "count in a simulation.",
      STRING, REQUIRED},
     {"input", "Where the variable is measured.", OBJECT(port_format), UNSTATED("the output")},
+    {"inputs", "Several inputs instead of one: the variable is the sum of them, each times its weight.",
+     OBJECTS(port_format)},
     {"output", "Where the force acts.", OBJECT(port_format), UNSTATED("the input")},
+    {"variable",
+     "What the law or the controller reads of the input: its displacement, velocity or acceleration; of a motor, time.",
+     STRING, UNSTATED("by the type")},
+    {"saturation",
+     "Least and greatest force. A controller doesn't integrate an error that only pushes further beyond a bound.",
+     SHAPE(RANGE), BY(MODULE_FORCE), UNSTATED("none")},
     {"distance_type",
-     "How the way between two frames is measured: euclid is the distance, Tx, Ty or Tz the part along that axis of the "
-     "parent frame.",
+     "How the way between two frames is measured: euclid is the distance; Tx, Ty or Tz the part along that axis of the "
+     "parent frame; Rx, Ry or Rz the child's angle about it, from -pi to pi.",
      STRING, UNSTATED("euclid")},
     {"knot_points", "Increasing values of the variable at which one polynomial ends and the next begins.",
      SHAPE(NUMBERS), BY(KNOTS), UNSTATED("[]")},
@@ -41,11 +58,16 @@ static const km_field module_fields[] = {
      "One polynomial in the variable more than there are knots, the constant coefficient first. The value is the force "
      "along the joint or the way, positive where it pushes it to grow; angles inside are in radians.",
      SHAPE(ROWS), BY(PIECES)},
-    {"table", "A motor's force as rows [time, force], joined by lines; before and behind them it stays.", SHAPE(ROWS),
-     BY(LAW_TABLE)},
+    {"table",
+     "A motor's force as rows [time, force], joined by lines; before and behind them it stays. With `variable`, the rows "
+     "begin with its value.",
+     SHAPE(ROWS), BY(LAW_TABLE)},
     {"polynomial", "A motor's force as a polynomial in time, the constant coefficient first.", SHAPE(NUMBERS),
      BY(LAW_POLYNOMIAL)},
-    {"reference", "Value that a pid holds the variable at.", NUMBER, BY(REFERENCE), UNSTATED("0")},
+    {"reference",
+     "Value that a pid holds the variable at: a number, a polynomial over time (the constant coefficient first), or rows "
+     "[time, value] that are joined by lines.",
+     SHAPE(TIME_LAW), BY(REFERENCE), UNSTATED("0")},
     {"kp", "Force of a pid for each unit of the error, which is reference minus variable.", NUMBER, BY(GAIN),
      UNSTATED("0")},
     {"ki", "Force of a pid for each unit of the error's integral over time.", NUMBER, BY(GAIN), UNIT(.time = -1),

@@ -154,6 +154,11 @@ static void describe(const schema *s, km_value *object, const km_object_format *
   case KM_SHAPE_ROWS:
     numbers(s, list(s, object, 0), 0);
     break;
+  case KM_SHAPE_TIME_LAW:
+    either(s, object, &a, &b);
+    coordinates(s, a);
+    numbers(s, list(s, b, 0), 2);
+    break;
   case KM_SHAPE_STRINGS:
   case KM_SHAPE_PATH:
     path(s, object);

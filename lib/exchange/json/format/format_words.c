@@ -16,6 +16,7 @@ void km_field_shape_text(const km_field *field, km_text *out) {
       [KM_SHAPE_RANGE] = "[low, high]",
       [KM_SHAPE_RANGES] = "[low, high], or a list of them",
       [KM_SHAPE_ROWS] = "list of lists of numbers",
+      [KM_SHAPE_TIME_LAW] = "number, list of numbers, or list of lists of numbers",
       [KM_SHAPE_STRINGS] = "text, or a list of texts",
       [KM_SHAPE_PATH] = "path",
       [KM_SHAPE_PATHS] = "list of paths",
@@ -72,6 +73,7 @@ void km_field_unit_text(const km_field *field, km_text *out) {
       [KM_MEASURE_LAW_TABLE] = "time; torque or force",
       [KM_MEASURE_LAW_POLYNOMIAL] = "torque or force, over time^k",
       [KM_MEASURE_REFERENCE] = "rad or length",
+      [KM_MEASURE_MODULE_FORCE] = "torque or force",
       [KM_MEASURE_GAIN] = "torque/rad or force/length",
   };
   km_text above = {0}, below = {0};

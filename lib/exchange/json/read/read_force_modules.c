@@ -25,6 +25,18 @@ static double *numbers_of(km_reader *reader, const km_value *list, size_t *count
   return out;
 }
 
+/* A number, a polynomial over time, or rows [time, value]. */
+static void read_reference(km_reader *reader, const km_value *reference, km_time_law *out) {
+  size_t count = 0;
+  double *numbers = NULL;
+  if (reference && reference->kind == KM_LIST)
+    numbers = numbers_of(reader, reference, &count);
+  else if ((numbers = KM_ARENA_NEW(&reader->model->arena, double, 1)))
+    numbers[count++] = reference ? reference->number : 0.0;
+  bool is_table = reference && reference->kind == KM_LIST && reference->first && reference->first->kind == KM_LIST;
+  *out = (km_time_law){(int)(is_table ? count / 2 : count), is_table, numbers};
+}
+
 /* Knots and polynomials; a motor's polynomial in time is one without knots. */
 static void read_law(km_reader *reader, const km_value *module, km_model_module *out) {
   const km_value *pieces = km_value_get(module, "coefficients"), *polynomial = km_value_get(module, "polynomial");
@@ -42,7 +54,7 @@ static void read_law(km_reader *reader, const km_value *module, km_model_module 
   out->law = law;
   out->table = numbers_of(reader, km_value_get(module, "table"), &rows);
   out->table_count = (int)(rows / 2);
-  out->reference = km_reader_number(module, "reference", 0.0);
+  read_reference(reader, km_value_get(module, "reference"), &out->reference);
   out->kp = km_reader_number(module, "kp", 0.0);
   out->ki = km_reader_number(module, "ki", 0.0);
   out->kd = km_reader_number(module, "kd", 0.0);
@@ -70,30 +82,152 @@ static void read_tire(km_reader *reader, const km_value *module, const km_place 
     km_reader_not_negative(reader, t, numbers[i], &at);
 }
 
-/* False where the port names what is left out. */
-static bool read_port(km_reader *reader, const km_value *port, int assembly, const km_place *place,
-                      km_module_port *out) {
+static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", "Rx", "Ry", "Rz", NULL};
+
+/* Measure between two frames that a key names; euclid if it isn't there. */
+static km_distance read_distance(km_reader *reader, const km_value *object, const km_place *place) {
+  const char *distance = km_reader_string(object, "distance_type");
+  km_place at = {place, "distance_type", 0};
+  int found = distance ? place_of(distance, distances) : 0;
+  if (found < 0)
+    km_reader_error(reader, &at, "\"%.40s\" is not a distance; expected euclid, Tx, Ty, Tz, Rx, Ry or Rz", distance);
+  return found < 0 ? KM_DISTANCE_EUCLID : (km_distance)found;
+}
+
+/* One frame with a component of its motion. */
+static void read_component(km_reader *reader, const km_value *port, int assembly, const km_place *place,
+                           km_module_input *out) {
+  static const char *const components[] = {"x", "y", "z", "wx", "wy", "wz", NULL}, *const axes[] = {"fixed", "body",
+                                                                                                    NULL};
+  const char *component = km_reader_string(port, "component"), *along = km_reader_string(port, "axes");
+  km_place frame_at = {place, "frame", 0}, component_at = {place, "component", 0}, axes_at = {place, "axes", 0};
+  out->port = (km_module_port){KM_MODULE_PORT_FRAME, {0, 0}};
+  out->port.frame[0] = km_reader_frame(reader, km_value_get(port, "frame"), assembly, &frame_at);
+  out->component = component ? place_of(component, components) : -1;
+  int axes_found = along ? place_of(along, axes) : 0;
+  if (!component)
+    km_reader_error(reader, place, "\"component\" is missing; expected x, y, z, wx, wy or wz");
+  else if (out->component < 0)
+    km_reader_error(reader, &component_at, "\"%.40s\" is not a component; expected x, y, z, wx, wy or wz", component);
+  if (axes_found < 0)
+    km_reader_error(reader, &axes_at, "\"%.40s\" are no axes; expected fixed or body", along);
+  out->component = out->component < 0 ? 0 : out->component;
+  out->body_axes = axes_found == 1;
+}
+
+/* A joint, two frames, or (`may_be_frame`) a component of one frame's motion. False where it names what is left out. */
+static bool read_port(km_reader *reader, const km_value *port, int assembly, bool may_be_frame, const km_place *place,
+                      km_module_input *out) {
   const char *type = km_reader_string(port, "type");
-  const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair");
+  const km_value *joint = km_value_get(port, "joint"), *pair = km_value_get(port, "body_frame_pair"),
+                 *frame = km_value_get(port, "frame");
   km_place type_at = {place, "type", 0}, joint_at = {place, "joint", 0}, pair_at = {place, "body_frame_pair", 0};
-  *out = (km_module_port){KM_MODULE_PORT_FRAMES, {0, 0}};
-  if (strcmp(type, "joint") == 0) {
+  *out = (km_module_input){.port = {KM_MODULE_PORT_FRAMES, {0, 0}}, .weight = km_reader_number(port, "weight", 1.0)};
+  if (type && strcmp(type, "joint") != 0 && strcmp(type, "frame") != 0) {
+    km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
+    return true;
+  }
+  bool is_joint = type ? strcmp(type, "joint") == 0 : joint != NULL;
+  if (is_joint) {
     if (joint)
-      out->coordinate = km_reader_coordinate(reader, joint, assembly, &joint_at);
+      out->port.coordinate = km_reader_coordinate(reader, joint, assembly, &joint_at);
     else
       km_reader_error(reader, place, "\"joint\" is missing; expected the joint of this port");
-    return out->coordinate != KM_LEFT_OUT;
+    return out->port.coordinate != KM_LEFT_OUT;
   }
-  if (strcmp(type, "frame") != 0) {
-    km_reader_error(reader, &type_at, "\"%.40s\" is not a kind of port; expected \"joint\" or \"frame\"", type);
+  if (frame && may_be_frame) {
+    read_component(reader, port, assembly, place, out);
   } else if (!pair) {
     km_reader_error(reader, place, "\"body_frame_pair\" is missing; expected the two frames of this port");
   } else {
     km_place first = {&pair_at, NULL, 0}, second = {&pair_at, NULL, 1};
-    out->frame[0] = km_reader_frame(reader, pair->first, assembly, &first);
-    out->frame[1] = km_reader_frame(reader, pair->last, assembly, &second);
+    out->port.frame[0] = km_reader_frame(reader, pair->first, assembly, &first);
+    out->port.frame[1] = km_reader_frame(reader, pair->last, assembly, &second);
+    out->distance = read_distance(reader, port, place);
   }
-  return out->frame[0] != KM_LEFT_OUT && out->frame[1] != KM_LEFT_OUT;
+  return out->port.frame[0] != KM_LEFT_OUT && out->port.frame[1] != KM_LEFT_OUT;
+}
+
+/* The module's measure between frames, for a port without one. */
+static void read_common_distance(km_reader *reader, const km_value *port, const km_value *module, const km_place *place,
+                                 km_module_input *out) {
+  if (!km_value_get(port, "distance_type") && out->port.coordinate == KM_MODULE_PORT_FRAMES)
+    out->distance = read_distance(reader, module, place);
+}
+
+/* The inputs of a module: those of `inputs`, else `input`, else the output. False where one names what is left out. */
+static bool read_inputs(km_reader *reader, const km_value *module, int assembly, const km_place *place,
+                        km_model_module *out) {
+  const km_value *list = km_value_get(module, "inputs"), *input = km_value_get(module, "input"),
+                 *output = km_value_get(module, "output");
+  const km_value *only = input ? input : output;
+  size_t count = list ? list->count : only ? 1 : 0;
+  km_module_input *inputs = KM_ARENA_NEW(&reader->model->arena, km_module_input, count + 1);
+  bool complete = true;
+  km_place list_at = {place, "inputs", 0}, item = {&list_at, NULL, 0}, only_at = {place, input ? "input" : "output", 0};
+  if (list && input)
+    km_reader_warning(reader, &only_at, "doesn't count: the module has %s", "\"inputs\"");
+  for (const km_value *v = list && inputs ? list->first : NULL; v; v = v->next, ++item.index) {
+    complete = read_port(reader, v, assembly, true, &item, &inputs[item.index]) && complete;
+    read_common_distance(reader, v, module, place, &inputs[item.index]);
+  }
+  if (!list && only && inputs) {
+    complete = read_port(reader, only, assembly, true, &only_at, &inputs[0]);
+    read_common_distance(reader, only, module, place, &inputs[0]);
+  }
+  out->inputs = inputs;
+  out->input_count = inputs ? (int)count : 0;
+  out->input = count && inputs ? inputs[0].port : (km_module_port){KM_MODULE_PORT_FRAMES, {0, 0}};
+  return complete;
+}
+
+/* The output: by default the only input. */
+static bool read_output(km_reader *reader, const km_value *module, int assembly, const km_place *place,
+                        km_model_module *out) {
+  const km_value *output = km_value_get(module, "output");
+  km_place at = {place, "output", 0};
+  km_module_input port;
+  out->output = out->input;
+  out->distance = out->input_count ? out->inputs[0].distance : KM_DISTANCE_EUCLID;
+  if (output) {
+    bool complete = read_port(reader, output, assembly, false, &at, &port);
+    out->output = port.port;
+    out->distance = km_value_get(output, "distance_type") ? port.distance : read_distance(reader, module, place);
+    return complete;
+  }
+  if (out->input_count > 1 || out->input.coordinate == KM_MODULE_PORT_FRAME)
+    km_reader_error(reader, place, "\"output\" is missing; expected the joint or the frames on which the force acts");
+  return true;
+}
+
+/* The variable and the bounds of the force. */
+static void read_variable(km_reader *reader, const km_value *module, const km_place *place, km_model_module *out) {
+  static const char *const variables[] = {"displacement", "velocity", "acceleration", "time", NULL};
+  const char *variable = km_reader_string(module, "variable");
+  const km_value *bounds = km_value_get(module, "saturation");
+  km_place at = {place, "variable", 0}, bounds_at = {place, "saturation", 0};
+  int found = variable ? place_of(variable, variables) : (int)km_module_type_variable(out->type);
+  if (found < 0)
+    km_reader_error(reader, &at, "\"%.40s\" is not a variable; expected displacement, velocity, acceleration or time",
+                    variable);
+  out->variable = found < 0 ? KM_VARIABLE_DISPLACEMENT : (km_module_variable)found;
+  if (found == KM_VARIABLE_TIME && out->type != KM_MODULE_MOTOR)
+    km_reader_error(reader, &at, "only motors read the time; expected displacement, velocity or acceleration");
+  if (found == KM_VARIABLE_ACCELERATION && out->type == KM_MODULE_PID && out->kd != 0.0)
+    km_reader_error(reader, &at, "\"kd\" of an acceleration is a jerk; expected kp and ki alone");
+  for (int i = 0; i < out->input_count && found == KM_VARIABLE_DISPLACEMENT && out->type != KM_MODULE_TIRE; ++i)
+    if (out->inputs[i].port.coordinate == KM_MODULE_PORT_FRAME && out->inputs[i].component >= 3)
+      km_reader_error(reader, place,
+                      "a component wx, wy or wz has no displacement; expected \"variable\" velocity or "
+                      "acceleration, or two frames with Rx, Ry or Rz");
+  if (!bounds)
+    return;
+  out->saturates = true;
+  out->least = bounds->first->number;
+  out->most = bounds->last->number;
+  if (out->least > out->most)
+    km_reader_error(reader, &bounds_at, "found %s above %s; expected [least, greatest]", KM_SHOWN(out->least),
+                    KM_SHOWN(out->most));
 }
 
 static void check_pieces(km_reader *reader, const km_value *module, const km_place *place) {
@@ -144,42 +278,33 @@ static void warn_unused_laws(km_reader *reader, const km_value *module, bool is_
 }
 
 static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
-  static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", NULL};
   if (!km_reader_active(module))
     return;
   km_reader_named(reader, module, place);
-  const char *type = km_reader_string(module, "type"), *distance = km_reader_string(module, "distance_type");
-  km_place type_at = {place, "type", 0}, distance_at = {place, "distance_type", 0};
-  int type_found = km_module_type_find(type), distance_found = distance ? place_of(distance, distances) : 0;
+  const char *type = km_reader_string(module, "type");
+  km_place type_at = {place, "type", 0};
+  int type_found = km_module_type_find(type);
   if (type_found < 0)
     km_reader_error(reader, &type_at,
                     "\"%.40s\" is not a force module; expected stiffness, damping, friction, motor, pid or fiala_tire",
                     type);
-  if (distance_found < 0)
-    km_reader_error(reader, &distance_at, "\"%.40s\" is not a distance; expected euclid, Tx, Ty or Tz", distance);
-  const km_value *input = km_value_get(module, "input"), *output = km_value_get(module, "output");
-  km_place input_at = {place, "input", 0}, output_at = {place, "output", 0};
-  const km_value *either = input ? input : output;
   km_model_module def = {.name = km_reader_string(module, "name"),
                          .where = km_reader_where(reader, place),
-                         .type = (km_module_type)type_found,
-                         .distance = (km_distance)distance_found,
-                         .input = {KM_MODULE_PORT_FRAMES, {0, 0}}};
-  bool complete = !either || read_port(reader, either, assembly, input ? &input_at : &output_at, &def.input);
-  def.output = def.input;
-  if (input && output)
-    complete = read_port(reader, output, assembly, &output_at, &def.output) && complete;
+                         .type = type_found < 0 ? KM_MODULE_STIFFNESS : (km_module_type)type_found};
+  bool complete = read_inputs(reader, module, assembly, place, &def);
+  complete = read_output(reader, module, assembly, place, &def) && complete;
   if (!complete) {
     km_reader_note(reader, place, "force module \"%.80s\" is left out with what it acts on",
                    km_reader_string(module, "name"));
     return;
   }
   read_law(reader, module, &def);
+  read_variable(reader, module, place, &def);
   if (def.type == KM_MODULE_TIRE)
     read_tire(reader, module, place, &def.tire);
   reader->origin->modules[reader->model->module_count] = module;
   reader->model->modules[reader->model->module_count++] = def;
-  if (!either)
+  if (def.input_count == 0)
     km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
   check_law(reader, module, type, place);
   check_pieces(reader, module, place);

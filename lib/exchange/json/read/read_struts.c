@@ -136,12 +136,17 @@ static void make_force(km_reader *reader, const strut *s, const char *part, doub
   coefficients[1] = slope;
   start[1] = 2;
   km_module_port port = {model->joints[slide].first_coordinate, {0, 0}};
+  const km_module_input *inputs = km_model_single_input(&model->arena, port, KM_DISTANCE_EUCLID);
+  if (!inputs)
+    return;
   reader->origin->modules[model->module_count] = NULL;
   model->modules[model->module_count++] = (km_model_module){.name = part_name(reader, s, &(km_names){0}, part),
                                                             .where = km_reader_where(reader, s->place),
                                                             .type = KM_MODULE_STIFFNESS,
                                                             .input = port,
                                                             .output = port,
+                                                            .input_count = 1,
+                                                            .inputs = inputs,
                                                             .law = {.start = start, .coefficients = coefficients}};
 }
 

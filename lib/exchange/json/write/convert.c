@@ -75,8 +75,9 @@ static km_dimension plain_of(const converter *c, int coordinate) {
   return plain(c->model->joints[def->joint].type, def->index);
 }
 
-/* The dimension of number `item` of list `row` in a field. */
-static km_dimension measured(const converter *c, const context *at, const km_field *field, int row, int item) {
+/* The dimension of number `item` of list `row` in a field, inside `depth` lists. */
+static km_dimension measured(const converter *c, const context *at, const km_field *field, int depth, int row,
+                             int item) {
   const km_model_sweep *sweep = &c->model->sweep;
   switch (field->measure) {
   case KM_MEASURE_COORDINATE:
@@ -110,14 +111,19 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
     return km_joint_dimension(c->model->joints[def->joint].type, def->index);
   }
   case KM_MEASURE_KNOTS:
-  case KM_MEASURE_REFERENCE:
     return at->variable;
+  case KM_MEASURE_REFERENCE:
+    return depth == 2 && item == 0 ? time_1
+           : depth == 1            ? km_dimension_product(at->variable, km_dimension_power(time_1, -item))
+                                   : at->variable;
+  case KM_MEASURE_MODULE_FORCE:
+    return at->force;
   case KM_MEASURE_PIECES:
     return km_dimension_product(at->force, km_dimension_power(at->variable, -item));
   case KM_MEASURE_LAW_TABLE:
-    return item == 0 ? time_1 : at->force;
+    return item == 0 ? at->variable : at->force;
   case KM_MEASURE_LAW_POLYNOMIAL:
-    return km_dimension_product(at->force, km_dimension_power(time_1, -item));
+    return km_dimension_product(at->force, km_dimension_power(at->variable, -item));
   case KM_MEASURE_GAIN:
     return km_dimension_product(at->force, km_dimension_power(at->variable, -1));
   default:
@@ -148,7 +154,7 @@ static void copy(const converter *c, km_value *parent, const char *key, const km
 static void convert_numbers(const converter *c, const context *at, const km_field *field, km_value *parent,
                             const char *key, const km_value *value, int depth, int row, int item) {
   if (value->kind == KM_NUMBER && !(value->string && c->verbatim)) {
-    km_dimension dimension = km_dimension_product(measured(c, at, field, row, item), field->dimension);
+    km_dimension dimension = km_dimension_product(measured(c, at, field, depth, row, item), field->dimension);
     km_value_number(c->arena, parent, key, in_new_units(c, value->number, dimension));
     return;
   }
@@ -181,29 +187,37 @@ static void convert_map(const converter *c, const km_value *value, km_value *par
   }
 }
 
-/* True if a port measures a length, not an angle. */
-static bool port_is_length(const converter *c, int port) {
+/* True if a port is a length, not an angle. */
+static bool port_is_length(const converter *c, int port, km_distance distance) {
   if (port < 0)
-    return true;
+    return distance <= KM_DISTANCE_Z;
   const km_model_coordinate *def = &c->model->coordinates[port];
   return km_joint_is_length(c->model->joints[def->joint].type, def->index);
 }
 
+static km_dimension variable_dimension(km_dimension displacement, km_module_variable variable) {
+  return variable == KM_VARIABLE_TIME
+             ? time_1
+             : km_dimension_product(displacement, km_dimension_power(time_1, -(int)variable));
+}
+
+/* Dimensions of the variable and the force of a module; one that is left out is taken for one of lengths. */
 static void enter_module(const converter *c, const km_value *module, context *at) {
   const km_value *type = km_value_get(module, "type");
-  const char *word = type && type->string ? type->string : "";
-  bool rate = strcmp(word, "damping") == 0 || strcmp(word, "friction") == 0;
-  const km_module_port frames = {KM_MODULE_PORT_FRAMES, {0, 0}}; /* left out: taken for lengths */
-  km_model_module def = {.input = frames, .output = frames};
-  for (int i = 0; i < c->model->module_count; ++i)
-    if (c->origin->modules[i] == module)
-      def = c->model->modules[i];
-  at->variable = port_is_length(c, def.input.coordinate) ? length_1 : (km_dimension){0};
-  at->force = generalised_force(port_is_length(c, def.output.coordinate));
-  if (rate)
-    at->variable = km_dimension_product(at->variable, km_dimension_power(time_1, -1));
-  if (strcmp(word, "motor") == 0)
-    at->variable = time_1;
+  int found = type && type->string ? km_module_type_find(type->string) : -1;
+  km_module_variable variable = found < 0 ? KM_VARIABLE_DISPLACEMENT : km_module_type_variable((km_module_type)found);
+  at->variable = variable_dimension(length_1, variable);
+  at->force = generalised_force(true);
+  for (int i = 0; i < c->model->module_count; ++i) {
+    const km_model_module *def = &c->model->modules[i];
+    const km_module_input *in = def->inputs;
+    if (c->origin->modules[i] != module || def->input_count == 0)
+      continue;
+    bool is_component = in->port.coordinate == KM_MODULE_PORT_FRAME;
+    bool is_length = is_component ? in->component < 3 : port_is_length(c, in->port.coordinate, in->distance);
+    at->variable = variable_dimension(is_length ? length_1 : (km_dimension){0}, def->variable);
+    at->force = generalised_force(port_is_length(c, def->output.coordinate, def->distance));
+  }
 }
 
 static void enter(const converter *c, const km_object_format *format, const km_value *object, context *at) {
@@ -260,6 +274,7 @@ static void convert_field(const converter *c, const context *at, const km_field 
   case KM_SHAPE_RANGE:
   case KM_SHAPE_RANGES:
   case KM_SHAPE_ROWS:
+  case KM_SHAPE_TIME_LAW:
     convert_numbers(c, at, field, parent, value->key, value, 0, 0, 0);
     break;
   default:
