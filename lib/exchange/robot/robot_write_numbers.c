@@ -50,8 +50,8 @@ double km_written_tolerance(const km_written *w) {
 /* A law k (rest - x), one piece of two coefficients, in a joint's coordinate. */
 static bool is_spring(const km_model_module *module) {
   const km_law *law = &module->law;
-  return km_module_is_spring_in_joint(module) &&
-         law->knot_count == 0 && law->start[1] - law->start[0] == 2 && law->coefficients[law->start[0] + 1] != 0.0;
+  return km_module_is_spring_in_joint(module) && law->knot_count == 0 && law->start[1] - law->start[0] == 2 &&
+         law->coefficients[law->start[0] + 1] != 0.0;
 }
 
 bool km_written_spring(const km_written *w, int c, double *stiffness, double *rest) {

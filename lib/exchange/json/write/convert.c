@@ -196,9 +196,8 @@ static bool port_is_length(const converter *c, int port, km_distance distance) {
 }
 
 static km_dimension variable_dimension(km_dimension displacement, km_module_variable variable) {
-  return variable == KM_VARIABLE_TIME
-             ? time_1
-             : km_dimension_product(displacement, km_dimension_power(time_1, -(int)variable));
+  return variable == KM_VARIABLE_TIME ? time_1
+                                      : km_dimension_product(displacement, km_dimension_power(time_1, -(int)variable));
 }
 
 /* Dimensions of the variable and the force of a module; one that is left out is taken for one of lengths. */

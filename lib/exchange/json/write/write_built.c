@@ -231,8 +231,7 @@ static void add_springs(const writer *w, km_value *parent, int assembly) {
   km_value *list = NULL;
   for (int i = 0; i < w->model->module_count; ++i) {
     const km_model_module *module = &w->model->modules[i];
-    if (!km_module_is_spring_in_joint(module) ||
-        assembly_of(w->model, module->input.coordinate) != assembly)
+    if (!km_module_is_spring_in_joint(module) || assembly_of(w->model, module->input.coordinate) != assembly)
       continue;
     list = list ? list : km_value_add(w->arena, parent, "force_modules", KM_LIST);
     km_value *twin = km_value_add(w->arena, list, NULL, KM_OBJECT);
