@@ -54,7 +54,8 @@ static bool allocate_arrays(km_simulation *run) {
   run->rate_start = next;
   run->memory_start = run->rate_start + m->coordinate_count;
   run->work_start = run->memory_start + run->dynamics->forces->moving->state_count;
-  run->size = (run->work_start + KM_WORKS + KM_VECTOR_LANES - 1) / KM_VECTOR_LANES * KM_VECTOR_LANES;
+  run->work_count = KM_WORKS + (run->def.module_works ? m->model->module_count : 0);
+  run->size = (run->work_start + run->work_count + KM_VECTOR_LANES - 1) / KM_VECTOR_LANES * KM_VECTOR_LANES;
   size_t n = (size_t)run->size, crossings = (size_t)run->def.crossing_count;
   run->y = KM_ARENA_NEW(&run->arena, double, n);
   run->ydot = KM_ARENA_NEW(&run->arena, double, n);
@@ -266,6 +267,12 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .rest_energy = km_simulation_rest_energy(run),
                                  .relative = run->def.relative / error_share,
                                  .stiff = run->choice.method == KM_BDF};
+}
+
+double km_simulation_module_work(const km_simulation *run, int module) {
+  if (!run || module < 0 || module >= run->work_count - KM_WORKS)
+    return nan("");
+  return run->at[run->work_start + KM_WORKS + module];
 }
 
 int km_simulation_crossing_count(const km_simulation *run) {

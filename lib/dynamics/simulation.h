@@ -14,7 +14,7 @@ enum { KM_VECTOR_LANES = 4 };
 
 enum { KM_STAGES = 6 }; /* stages of collocation */
 
-enum { KM_WORKS = 2 }; /* dissipated work; work of motors */
+enum { KM_WORKS = 2 }; /* dissipated work; work of motors; the works of the force modules follow if requested */
 
 typedef enum km_step_method { KM_STEP_CVODE, KM_STEP_RUNGE_KUTTA, KM_STEP_COLLOCATION } km_step_method;
 
@@ -27,6 +27,7 @@ struct km_simulation {
   /* Vector: values of coordinates (quaternions of balls), rates, internal states of forces, dissipated work, motor
    * work. */
   int size, rate_start, memory_start, work_start;
+  int work_count;   /* KM_WORKS, and the works of the model's force modules */
   int *value_index; /* [coordinate] index of its value; for a ball's first coordinate, index of the quaternion */
   double *y, *ydot; /* [size] vector and derivative at `time` */
   double *shift;    /* [size] state minus vector since pivots changed (integrator_vector.c) */

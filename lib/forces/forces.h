@@ -8,6 +8,15 @@
 #include "kmech/statics.h"
 #include "spatial/wrench.h"
 
+/* Values of a force module at the last update. */
+typedef struct km_module_report {
+  double variable, force, power; /* variable and force of a law or controller; power of any module */
+  /* Tyres: force on the wheel at the contact point along its heading, across it and along the road's normal; moment
+   * about these axes; longitudinal slip and slip angle. */
+  km_vec3 tire_force, tire_moment;
+  double slip, slip_angle;
+} km_module_report;
+
 struct km_forces {
   km_arena arena;
   const km_mechanism *mechanism;
@@ -17,6 +26,7 @@ struct km_forces {
   double *extra; /* [coordinate] additional joint forces along +q, set by an analysis; initially 0 */
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
+  km_module_report *report;        /* [module of the model] */
   struct km_moving_forces *moving; /* forces that act during a motion; NULL in statics */
   /* Results of km_forces_compute. Wrenches are along the inertial axes, moments about `origin`. */
   km_vec3 origin;         /* point near the mechanism, because moments about a distant point lose digits */
@@ -59,6 +69,13 @@ typedef struct km_measured {
 } km_measured;
 km_measured km_module_measure(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                               const km_model_module *module);
+/* Value of the module's variable; of a time law its time. */
+double km_module_variable_of(const km_model_module *module, const km_measured *x, double time);
+/* Report of a module. */
+static inline km_module_report *km_module_report_of(const km_mechanism *mechanism, const km_forces *forces,
+                                                    const km_model_module *module) {
+  return &forces->report[module - mechanism->model->modules];
+}
 /* The force within the module's bounds. */
 double km_module_saturate(const km_model_module *module, double force);
 /* Adds a module's force at its output; returns the rate of the output along the force. */

@@ -135,8 +135,6 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
                               .implicit = KM_ARENA_NEW(arena, int, modules),
                               .implicit_force = KM_ARENA_NEW(arena, double, modules),
                               .measured = KM_ARENA_NEW(arena, km_measured, modules),
-                              .module_force = KM_ARENA_NEW(arena, double, modules),
-                              .module_power = KM_ARENA_NEW(arena, double, modules),
                               .internal_state = KM_ARENA_NEW(arena, double, 2 * modules),
                               .internal_rate = KM_ARENA_NEW(arena, double, 2 * modules),
                               .drive_force = KM_ARENA_NEW(arena, double, coordinates)};
@@ -283,8 +281,7 @@ double km_motor_force(const km_model_module *module, double variable) {
                              : km_law_force(&module->law, variable);
 }
 
-/* Value of the module's variable; of a time law its time. */
-static double variable_of(const km_model_module *module, const km_measured *x, double time) {
+double km_module_variable_of(const km_model_module *module, const km_measured *x, double time) {
   return module->variable == KM_VARIABLE_DISPLACEMENT ? x->displacement
          : module->variable == KM_VARIABLE_VELOCITY   ? x->velocity
          : module->variable == KM_VARIABLE_TIME       ? time
@@ -296,7 +293,7 @@ static double controller_force(const km_moving_forces *moving, int index, const 
                                double *error) {
   const km_model_module *module = moving->modules[index];
   double slope, value = km_time_law_value(&module->reference, time, &slope);
-  *error = value - variable_of(module, x, time);
+  *error = value - km_module_variable_of(module, x, time);
   double rate = module->kd == 0.0                              ? 0.0
                 : module->variable == KM_VARIABLE_DISPLACEMENT ? slope - x->velocity
                                                                : slope - x->acceleration;
@@ -316,7 +313,7 @@ static double integrated_error(const km_moving_forces *moving, int index, double
 static double law_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index,
                         const km_measured *x) {
   const km_model_module *module = moving->modules[index];
-  double error, value = variable_of(module, x, s->time);
+  double error, value = km_module_variable_of(module, x, s->time);
   double force = module->type == KM_MODULE_PID     ? controller_force(moving, index, x, s->time, &error)
                  : module->type == KM_MODULE_MOTOR ? km_motor_force(module, value)
                  : module->variable == KM_VARIABLE_VELOCITY && module->type != KM_MODULE_STIFFNESS
@@ -352,7 +349,8 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
   moving->measured[index] = km_module_measure(m, s, f, module);
-  moving->module_force[index] = moving->module_power[index] = 0.0;
+  *km_module_report_of(m, f, module) =
+      (km_module_report){.variable = km_module_variable_of(module, &moving->measured[index], s->time)};
   if (module->type == KM_MODULE_TIRE) {
     km_tire_apply(m, f, index);
     return;
@@ -363,8 +361,8 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
     moving->internal_rate[moving->first_state_of[index]] = integrated_error(moving, index, s->time);
   double force = module_force(m, s, moving, index), power = force * km_module_apply(m, s, f, module, force);
   int c = module->output.coordinate;
-  moving->module_force[index] = force;
-  moving->module_power[index] = power;
+  km_module_report_of(m, f, module)->force = force;
+  km_module_report_of(m, f, module)->power = power;
   if (is_dissipative(module)) {
     moving->dissipation -= power;
     return;

@@ -16,15 +16,14 @@ typedef struct km_moving_forces {
   /* Modules whose force depends on an acceleration. Their forces are unknowns of the equations of motion: `force` acts,
    * and km_implicit_forces_compute gives the force of the law at the accelerations that result. */
   int implicit_count;
-  int *implicit;                       /* [implicit_count] indices of these modules */
-  double *implicit_force;              /* [implicit_count] force that acts */
-  double *implicit_work;               /* [implicit_count² + 4 implicit_count] workspace of the solution, */
-  size_t *implicit_places;             /* [implicit_count] */
-  km_measured *measured;               /* [module] values at the last update */
-  double *module_force, *module_power; /* [module] force and power at the last update */
-  bool frictionless;                   /* linearisation at rest: friction is omitted, because it has no slope at rest */
-  double *reaction_friction;           /* [coordinate] friction by reactions, set by an analysis; NULL: none */
-  double dissipation;                  /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
+  int *implicit;             /* [implicit_count] indices of these modules */
+  double *implicit_force;    /* [implicit_count] force that acts */
+  double *implicit_work;     /* [implicit_count² + 4 implicit_count] workspace of the solution, */
+  size_t *implicit_places;   /* [implicit_count] */
+  km_measured *measured;     /* [module] values at the last update */
+  bool frictionless;         /* linearisation at rest: friction is omitted, because it has no slope at rest */
+  double *reaction_friction; /* [coordinate] friction by reactions, set by an analysis; NULL: none */
+  double dissipation;        /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
   double motor_power; /* power supplied by motors, controllers, loads, and springs that act where they don't measure */
 } km_moving_forces;
 

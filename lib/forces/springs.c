@@ -67,6 +67,7 @@ double km_law_work(const km_law *law, double x) {
 }
 
 km_status km_springs_collect(const km_model *model, km_forces *f, km_error *error) {
+  f->report = KM_ARENA_NEW(&f->arena, km_module_report, (size_t)model->module_count);
   f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
   for (int i = 0; i < model->module_count && f->springs; ++i)
     if (model->modules[i].type == KM_MODULE_STIFFNESS && model->modules[i].variable == KM_VARIABLE_DISPLACEMENT)
@@ -94,9 +95,10 @@ double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
   double power_supplied = 0.0;
   for (int i = 0; i < f->spring_count; ++i) {
     const km_model_module *spring = f->springs[i];
-    double force =
-        km_module_saturate(spring, km_law_force(&spring->law, km_module_measure(m, s, f, spring).displacement));
+    double x = km_module_measure(m, s, f, spring).displacement;
+    double force = km_module_saturate(spring, km_law_force(&spring->law, x));
     double power = force * km_module_apply(m, s, f, spring, force);
+    *km_module_report_of(m, f, spring) = (km_module_report){.variable = x, .force = force, .power = power};
     if (!is_conservative(m, spring))
       power_supplied += power;
   }

@@ -86,5 +86,8 @@ void km_tire_apply(const km_mechanism *m, km_forces *f, int index) {
   km_forces_add(f, wheel, force, couple, c.point);
   km_forces_add(f, road, km_vec3_scale(-1.0, force), km_vec3_scale(-1.0, couple), c.point);
   km_twist v = km_twist_axpy(-1.0, f->twist[road], f->twist[wheel]);
-  moving->dissipation -= km_wrench_power(km_wrench_at(force, couple, c.point), v);
+  double power = km_wrench_power(km_wrench_at(force, couple, c.point), v);
+  moving->dissipation -= power;
+  *km_module_report_of(m, f, module) = (km_module_report){
+      .power = power, .tire_force = {fx, fy, load}, .tire_moment = {0.0, my, mz}, .slip = sx, .slip_angle = state[1]};
 }

@@ -75,17 +75,23 @@ static void shaking_columns(const km_history_writer *w, km_table *table, bool *f
   km_text_free(&torque);
 }
 
-/* Columns of position, velocity and acceleration of the tabulated frames. */
+/* Columns of position, velocity and acceleration of the tabulated frames, and of their rotation. */
 static void frame_columns(const km_history_writer *w, km_table *table, bool *failed) {
-  static const char *const parts[3][3] = {{".x", ".y", ".z"}, {".vx", ".vy", ".vz"}, {".ax", ".ay", ".az"}};
-  static const char *const suffixes[3] = {"", "", "^2"};
+  static const char *const parts[5][3] = {{".x", ".y", ".z"},
+                                          {".vx", ".vy", ".vz"},
+                                          {".ax", ".ay", ".az"},
+                                          {".wx", ".wy", ".wz"},
+                                          {".alphax", ".alphay", ".alphaz"}};
+  static const int orders[5] = {0, 1, 2, 1, 2};
   const km_units *units = &w->m->model->units;
-  for (int i = 0; i < 9 * w->frame_count; ++i) {
-    int order = i / 3 % 3;
+  int groups = w->frame_rotations ? 5 : 3;
+  for (int i = 0; i < 3 * groups * w->frame_count; ++i) {
+    int group = i / 3 % groups, order = orders[group];
     km_text unit = {0};
-    km_text_format(&unit, "%s%s%s%s", units->length->suffix, order ? "/" : "", order ? units->time->suffix : "",
-                   suffixes[order]);
-    add_column(table, failed, unit.failed ? "" : unit.data, "frame.", w->frames[i / 9].name, parts[order][i % 3]);
+    km_text_format(&unit, "%s%s%s%s", group < 3 ? units->length->suffix : "rad", order ? "/" : "",
+                   order ? units->time->suffix : "", order == 2 ? "^2" : "");
+    add_column(table, failed, unit.failed ? "" : unit.data, "frame.", w->frames[i / (3 * groups)].name,
+               parts[group][i % 3]);
     *failed = *failed || unit.failed;
     km_text_free(&unit);
   }
@@ -121,6 +127,7 @@ static km_status create_table(km_history_writer *w, km_error *error) {
   if (w->shaking)
     shaking_columns(w, table, &failed);
   frame_columns(w, table, &failed);
+  km_history_module_columns(w, table, &failed);
   if (w->reactions)
     reaction_columns(w, table, &failed);
   for (int c = 0; w->mobility && c < model->coordinate_count; ++c)
@@ -195,22 +202,23 @@ static double *write_shaking(const km_history_writer *w, double *out) {
 }
 
 /* Position, velocity and acceleration of a frame's origin: v̇ + ω̇ × x + ω × (v + ω × x), with the gravity term
- * removed. */
+ * removed; and its angular velocity and acceleration, with which all but the position are along the frame's axes. */
 static double *write_frame(const km_history_writer *w, int frame, double *out) {
   const km_dynamics *d = w->dynamics;
   const km_model_frame *def = &w->m->model->frames[frame];
   int n = d->tree.node_of_body[def->body];
   const km_node_motion *node = &d->node[n];
   km_pose body = km_pose_product(&node->pose, &d->tree.body_in_node[def->body]);
-  km_vec3 x = km_pose_point(&body, def->pose.p);
-  km_vec3 v = km_vec3_add(node->V.v, km_vec3_cross(node->V.w, x));
+  km_pose X = km_pose_product(&body, &def->pose);
+  km_vec3 v = km_vec3_add(node->V.v, km_vec3_cross(node->V.w, X.p));
   km_vec3 a = km_vec3_add(km_vec3_add(node->A.v, d->forces->stated_gravity),
-                          km_vec3_add(km_vec3_cross(node->A.w, x), km_vec3_cross(node->V.w, v)));
-  const km_vec3 all[3] = {km_vec3_add(x, d->forces->origin), v, a};
-  for (int i = 0; i < 3; ++i) {
-    *out++ = all[i].x;
-    *out++ = all[i].y;
-    *out++ = all[i].z;
+                          km_vec3_add(km_vec3_cross(node->A.w, X.p), km_vec3_cross(node->V.w, v)));
+  const km_vec3 all[5] = {km_vec3_add(X.p, d->forces->origin), v, a, node->V.w, node->A.w};
+  for (int i = 0; i < (w->frame_rotations ? 5 : 3); ++i) {
+    km_vec3 part = w->frame_rotations && i > 0 ? km_rotate_back(&X.R, all[i]) : all[i];
+    *out++ = part.x;
+    *out++ = part.y;
+    *out++ = part.z;
   }
   return out;
 }
@@ -295,6 +303,7 @@ km_status km_history_row(km_history_writer *w, km_error *error) {
     out = write_shaking(w, out);
   for (int i = 0; i < w->frame_count; ++i)
     out = write_frame(w, w->frames[i].frame, out);
+  out = km_history_write_modules(w, out);
   if (!w->probe)
     return KM_OK;
   km_mobility mobility;

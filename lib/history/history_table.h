@@ -11,6 +11,9 @@ typedef struct km_history_writer {
   const km_mechanism *m;
   const km_traced_frame *frames;
   int frame_count;
+  bool frame_rotations;
+  const int *modules; /* [module_count] */
+  int module_count;
   bool reactions, mobility, shaking;
   km_axes axes;
   km_forces *forces;
@@ -34,6 +37,9 @@ km_status km_history_monitor_limits(km_history_writer *writer, km_simulation_def
 km_status km_history_begin(km_history_writer *writer, km_error *error);
 /* Adds a row at the state, whose accelerations are computed. KM_MEMORY. */
 km_status km_history_row(km_history_writer *writer, km_error *error);
+/* Adds the columns of the tabulated force modules; and their cells at the last evaluation, returning the next cell. */
+void km_history_module_columns(const km_history_writer *writer, km_table *table, bool *failed);
+double *km_history_write_modules(const km_history_writer *writer, double *out);
 /* Clears the result and checks the common arguments. */
 km_status km_history_check(const km_mechanism *mechanism, const km_forces *forces, const km_state *state,
                            const void *def, km_history *out, km_error *error);

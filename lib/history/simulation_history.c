@@ -78,6 +78,7 @@ static km_status start_rates(km_history_writer *w, km_error *error) {
 static km_status start(km_history_writer *w, const km_history_def *def, km_error *error) {
   km_simulation_def simulation = def->simulation;
   simulation.end = def->until;
+  simulation.module_works = def->module_count > 0;
   w->state->time = def->start;
   km_status status = km_dynamics_create(w->m, w->forces, &w->dynamics, error);
   if (!status)
@@ -138,6 +139,9 @@ km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *sta
   km_history_writer w = {.m = m,
                          .frames = def->frames,
                          .frame_count = def->frame_count,
+                         .frame_rotations = def->frame_rotations,
+                         .modules = def->modules,
+                         .module_count = def->module_count,
                          .reactions = def->reactions,
                          .mobility = def->mobility,
                          .axes = def->axes,

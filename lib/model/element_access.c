@@ -203,3 +203,21 @@ bool km_model_remembers(const km_model *model) {
   }
   return false;
 }
+
+int km_model_module_count(const km_model *model) {
+  return model ? model->module_count : 0;
+}
+
+const char *km_model_module_name(const km_model *model, int index) {
+  return model && index >= 0 && index < model->module_count ? model->modules[index].name : "";
+}
+
+int km_model_find_module(const km_model *model, const char *name) {
+  int found = -1, count = 0;
+  for (int i = 0; model && name && i < model->module_count; ++i)
+    if (strcmp(model->modules[i].name, name) == 0) {
+      found = i;
+      ++count;
+    }
+  return count == 1 ? found : -1;
+}

@@ -2,6 +2,7 @@
 #include "support/moving.h"
 
 #include "kmech/dynamics.h"
+#include "kmech/inspect.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -260,10 +261,60 @@ static void motors_over_speed(void **state) {
   }
 }
 
+/* Force, power and work of modules as columns: the works of all are the run's own, and a frame's motion along its own
+ * axes is that of a pendulum: velocity l ω along y, acceleration −l ω² along x. */
+static void modules_as_columns(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"model_parameters\": {\"gravity\": [0, -9.81, 0]}, \"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": "
+      "\"b\", \"mass\": 1, \"center_of_mass\": [1, 0, 0], \"frames\": [{\"name\": \"e\", \"T\": [2, 0, 0]}]}], \"joints\": "
+      "[{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}], \"force_modules\": [{\"name\": "
+      "\"s\", \"type\": \"stiffness\", \"input\": {\"joint\": \"A\"}, \"coefficients\": [[1, -3]]}, {\"name\": \"d\", "
+      "\"type\": \"damping\", \"input\": {\"joint\": \"A\"}, \"coefficients\": [[0, -0.7]]}, {\"name\": \"m\", \"type\": "
+      "\"motor\", \"output\": {\"joint\": \"A\"}, \"polynomial\": [0, 2]}]}]}");
+  static const int modules[] = {0, 1, 2};
+  const km_traced_frame frame = {f.model->frame_count - 1, "b/e"};
+  km_forces *forces;
+  km_history h;
+  km_history_def def = km_history_default(f.model);
+  def.until = 2.0;
+  def.every = 0.25;
+  def.simulation.relative = def.simulation.absolute = 1e-10;
+  def.modules = modules;
+  def.module_count = 3;
+  def.frames = &frame;
+  def.frame_count = 1;
+  def.frame_rotations = true;
+  assert_int_equal(km_model_module_count(f.model), 3);
+  assert_int_equal(km_model_find_module(f.model, "m"), 2);
+  assert_int_equal(km_model_find_module(f.model, "x"), -1);
+  assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  assert_int_equal(km_history_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
+  for (size_t r = 0; r < km_table_rows(h.table); ++r) {
+    double q = cell(&h, r, "q.A"), v = cell(&h, r, "v.A"), t = cell(&h, r, "t");
+    assert_near(cell(&h, r, "module.s.variable"), q, 1e-12);
+    assert_near(cell(&h, r, "module.s.value"), 1.0 - 3.0 * q, 1e-11);
+    assert_near(cell(&h, r, "module.s.power"), (1.0 - 3.0 * q) * v, 1e-10);
+    assert_near(cell(&h, r, "module.s.work"), q - 1.5 * q * q, 1e-7);
+    assert_near(cell(&h, r, "module.d.value"), -0.7 * v, 1e-11);
+    assert_near(cell(&h, r, "module.d.work"), -cell(&h, r, "energy_dissipated"), 1e-9);
+    assert_near(cell(&h, r, "module.m.variable"), t, 1e-12);
+    assert_near(cell(&h, r, "module.m.work"), cell(&h, r, "motor_work"), 1e-9);
+    assert_near(cell(&h, r, "frame.b/e.vy"), 2.0 * v, 1e-10);
+    assert_near(cell(&h, r, "frame.b/e.ax"), -2.0 * v * v, 1e-9);
+    assert_near(cell(&h, r, "frame.b/e.wz"), v, 1e-11);
+    assert_near(cell(&h, r, "frame.b/e.alphaz"), cell(&h, r, "a.A"), 1e-9);
+  }
+  km_history_free(&h);
+  km_forces_free(forces);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(accelerations),       cmocka_unit_test(controlled_speed),
                                      cmocka_unit_test(bounded_integral),    cmocka_unit_test(references),
                                      cmocka_unit_test(weighted_inputs),     cmocka_unit_test(angles_between_frames),
-                                     cmocka_unit_test(frames_in_body_axes), cmocka_unit_test(motors_over_speed)};
+                                     cmocka_unit_test(frames_in_body_axes), cmocka_unit_test(motors_over_speed),
+                                     cmocka_unit_test(modules_as_columns)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,10 +53,12 @@ kt_exit ksim_deliver(const ksim_delivery *delivery);
 kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,
                           const char *expected, kt_formats *out);
 
+enum { KSIM_AXES_BODY = 2 }; /* the word behind those of km_axes */
+
 /* Options of `ksim run`. */
 typedef struct ksim_options {
   kt_common common;
-  kt_texts holds, sets, rates, events, stops, frames;
+  kt_texts holds, sets, rates, events, stops, frames, forces;
   const char *model, *base, *format, *joints;
   const char *until, *every, *rtol, *atol, *max_step, *from;
   int integrator, stabilise, axes;
@@ -72,6 +74,7 @@ typedef struct ksim_work {
   km_history_def def;
   km_crossing *crossings; /* the definition's */
   size_t crossing_capacity;
+  int *modules; /* the definition's */
   km_history history;
   km_forces *forces;
   int *shown; /* coordinates of --joints, else those that move most */

@@ -86,6 +86,29 @@ static kt_exit read_crossings(ksim_work *w) {
   return result;
 }
 
+/* The force modules of --forces, each once: their names, or all. */
+static kt_exit read_modules(ksim_work *w) {
+  const ksim_options *o = w->options;
+  const km_model *model = w->pose.model;
+  int all = km_model_module_count(model);
+  w->modules = KM_NEW(int, (size_t)all + (size_t)o->forces.count + 1);
+  kt_exit result = w->modules ? kt_each_once(&o->common, "--forces", o->forces.items, o->forces.count) : KT_NO_MEMORY;
+  for (int i = 0; i < (int)o->forces.count && result == KT_DONE; ++i) {
+    const char *name = o->forces.items[i];
+    int found = km_model_find_module(model, name);
+    if (found < 0 && strcmp(name, "all") == 0 && o->forces.count == 1) {
+      for (int k = 0; k < all; ++k)
+        w->modules[w->def.module_count++] = k;
+    } else if (found < 0) {
+      result = kt_usage(&o->common, "--forces", name, "all, or the name of one force module");
+    } else {
+      w->modules[w->def.module_count++] = found;
+    }
+  }
+  w->def.modules = w->modules;
+  return result;
+}
+
 static kt_exit read_shown(ksim_work *w) {
   const ksim_options *o = w->options;
   w->shown = KM_NEW(int, (size_t)km_model_coordinate_count(w->pose.model) + 1);
@@ -99,7 +122,8 @@ static kt_exit prepare(ksim_work *w) {
   const ksim_options *o = w->options;
   w->def = km_history_default(w->pose.model);
   w->def.reactions = o->reactions;
-  w->def.axes = (km_axes)o->axes;
+  w->def.frame_rotations = o->axes == KSIM_AXES_BODY;
+  w->def.axes = o->axes == KM_AXES_FIXED ? KM_AXES_FIXED : KM_AXES_JOINT;
   w->def.mobility = o->mobility;
   kt_exit result = ksim_set_rates(w);
   if (result == KT_DONE)
@@ -110,6 +134,8 @@ static kt_exit prepare(ksim_work *w) {
     result = read_crossings(w);
   if (result == KT_DONE)
     result = ksim_read_frames(&o->common, w->pose.model, &o->frames, &w->def.frames, &w->def.frame_count);
+  if (result == KT_DONE)
+    result = read_modules(w);
   if (result == KT_DONE)
     result = read_shown(w);
   if (result != KT_DONE)
@@ -231,6 +257,7 @@ static kt_exit run(ksim_options *o) {
   km_history_free(&w.history);
   km_forces_free(w.forces);
   km_free(w.crossings);
+  km_free(w.modules);
   km_free((km_traced_frame *)w.def.frames);
   km_free(w.shown);
   kt_close(&w.pose);
@@ -265,8 +292,12 @@ kt_exit ksim_run(int argc, char **argv) {
       {"frame", 0, "BODY/FRAME", "Add place, velocity and acceleration of a frame's origin (repeatable)", KT_TEXTS,
        &o.frames, KT_ABOUT_MODEL},
       {"reactions", 0, NULL, "Add the reaction in every joint", KT_FLAG, &o.reactions, KT_ABOUT_MODEL},
-      {"axes", 0, "AXES", "Axes of the reactions: joint (default) or fixed", KT_WORD("joint or fixed"), &o.axes,
-       KT_ABOUT_MODEL},
+      {"axes", 0, "AXES",
+       "Axes of the reactions: joint (default) or fixed. body: the frames' own axes for what --frame adds, with angular "
+       "velocity and acceleration",
+       KT_WORD("joint or fixed or body"), &o.axes, KT_ABOUT_MODEL},
+      {"forces", 0, "NAME", "Add variable, force, power and work of a force module, or of all (repeatable)", KT_TEXTS,
+       &o.forces, KT_ABOUT_MODEL},
       {"mobility", 0, NULL, "Add every joint's mobility number", KT_FLAG, &o.mobility, KT_ABOUT_MODEL},
       {"rtol", 0, "E", "Relative error that steps may add up to (default: the model's, else 1e-7)", KT_TEXT, &o.rtol,
        KT_ABOUT_METHOD},

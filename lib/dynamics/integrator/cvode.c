@@ -46,7 +46,7 @@ static int weights(N_Vector y, N_Vector ewt, void *data) {
   double *out = NV_DATA_S(ewt);
   for (int i = 0; i < run->size; ++i)
     out[i] = 1.0 / (run->def.relative * fabs(value[i]) + tolerance[i]);
-  for (int i = run->work_start; i < run->work_start + KM_WORKS; ++i)
+  for (int i = run->work_start; i < run->work_start + run->work_count; ++i)
     out[i] = 1.0 / km_simulation_work_tolerance(run, value[i]);
   return 0;
 }

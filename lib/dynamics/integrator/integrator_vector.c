@@ -112,7 +112,9 @@ bool km_simulation_derivative(km_simulation *run, double time, const double *y, 
   memcpy(ydot + run->memory_start, moving->internal_rate, (size_t)moving->state_count * sizeof *ydot);
   ydot[run->work_start] = moving->dissipation;
   ydot[run->work_start + 1] = moving->motor_power + km_dynamics_driving_power(d, run->state);
-  for (int i = run->work_start + KM_WORKS; i < run->size; ++i)
+  for (int i = KM_WORKS; i < run->work_count; ++i)
+    ydot[run->work_start + i] = d->forces->report[i - KM_WORKS].power;
+  for (int i = run->work_start + run->work_count; i < run->size; ++i)
     ydot[i] = 0.0;
   return true;
 }

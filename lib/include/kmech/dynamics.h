@@ -102,6 +102,7 @@ typedef struct km_simulation_def {
   double end;                   /* end time, which no step passes; infinity: none */
   const km_crossing *crossings; /* [crossing_count] crossings to locate */
   int crossing_count;
+  bool module_works; /* integrates the power of every force module, see km_simulation_module_work */
 } km_simulation_def;
 KM_API km_simulation_def km_simulation_default(void);
 
@@ -138,6 +139,9 @@ typedef struct km_simulation_figures {
 } km_simulation_figures;
 KM_API km_simulation_figures km_simulation_figures_of(const km_simulation *simulation);
 
+/* Work of a force module since the start, force × length; NaN without `module_works`. */
+KM_API double km_simulation_module_work(const km_simulation *simulation, int module);
+
 /* A crossing that occurred. */
 typedef struct km_crossing_met {
   int crossing; /* index in the definition, from 0 */
@@ -162,6 +166,9 @@ typedef struct km_history_def {
   double until, every;           /* end time; time between rows, at most KM_MAX_SWEEP_STEPS rows */
   const km_traced_frame *frames; /* frames whose origins are tabulated */
   int frame_count;
+  bool frame_rotations;    /* adds angular velocity and acceleration of the frames, and all along their own axes */
+  const int *modules;      /* [module_count] force modules whose variable, force, power and work are tabulated */
+  int module_count;
   bool reactions; /* adds the reactions of every joint */
   km_axes axes;   /* axes of the reactions */
   bool mobility;  /* adds mobility numbers */
@@ -231,7 +238,9 @@ typedef struct km_history {
 /* Simulates from the assembled state's configuration and rates, and tabulates. Columns: t; q., v., a. of every
  * coordinate; f. driving forces of prescribed joints; energy_kinetic, energy_potential (0 at the start),
  * energy_dissipated, motor_work; loop_error, evaluations, repartitions; frame.NAME.x … position, velocity and
- * acceleration of the origins of `frames` in the inertial frame; r.LABEL.fx … tz reactions of parent on child;
+ * acceleration of the origins of `frames` in the inertial frame; module.NAME.variable, value (the force), power and
+ * work of `modules`, of a tyre its forces and moments along the wheel's heading, across it and along the road's normal,
+ * and its slips; r.LABEL.fx … tz reactions of parent on child;
  * m.LABEL mobility numbers. KM_PARTIAL: a crossing ended the run. KM_DIVERGED, KM_CANCELLED: the table contains the
  * rows so far, `why` the reason. Others as km_simulation_create. Free `*out` in any case. */
 KM_API km_status km_history_run(const km_mechanism *mechanism, km_forces *forces, km_state *state,

@@ -76,6 +76,14 @@ KM_API int km_body_patch_count(const km_model *model, int body);
 KM_API km_status km_body_patch(const km_model *model, int body, int index, km_surface_patch *out, km_error *error);
 KM_API void km_surface_patch_free(km_surface_patch *patch);
 
+/* ---- Force modules */
+
+/* Number of force modules, springs of struts included; name of a module, "" for an index out of range; index of the
+ * module with a name, -1: none or several. */
+KM_API int km_model_module_count(const km_model *model);
+KM_API const char *km_model_module_name(const km_model *model, int index);
+KM_API int km_model_find_module(const km_model *model, const char *name);
+
 #ifdef __cplusplus
 }
 #endif
