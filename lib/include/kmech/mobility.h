@@ -110,7 +110,7 @@ typedef struct km_passive_freedoms {
 } km_passive_freedoms;
 
 /* Finds the passive freedoms of an assembled configuration, which the state keeps: rank of the group's own joints
- * with the neighbouring bodies fixed. Linear in joints. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. */
+ * with all others at rest. O(joints · groups). Free `*out` in any case. KM_CANCELLED, KM_MEMORY. */
 KM_API km_status km_passive_freedoms_find(const km_mechanism *mechanism, km_state *state, km_progress progress,
                                           void *context, km_passive_freedoms *out, km_error *error);
 /* Marks the coordinates of the joints in which passive groups move: marks[coordinate count]. These coordinates do not
