@@ -224,7 +224,6 @@ static void search_pivots(km_partition *p, const double *matrix, const bool *for
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
   bool same_size = p->rows == rows && p->columns == columns, has_changed = true;
-  p->is_deferred = false;
   if (p->sparse && same_size && km_sparse_has_factor(p, matrix, forced, tolerance)) {
     has_changed = km_sparse_improve_independent(p, matrix, forced, tolerance);
   } else {
@@ -241,11 +240,6 @@ void km_partition_factor(km_partition *p, const double *matrix, int rows, int co
   p->version++;
 }
 
-void km_partition_defer(km_partition *p) {
-  p->is_deferred = true;
-  p->version++;
-}
-
 /* True if the smallest pivot has grown a thousandfold since the search. Pivots chosen near a singular configuration can
  * let entries grow elsewhere until no digits are left, which neither |B| nor the smallest pivot shows. */
 static bool have_pivots_outgrown(const km_partition *p, double inverse) {
@@ -255,7 +249,6 @@ static bool have_pivots_outgrown(const km_partition *p, double inverse) {
 
 /* Refactors with the known pivots and applies the growth monitor. */
 static bool refactor_and_monitor(km_partition *p, const double *matrix, bool is_full_pattern) {
-  p->is_deferred = false;
   p->stride = stride_of(p->rows);
   p->version++;
   bool finite;

@@ -55,15 +55,10 @@ typedef struct km_partition {
   bool
       rows_only; /* set by the caller: only the rank and the primary rows are needed, for km_partition_minimum_norm; the
                   * sparse factor forms no null vectors */
-  double kept_row_tolerance; /* set by the caller with `rows_only`: the present primary rows are tried first and stay if
-                           * they are independent to this tolerance and the other rows depend on them to the tolerance
-                           * of the search; 0: not tried */
-  bool rows_were_kept;       /* the last search of the sparse factor accepted the rows of `kept_row_tolerance` */
   double min_relative_pivot; /* set by the caller: relative pivot threshold below which no search goes, over the largest
                            * entry */
   bool accepts_any_basis;    /* set by the caller: any independent columns will do; the sparse factor with many
                                * freedoms does not optimise them, and a refactorisation does not measure B */
-  bool is_deferred;          /* the factorisation is deferred (km_partition_defer) */
   const bool *locked; /* [columns] set by the caller, borrowed; NULL: none. Locked columns have entries 0, come last and
                        * are no freedom */
   int locked_count;   /* locked columns at the last search */
@@ -90,7 +85,7 @@ void km_normal_equations_free(km_normal_equations *normal);
 /* Factors `matrix` with complete pivoting. Pivots stop at |pivot| <= tolerance · (largest entry). Columns with
  * forced[c] (NULL: none) stay independent while the others can give full rank. Equal entries (up to 12 × 64: equal to
  * 2⁻⁴²) are taken by position, so that rounding does not decide between symmetric joints. Earlier factorisations have
- * no influence, unless `kept_row_tolerance` is set. With entries that are not finite the rank is meaningless, but in
+ * no influence. With entries that are not finite the rank is meaningless, but in
  * range. O(rows · columns · rank). The sparse factor pivots by rows, and completely among the independent columns only:
  * other pivots, but equal rank, null space and size of B; last_pivot is then the smallest. O(entries of L and U). */
 void km_partition_factor(km_partition *partition, const double *matrix, int rows, int columns, const bool *forced,
@@ -102,13 +97,6 @@ bool km_partition_refactor(km_partition *partition, const double *matrix);
 /* Refactors on the full pattern, keeping the given pivots even if entries that were 0 at the search filled in. The
  * sparse factor skips such zeros in km_partition_refactor, which is false then. Cost of a search in that case. */
 bool km_partition_refactor_full_pattern(km_partition *partition, const double *matrix);
-
-/* True if normal equations give minimum-norm solutions, so that the sparse factorisation may be deferred. */
-bool km_partition_may_defer(const km_partition *partition);
-/* Defers the factorisation: the primary rows and columns are kept for a new matrix until the next refactorisation.
- * km_partition_minimum_norm and km_partition_remove_null_space work by normal equations meanwhile, and are false where
- * that fails. */
-void km_partition_defer(km_partition *partition);
 
 /* Growth monitor: pivots are acceptable while max|B| has at most doubled and the smallest pivot has shrunk to no less
  * than a tenth. */
@@ -176,11 +164,6 @@ bool km_partition_project_null_space(const km_partition *partition, const double
  * ill-conditioned with many independent columns. */
 bool km_partition_minimum_norm(const km_partition *partition, const double *matrix, const double *weight, int count,
                                const double *rhs, double *x);
-
-/* Minimum-norm solution by the normal equations factored last, for a matrix near the present one: half of the cost is
- * their factorisation. False if they had other rows or columns, or there are none. */
-bool km_partition_minimum_norm_reuse(const km_partition *partition, const double *weight, int count, const double *rhs,
-                                     double *x);
 
 /* Null vector that moves the independent column `column` by 1 and the other independent ones by 0. */
 void km_partition_null_vector(const km_partition *partition, int column, double *direction);

@@ -18,21 +18,17 @@ static const double rank_tolerance = 1e-14;
 /* Rounding of 1 − Σ R_jk²: mobility numbers below it are 0. */
 static const double mobility_rounding = 1e-13;
 
-/* QR of Aᵀ: the primary rows over the weights, in the given order of all rows (NULL: order of pivots). Independent
- * columns after the first `count` are omitted. NULL without SPQR or memory. */
-static km_sparse_qr *create_row_qr(const km_partition *p, const double *matrix, const double *weight, int count,
-                                   const long *order) {
+/* QR of Aᵀ: the primary rows over the weights, in the order of pivots. Independent columns after the first `count` are
+ * omitted. NULL without SPQR or memory. */
+static km_sparse_qr *create_row_qr(const km_partition *p, const double *matrix, const double *weight, int count) {
   km_sparse_qr *q = NULL;
   km_error error;
   bool *is_omitted = KM_NEW(bool, (size_t)p->columns + 1);
   if (is_omitted && !km_sparse_qr_create(p->columns, p->rank, p->sparse->start[p->columns], &q, &error)) {
     for (int k = p->rank + count; k < p->columns; ++k)
       is_omitted[p->column[k]] = true;
-    for (int i = 0, k = 0; i < p->rows && k < p->rank; ++i) {
-      int row = order ? (int)order[i] : p->row[i];
-      if (p->sparse->step_of[row] >= 0)
-        km_sparse_fill_row(p->sparse, matrix, weight, is_omitted, row, k++, km_sparse_qr_columns(q));
-    }
+    for (int k = 0; k < p->rank; ++k)
+      km_sparse_fill_row(p->sparse, matrix, weight, is_omitted, p->row[k], k, km_sparse_qr_columns(q));
   }
   km_free(is_omitted);
   return q;
@@ -107,12 +103,10 @@ static bool dense_row_norms(const km_partition *p, const double *weight, double 
   return true;
 }
 
-/* Σ_k R_jk² of the row space by sparse QR of the primary rows, in nested-dissection order if available. */
+/* Σ_k R_jk² of the row space by sparse QR of the primary rows. */
 static bool sparse_row_norms(const km_partition *p, const double *matrix, const double *weight, double *shares) {
-  km_normal_equations *normal = km_sparse_create_normal(p);
-  const long *order = normal ? km_normal_equations_dissection(normal) : NULL;
-  km_sparse_qr *q = create_row_qr(p, matrix, weight, km_partition_freedom(p), order);
-  bool found = q && km_sparse_qr_squared_norms(q, rank_tolerance, order != NULL, shares);
+  km_sparse_qr *q = create_row_qr(p, matrix, weight, km_partition_freedom(p));
+  bool found = q && km_sparse_qr_squared_norms(q, rank_tolerance, shares);
   km_sparse_qr_free(q);
   return found;
 }
@@ -120,7 +114,7 @@ static bool sparse_row_norms(const km_partition *p, const double *matrix, const 
 /* Mobility numbers Σ_k Z_jk² by sparse QR of the null vectors. */
 static bool sparse_null_norms(const km_partition *p, const double *weight, double *numbers) {
   km_sparse_qr *q = p->sparse ? create_null_qr(p, weight, km_partition_freedom(p)) : NULL;
-  bool found = q && km_sparse_qr_squared_norms(q, rank_tolerance, false, numbers);
+  bool found = q && km_sparse_qr_squared_norms(q, rank_tolerance, numbers);
   km_sparse_qr_free(q);
   return found;
 }
@@ -171,10 +165,7 @@ bool km_partition_remove_null_space(const km_partition *p, const double *matrix,
                                     double *x, double *work) {
   if (remove_null_by_normal(p, matrix, weight, count, x, work))
     return true;
-  if (p->is_deferred)
-    return false;
-  km_sparse_qr *null = create_null_qr(p, weight, count),
-               *q = null ? null : create_row_qr(p, matrix, weight, count, NULL);
+  km_sparse_qr *null = create_null_qr(p, weight, count), *q = null ? null : create_row_qr(p, matrix, weight, count);
   bool is_ok = remove_projection(q, p, weight, !null, count, x, work);
   km_sparse_qr_free(q);
   return is_ok;
@@ -212,8 +203,7 @@ bool km_partition_project_null_space(const km_partition *p, const double *matrix
     return true;
   int freedom = km_partition_freedom(p);
   size_t n = (size_t)p->columns, size = n * (size_t)count;
-  km_sparse_qr *null = create_null_qr(p, weight, freedom),
-               *q = null ? null : create_row_qr(p, matrix, weight, freedom, NULL);
+  km_sparse_qr *null = create_null_qr(p, weight, freedom), *q = null ? null : create_row_qr(p, matrix, weight, freedom);
   double *rest = KM_NEW(double, size + 1);
   bool is_ok = q && rest && km_sparse_qr_factor(q, rank_tolerance);
   if (is_ok)
@@ -241,7 +231,7 @@ static bool minimum_norm_by_null(const km_partition *p, const double *weight, in
 /* Minimum-norm solution by sparse QR of the primary rows. */
 static bool minimum_norm_by_rows(const km_partition *p, const double *matrix, const double *weight, int count,
                                  const double *rhs, double *x) {
-  km_sparse_qr *q = create_row_qr(p, matrix, weight, count, NULL);
+  km_sparse_qr *q = create_row_qr(p, matrix, weight, count);
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
     b[k] = rhs[p->row[k]];
@@ -253,7 +243,7 @@ static bool minimum_norm_by_rows(const km_partition *p, const double *matrix, co
   return is_ok;
 }
 
-/* Minimum-norm solution by the normal equations; matrix NULL: those factored last. */
+/* Minimum-norm solution by the normal equations. */
 static bool minimum_norm_by_normal(const km_partition *p, const double *matrix, const double *weight, int count,
                                    const double *rhs, double *x) {
   km_normal_equations *normal = km_sparse_normal(p, matrix, weight, count);
@@ -268,12 +258,5 @@ bool km_partition_minimum_norm(const km_partition *p, const double *matrix, cons
                                const double *rhs, double *x) {
   if (minimum_norm_by_normal(p, matrix, weight, count, rhs, x))
     return true;
-  return !p->is_deferred &&
-         (minimum_norm_by_null(p, weight, count, rhs, x) || minimum_norm_by_rows(p, matrix, weight, count, rhs, x));
-}
-
-/* As km_partition_minimum_norm, with the normal equations factored last; false if they do not fit. */
-bool km_partition_minimum_norm_reuse(const km_partition *p, const double *weight, int count, const double *rhs,
-                                     double *x) {
-  return minimum_norm_by_normal(p, NULL, weight, count, rhs, x);
+  return minimum_norm_by_null(p, weight, count, rhs, x) || minimum_norm_by_rows(p, matrix, weight, count, rhs, x);
 }

@@ -277,39 +277,6 @@ static void steps_without_null_vectors(void **state) {
   }
 }
 
-/* Pivots that wait give the least solutions that they give when they don't. */
-static void pivots_that_wait(void **state) {
-  (void)state;
-  int found = 0;
-  double rhs[MOST], least[MOST], waiting[MOST];
-  for (int i = 0; i < 60; ++i) {
-    open_band(20, 50, 30);
-    keep_normal(i);
-    factor(&f.p);
-    int freedom = km_partition_freedom(&f.p);
-    assert_int_equal(km_partition_may_defer(&f.p), i % 2);
-    for (int k = 0; k < f.rows * f.columns; ++k)
-      f.J[k] *= 1.0 + 1e-3 * any();
-    for (int r = 0; r < f.rows; ++r)
-      rhs[r] = any();
-    km_partition_defer(&f.p);
-    if (!km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, waiting)) {
-      km_normal_equations_free(kept);
-      kept = NULL;
-      continue;
-    }
-    ++found;
-    check_rows(f.p.row, f.p.rank, waiting, rhs, 1e-8);
-    free_normal(i);
-    keep_normal(0);
-    bool serves = km_partition_refactor(&f.p, stored(&f.p));
-    assert_true(!f.p.is_deferred && km_partition_minimum_norm(&f.p, stored(&f.p), f.D, freedom, rhs, least));
-    for (int c = 0; c < f.columns && serves; ++c)
-      assert_near(waiting[c], least[c], 1e-8);
-  }
-  assert_true(found > 20);
-}
-
 /* Mobility numbers and least solutions by the rows alone are those by Z. */
 static void by_rows_alone(void **state) {
   (void)state;
@@ -567,7 +534,6 @@ int main(void) {
       cmocka_unit_test(zeros_that_fill),
       cmocka_unit_test(null_vectors_by_their_entries),
       cmocka_unit_test(steps_without_null_vectors),
-      cmocka_unit_test(pivots_that_wait),
       cmocka_unit_test(by_rows_alone),
       cmocka_unit_test(rows_that_hardly_differ),
       cmocka_unit_test(rows_that_stand),

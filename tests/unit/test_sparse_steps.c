@@ -65,94 +65,6 @@ static void columns_that_nobody_asks_for(void **state) {
   assert_true(others > 5);
 }
 
-enum { WITH_SUM = ROWS + 1 };
-
-/* Entry of row r in column c of the band, and of a last row that is a sum of the first two but for `distance` in
- * column 0. */
-static double band_entry(double J[ROWS][COLUMNS], int r, int c, double distance) {
-  return r < ROWS ? J[r][c] : 0.7 * J[0][c] - 1.3 * J[1][c] + (c == 0 ? distance : 0.0);
-}
-
-static void store_with_sum(double J[ROWS][COLUMNS], double distance) {
-  int entries = 0;
-  for (int c = 0; c < COLUMNS; ++c) {
-    start[c] = entries;
-    for (int r = 0; r < WITH_SUM; ++r)
-      if ((r < ROWS && c >= 2 * r && c < 2 * r + REACH) || (r == ROWS && c < 2 + REACH)) {
-        row[entries] = r;
-        values[entries++] = band_entry(J, r, c, distance);
-      }
-  }
-  start[COLUMNS] = entries;
-}
-
-static void vary_band(double J[ROWS][COLUMNS], double amount) {
-  for (int r = 0; r < ROWS; ++r)
-    for (int c = 2 * r; c < 2 * r + REACH && c < COLUMNS; ++c)
-      J[r][c] *= 1.0 + amount * any();
-}
-
-static int rank_keeping(km_partition *p) {
-  p->kept_row_tolerance = 1e-9;
-  km_partition_factor(p, values, WITH_SUM, COLUMNS, NULL, 1e-9);
-  p->kept_row_tolerance = 0.0;
-  return p->rank;
-}
-
-/* Primary rows that are kept stay while they are independent and the others depend on them; else others are
- * searched. */
-static void rows_that_are_kept(void **state) {
-  (void)state;
-  for (int i = 0; i < 20; ++i) {
-    km_arena arena = {0};
-    km_partition p;
-    km_normal_equations *kept = NULL;
-    double J[ROWS][COLUMNS] = {{0}}, rhs[WITH_SUM], first[COLUMNS], least[COLUMNS], again[COLUMNS];
-    int primary[WITH_SUM];
-    for (int c = 0; c < COLUMNS; ++c)
-      weight[c] = 0.3 + fabs(any());
-    for (int r = 0; r < ROWS; ++r)
-      for (int c = 2 * r; c < 2 * r + REACH && c < COLUMNS; ++c)
-        J[r][c] = any() + (c == 2 * r ? 2.0 : 0.0);
-    store_with_sum(J, 0.0);
-    assert_true(km_partition_reserve_sparse(&p, WITH_SUM, COLUMNS, start, row, &arena));
-    km_partition_set_normal_equations(&p, &kept, weight);
-    p.rows_only = true;
-    km_partition_factor(&p, values, WITH_SUM, COLUMNS, NULL, 1e-9);
-    assert_int_equal(p.rank, ROWS);
-    memcpy(primary, p.row, sizeof primary);
-
-    for (int r = 0; r < ROWS; ++r)
-      rhs[r] = any();
-    rhs[ROWS] = 0.7 * rhs[0] - 1.3 * rhs[1];
-    assert_true(km_partition_minimum_norm(&p, values, weight, COLUMNS - ROWS, rhs, first));
-    vary_band(J, 1e-6);
-    store_with_sum(J, 0.0);
-    assert_true(km_partition_minimum_norm_reuse(&p, weight, COLUMNS - ROWS, rhs, again));
-    assert_memory_equal(first, again, sizeof first); /* pivots of the previous matrix */
-
-    vary_band(J, 0.2);
-    store_with_sum(J, 0.0);
-    assert_int_equal(rank_keeping(&p), ROWS);
-    assert_memory_equal(primary, p.row, sizeof primary);
-    assert_true(km_partition_minimum_norm(&p, values, weight, COLUMNS - ROWS, rhs, least));
-    for (int r = 0; r < WITH_SUM; ++r) {
-      double sum = 0.0;
-      for (int c = 0; c < COLUMNS; ++c)
-        sum += band_entry(J, r, c, 0.0) * least[c];
-      assert_near(sum, rhs[r], 1e-11);
-    }
-
-    store_with_sum(J, 1e-3); /* it depends on the others no longer */
-    assert_int_equal(rank_keeping(&p), WITH_SUM);
-    memset(J[2], 0, sizeof J[2]);
-    store_with_sum(J, 0.0); /* and does again, beside a row of the primary ones */
-    assert_int_equal(rank_keeping(&p), ROWS - 1);
-    km_normal_equations_free(kept);
-    km_arena_free(&arena);
-  }
-}
-
 /* A row that is the sum of all others but for an entry of that size, which is its distance from them. */
 static void fill_sum(int rows, double distance) {
   int entries = 0;
@@ -203,6 +115,6 @@ static int clean(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(columns_that_nobody_asks_for),
-                                     cmocka_unit_test(rows_that_are_kept), cmocka_unit_test(rows_that_lean_on_many)};
+                                     cmocka_unit_test(rows_that_lean_on_many)};
   return cmocka_run_group_tests(tests, NULL, clean);
 }

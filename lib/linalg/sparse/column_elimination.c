@@ -39,8 +39,6 @@ static int find_reach(km_partition *p, int c) {
         s->visited[row] = true;
         s->stack_position[depth] = below ? below->start : 0;
       }
-      if (below && s->is_nested[step] && s->visited[p->row[step + 1]]) /* nested step: its other rows are visited too */
-        s->stack_position[depth] = below->end;
       while (below && s->stack_position[depth] < below->end &&
              s->visited[s->lower_store.index[s->stack_position[depth]]])
         s->stack_position[depth]++;
@@ -92,15 +90,6 @@ static void apply_step(km_partition *p, int step, int *upper_end) {
   s->x[p->row[step]] = 0.0;
 }
 
-/* Applies the steps of a supernode at once. */
-static void apply_supernode(km_partition *p, int step, int *upper_end) {
-  km_sparse *s = p->sparse;
-  for (int n = 0; n < KM_SUPERNODE_WIDTH; ++n)
-    s->upper_store.index[*upper_end + n] = step + n;
-  km_sparse_supernode_subtract(p, step, s->upper_store.value + *upper_end);
-  *upper_end += KM_SUPERNODE_WIDTH;
-}
-
 /* Reduces column c by the steps so far: u is stored in U, the rest stays in x. Returns the pivot row, -1 if nothing is
  * left. */
 static int reduce_column(km_partition *p, const double *matrix, int c, int *upper_end, int *lower_end) {
@@ -120,10 +109,7 @@ static int reduce_column(km_partition *p, const double *matrix, int c, int *uppe
     s->visited[s->reach_list[i]] = false;
   for (int i = top; i < p->rows; ++i) {
     int row = s->reach_list[i], step = s->step_of[row];
-    if (km_sparse_supernode_follows(p, s->reach_list + i, p->rows - i)) {
-      apply_supernode(p, step, upper_end);
-      i += KM_SUPERNODE_WIDTH - 1;
-    } else if (step >= 0) {
+    if (step >= 0) {
       apply_step(p, step, upper_end);
     } else {
       s->lower_store.index[(*lower_end)++] = row;
@@ -153,7 +139,6 @@ static void accept_pivot(km_partition *p, int c, int row) {
   }
   s->x[row] = 0.0;
   s->lower[c].end = next_free;
-  km_sparse_extend_supernode(p, step);
 }
 
 /* Clears the accumulator of a column that becomes no step. */
@@ -244,7 +229,6 @@ bool km_sparse_refactor_full_pattern(km_partition *p, const double *matrix) {
   bool is_ok = true;
   s->singleton_count = s->singleton_zero_count = 0;
   p->rank = 0;
-  km_sparse_reset_supernodes(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
   memcpy(s->factor_order, p->column, (size_t)p->columns * sizeof *s->factor_order);
@@ -275,7 +259,6 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   p->first_pivot = p->first_dropped = 0.0;
   p->smallest_pivot = HUGE_VAL;
   p->forced_dependent = false;
-  km_sparse_reset_supernodes(p);
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
   int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, min_singleton_ratio * p->scale));

@@ -1,13 +1,12 @@
-/* Normal equations A Aᵀ z = b, x = Aᵀ z by sparse Cholesky (CHOLMOD), with iterative refinement (docs/theory.md
- * 3.5). */
+/* Normal equations A Aᵀ z = b, x = Aᵀ z by sparse Cholesky (CHOLMOD), with iterative refinement (docs/theory.md 3.5).
+ *
+ *   [A E] [A E]ᵀ = A Aᵀ + E      E = 1 in the diagonal of unused rows, so that the pattern is that of all rows */
 #include "linalg/sparse/normal_equations.h"
 
 #include "base/dynamic_library.h"
 #include "base/memory.h"
 #include "base/random.h"
 #include "linalg/dense/simd_pair.h"
-#include "linalg/sparse/openmp_threads.h"
-#include "linalg/sparse/row_products.h"
 
 #include <cholmod.h>
 #include <float.h>
@@ -18,7 +17,6 @@
   X(cholmod_l_start)                                                                                                   \
   X(cholmod_l_finish)                                                                                                  \
   X(cholmod_l_analyze)                                                                                                 \
-  X(cholmod_l_metis)                                                                                                   \
   X(cholmod_l_factorize)                                                                                               \
   X(cholmod_l_solve2)                                                                                                  \
   X(cholmod_l_free_dense)                                                                                              \
@@ -30,21 +28,16 @@ typedef struct library {
 #undef X
 } library;
 
-/* A and A Aᵀ in elimination order. An unused row has only its diagonal entry 1, so that the pattern does not depend on
- * the used rows. */
 struct km_normal_equations {
   const library *cholmod;
   cholmod_common common;
   cholmod_factor *L;
-  cholmod_dense *X, *Y, *E; /* workspace of solutions */
-  long rows, columns, *start, *row;
-  long *position;   /* [rows] position of each row in the elimination order */
-  long *dissection; /* [rows] see km_normal_equations_dissection; NULL: not computed */
-  km_row_products products;
+  cholmod_dense *X, *Y, *F;   /* workspace of solutions */
+  long rows, columns;         /* of A */
+  long *start, *row;          /* pattern of [A E] by columns */
+  double *value, *next_value; /* entries of [A E] of the factor, and of the next one */
   bool *used;                 /* [rows] rows of the present factor */
-  bool *used_columns;         /* [columns] */
-  double *value, *next_value; /* entries of A of the factor, and of the next one */
-  double *b, *z, *step;       /* [rows], [rows], [columns] */
+  double *b, *step;           /* [rows], [columns] */
   bool is_factored;
 };
 
@@ -58,15 +51,12 @@ static const library *load_cholmod(void) {
   return km_library_load(&cholmod) ? NULL : &functions;
 }
 
-bool km_normal_equations_is_installed(void) {
-  return load_cholmod() != NULL;
-}
-
-/* A as CHOLMOD's matrix. */
+/* [A E] as CHOLMOD's matrix. */
 static cholmod_sparse matrix_view(const km_normal_equations *n) {
+  const size_t columns = (size_t)(n->columns + n->rows);
   return (cholmod_sparse){.nrow = (size_t)n->rows,
-                          .ncol = (size_t)n->columns,
-                          .nzmax = (size_t)n->start[n->columns],
+                          .ncol = columns,
+                          .nzmax = (size_t)n->start[columns],
                           .p = n->start,
                           .i = n->row,
                           .x = n->value,
@@ -76,71 +66,41 @@ static cholmod_sparse matrix_view(const km_normal_equations *n) {
                           .packed = 1};
 }
 
-/* A Aᵀ as CHOLMOD's matrix. Supernodal factors read the lower triangle, simplicial ones the upper triangle, so that
- * neither is transposed. */
-static cholmod_sparse products_view(const km_normal_equations *n, bool upper) {
-  const km_row_products *p = &n->products;
-  return (cholmod_sparse){.nrow = (size_t)n->rows,
-                          .ncol = (size_t)n->rows,
-                          .nzmax = (size_t)p->start[n->rows],
-                          .p = p->start,
-                          .i = p->row,
-                          .x = p->value,
-                          .stype = upper ? 1 : -1,
-                          .itype = CHOLMOD_LONG,
-                          .xtype = CHOLMOD_REAL,
-                          .dtype = CHOLMOD_DOUBLE,
-                          .sorted = 1,
-                          .packed = 1};
-}
-
+/* Reserves the arrays and sets the pattern of [A E]. */
 static bool reserve_arrays(km_normal_equations *n, int rows, int columns, const int *start, const int *row) {
-  size_t entries = (size_t)start[columns];
+  const size_t entries = (size_t)start[columns] + (size_t)rows;
   n->rows = rows;
   n->columns = columns;
-  n->start = KM_NEW(long, (size_t)columns + 1);
+  n->start = KM_NEW(long, (size_t)columns + (size_t)rows + 1);
   n->row = KM_NEW(long, entries + 1);
-  n->position = KM_NEW(long, (size_t)rows + 1);
   n->used = KM_NEW(bool, (size_t)rows + 1);
-  n->used_columns = KM_NEW(bool, (size_t)columns + 1);
   n->value = KM_NEW(double, entries + 1);
   n->next_value = KM_NEW(double, entries + 1);
   n->b = KM_NEW(double, (size_t)rows + 1);
-  n->z = KM_NEW(double, (size_t)rows + 1);
   n->step = KM_NEW(double, (size_t)columns + 1);
-  if (!n->start || !n->row || !n->position || !n->used || !n->used_columns || !n->value || !n->next_value || !n->b ||
-      !n->z || !n->step)
+  if (!n->start || !n->row || !n->used || !n->value || !n->next_value || !n->b || !n->step)
     return false;
   for (int c = 0; c <= columns; ++c)
     n->start[c] = start[c];
   for (int i = 0; i < start[columns]; ++i)
     n->row[i] = row[i];
+  for (int r = 0; r < rows; ++r) {
+    n->row[start[columns] + r] = r;
+    n->start[columns + r + 1] = start[columns] + r + 1;
+  }
   return true;
 }
 
-/* Analyses the pattern: elimination order by COLAMD on A, then the symbolic factor of A Aᵀ in that order. */
-static bool analyse_pattern(km_normal_equations *n, const int *start, const int *row) {
+/* Analyses the pattern: elimination order by COLAMD, then the symbolic factor. */
+static bool analyse_pattern(km_normal_equations *n) {
   cholmod_common *c = &n->common;
   n->cholmod->cholmod_l_start(c);
   c->print = 0;
   c->nmethods = 1;
   c->method[0].ordering = CHOLMOD_COLAMD;
-  c->supernodal = CHOLMOD_AUTO;
+  c->supernodal = CHOLMOD_SIMPLICIAL; /* supernodal factors need threads to pay */
   cholmod_sparse A = matrix_view(n);
-  cholmod_factor *first = n->cholmod->cholmod_l_analyze(&A, c);
-  if (!first)
-    return false;
-  bool upper = !first->is_super;
-  for (long k = 0; k < n->rows; ++k)
-    n->position[((const long *)first->Perm)[k]] = k;
-  n->cholmod->cholmod_l_free_factor(&first, c);
-  if (!km_row_products_create((int)n->rows, (int)n->columns, start, row, n->position, upper, &n->products))
-    return false;
-  c->method[0].ordering = CHOLMOD_NATURAL;
-  c->postorder = 0;
-  c->supernodal = upper ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
-  cholmod_sparse P = products_view(n, upper);
-  n->L = n->cholmod->cholmod_l_analyze(&P, c);
+  n->L = n->cholmod->cholmod_l_analyze(&A, c);
   return n->L != NULL;
 }
 
@@ -150,7 +110,7 @@ km_normal_equations *km_normal_equations_create(int rows, int columns, const int
   if (!n)
     return NULL;
   n->cholmod = cholmod;
-  if (reserve_arrays(n, rows, columns, start, row) && analyse_pattern(n, start, row))
+  if (reserve_arrays(n, rows, columns, start, row) && analyse_pattern(n))
     return n;
   km_normal_equations_free(n);
   return NULL;
@@ -161,51 +121,29 @@ void km_normal_equations_free(km_normal_equations *n) {
     return;
   n->cholmod->cholmod_l_free_dense(&n->X, &n->common);
   n->cholmod->cholmod_l_free_dense(&n->Y, &n->common);
-  n->cholmod->cholmod_l_free_dense(&n->E, &n->common);
+  n->cholmod->cholmod_l_free_dense(&n->F, &n->common);
   n->cholmod->cholmod_l_free_factor(&n->L, &n->common);
   n->cholmod->cholmod_l_finish(&n->common);
-  km_row_products_free(&n->products);
-  void *const all[] = {n->start, n->row,        n->position, n->dissection, n->used, n->used_columns,
-                       n->value, n->next_value, n->b,        n->z,          n->step, n};
+  void *const all[] = {n->start, n->row, n->used, n->value, n->next_value, n->b, n->step, n};
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     km_free(all[i]);
-}
-
-const long *km_normal_equations_dissection(km_normal_equations *n) {
-  if (n->dissection)
-    return n->dissection;
-  n->dissection = KM_NEW(long, (size_t)n->rows + 1);
-  cholmod_sparse A = matrix_view(n);
-  if (n->dissection && !n->cholmod->cholmod_l_metis(&A, NULL, 0, true, n->dissection, &n->common)) {
-    km_free(n->dissection);
-    n->dissection = NULL;
-  }
-  return n->dissection;
-}
-
-bool km_normal_equations_is_factored(const km_normal_equations *n, const bool *used_rows, const bool *used_columns) {
-  return n->is_factored && memcmp(n->used, used_rows, (size_t)n->rows * sizeof *n->used) == 0 &&
-         memcmp(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns) == 0;
 }
 
 /* Cholesky factorisation of A Aᵀ in the used rows and columns. */
 bool km_normal_equations_factor(km_normal_equations *n, const double *matrix, const double *weight,
                                 const bool *used_rows, const bool *used_columns) {
-  size_t entries = (size_t)n->start[n->columns];
+  const size_t entries = (size_t)n->start[n->columns + n->rows];
   for (long c = 0; c < n->columns; ++c)
     for (long i = n->start[c]; i < n->start[c + 1]; ++i)
       n->next_value[i] = used_columns[c] && used_rows[n->row[i]] ? matrix[i] / weight[c] : 0.0;
-  if (km_normal_equations_is_factored(n, used_rows, used_columns) &&
-      memcmp(n->next_value, n->value, entries * sizeof *n->next_value) == 0)
+  for (long r = 0; r < n->rows; ++r)
+    n->next_value[n->start[n->columns] + r] = used_rows[r] ? 0.0 : 1.0;
+  if (n->is_factored && memcmp(n->next_value, n->value, entries * sizeof *n->next_value) == 0)
     return true;
   memcpy(n->value, n->next_value, entries * sizeof *n->next_value);
   memcpy(n->used, used_rows, (size_t)n->rows * sizeof *n->used);
-  memcpy(n->used_columns, used_columns, (size_t)n->columns * sizeof *n->used_columns);
-  km_row_products_compute(&n->products, n->value, n->used);
-  cholmod_sparse P = products_view(n, !n->L->is_super);
-  int levels = km_openmp_single_thread_begin();
-  n->is_factored = n->cholmod->cholmod_l_factorize(&P, n->L, &n->common) && n->L->minor == n->L->n;
-  km_openmp_single_thread_end(levels);
+  cholmod_sparse A = matrix_view(n);
+  n->is_factored = n->cholmod->cholmod_l_factorize(&A, n->L, &n->common) && n->L->minor == n->L->n;
   return n->is_factored;
 }
 
@@ -218,16 +156,11 @@ static void subtract_product(const km_normal_equations *n, const double *x, doub
 
 /* z = (A Aᵀ)⁻¹ b; NULL without memory. */
 static const double *solve_normal_equations(km_normal_equations *n) {
-  size_t rows = (size_t)n->rows;
+  const size_t rows = (size_t)n->rows;
   cholmod_dense B = {
-      .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->z, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
-  for (size_t r = 0; r < rows; ++r)
-    n->z[n->position[r]] = n->b[r];
-  if (!n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->E, &n->common))
-    return NULL;
-  for (size_t r = 0; r < rows; ++r)
-    n->z[r] = ((const double *)n->X->x)[n->position[r]];
-  return n->z;
+      .nrow = rows, .ncol = 1, .nzmax = rows, .d = rows, .x = n->b, .xtype = CHOLMOD_REAL, .dtype = CHOLMOD_DOUBLE};
+  bool is_ok = n->cholmod->cholmod_l_solve2(CHOLMOD_A, n->L, &B, NULL, &n->X, NULL, &n->Y, &n->F, &n->common);
+  return is_ok ? n->X->x : NULL;
 }
 
 /* Inverse iteration with A Aᵀ: smallest singular value of A over its largest entry. */

@@ -9,23 +9,14 @@
 
 #include "linalg/partition.h"
 
-/* True if the library is installed. Loads it. */
-bool km_normal_equations_is_installed(void);
-
 /* Creates normal equations for matrices whose column c has entries in the rows row[start[c] … start[c+1]-1]. NULL
  * without the library or memory. */
 km_normal_equations *km_normal_equations_create(int rows, int columns, const int *start, const int *row);
-
-/* Order of all rows by nested dissection (METIS) of A Aᵀ, found once. NULL without memory. */
-const long *km_normal_equations_dissection(km_normal_equations *normal);
 
 /* Factors A Aᵀ of the matrix, given by its entries, over the column weights. Unused rows and columns count as 0. False
  * if the used rows are dependent. Equal data are not factored again. O(entries of the factor). */
 bool km_normal_equations_factor(km_normal_equations *normal, const double *matrix, const double *weight,
                                 const bool *used_rows, const bool *used_columns);
-/* True if the present factor belongs to these rows and columns. */
-bool km_normal_equations_is_factored(const km_normal_equations *normal, const bool *used_rows,
-                                     const bool *used_columns);
 /* Estimate of the smallest singular value of A in the used rows, over its largest entry, by inverse iteration; 0 if it
  * is below rounding. */
 double km_normal_equations_smallest_singular_value(km_normal_equations *normal);

@@ -46,14 +46,10 @@ bool km_sparse_gram_is_dense(const km_partition *p) {
   return km_sparse_full_gram_cost(p) > max_ratio * p->sparse->start[p->columns];
 }
 
-bool km_partition_may_defer(const km_partition *p) {
-  return p->sparse && p->sparse->normal && !km_sparse_gram_is_dense(p) && km_normal_equations_is_installed();
-}
-
 /* Creates the normal equations of the pattern once. */
 km_normal_equations *km_sparse_create_normal(const km_partition *p) {
   const km_sparse *s = p->sparse;
-  if (!km_partition_may_defer(p))
+  if (!s->normal || km_sparse_gram_is_dense(p))
     return NULL;
   if (!*s->normal)
     *s->normal = km_normal_equations_create(p->rows, p->columns, s->start, s->row);
@@ -70,9 +66,7 @@ km_normal_equations *km_sparse_normal(const km_partition *p, const double *matri
     rows[p->row[k]] = true;
   for (int k = 0; k < p->rank + count && columns; ++k)
     columns[p->column[k]] = true;
-  bool is_ok = rows && columns &&
-               (matrix ? km_normal_equations_factor(normal, matrix, weight, rows, columns)
-                       : km_normal_equations_is_factored(normal, rows, columns));
+  bool is_ok = rows && columns && km_normal_equations_factor(normal, matrix, weight, rows, columns);
   km_free(rows);
   km_free(columns);
   return is_ok ? normal : NULL;
@@ -90,62 +84,22 @@ static int order_columns(const km_partition *p, const bool *forced) {
   return candidate_count;
 }
 
-/* Distance of the secondary rows from the span of the primary ones, over the largest entry: length of the remainder of
- * a randomly weighted sum of the secondary rows. */
-static double secondary_row_distance(const km_partition *p, km_normal_equations *normal, const double *matrix,
-                                     int used) {
-  const km_sparse *s = p->sparse;
-  size_t n = (size_t)p->columns;
-  double *sum = KM_NEW(double, n + 1), *part = KM_NEW(double, n + 1), largest = 0.0, square = 0.0;
-  for (int k = 0; k < used && sum; ++k) {
-    int c = p->column[k];
-    for (int i = s->start[c]; i < s->start[c + 1]; ++i) {
-      double entry = matrix[i] / s->weight[c];
-      largest = fmax(largest, fabs(entry));
-      sum[c] += s->step_of[s->row[i]] < 0 ? km_sparse_random_weight(s->row[i], 0) * entry : 0.0;
-    }
-  }
-  bool found = sum && part && km_normal_equations_project(normal, sum, part);
-  for (size_t c = 0; c < n && found; ++c)
-    square += (sum[c] - part[c]) * (sum[c] - part[c]);
-  km_free(sum);
-  km_free(part);
-  return found ? sqrt(square) / largest : HUGE_VAL;
-}
-
-/* Sets the rows that are tested as primary ones: the present ones (`keeps_rows`) or all. */
-static void set_primary_rows(km_partition *p, bool keeps_rows) {
-  const km_sparse *s = p->sparse;
-  for (int r = 0; r < p->rows; ++r) {
-    s->step_of[r] = -1;
-    p->row[r] = keeps_rows ? p->row[r] : r;
-  }
-  p->rank = keeps_rows ? p->rank : p->rows;
-  for (int k = 0; k < p->rank; ++k)
-    s->step_of[p->row[k]] = k;
-}
-
 /* Full row rank by the smallest eigenvalue of the normal equations. */
 bool km_sparse_rows_are_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
   km_sparse *s = p->sparse;
-  const bool keeps_rows = p->kept_row_tolerance > 0.0;
-  const double min_singular_value = keeps_rows ? p->kept_row_tolerance : tolerance;
-  int candidate_count = s->normal ? order_columns(p, forced) : 0;
-  if (candidate_count < (keeps_rows ? p->rank : p->rows))
+  if (!s->normal || order_columns(p, forced) < p->rows)
     return false;
-  set_primary_rows(p, keeps_rows);
-  km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, candidate_count - p->rank);
+  p->rank = p->rows;
+  for (int r = 0; r < p->rows; ++r)
+    p->row[r] = s->step_of[r] = r;
+  km_normal_equations *normal = km_sparse_normal(p, matrix, s->weight, order_columns(p, forced) - p->rank);
   double smallest = normal ? km_normal_equations_smallest_singular_value(normal) : 0.0;
-  if (!(smallest > min_singular_value))
-    return false;
-  double distance = p->rank < p->rows ? secondary_row_distance(p, normal, matrix, candidate_count) : 0.0;
-  if (!(distance <= tolerance))
+  if (!(smallest > tolerance))
     return false;
   p->first_pivot = p->scale;
   p->last_pivot = p->smallest_pivot = smallest * p->scale;
-  p->first_dropped = distance * p->scale;
+  p->first_dropped = 0.0;
   p->forced_dependent = false;
-  p->rows_were_kept = keeps_rows;
   for (int k = 0; k < p->rank; ++k)
     p->inverse[k] = 1.0 / p->last_pivot;
   s->singleton_count = s->singleton_zero_count = 0;

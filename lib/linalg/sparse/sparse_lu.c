@@ -103,8 +103,7 @@ static bool is_any_basis_sufficient(const km_partition *p) {
 
 /* Options that the cached factor depends on, as flags. */
 static unsigned option_flags(const km_partition *p) {
-  return (p->forced_never_pivot ? 1u : 0u) | (p->unrestricted_basis ? 2u : 0u) | (p->rows_only ? 4u : 0u) |
-         (p->kept_row_tolerance > 0.0 ? 8u : 0u);
+  return (p->forced_never_pivot ? 1u : 0u) | (p->unrestricted_basis ? 2u : 0u) | (p->rows_only ? 4u : 0u);
 }
 
 /* Copies flags of columns; NULL: none is set. */
@@ -117,8 +116,10 @@ static void copy_flags(bool *stored, const bool *flags, size_t count) {
 
 /* Compares stored flags of columns with flags; NULL: none is set. */
 static bool are_flags_equal(const bool *stored, const bool *flags, size_t count) {
-  return flags ? memcmp(stored, flags, count * sizeof *stored) == 0
-               : memchr(stored, true, count * sizeof *stored) == NULL;
+  bool all = true;
+  for (size_t c = 0; c < count && all; ++c)
+    all = stored[c] == (flags && flags[c]);
+  return all;
 }
 
 /* Compares matrix, columns, tolerance and options with those of the present factor. */
@@ -153,7 +154,7 @@ static void find_better_columns(km_partition *p, const double *matrix, const boo
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && max_free_b(p, forced) <= most)
       break;
-    bool ends = !others && is_any_basis_sufficient(p) && km_partition_may_defer(p);
+    bool ends = !others && is_any_basis_sufficient(p);
     p->sparse->resume_pass = ends && finite ? pass + 1 : 0;
     if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
@@ -169,7 +170,6 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   km_sparse *s = p->sparse;
   p->scale = km_max_magnitude(matrix, s->start[p->columns]);
   p->locked_count = 0;
-  p->rows_were_kept = false;
   s->postpones_small = false;
   s->resume_pass = 0;
   p->max_b = 0.0;

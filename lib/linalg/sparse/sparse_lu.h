@@ -52,12 +52,7 @@ struct km_sparse {
   bool is_overfull;               /* the last elimination exceeded max_entries */
   km_entry_range *upper; /* [columns] entries of U of each column, by step, in an order in which they can be replayed */
   km_entry_range *lower; /* [columns] entries of L of each column, by row; none of independent columns */
-  km_entry_store upper_store, lower_store; /* index: step; row */
-  bool *is_nested;                         /* [rows] by step: the rows of L are those of the next step and its pivot row
-                                            * (supernodes.c) */
-  km_entry_range *supernode_range; /* [rows] by step: copy of its entries of L, in the row order of the supernode */
-  km_entry_store supernode_store;  /* index: row */
-  int supernode_end;
+  km_entry_store upper_store, lower_store;  /* index: step; row */
   int *step_of;                             /* [rows] step whose pivot lies in the row; -1: none */
   double *x;                                /* [rows] accumulator, 0 between columns */
   int *reach_list, *stack, *stack_position; /* [rows] rows that a column reaches; stack of the depth-first search */
@@ -133,20 +128,9 @@ int km_sparse_hidden_row(const km_partition *partition, const double *matrix, co
  * there are none, without SPQR, or out of memory. */
 bool km_sparse_find_dependent_rows(km_partition *partition, const double *matrix, const bool *forced, double threshold);
 /* True if all rows are independent to the tolerance over all columns that may be pivots, by their normal equations;
- * then that is the partition's result. If `kept_row_tolerance` is set: true if the present primary rows are independent
- * to it and the other rows depend on them. False also without normal equations. */
+ * then that is the partition's result. False also without normal equations. */
 bool km_sparse_rows_are_independent(km_partition *partition, const double *matrix, const bool *forced,
                                     double tolerance);
-/* Steps of a supernode that are subtracted together. */
-enum { KM_SUPERNODE_WIDTH = 8 };
-/* Clears the supernodes, before the first step. */
-void km_sparse_reset_supernodes(km_partition *partition);
-/* Appends the last step to the supernode of the step before it, if its rows are nested in that one's. */
-void km_sparse_extend_supernode(km_partition *partition, int step);
-/* True if the `count` rows of a column's list begin with the pivot rows of KM_SUPERNODE_WIDTH nested steps. */
-bool km_sparse_supernode_follows(const km_partition *partition, const int *list, int count);
-/* Subtracts these steps, from `step` on, from the accumulator; u receives the entries of U. */
-void km_sparse_supernode_subtract(const km_partition *partition, int step, double u[KM_SUPERNODE_WIDTH]);
 /* Reserves memory for entries of U and L. False when out of memory. */
 bool km_sparse_reserve_factor(km_sparse *sparse, int upper, int lower);
 bool km_sparse_grow(km_sparse *sparse, km_entry_store *store, int need);
@@ -185,9 +169,8 @@ void km_sparse_fill_row(const km_sparse *s, const double *matrix, const double *
 /* Normal equations of the partition, created at the first call. NULL if there is no memory for them or they would fill
  * in. */
 km_normal_equations *km_sparse_create_normal(const km_partition *p);
-/* Factors the normal equations of the primary rows in the dependent and the first `count` independent columns: of
- * `matrix`, or of the matrix factored last if NULL. NULL if they are not available, would fill in, or are too
- * ill-conditioned. */
+/* Factors the normal equations of the primary rows in the dependent and the first `count` independent columns. NULL if
+ * they are not available, would fill in, or are too ill-conditioned. */
 km_normal_equations *km_sparse_normal(const km_partition *p, const double *matrix, const double *weight, int count);
 
 /* Reserves the arrays of a sparse partition with the pattern of `pattern`. False when out of memory. */

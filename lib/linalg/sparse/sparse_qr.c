@@ -3,7 +3,6 @@
 
 #include "base/dynamic_library.h"
 #include "base/memory.h"
-#include "linalg/sparse/triangular_solve.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -164,83 +163,63 @@ bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, doubl
   return is_ok;
 }
 
-/* A row of the matrix, and the first column of R in which it has an entry. */
-typedef struct row_begin {
-  long first, row;
-} row_begin;
+/* R, upper triangular, by rows: entries of row k from start[k] on, by column, the diagonal entry first. */
+typedef struct triangle {
+  const long *start, *column;
+  const double *value;
+  long columns;
+} triangle;
 
-/* Order by first column, then by row. */
-static int compare_row_begins(const void *a, const void *b) {
-  const row_begin *x = a, *y = b;
-  long order = x->first != y->first ? x->first - y->first : x->row - y->row;
-  return (order > 0) - (order < 0);
-}
-
-/* Sorts the rows by their first column of R. column_of_r: column of R of each column of the matrix. */
-static void sort_row_begins(const km_sparse_qr *q, const cholmod_sparse *by_row, const long *column_of_r,
-                            row_begin *list) {
-  const long *start = by_row->p, *entry = by_row->i;
-  for (long r = 0; r < q->rows; ++r) {
-    list[r] = (row_begin){q->columns, r};
-    for (long i = start[r]; i < start[r + 1]; ++i)
-      list[r].first = column_of_r[entry[i]] < list[r].first ? column_of_r[entry[i]] : list[r].first;
+/* |R⁻ᵀ b|² by forward substitution from the first entry of b on. b is 0 on return. O(columns + entries of the rows of R
+ * that b reaches): in an order of nested dissection log n rows in a chain of n loops. */
+static double solution_square(const triangle *R, long first, double *b) {
+  double sum = 0.0;
+  for (long k = first; k < R->columns; ++k) {
+    if (b[k] == 0.0)
+      continue;
+    double u = b[k] / R->value[R->start[k]];
+    sum += u * u;
+    for (long i = R->start[k] + 1; i < R->start[k + 1]; ++i)
+      b[R->column[i]] -= R->value[i] * u;
+    b[k] = 0.0;
   }
-  qsort(list, (size_t)q->rows, sizeof *list, compare_row_begins);
+  return sum;
 }
 
-/* square[row] = |R⁻ᵀ b|² of every row b, by forward substitution with the rows of R from the first entry of b on. A row
- * reaches few columns in an order of nested dissection: log n in a chain of n loops, where minimum fill-in can reach n.
- * Rows with close first columns reach nearly equal columns and are solved together in SIMD lanes. */
-static void add_squares(const km_sparse_qr *q, const km_triangle *R, const cholmod_sparse *by_row,
-                        const long *column_of_r, const row_begin *list, double *y, uint64_t *pending, double *square) {
-  const long *row_start = by_row->p, *entry = by_row->i;
-  const double *b = by_row->x;
-  for (long n = 0; n < q->rows; n += KM_TRIANGLE_LANES) {
-    double sum[KM_TRIANGLE_LANES] = {0.0};
-    int count = q->rows - n < KM_TRIANGLE_LANES ? (int)(q->rows - n) : KM_TRIANGLE_LANES;
-    for (int l = 0; l < count; ++l)
-      for (long i = row_start[list[n + l].row]; i < row_start[list[n + l].row + 1]; ++i) {
-        y[KM_TRIANGLE_LANES * column_of_r[entry[i]] + l] = b[i];
-        km_triangle_mark(pending, column_of_r[entry[i]]);
-      }
-    km_triangle_squares(R, list[n].first, y, pending, sum);
-    for (int l = 0; l < count; ++l)
-      square[list[n + l].row] = sum[l];
+/* square[row] = |R⁻ᵀ b|² of every row b of the matrix. column_of_r: column of R of each column of the matrix; b: work. */
+static void compute_squares(const km_sparse_qr *q, const triangle *R, const cholmod_sparse *by_row,
+                            const long *column_of_r, double *b, double *square) {
+  const long *start = by_row->p, *column = by_row->i;
+  const double *value = by_row->x;
+  for (long row = 0; row < q->rows; ++row) {
+    long first = q->columns;
+    for (long i = start[row]; i < start[row + 1]; ++i) {
+      long k = column_of_r[column[i]];
+      b[k] = value[i];
+      first = k < first ? k : first;
+    }
+    square[row] = solution_square(R, first, b);
   }
 }
 
-/* Squared row norms of Q by |R⁻ᵀ b|². */
-bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_order, double *square) {
+/* Squared row norms of Q = A R⁻¹, in nested-dissection order. */
+bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, double *square) {
   const library *f = q->spqr;
   cholmod_sparse A = matrix_view(q), *R = NULL;
   SuiteSparse_long *order = NULL;
-  const int ordering = keeps_order ? SPQR_ORDERING_FIXED : SPQR_ORDERING_METIS;
-  long rank = f->SuiteSparseQR_C(ordering, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order, NULL, NULL,
-                                 NULL, &q->common);
+  long rank = f->SuiteSparseQR_C(SPQR_ORDERING_METIS, tolerance, q->columns, 0, &A, NULL, NULL, NULL, NULL, &R, &order,
+                                 NULL, NULL, NULL, &q->common);
   cholmod_sparse *rows_of_r = rank == q->columns ? f->cholmod_l_transpose(R, 1, &q->common) : NULL;
   cholmod_sparse *by_row = rows_of_r ? f->cholmod_l_transpose(&A, 1, &q->common) : NULL;
   long *column_of_r = KM_NEW(long, (size_t)q->columns + 1);
-  row_begin *list = KM_NEW(row_begin, (size_t)q->rows + 1);
-  double *y = KM_NEW(double, KM_TRIANGLE_LANES *((size_t)q->columns + 1));
-  uint64_t *pending = KM_NEW(uint64_t, (size_t)q->columns / KM_TRIANGLE_WORD + 1);
-  bool *is_nested = KM_NEW(bool, (size_t)q->columns + 1), *covers_later = KM_NEW(bool, (size_t)q->columns + 1);
-  bool is_ok = by_row && column_of_r && list && y && pending && is_nested && covers_later;
+  double *b = KM_NEW(double, (size_t)q->columns + 1);
+  bool is_ok = by_row && column_of_r && b;
   for (long k = 0; k < q->columns && is_ok; ++k)
     column_of_r[order ? order[k] : k] = k;
-  if (is_ok) {
-    const km_triangle by_rows = {rows_of_r->p, rows_of_r->i, rows_of_r->x, is_nested, covers_later, q->columns};
-    for (long k = 0; k < q->columns; ++k) {
-      is_nested[k] = km_triangle_is_nested(&by_rows, k);
-      covers_later[k] = km_triangle_covers_later(&by_rows, k);
-    }
-    sort_row_begins(q, by_row, column_of_r, list);
-    add_squares(q, &by_rows, by_row, column_of_r, list, y, pending, square);
-  }
-  km_free(covers_later);
-  km_free(is_nested);
-  km_free(pending);
-  km_free(y);
-  km_free(list);
+  if (is_ok)
+    compute_squares(q, &(triangle){rows_of_r->p, rows_of_r->i, rows_of_r->x, q->columns}, by_row, column_of_r, b,
+                    square);
+  km_free(b);
   km_free(column_of_r);
   f->cholmod_l_free_sparse(&by_row, &q->common);
   f->cholmod_l_free_sparse(&rows_of_r, &q->common);

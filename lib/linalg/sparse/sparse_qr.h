@@ -34,9 +34,9 @@ bool km_sparse_qr_remove(km_sparse_qr *q, double *v, int count);
  * out of memory. */
 bool km_sparse_qr_projected_squares(km_sparse_qr *q, double *v, int count, double *squares);
 /* Squared length of the projection of every unit vector onto the column space: square[row] = |R⁻ᵀ b|² of row b of the
- * matrix. False when out of memory or if columns are dependent to the tolerance. Factors by itself, in the given column
- * order or by nested dissection. O(entries of R that the rows of the matrix reach). */
-bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, bool keeps_order, double *square);
+ * matrix. False when out of memory or if columns are dependent to the tolerance. Factors by itself, by nested
+ * dissection. O(entries of R that the rows of the matrix reach). */
+bool km_sparse_qr_squared_norms(km_sparse_qr *q, double tolerance, double *square);
 /* Independent columns to the tolerance, in COLAMD order: list[rank], unordered. Returns the rank; -1: out of memory.
  * Factors by itself. */
 int km_sparse_qr_independent_columns(km_sparse_qr *q, double tolerance, int *list);

@@ -42,8 +42,6 @@ static bool reserve_arrays(km_sparse *s, int rows, int columns, km_arena *arena)
                    .is_postponed = KM_ARENA_NEW(arena, bool, c),
                    .upper = KM_ARENA_NEW(arena, km_entry_range, c),
                    .lower = KM_ARENA_NEW(arena, km_entry_range, c),
-                   .is_nested = KM_ARENA_NEW(arena, bool, r),
-                   .supernode_range = KM_ARENA_NEW(arena, km_entry_range, r),
                    .step_of = KM_ARENA_NEW(arena, int, r),
                    .x = KM_ARENA_NEW(arena, double, r),
                    .reach_list = KM_ARENA_NEW(arena, int, r),
