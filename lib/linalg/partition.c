@@ -223,18 +223,16 @@ static void search_pivots(km_partition *p, const double *matrix, const bool *for
 /* Searches pivots, unless the sparse factor of equal data is available. */
 void km_partition_factor(km_partition *p, const double *matrix, int rows, int columns, const bool *forced,
                          double tolerance) {
-  bool same_size = p->rows == rows && p->columns == columns, has_changed = true;
+  bool same_size = p->rows == rows && p->columns == columns;
   if (p->sparse && same_size && km_sparse_has_factor(p, matrix, forced, tolerance)) {
-    has_changed = km_sparse_improve_independent(p, matrix, forced, tolerance);
-  } else {
-    p->rows = rows;
-    p->columns = columns;
-    p->stride = stride_of(rows);
-    search_pivots(p, matrix, forced, tolerance);
-  }
-  p->max_b_at_search = p->max_b;
-  if (!has_changed)
+    p->max_b_at_search = p->max_b;
     return;
+  }
+  p->rows = rows;
+  p->columns = columns;
+  p->stride = stride_of(rows);
+  search_pivots(p, matrix, forced, tolerance);
+  p->max_b_at_search = p->max_b;
   order_rows(p);
   p->search_count++;
   p->version++;

@@ -170,7 +170,7 @@ void km_partition_null_vector(const km_partition *partition, int column, double 
 
 /* Null vector of the k-th independent column of a sparse partition with `unrestricted_basis`, by its entries: columns
  * in no order, and values; the independent column has 1. Returns the number of entries, at most rank + 1. O(entries of
- * the columns of U that it reaches). */
+ * U). */
 int km_partition_null_entries(const km_partition *partition, int k, int *column, double *value);
 
 /* Mobility numbers m_j = Σ_k Z_jk², (278). */

@@ -33,7 +33,7 @@ struct km_normal_equations {
   cholmod_common common;
   cholmod_factor *L;
   cholmod_dense *X, *Y, *F;   /* workspace of solutions */
-  long rows, columns;         /* of A */
+  long rows, columns;         /* size of A */
   long *start, *row;          /* pattern of [A E] by columns */
   double *value, *next_value; /* entries of [A E] of the factor, and of the next one */
   bool *used;                 /* [rows] rows of the present factor */

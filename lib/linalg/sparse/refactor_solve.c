@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Copies the entries of column c in primary rows to the accumulator. */
@@ -32,32 +31,8 @@ void km_sparse_solve_upper(const km_partition *p, double *y) {
   }
 }
 
-static int descending(const void *a, const void *b) {
-  int x = *(const int *)a, y = *(const int *)b;
-  return (y > x) - (y < x);
-}
-
-/* Steps that the column reaches, descending, into reach_list[0 … count-1]. If they are many, all steps are scanned
- * instead of sorted. */
-static int list_reached_steps(const km_partition *p, const km_entry_range *column_of_u) {
-  km_sparse *s = p->sparse;
-  int top = km_sparse_reach_upper(p, column_of_u), count = p->rows - top;
-  if (count > p->rank / 16) {
-    int n = 0;
-    for (int k = p->rank - 1; k >= 0; --k)
-      if (s->visited[k])
-        s->reach_list[n++] = k;
-  } else {
-    memmove(s->reach_list, s->reach_list + top, (size_t)count * sizeof *s->reach_list);
-    qsort(s->reach_list, (size_t)count, sizeof *s->reach_list, descending);
-  }
-  for (int i = 0; i < count; ++i)
-    s->visited[s->reach_list[i]] = false;
-  return count;
-}
-
-/* Column of B: U⁻¹ times a column of U, through all steps; non-zero entries into the store from `end` on. */
-static km_entry_range solve_all_steps(const km_partition *p, const km_entry_range *column_of_u, int end) {
+/* Column of B: U⁻¹ times a column of U; non-zero entries into the store from `end` on. */
+static km_entry_range solve_column(const km_partition *p, const km_entry_range *column_of_u, int end) {
   const km_sparse *s = p->sparse;
   double *const x = s->x, *const value = s->b_store.value;
   int *const index = s->b_store.index;
@@ -75,47 +50,6 @@ static km_entry_range solve_all_steps(const km_partition *p, const km_entry_rang
   return run;
 }
 
-/* Column of B by the steps that the column reaches only. */
-static km_entry_range solve_reached_steps(const km_partition *p, const km_entry_range *column_of_u, int end) {
-  km_sparse *s = p->sparse;
-  km_entry_range run = {end, end};
-  int count = list_reached_steps(p, column_of_u);
-  for (int i = column_of_u->start; i < column_of_u->end; ++i)
-    s->x[s->upper_store.index[i]] = s->upper_store.value[i];
-  for (int i = 0; i < count; ++i) {
-    int step = s->reach_list[i];
-    double value = s->x[step] * p->inverse[step];
-    const km_entry_range *above = &s->upper[p->column[step]];
-    s->x[step] = value;
-    for (int n = above->start; n < above->end && value != 0.0; ++n)
-      s->x[s->upper_store.index[n]] -= s->upper_store.value[n] * value;
-  }
-  for (int i = count - 1; i >= 0; --i) {
-    if (s->x[s->reach_list[i]] != 0.0) {
-      s->b_store.index[run.end] = s->reach_list[i];
-      s->b_store.value[run.end++] = s->x[s->reach_list[i]];
-    }
-    s->x[s->reach_list[i]] = 0.0;
-  }
-  return run;
-}
-
-/* Column of B by the cheaper method, judged by the length of the last column: finding the reached steps costs as much
- * as visiting them. The entries are equal. */
-static km_entry_range solve_column(const km_partition *p, const km_entry_range *column_of_u, int end) {
-  enum { SPARSE_RATIO = 16 };
-  km_sparse *s = p->sparse;
-  km_entry_range run = (s->was_last_b_long ? solve_all_steps : solve_reached_steps)(p, column_of_u, end);
-  s->was_last_b_long = run.end - run.start > p->rank / SPARSE_RATIO;
-  return run;
-}
-
-/* True if all columns of B take no more steps than the matrix has entries, so that the reached steps need not be
- * found. */
-static bool has_few_columns(const km_partition *p) {
-  return (double)(p->columns - p->rank) * p->rank <= p->sparse->start[p->columns];
-}
-
 km_entry_range km_sparse_b(const km_partition *p, int k) {
   const km_sparse *s = p->sparse;
   return s->stores_all_b ? s->b[k] : solve_column(p, &s->upper[p->column[p->rank + k]], 0);
@@ -128,6 +62,28 @@ double km_sparse_random_weight(int index, int probe) {
   mixed = (mixed ^ mixed >> 13) * 3266489917u;
   double size = 1.0 + (mixed & 0xffff) / 65536.0;
   return mixed >> 31 ? size : -size;
+}
+
+/* Null vector −U⁻¹ u of one independent column. */
+int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
+  const km_sparse *s = p->sparse;
+  const int own = p->column[p->rank + k];
+  const km_entry_range *column_of_u = &s->upper[own];
+  double *const x = s->x;
+  int count = 0;
+  column[count] = own;
+  value[count++] = 1.0;
+  for (int i = column_of_u->start; i < column_of_u->end; ++i)
+    x[s->upper_store.index[i]] = s->upper_store.value[i];
+  km_sparse_solve_upper(p, x);
+  for (int i = 0; i < p->rank; ++i) {
+    if (x[i] == 0.0)
+      continue;
+    column[count] = p->column[i];
+    value[count++] = -x[i];
+  }
+  memset(x, 0, (size_t)p->rank * sizeof *x);
+  return count;
 }
 
 /* Estimate of the length of the longest row of B, by products with pseudo-random weights. O(entries of U). */
@@ -181,13 +137,13 @@ double km_sparse_estimate_max_b(const km_partition *p, const bool *forced) {
 /* Computes and stores all columns of B. False if a value is not finite. */
 static bool compute_all_columns(km_partition *p, const bool *forced, double max_entry) {
   km_sparse *s = p->sparse;
-  bool finite = true, is_short = has_few_columns(p);
+  bool finite = true;
   int end = 0;
   for (int k = p->rank; k < p->columns; ++k) {
     p->failed = p->failed || !km_sparse_grow(s, &s->b_store, end + p->rank);
     if (p->failed)
       return false;
-    km_entry_range run = (is_short ? solve_all_steps : solve_column)(p, &s->upper[p->column[k]], end);
+    km_entry_range run = solve_column(p, &s->upper[p->column[k]], end);
     const double *b = s->b_store.value + end;
     double size = km_max_magnitude(b, run.end - end);
     p->max_b = size > p->max_b ? size : p->max_b;

@@ -127,7 +127,8 @@ bool km_sparse_has_factor(const km_partition *p, const double *matrix, const boo
   const km_sparse *s = p->sparse;
   const size_t columns = (size_t)p->columns;
   return s->is_cached && !p->failed && s->cached_tolerance == tolerance && s->cached_flags == option_flags(p) &&
-         are_flags_equal(s->cached_forced, forced, columns) && are_flags_equal(s->cached_locked, p->locked, columns) &&
+         (!s->is_basis_any || is_any_basis_sufficient(p)) && are_flags_equal(s->cached_forced, forced, columns) &&
+         are_flags_equal(s->cached_locked, p->locked, columns) &&
          memcmp(s->cached_matrix, matrix, (size_t)s->start[columns] * sizeof *matrix) == 0;
 }
 
@@ -142,10 +143,9 @@ static void cache_matrix(km_partition *p, const double *matrix, const bool *forc
   s->is_cached = !p->failed;
 }
 
-/* Eliminates with better independent columns until max|B| is small, from pass `pass` on. If any columns suffice, the
- * search ends early and can be resumed. */
-static void find_better_columns(km_partition *p, const double *matrix, const bool *forced, double threshold, int pass) {
-  for (; pass < MAX_PASSES; ++pass) {
+/* Eliminates with better independent columns until max|B| is small. If any columns suffice, the search ends early. */
+static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
+  for (int pass = 0; pass < MAX_PASSES; ++pass) {
     eliminate_until_consistent(p, matrix, forced, threshold, pass + 1 < MAX_PASSES && !p->unrestricted_basis);
     if (p->unrestricted_basis)
       break;
@@ -155,14 +155,10 @@ static void find_better_columns(km_partition *p, const double *matrix, const boo
     if (finite && max_free_b(p, forced) <= most)
       break;
     bool ends = !others && is_any_basis_sufficient(p);
-    p->sparse->resume_pass = ends && finite ? pass + 1 : 0;
+    p->sparse->is_basis_any = ends;
     if (ends || (!others && (!finite || !km_sparse_choose_independent(p, forced))))
       break;
   }
-}
-
-static void find_good_columns(km_partition *p, const double *matrix, const bool *forced, double threshold) {
-  find_better_columns(p, matrix, forced, threshold, 0);
 }
 
 /* Factors a sparse matrix: full row rank by normal equations, rows only, or good independent columns. */
@@ -171,7 +167,7 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   p->scale = km_max_magnitude(matrix, s->start[p->columns]);
   p->locked_count = 0;
   s->postpones_small = false;
-  s->resume_pass = 0;
+  s->is_basis_any = false;
   p->max_b = 0.0;
   for (int c = 0; p->locked && c < p->columns; ++c)
     p->locked_count += p->locked[c];
@@ -182,17 +178,4 @@ void km_sparse_factor(km_partition *p, const double *matrix, const bool *forced,
   if (!s->has_normal_only)
     (s->has_rows_only ? find_rows : find_good_columns)(p, matrix, forced, tolerance * p->scale);
   cache_matrix(p, matrix, forced, tolerance);
-}
-
-bool km_sparse_improve_independent(km_partition *p, const double *matrix, const bool *forced, double tolerance) {
-  km_sparse *s = p->sparse;
-  const int pass = s->resume_pass;
-  if (pass == 0 || is_any_basis_sufficient(p))
-    return false;
-  s->resume_pass = 0;
-  bool changes = km_sparse_choose_independent(p, forced);
-  if (changes)
-    find_better_columns(p, matrix, forced, tolerance * p->scale, pass);
-  cache_matrix(p, matrix, forced, tolerance);
-  return changes;
 }

@@ -60,13 +60,12 @@ struct km_sparse {
   bool *is_excluded_row;                    /* [rows] the row must not be primary, since it depends on others */
   km_entry_range *b;                        /* [columns] non-zero entries of column k of B, by step, ascending */
   km_entry_store b_store;                   /* index: step */
-  bool was_last_b_long;                     /* the last computed column of B has many entries */
   double *cached_matrix;               /* [entries] matrix factored last, with the arguments below, while is_cached */
   bool *cached_forced, *cached_locked; /* [columns] forced and locked columns then */
   double cached_tolerance;
   unsigned cached_flags;
   bool is_cached;
-  int resume_pass;              /* pass at which an ended search for good independent columns can be resumed; 0: none */
+  bool is_basis_any; /* the last search ended with independent columns that suffice for minimum-norm steps only */
   km_normal_equations **normal; /* borrowed, shared by all partitions of the pattern; NULL: none */
   const double *weight;         /* borrowed: column weights of the normal equations */
   bool has_rows_only;           /* only rows were requested: independent columns have no entries of U and no B */
@@ -103,9 +102,6 @@ static inline void km_sparse_update_pivot_range(km_partition *p, double size) {
 void km_sparse_factor(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* True if the present factor belongs to these arguments. */
 bool km_sparse_has_factor(const km_partition *partition, const double *matrix, const bool *forced, double tolerance);
-/* Resumes the search for good independent columns, if an earlier request accepted any columns and this one does not.
- * Returns true if the pivots have changed. */
-bool km_sparse_improve_independent(km_partition *partition, const double *matrix, const bool *forced, double tolerance);
 /* Refactors with the known pivots. False if a value is not finite, out of memory, or a structural zero of the
  * singletons is not 0 and `is_full_pattern` is false. */
 bool km_sparse_refactor(km_partition *partition, const double *matrix, bool is_full_pattern);
@@ -117,9 +113,6 @@ bool km_sparse_choose_independent(km_partition *partition, const bool *forced);
 void km_sparse_solve(const km_partition *partition, const double *rhs, double *x);
 /* y <- U⁻¹ y, by step. */
 void km_sparse_solve_upper(const km_partition *partition, double *y);
-/* Steps that a column of U reaches by non-zero entries, in topological order, in reach_list[top … rows-1] (Gilbert and
- * Peierls). Returns top; their `visited` flags are set. */
-int km_sparse_reach_upper(const km_partition *partition, const km_entry_range *own);
 /* Hidden dependence: pivot column that depends on the others to the threshold without a small pivot; -1: none. */
 int km_sparse_hidden_column(const km_partition *partition, const bool *forced, double threshold);
 /* Hidden dependence of rows, over all columns that may be pivots; -1: none. */
@@ -155,7 +148,7 @@ double km_sparse_full_gram_cost(const km_partition *partition);
 bool km_sparse_gram_is_dense(const km_partition *partition);
 /* Pseudo-random weight of magnitude 1 to 2, of either sign. */
 double km_sparse_random_weight(int index, int probe);
-/* Entries of column k of B in b_store, valid until the next column is computed. O(entries of U that it reaches). */
+/* Entries of column k of B in b_store, valid until the next column is computed. O(entries of U). */
 km_entry_range km_sparse_b(const km_partition *partition, int k);
 /* Column k of B as a dense vector, in `work`. */
 const double *km_sparse_gather_b(const km_partition *partition, int k);

@@ -186,7 +186,7 @@ static double solution_square(const triangle *R, long first, double *b) {
   return sum;
 }
 
-/* square[row] = |R⁻ᵀ b|² of every row b of the matrix. column_of_r: column of R of each column of the matrix; b: work. */
+/* square[row] = |R⁻ᵀ b|² of every row b of the matrix. column_of_r: column of R of each column of the matrix. */
 static void compute_squares(const km_sparse_qr *q, const triangle *R, const cholmod_sparse *by_row,
                             const long *column_of_r, double *b, double *square) {
   const long *start = by_row->p, *column = by_row->i;
