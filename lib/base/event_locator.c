@@ -13,6 +13,9 @@ enum { MAX_UNHALVED = 3 }; /* evaluations in which the bracket must halve: two o
 
 /* Part of the bracket to which a root is enclosed; the secant in it is accurate to the square. */
 static const double enclosure = 1e-9;
+/* Ratio of two successive steps that shows superlinear convergence: the next step is far below rounding then. At a
+ * corner of f the steps shrink slowly, and the root is enclosed. */
+static const double superlinear = 1e-3;
 
 /* Computes the next position, at least one step from the newest end b, or ends the search. */
 static void choose_position(km_root_search *search) {
@@ -22,11 +25,14 @@ static void choose_position(km_root_search *search) {
     search->unhalved = 0;
   }
   search->root = (search->a * search->fb - search->b * search->fa) / (search->fb - search->fa);
-  search->open = search->iteration < MAX_ITERATIONS && width > 2.0 * search->step;
+  double step = fabs(search->root - search->b);
+  bool has_converged = step < search->step && step <= superlinear * search->last_step;
+  search->open = search->iteration < MAX_ITERATIONS && width > 2.0 * search->step && !has_converged;
   if (search->open && search->unhalved++ >= MAX_UNHALVED)
     search->root = 0.5 * (search->a + search->b);
-  else if (search->open && fabs(search->root - search->b) < search->step)
+  else if (search->open && step < search->step)
     search->root = search->b + copysign(search->step, search->a - search->b);
+  search->last_step = search->iteration > 0 ? fabs(search->root - search->b) : 0.0;
 }
 
 void km_root_search_begin(km_root_search *search, double a, double b, double fa, double fb) {

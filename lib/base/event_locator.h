@@ -14,6 +14,7 @@
 typedef struct km_root_search {
   double a, b, fa, fb, root;
   double step;             /* least step from the newest end of the bracket; the search ends within two of them */
+  double last_step;        /* last step of the estimate; 0: none */
   double halved;           /* width of the bracket at which it counts as halved, */
   int iteration, unhalved; /* and the number of evaluations since */
   bool open;

@@ -21,15 +21,16 @@ bool km_event_search_reserve(km_event_search *search, int count, const km_sweep_
   search->count = count;
   search->sampled_pole = nan("");
   search->window = (km_sample_window){.width = 2 * n, .sense = km_sweep_sense(plan), .last = -1, .row = -1};
-  search->probe_n = KM_NEW(double, 2 * n + 1);
-  search->runs = KM_NEW(km_sample_run, n + 1);
-  search->first.n = KM_NEW(double, 4 * KM_MAX_END_SAMPLES * n + 1);
-  if (!search->probe_n || !search->runs || !search->first.n)
+  size_t kept = search->ends ? KM_MAX_END_SAMPLES * n : 0;
+  search->probe_n = KM_NEW(double, 2 * n + 4 * kept + 1);
+  search->runs = search->extremes ? KM_NEW(km_sample_run, n + 1) : NULL;
+  if (!search->probe_n || (search->extremes && !search->runs))
     return false;
   search->probe_d = search->probe_n + n;
-  search->first.d = search->first.n + KM_MAX_END_SAMPLES * n;
-  search->last.n = search->first.d + KM_MAX_END_SAMPLES * n;
-  search->last.d = search->last.n + KM_MAX_END_SAMPLES * n;
+  search->first.n = search->probe_d + n;
+  search->first.d = search->first.n + kept;
+  search->last.n = search->first.d + kept;
+  search->last.d = search->last.n + kept;
   return true;
 }
 
@@ -37,7 +38,6 @@ void km_event_search_free(km_event_search *search) {
   km_sample_window_free(&search->window);
   km_free(search->probe_n);
   km_free(search->runs);
-  km_free(search->first.n);
   km_free(search->changes);
 }
 
@@ -257,7 +257,7 @@ static km_status find_zeros_and_poles(km_event_search *search, km_sweeper *r, in
 static km_status find_events(km_event_search *search, km_sweeper *r, int i, bool *is_moved, km_error *error) {
   const int row = search->window.row;
   km_status status = KM_OK;
-  if (!has_value(search, row, i) || !has_value(search, search->window.last, i))
+  if (search->extremes && (!has_value(search, row, i) || !has_value(search, search->window.last, i)))
     search->runs[i].have = 0;
   if (!has_value(search, row, i))
     return KM_OK;
@@ -289,7 +289,8 @@ km_status km_event_search_sample(km_event_search *search, km_sweeper *r, double 
   evaluate(search, r, n, n + search->count);
   if (search->sampled)
     search->sampled(search->self, r);
-  km_event_record_end_sample(search);
+  if (search->ends)
+    km_event_record_end_sample(search);
   bool is_moved = false;
   km_status status = KM_OK;
   search->change_count = search->next_change = 0;

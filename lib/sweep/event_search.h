@@ -60,6 +60,7 @@ typedef struct km_event_search {
   bool extremes; /* extrema */
   bool dips;     /* zeros without a change of sign, by three samples of n: n touches 0, or has two zeros between */
   bool defers;   /* zeros by changes of sign are located by km_event_search_next_probe, which lanes do together */
+  bool ends;     /* samples are kept for km_event_at_end */
   bool accepts_best_sample; /* the best sample counts as the extremum if configurations near it are not reached */
   double zero;              /* a dip down to this touches 0 */
   bool is_probing;

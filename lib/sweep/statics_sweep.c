@@ -258,6 +258,7 @@ static km_event_search event_search_of(sweep_events *w, bool table_only) {
                            .between = write_between,
                            .ratios = true,
                            .extremes = true,
+                           .ends = true,
                            .events = table_only ? NULL : &w->events};
 }
 
