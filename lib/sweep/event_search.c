@@ -279,7 +279,7 @@ static void return_to_row(km_sweeper *r) {
 
 km_status km_event_search_sample(km_event_search *search, km_sweeper *r, double s, km_error *error) {
   km_sample_window *w = &search->window;
-  if (!search->events)
+  if (!search->events || search->count == 0)
     return KM_OK;
   if (w->last >= 0 && (s - w->s[w->row]) * (w->s[w->row] - w->s[w->last]) <= 0.0)
     return KM_OK; /* this interval was searched before */

@@ -20,8 +20,10 @@ static double *sample_at(const km_sample_window *w, int i) {
 /* Moves the samples from `from` on to `to`, overwriting those between. */
 static void move_samples(km_sample_window *w, int from, int to) {
   size_t count = (size_t)(w->count - from);
-  memmove(w->s + to, w->s + from, count * sizeof *w->s);
-  memmove(sample_at(w, to), sample_at(w, from), count * w->width * sizeof *w->value);
+  if (count > 0) {
+    memmove(w->s + to, w->s + from, count * sizeof *w->s);
+    memmove(sample_at(w, to), sample_at(w, from), count * w->width * sizeof *w->value);
+  }
   w->count += to - from;
 }
 
