@@ -150,8 +150,8 @@ static bool is_loaded_out_of_reach(const km_actuator_workspace *h) {
 }
 
 /* Computes n and d of the actuators of one block; false if its rank has grown. */
-static bool compute_block_ratio(const km_mechanism *m, int index, const km_statics *st, const double *motion, double *n,
-                                double *d) {
+static bool compute_block_ratio(const km_mechanism *m, int index, const km_statics *st, const double *motion,
+                                bool clears, double *n, double *d) {
   km_actuator_workspace *h = &st->work->blocks[index];
   bool has_grown = h->rank > h->regular_rank, never_holds = false;
   if (has_grown) {
@@ -171,22 +171,23 @@ static bool compute_block_ratio(const km_mechanism *m, int index, const km_stati
       sum -= gsl_matrix_get(h->U, (size_t)i, (size_t)k) * others * gsl_vector_get(h->load, (size_t)k);
       rounding_level += others * rounding * h->noise;
     }
-    n[a] = never_holds ? nan("") : sign * km_actuator_scale(m, st, a) * clear_rounding(sum, rounding_level);
+    n[a] =
+        never_holds ? nan("") : sign * km_actuator_scale(m, st, a) * clear_rounding(sum, clears ? rounding_level : 0.0);
     d[a] = sign * all;
   }
   return !has_grown;
 }
 
-bool km_statics_ratios(const km_mechanism *m, km_statics *st, const double *motion, double *n, double *d) {
+bool km_statics_ratios(const km_mechanism *m, km_statics *st, const double *motion, bool clears, double *n, double *d) {
   bool comparable = true;
   for (int a = 0; a < st->actuator_count; ++a) {
     int c = st->work->tree_joint[a];
-    n[a] = c >= 0 ? 0.0 - clear_rounding(st->work->tau[c], rounding * st->work->least_load[c]) : 0.0;
+    n[a] = c >= 0 ? 0.0 - clear_rounding(st->work->tau[c], clears ? rounding * st->work->least_load[c] : 0.0) : 0.0;
     d[a] = c >= 0 && st->work->row[a] ? st->work->row[a][c] : 1.0;
   }
   for (int i = 0; i < st->work->block_count; ++i)
     if (st->work->blocks[i].count && st->work->blocks[i].freedom)
-      comparable = compute_block_ratio(m, i, st, motion, n, d) && comparable;
+      comparable = compute_block_ratio(m, i, st, motion, clears, n, d) && comparable;
   return comparable;
 }
 

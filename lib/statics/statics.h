@@ -170,9 +170,10 @@ void km_statics_actuators_compute(const km_mechanism *mechanism, const km_state 
                                   km_statics *statics);
 /* Computes every actuator's force along a sweep as n/d after km_statics_actuators_compute; both are smooth along the
  * motion, d = 0 where the actuators lose a freedom (theory 9.6). `motion`: rates along it (NULL: unknown). 0 where
- * the value is rounding; NaN where they never hold. False if a rank has grown: earlier samples had one freedom less
- * and are not comparable. */
-bool km_statics_ratios(const km_mechanism *mechanism, km_statics *statics, const double *motion, double *n, double *d);
+ * the value is rounding, if `clears`; NaN where they never hold. False if a rank has grown: earlier samples had one
+ * freedom less and are not comparable. */
+bool km_statics_ratios(const km_mechanism *mechanism, km_statics *statics, const double *motion, bool clears, double *n,
+                       double *d);
 /* Makes the configuration of the last km_statics_ratios the reference of the signs. */
 void km_statics_set_reference(const km_mechanism *mechanism, km_statics *statics);
 /* Reactions of a large substructure by sparse matrices: one wrench per joint, six equations per body. KM_IO: SPQR is

@@ -110,7 +110,9 @@ static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
     km_statics_actuators_compute(r->m, r->s, w->forces, w->statics);
   }
   w->is_valid = false;
-  w->gained_freedoms = !km_statics_ratios(r->m, w->statics, w->has_rates ? r->rates : NULL, n, d) || w->gained_freedoms;
+  bool clears = !w->search.is_probing; /* a root would be a stretch */
+  w->gained_freedoms =
+      !km_statics_ratios(r->m, w->statics, w->has_rates ? r->rates : NULL, clears, n, d) || w->gained_freedoms;
 }
 
 static void set_reference(void *self, km_sweeper *r) {
