@@ -21,10 +21,8 @@ static km_twist body_acceleration(const km_forces *f, int body) {
 }
 
 static point_motion move_with_body(const km_forces *f, int body, km_vec3 p) {
-  km_twist V = f->twist[body], A = body_acceleration(f, body);
-  km_vec3 v = km_vec3_add(V.v, km_vec3_cross(V.w, p));
-  km_vec3 a = km_vec3_add(km_vec3_add(A.v, km_vec3_cross(A.w, p)), km_vec3_cross(V.w, v));
-  return (point_motion){p, v, a};
+  km_twist V = f->twist[body];
+  return (point_motion){p, km_point_velocity(V, p), km_point_acceleration(V, body_acceleration(f, body), p)};
 }
 
 /* Distance of two points and its derivatives; the direction is 0 for coincident points. */

@@ -201,8 +201,8 @@ static double *write_shaking(const km_history_writer *w, double *out) {
   return out + 6;
 }
 
-/* Position, velocity and acceleration of a frame's origin: v̇ + ω̇ × x + ω × (v + ω × x), with the gravity term
- * removed; and its angular velocity and acceleration, with which all but the position are along the frame's axes. */
+/* Position, velocity and acceleration of a frame's origin, with the gravity term removed; and its angular velocity and
+ * acceleration, with which all but the position are along the frame's axes. */
 static double *write_frame(const km_history_writer *w, int frame, double *out) {
   const km_dynamics *d = w->dynamics;
   const km_model_frame *def = &w->m->model->frames[frame];
@@ -210,10 +210,9 @@ static double *write_frame(const km_history_writer *w, int frame, double *out) {
   const km_node_motion *node = &d->node[n];
   km_pose body = km_pose_product(&node->pose, &d->tree.body_in_node[def->body]);
   km_pose X = km_pose_product(&body, &def->pose);
-  km_vec3 v = km_vec3_add(node->V.v, km_vec3_cross(node->V.w, X.p));
-  km_vec3 a = km_vec3_add(km_vec3_add(node->A.v, d->forces->stated_gravity),
-                          km_vec3_add(km_vec3_cross(node->A.w, X.p), km_vec3_cross(node->V.w, v)));
-  const km_vec3 all[5] = {km_vec3_add(X.p, d->forces->origin), v, a, node->V.w, node->A.w};
+  km_twist A = {km_vec3_add(node->A.v, d->forces->stated_gravity), node->A.w};
+  const km_vec3 all[5] = {km_vec3_add(X.p, d->forces->origin), km_point_velocity(node->V, X.p),
+                          km_point_acceleration(node->V, A, X.p), node->V.w, node->A.w};
   for (int i = 0; i < (w->frame_rotations ? 5 : 3); ++i) {
     km_vec3 part = w->frame_rotations && i > 0 ? km_rotate_back(&X.R, all[i]) : all[i];
     *out++ = part.x;

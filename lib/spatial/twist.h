@@ -21,6 +21,14 @@ static inline km_twist km_twist_axpy(double s, km_twist a, km_twist b) {
   return (km_twist){km_vec3_axpy(s, a.v, b.v), km_vec3_axpy(s, a.w, b.w)};
 }
 
+/* Velocity v + ω × x of the body point x, and its acceleration v̇ + ω̇ × x + ω × (v + ω × x); A is the rate of V. */
+static inline km_vec3 km_point_velocity(km_twist V, km_vec3 x) {
+  return km_vec3_add(V.v, km_vec3_cross(V.w, x));
+}
+static inline km_vec3 km_point_acceleration(km_twist V, km_twist A, km_vec3 x) {
+  return km_vec3_add(A.v, km_vec3_add(km_vec3_cross(A.w, x), km_vec3_cross(V.w, km_point_velocity(V, x))));
+}
+
 /* Adjoint: transforms a twist to the parent frame, v' = R v + p × (R ω), ω' = R ω. */
 static inline km_twist km_twist_transform(const km_pose *x, km_twist a) {
   km_vec3 w = km_rotate(&x->R, a.w);
