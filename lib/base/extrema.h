@@ -4,11 +4,11 @@
 
 #include <math.h>
 
-/* Maximum of a and b as a > b ? a : b; the result is b if a or b is NaN. */
+/* The maximum of a and b; it is b if one of them is NaN. */
 static inline double km_larger(double a, double b) {
   return a > b ? a : b;
 }
-/* Minimum of a and b as a < b ? a : b; the result is b if a or b is NaN. */
+/* The minimum of a and b; it is b if one of them is NaN. */
 static inline double km_smaller(double a, double b) {
   return a < b ? a : b;
 }

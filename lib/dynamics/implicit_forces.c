@@ -6,6 +6,8 @@
  * The laws are evaluated on solutions of the equations of motion, with a derivative by differences. */
 #include "dynamics/dynamics.h"
 
+#include "base/extrema.h"
+
 #include <gsl/gsl_linalg.h>
 #include <math.h>
 #include <string.h>
@@ -13,14 +15,20 @@
 enum { MAX_ITERATIONS = 30 };
 static const double converged = 1e-13; /* residual over the largest force */
 
-/* Residuals law(x(F)) − F at the implicit forces F; they act afterwards. */
+/* Residuals law(x(F)) − F of the present solution, with the implicit forces F. */
+static void read_residuals(const km_dynamics *d, const km_state *s, double *residual) {
+  const km_moving_forces *moving = d->forces->moving;
+  km_implicit_forces_compute(d->mechanism, s, d->forces, residual);
+  for (int k = 0; k < moving->implicit_count; ++k)
+    residual[k] -= moving->implicit_force[k];
+}
+
+/* Residuals at the implicit forces F; they act afterwards. */
 static km_dynamics_outcome compute_residuals(km_dynamics *d, km_state *s, const double *force, double *residual) {
   km_moving_forces *moving = d->forces->moving;
   memcpy(moving->implicit_force, force, (size_t)moving->implicit_count * sizeof *force);
   km_dynamics_outcome outcome = km_dynamics_solve_explicit(d, s);
-  km_implicit_forces_compute(d->mechanism, s, d->forces, residual);
-  for (int k = 0; k < moving->implicit_count; ++k)
-    residual[k] -= force[k];
+  read_residuals(d, s, residual);
   return outcome;
 }
 
@@ -52,7 +60,7 @@ static km_dynamics_outcome newton_step(km_dynamics *d, km_state *s, double *forc
 static double largest(const double *x, int count) {
   double size = 0.0;
   for (int i = 0; i < count; ++i)
-    size = fabs(x[i]) > size || isnan(x[i]) ? fabs(x[i]) : size;
+    size = km_larger_or_nan(fabs(x[i]), size);
   return size;
 }
 
@@ -65,7 +73,8 @@ km_dynamics_outcome km_implicit_forces_solve(km_dynamics *d, km_state *s) {
   gsl_vector_view step = gsl_vector_view_array(changed + n + n * n, (size_t)n);
   gsl_permutation pivots = {(size_t)n, places};
   memcpy(force, moving->implicit_force, (size_t)n * sizeof *force);
-  km_dynamics_outcome outcome = compute_residuals(d, s, force, residual);
+  read_residuals(d, s, residual);
+  km_dynamics_outcome outcome = KM_DYNAMICS_DONE;
   double last = HUGE_VAL;
   for (int i = 0; i < MAX_ITERATIONS && outcome == KM_DYNAMICS_DONE; ++i) {
     double worst = largest(residual, n), size = fmax(largest(force, n), worst);

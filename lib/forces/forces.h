@@ -69,8 +69,6 @@ typedef struct km_measured {
 } km_measured;
 km_measured km_module_measure(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                               const km_model_module *module);
-/* Value of the module's variable; of a time law its time. */
-double km_module_variable_of(const km_model_module *module, const km_measured *x, double time);
 /* Report of a module. */
 static inline km_module_report *km_module_report_of(const km_mechanism *mechanism, const km_forces *forces,
                                                     const km_model_module *module) {

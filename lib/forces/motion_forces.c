@@ -134,7 +134,6 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
                               .first_state_of = KM_ARENA_NEW(arena, int, modules),
                               .implicit = KM_ARENA_NEW(arena, int, modules),
                               .implicit_force = KM_ARENA_NEW(arena, double, modules),
-                              .measured = KM_ARENA_NEW(arena, km_measured, modules),
                               .internal_state = KM_ARENA_NEW(arena, double, 2 * modules),
                               .internal_rate = KM_ARENA_NEW(arena, double, 2 * modules),
                               .drive_force = KM_ARENA_NEW(arena, double, coordinates)};
@@ -281,7 +280,8 @@ double km_motor_force(const km_model_module *module, double variable) {
                              : km_law_force(&module->law, variable);
 }
 
-double km_module_variable_of(const km_model_module *module, const km_measured *x, double time) {
+/* Value of the module's variable; of a time law its time. */
+static double variable_of(const km_model_module *module, const km_measured *x, double time) {
   return module->variable == KM_VARIABLE_DISPLACEMENT ? x->displacement
          : module->variable == KM_VARIABLE_VELOCITY   ? x->velocity
          : module->variable == KM_VARIABLE_TIME       ? time
@@ -293,7 +293,7 @@ static double controller_force(const km_moving_forces *moving, int index, const 
                                double *error) {
   const km_model_module *module = moving->modules[index];
   double slope, value = km_time_law_value(&module->reference, time, &slope);
-  *error = value - km_module_variable_of(module, x, time);
+  *error = value - variable_of(module, x, time);
   double rate = module->kd == 0.0                              ? 0.0
                 : module->variable == KM_VARIABLE_DISPLACEMENT ? slope - x->velocity
                                                                : slope - x->acceleration;
@@ -302,9 +302,9 @@ static double controller_force(const km_moving_forces *moving, int index, const 
 }
 
 /* Rate of a controller's integral: its error, but 0 where the error only pushes further beyond a bound of the force. */
-static double integrated_error(const km_moving_forces *moving, int index, double time) {
+static double integrated_error(const km_moving_forces *moving, int index, const km_measured *x, double time) {
   const km_model_module *module = moving->modules[index];
-  double error, force = controller_force(moving, index, &moving->measured[index], time, &error);
+  double error, force = controller_force(moving, index, x, time, &error);
   bool is_bound = module->saturates && (force - km_module_saturate(module, force)) * module->ki * error > 0.0;
   return is_bound ? 0.0 : error;
 }
@@ -313,7 +313,7 @@ static double integrated_error(const km_moving_forces *moving, int index, double
 static double law_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index,
                         const km_measured *x) {
   const km_model_module *module = moving->modules[index];
-  double error, value = km_module_variable_of(module, x, s->time);
+  double error, value = variable_of(module, x, s->time);
   double force = module->type == KM_MODULE_PID     ? controller_force(moving, index, x, s->time, &error)
                  : module->type == KM_MODULE_MOTOR ? km_motor_force(module, value)
                  : module->variable == KM_VARIABLE_VELOCITY && module->type != KM_MODULE_STIFFNESS
@@ -331,11 +331,12 @@ void km_implicit_forces_compute(const km_mechanism *m, const km_state *s, const 
 }
 
 /* Force of one module: of an implicit one the unknown of the equations of motion, else that of its law. */
-static double module_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index) {
+static double module_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index,
+                           const km_measured *x) {
   for (int k = 0; k < moving->implicit_count; ++k)
     if (moving->implicit[k] == index)
       return moving->implicit_force[k];
-  return law_force(m, s, moving, index, &moving->measured[index]);
+  return law_force(m, s, moving, index, x);
 }
 
 /* True for dampers and friction that act where they measure a rate: they dissipate. */
@@ -348,9 +349,8 @@ static bool is_dissipative(const km_model_module *module) {
 static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, int index) {
   km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
-  moving->measured[index] = km_module_measure(m, s, f, module);
-  *km_module_report_of(m, f, module) =
-      (km_module_report){.variable = km_module_variable_of(module, &moving->measured[index], s->time)};
+  const km_measured x = km_module_measure(m, s, f, module);
+  *km_module_report_of(m, f, module) = (km_module_report){.variable = variable_of(module, &x, s->time)};
   if (module->type == KM_MODULE_TIRE) {
     km_tire_apply(m, f, index);
     return;
@@ -358,8 +358,8 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   if (module->type == KM_MODULE_FRICTION && moving->frictionless)
     return;
   if (module->type == KM_MODULE_PID)
-    moving->internal_rate[moving->first_state_of[index]] = integrated_error(moving, index, s->time);
-  double force = module_force(m, s, moving, index), power = force * km_module_apply(m, s, f, module, force);
+    moving->internal_rate[moving->first_state_of[index]] = integrated_error(moving, index, &x, s->time);
+  double force = module_force(m, s, moving, index, &x), power = force * km_module_apply(m, s, f, module, force);
   int c = module->output.coordinate;
   km_module_report_of(m, f, module)->force = force;
   km_module_report_of(m, f, module)->power = power;

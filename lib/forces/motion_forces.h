@@ -20,7 +20,6 @@ typedef struct km_moving_forces {
   double *implicit_force;    /* [implicit_count] force that acts */
   double *implicit_work;     /* [implicit_count² + 4 implicit_count] workspace of the solution, */
   size_t *implicit_places;   /* [implicit_count] */
-  km_measured *measured;     /* [module] values at the last update */
   bool frictionless;         /* linearisation at rest: friction is omitted, because it has no slope at rest */
   double *reaction_friction; /* [coordinate] friction by reactions, set by an analysis; NULL: none */
   double dissipation;        /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
