@@ -31,15 +31,21 @@ void km_sparse_solve_upper(const km_partition *p, double *y) {
   }
 }
 
+/* U⁻¹ times a column of U, by step, into the accumulator; the caller clears it. */
+static double *solve_into_accumulator(const km_partition *p, const km_entry_range *column_of_u) {
+  const km_sparse *s = p->sparse;
+  for (int i = column_of_u->start; i < column_of_u->end; ++i)
+    s->x[s->upper_store.index[i]] = s->upper_store.value[i];
+  km_sparse_solve_upper(p, s->x);
+  return s->x;
+}
+
 /* Column of B: U⁻¹ times a column of U; non-zero entries into the store from `end` on. */
 static km_entry_range solve_column(const km_partition *p, const km_entry_range *column_of_u, int end) {
   const km_sparse *s = p->sparse;
-  double *const x = s->x, *const value = s->b_store.value;
+  double *const x = solve_into_accumulator(p, column_of_u), *const value = s->b_store.value;
   int *const index = s->b_store.index;
   km_entry_range run = {end, end};
-  for (int i = column_of_u->start; i < column_of_u->end; ++i)
-    x[s->upper_store.index[i]] = s->upper_store.value[i];
-  km_sparse_solve_upper(p, x);
   for (int k = 0; k < p->rank; ++k) {
     if (x[k] == 0.0)
       continue;
@@ -68,14 +74,10 @@ double km_sparse_random_weight(int index, int probe) {
 int km_partition_null_entries(const km_partition *p, int k, int *column, double *value) {
   const km_sparse *s = p->sparse;
   const int own = p->column[p->rank + k];
-  const km_entry_range *column_of_u = &s->upper[own];
-  double *const x = s->x;
+  double *const x = solve_into_accumulator(p, &s->upper[own]);
   int count = 0;
   column[count] = own;
   value[count++] = 1.0;
-  for (int i = column_of_u->start; i < column_of_u->end; ++i)
-    x[s->upper_store.index[i]] = s->upper_store.value[i];
-  km_sparse_solve_upper(p, x);
   for (int i = 0; i < p->rank; ++i) {
     if (x[i] == 0.0)
       continue;
