@@ -7,27 +7,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static km_history run(fixture *f, double until, double every, double tolerance) {
-  km_forces *forces;
-  km_history out;
-  km_error error = {0};
-  km_history_def def = km_history_default(f->model);
-  def.until = until;
-  def.every = every;
-  def.simulation.relative = def.simulation.absolute = tolerance;
-  assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
-  if (km_history_run(f->mechanism, forces, f->state, &def, &out, &error))
-    fail_msg("%s", error.text);
-  km_forces_free(forces);
-  return out;
-}
-
-static double cell(const km_history *h, size_t row, const char *column) {
-  int found = km_table_find(h->table, column);
-  assert_true(found >= 0);
-  return km_table_row(h->table, row)[found];
-}
-
 /* A slide of mass 2 along x; the modules follow. */
 static fixture slide(const char *joint, const char *modules) {
   km_text text = {0};
@@ -65,12 +44,12 @@ static void accelerations(void **state) {
           "\"joint\", \"joint\": \"X\"}, \"polynomial\": [10]}",
           inputs[k], laws[i].law);
       fixture f = slide("", modules);
-      km_history h = run(&f, 1.0, 0.5, 1e-10);
+      km_history h = history_of(&f, 1.0, 0.5, 1e-10, false);
       for (size_t r = 0; r < km_table_rows(h.table); ++r) {
-        double t = cell(&h, r, "t");
-        assert_near(cell(&h, r, "a.X"), laws[i].acceleration, 1e-11);
-        assert_near(cell(&h, r, "v.X"), laws[i].acceleration * t, 1e-9);
-        assert_near(cell(&h, r, "q.X"), 0.5 * laws[i].acceleration * t * t, 1e-9);
+        double t = history_entry(&h, r, "t");
+        assert_near(history_entry(&h, r, "a.X"), laws[i].acceleration, 1e-11);
+        assert_near(history_entry(&h, r, "v.X"), laws[i].acceleration * t, 1e-9);
+        assert_near(history_entry(&h, r, "q.X"), 0.5 * laws[i].acceleration * t * t, 1e-9);
       }
       assert_at_most(h.energy_error, 1e-8 * h.energy_scale);
       km_history_free(&h);
@@ -86,13 +65,13 @@ static void controlled_speed(void **state) {
   fixture f =
       slide("", "{\"name\": \"c\", \"type\": \"pid\", \"variable\": \"velocity\", \"input\": {\"joint\": \"X\"}, "
                 "\"reference\": 1, \"kp\": 20, \"kd\": 0.5, \"saturation\": [-6, 6]}");
-  km_history h = run(&f, 1.0, 0.02, 1e-11);
+  km_history h = history_of(&f, 1.0, 0.02, 1e-11, false);
   /* unbounded force: kp e − kd a with a = kp e/(m + kd), that is kp e m/(m + kd) */
   double e0 = bound * (mass + kd) / (kp * mass), v0 = 1.0 - e0, t0 = v0 * mass / bound;
   for (size_t r = 0; r < km_table_rows(h.table); ++r) {
-    double t = cell(&h, r, "t");
+    double t = history_entry(&h, r, "t");
     double v = t < t0 ? bound / mass * t : 1.0 - e0 * exp(-kp / (mass + kd) * (t - t0));
-    assert_near(cell(&h, r, "v.X"), v, 1e-8);
+    assert_near(history_entry(&h, r, "v.X"), v, 1e-8);
   }
   assert_at_most(h.energy_error, 1e-8 * h.energy_scale);
   km_history_free(&h);
@@ -108,14 +87,14 @@ static void bounded_integral(void **state) {
   fixture f =
       slide("", "{\"name\": \"c\", \"type\": \"pid\", \"variable\": \"velocity\", \"input\": {\"joint\": \"X\"}, "
                 "\"reference\": 2, \"kp\": 4, \"ki\": 6, \"saturation\": [-3, 3]}");
-  km_history h = run(&f, end, end, 1e-9);
+  km_history h = history_of(&f, end, end, 1e-9, false);
   double v = 0.0, integral = 0.0;
   for (int i = 0; i < STEPS; ++i) {
     double e = 2.0 - v, force = kp * e + ki * integral, applied = fmin(fmax(force, -bound), bound);
     integral += (force != applied && (force - applied) * e > 0.0 ? 0.0 : e) * end / STEPS;
     v += applied / mass * end / STEPS;
   }
-  assert_near(cell(&h, km_table_rows(h.table) - 1, "v.X"), v, 1e-5);
+  assert_near(history_entry(&h, km_table_rows(h.table) - 1, "v.X"), v, 1e-5);
   km_history_free(&h);
   fixture_close(&f);
 }
@@ -132,12 +111,12 @@ static void references(void **state) {
         "{\"name\": \"c\", \"type\": \"pid\", \"input\": {\"joint\": \"X\"}, \"reference\": %s, \"kp\": 50, \"kd\": 20}",
         forms[i]);
     fixture f = slide(i ? ", \"initial_velocity\": 2" : "", modules);
-    km_history h = run(&f, 1.0, 0.1, 1e-11);
+    km_history h = history_of(&f, 1.0, 0.1, 1e-11, false);
     for (size_t r = 0; r < km_table_rows(h.table); ++r) {
-      double t = cell(&h, r, "t"), w = 5.0; /* both roots: 2 s² + 20 s + 50 = 2 (s + 5)² */
-      double lag = 4.0 / 50.0;              /* m r̈/k */
+      double t = history_entry(&h, r, "t"), w = 5.0; /* both roots: 2 s² + 20 s + 50 = 2 (s + 5)² */
+      double lag = 4.0 / 50.0;                       /* m r̈/k */
       double x = i ? 2.0 * t : t * t - lag * (1.0 - (1.0 + w * t) * exp(-w * t));
-      assert_near(cell(&h, r, "q.X"), x, 1e-8);
+      assert_near(history_entry(&h, r, "q.X"), x, 1e-8);
     }
     km_history_free(&h);
     fixture_close(&f);
@@ -155,12 +134,12 @@ static void weighted_inputs(void **state) {
       "\"inputs\": [{\"joint\": \"X\"}, {\"joint\": \"Y\", \"weight\": -1}], \"output\": {\"joint\": \"X\"}, "
       "\"coefficients\": [[0, -18]]}, {\"name\": \"t\", \"type\": \"stiffness\", \"inputs\": [{\"joint\": \"X\"}, "
       "{\"joint\": \"Y\", \"weight\": -1}], \"output\": {\"joint\": \"Y\"}, \"coefficients\": [[0, 18]]}]}]}");
-  km_history h = run(&f, 3.0, 0.25, 1e-11);
+  km_history h = history_of(&f, 3.0, 0.25, 1e-11, false);
   double w = sqrt(18.0 * (1.0 / 2.0 + 1.0 / 3.0));
   for (size_t r = 0; r < km_table_rows(h.table); ++r) {
-    double t = cell(&h, r, "t"), difference = cell(&h, r, "q.X") - cell(&h, r, "q.Y");
+    double t = history_entry(&h, r, "t"), difference = history_entry(&h, r, "q.X") - history_entry(&h, r, "q.Y");
     assert_near(difference, cos(w * t), 1e-8);
-    assert_near(2.0 * cell(&h, r, "q.X") + 3.0 * cell(&h, r, "q.Y"), 2.0, 1e-9);
+    assert_near(2.0 * history_entry(&h, r, "q.X") + 3.0 * history_entry(&h, r, "q.Y"), 2.0, 1e-9);
   }
   assert_at_most(h.energy_error, 1e-8 * h.energy_scale);
   km_history_free(&h);
@@ -206,8 +185,8 @@ static void angles_between_frames(void **state) {
                            kinds[k], ports[i]);
         snprintf(text + size, sizeof text - (size_t)size, "]}]}");
         fixture f = fixture_read(text);
-        km_history h = run(&f, 0.8, 0.4, 1e-11);
-        end[form] = cell(&h, km_table_rows(h.table) - 1, "q.B");
+        km_history h = history_of(&f, 0.8, 0.4, 1e-11, false);
+        end[form] = history_entry(&h, km_table_rows(h.table) - 1, "q.B");
         assert_at_most(h.energy_error, 1e-8 * h.energy_scale);
         km_history_free(&h);
         fixture_close(&f);
@@ -234,8 +213,8 @@ static void frames_in_body_axes(void **state) {
         "[{\"name\": \"d\", \"type\": \"damping\", %s, \"coefficients\": [[0, -0.7]]}]}]}",
         ports[i]);
     fixture f = fixture_read(text);
-    km_history h = run(&f, 1.5, 0.5, 1e-11);
-    end[i] = cell(&h, km_table_rows(h.table) - 1, "q.A");
+    km_history h = history_of(&f, 1.5, 0.5, 1e-11, false);
+    end[i] = history_entry(&h, km_table_rows(h.table) - 1, "q.A");
     km_history_free(&h);
     fixture_close(&f);
   }
@@ -253,9 +232,9 @@ static void motors_over_speed(void **state) {
              "{\"name\": \"m\", \"type\": \"motor\", \"variable\": \"velocity\", \"input\": {\"joint\": \"X\"}, %s}",
              laws[i]);
     fixture f = slide("", modules);
-    km_history h = run(&f, 2.0, 0.25, 1e-11);
+    km_history h = history_of(&f, 2.0, 0.25, 1e-11, false);
     for (size_t r = 0; r < km_table_rows(h.table); ++r)
-      assert_near(cell(&h, r, "v.X"), 2.0 * (1.0 - exp(-cell(&h, r, "t"))), 1e-9);
+      assert_near(history_entry(&h, r, "v.X"), 2.0 * (1.0 - exp(-history_entry(&h, r, "t"))), 1e-9);
     km_history_free(&h);
     fixture_close(&f);
   }
@@ -291,19 +270,19 @@ static void modules_as_columns(void **state) {
   assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
   assert_int_equal(km_history_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
   for (size_t r = 0; r < km_table_rows(h.table); ++r) {
-    double q = cell(&h, r, "q.A"), v = cell(&h, r, "v.A"), t = cell(&h, r, "t");
-    assert_near(cell(&h, r, "module.s.variable"), q, 1e-12);
-    assert_near(cell(&h, r, "module.s.value"), 1.0 - 3.0 * q, 1e-11);
-    assert_near(cell(&h, r, "module.s.power"), (1.0 - 3.0 * q) * v, 1e-10);
-    assert_near(cell(&h, r, "module.s.work"), q - 1.5 * q * q, 1e-7);
-    assert_near(cell(&h, r, "module.d.value"), -0.7 * v, 1e-11);
-    assert_near(cell(&h, r, "module.d.work"), -cell(&h, r, "energy_dissipated"), 1e-9);
-    assert_near(cell(&h, r, "module.m.variable"), t, 1e-12);
-    assert_near(cell(&h, r, "module.m.work"), cell(&h, r, "motor_work"), 1e-9);
-    assert_near(cell(&h, r, "frame.b/e.vy"), 2.0 * v, 1e-10);
-    assert_near(cell(&h, r, "frame.b/e.ax"), -2.0 * v * v, 1e-9);
-    assert_near(cell(&h, r, "frame.b/e.wz"), v, 1e-11);
-    assert_near(cell(&h, r, "frame.b/e.alphaz"), cell(&h, r, "a.A"), 1e-9);
+    double q = history_entry(&h, r, "q.A"), v = history_entry(&h, r, "v.A"), t = history_entry(&h, r, "t");
+    assert_near(history_entry(&h, r, "module.s.variable"), q, 1e-12);
+    assert_near(history_entry(&h, r, "module.s.value"), 1.0 - 3.0 * q, 1e-11);
+    assert_near(history_entry(&h, r, "module.s.power"), (1.0 - 3.0 * q) * v, 1e-10);
+    assert_near(history_entry(&h, r, "module.s.work"), q - 1.5 * q * q, 1e-7);
+    assert_near(history_entry(&h, r, "module.d.value"), -0.7 * v, 1e-11);
+    assert_near(history_entry(&h, r, "module.d.work"), -history_entry(&h, r, "energy_dissipated"), 1e-9);
+    assert_near(history_entry(&h, r, "module.m.variable"), t, 1e-12);
+    assert_near(history_entry(&h, r, "module.m.work"), history_entry(&h, r, "motor_work"), 1e-9);
+    assert_near(history_entry(&h, r, "frame.b/e.vy"), 2.0 * v, 1e-10);
+    assert_near(history_entry(&h, r, "frame.b/e.ax"), -2.0 * v * v, 1e-9);
+    assert_near(history_entry(&h, r, "frame.b/e.wz"), v, 1e-11);
+    assert_near(history_entry(&h, r, "frame.b/e.alphaz"), history_entry(&h, r, "a.A"), 1e-9);
   }
   km_history_free(&h);
   km_forces_free(forces);

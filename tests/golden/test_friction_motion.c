@@ -1,36 +1,11 @@
 /* Friction by normal forces, in motions with closed forms or against independent sums. */
-#include "support/support.h"
+#include "support/moving.h"
 
 #include "kmech/dynamics.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static km_history run(fixture *f, double until, double every, double tolerance, bool reactions) {
-  km_forces *forces;
-  km_history out;
-  km_error error = {0};
-  km_history_def def = km_history_default(f->model);
-  def.until = until;
-  def.every = every;
-  def.simulation.relative = def.simulation.absolute = tolerance;
-  def.reactions = reactions;
-  assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
-  assert_int_equal(km_history_run(f->mechanism, forces, f->state, &def, &out, &error), KM_OK);
-  km_forces_free(forces);
-  return out;
-}
-
-static double entry(const km_history *h, size_t row, const char *column) {
-  int found = km_table_find(h->table, column);
-  assert_true(found >= 0);
-  return km_table_row(h->table, row)[found];
-}
-
-static double at_end(const km_history *h, const char *column) {
-  return entry(h, km_table_rows(h->table) - 1, column);
-}
 
 /* A block of 2 kg on a slope of 30°: its weight's part along the slope less μ times the part across it, or nothing. */
 static void test_incline(void **data) {
@@ -47,12 +22,12 @@ static void test_incline(void **data) {
         "\"stiction_velocity\": 1e-6}}]}]}",
         mu);
     fixture f = fixture_read(text);
-    km_history h = run(&f, time, 0.5, 1e-9, false);
+    km_history h = history_of(&f, time, 0.5, 1e-9, false);
     double a = sticks ? 0.0 : g * (0.5 - mu * sqrt(0.75)), creep = 2e-6; /* the stiction speed times the time */
-    assert_near(at_end(&h, "q.X"), 0.5 * a * time * time, creep);
-    assert_near(at_end(&h, "v.X"), a * time, 1e-6);
+    assert_near(history_end(&h, "q.X"), 0.5 * a * time * time, creep);
+    assert_near(history_end(&h, "v.X"), a * time, 1e-6);
     if (!sticks)
-      assert_near(at_end(&h, "energy_dissipated"), mu * 2.0 * g * sqrt(0.75) * 0.5 * a * time * time, 1e-4);
+      assert_near(history_end(&h, "energy_dissipated"), mu * 2.0 * g * sqrt(0.75) * 0.5 * a * time * time, 1e-4);
     km_history_free(&h);
     fixture_close(&f);
   }
@@ -79,7 +54,7 @@ static void test_journal(void **data) {
       "\"mass\": 1.5, \"center_of_mass\": [0, -0.8, 0]}], \"joints\": [{\"name\": \"A\", \"type\": \"Rz\", "
       "\"body_frame_pairs\": [\"fixed\", \"b\"], \"initial_velocity\": 9, \"friction\": {\"coefficient\": 0.4, \"radius\": "
       "0.05, \"stiction_velocity\": 1e-6}}]}]}");
-  km_history h = run(&f, 1.0, 0.25, 1e-10, false);
+  km_history h = history_of(&f, 1.0, 0.25, 1e-10, false);
   enum { STEPS = 20000 };
   double q = 0.0, v = 9.0, dt = 1.0 / STEPS;
   for (int i = 0; i < STEPS; ++i) {
@@ -90,8 +65,8 @@ static void test_journal(void **data) {
     v += dt / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
   }
   assert_true(v > 0.1); /* its rate has kept its sign */
-  assert_near(at_end(&h, "q.A"), q, 1e-7);
-  assert_near(at_end(&h, "v.A"), v, 1e-7);
+  assert_near(history_end(&h, "q.A"), q, 1e-7);
+  assert_near(history_end(&h, "v.A"), v, 1e-7);
   km_history_free(&h);
   fixture_close(&f);
 }
@@ -114,22 +89,22 @@ static void test_loop(void **data) {
   char *text = with_friction();
   fixture f = fixture_read(text);
   const double dt = 0.002;
-  km_history h = run(&f, 1.0, dt, 1e-9, true);
+  km_history h = history_of(&f, 1.0, dt, 1e-9, true);
   assert_at_most(h.energy_error, 1e-7 * h.energy_scale);
   size_t rows = km_table_rows(h.table);
   double power[3] = {0}, sum = 0.0;
   for (size_t r = 0; r < rows; ++r) {
-    double slide = entry(&h, r, "v.B"), turn = entry(&h, r, "v.C");
+    double slide = history_entry(&h, r, "v.B"), turn = history_entry(&h, r, "v.C");
     /* B slides along its own z axis, C turns about its own x axis. */
-    double press = hypot(entry(&h, r, "r.B.fx"), entry(&h, r, "r.B.fy"));
-    double journal = hypot(entry(&h, r, "r.C.fy"), entry(&h, r, "r.C.fz"));
+    double press = hypot(history_entry(&h, r, "r.B.fx"), history_entry(&h, r, "r.B.fy"));
+    double journal = hypot(history_entry(&h, r, "r.C.fy"), history_entry(&h, r, "r.C.fz"));
     double x = fmin(fabs(slide) / 0.01, 1.0), y = fmin(0.05 * fabs(turn) / 0.01, 1.0);
     power[r % 3] =
         0.2 * press * x * (2.0 - x) * fabs(slide) + 0.2 * 0.05 * journal * y * (2.0 - y) * fabs(turn) + slide * slide;
     if (r % 2 == 0 && r > 0)
       sum += dt / 3.0 * (power[r % 3] + 4.0 * power[(r + 2) % 3] + power[(r + 1) % 3]);
   }
-  assert_near(sum, at_end(&h, "energy_dissipated"), 2e-4 * sum);
+  assert_near(sum, history_end(&h, "energy_dissipated"), 2e-4 * sum);
   assert_true(sum > 0.1);
   km_history_free(&h);
   fixture_close(&f);
@@ -149,7 +124,7 @@ static void test_drive(void **data) {
   const km_inverse_def def = {.rates = &rate, .rate_count = 1, .until = 1.0, .steps = 4};
   assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
   assert_int_equal(km_inverse_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
-  assert_near(at_end(&h, "f.A"), 0.25 * 0.1 * 4.0 * 9.81, 1e-12);
+  assert_near(history_end(&h, "f.A"), 0.25 * 0.1 * 4.0 * 9.81, 1e-12);
   km_history_free(&h);
   km_forces_free(forces);
   fixture_close(&f);
@@ -176,7 +151,7 @@ static void test_thread(void **data) {
     const km_inverse_def def = {.rates = &rate, .rate_count = 1, .until = 1.0, .steps = 4};
     assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
     assert_int_equal(km_inverse_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
-    assert_near(at_end(&h, "f.S"), 4.0 * 9.81 * r * tan(lambda + sense * phi), 1e-11);
+    assert_near(history_end(&h, "f.S"), 4.0 * 9.81 * r * tan(lambda + sense * phi), 1e-11);
     km_history_free(&h);
     km_forces_free(forces);
     fixture_close(&f);
@@ -197,7 +172,7 @@ static void test_collar(void **data) {
   def.until = 0.1;
   assert_int_equal(km_forces_create(f.mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
   assert_int_equal(km_history_run(f.mechanism, forces, f.state, &def, &h, NULL), KM_OK);
-  assert_near(at_end(&h, "v.A"), 1.0 - 0.1 * 0.1 * 100.0 * 9.81 * 0.05, 1e-6);
+  assert_near(history_end(&h, "v.A"), 1.0 - 0.1 * 0.1 * 100.0 * 9.81 * 0.05, 1e-6);
   km_history_free(&h);
   km_forces_free(forces);
   fixture_close(&f);

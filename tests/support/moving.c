@@ -153,3 +153,29 @@ double dalembert(moving *m, double step) {
   free(rates);
   return worst / largest;
 }
+
+km_history history_of(fixture *f, double until, double every, double tolerance, bool reactions) {
+  km_forces *forces;
+  km_history out;
+  km_error error = {0};
+  km_history_def def = km_history_default(f->model);
+  def.until = until;
+  def.every = every;
+  def.simulation.relative = def.simulation.absolute = tolerance;
+  def.reactions = reactions;
+  assert_int_equal(km_forces_create(f->mechanism, NULL, NULL, 0, &forces, NULL), KM_OK);
+  if (km_history_run(f->mechanism, forces, f->state, &def, &out, &error))
+    fail_msg("%s", error.text);
+  km_forces_free(forces);
+  return out;
+}
+
+double history_entry(const km_history *h, size_t row, const char *column) {
+  int found = km_table_find(h->table, column);
+  assert_true(found >= 0);
+  return km_table_row(h->table, row)[found];
+}
+
+double history_end(const km_history *h, const char *column) {
+  return history_entry(h, km_table_rows(h->table) - 1, column);
+}

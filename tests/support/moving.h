@@ -18,6 +18,13 @@ typedef struct moving {
 moving moving_of(fixture f);
 void moving_close(moving *m);
 
+/* Runs a model with its own gravity to a time, by an error tolerance, with its reactions on request; every status is
+ * asserted. The caller frees the result (km_history_free). */
+km_history history_of(fixture *f, double until, double every, double tolerance, bool reactions);
+/* A cell of a column, in a row or in the last one; the column must be there. */
+double history_entry(const km_history *history, size_t row, const char *column);
+double history_end(const km_history *history, const char *column);
+
 /* Random masses, centres of mass and inertias for every body; gravity that the mechanism feels. */
 void give_masses(km_model *model, randomness *r);
 /* Random rates that keep the loops. */
