@@ -92,6 +92,22 @@ static void set_tolerances(km_simulation *run) {
     run->tolerance[i] = HUGE_VAL;
 }
 
+/* Initialises internal states and works: 0, or those of the run that this one continues. */
+static void begin_memory(km_simulation *run) {
+  const km_moving_forces *moving = run->dynamics->forces->moving;
+  const km_run_memory *memory = run->def.memory;
+  size_t states = (size_t)moving->state_count * sizeof(double);
+  memset(moving->internal_state, 0, states);
+  if (!memory)
+    return;
+  memcpy(moving->internal_state, memory->internal, states);
+  memcpy(run->y + run->memory_start, memory->internal, states);
+  run->y[run->work_start] = memory->dissipated;
+  run->y[run->work_start + 1] = memory->motor_work;
+  memcpy(run->y + run->work_start + KM_WORKS, memory->module_works,
+         (size_t)(run->work_count - KM_WORKS) * sizeof(double));
+}
+
 /* Initialises vector, crossings, works and integrator at the start of a run. */
 static km_status begin(km_simulation *run, km_error *error) {
   km_state *s = run->state;
@@ -105,13 +121,14 @@ static km_status begin(km_simulation *run, km_error *error) {
   d->uses_baumgarte = def->stabilisation == KM_STABILISE_BAUMGARTE;
   d->omega = 0.0;
   d->closing_tolerance = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
-  memset(d->forces->moving->internal_state, 0, (size_t)d->forces->moving->state_count * sizeof(double));
+  begin_memory(run);
   km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
     status = km_dynamics_accelerate(d, s, error);
   if (status)
     return status;
   km_simulation_pack(run, run->y);
+  memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
   km_crossings_begin(run);
   km_dynamics_reset_repartitions(d);
   km_simulation_begin_works(run);
@@ -266,7 +283,9 @@ km_simulation_figures km_simulation_figures_of(const km_simulation *run) {
                                  .motor_work = run->at[run->work_start + 1],
                                  .rest_energy = km_simulation_rest_energy(run),
                                  .relative = run->def.relative / error_share,
-                                 .stiff = run->choice.method == KM_BDF};
+                                 .stiff = run->choice.method == KM_BDF,
+                                 .order = run->order,
+                                 .last_step = run->time - run->last_time};
 }
 
 double km_simulation_module_work(const km_simulation *run, int module) {

@@ -43,6 +43,7 @@ struct km_simulation {
   double typical_step_before;
   double unit_energy, largest_energy; /* energies for the tolerance of works (work_error.c) */
   km_step_method step_method;         /* method of the last step */
+  int order;                          /* its order; 0 before the first step */
   double time;
   km_dynamics_outcome outcome; /* outcome of the last failed evaluation */
   long steps, evaluations, rejected;

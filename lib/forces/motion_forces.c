@@ -50,10 +50,6 @@ static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
   }
 }
 
-static int internal_state_count(km_module_type type) {
-  return type == KM_MODULE_PID ? 1 : type == KM_MODULE_TIRE ? 2 : 0;
-}
-
 /* True if the force depends on an acceleration: by its variable, or as the derivative of a controlled velocity. */
 static bool is_implicit(const km_model_module *module) {
   bool differentiates = module->type == KM_MODULE_PID && module->kd != 0.0;
@@ -70,7 +66,7 @@ static void list_modules(const km_model *model, km_moving_forces *out) {
       out->implicit[out->implicit_count++] = out->module_count;
     out->first_state_of[out->module_count] = out->state_count;
     out->modules[out->module_count++] = module;
-    out->state_count += internal_state_count(module->type);
+    out->state_count += km_module_internal_count(module);
   }
 }
 

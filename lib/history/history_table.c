@@ -57,6 +57,9 @@ static void figure_columns(const km_history_writer *w, km_table *table, bool *fa
     return;
   add_column(table, failed, NULL, "evaluations", "", "");
   add_column(table, failed, NULL, "repartitions", "", "");
+  add_column(table, failed, w->m->model->units.time->suffix, "integrator_step", "", "");
+  add_column(table, failed, NULL, "integrator_order", "", "");
+  km_history_internal_columns(w, table, failed);
 }
 
 /* Columns of the shaking force and moment. */
@@ -178,8 +181,8 @@ static double *write_figures(km_history_writer *w, double *out) {
   h->energy_scale = fmax(h->energy_scale, energy.kinetic);
   if (w->simulation) {
     h->figures = km_simulation_figures_of(w->simulation);
-    double error = energy.kinetic - h->energy_start + potential + h->figures.dissipated - h->figures.motor_work;
-    h->energy_error = fmax(h->energy_error, fabs(error));
+    double balance = energy.kinetic + potential + h->figures.dissipated - h->figures.motor_work;
+    h->energy_error = fmax(h->energy_error, fabs(balance - w->balance));
     *out++ = h->figures.dissipated;
     *out++ = h->figures.motor_work;
   }
@@ -188,6 +191,9 @@ static double *write_figures(km_history_writer *w, double *out) {
   if (w->simulation) {
     *out++ = (double)h->figures.evaluations;
     *out++ = (double)h->figures.repartitions;
+    *out++ = h->figures.last_step;
+    *out++ = (double)h->figures.order;
+    out = km_history_write_internal(w, out);
   }
   return out;
 }
@@ -346,7 +352,9 @@ km_status km_history_begin(km_history_writer *w, km_error *error) {
   if (status)
     return status;
   km_dynamics_energy(w->dynamics, w->state, &energy, NULL);
-  w->potential = energy.potential;
+  const km_run_memory *memory = w->memory ? w->memory : &(const km_run_memory){0};
+  w->potential = energy.potential - memory->potential;
+  w->balance = energy.kinetic + memory->potential + memory->dissipated - memory->motor_work;
   w->out->energy_start = energy.kinetic;
   w->out->effort = km_dynamics_effort(w->dynamics, w->state);
   return KM_OK;

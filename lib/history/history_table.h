@@ -22,8 +22,10 @@ typedef struct km_history_writer {
   km_dynamic_friction *friction;
   km_simulation *simulation; /* NULL: prescribed motion without integration */
   km_statics statics;
-  double potential;       /* potential energy at the start */
-  km_exceeded *monitored; /* [monitored_count] drives with a bound, and their largest force or rate */
+  const km_run_memory *memory; /* end of the run that this one continues; NULL: none */
+  double potential;            /* potential energy that counts as 0 */
+  double balance;              /* kinetic + potential + dissipated − motor work at the start */
+  km_exceeded *monitored;      /* [monitored_count] drives with a bound, and their largest force or rate */
   int monitored_count;
   km_limit_monitor limits;
   km_history *out;
@@ -40,6 +42,11 @@ km_status km_history_row(km_history_writer *writer, km_error *error);
 /* Adds the columns of the tabulated force modules; and their cells at the last evaluation, returning the next cell. */
 void km_history_module_columns(const km_history_writer *writer, km_table *table, bool *failed);
 double *km_history_write_modules(const km_history_writer *writer, double *out);
+/* Adds the columns of the internal states of force modules, and their cells. */
+void km_history_internal_columns(const km_history_writer *writer, km_table *table, bool *failed);
+double *km_history_write_internal(const km_history_writer *writer, double *out);
+/* Column name and unit of an internal state, see km_model_internal_count. */
+void km_internal_column(const km_model *model, int index, km_text *name, km_text *unit);
 /* Clears the result and checks the common arguments. */
 km_status km_history_check(const km_mechanism *mechanism, const km_forces *forces, const km_state *state,
                            const void *def, km_history *out, km_error *error);

@@ -1,7 +1,10 @@
-/* Columns of force modules over a motion: variable, force, power and work; forces, moments and slips of a tyre. */
+/* Columns of force modules over a motion: variable, force, power and work; forces, moments and slips of a tyre;
+ * internal states. */
 #include "base/table.h"
 #include "base/text.h"
+#include "forces/motion_forces.h"
 #include "history/history_table.h"
+#include "kmech/inspect.h"
 
 #include <string.h>
 
@@ -89,4 +92,36 @@ double *km_history_write_modules(const km_history_writer *w, double *out) {
     out += is_tire ? TIRE_PARTS : LAW_PARTS;
   }
   return out;
+}
+
+void km_internal_column(const km_model *model, int index, km_text *name, km_text *unit) {
+  const km_model_module *module = model->modules;
+  for (int count; index >= (count = km_module_internal_count(module)); ++module)
+    index -= count;
+  if (module->type == KM_MODULE_PID) {
+    km_text_format(name, "state.%s.integral", module->name);
+    variable_unit(model, module, unit);
+    km_text_format(unit, "*%s", model->units.time->suffix);
+  } else {
+    km_text_format(name, "state.%s.%s", module->name, index ? "slip_angle" : "slip");
+    km_text_add(unit, index ? "rad" : "");
+  }
+}
+
+void km_history_internal_columns(const km_history_writer *w, km_table *table, bool *failed) {
+  km_text name = {0}, unit = {0};
+  for (int i = 0; i < km_model_internal_count(w->m->model); ++i) {
+    name.size = unit.size = 0;
+    km_internal_column(w->m->model, i, &name, &unit);
+    *failed = name.failed || unit.failed || km_table_add_column(table, name.data, unit.size ? unit.data : NULL) < 0 ||
+              *failed;
+  }
+  km_text_free(&name);
+  km_text_free(&unit);
+}
+
+double *km_history_write_internal(const km_history_writer *w, double *out) {
+  const km_moving_forces *moving = w->forces->moving;
+  memcpy(out, moving->internal_state, (size_t)moving->state_count * sizeof *out);
+  return out + moving->state_count;
 }

@@ -145,6 +145,7 @@ km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *sta
                          .reactions = def->reactions,
                          .mobility = def->mobility,
                          .axes = def->axes,
+                         .memory = def->simulation.memory,
                          .forces = forces,
                          .state = state,
                          .out = out};

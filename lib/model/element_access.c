@@ -195,13 +195,15 @@ const char *km_model_integration_type(const km_model *model) {
   return model ? model->simulation.integration_type : NULL;
 }
 
-bool km_model_remembers(const km_model *model) {
-  for (int i = 0; model && i < model->module_count; ++i) {
-    const km_model_module *module = &model->modules[i];
-    if (module->type == KM_MODULE_TIRE || (module->type == KM_MODULE_PID && module->ki != 0.0))
-      return true;
-  }
-  return false;
+int km_module_internal_count(const km_model_module *module) {
+  return module->type == KM_MODULE_PID ? 1 : module->type == KM_MODULE_TIRE ? 2 : 0;
+}
+
+int km_model_internal_count(const km_model *model) {
+  int count = 0;
+  for (int i = 0; model && i < model->module_count; ++i)
+    count += km_module_internal_count(&model->modules[i]);
+  return count;
 }
 
 int km_model_module_count(const km_model *model) {

@@ -177,6 +177,8 @@ typedef struct km_model_module {
 } km_model_module;
 
 /* True for a force of the displacement of the joint in which it acts. */
+/* Number of internal states: 1 of a controller, 2 of a tyre. */
+int km_module_internal_count(const km_model_module *module);
 bool km_module_is_spring_in_joint(const km_model_module *module);
 
 typedef struct km_applied_load {

@@ -74,7 +74,8 @@ typedef struct ksim_work {
   km_history_def def;
   km_crossing *crossings; /* the definition's */
   size_t crossing_capacity;
-  int *modules; /* the definition's */
+  int *modules;          /* the definition's */
+  km_run_memory *memory; /* the definition's */
   km_history history;
   km_forces *forces;
   int *shown; /* coordinates of --joints, else those that move most */

@@ -258,6 +258,7 @@ static kt_exit run(ksim_options *o) {
   km_forces_free(w.forces);
   km_free(w.crossings);
   km_free(w.modules);
+  km_run_memory_free(w.memory);
   km_free((km_traced_frame *)w.def.frames);
   km_free(w.shown);
   kt_close(&w.pose);
@@ -324,7 +325,8 @@ kt_exit ksim_run(int argc, char **argv) {
       "joint passes a limit where no stop acts, 4 if the run can't go on; what was reached is written."
       "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint; energy_kinetic, "
       "energy_potential (0 at the start), energy_dissipated, motor_work; loop_error (rms, over the loop's size), "
-      "evaluations, repartitions; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz; m.JOINT. Rates of balls are angular "
+      "evaluations, repartitions; integrator_step, integrator_order of the last step; state.NAME.integral, slip, "
+      "slip_angle, which --from continues; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz; m.JOINT. Rates of balls are angular "
       "velocities along the axes of the parent frame. JSON keys beside those of every record: events, beyond_max_rate, "
       "beyond_max_force, limits_passed (joint, limit, t, beyond), changed_initial_rates (joint, stated, start).",
       argc, argv);

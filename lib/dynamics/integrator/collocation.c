@@ -137,6 +137,7 @@ bool km_collocation_step(km_simulation *run, double h) {
   run->time += h;
   run->steps++;
   run->step_method = KM_STEP_COLLOCATION;
+  run->order = 2 * KM_STAGES;
   return true;
 }
 

@@ -141,6 +141,7 @@ static void update_step_control(km_simulation *run) {
   CVodeGetLastStep(run->cvode->memory, &h);
   CVodeGetLastOrder(run->cvode->memory, &order);
   km_simulation_shift(run);
+  run->order = order;
   run->dynamics->omega = h > 0.0 ? fmin(0.005 * km_stability_limit(order) / h, max_omega(run)) : 0.0;
   const km_step_record step = {run->time, h, order, work_of(run)};
   run->cvode->change_due = km_method_choice_step(&run->choice, &step, run->tolerance);

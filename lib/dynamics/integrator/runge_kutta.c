@@ -38,6 +38,7 @@ km_status km_fixed_step(km_simulation *run, km_error *error) {
   bool last = left < h * (1.0 + 1e-9); /* slightly longer rather than followed by a tiny step */
   h = last ? left : h;
   run->step_method = KM_STEP_RUNGE_KUTTA;
+  run->order = 4;
   return make_step(run, h, last ? run->def.end : run->time + h) ? KM_OK
                                                                 : km_dynamics_fail(run->dynamics, run->outcome, error);
 }

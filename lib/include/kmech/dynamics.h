@@ -89,6 +89,15 @@ typedef struct km_crossing {
   bool stops;     /* the run ends at the crossing */
 } km_crossing;
 
+/* State of a run besides time, coordinates and rates; created by km_history_resume. Energies and works in force ×
+ * length. The caller frees it (km_run_memory_free). */
+typedef struct km_run_memory {
+  double *internal;                         /* [km_model_internal_count] internal states of the force modules */
+  double potential, dissipated, motor_work; /* potential energy and works at the end of the earlier run */
+  double *module_works;                     /* [km_model_module_count] works of the force modules */
+} km_run_memory;
+KM_API void km_run_memory_free(km_run_memory *memory);
+
 /* Definition of a run; times in the model's time unit. Start from km_simulation_default(). */
 typedef struct km_simulation_def {
   km_integrator integrator;       /* integration method */
@@ -102,7 +111,8 @@ typedef struct km_simulation_def {
   double end;                   /* end time, which no step passes; infinity: none */
   const km_crossing *crossings; /* [crossing_count] crossings to locate */
   int crossing_count;
-  bool module_works; /* integrates the power of every force module, see km_simulation_module_work */
+  bool module_works;           /* integrates the power of every force module, see km_simulation_module_work */
+  const km_run_memory *memory; /* end of an earlier run that this one continues, borrowed; NULL: all are 0 */
 } km_simulation_def;
 KM_API km_simulation_def km_simulation_default(void);
 
@@ -136,6 +146,8 @@ typedef struct km_simulation_figures {
   double relative;               /* relative error in use: the definition's, at least 2e-13 */
   double rest_energy;            /* kinetic energy of rates of the size of the absolute error allowed */
   bool stiff;                    /* the last steps were made by BDF */
+  int order;                     /* order of the last step's method; 0 before the first step */
+  double last_step;              /* length of the last step */
 } km_simulation_figures;
 KM_API km_simulation_figures km_simulation_figures_of(const km_simulation *simulation);
 
@@ -166,8 +178,8 @@ typedef struct km_history_def {
   double until, every;           /* end time; time between rows, at most KM_MAX_SWEEP_STEPS rows */
   const km_traced_frame *frames; /* frames whose origins are tabulated */
   int frame_count;
-  bool frame_rotations;    /* adds angular velocity and acceleration of the frames, and all along their own axes */
-  const int *modules;      /* [module_count] force modules whose variable, force, power and work are tabulated */
+  bool frame_rotations; /* adds angular velocity and acceleration of the frames, and all along their own axes */
+  const int *modules;   /* [module_count] force modules whose variable, force, power and work are tabulated */
   int module_count;
   bool reactions; /* adds the reactions of every joint */
   km_axes axes;   /* axes of the reactions */
@@ -237,7 +249,8 @@ typedef struct km_history {
 
 /* Simulates from the assembled state's configuration and rates, and tabulates. Columns: t; q., v., a. of every
  * coordinate; f. driving forces of prescribed joints; energy_kinetic, energy_potential (0 at the start),
- * energy_dissipated, motor_work; loop_error, evaluations, repartitions; frame.NAME.x … position, velocity and
+ * energy_dissipated, motor_work; loop_error, evaluations, repartitions; integrator_step and integrator_order, the last
+ * step's; state.NAME.integral of controllers, slip and slip_angle of tyres; frame.NAME.x … position, velocity and
  * acceleration of the origins of `frames` in the inertial frame; module.NAME.variable, value (the force), power and
  * work of `modules`, of a tyre its forces and moments along the wheel's heading, across it and along the road's normal,
  * and its slips; r.LABEL.fx … tz reactions of parent on child;
@@ -246,6 +259,14 @@ typedef struct km_history {
 KM_API km_status km_history_run(const km_mechanism *mechanism, km_forces *forces, km_state *state,
                                 const km_history_def *def, km_history *out, km_error *error);
 KM_API void km_history_free(km_history *history);
+
+/* Sets coordinates and rates from the last row of a table of km_history_run for the same model, and `*time`; `*out`
+ * contains internal states, energies and works for km_simulation_def.memory. A run from 0 to t and one from t to T
+ * then equal one from 0 to T within their tolerances. Columns of energies and works may be missing and count as 0.
+ * `name`: name of the table in messages. KM_USAGE: a column is missing or in another unit; KM_MEMORY; statuses of
+ * km_state_set_coordinates. The caller frees `*out` (km_run_memory_free). */
+KM_API km_status km_history_resume(const km_mechanism *mechanism, const km_table *table, const char *name,
+                                   km_state *state, double *time, km_run_memory **out, km_error *error);
 
 /* ---- Inverse dynamics: forces of a prescribed motion on drives, joints and the ground. */
 

@@ -43,8 +43,9 @@ KM_API void km_model_simulated(const km_model *model, double *span, double *step
 /* Integration method of the model (integration_type), borrowed; NULL if not stated. */
 KM_API const char *km_model_integration_type(const km_model *model);
 
-/* True if the model has controllers with integral terms, or tyres, whose states aren't coordinates or rates. */
-KM_API bool km_model_remembers(const km_model *model);
+/* Number of internal states of the force modules, module by module: of a controller the integral of its error, of a
+ * tyre its slip and slip angle. */
+KM_API int km_model_internal_count(const km_model *model);
 
 /* Actuators of the model (analysis.actuators): their number, and the coordinate of each; -1 if invalid. */
 KM_API int km_model_actuator_count(const km_model *model);
