@@ -147,20 +147,24 @@ static bool update_origin(km_dynamics *d) {
   return false;
 }
 
+void km_dynamics_locate_bodies(km_dynamics *d) {
+  km_forces *f = d->forces;
+  for (int i = 0; i < f->moving->loaded_body_count; ++i) {
+    int body = f->moving->loaded_bodies[i];
+    const km_node_motion *node = &d->node[d->tree.node_of_body[body]];
+    f->pose[body] = km_pose_product(&node->pose, &d->tree.body_in_node[body]);
+    f->twist[body] = node->V;
+  }
+}
+
 /* Evaluates the forces at the nodes' poses and twists: subtracts wrenches from p of the nodes, sets τ of the
  * coordinates. */
 static void apply_forces(km_dynamics *d, const km_state *s) {
-  const km_mechanism *m = d->mechanism;
   const km_tree *tree = &d->tree;
   km_forces *f = d->forces;
   const km_moving_forces *moving = f->moving;
-  for (int i = 0; i < moving->loaded_body_count; ++i) {
-    int body = moving->loaded_bodies[i];
-    const km_node_motion *node = &d->node[tree->node_of_body[body]];
-    f->pose[body] = km_pose_product(&node->pose, &tree->body_in_node[body]);
-    f->twist[body] = node->V;
-  }
-  km_forces_update_moving(m, s, f);
+  km_dynamics_locate_bodies(d);
+  km_forces_update_moving(d->mechanism, s, f);
   for (int i = 0; i < moving->loaded_body_count; ++i) {
     int body = moving->loaded_bodies[i];
     km_node_motion *node = &d->node[tree->node_of_body[body]];
@@ -181,6 +185,8 @@ static void read_accelerations(const km_dynamics *d) {
 /* Forces and accelerations at the present implicit forces; requires km_tree_update. */
 static km_dynamics_outcome solve_explicit(km_dynamics *d, km_state *s) {
   apply_forces(d, s);
+  if (d->forces->moving->user_stopped)
+    return KM_DYNAMICS_STOPPED;
   km_dynamics_outcome outcome = km_tree_solve(d, s);
   if (outcome == KM_DYNAMICS_DONE && d->forces->moving->implicit_count > 0)
     read_accelerations(d);
@@ -225,6 +231,8 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
                    model->coordinates[d->massless].label);
   if (outcome == KM_DYNAMICS_JAMMED)
     return km_fail(error, KM_DIVERGED, "friction jams: no friction is consistent with the reactions");
+  if (outcome == KM_DYNAMICS_STOPPED)
+    return km_fail(error, KM_CANCELLED, "the program's force function stopped the run");
   if (outcome == KM_DYNAMICS_IMPLICIT)
     return km_fail(error, KM_DIVERGED, "no force of the modules that read an acceleration is consistent with it");
   if (d->arena.failed)

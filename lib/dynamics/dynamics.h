@@ -21,6 +21,7 @@ typedef enum km_dynamics_outcome {
   KM_DYNAMICS_MASSLESS, /* a free motion has no mass */
   KM_DYNAMICS_JAMMED,   /* no friction is consistent with the reactions */
   KM_DYNAMICS_IMPLICIT, /* no forces of modules that read accelerations are consistent with these */
+  KM_DYNAMICS_STOPPED,  /* the program's force function stopped the run */
   KM_DYNAMICS_INFINITE  /* rates or accelerations aren't finite numbers */
 } km_dynamics_outcome;
 
@@ -86,6 +87,8 @@ struct km_dynamics {
  * one; partitions are renewed where the monitor requests it and the origin follows the mechanism. Otherwise pivots
  * change only if they fail. */
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state, bool search);
+/* Sets poses and twists of the bodies on which forces act, after km_tree_update. */
+void km_dynamics_locate_bodies(km_dynamics *dynamics);
 /* Forces and accelerations at the present forces of the implicit modules. */
 km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *dynamics, km_state *state);
 /* Finds the forces of the implicit modules with which laws and accelerations agree, after

@@ -30,8 +30,9 @@ static km_status check_def(const km_mechanism *m, const km_simulation_def *def, 
     return km_fail(error, KM_USAGE, "end %g; expected a time from %g on", def->end, time);
   km_status status = km_check_list(def->crossings, def->crossing_count, "crossings", error);
   for (int i = 0; i < def->crossing_count && !status; ++i) {
-    status = km_check_index(def->crossings[i].coordinate, m->coordinate_count, "coordinate", error);
-    if (!status && m->ball_of[def->crossings[i].coordinate] >= 0)
+    if (!def->crossings[i].function)
+      status = km_check_index(def->crossings[i].coordinate, m->coordinate_count, "coordinate", error);
+    if (!status && !def->crossings[i].function && m->ball_of[def->crossings[i].coordinate] >= 0)
       status = km_fail(error, KM_USAGE,
                        "crossing of \"%s\", a coordinate of a ball; expected a hinge's, a slide's or a screw's",
                        m->model->coordinates[def->crossings[i].coordinate].label);
@@ -101,35 +102,48 @@ static void begin_memory(km_simulation *run) {
   if (!memory)
     return;
   memcpy(moving->internal_state, memory->internal, states);
-  memcpy(run->y + run->memory_start, memory->internal, states);
-  run->y[run->work_start] = memory->dissipated;
-  run->y[run->work_start + 1] = memory->motor_work;
-  memcpy(run->y + run->work_start + KM_WORKS, memory->module_works,
+  memcpy(run->at + run->memory_start, memory->internal, states);
+  run->at[run->work_start] = memory->dissipated;
+  run->at[run->work_start + 1] = memory->motor_work;
+  memcpy(run->at + run->work_start + KM_WORKS, memory->module_works,
          (size_t)(run->work_count - KM_WORKS) * sizeof(double));
 }
 
-/* Initialises vector, crossings, works and integrator at the start of a run. */
-static km_status begin(km_simulation *run, km_error *error) {
+/* Starts the vector from the state, with the internal states and works of `at`, by projected rates. */
+static km_status start_from_state(km_simulation *run, km_error *error) {
   km_state *s = run->state;
   km_dynamics *d = run->dynamics;
-  const km_simulation_def *def = &run->def;
-  for (int i = 0; i < def->crossing_count; ++i) {
-    run->crossings[i] = def->crossings[i];
-    run->crossings[i].value *= km_model_coordinate_factor(d->mechanism->model, def->crossings[i].coordinate);
-  }
-  run->time = run->last_time = s->time;
-  d->uses_baumgarte = def->stabilisation == KM_STABILISE_BAUMGARTE;
+  run->time = run->last_time = run->origin = s->time;
+  run->steps_since = 0;
   d->omega = 0.0;
-  d->closing_tolerance = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
-  begin_memory(run);
   km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
     status = km_dynamics_accelerate(d, s, error);
   if (status)
     return status;
+  memcpy(run->y, run->at, (size_t)run->size * sizeof *run->y);
+  memset(run->shift, 0, (size_t)run->size * sizeof *run->shift);
   km_simulation_pack(run, run->y);
   memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
   km_crossings_begin(run);
+  return KM_OK;
+}
+
+/* Initialises vector, crossings, works and integrator at the start of a run. */
+static km_status begin(km_simulation *run, km_error *error) {
+  km_dynamics *d = run->dynamics;
+  const km_simulation_def *def = &run->def;
+  for (int i = 0; i < def->crossing_count; ++i) {
+    run->crossings[i] = def->crossings[i];
+    if (!def->crossings[i].function)
+      run->crossings[i].value *= km_model_coordinate_factor(d->mechanism->model, def->crossings[i].coordinate);
+  }
+  d->uses_baumgarte = def->stabilisation == KM_STABILISE_BAUMGARTE;
+  d->closing_tolerance = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
+  begin_memory(run);
+  km_status status = start_from_state(run, error);
+  if (status)
+    return status;
   km_dynamics_reset_repartitions(d);
   km_simulation_begin_works(run);
   return def->integrator == KM_INTEGRATOR_FIXED ? KM_OK : km_cvode_create(run, error);
@@ -243,6 +257,58 @@ static km_status set_state_at(km_simulation *run, double time, km_error *error) 
   return is_ok ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
+/* Sets the state to a time, or to the crossing before it that stops the run. */
+static km_status stop_at(km_simulation *run, double time, km_error *error) {
+  bool stops = run->stop <= time; /* otherwise it lies later in the last step */
+  km_status status = set_state_at(run, stops ? run->stop : time, error);
+  run->halted = stops;
+  return !status && stops ? KM_PARTIAL : status;
+}
+
+/* Sets the state to the start of a step that failed. */
+static void return_to_accepted(km_simulation *run) {
+  memcpy(run->y, run->accepted, (size_t)run->size * sizeof *run->y);
+  km_simulation_derivative(run, run->last_time, run->y, run->ydot);
+  memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
+}
+
+/* Reports the crossings beyond the one that halted the run: the last step continues there. */
+static void resume(km_simulation *run) {
+  if (run->halted)
+    km_crossings_report(run);
+  run->halted = false;
+}
+
+km_status km_simulation_step(km_simulation *run, km_error *error) {
+  km_status status = km_check_given(run != NULL, "run", error);
+  if (status)
+    return status;
+  if (!(run->time < run->def.end))
+    return km_fail(error, KM_USAGE, "the run has reached its end at time %g", run->def.end);
+  resume(run);
+  if (run->stop == HUGE_VAL)
+    status = step(run, error);
+  if (!status)
+    return stop_at(run, run->time, error);
+  return_to_accepted(run);
+  return status;
+}
+
+km_status km_simulation_restart(km_simulation *run, km_error *error) {
+  km_status status = km_check_given(run != NULL, "run", error);
+  if (status)
+    return status;
+  while (run->reported > 0 && run->crossings_met[run->reported - 1].time > run->state->time)
+    run->reported--;
+  run->crossings_met_count = run->reported;
+  run->stop = run->due_time = HUGE_VAL;
+  run->halted = false;
+  status = start_from_state(run, error);
+  if (status || !run->cvode)
+    return status;
+  return km_cvode_restart(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the integrator");
+}
+
 /* Makes steps until a time or a stopping crossing, then sets the state there by dense output. */
 km_status km_simulation_advance(km_simulation *run, double time, km_progress progress, void *context, km_error *error) {
   km_status status = km_check_given(run != NULL, "run", error);
@@ -251,24 +317,16 @@ km_status km_simulation_advance(km_simulation *run, double time, km_progress pro
   if (!isfinite(time) || !(time >= run->last_time) || !(time <= run->def.end))
     return km_fail(error, KM_USAGE, "time %g; expected one from %g to %g", time, run->last_time, run->def.end);
   double from = run->time;
-  if (run->halted) /* the last step continues beyond the crossing that ended the run */
-    km_crossings_report(run);
-  run->halted = false;
+  resume(run);
   while (run->time < time && run->time < run->stop && !status) {
     status = step(run, error);
     if (!status && progress && !progress(context, (run->time - from) / (time - from)))
       return km_fail(error, KM_CANCELLED, "cancelled at time %g", run->time);
   }
-  if (status) {
-    memcpy(run->y, run->accepted, (size_t)run->size * sizeof *run->y);
-    km_simulation_derivative(run, run->last_time, run->y, run->ydot);
-    memcpy(run->at, run->y, (size_t)run->size * sizeof *run->y);
-    return status;
-  }
-  bool stops = run->stop <= time; /* otherwise it lies later in the last step */
-  status = set_state_at(run, stops ? run->stop : time, error);
-  run->halted = stops;
-  return !status && stops ? KM_PARTIAL : status;
+  if (!status)
+    return stop_at(run, time, error);
+  return_to_accepted(run);
+  return status;
 }
 
 km_simulation_figures km_simulation_figures_of(const km_simulation *run) {

@@ -38,6 +38,8 @@ struct km_simulation {
   double *before, *slope;   /* [size] vector and derivative before the last fixed step */
   double *accepted;         /* [size] vector before the last step */
   double *accepted_shift;   /* [size] shift before the last step */
+  double origin;            /* time of the start or of the last restart */
+  long steps_since;         /* fixed steps since then */
   double last_time;         /* time before the last step */
   double typical_step;      /* typical step length, and its value before the last step */
   double typical_step_before;
@@ -112,7 +114,7 @@ bool km_cvode_restart(km_simulation *run);
 bool km_crossings_find(km_simulation *run);
 /* Reports the waiting crossings up to the first that ends the run. */
 void km_crossings_report(km_simulation *run);
-/* Initialises the crossings before the first step. Leaving the initial value is no crossing. */
+/* Initialises the crossings at a start or restart. Leaving a value at which the motion is then is no crossing. */
 void km_crossings_begin(km_simulation *run);
 /* Time within the last step at which a coordinate is beyond a corner although it isn't at both ends of the step, so
  * that no evaluation noticed it. Infinity: none. O(corners), plus the search near a corner. */

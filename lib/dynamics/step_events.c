@@ -16,6 +16,31 @@ static double difference_at(km_simulation *run, double time, int coordinate, dou
   return km_simulation_interpolate(run, time, run->at) ? difference(run, run->at, coordinate, value) : nan("");
 }
 
+/* Function of crossing i minus its value, at a vector: of the coordinate, or the program's at that motion. */
+static double crossing_difference(km_simulation *run, int i, const double *y, double time) {
+  const km_crossing *crossing = &run->crossings[i];
+  if (!crossing->function)
+    return difference(run, y, crossing->coordinate, crossing->value);
+  km_dynamics *d = run->dynamics;
+  km_simulation_unpack(run, y, time);
+  km_tree_update(d, run->state);
+  km_dynamics_locate_bodies(d);
+  const km_motion_sample sample = km_user_sample(d->mechanism, run->state, d->forces);
+  return crossing->function(crossing->context, &sample) - crossing->value;
+}
+
+/* A crossing as a function of time within the last step. */
+typedef struct timed_crossing {
+  km_simulation *run;
+  int index;
+} timed_crossing;
+
+static double evaluate_crossing(double time, void *context) {
+  const timed_crossing *q = context;
+  return km_simulation_interpolate(q->run, time, q->run->at) ? crossing_difference(q->run, q->index, q->run->at, time)
+                                                             : nan("");
+}
+
 /* sign · (coordinate − value) within the last step, as a function of time. */
 typedef struct signed_difference {
   km_simulation *run;
@@ -93,8 +118,15 @@ double km_simulation_passed_over(km_simulation *run) {
 }
 
 void km_crossings_begin(km_simulation *run) {
-  for (int i = 0; i < run->def.crossing_count; ++i)
-    run->side[i] = difference(run, run->y, run->crossings[i].coordinate, run->crossings[i].value);
+  for (int i = 0; i < run->def.crossing_count; ++i) {
+    const km_crossing *crossing = &run->crossings[i];
+    double error = crossing->function ? 0.0 : run->tolerance[run->value_index[crossing->coordinate]];
+    run->side[i] = crossing_difference(run, i, run->y, run->time);
+    if (fabs(run->side[i]) <= error)
+      run->side[i] = 0.0;
+  }
+  for (size_t k = run->reported; k > 0 && run->crossings_met[k - 1].time == run->time; --k)
+    run->side[run->crossings_met[k - 1].crossing] = 0.0;
 }
 
 void km_crossings_report(km_simulation *run) {
@@ -131,22 +163,23 @@ static bool add_pair(km_simulation *run, size_t first, int crossing, const km_co
          add(run, first, (km_crossing_met){crossing, back, sense});
 }
 
-/* Finds all crossings of the last step: changes of sign, and passages there and back. */
+/* Finds all crossings of the last step: changes of sign, and a coordinate's passages there and back. */
 bool km_crossings_find(km_simulation *run) {
   size_t first = run->crossings_met_count;
   bool is_ok = true;
   for (int i = 0; i < run->def.crossing_count && is_ok; ++i) {
-    const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
-    double now = difference(run, run->y, at.coordinate, at.value);
+    double now = crossing_difference(run, i, run->y, run->time);
     if (run->side[i] == 0.0) /* it began at the value and hadn't left it */
       run->side[i] = now;
     if (now == 0.0 || run->side[i] == now) /* not passed yet */
       continue;
-    if ((now > 0.0) == (run->side[i] > 0.0)) {
-      is_ok = add_pair(run, first, i, &at, now);
-    } else {
-      double time = locate(run, &at, run->last_time, run->side[i], run->time, now);
+    if ((now > 0.0) != (run->side[i] > 0.0)) {
+      timed_crossing q = {run, i};
+      double time = km_locate_root(evaluate_crossing, &q, run->last_time, run->time, run->side[i], now);
       is_ok = add(run, first, (km_crossing_met){i, time, now > 0.0 ? 1 : -1});
+    } else if (!run->crossings[i].function) {
+      const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
+      is_ok = add_pair(run, first, i, &at, now);
     }
     run->side[i] = now;
   }

@@ -15,6 +15,9 @@ static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
   f->body = KM_ARENA_NEW(&f->arena, km_wrench, bodies);
   f->joint = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
   f->extra = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
+  f->reference = KM_ARENA_NEW(&f->arena, double, (size_t)m->model->module_count);
+  for (int i = 0; f->reference && i < m->model->module_count; ++i)
+    f->reference[i] = nan("");
   return !f->arena.failed;
 }
 

@@ -5,7 +5,7 @@
 
 #include "base/text.h"
 #include "kinematics/state.h"
-#include "kmech/statics.h"
+#include "kmech/dynamics.h"
 #include "spatial/wrench.h"
 
 /* Values of a force module at the last update. */
@@ -23,7 +23,9 @@ struct km_forces {
   km_vec3 stated_gravity; /* g as stated, length/time² */
   km_vec3 gravity;        /* g as force per unit of mass, model's units */
   int load_count, spring_count;
-  double *extra; /* [coordinate] additional joint forces along +q, set by an analysis; initially 0 */
+  double *extra;       /* [coordinate] additional joint forces along +q, set by an analysis or a program; initially 0 */
+  double *reference;   /* [module of the model] reference set by a program; NaN: the controller's law */
+  km_user_forces user; /* forces of a program; compute NULL: none */
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
   km_module_report *report;        /* [module of the model] */

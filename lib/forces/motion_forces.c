@@ -23,6 +23,8 @@ static void list_loaded_bodies(const km_model *model, const km_forces *f, bool *
   km_moving_forces *out = f->moving;
   for (int i = 0; i < f->load_count; ++i)
     add_loaded_body(out, is_listed, model->frames[f->loads[i].frame].body);
+  for (int i = 0; i < f->user.frame_count; ++i)
+    add_loaded_body(out, is_listed, model->frames[f->user.frames[i]].body);
   for (int i = 0; i < model->module_count; ++i) {
     for (int k = 0; k < model->modules[i].input_count; ++k)
       add_loaded_port(model, out, is_listed, &model->modules[i].inputs[k].port);
@@ -142,7 +144,7 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
     size_t n = (size_t)out->implicit_count;
     out->implicit_work = KM_ARENA_NEW(arena, double, n *n + 4 * n);
     out->implicit_places = KM_ARENA_NEW(arena, size_t, n);
-    f->moving = arena->failed ? NULL : out;
+    f->moving = km_user_forces_prepare(f) ? out : NULL;
   }
   km_arena_free(&scratch);
   return f->moving ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the forces");
@@ -285,10 +287,12 @@ static double variable_of(const km_model_module *module, const km_measured *x, d
 }
 
 /* Controller k_p e + k_i ∫e + k_d ė with e = reference − variable. */
-static double controller_force(const km_moving_forces *moving, int index, const km_measured *x, double time,
-                               double *error) {
+static double controller_force(const km_forces *f, int index, const km_measured *x, double time, double *error) {
+  const km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
-  double slope, value = km_time_law_value(&module->reference, time, &slope);
+  double slope = 0.0, value = f->reference[module - f->mechanism->model->modules];
+  if (isnan(value))
+    value = km_time_law_value(&module->reference, time, &slope);
   *error = value - variable_of(module, x, time);
   double rate = module->kd == 0.0                              ? 0.0
                 : module->variable == KM_VARIABLE_DISPLACEMENT ? slope - x->velocity
@@ -298,19 +302,18 @@ static double controller_force(const km_moving_forces *moving, int index, const 
 }
 
 /* Rate of a controller's integral: its error, but 0 where the error only pushes further beyond a bound of the force. */
-static double integrated_error(const km_moving_forces *moving, int index, const km_measured *x, double time) {
-  const km_model_module *module = moving->modules[index];
-  double error, force = controller_force(moving, index, x, time, &error);
+static double integrated_error(const km_forces *f, int index, const km_measured *x, double time) {
+  const km_model_module *module = f->moving->modules[index];
+  double error, force = controller_force(f, index, x, time, &error);
   bool is_bound = module->saturates && (force - km_module_saturate(module, force)) * module->ki * error > 0.0;
   return is_bound ? 0.0 : error;
 }
 
 /* Force of a module's law at what it measures, within its bounds. */
-static double law_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index,
-                        const km_measured *x) {
-  const km_model_module *module = moving->modules[index];
+static double law_force(const km_mechanism *m, const km_state *s, const km_forces *f, int index, const km_measured *x) {
+  const km_model_module *module = f->moving->modules[index];
   double error, value = variable_of(module, x, s->time);
-  double force = module->type == KM_MODULE_PID     ? controller_force(moving, index, x, s->time, &error)
+  double force = module->type == KM_MODULE_PID     ? controller_force(f, index, x, s->time, &error)
                  : module->type == KM_MODULE_MOTOR ? km_motor_force(module, value)
                  : module->variable == KM_VARIABLE_VELOCITY && module->type != KM_MODULE_STIFFNESS
                      ? km_law_resistance(&module->law, value, stiction_rate(m, module->input.coordinate))
@@ -322,17 +325,18 @@ void km_implicit_forces_compute(const km_mechanism *m, const km_state *s, const 
   const km_moving_forces *moving = f->moving;
   for (int k = 0; k < moving->implicit_count; ++k) {
     km_measured x = km_module_measure(m, s, f, moving->modules[moving->implicit[k]]);
-    out[k] = law_force(m, s, moving, moving->implicit[k], &x);
+    out[k] = law_force(m, s, f, moving->implicit[k], &x);
   }
 }
 
 /* Force of one module: of an implicit one the unknown of the equations of motion, else that of its law. */
-static double module_force(const km_mechanism *m, const km_state *s, const km_moving_forces *moving, int index,
+static double module_force(const km_mechanism *m, const km_state *s, const km_forces *f, int index,
                            const km_measured *x) {
+  const km_moving_forces *moving = f->moving;
   for (int k = 0; k < moving->implicit_count; ++k)
     if (moving->implicit[k] == index)
       return moving->implicit_force[k];
-  return law_force(m, s, moving, index, x);
+  return law_force(m, s, f, index, x);
 }
 
 /* True for dampers and friction that act where they measure a rate: they dissipate. */
@@ -354,8 +358,8 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   if (module->type == KM_MODULE_FRICTION && moving->frictionless)
     return;
   if (module->type == KM_MODULE_PID)
-    moving->internal_rate[moving->first_state_of[index]] = integrated_error(moving, index, &x, s->time);
-  double force = module_force(m, s, moving, index, &x), power = force * km_module_apply(m, s, f, module, force);
+    moving->internal_rate[moving->first_state_of[index]] = integrated_error(f, index, &x, s->time);
+  double force = module_force(m, s, f, index, &x), power = force * km_module_apply(m, s, f, module, force);
   int c = module->output.coordinate;
   km_module_report_of(m, f, module)->force = force;
   km_module_report_of(m, f, module)->power = power;
@@ -407,4 +411,8 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
     km_loads_add(m, f);
     moving->motor_power += power_of_loads(m, f);
   }
+  for (int c = 0; c < m->coordinate_count; ++c)
+    moving->motor_power += f->extra[c] * s->rate[c];
+  if (f->user.compute)
+    km_user_forces_add(m, s, f);
 }

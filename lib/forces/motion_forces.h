@@ -4,6 +4,9 @@
 
 #include "forces/forces.h"
 
+/* Force and moment along the inertial axes. */
+typedef double km_user_wrench[6];
+
 typedef struct km_moving_forces {
   int loaded_body_count, damper_count, stop_count, constant_friction_count, module_count, state_count;
   int *loaded_bodies;                       /* bodies with forces; their poses and twists must be set */
@@ -22,7 +25,12 @@ typedef struct km_moving_forces {
   size_t *implicit_places;   /* [implicit_count] */
   bool frictionless;         /* linearisation at rest: friction is omitted, because it has no slope at rest */
   double *reaction_friction; /* [coordinate] friction by reactions, set by an analysis; NULL: none */
-  double dissipation;        /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
+  /* Motion that the functions of a program see, and forces that it computes. */
+  double *user_q, *user_rate, *user_joint; /* [coordinate] */
+  km_frame_motion *user_frames;            /* [user.frame_count] */
+  km_user_wrench *user_wrenches;           /* [user.frame_count] */
+  bool user_stopped;                       /* the program stopped the run at the last update */
+  double dissipation; /* power dissipated by dampers, friction and stops at the last update, ≥ 0 */
   double motor_power; /* power supplied by motors, controllers, loads, and springs that act where they don't measure */
 } km_moving_forces;
 
@@ -32,6 +40,12 @@ km_status km_forces_prepare_motion(km_forces *forces, km_error *error);
 /* Computes all forces except weights at the state's coordinates, rates and time. Poses and twists of the bodies in
  * `loaded_bodies` must be set. Never allocates. O(forces). */
 void km_forces_update_moving(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+
+/* Workspace of the forces of a program; and their part of km_forces_update_moving. */
+bool km_user_forces_prepare(km_forces *forces);
+void km_user_forces_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
+/* Motion as the functions of a program see it; poses and twists of its frames' bodies must be set. */
+km_motion_sample km_user_sample(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 
 /* Energy stored in stops. */
 double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);

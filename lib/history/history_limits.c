@@ -34,7 +34,8 @@ km_status km_limits_monitor_begin(km_limit_monitor *w, const km_mechanism *m, co
     const double ends[2] = {m->low[c] - w->slack / m->scale[c], m->high[c] + w->slack / m->scale[c]};
     for (int e = 0; e < 2; ++e)
       if (isfinite(ends[e]) && m->ball_of[c] < 0)
-        w->crossings[w->crossing_count++] = (km_crossing){c, ends[e] / km_model_coordinate_factor(m->model, c), false};
+        w->crossings[w->crossing_count++] =
+            (km_crossing){.coordinate = c, .value = ends[e] / km_model_coordinate_factor(m->model, c)};
   }
   return KM_OK;
 }

@@ -344,7 +344,7 @@ static double check_crossings(double every) {
   km_forces *forces;
   km_history h;
   km_error error = {0};
-  const km_crossing crossings[] = {{0, 0.0, false}, {0, -0.4, true}, {0, -0.3, true}};
+  const km_crossing crossings[] = {{.value = 0.0}, {.value = -0.4, .stops = true}, {.value = -0.3, .stops = true}};
   km_history_def def = km_history_default(f.model);
   def.until = 4.0;
   def.every = every;
@@ -374,7 +374,8 @@ static void test_stops_in_one_step(void **data) {
   fixture f = fixture_read(
       "{\"model_parameters\": {\"gravity\": [0, 0, -10]}, \"assemblies\": [{\"name\": \"m\", \"bodies\": [{\"name\": \"b\", "
       "\"mass\": 1}], \"joints\": [{\"name\": \"J\", \"type\": \"Tz\", \"body_frame_pairs\": [\"fixed\", \"b\"]}]}]}");
-  const km_crossing crossings[] = {{0, -5.5, false}, {0, -5.3, true}, {0, -5.6, true}, {0, -5.8, false}};
+  const km_crossing crossings[] = {
+      {.value = -5.5}, {.value = -5.3, .stops = true}, {.value = -5.6, .stops = true}, {.value = -5.8}};
   km_forces *forces;
   km_dynamics *dynamics;
   km_simulation *run;

@@ -70,7 +70,8 @@ static kt_exit add_crossing(ksim_work *w, const char *option, char *text, bool s
     result = KT_NO_MEMORY;
   def->crossings = w->crossings = crossings;
   for (int k = 0; k < one.count && result == KT_DONE; ++k)
-    w->crossings[def->crossing_count++] = (km_crossing){one.items[k].coordinate, one.items[k].value, stops};
+    w->crossings[def->crossing_count++] =
+        (km_crossing){.coordinate = one.items[k].coordinate, .value = one.items[k].value, .stops = stops};
   kt_settings_free(&one);
   return result;
 }

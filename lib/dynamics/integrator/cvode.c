@@ -30,7 +30,8 @@ enum { SUCCESS = 0, RECOVERABLE = 1 };
 /* Right side for CVODE; fails where accelerations are dominated by rounding. */
 static int derivative(double t, N_Vector y, N_Vector ydot, void *data) {
   km_simulation *run = (km_simulation *)data;
-  if (!km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)))
+  if (run->outcome == KM_DYNAMICS_STOPPED || /* shorter steps fail, too, so that CVODE gives up */
+      !km_simulation_derivative(run, t, NV_DATA_S(y), NV_DATA_S(ydot)))
     return RECOVERABLE;
   km_method_choice_evaluation(&run->choice, t, NV_DATA_S(y), NV_DATA_S(ydot), run->tolerance);
   if (run->unchecked || !(km_simulation_noise(run, run->typical_step) > max_noise))
@@ -239,6 +240,8 @@ km_status km_cvode_step(km_simulation *run, km_error *error) {
   if (flag >= 0)
     return KM_OK;
   km_dynamics_outcome outcome = run->outcome;
+  if (outcome == KM_DYNAMICS_STOPPED)
+    return km_dynamics_fail(run->dynamics, outcome, error);
   if (run->typical_step > 0.0 && step_over_weak_constraints(run))
     return KM_OK;
   if (run->is_noisy && continue_unchecked(run))

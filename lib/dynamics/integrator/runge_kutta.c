@@ -30,17 +30,18 @@ static bool make_step(km_simulation *run, double h, double to) {
   memcpy(run->y, at, n * sizeof *at);
   run->time = to;
   run->steps++;
+  run->steps_since++;
   return true;
 }
 
+/* The n-th step ends at origin + n h, so that rounding doesn't accumulate. */
 km_status km_fixed_step(km_simulation *run, km_error *error) {
-  double h = run->def.max_step, left = run->def.end - run->time;
-  bool last = left < h * (1.0 + 1e-9); /* slightly longer rather than followed by a tiny step */
-  h = last ? left : h;
+  double to = run->origin + (double)(run->steps_since + 1) * run->def.max_step;
+  if (run->def.end - to < 1e-9 * run->def.max_step) /* slightly longer rather than followed by a tiny step */
+    to = run->def.end;
   run->step_method = KM_STEP_RUNGE_KUTTA;
   run->order = 4;
-  return make_step(run, h, last ? run->def.end : run->time + h) ? KM_OK
-                                                                : km_dynamics_fail(run->dynamics, run->outcome, error);
+  return make_step(run, to - run->time, to) ? KM_OK : km_dynamics_fail(run->dynamics, run->outcome, error);
 }
 
 /* Quadratic interpolant with the values at both ends and the slope at the first one, for output between steps. */

@@ -67,6 +67,45 @@ typedef struct km_effort {
 } km_effort;
 KM_API km_effort km_dynamics_effort(const km_dynamics *dynamics, const km_state *state);
 
+/* ---- A program takes part: forces and events of its own, and inputs that it changes between steps. */
+
+/* Motion of a frame, along the inertial axes; rotations in radians. */
+typedef struct km_frame_motion {
+  double origin[3], axes[9];  /* position of the origin; rotation matrix, by rows */
+  double velocity[3];         /* velocity of the origin */
+  double angular_velocity[3]; /* angular velocity of its body */
+} km_frame_motion;
+
+/* A motion at one time, as the functions of a program see it. */
+typedef struct km_motion_sample {
+  double time;
+  const double *q, *rate;        /* [coordinate] in the coordinate's unit, and over the time unit */
+  const km_frame_motion *frames; /* [frame_count] frames of km_user_forces */
+} km_motion_sample;
+
+/* Forces that a program computes in every evaluation of the equations of motion. */
+typedef struct km_user_forces {
+  /* Adds to joint_forces[coordinate], forces along +q (for an angle force × length per radian), and to
+   * wrenches[frame], force and moment on the frame's body at its origin along the inertial axes; all are 0 before the
+   * call. The forces are a continuous function of the sample and of inputs that change between steps only. False stops
+   * the run. */
+  bool (*compute)(void *context, const km_motion_sample *sample, double *joint_forces, double (*wrenches)[6]);
+  void *context;     /* first argument of `compute` */
+  const int *frames; /* [frame_count] frames whose motion is read and on which wrenches act */
+  int frame_count;
+} km_user_forces;
+
+/* Sets the forces of a program, before km_dynamics_create; frames are copied, the rest is borrowed. Their power counts
+ * as motor work. KM_USAGE: a missing function or invalid frame, or equations of motion exist; KM_MEMORY. */
+KM_API km_status km_forces_set_user(km_forces *forces, const km_user_forces *user, km_error *error);
+
+/* Inputs that are constant until they are set again: a force along +q, added to the others (for an angle force × length
+ * per radian; 0 at first); load `index` of km_forces_create; the reference of a controller (NaN: its law in the
+ * model). During a run km_simulation_restart follows. KM_USAGE: invalid index, not finite, not a controller. */
+KM_API km_status km_forces_set_joint_force(km_forces *forces, int coordinate, double force, km_error *error);
+KM_API km_status km_forces_set_load(km_forces *forces, int index, const km_load *load, km_error *error);
+KM_API km_status km_forces_set_reference(km_forces *forces, int module, double value, km_error *error);
+
 /* ---- Integrating the equations of motion over time. */
 
 /* Integration method of a run (docs/theory.md 11.5). */
@@ -82,11 +121,14 @@ typedef enum km_stabilisation {
   KM_STABILISE_BAUMGARTE /* loop errors are fed back: J q̈ = γ − 2ω ė − ω² e, ω by order and step (thesis 6.7) */
 } km_stabilisation;
 
-/* A crossing to locate: a coordinate passes a value. */
+/* A crossing to locate: a coordinate or a function of a program passes a value. */
 typedef struct km_crossing {
   int coordinate; /* coordinate that passes */
   double value;   /* in the coordinate's unit */
   bool stops;     /* the run ends at the crossing */
+  /* Function that passes the value instead of a coordinate; NULL: none. Two passages within one step aren't noticed. */
+  double (*function)(void *context, const km_motion_sample *sample);
+  void *context; /* first argument of `function` */
 } km_crossing;
 
 /* State of a run besides time, coordinates and rates; created by km_history_resume. Energies and works in force ×
@@ -133,6 +175,15 @@ KM_API void km_simulation_free(km_simulation *simulation);
  * km_simulation_figures. KM_CANCELLED. Allocates only if a partition has more freedoms than before. */
 KM_API km_status km_simulation_advance(km_simulation *simulation, double time, km_progress progress, void *context,
                                        km_error *error);
+
+/* Makes one step of the integrator; state and statuses as km_simulation_advance. With KM_INTEGRATOR_FIXED the n-th step
+ * since the start or the last restart ends exactly n steps later, by six evaluations. */
+KM_API km_status km_simulation_step(km_simulation *simulation, km_error *error);
+
+/* Continues from the state's time after a program has changed inputs of the forces, or coordinates or rates of the
+ * state; rates are projected on the loops. Internal states and works stay. Crossings located later than the state's
+ * time are forgotten. KM_DIVERGED: loops can't be closed. */
+KM_API km_status km_simulation_restart(km_simulation *simulation, km_error *error);
 
 /* Figures of a run so far. */
 typedef struct km_simulation_figures {
