@@ -113,8 +113,7 @@ static void begin_memory(km_simulation *run) {
 static km_status start_from_state(km_simulation *run, km_error *error) {
   km_state *s = run->state;
   km_dynamics *d = run->dynamics;
-  run->time = run->last_time = run->origin = s->time;
-  run->steps_since = 0;
+  run->time = run->last_time = s->time;
   d->omega = 0.0;
   km_status status = km_dynamics_project_rates(d, s, NULL, error);
   if (!status)
@@ -138,6 +137,7 @@ static km_status begin(km_simulation *run, km_error *error) {
     if (!def->crossings[i].function)
       run->crossings[i].value *= km_model_coordinate_factor(d->mechanism->model, def->crossings[i].coordinate);
   }
+  run->origin = run->state->time;
   d->uses_baumgarte = def->stabilisation == KM_STABILISE_BAUMGARTE;
   d->closing_tolerance = fmin(fmax(1e-2 * def->relative, 1e-13), 1e-7);
   begin_memory(run);

@@ -38,8 +38,7 @@ struct km_simulation {
   double *before, *slope;   /* [size] vector and derivative before the last fixed step */
   double *accepted;         /* [size] vector before the last step */
   double *accepted_shift;   /* [size] shift before the last step */
-  double origin;            /* time of the start or of the last restart */
-  long steps_since;         /* fixed steps since then */
+  double origin;            /* time of the start: fixed steps end at multiples of their length after it */
   double last_time;         /* time before the last step */
   double typical_step;      /* typical step length, and its value before the last step */
   double typical_step_before;

@@ -47,6 +47,9 @@ void km_user_forces_add(const km_mechanism *mechanism, const km_state *state, km
 /* Motion as the functions of a program see it; poses and twists of its frames' bodies must be set. */
 km_motion_sample km_user_sample(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 
+/* Motion of a frame of a loaded body. */
+km_frame_motion km_frame_motion_of(const km_forces *forces, int frame);
+
 /* Energy stored in stops. */
 double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
 

@@ -90,18 +90,20 @@ static void store(km_vec3 v, double out[3]) {
   out[2] = v.z;
 }
 
-static void sample_frame(const km_forces *f, int frame, km_frame_motion *out) {
+km_frame_motion km_frame_motion_of(const km_forces *f, int frame) {
+  km_frame_motion out;
   const km_model_frame *def = &f->mechanism->model->frames[frame];
   km_pose X = km_pose_product(&f->pose[def->body], &def->pose);
   km_twist V = f->twist[def->body];
-  store(km_vec3_add(X.p, f->origin), out->origin);
+  store(km_vec3_add(X.p, f->origin), out.origin);
   for (int k = 0; k < 3; ++k) {
-    out->axes[k] = X.R.axis[k].x;
-    out->axes[3 + k] = X.R.axis[k].y;
-    out->axes[6 + k] = X.R.axis[k].z;
+    out.axes[k] = X.R.axis[k].x;
+    out.axes[3 + k] = X.R.axis[k].y;
+    out.axes[6 + k] = X.R.axis[k].z;
   }
-  store(km_point_velocity(V, X.p), out->velocity);
-  store(V.w, out->angular_velocity);
+  store(km_point_velocity(V, X.p), out.velocity);
+  store(V.w, out.angular_velocity);
+  return out;
 }
 
 km_motion_sample km_user_sample(const km_mechanism *m, const km_state *s, km_forces *f) {
@@ -111,7 +113,7 @@ km_motion_sample km_user_sample(const km_mechanism *m, const km_state *s, km_for
     moving->user_rate[c] = km_state_rate(s, c);
   }
   for (int i = 0; i < f->user.frame_count; ++i)
-    sample_frame(f, f->user.frames[i], &moving->user_frames[i]);
+    moving->user_frames[i] = km_frame_motion_of(f, f->user.frames[i]);
   return (km_motion_sample){s->time, moving->user_q, moving->user_rate, moving->user_frames};
 }
 

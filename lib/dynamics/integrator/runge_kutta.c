@@ -2,6 +2,7 @@
  * per step. */
 #include "dynamics/simulation.h"
 
+#include <math.h>
 #include <string.h>
 
 /* out = y + h · slope. */
@@ -30,14 +31,14 @@ static bool make_step(km_simulation *run, double h, double to) {
   memcpy(run->y, at, n * sizeof *at);
   run->time = to;
   run->steps++;
-  run->steps_since++;
   return true;
 }
 
-/* The n-th step ends at origin + n h, so that rounding doesn't accumulate. */
+/* Steps end at origin + n h, so that rounding doesn't accumulate; the first one after a restart is shorter. */
 km_status km_fixed_step(km_simulation *run, km_error *error) {
-  double to = run->origin + (double)(run->steps_since + 1) * run->def.max_step;
-  if (run->def.end - to < 1e-9 * run->def.max_step) /* slightly longer rather than followed by a tiny step */
+  static const double least = 1e-6; /* a shorter rest, in steps, is added to the next step */
+  double h = run->def.max_step, to = run->origin + h * (floor((run->time - run->origin) / h + least) + 1.0);
+  if (run->def.end - to < least * h)
     to = run->def.end;
   run->step_method = KM_STEP_RUNGE_KUTTA;
   run->order = 4;

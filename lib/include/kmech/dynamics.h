@@ -176,8 +176,8 @@ KM_API void km_simulation_free(km_simulation *simulation);
 KM_API km_status km_simulation_advance(km_simulation *simulation, double time, km_progress progress, void *context,
                                        km_error *error);
 
-/* Makes one step of the integrator; state and statuses as km_simulation_advance. With KM_INTEGRATOR_FIXED the n-th step
- * since the start or the last restart ends exactly n steps later, by six evaluations. */
+/* Makes one step of the integrator; state and statuses as km_simulation_advance. With KM_INTEGRATOR_FIXED steps end at
+ * multiples of their length after the start, by six evaluations each. */
 KM_API km_status km_simulation_step(km_simulation *simulation, km_error *error);
 
 /* Continues from the state's time after a program has changed inputs of the forces, or coordinates or rates of the
@@ -213,6 +213,45 @@ typedef struct km_crossing_met {
 } km_crossing_met;
 KM_API int km_simulation_crossing_count(const km_simulation *simulation);
 KM_API km_crossing_met km_simulation_crossing(const km_simulation *simulation, int index);
+
+/* ---- A session: a program sets inputs, makes steps and reads the motion, as hardware or a co-simulation does. */
+
+/* Definition of a session. Start from km_session_default(). */
+typedef struct km_session_def {
+  km_simulation_def simulation; /* run; with KM_INTEGRATOR_FIXED one step of the session is one of the integrator */
+  double step;                  /* length of a step, the model's time unit */
+  const int *frames;            /* [frame_count] frames on which wrenches act and whose motion is read */
+  int frame_count;
+} km_session_def;
+/* Default definition: fixed steps of 1 ms. */
+KM_API km_session_def km_session_default(const km_model *model);
+
+typedef struct km_session km_session;
+
+/* Creates a session at the assembled state's configuration, rates and time, with all forces of the model, `gravity`
+ * NULL for the model's own. The mechanism is borrowed; the state is copied. KM_USAGE: step or frames; statuses of
+ * km_dynamics_create and km_simulation_create. The caller frees `*out`. */
+KM_API km_status km_session_create(const km_mechanism *mechanism, const km_state *state, const km_session_def *def,
+                                   km_session **out, km_error *error);
+KM_API void km_session_free(km_session *session);
+
+/* Set inputs, which act from the next step on until they are set again: force of a joint along +q (for an angle force ×
+ * length per radian), force and moment on frame `index` of the definition (its origin, inertial axes), reference of a
+ * controller (NaN: its law), rate of a coordinate now (the rates of others follow the loops). KM_USAGE. */
+KM_API km_status km_session_set_force(km_session *session, int coordinate, double force, km_error *error);
+KM_API km_status km_session_set_wrench(km_session *session, int index, const double wrench[6], km_error *error);
+KM_API km_status km_session_set_reference(km_session *session, int module, double value, km_error *error);
+KM_API km_status km_session_set_rate(km_session *session, int coordinate, double rate, km_error *error);
+
+/* Makes steps; step n since the start ends at start + n · step. KM_PARTIAL: a crossing stopped the run within a step,
+ * the next call continues; KM_DIVERGED, KM_CANCELLED as km_simulation_advance. Bounded work per step with
+ * KM_INTEGRATOR_FIXED: six evaluations and at most one new partition. */
+KM_API km_status km_session_step(km_session *session, int count, km_error *error);
+
+/* State of the motion, borrowed; its run; and the motion of frame `index` (NaN: invalid). */
+KM_API const km_state *km_session_state(const km_session *session);
+KM_API const km_simulation *km_session_run(const km_session *session);
+KM_API km_frame_motion km_session_frame(const km_session *session, int index);
 
 /* ---- A simulation as a table: coordinates, rates, accelerations, energies, points and reactions over time. */
 
