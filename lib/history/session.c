@@ -171,6 +171,10 @@ const km_state *km_session_state(const km_session *s) {
   return s ? s->state : NULL;
 }
 
+double km_session_time(const km_session *s) {
+  return s ? s->state->time : nan("");
+}
+
 const km_simulation *km_session_run(const km_session *s) {
   return s ? s->run : NULL;
 }

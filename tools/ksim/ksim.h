@@ -13,6 +13,7 @@ kt_exit ksim_run(int argc, char **argv);
 kt_exit ksim_inverse(int argc, char **argv);
 kt_exit ksim_linearise(int argc, char **argv);
 kt_exit ksim_equilibrium(int argc, char **argv);
+kt_exit ksim_serve(int argc, char **argv);
 
 /* A positive number of an option; what isn't given stays. */
 kt_exit ksim_read_number(const kt_common *common, const char *option, const char *text, const char *expected,
@@ -83,6 +84,8 @@ typedef struct ksim_work {
   char stopped_by[KM_ERROR_TEXT]; /* "": it went to the end */
 } ksim_work;
 
+/* Sets the crossings of --event and --stop. */
+kt_exit ksim_read_crossings(ksim_work *work);
 /* Sets the rates of --rate. */
 kt_exit ksim_set_rates(ksim_work *work);
 /* Names stated initial rates that the motion doesn't start with; KT_PARTIAL where they contradict each other. */

@@ -6,6 +6,7 @@ static const kt_command commands[] = {
     {"inverse", "the forces that a prescribed motion takes", ksim_inverse},
     {"linearise", "state matrices, natural frequencies and modes about a pose", ksim_linearise},
     {"equilibrium", "a pose at rest, and whether it is stable", ksim_equilibrium},
+    {"serve", "steps one by one, with inputs from another program", ksim_serve},
     {0}};
 
 int main(int argc, char **argv) {

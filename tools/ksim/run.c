@@ -76,8 +76,7 @@ static kt_exit add_crossing(ksim_work *w, const char *option, char *text, bool s
   return result;
 }
 
-/* Events of --event and --stop. */
-static kt_exit read_crossings(ksim_work *w) {
+kt_exit ksim_read_crossings(ksim_work *w) {
   const ksim_options *o = w->options;
   kt_exit result = KT_DONE;
   for (int i = 0; i < (int)o->events.count && result == KT_DONE; ++i)
@@ -132,7 +131,7 @@ static kt_exit prepare(ksim_work *w) {
   if (result == KT_DONE)
     result = read_numbers(w);
   if (result == KT_DONE)
-    result = read_crossings(w);
+    result = ksim_read_crossings(w);
   if (result == KT_DONE)
     result = ksim_read_frames(&o->common, w->pose.model, &o->frames, &w->def.frames, &w->def.frame_count);
   if (result == KT_DONE)

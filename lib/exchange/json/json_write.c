@@ -33,7 +33,11 @@ static void indent(km_text *out, int level) {
 
 static void write_value(const km_value *value, int level, km_text *out);
 
+/* Level of values that are written on one line. */
+enum { ON_ONE_LINE = -1 };
+
 static void write_members(const km_value *value, int level, int flat, km_text *out) {
+  flat = flat || level == ON_ONE_LINE;
   for (const km_value *member = value->first; member; member = member->next) {
     if (!flat)
       indent(out, level + 1);
@@ -41,7 +45,7 @@ static void write_members(const km_value *value, int level, int flat, km_text *o
       write_string(member->key, out);
       km_text_add(out, ": ");
     }
-    write_value(member, level + 1, out);
+    write_value(member, level == ON_ONE_LINE ? level : level + 1, out);
     if (member->next)
       km_text_add(out, flat ? ", " : ",");
   }
@@ -83,5 +87,12 @@ void km_json_write(const km_value *value, km_text *out) {
   if (!value || !out)
     return;
   write_value(value, 0, out);
+  km_text_add(out, "\n");
+}
+
+void km_json_write_line(const km_value *value, km_text *out) {
+  if (!value || !out)
+    return;
+  write_value(value, ON_ONE_LINE, out);
   km_text_add(out, "\n");
 }

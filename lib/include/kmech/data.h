@@ -54,6 +54,8 @@ KM_API km_status km_json_parse(const char *bytes, size_t size, km_arena *arena, 
 /* Appends the record as text, two spaces a level; lists of scalars stay on one line. Numbers that are not finite are
  * written as null. O(bytes). */
 KM_API void km_json_write(const km_value *value, km_text *out);
+/* Appends the record on one line. */
+KM_API void km_json_write_line(const km_value *value, km_text *out);
 
 /* ---- Tables of numbers with named columns and units. */
 

@@ -250,6 +250,7 @@ KM_API km_status km_session_step(km_session *session, int count, km_error *error
 
 /* State of the motion, borrowed; its run; and the motion of frame `index` (NaN: invalid). */
 KM_API const km_state *km_session_state(const km_session *session);
+KM_API double km_session_time(const km_session *session);
 KM_API const km_simulation *km_session_run(const km_session *session);
 KM_API km_frame_motion km_session_frame(const km_session *session, int index);
 
