@@ -280,6 +280,9 @@ static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;
 }
 
+/* Factor from mass · acceleration in the model's units to the model's force unit. */
+double km_inertial_factor(const km_model *model);
+
 /* True if the coordinate is a component of a rotation vector. */
 static inline bool km_model_turns(const km_model *model, int coordinate) {
   const km_model_coordinate *c = &model->coordinates[coordinate];
