@@ -26,6 +26,7 @@ struct km_forces {
   double *extra; /* [coordinate] additional joint forces along +q, set by an analysis; initially 0 */
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
+  km_joint_stop limit_stop;        /* stop at limits of joints without one; 0: none */
   km_module_report *report;        /* [module of the model] */
   struct km_moving_forces *moving; /* forces that act during a motion; NULL in statics */
   /* Results of km_forces_compute. Wrenches are along the inertial axes, moments about `origin`. */
