@@ -147,6 +147,16 @@ static bool update_origin(km_dynamics *d) {
   return false;
 }
 
+void km_dynamics_place_loaded(const km_dynamics *d) {
+  km_forces *f = d->forces;
+  for (int i = 0; i < f->moving->loaded_body_count; ++i) {
+    int body = f->moving->loaded_bodies[i];
+    const km_node_motion *node = &d->node[d->tree.node_of_body[body]];
+    f->pose[body] = km_pose_product(&node->pose, &d->tree.body_in_node[body]);
+    f->twist[body] = node->V;
+  }
+}
+
 /* Evaluates the forces at the nodes' poses and twists: subtracts wrenches from p of the nodes, sets τ of the
  * coordinates. */
 static void apply_forces(km_dynamics *d, const km_state *s) {
@@ -154,12 +164,7 @@ static void apply_forces(km_dynamics *d, const km_state *s) {
   const km_tree *tree = &d->tree;
   km_forces *f = d->forces;
   const km_moving_forces *moving = f->moving;
-  for (int i = 0; i < moving->loaded_body_count; ++i) {
-    int body = moving->loaded_bodies[i];
-    const km_node_motion *node = &d->node[tree->node_of_body[body]];
-    f->pose[body] = km_pose_product(&node->pose, &tree->body_in_node[body]);
-    f->twist[body] = node->V;
-  }
+  km_dynamics_place_loaded(d);
   km_forces_update_moving(m, s, f);
   for (int i = 0; i < moving->loaded_body_count; ++i) {
     int body = moving->loaded_bodies[i];
@@ -279,7 +284,8 @@ km_status km_dynamics_energy(km_dynamics *d, km_state *s, km_energy *out, km_err
     km_vec3 mc = km_vec3_axpy(node->inertia.m, f->origin, node->inertia.mc);
     out->potential -= km_vec3_dot(mc, f->stated_gravity);
   }
-  out->potential += km_springs_energy(d->mechanism, s, f) + km_stops_energy(d->mechanism, s, f);
+  out->potential +=
+      km_springs_energy(d->mechanism, s, f) + km_stops_energy(d->mechanism, s, f) + km_contacts_energy(d->mechanism, f);
   out->motor_power += km_dynamics_driving_power(d, s);
   return KM_OK;
 }

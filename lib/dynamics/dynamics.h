@@ -121,6 +121,9 @@ double km_dynamics_driving_power(const km_dynamics *dynamics, const km_state *st
  * can't be closed. */
 bool km_constraints_update(km_dynamics *dynamics, km_state *state, bool search);
 
+/* Sets the poses and twists of the bodies on which forces act from their nodes; after km_tree_update. */
+void km_dynamics_place_loaded(const km_dynamics *dynamics);
+
 /* Computes poses, joint twists, twists, inertias and velocity products of all nodes. */
 void km_tree_update(km_dynamics *dynamics, const km_state *state);
 

@@ -14,7 +14,8 @@ typedef struct km_module_report {
   /* Tyres: force on the wheel at the contact point along its heading, across it and along the road's normal; moment
    * about these axes; longitudinal slip and slip angle. */
   km_vec3 tire_force, tire_moment;
-  double slip, slip_angle;
+  double slip, slip_angle; /* `slip` of a contact is its slip speed */
+  double depth, friction;  /* contacts: penetration, magnitude of the friction; `force` is the normal force */
 } km_module_report;
 
 struct km_forces {

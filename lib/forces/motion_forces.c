@@ -143,6 +143,8 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
   const km_mechanism *m = f->mechanism;
   km_status status = check_tires(m->model, error);
   if (!status)
+    status = km_contacts_check(m->model, error);
+  if (!status)
     status = check_stops(m, error);
   if (status)
     return status;
@@ -378,6 +380,10 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   *km_module_report_of(m, f, module) = (km_module_report){.variable = variable_of(module, &x, s->time)};
   if (module->type == KM_MODULE_TIRE) {
     km_tire_apply(m, f, index);
+    return;
+  }
+  if (module->type == KM_MODULE_CONTACT) {
+    km_contact_apply(m, f, module);
     return;
   }
   if (module->type == KM_MODULE_FRICTION && moving->frictionless)

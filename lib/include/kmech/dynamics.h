@@ -49,8 +49,8 @@ KM_API km_status km_dynamics_project_rates(km_dynamics *dynamics, km_state *stat
 KM_API km_status km_dynamics_accelerate(km_dynamics *dynamics, km_state *state, km_error *error);
 
 /* Energies, in force × length, at the last km_dynamics_accelerate: kinetic; potential of gravity (0 with all centres
- * of mass at the inertial origin), springs and stops; power dissipated by dampers, friction, stops and tyres; power
- * supplied by motors, controllers, loads and prescribed motions. */
+ * of mass at the inertial origin), springs, stops and contacts; power dissipated by dampers, friction, stops, tyres and
+ * contacts; power supplied by motors, controllers, loads and prescribed motions. */
 typedef struct km_energy {
   double kinetic, potential, dissipation, motor_power; /* energies; powers */
 } km_energy;
