@@ -102,17 +102,15 @@ double km_objective_sample_weight(const km_objective *objective, const km_path *
   return sample == 0 ? 0.0 : (points[sample].t - points[sample - 1].t) * path->samples / points[path->samples - 1].t;
 }
 
-void km_path_node_add_effort(const km_tracker *w, int sample, const km_path_point *point, const km_path_node *from,
-                             km_path_node *to) {
+void km_path_node_add_step_effort(const km_tracker *w, int sample, const km_path_point *point, const km_path_node *from,
+                                  km_path_node *to) {
   const km_path_point *here = &w->path->points[sample];
   const bool corner = point->t == here[1].t && km_path_has_corner(w->path, sample + 1);
-  to->weight = km_objective_sample_weight(w->objective, w->path, sample + 1);
-  if (!km_objective_needs_forces(w->objective))
-    return;
   km_joint_effort effort;
   const km_step_side start = {from->q, from->path, from->self, here->speed},
                      end = {to->q, to->path, to->self, point->speed};
   km_joint_effort_of_step(w->arm, &start, &end, point->t - here->t, corner, &effort);
+  to->weight = km_objective_sample_weight(w->objective, w->path, sample + 1);
   to->value += km_joint_effort_sum(w->objective, &effort);
 }
 

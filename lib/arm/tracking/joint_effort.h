@@ -46,10 +46,18 @@ bool km_path_has_corner(const km_path *path, int sample);
  * time of the step that ends there over the mean time of all samples, so that the mean is that over the time. */
 double km_objective_sample_weight(const km_objective *objective, const km_path *path, int sample);
 
+/* As km_path_node_add_effort, for an objective that needs forces. */
+void km_path_node_add_step_effort(const km_tracker *tracker, int sample, const km_path_point *point,
+                                  const km_path_node *from, km_path_node *to);
 /* Adds the objectives from inverse dynamics of a step from a node at `sample` to a point of its interval to the value
  * of the node there, and sets its weight. */
-void km_path_node_add_effort(const km_tracker *tracker, int sample, const km_path_point *point,
-                             const km_path_node *from, km_path_node *to);
+static inline void km_path_node_add_effort(const km_tracker *tracker, int sample, const km_path_point *point,
+                                           const km_path_node *from, km_path_node *to) {
+  if (km_objective_needs_forces(tracker->objective))
+    km_path_node_add_step_effort(tracker, sample, point, from, to);
+  else
+    to->weight = 1.0;
+}
 /* As km_path_node_add_effort for a node without a step: minimum-norm rates, no accelerations. */
 void km_path_node_add_effort_at_rest(const km_tracker *tracker, int sample, km_path_node *node);
 

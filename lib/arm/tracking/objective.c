@@ -6,11 +6,6 @@ bool km_objective_by_mean(const km_objective *objective) {
   return km_objective_single(objective) == KM_PATH_CONTROL || km_objective_needs_forces(objective);
 }
 
-bool km_objective_needs_forces(const km_objective *objective) {
-  return objective && (objective->weight[KM_EFFORT] != 0.0 || objective->weight[KM_RELATIVE_EFFORT] != 0.0 ||
-                       objective->weight[KM_ENERGY] != 0.0 || objective->weight[KM_POSITIVE_WORK] != 0.0);
-}
-
 static double smallest_entry(const double *path, int n) {
   double least = fabs(path[0]);
   for (int i = 1; i <= n; ++i)

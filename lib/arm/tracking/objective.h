@@ -17,7 +17,10 @@ double km_objective_rate_margin(const km_arm *arm, const double *rates);
 /* Weighted sum Σ weight · value. */
 double km_objective_sum(const km_objective *objective, const double *values);
 /* True if an objective from inverse dynamics has a weight (joint_effort.h). */
-bool km_objective_needs_forces(const km_objective *objective);
+static inline bool km_objective_needs_forces(const km_objective *objective) {
+  return objective && (objective->weight[KM_EFFORT] != 0.0 || objective->weight[KM_RELATIVE_EFFORT] != 0.0 ||
+                       objective->weight[KM_ENERGY] != 0.0 || objective->weight[KM_POSITIVE_WORK] != 0.0);
+}
 /* True if the value of a track is the mean over its samples: of path-control, whose minimum tends to 0 with the steps,
  * and of objectives from inverse dynamics, which are integrals over the time. The value of others is the minimum. */
 bool km_objective_by_mean(const km_objective *objective);
