@@ -1,5 +1,6 @@
 /* Arms: a chain of joints cut out of a mechanism, with its length scale, limits and rates (docs/theory.md 12.1). */
 #include "arm/arm.h"
+#include "arm/arm_dynamics.h"
 #include "base/arguments.h"
 #include "topology/chain.h"
 
@@ -114,7 +115,7 @@ static km_status build_chain(km_arm *a, const km_state *s, const km_arc **arcs, 
   X.p = km_vec3_scale(1.0 / a->length, X.p);
   a->tool = X;
   set_sizes(a);
-  if (!km_arm_find_rows(a))
+  if (!km_arm_find_rows(a) || !km_arm_set_masses(a, s, arcs, count))
     return km_fail(error, KM_MEMORY, "out of memory for an arm");
   a->freedom = a->n - a->rows;
   if (a->rows == 0)

@@ -8,6 +8,7 @@
 
 #include "kinematics/body_poses.h"
 #include "kmech/arm.h"
+#include "spatial/inertia.h"
 
 enum { KM_ARM_ROWS = 6, KM_ARM_MAX_JOINTS = 32 };
 
@@ -21,6 +22,17 @@ typedef struct km_arm_motion {
   bool has_rotation; /* `before` contains a rotation */
   km_pose before;    /* displacement from the previous motion to this one's frame */
 } km_arm_motion;
+
+/* Inertial data of an arm. A force belongs to a coordinate of the arm: force · length of the model, also of a slide,
+ * whose coordinate is a travel over L. Times are seconds. */
+typedef struct km_arm_mass {
+  bool has_mass;       /* a link or a drive has inertia */
+  km_vec3 gravity;     /* L/s² */
+  km_inertia *inertia; /* [n] all bodies that move with coordinate k and no later one, in the frame of motion k */
+  double *armature;    /* [n] force per acceleration */
+  double *damping;     /* [n] force per rate */
+  double *force_limit; /* [n] largest force of the drive; infinity: none */
+} km_arm_mass;
 
 struct km_arm {
   km_arena arena;
@@ -46,6 +58,7 @@ struct km_arm {
   double *unit;           /* [n] 1, or L for a slide: value in the mechanism = unit · value here */
   double *low, *high;     /* [n] limits; ∓infinity: none */
   double *rate;           /* [n] largest speed in these units per second; infinity: none */
+  km_arm_mass mass;       /* inertial data; km_arm_set_masses sets it */
 };
 
 /* Workspace of one thread, allocated once. */

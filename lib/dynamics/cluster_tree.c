@@ -16,11 +16,6 @@ typedef struct tree_builder {
                 * work array */
 } tree_builder;
 
-double km_inertial_factor(const km_model *model) {
-  static const km_dimension inertial = {.length = 1, .mass = 1, .time = -2, .force = -1};
-  return km_units_factor(&model->units, inertial);
-}
-
 /* Adds a body and its inertia to a node. */
 static void add_body(tree_builder *w, int body, int node, const km_pose *in_node) {
   km_tree *tree = w->tree;

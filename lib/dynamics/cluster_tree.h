@@ -43,9 +43,6 @@ typedef struct km_tree {
   km_pose *body_in_node;   /* [body] pose in the node's frame */
 } km_tree;
 
-/* Factor from mass · acceleration in the model's units to the model's force unit. */
-double km_inertial_factor(const km_model *model);
-
 /* Builds the tree from a mechanism's topology, dimensions and masses. False, with arena->failed: out of memory.
  * O(joints). */
 bool km_tree_build(const km_mechanism *mechanism, km_arena *arena, km_tree *out);

@@ -147,7 +147,7 @@ static bool update_origin(km_dynamics *d) {
   return false;
 }
 
-void km_dynamics_locate_bodies(km_dynamics *d) {
+void km_dynamics_locate_bodies(const km_dynamics *d) {
   km_forces *f = d->forces;
   for (int i = 0; i < f->moving->loaded_body_count; ++i) {
     int body = f->moving->loaded_bodies[i];
@@ -287,7 +287,8 @@ km_status km_dynamics_energy(km_dynamics *d, km_state *s, km_energy *out, km_err
     km_vec3 mc = km_vec3_axpy(node->inertia.m, f->origin, node->inertia.mc);
     out->potential -= km_vec3_dot(mc, f->stated_gravity);
   }
-  out->potential += km_springs_energy(d->mechanism, s, f) + km_stops_energy(d->mechanism, s, f);
+  out->potential +=
+      km_springs_energy(d->mechanism, s, f) + km_stops_energy(d->mechanism, s, f) + km_contacts_energy(d->mechanism, f);
   out->motor_power += km_dynamics_driving_power(d, s);
   return KM_OK;
 }

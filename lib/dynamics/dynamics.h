@@ -88,7 +88,7 @@ struct km_dynamics {
  * change only if they fail. */
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state, bool search);
 /* Sets poses and twists of the bodies on which forces act, after km_tree_update. */
-void km_dynamics_locate_bodies(km_dynamics *dynamics);
+void km_dynamics_locate_bodies(const km_dynamics *dynamics);
 /* Forces and accelerations at the present forces of the implicit modules. */
 km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *dynamics, km_state *state);
 /* Finds the forces of the implicit modules with which laws and accelerations agree, after
@@ -123,6 +123,7 @@ double km_dynamics_driving_power(const km_dynamics *dynamics, const km_state *st
  * requests it, at an accepted configuration), computes the dependent rates, N and γ. False: out of memory, or a loop
  * can't be closed. */
 bool km_constraints_update(km_dynamics *dynamics, km_state *state, bool search);
+
 
 /* Computes poses, joint twists, twists, inertias and velocity products of all nodes. */
 void km_tree_update(km_dynamics *dynamics, const km_state *state);

@@ -222,7 +222,7 @@ static km_status make_step(km_simulation *run, km_error *error) {
   if (!run->cvode)
     return km_fixed_step(run, error);
   km_status status = km_cvode_step(run, error);
-  double missed = status ? HUGE_VAL : km_simulation_passed_over(run);
+  double missed = status ? HUGE_VAL : fmin(km_simulation_passed_over(run), km_contacts_passed_over(run));
   if (missed == HUGE_VAL)
     return status;
   return restore_step(run, missed) ? km_cvode_step(run, error)

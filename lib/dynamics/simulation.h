@@ -119,6 +119,10 @@ void km_crossings_begin(km_simulation *run);
  * that no evaluation noticed it. Infinity: none. O(corners), plus the search near a corner. */
 double km_simulation_passed_over(km_simulation *run);
 
+/* Time within the last step at which the bodies of a contact overlap although they are apart at both ends of the step;
+ * infinity: none. O(1) without contacts, else up to some ten forward kinematics a contact. */
+double km_contacts_passed_over(km_simulation *run);
+
 /* Interpolates the vector at a time within the last step (dense output). */
 bool km_simulation_interpolate(const km_simulation *run, double time, double *y);
 bool km_cvode_interpolate(const km_simulation *run, double time, double *y);

@@ -14,7 +14,8 @@ typedef struct km_module_report {
   /* Tyres: force on the wheel at the contact point along its heading, across it and along the road's normal; moment
    * about these axes; longitudinal slip and slip angle. */
   km_vec3 tire_force, tire_moment;
-  double slip, slip_angle;
+  double slip, slip_angle; /* `slip` of a contact is its slip speed */
+  double depth, friction;  /* contacts: penetration, magnitude of the friction; `force` is the normal force */
 } km_module_report;
 
 struct km_forces {
@@ -28,6 +29,7 @@ struct km_forces {
   km_user_forces user; /* forces of a program; compute NULL: none */
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
+  km_joint_stop limit_stop;        /* stop at limits of joints without one; 0: none */
   km_module_report *report;        /* [module of the model] */
   struct km_moving_forces *moving; /* forces that act during a motion; NULL in statics */
   /* Results of km_forces_compute. Wrenches are along the inertial axes, moments about `origin`. */

@@ -5,6 +5,9 @@
  *   friction: −F s(v),  s = 1 above the stiction speed, else x (2 − x)      PID: k_p e + k_i ∫e + k_d ė */
 #include "forces/motion_forces.h"
 
+#include "base/arguments.h"
+#include "kmech/dynamics.h"
+
 #include <string.h>
 
 static void add_loaded_body(km_moving_forces *out, bool *is_listed, int body) {
@@ -32,20 +35,34 @@ static void list_loaded_bodies(const km_model *model, const km_forces *f, bool *
   }
 }
 
-static bool has_stop(const km_mechanism *m, int c) {
-  const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
-  return (stop->stiffness > 0.0 || stop->damping > 0.0) && km_is_limited(m, c);
+static bool acts(const km_joint_stop *stop) {
+  return stop->stiffness > 0.0 || stop->damping > 0.0;
+}
+
+static const km_joint_stop *own_stop(const km_mechanism *m, int c) {
+  return &m->model->joints[m->model->coordinates[c].joint].stop;
+}
+
+/* True if the limits are those of one component of a ball. */
+static bool limits_component(const km_mechanism *m, int c) {
+  return m->ball_of[c] >= 0 && (isfinite(m->low[c]) || isfinite(m->high[c]));
+}
+
+/* Stop of a coordinate: its joint's own, else that of km_forces_set_limit_stops. */
+static const km_joint_stop *stop_of(const km_forces *f, int c) {
+  const km_joint_stop *own = own_stop(f->mechanism, c);
+  return acts(own) || limits_component(f->mechanism, c) ? own : &f->limit_stop;
 }
 
 /* Lists coordinates with dampers, stops and constant friction. */
-static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
+static void list_coordinates(const km_mechanism *m, const km_forces *f, km_moving_forces *out) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_model_coordinate *def = &m->model->coordinates[c];
     if (m->held[c])
       continue;
     if (def->damping != 0.0)
       out->dampers[out->damper_count++] = c;
-    if (has_stop(m, c))
+    if (acts(stop_of(f, c)) && km_is_limited(m, c))
       out->stops[out->stop_count++] = c;
     if (def->friction > 0.0)
       out->constant_friction[out->constant_friction_count++] = c;
@@ -103,9 +120,22 @@ static km_status check_tires(const km_model *model, km_error *error) {
  * such a stop would not conserve energy. */
 static km_status check_stops(const km_mechanism *m, km_error *error) {
   for (int c = 0; c < m->coordinate_count; ++c)
-    if (m->ball_of[c] >= 0 && !m->held[c] && has_stop(m, c) && (isfinite(m->low[c]) || isfinite(m->high[c])))
+    if (!m->held[c] && acts(own_stop(m, c)) && limits_component(m, c))
       return km_fail(error, KM_MODEL, "joint %s: a stop of one component of a ball; expected one range of its angle",
                      m->model->coordinates[c].label);
+  return KM_OK;
+}
+
+km_status km_forces_set_limit_stops(km_forces *f, double stiffness, double damping, km_error *error) {
+  km_status status = km_check_given(f != NULL, "forces", error);
+  if (status)
+    return status;
+  if (f->moving)
+    return km_fail(error, KM_USAGE, "equations of motion use the forces already; expected stops before these");
+  if (!(stiffness > 0.0) || !isfinite(stiffness) || !(damping >= 0.0) || !isfinite(damping))
+    return km_fail(error, KM_USAGE, "stiffness %g, damping %g; expected a positive one and one of at least 0",
+                   stiffness, damping);
+  f->limit_stop = (km_joint_stop){stiffness, damping};
   return KM_OK;
 }
 
@@ -114,6 +144,8 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
     return KM_OK;
   const km_mechanism *m = f->mechanism;
   km_status status = check_tires(m->model, error);
+  if (!status)
+    status = km_contacts_check(m->model, error);
   if (!status)
     status = check_stops(m, error);
   if (status)
@@ -139,7 +171,7 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
   if (!arena->failed && !scratch.failed) {
     f->moving = out;
     list_loaded_bodies(m->model, f, is_listed);
-    list_coordinates(m, out);
+    list_coordinates(m, f, out);
     list_modules(m->model, out);
     size_t n = (size_t)out->implicit_count;
     out->implicit_work = KM_ARENA_NEW(arena, double, n *n + 4 * n);
@@ -174,7 +206,7 @@ static double stop_force(const km_joint_stop *stop, double x, double v, km_force
 
 /* Stop of a ball's angle |q|; its force acts along q/|q|, which is equal in both frames. */
 static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km_forces *f) {
-  const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
+  const km_joint_stop *stop = stop_of(f, c);
   double x = km_state_ball_excess(m, c, &s->q[c]);
   if (!(x > 0.0))
     return;
@@ -189,10 +221,9 @@ static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km
 static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->moving->stop_count; ++i) {
     int c = f->moving->stops[i];
-    const km_joint_stop *stop = &m->model->joints[m->model->coordinates[c].joint].stop;
     double x = beyond(m, s, c);
     if (x != 0.0)
-      f->joint[c] -= stop_force(stop, x, s->rate[c], f);
+      f->joint[c] -= stop_force(stop_of(f, c), x, s->rate[c], f);
     add_stop_of_ball(m, s, c, f);
   }
 }
@@ -203,7 +234,7 @@ double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces
     int c = f->moving->stops[i];
     double x = beyond(m, s, c);
     double excess = fmax(km_state_ball_excess(m, c, &s->q[c]), 0.0);
-    energy += 0.5 * m->model->joints[m->model->coordinates[c].joint].stop.stiffness * (x * x + excess * excess);
+    energy += 0.5 * stop_of(f, c)->stiffness * (x * x + excess * excess);
   }
   return energy;
 }
@@ -353,6 +384,10 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
   *km_module_report_of(m, f, module) = (km_module_report){.variable = variable_of(module, &x, s->time)};
   if (module->type == KM_MODULE_TIRE) {
     km_tire_apply(m, f, index);
+    return;
+  }
+  if (module->type == KM_MODULE_CONTACT) {
+    km_contact_apply(m, f, module);
     return;
   }
   if (module->type == KM_MODULE_FRICTION && moving->frictionless)

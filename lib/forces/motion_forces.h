@@ -68,6 +68,19 @@ double km_motor_force(const km_model_module *module, double variable);
 void km_implicit_forces_compute(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                                 double *out);
 
+/* Where the bodies of a contact module are closest, about the forces' origin (contact.c). */
+typedef struct km_touch {
+  km_vec3 normal, point, slip; /* normal from parent to child; contact point; velocity of the child along the surface */
+  double depth, depth_rate;    /* penetration δ, negative where the bodies are apart, and its rate */
+} km_touch;
+km_touch km_contact_touch(const km_mechanism *mechanism, const km_forces *forces, const km_model_module *module);
+/* Adds the forces of a contact, its report and the dissipated power. */
+void km_contact_apply(const km_mechanism *mechanism, km_forces *forces, const km_model_module *module);
+/* Energy stored in all contacts. Requires the poses of the last update. */
+double km_contacts_energy(const km_mechanism *mechanism, const km_forces *forces);
+/* KM_MODEL: a contact that doesn't act between frames, or whose numbers can't be used. */
+km_status km_contacts_check(const km_model *model, km_error *error);
+
 /* Adds the forces of tyre `index` on wheel and road, and computes the rates of its slips. */
 void km_tire_apply(const km_mechanism *mechanism, km_forces *forces, int index);
 

@@ -1,5 +1,5 @@
 /* Columns of force modules over a motion: variable, force, power and work; forces, moments and slips of a tyre;
- * internal states. */
+ * forces, penetration and slip of a contact; internal states. */
 #include "base/table.h"
 #include "base/text.h"
 #include "forces/motion_forces.h"
@@ -11,7 +11,18 @@
 static const char *const law_parts[] = {".variable", ".value", ".power", ".work"};
 static const char *const tire_parts[] = {".fx", ".fy",   ".fz",         ".tx",    ".ty",
                                          ".tz", ".slip", ".slip_angle", ".power", ".work"};
-enum { LAW_PARTS = sizeof law_parts / sizeof *law_parts, TIRE_PARTS = sizeof tire_parts / sizeof *tire_parts };
+static const char *const contact_parts[] = {".normal", ".friction", ".penetration", ".slip", ".power", ".work"};
+enum {
+  LAW_PARTS = sizeof law_parts / sizeof *law_parts,
+  TIRE_PARTS = sizeof tire_parts / sizeof *tire_parts,
+  CONTACT_PARTS = sizeof contact_parts / sizeof *contact_parts
+};
+
+/* Endings of a module's columns; returns their number. */
+static int parts_of(const km_model_module *module, const char *const **out) {
+  *out = module->type == KM_MODULE_TIRE ? tire_parts : module->type == KM_MODULE_CONTACT ? contact_parts : law_parts;
+  return module->type == KM_MODULE_TIRE ? TIRE_PARTS : module->type == KM_MODULE_CONTACT ? CONTACT_PARTS : LAW_PARTS;
+}
 
 static bool is_length(const km_model *model, const km_module_input *in) {
   int c = in->port.coordinate;
@@ -44,13 +55,17 @@ static void force_unit(const km_model *model, const km_model_module *module, km_
 
 /* Unit of part `part` of a module's columns. */
 static void part_unit(const km_model *model, const km_model_module *module, const char *part, km_text *out) {
-  bool is_tire = module->type == KM_MODULE_TIRE;
+  bool is_tire = module->type == KM_MODULE_TIRE, is_contact = module->type == KM_MODULE_CONTACT;
   if (strcmp(part, ".variable") == 0)
     variable_unit(model, module, out);
   else if (strcmp(part, ".value") == 0)
     force_unit(model, module, out);
-  else if (is_tire && part[1] == 'f')
+  else if ((is_tire && part[1] == 'f') || strcmp(part, ".normal") == 0 || strcmp(part, ".friction") == 0)
     km_text_add(out, model->units.force->suffix);
+  else if (strcmp(part, ".penetration") == 0)
+    km_text_add(out, model->units.length->suffix);
+  else if (is_contact && strcmp(part, ".slip") == 0)
+    km_text_format(out, "%s/%s", model->units.length->suffix, model->units.time->suffix);
   else if (strcmp(part, ".slip_angle") == 0)
     km_text_add(out, "rad");
   else if (strcmp(part, ".slip") != 0)
@@ -64,9 +79,9 @@ void km_history_module_columns(const km_history_writer *w, km_table *table, bool
   km_text unit = {0};
   for (int i = 0; i < w->module_count; ++i) {
     const km_model_module *module = &model->modules[w->modules[i]];
-    bool is_tire = module->type == KM_MODULE_TIRE;
-    for (int k = 0; k < (is_tire ? TIRE_PARTS : LAW_PARTS); ++k) {
-      const char *part = is_tire ? tire_parts[k] : law_parts[k];
+    const char *const *parts;
+    for (int k = 0, count = parts_of(module, &parts); k < count; ++k) {
+      const char *part = parts[k];
       unit.size = 0;
       part_unit(model, module, part, &unit);
       *failed = !km_table_add_joined_column(table, "module.", module->name, part,
@@ -87,9 +102,11 @@ double *km_history_write_modules(const km_history_writer *w, double *out) {
     const double tire[TIRE_PARTS] = {
         r->tire_force.x,  r->tire_force.y, r->tire_force.z, r->tire_moment.x, r->tire_moment.y,
         r->tire_moment.z, r->slip,         r->slip_angle,   r->power,         work};
-    bool is_tire = module->type == KM_MODULE_TIRE;
-    memcpy(out, is_tire ? tire : law, is_tire ? sizeof tire : sizeof law);
-    out += is_tire ? TIRE_PARTS : LAW_PARTS;
+    const double contact[CONTACT_PARTS] = {r->force, r->friction, r->depth, r->slip, r->power, work};
+    const char *const *parts;
+    const int count = parts_of(module, &parts);
+    memcpy(out, count == TIRE_PARTS ? tire : count == CONTACT_PARTS ? contact : law, (size_t)count * sizeof *out);
+    out += count;
   }
   return out;
 }

@@ -55,6 +55,9 @@ km_status km_assemble_one(const km_mechanism *m, km_state *s, int substructure, 
  * displacements that grow from start to start find a configuration near the given one first. */
 enum { MAX_STARTS = 24, MAX_STARTS_OF_SMALL_MISFIT = 6 };
 static const double initial_displacement = 0.05, displacement_growth = 1.2; /* radians, or sizes of the substructure */
+/* Largest deviation of the second-order change of a gap from the gap itself, relative to it: φ²/2 over 1 − cos φ is at
+ * most 1.5 for a link that turns by 2.2 rad. */
+static const double max_closing_deviation = 0.5;
 
 typedef struct assembly {
   double *saved, *start, *best_outcome; /* saved coordinates of a substructure; workspace */
@@ -89,18 +92,60 @@ static int find_violating_loop(const km_mechanism *m, const km_substructure *sub
   return -1;
 }
 
-/* Largest scaled change of a coordinate since `saved`, |q − saved|_∞. */
-static double max_change(km_state *s, const km_substructure *sub, const double *saved) {
-  double largest = 0.0;
-  km_state_difference(s, sub, saved, s->work);
-  for (int k = 0; k < sub->columns; ++k)
-    largest = fmax(largest, fabs(s->work[k]));
-  return largest;
+/* Second-order change of the gap e_s at the present configuration along a step d with J_p d = 0, relative to the gap:
+ * −½ e_sᵀ (e_s''(d, d) + J_s x) / |e_s|² with J_p x = −e_p''(d, d), which keeps the primary rows closed. The gap closes
+ * at the step 1 if it is 1. Velocity products are −e''. */
+static double second_order_closing(const km_mechanism *m, km_state *s, int index, const double *step,
+                                   km_arena *scratch) {
+  const km_substructure *sub = &m->substructures[index];
+  const km_partition *p = &s->partition[index];
+  size_t rows = (size_t)sub->rows, columns = (size_t)sub->columns;
+  double *rate = KM_ARENA_NEW(scratch, double, (size_t)m->coordinate_count);
+  double *gamma = KM_ARENA_NEW(scratch, double, rows), *x = KM_ARENA_NEW(scratch, double, columns);
+  double *J = KM_ARENA_NEW(scratch, double, rows *columns), closing = 0.0, square = 0.0;
+  if (scratch->failed)
+    return 0.0;
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    rate[c] = step[k] * m->unit[c];
+  }
+  km_loops_velocity_products(m, s, sub, rate, gamma);
+  km_partition_solve(p, gamma, x);
+  km_state_jacobian_dense(s, sub, J);
+  for (int i = p->rank; i < sub->rows; ++i) {
+    size_t r = (size_t)p->row[i];
+    double error = km_state_error(s, sub)[r], change = gamma[r];
+    for (size_t k = 0; k < columns; ++k)
+      change -= J[k * rows + r] * x[k];
+    closing += 0.5 * error * change;
+    square += error * error;
+  }
+  return square > 0.0 ? closing / square : 0.0;
+}
+
+/* True if the present, closed configuration is the one at which the gap of the stationary point `from` closes by second
+ * order. Data whose rounding conceals a motion have no such curvature. The state is unchanged but for its pivots. */
+static bool closes_from_stationary_point(const km_mechanism *m, km_state *s, int index, const double *from,
+                                         double misfit, double *saved) {
+  const km_substructure *sub = &m->substructures[index];
+  km_arena scratch = {0};
+  double *step = KM_ARENA_NEW(&scratch, double, (size_t)sub->columns), closing = 0.0;
+  if (step) {
+    km_state_difference(s, sub, from, step);
+    km_state_save(s, sub, saved);
+    km_state_restore(s, sub, from);
+    km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, misfit);
+    closing = second_order_closing(m, s, index, step, &scratch);
+    km_state_restore(s, sub, saved);
+    km_update_and_search_pivots(m, s, index, KM_NO_DRIVER, 0.0);
+  }
+  km_arena_free(&scratch);
+  return fabs(closing - 1.0) <= max_closing_deviation;
 }
 
 /* Closes one substructure by steps 1 to 3. If no start closes, or the polygon inequality is violated, the state is left
- * at the smallest residual. A small misfit ε counts as rounded data, unless a start closes within 10 √ε: that is the
- * distance at which a stationary point closes. */
+ * at the smallest residual. A small misfit counts as rounded data, unless a start closes where the second order of the
+ * gap predicts it. */
 static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int index, assembly *a, km_closure *evidence,
                                        km_status *status, km_error *error) {
   const km_substructure *sub = &m->substructures[index];
@@ -113,19 +158,20 @@ static km_closure_outcome assemble_one(const km_mechanism *m, km_state *s, int i
     return best_outcome;
   a->violating_loop = find_violating_loop(m, sub, &a->violation);
   bool is_small = best_outcome == KM_INCONSISTENT && evidence->residual < max_rounding_misfit;
-  double max_distance = is_small ? 10.0 * sqrt(evidence->residual) : HUGE_VAL;
   km_state_save(s, sub, a->best_outcome);
   if (is_small)
     memcpy(a->start, a->best_outcome, (size_t)(KM_SAVED_PER_COLUMN * sub->columns) * sizeof *a->start);
   int count = a->violating_loop >= 0 ? 0 : is_small ? MAX_STARTS_OF_SMALL_MISFIT : max_start_count(sub);
-  for (double amplitude = initial_displacement; a->starts <= count && !*status; amplitude *= displacement_growth) {
+  double amplitude = is_small ? fmin(initial_displacement, sqrt(evidence->residual)) : initial_displacement;
+  for (; a->starts <= count && !*status; amplitude *= displacement_growth) {
     km_closure found;
     km_state_restore(s, sub, a->start);
     displace_randomly(m, s, sub, amplitude, &random);
     km_closure_outcome outcome = relax_and_close(m, s, index, &found, status, error);
     if (*status)
       break;
-    if (outcome == KM_CLOSED && max_change(s, sub, a->start) <= max_distance) {
+    if (outcome == KM_CLOSED &&
+        (!is_small || closes_from_stationary_point(m, s, index, a->start, evidence->residual, a->saved))) {
       *evidence = found;
       return outcome;
     }

@@ -143,6 +143,16 @@ bool km_local_is_exact(const km_local *l) {
   return !l->m->closure_tolerance_given && l->residual < km_exact_misfit;
 }
 
+/* Updates the chord from q₀ as long as the curve is short and straight: a chord that leaves the direction of the last
+ * move is no estimate of the tangent. */
+static void update_chord(const km_local *l, double length) {
+  bool is_straight = length == 0.0 || km_step_dot(l->m, l->sub, l->chord, l->move) >=
+                                          km_min_direction_cosine * km_step_length(l->m, l->sub, l->chord) *
+                                              km_step_length(l->m, l->sub, l->move);
+  if (length < 20.0 * first_step && is_straight)
+    km_state_difference(l->s, l->sub, l->origin, l->chord);
+}
+
 /* Verdict from the length and the order of contact, as in the head of this file. */
 static km_tangent_verdict decide_verdict(const km_local *l, const misfit_record *r, double tolerance,
                                          bool is_complete) {
@@ -181,8 +191,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
     }
     km_state_difference(l->s, l->sub, l->last, l->move);
     double moved = fastest_column(l->move, columns, &column);
-    if (length < 20.0 * first_step)
-      km_state_difference(l->s, l->sub, l->origin, l->chord);
+    update_chord(l, length);
     length += moved;
     append_misfit(&r, length, misfit);
     if (misfit > tolerance)

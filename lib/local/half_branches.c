@@ -23,7 +23,6 @@ enum { MAX_COVERED_FREEDOM = 3 }; /* freedoms for which the starts cover the sph
 static const double radius =
     0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed the residual tolerance */
 static const double min_misfit = 1e-9;          /* |F| of a sphere without closed configurations: d^n, n <= 8 */
-static const double min_cosine = 0.8;           /* cosine between the directions at d and d/2 */
 static const double rounding = 1e-14;           /* residual of a solution on which Gauss-Newton steps have ended */
 static const double max_error = 1e-3;           /* relative to d: error of solutions that decide */
 static const double min_distance = 1e-4;        /* relative to d: closer solutions are one */
@@ -153,7 +152,7 @@ static bool continues_to_origin(sphere *p) {
     for (int k = 0; k < n; ++k)
       p->y[k] = 0.75 * p->last[k] - 0.125 * p->previous_but_one[k];
     d *= 0.5;
-    if (!solve_on_sphere(p, d) || km_step_dot(l->m, l->sub, p->y, p->last) < min_cosine * d * 2.0 * d)
+    if (!solve_on_sphere(p, d) || km_step_dot(l->m, l->sub, p->y, p->last) < km_min_direction_cosine * d * 2.0 * d)
       return false;
     memcpy(p->previous_but_one, p->last, (size_t)n * sizeof *p->last);
   }

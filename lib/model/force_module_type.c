@@ -3,7 +3,20 @@
 
 #include <string.h>
 
-static const char *const words[KM_MODULE_TYPES] = {"stiffness", "damping", "friction", "motor", "pid", "fiala_tire"};
+static const char *const words[KM_MODULE_TYPES] = {"stiffness", "damping",    "friction", "motor",
+                                                   "pid",       "fiala_tire", "contact"};
+static const char *const shapes[KM_CONTACT_SHAPES] = {"point-plane", "circle-line", "circle-circle"};
+
+const char *km_contact_shape_word(km_contact_shape shape) {
+  return shapes[shape];
+}
+
+int km_contact_shape_find(const char *word) {
+  for (int shape = 0; shape < KM_CONTACT_SHAPES; ++shape)
+    if (strcmp(word, shapes[shape]) == 0)
+      return shape;
+  return -1;
+}
 
 const char *km_module_type_word(km_module_type type) {
   return words[type];

@@ -158,6 +158,26 @@ typedef struct km_tire {
   double friction_peak, friction_sliding, relaxation[2];
 } km_tire;
 
+/* Shapes that touch in a contact: the child's and the parent's. */
+typedef enum km_contact_shape {
+  KM_CONTACT_POINT_PLANE,   /* point, or ball with a radius, on the parent's plane z = 0, above it */
+  KM_CONTACT_CIRCLE_LINE,   /* circle on the parent's line y = 0, above it */
+  KM_CONTACT_CIRCLE_CIRCLE, /* circles about the z axes, outside each other */
+  KM_CONTACT_SHAPES
+} km_contact_shape;
+
+/* Words of the shapes in the format: "point-plane" …; shape with a word, -1 if there is none. */
+const char *km_contact_shape_word(km_contact_shape shape);
+int km_contact_shape_find(const char *word);
+
+/* Parameters of a contact (forces/contact.c). */
+typedef struct km_contact {
+  km_contact_shape shape;
+  double radius, parent_radius;
+  double stiffness, exponent, reference_depth, dissipation;
+  double friction, slip_speed;
+} km_contact;
+
 typedef struct km_model_module {
   const char *name, *where;
   km_module_type type;
@@ -174,6 +194,7 @@ typedef struct km_model_module {
   int table_count;       /* number of rows of a motor's table, over time or its variable */
   const double *table;   /* [2 · table_count] rows t, f */
   km_tire tire;
+  km_contact contact;
 } km_model_module;
 
 /* True for a force of the displacement of the joint in which it acts. */
@@ -279,6 +300,9 @@ km_status km_model_keep_unedited(km_model *model, km_error *error);
 static inline int km_model_freedom(const km_model *model, int joint) {
   return km_joint_kind_of(model->joints[joint].type)->freedom;
 }
+
+/* Factor from mass · acceleration in the model's units to the model's force unit. */
+double km_inertial_factor(const km_model *model);
 
 /* True if the coordinate is a component of a rotation vector. */
 static inline bool km_model_turns(const km_model *model, int coordinate) {

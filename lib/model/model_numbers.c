@@ -102,6 +102,11 @@ static void add_forces(km_model_numbers *n, km_model *m) {
         &t->relaxation[1]};
     for (size_t k = 0; k < sizeof tire / sizeof *tire; ++k)
       add(n, tire[k], 1, KM_NUMBER_CHECKED);
+    const km_contact *c = &at->contact;
+    const double *contact[] = {&c->radius,          &c->parent_radius, &c->stiffness, &c->exponent,
+                               &c->reference_depth, &c->dissipation,   &c->friction,  &c->slip_speed};
+    for (size_t k = 0; k < sizeof contact / sizeof *contact; ++k)
+      add(n, contact[k], 1, KM_NUMBER_CHECKED);
   }
   for (int l = 0; l < m->load_count; ++l) {
     add_vector(n, &m->loads[l].force, KM_NUMBER_FREE);

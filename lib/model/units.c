@@ -1,6 +1,8 @@
 /* Units and their conversion. */
 #include "model/units.h"
 
+#include "model/model.h"
+
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
@@ -65,4 +67,9 @@ double km_units_factor(const km_units *units, km_dimension d) {
     return nan("");
   return pow(units->angle->si, d.angle) * pow(units->length->si, d.length) * pow(units->mass->si, d.mass) *
          pow(units->time->si, d.time) * pow(units->force->si, d.force);
+}
+
+double km_inertial_factor(const km_model *model) {
+  static const km_dimension inertial = {.length = 1, .mass = 1, .time = -2, .force = -1};
+  return km_units_factor(&model->units, inertial);
 }

@@ -67,6 +67,8 @@ static void open_handles(world *w) {
   w->history_def.until = 0.1;
   w->history_def.every = 0.05;
   km_simulation_create(w->dynamics, w->state, &w->simulation_def, &w->simulation, NULL);
+  w->session_def = km_session_default(w->model);
+  km_session_create(w->mechanism, w->state, &w->session_def, &w->session, NULL);
   km_statics_create(w->mechanism, NULL, 0, KM_AXES_JOINT, &w->statics, NULL);
   km_transfer_create(w->mechanism, &w->input, &w->output, &w->lever, NULL);
   km_losses_create(w->mechanism, &w->input, &w->output, &w->losses, NULL);
@@ -206,6 +208,7 @@ void world_close(world *w) {
   km_transmission_free(w->transmission);
   km_linear_free(&w->linear);
   km_simulation_free(w->simulation);
+  km_session_free(w->session);
   km_dynamics_free(w->dynamics);
   km_forces_free(w->moving_forces);
   km_forces_free(w->forces);

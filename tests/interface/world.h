@@ -22,6 +22,9 @@ typedef struct world {
   km_forces *forces, *moving_forces;
   km_dynamics *dynamics;
   km_simulation *simulation;
+  km_session *session;
+  km_session_def session_def;
+  km_user_forces user_forces;
   km_linear linear;
   km_simulation_def simulation_def;
   km_history_def history_def;

@@ -18,33 +18,66 @@ km_arm *arm_of(const fixture *f, const char *body, const char *frame, km_task ta
   return arm;
 }
 
+/* Mass, its centre and its inertia of body k of the odd arm, which differ from body to body. */
+#define MASS(m, x, y, z, xx, yy, zz, xy)                                                                               \
+  ", \"mass\": " #m ", \"center_of_mass\": [" #x ", " #y ", " #z "], \"moment_of_inertia\": {\"Ixx\": " #xx            \
+  ", \"Iyy\": " #yy ", \"Izz\": " #zz ", \"Ixy\": " #xy ", \"Iyz\": -0.002, \"Izx\": 0.003}"
+
 fixture odd_arm(void) {
   return fixture_read(
-      "{\"fixed\": {\"frames\": [{\"name\": \"far\", \"T\": [300, -200, 50], \"R\": [[0, 0, 1], [1, 0, 0], [0, 1, "
+      "{\"model_parameters\": {\"gravity\": [1.5, -2, -9.5]},"
+      "\"fixed\": {\"frames\": [{\"name\": \"far\", \"T\": [300, -200, 50], \"R\": [[0, 0, 1], [1, 0, 0], [0, 1, "
       "0]]}]},"
       "\"assemblies\": [{\"name\": \"a\", \"bodies\": ["
-      "{\"name\": \"base\"}, {\"name\": \"l1\", \"frames\": [{\"name\": \"t\", \"T\": [0.1, 0.4, 0.2]}]},"
-      "{\"name\": \"l2\", \"frames\": [{\"name\": \"t\", \"T\": [0.5, 0, 0.1], \"R\": [[0, -1, 0], [1, 0, 0], [0, 0, "
-      "1]]}]},"
-      "{\"name\": \"l3\", \"frames\": [{\"name\": \"t\", \"T\": [0, 0.3, 0]}]},"
-      "{\"name\": \"l4\", \"frames\": [{\"name\": \"t\", \"T\": [0.2, 0, 0.3], \"R\": [[1, 0, 0], [0, 0, -1], [0, 1, "
-      "0]]}]},"
-      "{\"name\": \"l5\", \"frames\": [{\"name\": \"t\", \"T\": [0, 0, 0.25]}]},"
-      "{\"name\": \"hand\", \"frames\": [{\"name\": \"tip\", \"T\": [0.1, 0, 0.1], \"R\": [[0, 1, 0], [0, 0, 1], [1, "
-      "0, 0]]}]}],"
-      "\"joints\": ["
-      "{\"name\": \"bolt\", \"type\": \"rigid\", \"body_frame_pairs\": [[\"fixed\", \"far\"], \"base\"]},"
-      "{\"name\": \"rail\", \"type\": \"Tx\", \"body_frame_pairs\": [\"base\", \"l1\"], \"limits\": [-2, 2]},"
-      "{\"name\": \"back\", \"type\": \"Ry\", \"body_frame_pairs\": [\"l2\", [\"l1\", \"t\"]], "
-      "\"initial_displacement\": 0.4},"
-      "{\"name\": \"screw\", \"type\": \"screw\", \"pitch\": 0.2, \"body_frame_pairs\": [[\"l2\", \"t\"], \"l3\"]},"
-      "{\"name\": \"pair\", \"type\": \"universal\", \"body_frame_pairs\": [[\"l4\", \"t\"], [\"l3\", \"t\"]],"
-      " \"initial_displacement\": [0.3, -0.5]},"
-      "{\"name\": \"tube\", \"type\": \"cylindrical\", \"body_frame_pairs\": [\"l4\", \"l5\"], "
-      "\"initial_displacement\": [0.1, 0.2]},"
-      "{\"name\": \"wrist\", \"type\": \"Rx\", \"body_frame_pairs\": [[\"l5\", \"t\"], \"hand\"], \"limits\": [-2.5, "
-      "2]}]}]}");
+      "{\"name\": \"base\"" MASS(
+          9, 0, 0, 0.1, 0.2, 0.2, 0.1,
+          0.01) "},"
+                "{\"name\": \"l1\"" MASS(
+                    2, 0.1, 0.1, -0.1, 0.06, 0.05, 0.04,
+                    0.002) ", \"frames\": [{\"name\": \"t\", \"T\": [0.1, 0.4, 0.2]}]},"
+                           "{\"name\": \"l2\"" MASS(
+                               1.5, 0.2, 0, 0.05, 0.05, 0.07, 0.03,
+                               -0.001) ", \"frames\": [{\"name\": \"t\", \"T\": [0.5, 0, 0.1], \"R\": [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}]},"
+                                       "{\"name\": \"l3\"" MASS(
+                                           1.2, 0, 0.15, 0.02, 0.03, 0.02, 0.04,
+                                           0.003) ", \"frames\": [{\"name\": \"t\", \"T\": [0, 0.3, 0]}]},"
+                                                  "{\"name\": \"l4\"" MASS(
+                                                      0.9, 0.1, 0, 0.1, 0.02, 0.03, 0.02,
+                                                      0.001) ", \"frames\": [{\"name\": \"t\", \"T\": [0.2, 0, 0.3], \"R\": [[1, 0, 0], [0, 0, -1], [0, 1, 0]]}]},"
+                                                             "{\"name\": \"l5\"" MASS(
+                                                                 0.7, -0.02, 0.05, 0.1, 0.02, 0.02, 0.01,
+                                                                 -0.002) ", \"frames\": [{\"name\": \"t\", \"T\": [0, 0, 0.25]}]},"
+                                                                         "{\"name\": \"hand\"" MASS(
+                                                                             0.5, 0.05, 0.01, 0.02, 0.01, 0.012, 0.008,
+                                                                             0.001) ", \"frames\": [{\"name\": \"tip\", \"T\": [0.1, 0, 0.1], \"R\": [[0, 1, 0], [0, 0, 1], [1, 0, 0]]}]},"
+                                                                                    "{\"name\": \"side\"" MASS(
+                                                                                        0.8, 0.2, 0.1, 0.15, 0.03, 0.02,
+                                                                                        0.025,
+                                                                                        0.002) "},"
+                                                                                               "{\"name\": \"finger\"" MASS(
+                                                                                                   0.3, 0.1, 0, 0.05,
+                                                                                                   0.01, 0.012, 0.009,
+                                                                                                   -0.001) "}],"
+                                                                                                           "\"joints\": ["
+                                                                                                           "{\"name\": \"bolt\", \"type\": \"rigid\", \"body_frame_pairs\": [[\"fixed\", \"far\"], \"base\"]},"
+                                                                                                           "{\"name\": \"rail\", \"type\": \"Tx\", \"body_frame_pairs\": [\"base\", \"l1\"], \"limits\": [-2, 2],"
+                                                                                                           " \"damping\": 3, \"armature\": 0.7},"
+                                                                                                           "{\"name\": \"back\", \"type\": \"Ry\", \"body_frame_pairs\": [\"l2\", [\"l1\", \"t\"]], "
+                                                                                                           "\"initial_displacement\": 0.4},"
+                                                                                                           "{\"name\": \"screw\", \"type\": \"screw\", \"pitch\": 0.2, \"body_frame_pairs\": [[\"l2\", \"t\"], \"l3\"],"
+                                                                                                           " \"damping\": 0.4},"
+                                                                                                           "{\"name\": \"pair\", \"type\": \"universal\", \"body_frame_pairs\": [[\"l4\", \"t\"], [\"l3\", \"t\"]],"
+                                                                                                           " \"initial_displacement\": [0.3, -0.5]},"
+                                                                                                           "{\"name\": \"tube\", \"type\": \"cylindrical\", \"body_frame_pairs\": [\"l4\", \"l5\"], "
+                                                                                                           "\"initial_displacement\": [0.1, 0.2]},"
+                                                                                                           "{\"name\": \"wrist\", \"type\": \"Rx\", \"body_frame_pairs\": [[\"l5\", \"t\"], \"hand\"], \"limits\": [-2.5, "
+                                                                                                           "2], \"armature\": 0.02},"
+                                                                                                           "{\"name\": \"elbow\", \"type\": \"Ry\", \"body_frame_pairs\": [\"l3\", \"side\"], \"initial_displacement\": 0.8},"
+                                                                                                           "{\"name\": \"grip\", \"type\": \"Tz\", \"body_frame_pairs\": [\"hand\", \"finger\"],"
+                                                                                                           " \"initial_displacement\": 0.1}]}]}");
 }
+
+#undef MASS
 
 void random_pose(const km_arm *arm, randomness *r, double *q) {
   for (int k = 0; k < arm->n; ++k)

@@ -60,7 +60,7 @@ static void simulations(void **state) {
   def = right;
   def.end = -1.0;
   refuse_simulation(&f, d, def, "end -1; expected a time from 0 on");
-  const km_crossing crossing = {0, HUGE_VAL, false};
+  const km_crossing crossing = {.value = HUGE_VAL};
   def = right;
   def.crossings = &crossing;
   def.crossing_count = 1;

@@ -61,9 +61,9 @@ typedef struct ksim_options {
   kt_common common;
   kt_texts holds, sets, rates, events, stops, frames, forces;
   const char *model, *base, *format, *joints;
-  const char *until, *every, *rtol, *atol, *max_step, *from;
+  const char *until, *every, *rtol, *atol, *max_step, *from, *limit_stops;
   int integrator, stabilise, axes;
-  bool reactions, mobility, animate;
+  bool reactions, mobility, animate, ignore_limits;
   kt_formats formats;
 } ksim_options;
 
@@ -91,6 +91,8 @@ kt_exit ksim_set_rates(ksim_work *work);
 /* Names stated initial rates that the motion doesn't start with; KT_PARTIAL where they contradict each other. */
 kt_exit ksim_report_rates(const ksim_work *work);
 
+/* Sets the stops of --limit-stops. */
+kt_exit ksim_set_limit_stops(const ksim_work *work);
 /* The pose, the rates and the time of --from's last row, where it is given. */
 kt_exit ksim_continue(ksim_work *work);
 

@@ -141,7 +141,8 @@ static kt_exit prepare(ksim_work *w) {
   if (result != KT_DONE)
     return result;
   ksim_report_hinges(&o->common, o->model, w->pose.model);
-  return ksim_forces(&o->common, o->model, &w->pose, &w->forces);
+  result = ksim_forces(&o->common, o->model, &w->pose, &w->forces);
+  return result == KT_DONE && o->limit_stops ? ksim_set_limit_stops(w) : result;
 }
 
 /* Notes in addition to the files. */
@@ -160,7 +161,9 @@ static kt_exit tell(ksim_work *w, km_status status) {
             "%s: an evaluation solves for accelerations by about %.0f multiplications, a dense system takes %.0f",
             o->model, h->effort.multiplications, h->effort.dense);
   ksim_report_drives(&o->common, o->model, &w->pose, h);
-  kt_exit result = kt_worse(ksim_report_rates(w), ksim_report_limits(&o->common, o->model, &w->pose, h));
+  kt_exit result = ksim_report_rates(w);
+  if (!o->ignore_limits)
+    result = kt_worse(result, ksim_report_limits(&o->common, o->model, &w->pose, h));
   double time = h->table && km_table_rows(h->table) ? km_table_row(h->table, km_table_rows(h->table) - 1)[0] : 0.0;
   if (status == KM_PARTIAL)
     snprintf(w->stopped_by, sizeof w->stopped_by, "--stop at %.9g %s", time, unit);
@@ -290,6 +293,11 @@ kt_exit ksim_run(int argc, char **argv) {
       KT_POSE(o.common),
       {"event", 0, "JOINT=VALUE", "Tell when a joint passes a value (repeatable)", KT_TEXTS, &o.events, KT_ABOUT_MODEL},
       {"stop", 0, "JOINT=VALUE", "End where a joint passes a value (repeatable)", KT_TEXTS, &o.stops, KT_ABOUT_MODEL},
+      {"limit-stops", 0, "K[,B]",
+       "Stops at the limits of joints without one: stiffness and damping (0), of hinges per radian, in the model's units",
+       KT_TEXT, &o.limit_stops, KT_ABOUT_MODEL},
+      {"ignore-limits", 0, NULL, "Pass limits where no stop acts, without a warning and exit status 1", KT_FLAG,
+       &o.ignore_limits, KT_ABOUT_MODEL},
       {"frame", 0, "BODY/FRAME", "Add place, velocity and acceleration of a frame's origin (repeatable)", KT_TEXTS,
        &o.frames, KT_ABOUT_MODEL},
       {"reactions", 0, NULL, "Add the reaction in every joint", KT_FLAG, &o.reactions, KT_ABOUT_MODEL},

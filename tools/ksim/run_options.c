@@ -121,6 +121,17 @@ kt_exit ksim_report_limits(const kt_common *common, const char *path, const kt_p
   return h->limit_count > 0 ? KT_PARTIAL : KT_DONE;
 }
 
+kt_exit ksim_set_limit_stops(const ksim_work *w) {
+  const ksim_options *o = w->options;
+  double stop[2] = {0.0, 0.0};
+  km_error error;
+  if (!kt_numbers(o->limit_stops, strchr(o->limit_stops, ',') ? 2 : 1, stop) ||
+      km_forces_set_limit_stops(w->forces, stop[0], stop[1], &error))
+    return kt_usage(&o->common, "--limit-stops", o->limit_stops,
+                    "a positive stiffness, and a damping of at least 0 behind a comma");
+  return KT_DONE;
+}
+
 kt_exit ksim_read_formats(const kt_common *common, const char *format, const char *base, bool beside,
                           const char *expected, kt_formats *out) {
   bool piped = kt_is_piped(base);

@@ -18,6 +18,7 @@ from .mechanism import Mechanism, Mobility, Pose, State
 from .model import Model, from_string, load
 from .picture import Picture
 from .question import Answer, Event, kinds
+from .session import FrameMotion, Session
 from .table import Table
 
 __version__ = text_of(lib.km_version())
@@ -30,9 +31,9 @@ def documentation(function: str) -> str:
     return _comments.FUNCTIONS[function]
 
 
-__all__ = ["Answer", "Arm", "Builder", "Cancelled", "Diverged", "Event", "FileError", "InternalError", "KmechError",
-           "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "State",
-           "Study", "Summary", "Table", "Track", "UsageError", "documentation", "ffi", "from_string", "kinds", "lib", "load",
+__all__ = ["Answer", "Arm", "Builder", "Cancelled", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "KmechError",
+           "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "Session",
+           "State", "Study", "Summary", "Table", "Track", "UsageError", "documentation", "ffi", "from_string", "kinds", "lib", "load",
            "load_study"]
 
 # What the C headers say of the functions behind methods stands below each one's own words.
@@ -47,6 +48,7 @@ _BEHIND = {
     Study.track: "km_track_run", Answer.figure: "km_table_figure", Answer.save_csv: "km_table_write_csv",
     Answer.plot: "km_question_chart", Track.plot: "km_tracks_picture", Builder.body: "km_model_add_body",
     Builder.frame: "km_model_add_frame", Builder.joint: "km_model_add_joint", Builder.couple: "km_model_add_coupling",
+    Session.__init__: "km_session_create", Session.step: "km_session_step",
     Builder.load: "km_model_add_load", Builder.finish: "km_builder_finish",
 }
 for _method, _function in _BEHIND.items():

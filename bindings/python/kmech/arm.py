@@ -99,7 +99,7 @@ def _seed(seed: Any) -> int:
 
 
 class Summary(NamedTuple):
-    """What a track comes to."""
+    """What a track comes to. Effort and energy are those of joint forces by inverse dynamics, NaN without masses."""
 
     complete: bool
     objective_min: float
@@ -108,6 +108,10 @@ class Summary(NamedTuple):
     limit_margin: float
     error_position: float
     error_rotation: float
+    effort: float
+    relative_effort: float
+    energy: float
+    positive_work: float
 
 
 class Track:
@@ -126,7 +130,7 @@ class Track:
     def summary(self) -> Summary:
         s = lib.km_track_summarise(self._c)
         return Summary(self.complete, s.objective_min, s.objective_mean, s.joint_travel, s.limit_margin,
-                       s.error_position, s.error_rotation)
+                       s.error_position, s.error_rotation, s.effort, s.relative_effort, s.energy, s.positive_work)
 
     def plot(self) -> Picture:
         """The plots that kredund draws of a track."""

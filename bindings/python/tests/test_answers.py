@@ -187,6 +187,18 @@ def test_path_studies(source):
     assert "s" in track.table.columns and "<svg" in track._repr_svg_()
 
 
+def test_effort_and_energy_of_a_track(source):
+    text = """{"effector": "flange/tool", "path": {"segments": [{"type": "line", "to": [-0.19, 0.25, 0.46], "steps": 48}]},
+               "methods": ["dp"], "objective": "%s"}"""
+    model = kmech.load(source / "models/panda.json")
+    effort, energy = [kmech.arm.Study(text % word, model=model).track(0) for word in ("effort", "energy")]
+    assert effort.summary.effort < energy.summary.effort and energy.summary.energy < effort.summary.energy
+    assert energy.summary.positive_work <= energy.summary.energy and 0 < energy.summary.relative_effort < 7
+    table = energy.table
+    dt, power = numpy.diff(table["t"]), table["power"][1:]
+    assert energy.summary.energy == pytest.approx(float(dt @ power), rel=1e-12) == table["energy"][-1]
+
+
 def test_progress_and_cancel(brake):
     seen = []
     brake.sweep("K", 20, 32, 20000, progress=lambda done: seen.append(done))

@@ -35,6 +35,7 @@ static void choose(void *context, km_tracking_run *run, int sample, const km_pat
  * less the farther it goes. */
 static double objective_cost(unsigned count, const double *x, double *gradient, void *context) {
   static const km_step_choice greedy_choice = {0};
+  static const double partial_cost = 1e100; /* exceeds any objective; the searches compare costs only */
   problem *p = context;
   (void)gradient;
   p->x = x;
@@ -45,7 +46,7 @@ static double objective_cost(unsigned count, const double *x, double *gradient, 
   if (p->status == KM_OK)
     value = -km_run_rounded(km_run_score(run, km_run_evaluate(run)));
   else if (p->status == KM_PARTIAL)
-    value = 1e3 * (2.0 - (double)run->reached / plan->path->samples);
+    value = partial_cost * (2.0 - (double)run->reached / plan->path->samples);
   else
     nlopt_force_stop(p->opt);
   if (value < p->best_cost) {

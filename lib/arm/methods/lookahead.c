@@ -32,7 +32,7 @@ static bool is_better(const km_look_tree *t, leaf a, leaf b) {
                      *y = km_look_node_at(t, t->now, b.level, b.index);
   if (x->samples != y->samples)
     return x->samples > y->samples;
-  bool sum = t->run->plan->method.sum;
+  bool sum = t->run->plan->method.sum || km_objective_needs_forces(&t->run->plan->objective);
   int first = sum ? compare(x->sum, y->sum) : compare(x->least, y->least);
   int second = sum ? compare(x->least, y->least) : compare(x->sum, y->sum);
   if (first || second)

@@ -97,7 +97,7 @@ static void record_step(const km_look_tree *t, branch_state *w, int k, km_step_e
   if (first)
     km_path_node_copy(t->run->arm, &w->of->first[w->index], end);
   node->least = end->value < node->least ? end->value : node->least;
-  node->sum += end->value;
+  node->sum += end->weight * end->value;
   node->samples++;
   w->there = w->here;
   w->here = end;

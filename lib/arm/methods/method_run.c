@@ -182,13 +182,13 @@ static double rate_margin_correction(km_tracking_run *run, int sample) {
 /* Evaluates the objective at every sample of the track. */
 km_run_value km_run_evaluate(km_tracking_run *run) {
   km_run_value value = {(double)INFINITY, 0.0, run->reached};
-  static const km_step_choice greedy_choice = {0};
   for (int i = 0; i < run->reached; ++i) {
-    km_tracker_compute_node(&run->tracker, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n, &greedy_choice,
-                            &run->next);
+    km_tracker_compute_arrival(&run->tracker, &run->space, i, run->q + (size_t)i * (size_t)run->arm->n,
+                               i > 0 ? &run->node : NULL, &run->next);
     double here = run->next.value + rate_margin_correction(run, i);
     value.least = fmin(value.least, here);
-    value.sum += here;
+    value.sum += run->next.weight * here;
+    km_path_node_copy(run->arm, &run->node, &run->next);
   }
   return value;
 }

@@ -1,7 +1,7 @@
 /* Maps of self-motions along a path: the curve of every station, cut open into an interval of arc length. */
 #include "arm/selfmotion/selfmotion_map.h"
 
-#include "arm/tracking/tracker.h"
+#include "arm/tracking/joint_effort.h"
 
 #include <string.h>
 
@@ -43,6 +43,11 @@ static void copy_points(map_builder *m, const km_selfmotion_curve *c, const km_p
     km_control_columns(m->out->arm, &m->space, NULL, columns, self);
     km_objective_values(m->out->arm, &m->space, q, columns, point->speed, m->objective, values);
     s->value[i] = km_objective_sum(m->objective, values);
+    if (km_objective_needs_forces(m->objective)) {
+      km_joint_effort effort;
+      km_joint_effort_at_rest(m->out->arm, q, columns, point->speed, &effort);
+      s->value[i] += km_joint_effort_sum(m->objective, &effort);
+    }
   }
   s->count = c->count;
 }

@@ -1,6 +1,7 @@
 /* Joints of a path study, bound to the arm: their order, start values, rates, and the joints that a method fixes. */
 #include "arm/study/study_binding.h"
 
+#include "arm/tracking/joint_effort.h"
 #include "base/similar_names.h"
 #include "base/text.h"
 #include "model/path_study/method_settings.h"
@@ -142,6 +143,8 @@ bool km_bind_methods(km_binder *b) {
   km_study *s = b->study;
   bool is_ok = true;
   s->objective = def->objective;
+  km_error error;
+  is_ok = km_binder_pass(b, &def->objective_place, km_check_objective(s->arm, &s->objective, &error), &error);
   s->method_count = def->method_count > 0 ? def->method_count : 1;
   s->methods = KM_ARENA_NEW(&s->arena, km_method, (size_t)s->method_count);
   if (!s->methods)

@@ -3,7 +3,7 @@
 #include "arm/tracking/objective.h"
 
 bool km_objective_by_mean(const km_objective *objective) {
-  return km_objective_single(objective) == KM_PATH_CONTROL;
+  return km_objective_single(objective) == KM_PATH_CONTROL || km_objective_needs_forces(objective);
 }
 
 static double smallest_entry(const double *path, int n) {

@@ -2,6 +2,7 @@
 #include "arm/tracking/track.h"
 
 #include "arm/arm_arguments.h"
+#include "arm/tracking/track_effort.h"
 #include "base/clock.h"
 #include "base/table.h"
 #include "base/text.h"
@@ -12,13 +13,6 @@
 static const km_method_function methods[KM_METHODS] = {km_method_greedy, km_method_lookahead, km_method_fixed,
                                                        km_method_dls,    km_method_gradient,  km_method_dp,
                                                        km_method_global};
-
-/* Configuration and path point of one row of the table. */
-typedef struct row {
-  const double *q;
-  km_path_point point;
-  int sample;
-} row;
 
 /* Table under construction; is_ok is false after a failed allocation. */
 typedef struct table_builder {
@@ -73,6 +67,7 @@ static km_table *create_table(const km_track *t) {
   add_column(&m, "error_position", length);
   add_column(&m, "error_rotation", a->mechanism->model->units.angle->suffix);
   add_column(&m, "limit_margin", NULL);
+  m.is_ok = km_track_add_effort_columns(m.table, a) && m.is_ok;
   if (m.is_ok)
     return m.table;
   km_table_free(m.table);
@@ -81,10 +76,10 @@ static km_table *create_table(const km_track *t) {
 
 /* Joint rates v[n] of the track at row r, for which `space` was updated: those of the step that ends here, at the
  * start those of the step that begins here; 0 if the track has one row only. */
-static void rates_at(const km_track *t, km_arm_space *space, const double *xi, const row *r, const row *last,
-                     const row *next, double *v) {
+static void rates_at(const km_track *t, km_arm_space *space, const double *xi, const km_track_row *r,
+                     const km_track_row *last, const km_track_row *next, double *v) {
   const km_arm *a = t->arm;
-  const row *from = last ? last : r, *to = last ? r : next;
+  const km_track_row *from = last ? last : r, *to = last ? r : next;
   double path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS], mean[KM_ARM_MAX_JOINTS];
   memset(v, 0, (size_t)a->n * sizeof *v);
   if (!to)
@@ -103,12 +98,16 @@ typedef struct row_summary {
   int rate_column;
   bool violates;
   double value, position, rotation, limit_margin;
+  km_joint_effort effort;
 } row_summary;
 
-/* Adds a row to the summary of the track. */
-static void count_row(km_track *t, const row *r, const row *last, const row_summary *of) {
+/* Adds a row to the summary of the track. Returns its weight in the mean of the objective: 1, or for objectives from
+ * inverse dynamics the time of the step that ends there. */
+static double count_row(km_track *t, const km_track_row *r, const km_track_row *last, const row_summary *of) {
   const km_arm *a = t->arm;
   km_track_summary *s = &t->summary;
+  const double seconds = last ? r->point.t - last->point.t : 0.0;
+  const double weight = km_objective_needs_forces(&t->plan.objective) ? seconds : 1.0;
   for (int k = 0; k < a->n && last; ++k)
     s->joint_travel += fabs(r->q[k] - last->q[k]);
   if (of->rate > s->rate) {
@@ -118,9 +117,10 @@ static void count_row(km_track *t, const row *r, const row *last, const row_summ
   s->violations += of->violates;
   s->limit_margin = fmin(s->limit_margin, of->limit_margin);
   s->objective_min = fmin(s->objective_min, of->value);
-  s->objective_mean += of->value;
+  s->objective_mean += weight * of->value;
   s->error_position = fmax(s->error_position, of->position);
   s->error_rotation = fmax(s->error_rotation, of->rotation);
+  return weight;
 }
 
 /* Checks limits and rates v[n] of a row. */
@@ -137,8 +137,8 @@ static void check_row(const km_arm *a, const double *q, const double *v, row_sum
 }
 
 /* Computes the cells of a row and its contribution to the summary. */
-static void write_row(const km_track *t, km_arm_space *space, const row *r, const row *last, const row *next,
-                      double *out, row_summary *of) {
+static void write_row(const km_track *t, km_arm_space *space, const km_track_row *r, const km_track_row *last,
+                      const km_track_row *next, double *out, row_summary *of) {
   const km_arm *a = t->arm;
   double xi[KM_ARM_ROWS], path[KM_ARM_MAX_JOINTS + 1], self[KM_ARM_MAX_JOINTS * KM_ARM_MAX_JOINTS],
       values[KM_OBJECTIVES];
@@ -151,6 +151,10 @@ static void write_row(const km_track *t, km_arm_space *space, const row *r, cons
   km_objective_values(a, space, r->q, path, r->point.speed, NULL, values);
   rates_at(t, space, xi, r, last, next, v);
   values[KM_RATE_MARGIN] = km_objective_rate_margin(a, v);
+  if (a->mass.has_mass) {
+    km_track_effort(t, space, r, last, next, &of->effort);
+    km_joint_effort_values(&of->effort, values);
+  }
   of->value = km_objective_sum(&t->plan.objective, values);
   of->position = position * a->length;
   of->rotation = rotation / a->mechanism->model->units.angle->si;
@@ -172,14 +176,15 @@ static void write_row(const km_track *t, km_arm_space *space, const row *r, cons
   *out++ = of->position;
   *out++ = of->rotation;
   *out++ = values[KM_LIMIT_DISTANCE];
+  km_track_write_effort(a, &of->effort, out);
 }
 
 /* Row `index`: a sample that was reached, or the end of the track between two samples. */
-static row row_of(const km_tracking_run *run, int index) {
+static km_track_row row_of(const km_tracking_run *run, int index) {
   const km_path *path = run->plan->path;
   if (index < run->reached)
-    return (row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
-  return (row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
+    return (km_track_row){run->q + (size_t)index * (size_t)run->arm->n, path->points[index], index};
+  return (km_track_row){run->last, km_path_at(path, run->reached - 1, run->fraction), index};
 }
 
 /* Fewest rows for which another thread pays off. */
@@ -202,19 +207,20 @@ static void write_piece(void *context, int piece) {
   const long long count = w->count;
   int first = (int)(count * piece / w->pieces), end = (int)(count * (piece + 1) / w->pieces);
   for (int i = first; i < end; ++i) {
-    row last = row_of(w->run, i > 0 ? i - 1 : i), here = row_of(w->run, i),
-        next = row_of(w->run, i + 1 < w->count ? i + 1 : i);
+    km_track_row last = row_of(w->run, i > 0 ? i - 1 : i), here = row_of(w->run, i),
+                 next = row_of(w->run, i + 1 < w->count ? i + 1 : i);
     write_row(w->track, &w->spaces[piece], &here, i > 0 ? &last : NULL, i + 1 < w->count ? &next : NULL,
               w->cells + (size_t)i * w->width, &w->summaries[i]);
   }
 }
 
 /* Writes all rows, in parallel if there are many. False: out of memory. */
-static bool write_rows(km_track *t, km_tracking_run *run, int count, km_arena *arena, row_summary **summaries) {
+static bool write_rows(km_track *t, km_tracking_run *run, int count, km_arena *arena, row_summary **summaries,
+                       double **cells) {
   int most = t->plan.jobs < KM_MAX_THREADS ? t->plan.jobs : KM_MAX_THREADS;
   most = count / ROWS_PAY < most ? count / ROWS_PAY : most;
   writing w = {.track = t, .run = run, .count = count, .pieces = most > 1 ? most : 1};
-  w.cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;
+  w.cells = *cells = count > 0 ? km_table_add_raw_rows(t->table, (size_t)count) : NULL;
   w.width = km_table_columns(t->table);
   w.summaries = *summaries = KM_ARENA_NEW(arena, row_summary, (size_t)count + 1);
   w.spaces = KM_ARENA_NEW(arena, km_arm_space, (size_t)w.pieces);
@@ -233,22 +239,26 @@ static km_status fill_table(km_track *t, km_tracking_run *run, km_error *error) 
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
   km_arena arena = {0};
   row_summary *summaries = NULL;
-  row last = {0}, here = {0};
+  double *cells = NULL, weights = 0.0;
+  km_effort_sum sum = {.seconds = 0.0};
+  km_track_row last = {0}, here = {0};
   memcpy(t->fixed, run->fixed, sizeof t->fixed);
   t->table = create_table(t);
-  bool is_ok = t->table && write_rows(t, run, count, &arena, &summaries);
+  bool is_ok = t->table && write_rows(t, run, count, &arena, &summaries, &cells);
   for (int i = 0; i < count && is_ok; ++i) {
     last = here;
     here = row_of(run, i);
-    count_row(t, &here, i > 0 ? &last : NULL, &summaries[i]);
+    weights += count_row(t, &here, i > 0 ? &last : NULL, &summaries[i]);
+    cells += km_table_columns(t->table);
+    km_track_add_effort(t, &summaries[i].effort, i > 0 ? here.point.t - last.point.t : 0.0, &sum, cells);
   }
-  km_arena_free(&arena);
   t->end = (km_track_end){run->stop,        run->column,
                           run->reached - 1, here.point.s * t->arm->length,
                           here.point.t,     here.point.travel * t->arm->length,
                           here.point.turn};
-  if (count > 0)
-    t->summary.objective_mean /= (double)count;
+  if (is_ok && count > 0)
+    t->summary.objective_mean = weights > 0.0 ? t->summary.objective_mean / weights : summaries[0].value;
+  km_arena_free(&arena);
   return is_ok ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a track");
 }
 
@@ -271,6 +281,8 @@ static km_status check_plan(const km_arm *arm, const km_track_plan *plan, km_err
     status = km_check_given(plan->path && plan->path->arm == arm, "path of this arm", error);
   if (!status)
     status = km_check_given(plan->start != NULL, "start", error);
+  if (!status)
+    status = km_check_objective(arm, &plan->objective, error);
   return status ? status : km_check_method(arm, &plan->method, error);
 }
 
@@ -288,7 +300,12 @@ km_status km_track_run(const km_arm *arm, const km_track_plan *plan, km_track **
     return km_fail(error, KM_MEMORY, "out of memory for a track");
   t->arm = arm;
   t->plan = *plan;
-  t->summary = (km_track_summary){.objective_min = (double)INFINITY, .limit_margin = 1.0};
+  t->summary = (km_track_summary){.objective_min = (double)INFINITY,
+                                  .limit_margin = 1.0,
+                                  .effort = nan(""),
+                                  .relative_effort = nan(""),
+                                  .energy = nan(""),
+                                  .positive_work = nan("")};
   if (!km_run_create(arm, &t->plan, &run)) {
     km_track_free(t);
     return km_fail(error, KM_MEMORY, "out of memory for a track");

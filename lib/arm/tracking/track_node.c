@@ -32,6 +32,7 @@ void km_path_node_copy(const km_arm *a, km_path_node *to, const km_path_node *fr
   to->correction_count = from->correction_count;
   to->z = from->z;
   to->value = from->value;
+  to->weight = from->weight;
 }
 
 /* Joint rates: c₁/z · speed along the path, plus the part of `mean` along the self-motions. */

@@ -1,6 +1,7 @@
 /* Advances an arm along its path from sample to sample: predictor, Newton's corrector to the closest configuration,
  * step halving, checks of limits and rates, location of the end of a track (docs/theory.md 12.4). */
 #include "arm/tracking/tracker.h"
+#include "arm/tracking/joint_effort.h"
 #include "arm/tracking/seven_joint_arm.h"
 
 #include <string.h>
@@ -43,13 +44,30 @@ static void orient_columns(const km_arm *a, double *self) {
   }
 }
 
-void km_tracker_compute_node(const km_tracker *w, km_tracker_space *s, int sample, const double *q,
-                             const km_step_choice *choice, km_path_node *out) {
+/* Computes the node of a configuration without the objectives from inverse dynamics. */
+static void compute_node(const km_tracker *w, km_tracker_space *s, int sample, const double *q,
+                         const km_step_choice *choice, km_path_node *out) {
   memmove(out->q, q, (size_t)w->arm->n * sizeof *q);
   km_arm_update(w->arm, &s->arm, q);
   compute_columns(w, s, &w->path->points[sample], choice, NULL, out);
   orient_columns(w->arm, out->self);
   out->correction_count = 0;
+}
+
+void km_tracker_compute_node(const km_tracker *w, km_tracker_space *s, int sample, const double *q,
+                             const km_step_choice *choice, km_path_node *out) {
+  compute_node(w, s, sample, q, choice, out);
+  km_path_node_add_effort_at_rest(w, sample, out);
+}
+
+void km_tracker_compute_arrival(const km_tracker *w, km_tracker_space *s, int sample, const double *q,
+                                const km_path_node *from, km_path_node *out) {
+  static const km_step_choice greedy_choice = {0};
+  compute_node(w, s, sample, q, &greedy_choice, out);
+  if (from)
+    km_path_node_add_effort(w, sample - 1, &w->path->points[sample], from, out);
+  else
+    km_path_node_add_effort_at_rest(w, sample, out);
 }
 
 /* Damped least squares: out = Jᵀ (J Jᵀ + λ²)⁻¹ ξ, by Cholesky factorisation of J Jᵀ + λ². J is that of the last
@@ -211,6 +229,7 @@ km_step_end km_tracker_step(const km_tracker *w, km_tracker_space *s, int sample
     done = next;
     h *= 2.0;
   }
+  km_path_node_add_effort(w, sample, &here, from, to);
   return check_limits_and_rates(w, sample, &here, from, to);
 }
 
@@ -238,6 +257,7 @@ static void read_lane(const km_tracker *w, km_tracker_space *s, int sample, cons
     return;
   km_objective_values(w->arm, &s->arm, to->q, to->path, point->speed, w->objective, values);
   to->value = km_objective_sum(w->objective, values);
+  km_path_node_add_effort(w, sample, point, from, to);
 }
 
 /* Copies the data that km_path_node_predict reads of a node into lane l. */

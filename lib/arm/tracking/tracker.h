@@ -18,7 +18,8 @@ typedef struct km_path_node {
   double along;         /* Δσ of each of these steps */
   int correction_count; /* number of known corrections */
   double z;             /* path entry of c₁ */
-  double value;         /* value of the objective */
+  double value;         /* value of the objective; from inverse dynamics, that of the step that ended here */
+  double weight;        /* weight of the value in the mean over the samples; km_objective_sample_weight */
 } km_path_node;
 
 bool km_path_node_create(const km_arm *arm, km_arena *arena, km_path_node *node);
@@ -82,6 +83,11 @@ typedef struct km_step_end {
 /* Computes the node of a configuration q[n] that has the pose of a sample. */
 void km_tracker_compute_node(const km_tracker *tracker, km_tracker_space *space, int sample, const double *q,
                              const km_step_choice *choice, km_path_node *out);
+
+/* As km_tracker_compute_node with the path-control column, for the configuration that a step from the node `from` at
+ * the previous sample reached; NULL: the start. */
+void km_tracker_compute_arrival(const km_tracker *tracker, km_tracker_space *space, int sample, const double *q,
+                                const km_path_node *from, km_path_node *out);
 
 /* Advances from a node at `sample` over a fraction of the next interval: predictor (c₁/z + tan φ · c₂/z) Δσ, then
  * Newton's method to 1e-12 for the configuration closest to the predictor. If the correction exceeds half the

@@ -157,7 +157,13 @@ typedef enum km_objective_kind {
   KM_LIMIT_DISTANCE, /* least (distance to the nearer limit)/(half range) over the limited joints */
   KM_JOINT_TRAVEL,   /* path entry z = 1/√(1 + |q′|²): less joint travel along the path is better */
   KM_RATE_MARGIN,    /* least 1 − |q̇|/rate over the rated joints, at the minimum-norm rates that follow the path */
-  KM_OBJECTIVES      /* number of kinds */
+  /* Objectives from inverse dynamics, minus the mean over the time (docs/theory.md 12.10). τ: joint force, of a slide
+   * times L; they need masses. */
+  KM_EFFORT,          /* Σ τ², in the squared torque unit */
+  KM_RELATIVE_EFFORT, /* Σ (τ/max_force)² */
+  KM_ENERGY,          /* Σ |τ q̇|: power that the drives give and take */
+  KM_POSITIVE_WORK,   /* Σ max(τ q̇, 0): power of drives that get nothing back */
+  KM_OBJECTIVES       /* number of kinds */
 } km_objective_kind;
 
 KM_API const char *km_objective_word(km_objective_kind kind); /* name, as "path-control" */
@@ -296,7 +302,11 @@ typedef struct km_track_summary {
   double seconds;                        /* computing time; not in records, which are reproducible */
   bool greedy_instead;                   /* look-ahead: greedy's track was better and is the result */
   double converged;                      /* dp: relative change of the value at half the spacing and stage; else NaN */
-  bool bounded; /* dp: the number of states or null-space steps was limited, so they are coarser than the spacing */
+  bool bounded;  /* dp: the number of states or null-space steps was limited, so they are coarser than the spacing */
+  double effort; /* mean over the time of Σ τ², squared torque unit; NaN: no masses, or one row */
+  double relative_effort; /* mean over the time of Σ (τ/max_force)²; NaN: a drive states none */
+  double energy;          /* ∫ Σ |τ q̇| dt, force · length */
+  double positive_work;   /* ∫ Σ max(τ q̇, 0) dt, force · length */
 } km_track_summary;
 KM_API km_track_summary km_track_summarise(const km_track *track);
 

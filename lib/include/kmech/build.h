@@ -184,6 +184,7 @@ typedef enum km_module_type {
   KM_MODULE_MOTOR,     /* force as a function of time */
   KM_MODULE_PID,       /* controller of a coordinate */
   KM_MODULE_TIRE,      /* Fiala tyre */
+  KM_MODULE_CONTACT,   /* unilateral contact with friction */
   KM_MODULE_TYPES      /* number of enumerators */
 } km_module_type;
 

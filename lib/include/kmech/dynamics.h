@@ -24,6 +24,11 @@ KM_API km_status km_dynamics_create(const km_mechanism *mechanism, km_forces *fo
                                     km_error *error);
 KM_API void km_dynamics_free(km_dynamics *dynamics);
 
+/* Sets a stop at the limits of every joint whose model states limits and no stop: k = `stiffness` > 0, force per length
+ * or torque per radian; b = `damping` >= 0, of that per time. Beyond a limit by x it acts with k x + b v, never pulling
+ * (docs/theory.md 11.8). Call it before km_dynamics_create and km_history_run. KM_USAGE. */
+KM_API km_status km_forces_set_limit_stops(km_forces *forces, double stiffness, double damping, km_error *error);
+
 /* Prescribes value + rate · time for a coordinate (the model's units), in place of the model's law for it. KM_USAGE:
  * the coordinate is held or a component of a ball, or a number isn't finite. */
 KM_API km_status km_dynamics_prescribe(km_dynamics *dynamics, int coordinate, double value, double rate,
@@ -44,8 +49,8 @@ KM_API km_status km_dynamics_project_rates(km_dynamics *dynamics, km_state *stat
 KM_API km_status km_dynamics_accelerate(km_dynamics *dynamics, km_state *state, km_error *error);
 
 /* Energies, in force × length, at the last km_dynamics_accelerate: kinetic; potential of gravity (0 with all centres
- * of mass at the inertial origin), springs and stops; power dissipated by dampers, friction, stops and tyres; power
- * supplied by motors, controllers, loads and prescribed motions. */
+ * of mass at the inertial origin), springs, stops and contacts; power dissipated by dampers, friction, stops, tyres and
+ * contacts; power supplied by motors, controllers, loads and prescribed motions. */
 typedef struct km_energy {
   double kinetic, potential, dissipation, motor_power; /* energies; powers */
 } km_energy;

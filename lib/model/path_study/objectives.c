@@ -7,8 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const words[KM_OBJECTIVES] = {"path-control",   "manipulability", "singular-value",
-                                                 "limit-distance", "joint-travel",   "rate-margin"};
+static const char *const words[KM_OBJECTIVES] = {"path-control", "manipulability", "singular-value", "limit-distance",
+                                                 "joint-travel", "rate-margin",    "effort",         "relative-effort",
+                                                 "energy",       "positive-work"};
 
 static bool known(km_objective_kind kind) {
   return (unsigned)kind < KM_OBJECTIVES;

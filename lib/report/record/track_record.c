@@ -146,7 +146,7 @@ static void add_settings(const km_method *m, const km_track *t, km_value *record
     km_value_number(arena, record, "levels", m->levels);
     km_value_number(arena, record, "angle", round(m->angle * degrees * 1e9) / 1e9);
     km_value_number(arena, record, "stride", stride);
-    km_value_string(arena, record, "value", m->sum ? "sum" : "min");
+    km_value_string(arena, record, "value", m->sum || km_objective_needs_forces(&t->plan.objective) ? "sum" : "min");
     km_value_boolean(arena, record, "greedy_instead", t->summary.greedy_instead);
     break;
   }
@@ -185,6 +185,13 @@ static void add_summary(const km_track *t, km_value *record, km_arena *arena) {
   km_value_number(arena, out, "limit_margin", s->limit_margin);
   km_value_number(arena, out, "violations", s->violations);
   km_value_number(arena, out, "evaluations", (double)s->evaluations);
+  if (!t->arm->mass.has_mass)
+    return;
+  km_value_number(arena, out, "effort", s->effort);
+  if (km_table_find(t->table, "relative_effort") >= 0)
+    km_value_number(arena, out, "relative_effort", s->relative_effort);
+  km_value_number(arena, out, "energy", s->energy);
+  km_value_number(arena, out, "positive_work", s->positive_work);
 }
 
 static void add_track(const km_tracks *all, int index, km_value *list, km_arena *arena) {
@@ -269,6 +276,27 @@ static void print_line(const km_tracks *all, int index, km_text *out) {
                  s->limit_margin, s->violations, s->evaluations);
 }
 
+/* Effort and energy of the tracks, of an arm with masses. */
+static void print_efforts(const km_tracks *all, km_text *out) {
+  const km_arm *a = all->study->arm;
+  const char *force = a->mechanism->model->units.force->suffix;
+  if (!a->mass.has_mass)
+    return;
+  km_text_format(out, "  %-12s %19s %12s %14s\n", "", "effort (mean)", "energy", "positive work");
+  km_text_format(out, "  %-12s %11s^2*%s^2 %*s*%s %*s*%s\n", "", force, length_unit(a),
+                 11 - (int)strlen(length_unit(a)), force, length_unit(a), 13 - (int)strlen(length_unit(a)), force,
+                 length_unit(a));
+  for (int i = 0; i < all->count; ++i) {
+    const km_track *t = all->items[i];
+    char label[64];
+    if (!t || km_table_rows(t->table) < 2)
+      continue;
+    km_tracks_label(all, i, ' ', label, sizeof label);
+    km_text_format(out, "  %-12s %19.6g %12.6g %14.6g\n", label, t->summary.effort, t->summary.energy,
+                   t->summary.positive_work);
+  }
+}
+
 /* Text about the accuracy of the reference. */
 static void print_remarks(const km_tracks *all, int index, km_text *out) {
   const km_track *track = all->items[index];
@@ -276,8 +304,10 @@ static void print_remarks(const km_tracks *all, int index, km_text *out) {
   char label[64];
   km_tracks_label(all, index, ' ', label, sizeof label);
   if (isfinite(change))
-    km_text_format(out, "  %s: half the spacing and stage change the value by %.2g%%%s\n", label, 100.0 * change,
-                   change < 0.02 ? "" : ": no reference yet");
+    km_text_format(out, "  %s: %s change the value by %.2g%%%s\n", label,
+                   km_objective_needs_forces(&track->plan.objective) ? "a quarter of the spacing and half the stage"
+                                                                     : "half the spacing and stage",
+                   100.0 * change, change < 0.02 ? "" : ": no reference yet");
   else if (track->plan.method.kind == KM_DP && track->end.stop != KM_TRACK_START)
     km_text_format(out, "  %s: %s\n", label,
                    track->end.stop          ? "stops short: no reference"
@@ -314,6 +344,7 @@ void km_tracks_print(const km_tracks *t, km_text *out) {
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_line(t, i, out);
+  print_efforts(t, out);
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_remarks(t, i, out);

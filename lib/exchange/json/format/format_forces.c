@@ -31,11 +31,33 @@ static const km_field tire_fields[] = {
     {0}};
 static const km_object_format tire_format = {"tire", tire_fields};
 
+static const km_field contact_fields[] = {
+    {"shape",
+     "What touches: \"point-plane\" (the child's origin, or a ball about it, on the parent's plane z = 0), "
+     "\"circle-line\" (a circle about the child's origin on the parent's line y = 0) or \"circle-circle\" (about the "
+     "origins of both frames, normal to the parent's z axis).",
+     STRING, REQUIRED},
+    {"radius", "Radius of the child's circle or ball.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
+    {"parent_radius", "Radius of the parent's circle, of circle-circle.", NUMBER, UNIT(.length = 1)},
+    {"stiffness", "Normal force over the penetration; with an exponent, at the reference depth.", NUMBER, REQUIRED,
+     UNIT(.force = 1, .length = -1)},
+    {"exponent", "Power of the penetration in the normal force: 1, or 1.5 of round bodies (Hertz).", NUMBER,
+     UNSTATED("1")},
+    {"reference_depth", "Penetration at which the stiffness is stated, needed beside an exponent.", NUMBER,
+     UNIT(.length = 1)},
+    {"dissipation", "Part of the normal force for each unit of the penetration's rate.", NUMBER,
+     UNIT(.time = 1, .length = -1), UNSTATED("0")},
+    {"friction", "Coefficient of friction.", NUMBER, UNSTATED("0")},
+    {"slip_speed", "Speed below which the friction decreases to 0.", NUMBER, UNIT(.length = 1, .time = -1),
+     UNSTATED("a thousandth of the characteristic length per second")},
+    {0}};
+static const km_object_format contact_format = {"contact", contact_fields};
+
 static const km_field module_fields[] = {
     {"name", "Name of the force module.", STRING, REQUIRED},
     {"type",
      "stiffness is a force from a displacement, damping and friction from a rate, motor from time, pid a controller, "
-     "fiala_tire a tyre; `variable` states another variable. Statics counts a stiffness of displacement; the others "
+     "fiala_tire a tyre, contact a contact with friction; `variable` states another variable. Statics counts a stiffness of displacement; the others "
      "count in a simulation.",
      STRING, REQUIRED},
     {"input", "Where the variable is measured.", OBJECT(port_format), UNSTATED("the output")},
@@ -76,6 +98,7 @@ static const km_field module_fields[] = {
     {"tire",
      "Numbers of a fiala_tire, whose parent frame is the road (its z axis the normal) and whose child frame is the wheel's (its y axis the axle).",
      OBJECT(tire_format)},
+    {"contact", "Numbers of a contact, which acts between the two frames of the output.", OBJECT(contact_format)},
     ACTIVE,
     {0}};
 const km_object_format km_format_module = {"force_module", module_fields};

@@ -82,6 +82,31 @@ static void read_tire(km_reader *reader, const km_value *module, const km_place 
     km_reader_not_negative(reader, t, numbers[i], &at);
 }
 
+static void read_contact(km_reader *reader, const km_value *module, const km_place *place, km_contact *out) {
+  const km_value *t = km_value_get(module, "contact");
+  const char *shape = t ? km_reader_string(t, "shape") : NULL;
+  km_place at = {place, "contact", 0}, shape_at = {&at, "shape", 0};
+  if (!t)
+    km_reader_error(reader, place, "\"contact\" is missing; expected the shape and the numbers of a contact");
+  int found = shape ? km_contact_shape_find(shape) : 0;
+  if (found < 0)
+    km_reader_error(reader, &shape_at, "\"%.40s\" is no contact; expected point-plane, circle-line or circle-circle",
+                    shape);
+  *out = (km_contact){.shape = found < 0 ? KM_CONTACT_POINT_PLANE : (km_contact_shape)found,
+                      .radius = km_reader_number(t, "radius", 0.0),
+                      .parent_radius = km_reader_number(t, "parent_radius", 0.0),
+                      .stiffness = km_reader_number(t, "stiffness", 0.0),
+                      .exponent = km_reader_number(t, "exponent", 1.0),
+                      .reference_depth = km_reader_number(t, "reference_depth", 0.0),
+                      .dissipation = km_reader_number(t, "dissipation", 0.0),
+                      .friction = km_reader_number(t, "friction", 0.0),
+                      .slip_speed = km_reader_number(t, "slip_speed", 0.0)};
+  static const char *const numbers[] = {"radius",          "parent_radius", "stiffness", "exponent",
+                                        "reference_depth", "dissipation",   "friction",  "slip_speed"};
+  for (size_t i = 0; t && i < sizeof numbers / sizeof *numbers; ++i)
+    km_reader_not_negative(reader, t, numbers[i], &at);
+}
+
 static const char *const distances[] = {"euclid", "Tx", "Ty", "Tz", "Rx", "Ry", "Rz", NULL};
 
 /* Measure between two frames that a key names; euclid if it isn't there. */
@@ -286,7 +311,8 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
   int type_found = km_module_type_find(type);
   if (type_found < 0)
     km_reader_error(reader, &type_at,
-                    "\"%.40s\" is not a force module; expected stiffness, damping, friction, motor, pid or fiala_tire",
+                    "\"%.40s\" is not a force module; expected stiffness, damping, friction, motor, pid, "
+                    "fiala_tire or contact",
                     type);
   km_model_module def = {.name = km_reader_string(module, "name"),
                          .where = km_reader_where(reader, place),
@@ -302,6 +328,8 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
   read_variable(reader, module, place, &def);
   if (def.type == KM_MODULE_TIRE)
     read_tire(reader, module, place, &def.tire);
+  if (def.type == KM_MODULE_CONTACT)
+    read_contact(reader, module, place, &def.contact);
   reader->origin->modules[reader->model->module_count] = module;
   reader->model->modules[reader->model->module_count++] = def;
   if (def.input_count == 0)

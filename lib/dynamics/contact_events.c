@@ -1,0 +1,97 @@
+/* Contacts that a step passed over: the bodies are apart at both ends of it and touch in between, so that no
+ * evaluation noticed them (docs/theory.md 11.6, 11.15).
+ *
+ *   δ(t) < 0 at both ends t_0, t_1 of a step;  searched if  −max(δ_0, δ_1) <= h (|δ̇_0| + |δ̇_1|) + |δ_1 − δ_0|
+ *   δ at eight samples of the interpolant, then its maximum */
+#include "dynamics/simulation.h"
+
+#include "base/event_locator.h"
+
+/* Sets poses and twists of the bodies with forces at a time within the last step. */
+static bool move_to(km_simulation *run, double time) {
+  km_dynamics *d = run->dynamics;
+  if (!km_simulation_interpolate(run, time, run->at))
+    return false;
+  km_simulation_unpack(run, run->at, time);
+  km_tree_update(d, run->state);
+  km_dynamics_locate_bodies(d);
+  return true;
+}
+
+/* Contact of a module at a time. */
+typedef struct contact_at {
+  km_simulation *run;
+  const km_model_module *module;
+} contact_at;
+
+/* Distance −δ of the bodies; NaN: not known. */
+static double distance_at(double time, void *context) {
+  const contact_at *c = context;
+  return move_to(c->run, time)
+             ? -km_contact_touch(c->run->dynamics->mechanism, c->run->dynamics->forces, c->module).depth
+             : nan("");
+}
+
+/* True if the bodies can have touched, judged by depth and rate at both ends of the step. */
+static bool can_have_touched(const km_touch *one, const km_touch *other, double h) {
+  double reach = h * (fabs(one->depth_rate) + fabs(other->depth_rate)) + fabs(other->depth - one->depth);
+  return one->depth < 0.0 && other->depth < 0.0 && -fmax(one->depth, other->depth) <= reach;
+}
+
+/* Time within the last step at which the bodies overlap by more than `depth`; infinity: none. */
+static double find_touch(km_simulation *run, const km_model_module *module, double depth) {
+  enum { PARTS = 8 };
+  static const double width = 1e-8; /* relative: the minimum is known to the square of it */
+  contact_at at = {run, module};
+  double h = (run->time - run->last_time) / PARTS, f[PARTS + 1];
+  int least = 0;
+  for (int k = 0; k <= PARTS; ++k) {
+    f[k] = distance_at(run->last_time + k * h, &at);
+    if (f[k] < -depth)
+      return run->last_time + k * h;
+    least = f[k] < f[least] ? k : least;
+  }
+  if (least == 0 || least == PARTS)
+    return HUGE_VAL;
+  const double s = run->last_time + least * h;
+  km_minimum_bracket b = {s - h, f[least - 1], s, f[least], s + h, f[least + 1]};
+  km_locate_minimum(distance_at, &at, width * h, -depth, &b);
+  return b.f < -depth ? b.s : HUGE_VAL;
+}
+
+/* Time within the last step at which the bodies begin or cease to touch; infinity: they don't, or the step begins or
+ * ends there. */
+static double find_change(km_simulation *run, const km_model_module *module, const km_touch *one,
+                          const km_touch *other) {
+  static const double end = 1e-6; /* part of the step; a change so close to its ends needs no shorter step */
+  const double h = run->time - run->last_time;
+  contact_at at = {run, module};
+  if ((one->depth > 0.0) == (other->depth > 0.0))
+    return HUGE_VAL;
+  const double time = km_locate_root(distance_at, &at, run->last_time, run->time, -one->depth, -other->depth);
+  return time > run->last_time + end * h && time < run->time - end * h ? time : HUGE_VAL;
+}
+
+double km_contacts_passed_over(km_simulation *run) {
+  const km_dynamics *d = run->dynamics;
+  const km_moving_forces *moving = d->forces->moving;
+  const double error = (run->def.absolute + run->def.relative) * d->mechanism->length;
+  double first = HUGE_VAL;
+  bool is_moved = false;
+  for (int i = 0; i < moving->module_count; ++i) {
+    if (moving->modules[i]->type != KM_MODULE_CONTACT)
+      continue;
+    is_moved = true;
+    if (!move_to(run, run->last_time))
+      return HUGE_VAL;
+    const km_touch one = km_contact_touch(d->mechanism, d->forces, moving->modules[i]);
+    move_to(run, run->time);
+    const km_touch other = km_contact_touch(d->mechanism, d->forces, moving->modules[i]);
+    first = fmin(first, find_change(run, moving->modules[i], &one, &other));
+    if (can_have_touched(&one, &other, run->time - run->last_time))
+      first = fmin(first, find_touch(run, moving->modules[i], error));
+  }
+  if (is_moved)
+    move_to(run, run->time);
+  return first;
+}
