@@ -1,4 +1,4 @@
-/* ksim serve: options, session, and the loop over requests. */
+/* The command for sessions: options, session, and the loop over requests. */
 #include "ksim/serve.h"
 
 #include "kmech/base.h"

@@ -1,4 +1,4 @@
-/* ksim serve: a session whose inputs and motion are JSON, one line each. */
+/* A session of another program: its inputs and its motion are JSON, one line each. */
 #ifndef KSIM_SERVE_H
 #define KSIM_SERVE_H
 
@@ -15,7 +15,7 @@ typedef struct ksim_server {
   int crossings_told;
   long steps; /* steps made; and their clock time, seconds */
   double total, longest;
-  bool is_over; /* the client asked for the end, or the run can't go on */
+  bool is_over; /* the client ended it, or the run can't go on */
   kt_exit result;
 } ksim_server;
 
@@ -24,8 +24,8 @@ void ksim_describe(const ksim_server *server, km_text *out);
 /* Handles a request, and appends the reply: the motion after the steps, or an error. */
 void ksim_reply(ksim_server *server, const char *request, size_t size, km_text *out);
 
-/* Waits for one client at a Unix socket (a path) or a TCP port of this machine (a number); streams to read and to write.
- * False with a message. */
+/* Waits for one client at a Unix socket (a path) or a TCP port of this machine (a number); streams to read and to
+ * write. False with a message. */
 bool ksim_accept(const kt_common *common, const char *place, FILE **in, FILE **out);
 
 #endif

@@ -1,4 +1,4 @@
-/* Requests and replies of ksim serve (docs/simulation.md).
+/* Requests and replies of a session (docs/simulation.md).
  *
  *   request: {"step": N, "force": {JOINT: F}, "load": {FRAME: [fx, fy, fz, tx, ty, tz]}, "reference": {MODULE: r or null},
  *             "rate": {JOINT: v}, "quit": true}, each key optional; one step where "step" is missing

@@ -1,4 +1,4 @@
-/* ksim serve --socket: one client at a Unix socket or a TCP port of this machine. */
+/* The socket of a session: one client at a Unix socket or a TCP port of this machine. */
 #include "ksim/serve.h"
 
 #include <errno.h>

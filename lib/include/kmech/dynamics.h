@@ -83,7 +83,7 @@ typedef struct km_frame_motion {
 
 /* A motion at one time, as the functions of a program see it. */
 typedef struct km_motion_sample {
-  double time;
+  double time;                   /* the model's time unit */
   const double *q, *rate;        /* [coordinate] in the coordinate's unit, and over the time unit */
   const km_frame_motion *frames; /* [frame_count] frames of km_user_forces */
 } km_motion_sample;
@@ -105,8 +105,8 @@ typedef struct km_user_forces {
 KM_API km_status km_forces_set_user(km_forces *forces, const km_user_forces *user, km_error *error);
 
 /* Inputs that are constant until they are set again: a force along +q, added to the others (for an angle force × length
- * per radian; 0 at first); load `index` of km_forces_create; the reference of a controller (NaN: its law in the
- * model). During a run km_simulation_restart follows. KM_USAGE: invalid index, not finite, not a controller. */
+ * per radian; 0 at first); load `index` of km_forces_create; the reference `value` of the controller `module` (NaN: its
+ * law in the model). During a run km_simulation_restart follows. KM_USAGE: invalid index, not finite, not a controller. */
 KM_API km_status km_forces_set_joint_force(km_forces *forces, int coordinate, double force, km_error *error);
 KM_API km_status km_forces_set_load(km_forces *forces, int index, const km_load *load, km_error *error);
 KM_API km_status km_forces_set_reference(km_forces *forces, int module, double value, km_error *error);
@@ -187,7 +187,7 @@ KM_API km_status km_simulation_step(km_simulation *simulation, km_error *error);
 
 /* Continues from the state's time after a program has changed inputs of the forces, or coordinates or rates of the
  * state; rates are projected on the loops. Internal states and works stay. Crossings located later than the state's
- * time are forgotten. KM_DIVERGED: loops can't be closed. */
+ * time are discarded. KM_DIVERGED: loops can't be closed. */
 KM_API km_status km_simulation_restart(km_simulation *simulation, km_error *error);
 
 /* Figures of a run so far. */
@@ -231,6 +231,7 @@ typedef struct km_session_def {
 /* Default definition: fixed steps of 1 ms. */
 KM_API km_session_def km_session_default(const km_model *model);
 
+/* A session. Not thread-safe. */
 typedef struct km_session km_session;
 
 /* Creates a session at the assembled state's configuration, rates and time, with all forces of the model, `gravity`
@@ -241,8 +242,9 @@ KM_API km_status km_session_create(const km_mechanism *mechanism, const km_state
 KM_API void km_session_free(km_session *session);
 
 /* Set inputs, which act from the next step on until they are set again: force of a joint along +q (for an angle force ×
- * length per radian), force and moment on frame `index` of the definition (its origin, inertial axes), reference of a
- * controller (NaN: its law), rate of a coordinate now (the rates of others follow the loops). KM_USAGE. */
+ * length per radian); `wrench`, force and moment on frame `index` of the definition (its origin, inertial axes);
+ * reference `value` of the controller `module` (NaN: its law); rate of a coordinate now (the rates of others follow the
+ * loops). KM_USAGE. */
 KM_API km_status km_session_set_force(km_session *session, int coordinate, double force, km_error *error);
 KM_API km_status km_session_set_wrench(km_session *session, int index, const double wrench[6], km_error *error);
 KM_API km_status km_session_set_reference(km_session *session, int module, double value, km_error *error);
