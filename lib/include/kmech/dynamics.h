@@ -106,7 +106,7 @@ KM_API km_status km_forces_set_user(km_forces *forces, const km_user_forces *use
 
 /* Inputs that are constant until they are set again: a force along +q, added to the others (for an angle force × length
  * per radian; 0 at first); load `index` of km_forces_create; the reference `value` of the controller `module` (NaN: its
- * law in the model). During a run km_simulation_restart follows. KM_USAGE: invalid index, not finite, not a controller. */
+ * law in the model). During a run km_simulation_restart follows. KM_USAGE: invalid index or value, not a controller. */
 KM_API km_status km_forces_set_joint_force(km_forces *forces, int coordinate, double force, km_error *error);
 KM_API km_status km_forces_set_load(km_forces *forces, int index, const km_load *load, km_error *error);
 KM_API km_status km_forces_set_reference(km_forces *forces, int module, double value, km_error *error);
