@@ -109,8 +109,8 @@ km_frame_motion km_frame_motion_of(const km_forces *f, int frame) {
 km_motion_sample km_user_sample(const km_mechanism *m, const km_state *s, km_forces *f) {
   km_moving_forces *moving = f->moving;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    moving->user_q[c] = km_state_coordinate(s, c);
-    moving->user_rate[c] = km_state_rate(s, c);
+    moving->user_q[c] = km_state_value(s, c);
+    moving->user_rate[c] = s->rate[c] / m->factor[c];
   }
   for (int i = 0; i < f->user.frame_count; ++i)
     moving->user_frames[i] = km_frame_motion_of(f, f->user.frames[i]);
