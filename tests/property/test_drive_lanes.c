@@ -221,7 +221,7 @@ static void same_bits(const char *name, int row, design *a, design *b) {
 
 /* All that a drive leaves, when it goes on alone. */
 static void same_end(design *a, design *b) {
-  double x[64], y[64];
+  double x[64] = {0}, y[64] = {0}; /* a motion without tangent writes nothing */
   const km_mechanism *m = a->f.mechanism;
   assert_true(km_driver_motion_tangent(a->drive, x) == km_driver_motion_tangent(b->drive, y));
   assert_memory_equal(x, y, (size_t)m->coordinate_count * sizeof *x);
