@@ -108,3 +108,25 @@ bool km_locate_minimum(km_event_function *f, void *context, double width, double
   gsl_min_fminimizer_free(solver);
   return ok;
 }
+
+double km_locate_excursion(km_event_function *f, void *context, double a, double b, double fa, double fb,
+                           double depth) {
+  enum { PARTS = 8 };
+  static const double width = 1e-8; /* relative: the minimum is known to the square of it */
+  double h = (b - a) / PARTS, values[PARTS + 1];
+  values[0] = fa;
+  values[PARTS] = fb;
+  int least = 0;
+  for (int k = 1; k < PARTS; ++k) {
+    values[k] = f(a + k * h, context);
+    if (values[k] < -depth)
+      return a + k * h;
+    least = values[k] < values[least] ? k : least;
+  }
+  if (least == 0 || fb <= values[least])
+    return HUGE_VAL;
+  const double s = a + least * h;
+  km_minimum_bracket bracket = {s - h, values[least - 1], s, values[least], s + h, values[least + 1]};
+  km_locate_minimum(f, context, width * h, -depth, &bracket);
+  return bracket.f < -depth ? bracket.s : HUGE_VAL;
+}

@@ -39,4 +39,8 @@ typedef struct km_minimum_bracket {
  * the function has no value, or without memory; the bracket then holds what was found. */
 bool km_locate_minimum(km_event_function *f, void *context, double width, double enough, km_minimum_bracket *bracket);
 
+/* A place between a and b at which the function is below −depth although it isn't at the ends: eight samples, then the
+ * minimum among them. Infinity: none. */
+double km_locate_excursion(km_event_function *f, void *context, double a, double b, double fa, double fb, double depth);
+
 #endif

@@ -9,12 +9,9 @@
 
 /* Sets poses and twists of the bodies with forces at a time within the last step. */
 static bool move_to(km_simulation *run, double time) {
-  km_dynamics *d = run->dynamics;
   if (!km_simulation_interpolate(run, time, run->at))
     return false;
-  km_simulation_unpack(run, run->at, time);
-  km_tree_update(d, run->state);
-  km_dynamics_locate_bodies(d);
+  km_simulation_locate_bodies(run, run->at, time);
   return true;
 }
 
@@ -39,24 +36,10 @@ static bool can_have_touched(const km_touch *one, const km_touch *other, double 
 }
 
 /* Time within the last step at which the bodies overlap by more than `depth`; infinity: none. */
-static double find_touch(km_simulation *run, const km_model_module *module, double depth) {
-  enum { PARTS = 8 };
-  static const double width = 1e-8; /* relative: the minimum is known to the square of it */
+static double find_touch(km_simulation *run, const km_model_module *module, const km_touch *one, const km_touch *other,
+                         double depth) {
   contact_at at = {run, module};
-  double h = (run->time - run->last_time) / PARTS, f[PARTS + 1];
-  int least = 0;
-  for (int k = 0; k <= PARTS; ++k) {
-    f[k] = distance_at(run->last_time + k * h, &at);
-    if (f[k] < -depth)
-      return run->last_time + k * h;
-    least = f[k] < f[least] ? k : least;
-  }
-  if (least == 0 || least == PARTS)
-    return HUGE_VAL;
-  const double s = run->last_time + least * h;
-  km_minimum_bracket b = {s - h, f[least - 1], s, f[least], s + h, f[least + 1]};
-  km_locate_minimum(distance_at, &at, width * h, -depth, &b);
-  return b.f < -depth ? b.s : HUGE_VAL;
+  return km_locate_excursion(distance_at, &at, run->last_time, run->time, -one->depth, -other->depth, depth);
 }
 
 /* Time within the last step at which the bodies begin or cease to touch; infinity: they don't, or the step begins or
@@ -89,7 +72,7 @@ double km_contacts_passed_over(km_simulation *run) {
     const km_touch other = km_contact_touch(d->mechanism, d->forces, moving->modules[i]);
     first = fmin(first, find_change(run, moving->modules[i], &one, &other));
     if (can_have_touched(&one, &other, run->time - run->last_time))
-      first = fmin(first, find_touch(run, moving->modules[i], error));
+      first = fmin(first, find_touch(run, moving->modules[i], &one, &other, error));
   }
   if (is_moved)
     move_to(run, run->time);

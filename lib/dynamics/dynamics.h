@@ -124,7 +124,6 @@ double km_dynamics_driving_power(const km_dynamics *dynamics, const km_state *st
  * can't be closed. */
 bool km_constraints_update(km_dynamics *dynamics, km_state *state, bool search);
 
-
 /* Computes poses, joint twists, twists, inertias and velocity products of all nodes. */
 void km_tree_update(km_dynamics *dynamics, const km_state *state);
 

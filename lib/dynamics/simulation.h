@@ -69,6 +69,8 @@ struct km_simulation {
 /* Copies the vector to the state; km_simulation_pack copies back. */
 void km_simulation_unpack(km_simulation *run, const double *y, double time);
 void km_simulation_pack(km_simulation *run, double *y);
+/* Sets the state from a vector, and the poses and twists of the bodies on which forces act; loops aren't closed. */
+void km_simulation_locate_bodies(km_simulation *run, const double *y, double time);
 /* Sets the shift so that the vector of the last evaluation represents its closed state (integrator_vector.c). */
 void km_simulation_shift(km_simulation *run);
 /* Computes the vector's derivative. False: an evaluation failed, the step is too long. */

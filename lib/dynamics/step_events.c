@@ -21,10 +21,8 @@ static double crossing_difference(km_simulation *run, int i, const double *y, do
   const km_crossing *crossing = &run->crossings[i];
   if (!crossing->function)
     return difference(run, y, crossing->coordinate, crossing->value);
-  km_dynamics *d = run->dynamics;
-  km_simulation_unpack(run, y, time);
-  km_tree_update(d, run->state);
-  km_dynamics_locate_bodies(d);
+  const km_dynamics *d = run->dynamics;
+  km_simulation_locate_bodies(run, y, time);
   const km_motion_sample sample = km_user_sample(d->mechanism, run->state, d->forces);
   return crossing->function(crossing->context, &sample) - crossing->value;
 }
@@ -53,35 +51,14 @@ static double evaluate_at(double time, void *context) {
   return q->sign * difference_at(q->run, time, q->at->coordinate, q->at->value);
 }
 
-/* Locates the passage of a coordinate through a value between two times, with the differences fa and fb there. */
-static double locate(km_simulation *run, const km_corner *at, double a, double fa, double b, double fb) {
-  signed_difference q = {run, at, 1.0};
-  return km_locate_root(evaluate_at, &q, a, b, fa, fb);
-}
-
 /* Time within the last step at which a coordinate is on the other side of the value than at both ends, by more than
- * `depth`: eight samples, then the minimum. Infinity: none. */
+ * `depth`. Infinity: none. */
 static double find_excursion(km_simulation *run, const km_corner *at, double depth) {
-  enum { PARTS = 8 };
-  static const double width = 1e-8; /* relative: the minimum is known to the square of it */
-  double h = (run->time - run->last_time) / PARTS, f[PARTS + 1];
-  f[0] = difference(run, run->accepted, at->coordinate, at->value);
-  f[PARTS] = difference(run, run->y, at->coordinate, at->value);
-  double sign = f[0] > 0.0 || (f[0] == 0.0 && f[PARTS] > 0.0) ? 1.0 : -1.0;
-  int least = 0;
-  for (int k = 1; k < PARTS; ++k) {
-    f[k] = difference_at(run, run->last_time + k * h, at->coordinate, at->value);
-    if (sign * f[k] < -depth)
-      return run->last_time + k * h;
-    least = sign * f[k] < sign * f[least] ? k : least;
-  }
-  if (least == 0 || sign * f[PARTS] <= sign * f[least])
-    return HUGE_VAL;
+  double one = difference(run, run->accepted, at->coordinate, at->value);
+  double other = difference(run, run->y, at->coordinate, at->value);
+  double sign = one > 0.0 || (one == 0.0 && other > 0.0) ? 1.0 : -1.0;
   signed_difference q = {run, at, sign};
-  const double s = run->last_time + least * h;
-  km_minimum_bracket b = {s - h, sign * f[least - 1], s, sign * f[least], s + h, sign * f[least + 1]};
-  km_locate_minimum(evaluate_at, &q, width * h, -depth, &b);
-  return b.f < -depth ? b.s : HUGE_VAL;
+  return km_locate_excursion(evaluate_at, &q, run->last_time, run->time, sign * one, sign * other, depth);
 }
 
 /* True if the coordinate can have passed the value and returned, judged by the rates at both ends of the step. */
@@ -150,17 +127,23 @@ static bool add(km_simulation *run, size_t first, km_crossing_met crossings_met)
   return true;
 }
 
+/* Locates the passage of crossing i between two times, with the differences fa and fb there. */
+static double locate(km_simulation *run, int i, double a, double fa, double b, double fb) {
+  timed_crossing q = {run, i};
+  return km_locate_root(evaluate_crossing, &q, a, b, fa, fb);
+}
+
 /* Adds both crossings of a coordinate that passes the value and returns within the step. */
-static bool add_pair(km_simulation *run, size_t first, int crossing, const km_corner *at, double now) {
-  double t = can_have_passed(run, at) ? find_excursion(run, at, 0.0) : HUGE_VAL;
+static bool add_pair(km_simulation *run, size_t first, int i, double now) {
+  const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
+  double t = can_have_passed(run, &at) ? find_excursion(run, &at, 0.0) : HUGE_VAL;
   if (t == HUGE_VAL)
     return true;
-  double f = difference_at(run, t, at->coordinate, at->value);
-  double there = locate(run, at, run->last_time, run->side[crossing], t, f);
-  double back = locate(run, at, t, f, run->time, now);
+  double f = difference_at(run, t, at.coordinate, at.value);
+  double there = locate(run, i, run->last_time, run->side[i], t, f);
+  double back = locate(run, i, t, f, run->time, now);
   int sense = now > 0.0 ? 1 : -1;
-  return add(run, first, (km_crossing_met){crossing, there, -sense}) &&
-         add(run, first, (km_crossing_met){crossing, back, sense});
+  return add(run, first, (km_crossing_met){i, there, -sense}) && add(run, first, (km_crossing_met){i, back, sense});
 }
 
 /* Finds all crossings of the last step: changes of sign, and a coordinate's passages there and back. */
@@ -174,12 +157,10 @@ bool km_crossings_find(km_simulation *run) {
     if (now == 0.0 || run->side[i] == now) /* not passed yet */
       continue;
     if ((now > 0.0) != (run->side[i] > 0.0)) {
-      timed_crossing q = {run, i};
-      double time = km_locate_root(evaluate_crossing, &q, run->last_time, run->time, run->side[i], now);
+      double time = locate(run, i, run->last_time, run->side[i], run->time, now);
       is_ok = add(run, first, (km_crossing_met){i, time, now > 0.0 ? 1 : -1});
     } else if (!run->crossings[i].function) {
-      const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
-      is_ok = add_pair(run, first, i, &at, now);
+      is_ok = add_pair(run, first, i, now);
     }
     run->side[i] = now;
   }

@@ -32,6 +32,12 @@ void km_simulation_unpack(km_simulation *run, const double *y, double time) {
   memcpy(moving->internal_state, shifted + run->memory_start, (size_t)moving->state_count * sizeof *y);
 }
 
+void km_simulation_locate_bodies(km_simulation *run, const double *y, double time) {
+  km_simulation_unpack(run, y, time);
+  km_tree_update(run->dynamics, run->state);
+  km_dynamics_locate_bodies(run->dynamics);
+}
+
 /* Copies the state's coordinates and rates to `closed`; of q and −q of a ball, the one closer to `shifted`. */
 static void copy_state(km_simulation *run) {
   const km_mechanism *m = run->dynamics->mechanism;
