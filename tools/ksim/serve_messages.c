@@ -46,20 +46,22 @@ static km_status expect_number(const km_value *member, km_error *error) {
   return member->kind == KM_NUMBER ? KM_OK : km_fail(error, KM_USAGE, "\"%s\": expected a number", member->key);
 }
 
-static km_status set_force(const ksim_server *server, const km_value *member, km_error *error) {
+/* Sets a number of the coordinate that the key names. */
+static km_status set_coordinate(const ksim_server *server, const km_value *member,
+                                km_status (*set)(km_session *, int, double, km_error *), km_error *error) {
   int coordinate;
   km_status status = km_model_find_coordinate(server->work->pose.model, member->key, &coordinate, error);
   if (!status)
     status = expect_number(member, error);
-  return status ? status : km_session_set_force(server->session, coordinate, member->number, error);
+  return status ? status : set(server->session, coordinate, member->number, error);
+}
+
+static km_status set_force(const ksim_server *server, const km_value *member, km_error *error) {
+  return set_coordinate(server, member, km_session_set_force, error);
 }
 
 static km_status set_rate(const ksim_server *server, const km_value *member, km_error *error) {
-  int coordinate;
-  km_status status = km_model_find_coordinate(server->work->pose.model, member->key, &coordinate, error);
-  if (!status)
-    status = expect_number(member, error);
-  return status ? status : km_session_set_rate(server->session, coordinate, member->number, error);
+  return set_coordinate(server, member, km_session_set_rate, error);
 }
 
 static km_status set_reference(const ksim_server *server, const km_value *member, km_error *error) {
