@@ -182,7 +182,7 @@ static double effort_of(const km_track *track, int kind) {
   return kind == KM_EFFORT ? s->effort : kind == KM_ENERGY ? s->energy / seconds : s->positive_work / seconds;
 }
 
-/* By dynamic programming, each objective has the least effort of its own kind of all objectives. */
+/* Dynamic programming by an objective gives the least effort of that kind; tracks by other objectives have more. */
 static void each_optimum_is_the_least_of_its_kind(void **state) {
   (void)state;
   static const char *const words[] = {"effort",         "energy",         "positive-work", "limit-distance",
