@@ -12,20 +12,7 @@
 
 /* The odd arm in millimetres, milliseconds, grams and degrees. */
 static fixture odd_arm_in_small_units(void) {
-  fixture f = odd_arm();
-  km_arena arena = {0};
-  km_text json = {0};
-  const km_value *tree;
-  km_units units = f.model->units;
-  units.angle = km_unit_find(KM_ANGLE, "degrees");
-  units.length = km_unit_find(KM_LENGTH, "millimeters");
-  units.mass = km_unit_find(KM_MASS, "grams");
-  units.time = km_unit_find(KM_TIME, "milliseconds");
-  assert_int_equal(km_model_convert(f.model, &units, NULL, false, &arena, &tree, NULL), KM_OK);
-  km_json_write(tree, &json);
-  fixture g = fixture_read(json.data);
-  km_text_free(&json);
-  km_arena_free(&arena);
+  fixture f = odd_arm(), g = fixture_in_units(&f, "degrees", "millimeters", "grams", "milliseconds");
   fixture_close(&f);
   return g;
 }

@@ -105,15 +105,7 @@ static double of_forces(const char *unit) {
 static void units_dont_matter(void **state) {
   (void)state;
   fixture f = fixture_open("iiwa14");
-  km_arena arena = {0};
-  km_text json = {0};
-  const km_value *tree;
-  km_units units = f.model->units;
-  units.angle = km_unit_find(KM_ANGLE, "degrees");
-  units.length = km_unit_find(KM_LENGTH, "millimeters");
-  assert_int_equal(km_model_convert(f.model, &units, NULL, false, &arena, &tree, NULL), KM_OK);
-  km_json_write(tree, &json);
-  fixture g = fixture_read(json.data);
+  fixture g = fixture_in_units(&f, "degrees", "millimeters", NULL, NULL);
   char metres[2048], millimetres[2048];
   iiwa_study(metres, sizeof metres, 1.0, 1.0, ALL_METHODS, "singular-value");
   iiwa_study(millimetres, sizeof millimetres, 1000.0, 180.0 / M_PI, ALL_METHODS, "singular-value");
@@ -143,8 +135,6 @@ static void units_dont_matter(void **state) {
   }
   km_study_free(a);
   km_study_free(b);
-  km_text_free(&json);
-  km_arena_free(&arena);
   fixture_close(&f);
   fixture_close(&g);
 }

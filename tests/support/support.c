@@ -1,6 +1,8 @@
 /* Fixtures, random poses, and Jacobians independent of the library. */
 #include "support/support.h"
 
+#include "kmech/exchange.h"
+
 #include "kmech/mobility.h"
 
 #include "kinematics/loop_equations.h"
@@ -61,6 +63,23 @@ fixture fixture_read(const char *json) {
   if (km_model_read(json, strlen(json), NULL, &model, &error))
     fail_msg("%s", error.text);
   return fixture_of(model);
+}
+
+fixture fixture_in_units(const fixture *f, const char *angle, const char *length, const char *mass, const char *time) {
+  km_arena arena = {0};
+  km_text json = {0};
+  const km_value *tree;
+  km_units units = f->model->units;
+  units.angle = angle ? km_unit_find(KM_ANGLE, angle) : units.angle;
+  units.length = length ? km_unit_find(KM_LENGTH, length) : units.length;
+  units.mass = mass ? km_unit_find(KM_MASS, mass) : units.mass;
+  units.time = time ? km_unit_find(KM_TIME, time) : units.time;
+  assert_int_equal(km_model_convert(f->model, &units, NULL, false, &arena, &tree, NULL), KM_OK);
+  km_json_write(tree, &json);
+  fixture g = fixture_read(json.data);
+  km_text_free(&json);
+  km_arena_free(&arena);
+  return g;
 }
 
 fixture fixture_written(void (*write)(km_text *out, int n), int n) {

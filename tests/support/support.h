@@ -35,7 +35,9 @@ fixture fixture_open(const char *name); /* models/NAME.json */
  * model itself. */
 fixture fixture_open_variant(const char *name, uint64_t seed);
 fixture fixture_read(const char *json); /* text */
-fixture fixture_of(km_model *model);    /* takes the model */
+/* The model of a fixture in other units, by their names; NULL: the unit stays. */
+fixture fixture_in_units(const fixture *f, const char *angle, const char *length, const char *mass, const char *time);
+fixture fixture_of(km_model *model); /* takes the model */
 /* Text of a model with n loops by `write`: lattices.h, chains.h. */
 fixture fixture_written(void (*write)(km_text *out, int n), int n);
 /* Reads and assembles what may be refused; close the fixture in any case. */
