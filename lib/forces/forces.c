@@ -78,6 +78,23 @@ km_load km_model_load_at(const km_model *model, int index) {
   return (km_load){d->frame, {d->force.x, d->force.y, d->force.z}, {d->torque.x, d->torque.y, d->torque.z}, d->turning};
 }
 
+km_status km_forces_create_own(const km_mechanism *m, km_forces **out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = NULL;
+  km_status status = km_check_given(m != NULL, "mechanism", error);
+  if (status)
+    return status;
+  int count = m->model->load_count;
+  km_load *loads = KM_NEW(km_load, (size_t)count + 1);
+  for (int i = 0; i < count && loads; ++i)
+    loads[i] = km_model_load_at(m->model, i);
+  status = loads ? km_forces_create(m, NULL, loads, count, out, error)
+                 : km_fail(error, KM_MEMORY, "out of memory for the loads");
+  km_free(loads);
+  return status;
+}
+
 const char *km_model_load_name(const km_model *model, int index) {
   if (!model || index < 0 || index >= model->load_count)
     return "";

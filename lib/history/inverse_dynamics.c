@@ -4,10 +4,27 @@
 
 #include "base/arguments.h"
 #include "history/inverse_peaks.h"
+#include "kmech/inspect.h"
+
+#include <math.h>
 
 /* Largest number of parts of the time between two rows; coordinates are predicted by their rates. */
 enum { MAX_PARTS = 64 };
 static const double max_motion = 0.1; /* largest motion in one part, radians or characteristic lengths */
+
+enum { DEFAULT_STEPS = 360 };
+
+km_inverse_def km_inverse_default(const km_mechanism *m, const km_constant_rate *rates, int rate_count) {
+  km_inverse_def def = {.rates = rates, .rate_count = rate_count, .steps = DEFAULT_STEPS};
+  if (!m)
+    return def;
+  bool rated = rates && rate_count > 0;
+  if (!rated)
+    km_model_simulated(m->model, &def.until, NULL);
+  else if (km_coordinate_turns(m, rates[0].coordinate))
+    def.until = 2.0 * M_PI / km_model_coordinate_factor(m->model, rates[0].coordinate) / fabs(rates[0].rate);
+  return def;
+}
 
 /* Checks the definition of inverse dynamics. */
 static km_status check_def(const km_mechanism *m, const km_inverse_def *def, km_error *error) {

@@ -1,12 +1,32 @@
 /* Table of a simulation: start, rows at equal intervals, crossings, changed initial rates. */
 #include "base/arguments.h"
 #include "history/history_table.h"
+#include "kmech/inspect.h"
 #include "kmech/sweep.h"
 
 #include <string.h>
 
 static const double default_span = 10.0; /* default duration, seconds */
-enum { DEFAULT_ROWS = 200 };
+
+/* Words of integration_type in files: ksim's own, those of the thesis, and MATLAB's for the same methods. */
+static const struct {
+  const char *word;
+  km_integrator integrator;
+} methods[] = {{"adams", KM_INTEGRATOR_ADAMS},
+               {"ode113", KM_INTEGRATOR_ADAMS},
+               {"ode113b", KM_INTEGRATOR_ADAMS},
+               {"bdf", KM_INTEGRATOR_BDF},
+               {"ode15s", KM_INTEGRATOR_BDF}};
+
+bool km_model_integrator(const km_model *model, km_integrator *out) {
+  const char *stated = km_model_integration_type(model);
+  for (size_t i = 0; stated && out && i < sizeof methods / sizeof *methods; ++i)
+    if (strcmp(stated, methods[i].word) == 0) {
+      *out = methods[i].integrator;
+      return true;
+    }
+  return false;
+}
 
 km_history_def km_history_default(const km_model *model) {
   km_history_def def = {.simulation = km_simulation_default()};
@@ -14,7 +34,8 @@ km_history_def km_history_default(const km_model *model) {
     return def;
   const km_simulation_settings *settings = &model->simulation;
   def.until = settings->span > 0.0 ? settings->span : default_span / model->units.time->si;
-  def.every = settings->step > 0.0 ? settings->step : def.until / DEFAULT_ROWS;
+  def.every = settings->step > 0.0 ? settings->step : def.until / KM_HISTORY_ROWS;
+  km_model_integrator(model, &def.simulation.integrator);
   if (settings->relative > 0.0)
     def.simulation.relative = settings->relative;
   if (settings->absolute > 0.0)

@@ -91,6 +91,8 @@ static void clear_preparation(km_question *q) {
 const km_question_class km_advantage_question = {.name = "advantage",
                                                  .options = options,
                                                  .option_count = OPTIONS,
+                                                 .shared = km_motion_options,
+                                                 .shared_count = KM_MOTION_OPTIONS,
                                                  .size = sizeof(kind_data),
                                                  .prepare = prepare,
                                                  .open = open_sweep,

@@ -85,7 +85,7 @@ km_status km_question_make_plan(km_question *q, km_sweep_plan *out, km_error *er
   if (is_set_value)
     return is_set_value;
   if (!q->kind->motion)
-    return km_fail(error, KM_USAGE, "a question about a %s has no plan of a motion", q->kind->name);
+    return km_fail(error, KM_USAGE, "a \"%s\" question has no plan of a sweep", q->kind->name);
   km_sweep_plan plan = km_sweep_plan_default(q->m->model);
   const km_option_value *steps = km_question_motion_value(q, KM_MOTION_STEPS),
                         *points = km_question_motion_value(q, KM_MOTION_POINT);
@@ -125,16 +125,19 @@ static km_question_event stop_at(const km_question *q, const km_sweep *motion, i
 
 int km_question_event_count(const km_question *q) {
   const km_sweep *motion = km_question_motion(q);
-  return motion ? q->kind->event_count(q) + (int)motion->branch_count + stop_count(motion) : 0;
+  if (!q || !q->has_result)
+    return 0;
+  return q->kind->event_count(q) + (motion ? (int)motion->branch_count + stop_count(motion) : 0);
 }
 
 km_question_event km_question_event_at(const km_question *q, int index) {
   const km_sweep *motion = km_question_motion(q);
   if (index < 0 || index >= km_question_event_count(q))
     return (km_question_event){"", "", nan(""), nan("")};
-  int kind_data = q->kind->event_count(q), branches = (int)motion->branch_count;
+  int kind_data = q->kind->event_count(q);
   if (index < kind_data)
     return q->kind->event(q, index);
+  int branches = (int)motion->branch_count;
   if (index < kind_data + branches)
     return (km_question_event){"branch point", "", motion->branches[index - kind_data].s,
                                motion->branches[index - kind_data].branches};

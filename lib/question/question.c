@@ -7,7 +7,7 @@
 #include <string.h>
 
 static const km_question_class *const kinds[] = {&km_mobility_question, &km_advantage_question, &km_forces_question,
-                                                 &km_track_question};
+                                                 &km_track_question,    &km_run_question,       &km_inverse_question};
 
 int km_question_kinds(void) {
   return (int)(sizeof kinds / sizeof *kinds);
@@ -25,8 +25,8 @@ const char *km_question_kind_name(int kind) {
 static const km_option *option_of(const km_question_class *kind, int index) {
   if (index >= 0 && index < kind->option_count)
     return &kind->options[index];
-  int common = index - kind->option_count;
-  return index >= 0 && kind->motion && common < KM_MOTION_OPTIONS ? &km_motion_options[common] : NULL;
+  int behind = index - kind->option_count;
+  return index >= 0 && behind < kind->shared_count ? &kind->shared[behind] : NULL;
 }
 
 const km_option *km_question_option(int kind, int index) {
@@ -38,8 +38,12 @@ static const km_question_class *find_kind(const char *name, km_error *error) {
   for (int i = 0; name && i < km_question_kinds(); ++i)
     if (strcmp(kinds[i]->name, name) == 0)
       return kinds[i];
-  km_fail(error, KM_USAGE, "there is no kind of question \"%s\"; expected mobility, advantage, forces or track",
-          name ? name : "");
+  km_text known = {0};
+  for (int i = 0; i < km_question_kinds(); ++i)
+    km_text_format(&known, "%s%s", i == 0 ? "" : i + 1 < km_question_kinds() ? ", " : " or ", kinds[i]->name);
+  km_fail(error, KM_USAGE, "there is no kind of question \"%s\"; expected %s", name ? name : "",
+          known.data ? known.data : "another one");
+  km_text_free(&known);
   return NULL;
 }
 
@@ -56,7 +60,7 @@ km_status km_question_create(const km_mechanism *m, const char *kind, km_questio
   km_question *q = KM_NEW(km_question, 1);
   if (!q)
     return km_fail(error, KM_MEMORY, "out of memory for a question");
-  size_t options = (size_t) class->option_count + KM_MOTION_OPTIONS;
+  size_t options = (size_t)(class->option_count + class->shared_count) + 1;
   *q = (km_question){.m = m, .kind = class, .notes = km_messages_create()};
   q->values = KM_ARENA_NEW(&q->arena, km_option_value, options);
   q->is_set_value = KM_ARENA_NEW(&q->arena, bool, options);
@@ -105,15 +109,19 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
   km_status status = KM_OK;
   if (o->type == KM_OPTION_COORDINATE || sense)
     status = km_check_index(v->coordinate, m->coordinate_count, "coordinate", error);
-  if (o->type == KM_OPTION_COORDINATES || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS ||
-      o->type == KM_OPTION_ENDS)
-    status = km_check_list(o->type == KM_OPTION_COORDINATES ? (const void *)v->coordinates
+  bool settings = o->type == KM_OPTION_SETTINGS, coordinates = o->type == KM_OPTION_COORDINATES || settings;
+  if (coordinates || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS || o->type == KM_OPTION_ENDS)
+    status = km_check_list(coordinates                      ? (const void *)v->coordinates
                            : o->type == KM_OPTION_POINTS    ? (const void *)v->points
                            : o->type == KM_OPTION_ENDS      ? (const void *)v->ends
                                                             : v->loads,
                            v->count, o->name, error);
+  if (settings && !status)
+    status = km_check_list(v->settings, v->count, o->name, error);
   for (int i = 0; i < v->count && !status; ++i) {
-    if (o->type == KM_OPTION_COORDINATES)
+    if (settings && !isfinite(v->settings[i]))
+      return km_fail(error, KM_USAGE, "`%s`: a value that isn't finite", o->name);
+    if (coordinates)
       status = km_check_index(v->coordinates[i], m->coordinate_count, "coordinate", error);
     if (o->type == KM_OPTION_POINTS)
       status = km_check_index(v->points[i].frame, m->model->frame_count, "frame", error);
@@ -155,8 +163,10 @@ static void *copy_list(km_question *q, const void *list, int count, size_t size)
 
 static km_option_value copy_value(km_question *q, km_option_type type, const km_option_value *value) {
   km_option_value v = *value;
-  if (type == KM_OPTION_COORDINATES)
+  if (type == KM_OPTION_COORDINATES || type == KM_OPTION_SETTINGS)
     v.coordinates = copy_list(q, v.coordinates, v.count, sizeof *v.coordinates);
+  if (type == KM_OPTION_SETTINGS)
+    v.settings = copy_list(q, v.settings, v.count, sizeof *v.settings);
   if (type == KM_OPTION_LOADS)
     v.loads = copy_list(q, v.loads, v.count, sizeof *v.loads);
   if (type == KM_OPTION_FILE)
@@ -330,7 +340,7 @@ km_status km_question_compute_here(km_question *q, km_state *s, km_error *error)
   if (!status)
     status = km_check_state(q->m, s, error);
   if (!status && !q->kind->motion)
-    status = km_fail(error, KM_USAGE, "a question about a %s isn't about one pose", q->kind->name);
+    status = km_fail(error, KM_USAGE, "a \"%s\" question isn't about one pose", q->kind->name);
   if (status)
     return status;
   const km_option_value *points = km_question_motion_value(q, KM_MOTION_POINT);

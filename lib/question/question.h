@@ -9,8 +9,10 @@
 /* Functions of one kind; `kind_data` is the kind's part of the request, of `size` bytes, zeroed. */
 typedef struct km_question_class {
   const char *name;
-  const km_option *options;
+  const km_option *options; /* own options */
   int option_count;
+  const km_option *shared; /* options that several kinds have, behind the own ones */
+  int shared_count;
   size_t size;
   /* Prepares `kind_data` from the options. */
   km_status (*prepare)(km_question *question, km_error *error);
@@ -19,16 +21,20 @@ typedef struct km_question_class {
   /* Computes results after a successful sweep. Can be NULL. */
   km_status (*conclude)(km_question *question, km_error *error);
   const km_sweep *(*motion)(const km_question *question);
-  /* Kinds without a sweep, whose `open` and `motion` are NULL: computes the result; returns its rows. */
+  /* Kinds without a sweep, whose `open` and `motion` are NULL: computes the result; returns its rows, the number of
+   * rows of a complete result, and the reason of KM_PARTIAL as text. */
   km_status (*answer)(km_question *question, km_state *state, km_error *error);
   const km_table *(*table)(const km_question *question);
+  int (*planned_rows)(const km_question *question);
+  void (*end_reason)(const km_question *question, km_text *out);
   int (*event_count)(const km_question *question); /* events besides those of every motion */
   km_question_event (*event)(const km_question *question, int index);
   void (*clear_result)(km_question *question);      /* frees the last result */
   void (*clear_preparation)(km_question *question); /* frees the preparation, also a failed one */
 } km_question_class;
 
-extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question;
+extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question,
+    km_run_question, km_inverse_question;
 
 struct km_question {
   const km_mechanism *m;
@@ -79,5 +85,8 @@ void km_questions_compute(km_question *const *questions, km_state *const *states
 /* True if the request is of this kind and prepared, or has a result. */
 bool km_question_is(const km_question *question, const km_question_class *kind);
 bool km_question_has(const km_question *question, const km_question_class *kind);
+
+/* Crossings of a run's definition, to which km_history.crossings refers; NULL: none, or another kind. */
+const km_crossing *km_question_crossings(const km_question *question);
 
 #endif

@@ -100,6 +100,22 @@ static const km_table *table(const km_question *q) {
   return km_track_rows(((const kind_data *)q->kind_data)->track);
 }
 
+static int planned_rows(const km_question *q) {
+  return km_track_samples(((const kind_data *)q->kind_data)->track);
+}
+
+static void end_reason(const km_question *q, km_text *out) {
+  static const char *const reasons[] = {[KM_TRACK_LIMIT] = "a joint is at its limit",
+                                        [KM_TRACK_RATE] = "a joint would be too fast",
+                                        [KM_TRACK_SINGULAR] = "the pose is singular",
+                                        [KM_TRACK_FIXED_JOINTS] = "the arm can't continue with the fixed joints",
+                                        [KM_TRACK_WORKSPACE_BOUNDARY] = "the workspace ends here",
+                                        [KM_TRACK_NOT_CONVERGED] = "dynamic programming needs too much work"};
+  km_track_end end = km_track_ending(((const kind_data *)q->kind_data)->track);
+  const char *reason = (size_t)end.stop < sizeof reasons / sizeof *reasons ? reasons[end.stop] : NULL;
+  km_text_format(out, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
+}
+
 /* A track has no events. */
 static int event_count(const km_question *q) {
   (void)q;
@@ -119,6 +135,8 @@ const km_question_class km_track_question = {.name = "track",
                                              .prepare = prepare,
                                              .answer = answer,
                                              .table = table,
+                                             .planned_rows = planned_rows,
+                                             .end_reason = end_reason,
                                              .event_count = event_count,
                                              .event = event,
                                              .clear_result = clear_result,

@@ -6,6 +6,7 @@
 #include "kmech/data.h"
 #include "kmech/version.h"
 #include "model/model.h"
+#include "question/question.h"
 #include "study/result_store.h"
 #include "study/statistics/sampler.h"
 #include "study/study_inputs.h"
@@ -52,21 +53,23 @@ static void choose_reference(km_design_study *s) {
     km_design_values(s, 0, s->reference);
 }
 
-/* Computes a motion with one step only, which is enough to find the columns; *rows is the number of rows of the full
- * motion. */
-static km_status compute_one_step(km_question *q, km_state *state, int *rows, km_error *error) {
+/* Computes the columns of a request; *rows is the number of rows of a complete result. A sweep takes one step, which
+ * is enough to find its columns. */
+static km_status compute_columns(km_question *q, km_state *state, int *rows, km_error *error) {
   km_sweep_plan plan;
-  km_status status = km_question_make_plan(q, &plan, error);
   km_option_value short_motion = {.whole = 1};
-  *rows = status ? 0 : plan.steps + 1;
-  if (!status)
+  *rows = 0;
+  km_status status = KM_OK;
+  if (q->kind->motion)
+    status = km_question_make_plan(q, &plan, error);
+  if (!status && q->kind->motion) {
+    *rows = plan.steps + 1;
     status = km_question_set(q, "steps", &short_motion, error);
-  return status ? status : km_question_compute(q, state, error);
-}
-
-static km_status compute_track(km_question *q, km_state *state, int *rows, km_error *error) {
-  km_status status = km_question_compute(q, state, error);
-  *rows = km_question_track(q) ? km_track_samples(km_question_track(q)) : 0;
+  }
+  if (!status)
+    status = km_question_compute(q, state, error);
+  if (!q->kind->motion && (status == KM_OK || status == KM_PARTIAL))
+    *rows = q->kind->planned_rows(q);
   return status;
 }
 
@@ -83,8 +86,7 @@ static km_status try_question(km_design_study *s, int index, const km_model *mod
   if (!status)
     status = km_design_set_options(s->def, def, model, q, &found);
   if (!status)
-    status =
-        (strcmp(def->kind, "track") == 0 ? compute_track : compute_one_step)(q, state, &s->band_rows[index], &found);
+    status = compute_columns(q, state, &s->band_rows[index], &found);
   if (status == KM_OK || status == KM_PARTIAL)
     status = km_design_check_figures(def, q, s->units + s->first_figure[index], &s->arena, &found);
   if (status)

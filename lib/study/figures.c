@@ -19,7 +19,7 @@ bool km_design_is_better(const km_design_figure *figure, double a, double b) {
 
 static double reached_range(const km_table *t) {
   size_t rows = km_table_rows(t);
-  int s = km_table_find(t, "s");
+  int s = km_table_variable(t);
   if (rows == 0 || s < 0)
     return 0.0;
   return fabs(km_table_row(t, rows - 1)[s] - km_table_row(t, 0)[s]);
@@ -76,12 +76,26 @@ static double path_distance(const km_design_figure *f, const km_table *t) {
   return sqrt(sum / f->point_count);
 }
 
+static bool is_place(const km_design_figure *f) {
+  return f->kind == KM_DESIGN_WHERE_MIN || f->kind == KM_DESIGN_WHERE_MAX || f->kind == KM_DESIGN_WHERE_PEAK;
+}
+
+/* True if the figure has the unit of the table's variable. */
+static bool is_of_variable(const km_design_figure *f) {
+  return is_place(f) || f->kind == KM_DESIGN_REACHED || f->kind == KM_DESIGN_SETTLING;
+}
+
 static double column_figure(const km_design_figure *f, const km_table *t) {
-  static const km_figure figures[] = {KM_FIGURE_MIN, KM_FIGURE_MAX, KM_FIGURE_SPAN, KM_FIGURE_MEAN,
-                                      KM_FIGURE_AT,  KM_FIGURE_MIN, KM_FIGURE_MAX};
+  static const km_figure figures[] = {
+      [KM_DESIGN_MIN] = KM_FIGURE_MIN,        [KM_DESIGN_MAX] = KM_FIGURE_MAX,
+      [KM_DESIGN_SPAN] = KM_FIGURE_SPAN,      [KM_DESIGN_MEAN] = KM_FIGURE_MEAN,
+      [KM_DESIGN_AT] = KM_FIGURE_AT,          [KM_DESIGN_WHERE_MIN] = KM_FIGURE_MIN,
+      [KM_DESIGN_WHERE_MAX] = KM_FIGURE_MAX,  [KM_DESIGN_RMS] = KM_FIGURE_RMS,
+      [KM_DESIGN_PEAK] = KM_FIGURE_PEAK,      [KM_DESIGN_WHERE_PEAK] = KM_FIGURE_PEAK,
+      [KM_DESIGN_LAST] = KM_FIGURE_LAST,      [KM_DESIGN_SETTLING] = KM_FIGURE_SETTLING};
   double value = nan(""), where = nan("");
   km_table_figure(t, f->column, figures[f->kind], f->at, &value, &where, NULL);
-  return f->kind == KM_DESIGN_WHERE_MIN || f->kind == KM_DESIGN_WHERE_MAX ? where : value;
+  return is_place(f) ? where : value;
 }
 
 void km_design_copy_figures(const km_design_question *def, const km_question *q, double *figures) {
@@ -100,7 +114,7 @@ void km_design_missing_reason(const km_design_question *def, const km_question *
                               char reason[KM_DESIGN_REASON]) {
   const km_table *t = km_question_table(q);
   size_t rows = km_table_rows(t);
-  int s = km_table_find(t, "s");
+  int s = km_table_variable(t);
   for (int f = 0; f < def->figure_count && !reason[0]; ++f) {
     const km_design_figure *figure = &def->figures[f];
     if (!isnan(figures[f]))
@@ -117,6 +131,17 @@ void km_design_missing_reason(const km_design_question *def, const km_question *
   }
 }
 
+/* Step of a row: column `step` of sweeps and tracks, whose extra row at a located end has none; else the row's place at
+ * equal intervals of time, −1 for a last row between two of them, where a run stopped. */
+static double step_of(const km_table *t, int step, size_t row) {
+  if (step >= 0)
+    return km_table_row(t, row)[step];
+  int s = km_table_variable(t);
+  double first = km_table_row(t, 0)[s], every = row > 0 ? km_table_row(t, 1)[s] - first : 1.0;
+  double place = (km_table_row(t, row)[s] - first) / every;
+  return fabs(place - (double)row) < 1e-6 ? (double)row : -1.0;
+}
+
 /* Copies the bands: row r is that of step r; the extra row at a located end is skipped. */
 void km_design_copy_bands(const km_design_question *def, const km_question *q, int rows, double *bands) {
   const km_table *t = km_question_table(q);
@@ -125,8 +150,8 @@ void km_design_copy_bands(const km_design_question *def, const km_question *q, i
     bands[i] = nan("");
   for (int b = 0; b < def->band_count; ++b) {
     int column = km_table_find(t, def->bands[b]);
-    for (size_t r = 0; r < km_table_rows(t) && column >= 0 && step >= 0; ++r) {
-      double at = km_table_row(t, r)[step];
+    for (size_t r = 0; r < km_table_rows(t) && column >= 0; ++r) {
+      double at = step_of(t, step, r);
       if (at >= 0.0 && at < rows && at == floor(at))
         bands[b * rows + (int)at] = km_table_row(t, r)[column];
     }
@@ -156,10 +181,8 @@ km_status km_design_check_figures(const km_design_question *def, const km_questi
       return no_column(t, figure->name, figure->column, error);
     if (figure->kind == KM_DESIGN_DISTANCE)
       column = point_column(t, figure->column);
-    bool of_driver =
-        figure->kind == KM_DESIGN_WHERE_MIN || figure->kind == KM_DESIGN_WHERE_MAX || figure->kind == KM_DESIGN_REACHED;
-    if (of_driver)
-      column = km_table_find(t, "s");
+    if (is_of_variable(figure))
+      column = km_table_variable(t);
     units[f] = km_arena_string(arena, column >= 0 ? km_table_unit(t, (size_t)column) : "");
   }
   for (int b = 0; b < def->band_count; ++b)

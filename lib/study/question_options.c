@@ -98,6 +98,23 @@ static km_status read_lists(const km_option *what, const km_design_option *o, co
   return status;
 }
 
+/* Reads joints with a number each. */
+static km_status read_settings(const km_design_option *o, const km_model *model, km_arena *arena, km_option_value *v,
+                               km_error *error) {
+  int *coordinates = KM_ARENA_NEW(arena, int, (size_t)o->text_count + 1);
+  if (!coordinates)
+    return km_fail(error, KM_MEMORY, "out of memory for options");
+  if (o->text_count == 0 || o->number_count != o->text_count)
+    return fail_expected(o, "{joint: number}", error);
+  km_status status = KM_OK;
+  for (int i = 0; i < o->text_count && !status; ++i)
+    status = km_model_find_coordinate(model, o->texts[i], &coordinates[i], error);
+  v->coordinates = coordinates;
+  v->settings = o->numbers;
+  v->count = o->text_count;
+  return status;
+}
+
 /* Index of a word in a list such as "one or another". */
 static int word_place(const char *words, const char *word) {
   int place = 0;
@@ -159,6 +176,8 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
       return fail_expected(o, "a joint and +1 or -1", error);
     v->numbers[0] = o->numbers[0];
     return km_model_find_coordinate(model, o->texts[0], &v->coordinate, error);
+  case KM_OPTION_SETTINGS:
+    return read_settings(o, model, arena, v, error);
   case KM_OPTION_COORDINATE:
     return one_text ? km_model_find_coordinate(model, o->texts[0], &v->coordinate, error)
                     : fail_expected(o, "a joint's label", error);

@@ -134,26 +134,21 @@ static void fail_answer(km_design_answer *a, const km_design_question *q, km_des
     a->figures[f] = nan("");
 }
 
-/* Reason and place of the end of an arm's track. */
-static void write_track_reason(const km_track *track, km_design_answer *a) {
-  static const char *const reasons[] = {[KM_TRACK_LIMIT] = "a joint is at its limit",
-                                        [KM_TRACK_RATE] = "a joint would be too fast",
-                                        [KM_TRACK_SINGULAR] = "the pose is singular",
-                                        [KM_TRACK_FIXED_JOINTS] = "the arm can't continue with the fixed joints",
-                                        [KM_TRACK_WORKSPACE_BOUNDARY] = "the workspace ends here",
-                                        [KM_TRACK_NOT_CONVERGED] = "dynamic programming needs too much work"};
-  km_track_end end = km_track_ending(track);
-  const char *reason = (size_t)end.stop < sizeof reasons / sizeof *reasons ? reasons[end.stop] : NULL;
-  snprintf(a->reason, sizeof a->reason, "ends at s = %.9g%s%s", end.s, reason ? ": " : "", reason ? reason : "");
+/* Reason and place of the end of an answer without a sweep. */
+static void write_kind_reason(const km_question *q, km_design_answer *a) {
+  km_text text = {0};
+  q->kind->end_reason(q, &text);
+  snprintf(a->reason, sizeof a->reason, "%.*s", KM_DESIGN_REASON - 1, text.data ? text.data : "");
+  km_text_free(&text);
 }
 
 /* Reason and place of the end of a motion. */
 static void write_end_reason(const km_model *model, const km_question *q, km_design_answer *a) {
-  if (km_question_track(q)) {
-    write_track_reason(km_question_track(q), a);
+  const km_sweep *motion = km_question_motion(q);
+  if (!motion) {
+    write_kind_reason(q, a);
     return;
   }
-  const km_sweep *motion = km_question_motion(q);
   const km_sweep_plan *plan = km_question_plan(q);
   const km_statics_sweep *statics = km_question_statics(q);
   const km_motion_end *reach = motion->end.stop != KM_STOP_NONE ? &motion->end : &motion->start;

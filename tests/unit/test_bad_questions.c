@@ -58,7 +58,7 @@ static void plans(void **state) {
   km_sweep_plan plan;
   km_question *track = asking(&f, "track"), *mobility = asking(&f, "mobility");
   const km_option_value length = {.numbers = {0.1}}, joint = {.coordinate = 0};
-  expect(km_question_make_plan(track, &plan, &e), KM_USAGE, &e, "a question about a track has no plan of a motion");
+  expect(km_question_make_plan(track, &plan, &e), KM_USAGE, &e, "a \"track\" question has no plan of a sweep");
   assert_int_equal(km_question_set(mobility, "arclength", &length, &e), KM_OK);
   assert_int_equal(km_question_set(mobility, "joint", &joint, &e), KM_OK);
   expect(km_question_make_plan(mobility, &plan, &e), KM_USAGE, &e,
@@ -205,7 +205,7 @@ static void tracks_here(void **state) {
   km_question *q = asking(&f, "track");
   const km_option_value study = {.text = STUDIES_DIR "/panda_circle/study.json"};
   assert_int_equal(km_question_set(q, "study", &study, &e), KM_OK);
-  expect(km_question_compute_here(q, f.state, &e), KM_USAGE, &e, "a question about a track isn't about one pose");
+  expect(km_question_compute_here(q, f.state, &e), KM_USAGE, &e, "a \"track\" question isn't about one pose");
   km_question_free(q);
   fixture_close(&f);
 }

@@ -10,7 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-enum { MOST_RATES = 64, DEFAULT_STEPS = 360 };
+enum { MOST_RATES = 64 };
 
 typedef struct options {
   kt_common common;
@@ -55,20 +55,11 @@ static kt_exit read_rates(work *w) {
     km_free(label.text);
     w->def.rate_count += result == KT_DONE;
   }
-  w->def.rates = w->rates;
   return result;
 }
 
-/* One turn of the first joint with a rate, where that turns; else the model's simulation. */
 static kt_exit read_until(work *w) {
   const options *o = w->o;
-  const km_model *model = w->pose.model;
-  km_model_simulated(model, &w->def.until, NULL);
-  if (w->def.rate_count) {
-    const km_constant_rate *first = &w->rates[0];
-    bool turns = km_coordinate_turns(w->pose.mechanism, first->coordinate);
-    w->def.until = turns ? 2.0 * M_PI / km_model_units(model).angle->si / fabs(first->rate) : 0.0;
-  }
   kt_exit result = ksim_read_number(&o->common, "--until", o->until, "a positive time of at most 1e60", &w->def.until);
   return result == KT_DONE && !(w->def.until > 0.0)
              ? kt_usage(&o->common, "--until", "is missing", "the end of the motion, in the model's time unit")
@@ -77,8 +68,9 @@ static kt_exit read_until(work *w) {
 
 static kt_exit prepare(work *w) {
   const options *o = w->o;
-  double steps = DEFAULT_STEPS;
   kt_exit result = read_rates(w);
+  w->def = km_inverse_default(w->pose.mechanism, w->rates, w->def.rate_count);
+  double steps = w->def.steps;
   if (result == KT_DONE)
     result = read_until(w);
   if (result == KT_DONE)

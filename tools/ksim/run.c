@@ -9,31 +9,19 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Words of integration_type in files: ksim's own, those of the thesis, and MATLAB's for the same methods. */
-static const struct {
-  const char *word;
-  km_integrator integrator;
-} methods[] = {{"adams", KM_INTEGRATOR_ADAMS},
-               {"ode113", KM_INTEGRATOR_ADAMS},
-               {"ode113b", KM_INTEGRATOR_ADAMS},
-               {"bdf", KM_INTEGRATOR_BDF},
-               {"ode15s", KM_INTEGRATOR_BDF}};
-
 /* The method of --integrator, else of the model. */
 static km_integrator choose_integrator(const ksim_work *w) {
   const ksim_options *o = w->options;
+  km_integrator found = KM_INTEGRATOR_ADAMS;
   const char *stated = km_model_integration_type(w->pose.model);
   if (o->integrator >= 0)
     return (km_integrator)o->integrator;
-  for (size_t i = 0; stated && i < sizeof methods / sizeof *methods; ++i)
-    if (strcmp(stated, methods[i].word) == 0)
-      return methods[i].integrator;
-  if (stated)
+  if (stated && !km_model_integrator(w->pose.model, &found))
     kt_print_message(
         &o->common, KM_NOTE,
         "%s: the model's integration_type \"%.80s\" isn't a method of ksim; adams is used, --integrator chooses another",
         o->model, stated);
-  return KM_INTEGRATOR_ADAMS;
+  return found;
 }
 
 static kt_exit read_numbers(ksim_work *w) {
@@ -43,7 +31,7 @@ static kt_exit read_numbers(ksim_work *w) {
   double step;
   km_model_simulated(w->pose.model, NULL, &step);
   if (o->until && !o->every && step <= 0.0)
-    w->def.every = w->def.until / 200.0;
+    w->def.every = w->def.until / KM_HISTORY_ROWS;
   result = kt_worse(
       result, ksim_read_number(&o->common, "--every", o->every, "a positive time of at most 1e60", &w->def.every));
   result = kt_worse(

@@ -47,13 +47,8 @@ kt_exit ksim_read_frames(const kt_common *common, const km_model *model, const k
 }
 
 kt_exit ksim_forces(const kt_common *common, const char *path, const kt_pose *pose, km_forces **out) {
-  int count = km_model_load_count(pose->model);
-  km_load *loads = KM_NEW(km_load, (size_t)count + 1);
-  km_error error = {KM_MEMORY, "out of memory"};
-  for (int i = 0; i < count && loads; ++i)
-    loads[i] = km_model_load_at(pose->model, i);
-  km_status status = loads ? km_forces_create(pose->mechanism, NULL, loads, count, out, &error) : KM_MEMORY;
-  km_free(loads);
+  km_error error;
+  km_status status = km_forces_create_own(pose->mechanism, out, &error);
   if (status)
     kt_print_message(common, KM_ERROR, "%s: %s", path, error.text);
   return kt_exit_of(status);

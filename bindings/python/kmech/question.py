@@ -4,7 +4,7 @@ from __future__ import annotations
 import functools
 import inspect
 import os
-from typing import Any, Iterable, NamedTuple, Optional
+from typing import Any, Iterable, Mapping, NamedTuple, Optional
 
 from ._kmech import ffi, lib
 from .errors import Message, UsageError, bytes_of, check, messages_of, new_error, text_of
@@ -20,6 +20,7 @@ _EXPECTED = {
     lib.KM_OPTION_END: "a joint's label, or (\"body/frame\", [dx, dy, dz])",
     lib.KM_OPTION_ENDS: "a list of (\"body/frame\", [dx, dy, dz])",
     lib.KM_OPTION_FILE: "a file's name",
+    lib.KM_OPTION_SETTINGS: "{joint's label: number}",
     lib.KM_OPTION_LOADS: "a list of {\"frame\": \"body/frame\", \"force\": […], \"torque\": […], \"turning\": False}",
 }
 
@@ -40,7 +41,7 @@ class Option(NamedTuple):
 
 
 class Event(NamedTuple):
-    """A place that was located along a motion: a toggle, a zero, a peak, a limit …"""
+    """A place that was located along a motion: a toggle, a zero, a peak, a limit, a crossing …"""
 
     name: str
     subject: str
@@ -155,6 +156,12 @@ class Values:
             out.coordinate, out.numbers[0] = self.model._coordinate(value[1:] if back else value), -1.0 if back else 1.0
         elif kind == lib.KM_OPTION_END:
             out.end = self.end(value, option)
+        elif kind == lib.KM_OPTION_SETTINGS:
+            if not isinstance(value, Mapping):
+                raise TypeError(f"{what}: found {value!r}; expected {_EXPECTED[kind]}")
+            out.count = len(value)
+            out.coordinates = self.array("int", [self.model._coordinate(label) for label in value])
+            out.settings = self.array("double", [number(v, f"{what}: {label}") for label, v in value.items()])
         else:
             items = _items(value, option)
             out.count = len(items)
@@ -226,9 +233,12 @@ class Answer:
         return [Event(text_of(e.name), text_of(e.subject), e.s, e.value) for e in found]
 
     def figure(self, column: str, figure: str = "max", at: float = 0.0) -> tuple[float, float]:
-        """A figure of merit of a column (min, max, span, mean, at), and where it is."""
-        words = {"min": lib.KM_FIGURE_MIN, "max": lib.KM_FIGURE_MAX, "span": lib.KM_FIGURE_SPAN,
-                 "mean": lib.KM_FIGURE_MEAN, "at": lib.KM_FIGURE_AT}
+        """A figure of merit of a column over the driver, the arc length or the time, and where it is.
+
+        figure: min, max, span, mean, rms, peak (largest magnitude), last, at (the value there), settling (the time after
+        which the column stays within `at` times its largest distance from its last value, 0.02: to 2 %)."""
+        words = {word: getattr(lib, f"KM_FIGURE_{word.upper()}") for word in
+                 ("min", "max", "span", "mean", "at", "rms", "peak", "last", "settling")}
         if figure not in words:
             raise UsageError(f"figure: found {figure!r}; expected {', '.join(words)}")
         value, where, error = ffi.new("double *"), ffi.new("double *"), new_error()

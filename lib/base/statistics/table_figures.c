@@ -1,4 +1,5 @@
-/* Figures of merit of table columns: minimum, maximum, mean, span, interpolated value. */
+/* Figures of merit of table columns: minimum, maximum, mean, span, interpolated value, root mean square, peak, last
+ * value, settling. */
 #include "base/arguments.h"
 #include "base/extrema.h"
 #include "base/table.h"
@@ -83,30 +84,98 @@ static double value_at(const series *f, double at) {
   return nan("");
 }
 
+/* sqrt(1/S ∫ y² ds): ∫ y² = (y₀² + y₀ y₁ + y₁²) Δs/3 over an interval where y is linear. */
+static double root_mean_square(const series *f) {
+  size_t last = f->rows;
+  double area = 0.0, width = 0.0;
+  for (size_t r = 0; r < f->rows; ++r) {
+    double y = value_of(f, r);
+    if (isnan(y))
+      continue;
+    if (last < r) {
+      double before = value_of(f, last), step = fabs(s_of(f, r) - s_of(f, last));
+      area += (before * before + before * y + y * y) * step / 3.0;
+      width += step;
+    }
+    last = r;
+  }
+  if (width > 0.0)
+    return sqrt(area / width);
+  return last < f->rows ? fabs(value_of(f, last)) : nan("");
+}
+
+/* The last row with a value; `rows`: none. */
+static size_t last_row(const series *f) {
+  size_t r = f->rows;
+  while (r > 0 && isnan(value_of(f, r - 1)))
+    --r;
+  return r > 0 ? r - 1 : f->rows;
+}
+
+/* Settling: |y − y_last| ≤ fraction · max |y − y_last| from the returned s on. */
+static double settling(const series *f, double fraction) {
+  size_t last = last_row(f), outside = f->rows;
+  if (last == f->rows)
+    return nan("");
+  double end = value_of(f, last), most = 0.0;
+  for (size_t r = 0; r < last; ++r)
+    most = fmax(most, fabs(value_of(f, r) - end));
+  double bound = fraction * most;
+  for (size_t r = 0; r < last; ++r)
+    if (fabs(value_of(f, r) - end) > bound)
+      outside = r;
+  if (outside == f->rows)
+    return 0.0;
+  size_t inside = outside + 1;
+  while (isnan(value_of(f, inside)))
+    ++inside;
+  double from = fabs(value_of(f, outside) - end), to = fabs(value_of(f, inside) - end);
+  double t = (from - bound) / (from - to);
+  return (1.0 - t) * s_of(f, outside) + t * s_of(f, inside) - s_of(f, 0);
+}
+
+int km_table_variable(const km_table *table) {
+  int s = km_table_find(table, "s");
+  return s >= 0 ? s : km_table_find(table, "t");
+}
+
+/* The row of the figures that are the value of a row; `rows`: another figure, or no value. */
+static size_t row_of(const series *f, km_figure figure, size_t low, size_t high) {
+  if (figure == KM_FIGURE_PEAK)
+    return low < f->rows && fabs(value_of(f, low)) > fabs(value_of(f, high)) ? low : high;
+  return figure == KM_FIGURE_MIN    ? low
+         : figure == KM_FIGURE_MAX  ? high
+         : figure == KM_FIGURE_LAST ? last_row(f)
+                                    : f->rows;
+}
+
 km_status km_table_figure(const km_table *table, const char *column, km_figure figure, double at, double *value,
                           double *where, km_error *error) {
   km_status status = km_check_given(table && column && value, "table, column or place for the value", error);
   if (status)
     return status;
-  int index = km_table_find(table, column), s = km_table_find(table, "s");
+  int index = km_table_find(table, column), s = km_table_variable(table);
   if (index < 0 || s < 0)
-    return km_fail(error, KM_USAGE, "there is no column \"%s\"", index < 0 ? column : "s");
+    return km_fail(error, KM_USAGE, "there is no column \"%s\"", index < 0 ? column : "s\" or \"t");
   size_t rows = km_table_rows(table);
   series f = {km_table_row(table, 0), rows, km_table_columns(table), (size_t)s, (size_t)index};
-  bool wants_low = figure == KM_FIGURE_MIN || figure == KM_FIGURE_SPAN;
-  bool wants_high = figure == KM_FIGURE_MAX || figure == KM_FIGURE_SPAN;
-  size_t low = wants_low ? km_table_extreme_row(table, f.column, 1.0) : rows;
-  size_t high = wants_high ? km_table_extreme_row(table, f.column, -1.0) : rows;
-  size_t row = figure == KM_FIGURE_MIN ? low : figure == KM_FIGURE_MAX ? high : rows;
+  bool both = figure == KM_FIGURE_SPAN || figure == KM_FIGURE_PEAK;
+  size_t low = both || figure == KM_FIGURE_MIN ? km_table_extreme_row(table, f.column, 1.0) : rows;
+  size_t high = both || figure == KM_FIGURE_MAX ? km_table_extreme_row(table, f.column, -1.0) : rows;
+  size_t row = row_of(&f, figure, low, high);
   *value = nan("");
   if (row < rows)
-    *value = value_of(&f, row);
+    *value = figure == KM_FIGURE_PEAK ? fabs(value_of(&f, row)) : value_of(&f, row);
   else if (figure == KM_FIGURE_SPAN && low < rows)
     *value = value_of(&f, high) - value_of(&f, low);
   else if (figure == KM_FIGURE_MEAN)
     *value = mean(&f);
+  else if (figure == KM_FIGURE_RMS)
+    *value = root_mean_square(&f);
   else if (figure == KM_FIGURE_AT)
     *value = value_at(&f, at);
+  else if (figure == KM_FIGURE_SETTLING)
+    *value = settling(&f, at);
   if (where)
     *where = row < rows ? s_of(&f, row) : figure == KM_FIGURE_AT ? at : nan("");
   return KM_OK;

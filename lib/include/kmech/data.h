@@ -102,15 +102,24 @@ KM_API km_span km_table_span(const km_table *table, const char *prefix);
 
 /* Figure of merit of a column over the rows. */
 typedef enum km_figure {
-  KM_FIGURE_MIN,  /* minimum */
-  KM_FIGURE_MAX,  /* maximum */
-  KM_FIGURE_SPAN, /* maximum − minimum */
-  KM_FIGURE_MEAN, /* mean over s by the trapezoidal rule */
-  KM_FIGURE_AT    /* value at a given s, by linear interpolation between rows */
+  KM_FIGURE_MIN,     /* minimum */
+  KM_FIGURE_MAX,     /* maximum */
+  KM_FIGURE_SPAN,    /* maximum − minimum */
+  KM_FIGURE_MEAN,    /* mean: 1/S ∫ y ds by the trapezoidal rule */
+  KM_FIGURE_AT,      /* value at a given s, by linear interpolation between rows */
+  KM_FIGURE_RMS,     /* root mean square: sqrt(1/S ∫ y² ds), y linear between rows */
+  KM_FIGURE_PEAK,    /* largest magnitude */
+  KM_FIGURE_LAST,    /* value of the last row that has one */
+  KM_FIGURE_SETTLING /* s from which on y stays within `at` times its largest distance from its last value */
 } km_figure;
-/* Computes a figure of merit of a column. NaN rows are skipped; a mean with an infinite value is infinite. `at`: the
- * s of KM_FIGURE_AT. `where` (may be NULL): s of the extremum. The result is NaN if no row has a value or `at` lies
- * outside the rows. KM_USAGE: the column doesn't exist. O(rows). */
+/* Returns the variable s of a table's rows: the column "s" of a sweep or a track, "t" of a motion over time; -1: neither
+ * exists. */
+KM_API int km_table_variable(const km_table *table);
+/* Computes a figure of merit of a column over the table's variable s. NaN rows are skipped; a mean with an infinite
+ * value is infinite. `at`: the s of KM_FIGURE_AT, the fraction of KM_FIGURE_SETTLING (0.02: to 2 %). `where` (may be
+ * NULL): s of the extremum, of the peak, of the last value; NaN of other figures. The result is NaN if no row has a
+ * value or `at` lies outside the rows. Settling is measured from the first row's s; the crossing of the bound is linear
+ * between rows. KM_USAGE: the column doesn't exist. O(rows). */
 KM_API km_status km_table_figure(const km_table *table, const char *column, km_figure figure, double at, double *value,
                                  double *where, km_error *error);
 

@@ -285,8 +285,14 @@ typedef struct km_history_def {
   km_progress progress;
   void *context;
 } km_history_def;
-/* Default definition, with the model's simulation settings. */
+enum {
+  KM_HISTORY_ROWS = 200 /* default number of intervals between rows */
+};
+/* Default definition, with the model's simulation settings; without them 10 s, KM_HISTORY_ROWS intervals, tolerances of
+ * 1e-7, KM_INTEGRATOR_ADAMS. */
 KM_API km_history_def km_history_default(const km_model *model);
+/* Sets `*out` to the method that the model's integration_type names. False: it names none that is known. */
+KM_API bool km_model_integrator(const km_model *model, km_integrator *out);
 
 /* A drive that exceeds its max_force or max_rate: largest value of all rows. */
 typedef struct km_exceeded {
@@ -388,6 +394,9 @@ typedef struct km_inverse_def {
   km_progress progress;
   void *context;
 } km_inverse_def;
+/* Default definition for `rates` (borrowed): 360 intervals over one turn of the first coordinate if that is the angle
+ * of a hinge, over the model's simulation without rates; else `until` is 0 and must be set. */
+KM_API km_inverse_def km_inverse_default(const km_mechanism *mechanism, const km_constant_rate *rates, int rate_count);
 
 /* Computes the forces of a motion whose freedoms are all prescribed (docs/theory.md 11.11). The table is that of
  * km_history_run without the columns of integration, with f. of every prescribed coordinate and `shaking.fx` … `tz`:

@@ -13,6 +13,7 @@
 
 #include "kmech/arm.h"
 #include "kmech/base.h"
+#include "kmech/dynamics.h"
 #include "kmech/sweep.h"
 
 #ifdef __cplusplus
@@ -34,6 +35,7 @@ typedef enum km_option_type {
   KM_OPTION_END,         /* end */
   KM_OPTION_ENDS,        /* ends[count]: points along directions */
   KM_OPTION_LOADS,       /* loads[count]: all loads, in place of the model's own */
+  KM_OPTION_SETTINGS,    /* coordinates[count] with a number each, settings[count] */
   KM_OPTION_FILE         /* text: a file's name */
 } km_option_type;
 
@@ -58,6 +60,7 @@ typedef struct km_option_value {
   int coordinate;               /* index in the model; -1: none */
   int count;                    /* length of the list */
   const int *coordinates;       /* indices in the model */
+  const double *settings;       /* numbers of the coordinates: values, or rates per time unit */
   const km_sweep_point *points; /* frames with the names of their columns */
   const km_load *loads;         /* loads in place of the model's */
   const km_port *ends;          /* pushed points */
@@ -65,9 +68,9 @@ typedef struct km_option_value {
   const char *text;             /* name of a file */
 } km_option_value;
 
-/* Kinds of requests, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track"; "" for
- * another index) and an option: the kind's own ones first, then those of every motion (not for a track); NULL past
- * the last. */
+/* Kinds of requests, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track", "run",
+ * "inverse"; "" for another index) and an option: the kind's own ones first, then those of every sweep ("mobility",
+ * "advantage", "forces"); NULL past the last. */
 KM_API int km_question_kinds(void);
 KM_API const char *km_question_kind_name(int kind);
 KM_API const km_option *km_question_option(int kind, int index);
@@ -95,20 +98,21 @@ KM_API void km_question_refresh(km_question *question);
 /* Returns the notes of the last preparation about the interpretation of the options. Borrowed. */
 KM_API const km_messages *km_question_notes(const km_question *question);
 
-/* Returns the plan of the motion. Points are borrowed until an option is set. KM_USAGE: also for a track, which moves
- * by a path study. */
+/* Returns the plan of the motion. Points are borrowed until an option is set. KM_USAGE: also for a kind without a
+ * sweep: a track moves by a path study, a run by its forces, an inverse motion by its rates. */
 KM_API km_status km_question_make_plan(km_question *question, km_sweep_plan *out, km_error *error);
 
-/* Moves the assembled state over the motion and computes every row. KM_PARTIAL: the rows end (or begin) before the
- * range, or a part of them is negative; KM_NO_RESULT: no row. A new result replaces the last one. Cost: that of the
+/* Moves the assembled state over the motion and computes every row; a run and an inverse motion leave the state where
+ * it is. KM_PARTIAL: the rows end (or begin) before the range, or a part of them is negative, or a run passes a limit
+ * where no stop acts; KM_NO_RESULT: no row. A new result replaces the last one. Cost: that of the
  * sweep (km_mobility_sweep_run …). */
 KM_API km_status km_question_compute(km_question *question, km_state *state, km_error *error);
 /* Computes one row at the state's configuration. Options of the motion are ignored, except for points. KM_USAGE: a
- * track needs a motion. */
+ * kind without a sweep isn't about one configuration. */
 KM_API km_status km_question_compute_here(km_question *question, km_state *state, km_error *error);
 
-/* Return parts of the last result; NULL before the first. Borrowed until the next. A track has neither plan nor
- * motion. */
+/* Return parts of the last result; NULL before the first. Borrowed until the next. Kinds without a sweep have neither
+ * plan nor motion. */
 KM_API const km_sweep_plan *km_question_plan(const km_question *question);
 KM_API const km_sweep *km_question_motion(const km_question *question);
 KM_API const km_table *km_question_table(const km_question *question);
@@ -116,9 +120,9 @@ KM_API const km_table *km_question_table(const km_question *question);
 /* An event along the motion. */
 typedef struct km_question_event {
   const char *name;    /* "toggle", "zero", "pole", "undefined", "peak", "minimum", "maximum", "branch point",
-                        * "limit", "end" */
+                        * "limit", "end", "crossing" */
   const char *subject; /* a joint's label; "": the result itself, or the mechanism */
-  double s, value;     /* driver value or arc length; value, NaN without one */
+  double s, value;     /* driver value, arc length or time; value, NaN without one */
 } km_question_event;
 /* Return the events of the last result, 0 … count - 1, in the order of the sweep; past the last one with names "" and
  * numbers NaN. Texts are borrowed. */
@@ -127,6 +131,7 @@ KM_API km_question_event km_question_event_at(const km_question *question, int i
 
 /* Return the results of one kind; NULL for another kind, and before the first result. */
 KM_API const km_track *km_question_track(const km_question *question);
+KM_API const km_history *km_question_history(const km_question *question); /* kinds "run" and "inverse" */
 KM_API const km_mobility_sweep *km_question_mobility(const km_question *question);
 KM_API const km_sweep_redundancies *km_question_redundancies(const km_question *question); /* kind "mobility" */
 KM_API const km_advantage_sweep *km_question_advantage(const km_question *question);

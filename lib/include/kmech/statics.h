@@ -29,6 +29,8 @@ typedef struct km_forces km_forces;
  * modules of type stiffness. KM_MODEL: an unusable force law; KM_MEMORY. The caller frees `*out`. */
 KM_API km_status km_forces_create(const km_mechanism *mechanism, const double gravity[3], const km_load *loads,
                                   int load_count, km_forces **out, km_error *error);
+/* As km_forces_create with the model's own gravity and loads. */
+KM_API km_status km_forces_create_own(const km_mechanism *mechanism, km_forces **out, km_error *error);
 KM_API void km_forces_free(km_forces *forces);
 
 /* Return the model's own analysis.loads: their number, each as a km_load, and its name (borrowed). */

@@ -120,11 +120,17 @@ typedef enum km_design_figure_kind {
   KM_DESIGN_AT,          /* value at a value of the driver */
   KM_DESIGN_WHERE_MIN,   /* value of the driver at the minimum */
   KM_DESIGN_WHERE_MAX,   /* value of the driver at the maximum */
-  KM_DESIGN_REACHED,     /* reached part of the driver's range: |last s − first s| */
+  KM_DESIGN_REACHED,     /* reached part of the driver's range, or of the time: |last s − first s| */
   KM_DESIGN_TOGGLES,     /* number of dead points: of any joint; of input and output of a mechanical advantage; of
                       * actuators */
   KM_DESIGN_DISTANCE,    /* root mean square distance of stated points from the path of the traced point `column`: path
                        * synthesis */
+  KM_DESIGN_RMS,         /* root mean square over the driver or time */
+  KM_DESIGN_PEAK,        /* largest magnitude */
+  KM_DESIGN_WHERE_PEAK,  /* value of the driver, or time, of the largest magnitude */
+  KM_DESIGN_LAST,        /* value of the last row: where a sweep or a run ends */
+  KM_DESIGN_SETTLING,    /* time from which on the column stays within `at` times its largest distance from its last
+                          * value */
   KM_DESIGN_FIGURE_KINDS /* number of enumerators */
 } km_design_figure_kind;
 
@@ -133,7 +139,7 @@ typedef struct km_design_figure {
   const char *name;
   km_design_figure_kind kind; /* reduction of the rows */
   const char *column;         /* column of the answer's table; KM_DESIGN_DISTANCE: "body/frame" */
-  double at;                  /* KM_DESIGN_AT: value of s */
+  double at;                  /* KM_DESIGN_AT: value of s; KM_DESIGN_SETTLING: fraction, 0.02: to 2 % */
   const double *points;       /* KM_DESIGN_DISTANCE: [3 × point_count] points, inertial axes, model's length unit */
   int point_count;
   double low, high; /* limits of accepted values; ∓infinity: none */
@@ -160,8 +166,8 @@ typedef struct km_design_setting {
 typedef struct km_design_question {
   const char *name; /* name, used by its files and figures */
   const char
-      *kind; /* kind as in km_question_create: "mobility", "advantage", "forces", "track"; NULL: the study's function
-             * computes the figures in order */
+      *kind; /* kind as in km_question_create: "mobility", "advantage", "forces", "track", "run", "inverse"; NULL: the
+             * study's function computes the figures in order */
   const km_design_option *options; /* options of the request */
   int option_count;
   const km_design_setting *holds, *sets; /* held coordinates, in addition to the model's; coordinates set at the

@@ -77,8 +77,8 @@ static km_status made_or_no_memory(bool made, km_error *error) {
   return made ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a plot");
 }
 
-/* Column of a question along the path, from which figures are computed. */
-static km_status make_tracks(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
+/* Columns from which figures are computed, along the path of a track or over time. */
+static km_status make_columns(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
                              km_error *error) {
   km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MAX_OVERLAID_DESIGNS);
   size_t *columns = KM_ARENA_NEW(arena, size_t, KM_MAX_DESIGN_FIGURES);
@@ -87,15 +87,15 @@ static km_status make_tracks(const overlay *v, const km_designs_shown *p, int qu
   size_t count = columns_of(&p->def->questions[question], km_question_table(v->asked[0].question), columns);
   for (int i = 0; i < v->count; ++i) {
     const km_table *table = km_question_table(v->asked[i].question);
-    tables[i] = (km_plotted_table){table, v->answers[i].name, (size_t)km_table_find(table, "s"), columns};
+    tables[i] = (km_plotted_table){table, v->answers[i].name, (size_t)km_table_variable(table), columns};
   }
   return made_or_no_memory(km_table_plot_make(tables, (size_t)v->count, count, arena, out), error);
 }
 
 static km_status make_answers(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
                               km_error *error) {
-  if (km_question_track(v->asked[0].question))
-    return make_tracks(v, p, question, arena, out, error);
+  if (!km_question_motion(v->asked[0].question))
+    return make_columns(v, p, question, arena, out, error);
   km_comparison *comparison = KM_ARENA_NEW(arena, km_comparison, 1);
   if (!comparison)
     return made_or_no_memory(false, error);

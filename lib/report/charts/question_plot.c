@@ -3,9 +3,12 @@
 
 #include "question/question.h"
 #include "report/charts/advantage_plot.h"
+#include "report/charts/history_plot.h"
 #include "report/charts/mobility_plot.h"
 #include "report/charts/statics_plot.h"
 #include "report/charts/table_plot.h"
+
+enum { MOST_CURVES = 4 }; /* coordinates of several motions over time, where none are chosen */
 
 static km_swept swept(const km_answered *a) {
   return (km_swept){a->question->m, km_question_plan(a->question), km_question_motion(a->question), a->name};
@@ -55,6 +58,40 @@ static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
   return km_table_plot_make(tables, (size_t)c->count, COLUMNS, arena, out);
 }
 
+/* One motion over time, with the plot of a history. */
+static bool plot_history(const km_answered *a, km_arena *arena, km_plot *out) {
+  const km_question *q = a->question;
+  const km_history *h = km_question_history(q);
+  const km_plotted_history shown = {.mechanism = q->m,
+                                    .table = h->table,
+                                    .crossings = km_question_crossings(q),
+                                    .met = h->crossings,
+                                    .met_count = h->crossing_count,
+                                    .name = a->name,
+                                    .joints = a->shown,
+                                    .joint_count = a->shown_count};
+  return h->peak_count ? km_inverse_plot_make(&shown, arena, out) : km_history_plot_make(&shown, arena, out);
+}
+
+/* Coordinates of several motions over time, one over another. */
+static bool plot_histories(const km_comparison *c, km_arena *arena, km_plot *out) {
+  const km_answered *first = &c->answers[0];
+  km_span q = km_table_span(km_question_table(first->question), "q.");
+  bool chosen = first->shown != NULL;
+  size_t count = chosen ? (size_t)first->shown_count : q.count < MOST_CURVES ? q.count : MOST_CURVES;
+  size_t *columns = KM_ARENA_NEW(arena, size_t, count + 1);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
+  if (arena->failed)
+    return false;
+  for (size_t k = 0; k < count; ++k)
+    columns[k] = q.first + (chosen ? (size_t)first->shown[k] : k);
+  for (int i = 0; i < c->count; ++i) {
+    const km_table *table = km_question_table(c->answers[i].question);
+    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
+  }
+  return km_table_plot_make(tables, (size_t)c->count, count, arena, out);
+}
+
 km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot *out, km_error *error) {
   const km_question *first = c->answers[0].question;
   bool made;
@@ -64,6 +101,8 @@ km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot
     made = plot_advantage(c, arena, out);
   else if (km_question_statics(first))
     made = plot_statics(c, arena, out);
+  else if (km_question_history(first))
+    made = c->count == 1 ? plot_history(&c->answers[0], arena, out) : plot_histories(c, arena, out);
   else
     made = plot_tracks(c, arena, out);
   return made ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a plot");

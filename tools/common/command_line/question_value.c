@@ -84,6 +84,25 @@ static kt_exit read_ends(const kt_common *common, const km_model *model, const c
   return result;
 }
 
+static kt_exit read_settings(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                             km_arena *arena, km_option_value *out) {
+  kt_settings found = {0};
+  kt_exit result = kt_settings_add(common, model, name, (char **)(size_t)texts->items, texts->count, &found);
+  int *coordinates = KM_ARENA_NEW(arena, int, (size_t)found.count + 1);
+  double *numbers = KM_ARENA_NEW(arena, double, (size_t)found.count + 1);
+  if (arena->failed)
+    result = KT_NO_MEMORY;
+  for (int i = 0; i < found.count && result == KT_DONE; ++i) {
+    coordinates[i] = found.items[i].coordinate;
+    numbers[i] = found.items[i].value;
+  }
+  out->coordinates = coordinates;
+  out->settings = numbers;
+  out->count = found.count;
+  kt_settings_free(&found);
+  return result;
+}
+
 kt_exit kt_question_value(const kt_common *common, const km_model *model, const km_option *o, const char *name,
                           const kt_texts *texts, km_arena *arena, km_option_value *out) {
   const char *text = texts->items[texts->count - 1];
@@ -108,6 +127,8 @@ kt_exit kt_question_value(const kt_common *common, const km_model *model, const 
     return read_sense(common, model, name, text, out);
   case KM_OPTION_COORDINATES:
     return read_coordinates(common, model, name, text, arena, out);
+  case KM_OPTION_SETTINGS:
+    return read_settings(common, model, name, texts, arena, out);
   case KM_OPTION_POINTS:
     return read_points(common, model, name, texts, arena, out);
   case KM_OPTION_END:

@@ -57,13 +57,19 @@ static const km_object_format optimise_format = {"optimise", optimise_fields};
 
 static const km_field figure_fields[] = {
     {"figure",
-     "\"min\", \"max\", \"span\", \"mean\", \"at\", \"where min\", \"where max\" of a column; \"reached\", \"toggles\"; "
-     "\"distance\" of given points from a traced one. A mean is that over the driver or the arc length, by the trapezoidal rule.",
+     "\"min\", \"max\", \"span\", \"mean\", \"rms\", \"peak\" (largest magnitude), \"last\" (value of the last row), "
+     "\"settling\", \"at\", \"where min\", \"where max\", \"where peak\" of a column; \"reached\", \"toggles\"; "
+     "\"distance\" of given points from a traced one. Mean and rms (root mean square) are those over the driver, the arc "
+     "length or the time, by the trapezoidal rule.",
      STRING, REQUIRED},
     {"column", "Column of the answer's table, without its unit.", STRING},
     {"at",
-     "Of \"at\": the driver's value, or the arc length. Between two rows the figure lies on the straight line between them.",
+     "Of \"at\": the driver's value, the arc length or the time. Between two rows the figure lies on the straight line between "
+     "them.",
      NUMBER},
+    {"within",
+     "Of \"settling\": the part of the largest distance from the last value within which the column stays from that time on.",
+     NUMBER, UNSTATED("0.02")},
     {"point", "The traced point of \"distance\", \"body/frame\".", STRING},
     {"through", "The points that it should pass, [x, y] or [x, y, z] each.", SHAPE(ROWS)},
     {"low", "Least value that is good enough.", NUMBER},
@@ -74,10 +80,11 @@ static const km_object_format figure_format = {"figure", figure_fields};
 
 static const km_field question_fields[] = {
     {"name", "Of its files.", STRING, UNSTATED("the question's own word")},
-    {"question", "\"mobility\", \"advantage\", \"forces\" or \"track\".", STRING, REQUIRED},
+    {"question", "\"mobility\", \"advantage\", \"forces\", \"track\", \"run\" or \"inverse\".", STRING, REQUIRED},
     {"options",
      "The options of the sweep commands, but mode, pose and float: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}; of a track: "
-     "{\"study\": a path study's file, \"method\": \"greedy\"}.",
+     "{\"study\": a path study's file, \"method\": \"greedy\"}; of a run: {\"until\": 5, \"rate\": {\"A\": 3}, \"stop\": {\"C\": 0.2}, …}; "
+     "of inverse: {\"rate\": {\"A\": 3}, \"steps\": 360, …}.",
      SHAPE(ANY)},
     {"hold", "Joints that are kept at a value.", SHAPE(COORDINATE_MAP)},
     {"set", "Joints that are moved to a value first.", SHAPE(COORDINATE_MAP)},

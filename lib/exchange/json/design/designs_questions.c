@@ -11,9 +11,16 @@ static const char *const kinds[KM_DESIGN_FIGURE_KINDS] = {[KM_DESIGN_MIN] = "min
                                                           [KM_DESIGN_AT] = "at",
                                                           [KM_DESIGN_WHERE_MIN] = "where min",
                                                           [KM_DESIGN_WHERE_MAX] = "where max",
+                                                          [KM_DESIGN_RMS] = "rms",
+                                                          [KM_DESIGN_PEAK] = "peak",
+                                                          [KM_DESIGN_WHERE_PEAK] = "where peak",
+                                                          [KM_DESIGN_LAST] = "last",
+                                                          [KM_DESIGN_SETTLING] = "settling",
                                                           [KM_DESIGN_REACHED] = "reached",
                                                           [KM_DESIGN_TOGGLES] = "toggles",
                                                           [KM_DESIGN_DISTANCE] = "distance"};
+
+static const double default_settling = 0.02; /* part of the largest distance from the last value */
 
 static bool find_kind(const char *word, size_t length, km_design_figure_kind *out) {
   for (int k = 0; k < KM_DESIGN_FIGURE_KINDS; ++k)
@@ -31,8 +38,10 @@ static void read_short(km_designs_reader *d, const char *text, const km_place *p
   bool alone = out->kind == KM_DESIGN_REACHED || out->kind == KM_DESIGN_TOGGLES;
   if (!known || alone == (blank != NULL) || out->kind == KM_DESIGN_AT || out->kind == KM_DESIGN_DISTANCE)
     km_designs_error(d, place,
-                     "expected min, max, span, mean, where min or where max and a column, or reached or toggles");
+                     "expected min, max, span, mean, rms, peak, last, settling, where min, where max or where peak and a "
+                     "column, or reached or toggles");
   out->column = blank ? blank + 1 : NULL;
+  out->at = out->kind == KM_DESIGN_SETTLING ? default_settling : 0.0;
 }
 
 static void read_points(km_designs_reader *d, const km_value *rows, const km_place *place, km_design_figure *out) {
@@ -68,35 +77,49 @@ static void read_figure(km_designs_reader *d, const km_value *v, const km_place 
   const char *word = km_designs_text(v, "figure");
   km_place at = {place, "figure", 0};
   if (!find_kind(word, strlen(word), &out->kind))
-    km_designs_error(d, &at, "expected min, max, span, mean, at, where min, where max, reached, toggles or distance");
+    km_designs_error(d, &at, "expected min, max, span, mean, at, rms, peak, last, settling, where min, where max, where peak, reached, "
+                     "toggles or distance");
   out->column = km_designs_text(v, out->kind == KM_DESIGN_DISTANCE ? "point" : "column");
   out->at = km_designs_number(v, "at", nan(""));
   if (out->kind == KM_DESIGN_AT && isnan(out->at))
     km_designs_error(d, place, "\"at\" is missing; expected the driver's value");
-  out->at = out->kind == KM_DESIGN_AT ? out->at : 0.0;
+  if (out->kind != KM_DESIGN_AT)
+    out->at = out->kind == KM_DESIGN_SETTLING ? km_designs_number(v, "within", default_settling) : 0.0;
   out->low = km_designs_number(v, "low", -HUGE_VAL);
   out->high = km_designs_number(v, "high", HUGE_VAL);
   out->better = better_of(d, v, place);
   read_points(d, km_value_get(v, "through"), place, out);
 }
 
+/* Adds a number or a text to an option. */
+static void add_to_option(km_designs_reader *d, const km_value *item, const km_place *place, double *numbers,
+                          const char **texts, km_design_option *out) {
+  if (item->kind == KM_NUMBER)
+    numbers[out->number_count++] = item->number;
+  else if (item->kind == KM_STRING)
+    texts[out->text_count++] = item->string;
+  else
+    km_designs_error(d, place, "expected true or false, a number, a text, or a list of these");
+}
+
 /* true, a number, a text, a list of either; a list of a text and a number is a joint with a sense, and so is
- * {"joint", "sign"}, as a model has it. */
+ * {"joint", "sign"}, as a model has it. Another object is a number for each joint. */
 static void read_option(km_designs_reader *d, const km_value *v, const km_place *place, km_design_option *out) {
-  bool sense = v->kind == KM_OBJECT && v->count == 2 && km_value_get(v, "joint") && km_value_get(v, "sign");
-  bool list = v->kind == KM_LIST || sense;
-  const km_value *item = list ? v->first : v;
+  bool map = v->kind == KM_OBJECT;
+  bool sense = map && v->count == 2 && km_value_get(v, "joint") && km_value_get(v, "sign");
   double *numbers = KM_ARENA_NEW(d->arena, double, v->count + 1);
   const char **texts = KM_ARENA_NEW(d->arena, const char *, v->count + 1);
   *out = (km_design_option){.name = v->key, .numbers = numbers, .texts = texts};
   out->flag = v->kind == KM_BOOLEAN && v->number != 0.0;
-  for (; item && texts && v->kind != KM_BOOLEAN; item = list ? item->next : NULL)
-    if (item->kind == KM_NUMBER)
-      numbers[out->number_count++] = item->number;
-    else if (item->kind == KM_STRING)
-      texts[out->text_count++] = item->string;
-    else
-      km_designs_error(d, place, "expected true or false, a number, a text, or a list of these");
+  if (!texts || v->kind == KM_BOOLEAN)
+    return;
+  if (!map && v->kind != KM_LIST)
+    add_to_option(d, v, place, numbers, texts, out);
+  for (const km_value *item = map || v->kind == KM_LIST ? v->first : NULL; item; item = item->next) {
+    if (map && !sense)
+      texts[out->text_count++] = item->key;
+    add_to_option(d, item, place, numbers, texts, out);
+  }
 }
 
 static void read_options(km_designs_reader *d, const km_value *map, const km_place *place, km_design_question *out) {

@@ -1,0 +1,327 @@
+/* Requests of kinds "run" and "inverse": a motion over time under the model's forces (km_history_run), and the forces
+ * that a prescribed motion takes (km_inverse_run). Both start at the state's configuration and leave it there. */
+#include "question/question.h"
+
+#include "kinematics/state.h"
+#include "kmech/inspect.h"
+
+#include <math.h>
+
+/* Options of both kinds, behind the kind's own ones. */
+enum { RATE, UNTIL, FRAME, REACTIONS, AXES, SHARED_OPTIONS };
+#define MOST 1e60 /* largest time and tolerance */
+
+static const km_option shared[SHARED_OPTIONS] = {
+    {"rate", KM_OPTION_SETTINGS, "JOINT=RATE", "the joint's per time", "the model's rates",
+     "Rates: of a run those at the start, of an inverse motion constant ones (repeatable)", 0, 0, NULL, true},
+    {"until", KM_OPTION_NUMBER, "T", "time", "the model's, else 10 s; of a rate of a hinge one turn", "End", 0, MOST,
+     NULL, true},
+    {"frame", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
+     "Add place, velocity and acceleration of a frame's origin (repeatable)", 0, 0, NULL, true},
+    {"reactions", KM_OPTION_FLAG, NULL, "", NULL, "Add the reaction in every joint", 0, 0, NULL, true},
+    {"axes", KM_OPTION_WORD, "AXES", "", NULL,
+     "Axes of the reactions: joint (of the child's joint frame, default) or fixed", 0, KM_AXES_FIXED, "joint or fixed",
+     true},
+};
+
+enum {
+  EVERY,
+  EVENT,
+  STOP,
+  FORCES,
+  MOBILITY,
+  LIMIT_STOPS,
+  IGNORE_LIMITS,
+  INTEGRATOR,
+  RTOL,
+  ATOL,
+  MAX_STEP,
+  RUN_OPTIONS
+};
+
+static const km_option run_options[RUN_OPTIONS] = {
+    {"every", KM_OPTION_NUMBER, "DT", "time", "the model's, else a 200th of the run", "Time between rows", 0, MOST, NULL,
+     true},
+    {"event", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "Locate where a joint passes a value (repeatable)",
+     0, 0, NULL, true},
+    {"stop", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "End where a joint passes a value (repeatable)", 0,
+     0, NULL, true},
+    {"forces", KM_OPTION_FLAG, NULL, "", NULL, "Add variable, force, power and work of every force module", 0, 0, NULL,
+     true},
+    {"mobility", KM_OPTION_FLAG, NULL, "", NULL, "Add every joint's mobility number", 0, 0, NULL, true},
+    {"limit-stops", KM_OPTION_RANGE, "K:B", "force/length", NULL,
+     "Stops at the limits of joints without one: stiffness and damping, of hinges per radian", 0, 0, NULL, true},
+    {"ignore-limits", KM_OPTION_FLAG, NULL, "", NULL, "Pass limits where no stop acts", 0, 0, NULL, true},
+    {"integrator", KM_OPTION_WORD, "METHOD", "", "the model's, else adams",
+     "Integration method; fixed: steps of `max-step`", 0, KM_INTEGRATOR_FIXED, "adams or bdf or fixed", true},
+    {"rtol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7", "Relative error of the run", 0, MOST, NULL, true},
+    {"atol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7",
+     "Absolute error of the run, of radians and characteristic lengths", 0, MOST, NULL, true},
+    {"max-step", KM_OPTION_NUMBER, "DT", "time", NULL, "Longest step", 0, MOST, NULL, true},
+};
+
+enum { STEPS, INVERSE_OPTIONS };
+
+static const km_option inverse_options[INVERSE_OPTIONS] = {
+    {"steps", KM_OPTION_WHOLE, "N", "", "360", "Number of intervals; N + 1 rows", 1, KM_MAX_SWEEP_STEPS, NULL, true},
+};
+
+typedef struct kind_data {
+  km_arena arena; /* lists of the definitions */
+  km_crossing *crossings;
+  km_constant_rate *rates;
+  km_history_def run;
+  km_inverse_def inverse;
+  km_history history;
+} kind_data;
+
+static const km_option_value *shared_value(const km_question *q, int index) {
+  return km_question_own_value(q, q->kind->option_count + index);
+}
+
+static bool is_flagged(const km_option_value *v) {
+  return v && v->flag;
+}
+
+/* Replaces a number by that of an option that is set. */
+static void take_number(const km_option_value *v, double *number) {
+  if (v)
+    *number = v->numbers[0];
+}
+
+static km_status no_memory(km_error *error) {
+  return km_fail(error, KM_MEMORY, "out of memory for a motion over time");
+}
+
+static const km_traced_frame *frames_of(const km_question *q, kind_data *o, int *count) {
+  const km_option_value *v = shared_value(q, FRAME);
+  km_traced_frame *frames = KM_ARENA_NEW(&o->arena, km_traced_frame, (size_t)(v ? v->count : 0) + 1);
+  *count = frames && v ? v->count : 0;
+  for (int i = 0; i < *count; ++i)
+    frames[i] = (km_traced_frame){v->points[i].frame, v->points[i].name};
+  return frames;
+}
+
+static km_axes axes_of(const km_question *q) {
+  const km_option_value *v = shared_value(q, AXES);
+  return v ? (km_axes)v->whole : KM_AXES_JOINT;
+}
+
+static void clear_preparation(km_question *q) {
+  kind_data *o = q->kind_data;
+  km_arena_free(&o->arena);
+  *o = (kind_data){0};
+}
+
+/* Adds the values of an option as crossings. */
+static void add_crossings(const km_option_value *v, bool stops, kind_data *o) {
+  for (int i = 0; v && i < v->count; ++i)
+    o->crossings[o->run.simulation.crossing_count++] =
+        (km_crossing){.coordinate = v->coordinates[i], .value = v->settings[i], .stops = stops};
+}
+
+static km_status prepare_run(km_question *q, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_model *model = q->m->model;
+  const km_option_value *events = km_question_own_value(q, EVENT), *stops = km_question_own_value(q, STOP),
+                        *method = km_question_own_value(q, INTEGRATOR);
+  km_history_def *def = &o->run;
+  *def = km_history_default(model);
+  double every;
+  km_model_simulated(model, NULL, &every);
+  take_number(shared_value(q, UNTIL), &def->until);
+  if (!(every > 0.0))
+    def->every = def->until / KM_HISTORY_ROWS;
+  take_number(km_question_own_value(q, EVERY), &def->every);
+  take_number(km_question_own_value(q, RTOL), &def->simulation.relative);
+  take_number(km_question_own_value(q, ATOL), &def->simulation.absolute);
+  take_number(km_question_own_value(q, MAX_STEP), &def->simulation.max_step);
+  if (method)
+    def->simulation.integrator = (km_integrator)method->whole;
+  if (def->simulation.integrator == KM_INTEGRATOR_FIXED && !(def->simulation.max_step > 0.0))
+    return km_fail(error, KM_USAGE, "`integrator` fixed: expected `max-step` with it, the length of its steps");
+  int modules = km_model_module_count(model);
+  int *list = KM_ARENA_NEW(&o->arena, int, (size_t)modules + 1);
+  o->crossings = KM_ARENA_NEW(&o->arena, km_crossing,
+                              (size_t)(events ? events->count : 0) + (size_t)(stops ? stops->count : 0) + 1);
+  def->frames = frames_of(q, o, &def->frame_count);
+  if (o->arena.failed)
+    return no_memory(error);
+  for (int i = 0; i < modules; ++i)
+    list[i] = i;
+  def->modules = list;
+  def->module_count = is_flagged(km_question_own_value(q, FORCES)) ? modules : 0;
+  add_crossings(events, false, o);
+  add_crossings(stops, true, o);
+  def->simulation.crossings = o->crossings;
+  def->reactions = is_flagged(shared_value(q, REACTIONS));
+  def->axes = axes_of(q);
+  def->mobility = is_flagged(km_question_own_value(q, MOBILITY));
+  return KM_OK;
+}
+
+static km_status prepare_inverse(km_question *q, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_option_value *rates = shared_value(q, RATE), *steps = km_question_own_value(q, STEPS);
+  int count = rates ? rates->count : 0, frame_count;
+  o->rates = KM_ARENA_NEW(&o->arena, km_constant_rate, (size_t)count + 1);
+  const km_traced_frame *frames = frames_of(q, o, &frame_count);
+  if (o->arena.failed)
+    return no_memory(error);
+  for (int i = 0; i < count; ++i)
+    o->rates[i] = (km_constant_rate){rates->coordinates[i], rates->settings[i]};
+  o->inverse = km_inverse_default(q->m, o->rates, count);
+  o->inverse.frames = frames;
+  o->inverse.frame_count = frame_count;
+  take_number(shared_value(q, UNTIL), &o->inverse.until);
+  if (steps)
+    o->inverse.steps = steps->whole;
+  o->inverse.reactions = is_flagged(shared_value(q, REACTIONS));
+  o->inverse.axes = axes_of(q);
+  return KM_OK;
+}
+
+static void clear_result(km_question *q) {
+  km_history_free(&((kind_data *)q->kind_data)->history);
+}
+
+/* Copies the configuration and the stated rates of a state, and states those of the option. */
+static km_status create_start(const km_question *q, const km_state *from, km_state **out, km_error *error) {
+  const km_option_value *rates = shared_value(q, RATE);
+  km_status status = km_state_create(q->m, out, error);
+  if (!status)
+    km_state_copy(q->m, *out, from);
+  for (int i = 0; rates && i < rates->count && !status; ++i)
+    status = km_state_set_rate(q->m, *out, rates->coordinates[i], rates->settings[i], error);
+  return status;
+}
+
+static km_status set_limit_stops(const km_question *q, km_forces *forces, km_error *error) {
+  const km_option_value *stops = km_question_own_value(q, LIMIT_STOPS);
+  return stops ? km_forces_set_limit_stops(forces, stops->numbers[0], stops->numbers[1], error) : KM_OK;
+}
+
+static km_status compute_run(km_question *q, km_forces *forces, km_state *at, km_error *error) {
+  kind_data *o = q->kind_data;
+  o->run.progress = q->progress;
+  o->run.context = q->context;
+  km_status status = set_limit_stops(q, forces, error);
+  if (!status)
+    status = km_history_run(q->m, forces, at, &o->run, &o->history, error);
+  bool passes = o->history.limit_count > 0 && !is_flagged(km_question_own_value(q, IGNORE_LIMITS));
+  if (status == KM_PARTIAL || status == KM_OK) /* an end by `stop` is the end that is wanted */
+    return passes ? KM_PARTIAL : KM_OK;
+  return status == KM_DIVERGED && o->history.table && km_table_rows(o->history.table) > 0 ? KM_PARTIAL : status;
+}
+
+static km_status compute_inverse(km_question *q, km_forces *forces, km_state *at, km_error *error) {
+  kind_data *o = q->kind_data;
+  o->inverse.progress = q->progress;
+  o->inverse.context = q->context;
+  return km_inverse_run(q->m, forces, at, &o->inverse, &o->history, error);
+}
+
+static km_status answer(km_question *q, km_state *s, km_error *error) {
+  km_forces *forces = NULL;
+  km_state *at = NULL;
+  km_status status = km_forces_create_own(q->m, &forces, error);
+  if (!status)
+    status = create_start(q, s, &at, error);
+  if (!status)
+    status = (q->kind == &km_run_question ? compute_run : compute_inverse)(q, forces, at, error);
+  km_state_free(at);
+  km_forces_free(forces);
+  return status == KM_DIVERGED ? KM_NO_RESULT : status;
+}
+
+static const km_table *table(const km_question *q) {
+  return ((const kind_data *)q->kind_data)->history.table;
+}
+
+static int planned_run_rows(const km_question *q) {
+  const km_history_def *def = &((const kind_data *)q->kind_data)->run;
+  return 1 + (int)ceil((def->until - def->start) / def->every - 1e-9);
+}
+
+static int planned_inverse_rows(const km_question *q) {
+  return 1 + ((const kind_data *)q->kind_data)->inverse.steps;
+}
+
+static void end_reason(const km_question *q, km_text *out) {
+  const km_history *h = &((const kind_data *)q->kind_data)->history;
+  const km_passed_limit *passed = h->limits;
+  const km_model *model = q->m->model;
+  const char *unit = model->units.time->suffix;
+  if (h->why.text[0])
+    km_text_add(out, h->why.text);
+  else if (h->limit_count > 0)
+    km_text_format(out, "%s passes its %s limit of %.6g %s at %.6g %s", km_model_coordinate_label(model, passed->coordinate),
+                   passed->upper ? "upper" : "lower", passed->limit, km_model_coordinate_unit(model, passed->coordinate),
+                   passed->time, unit);
+}
+
+/* Crossings of the run, then passed limits, then peaks of the driving forces and of the shaking force. */
+static int event_count(const km_question *q) {
+  const km_history *h = &((const kind_data *)q->kind_data)->history;
+  return h->crossing_count + h->limit_count + h->peak_count;
+}
+
+static km_question_event event(const km_question *q, int index) {
+  const kind_data *o = q->kind_data;
+  const km_history *h = &o->history;
+  const km_model *model = q->m->model;
+  if (index < h->crossing_count) {
+    const km_crossing *c = &o->crossings[h->crossings[index].crossing];
+    return (km_question_event){"crossing", km_model_coordinate_label(model, c->coordinate), h->crossings[index].time,
+                               c->value};
+  }
+  index -= h->crossing_count;
+  if (index < h->limit_count)
+    return (km_question_event){"limit", km_model_coordinate_label(model, h->limits[index].coordinate),
+                               h->limits[index].time, h->limits[index].limit};
+  const km_force_peak *peak = &h->peaks[index - h->limit_count];
+  return (km_question_event){"peak", peak->coordinate < 0 ? "" : km_model_coordinate_label(model, peak->coordinate),
+                             peak->time, peak->value};
+}
+
+const km_question_class km_run_question = {.name = "run",
+                                           .options = run_options,
+                                           .option_count = RUN_OPTIONS,
+                                           .shared = shared,
+                                           .shared_count = SHARED_OPTIONS,
+                                           .size = sizeof(kind_data),
+                                           .prepare = prepare_run,
+                                           .answer = answer,
+                                           .table = table,
+                                           .planned_rows = planned_run_rows,
+                                           .end_reason = end_reason,
+                                           .event_count = event_count,
+                                           .event = event,
+                                           .clear_result = clear_result,
+                                           .clear_preparation = clear_preparation};
+
+const km_question_class km_inverse_question = {.name = "inverse",
+                                               .options = inverse_options,
+                                               .option_count = INVERSE_OPTIONS,
+                                               .shared = shared,
+                                               .shared_count = SHARED_OPTIONS,
+                                               .size = sizeof(kind_data),
+                                               .prepare = prepare_inverse,
+                                               .answer = answer,
+                                               .table = table,
+                                               .planned_rows = planned_inverse_rows,
+                                               .end_reason = end_reason,
+                                               .event_count = event_count,
+                                               .event = event,
+                                               .clear_result = clear_result,
+                                               .clear_preparation = clear_preparation};
+
+const km_history *km_question_history(const km_question *q) {
+  return km_question_has(q, &km_run_question) || km_question_has(q, &km_inverse_question)
+             ? &((const kind_data *)q->kind_data)->history
+             : NULL;
+}
+
+const km_crossing *km_question_crossings(const km_question *q) {
+  return km_question_has(q, &km_run_question) ? ((const kind_data *)q->kind_data)->crossings : NULL;
+}
