@@ -18,6 +18,7 @@ OWN = """
 typedef struct kmech_watch { void *handle; double last; } kmech_watch;
 static km_progress kmech_progress_function(void);
 extern "Python" bool kmech_python_progress(void *context, double done);
+extern "Python" bool kmech_python_forces(void *context, const km_motion_sample *sample, double *joint_forces, double (*wrenches)[6]);
 """
 
 

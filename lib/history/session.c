@@ -48,6 +48,8 @@ static km_status create_run(km_session *s, const km_session_def *def, km_error *
   if (s->fixed_steps)
     simulation.max_step = def->step;
   km_status status = create_forces(s, def->frames, error);
+  if (!status && def->user)
+    status = km_forces_set_user(s->forces, def->user, error);
   if (!status)
     status = km_dynamics_create(s->m, s->forces, &s->dynamics, error);
   if (!status)

@@ -14,11 +14,12 @@ from .arm import Arm, Study, Summary, Track, load_study
 from .build import Builder
 from .errors import (Cancelled, Diverged, FileError, InternalError, KmechError, Message, ModelError, ModelWarning,
                      NoResult, UsageError, text_of)
+from .linear import Linear
 from .mechanism import Mechanism, Mobility, Pose, State
 from .model import Model, from_string, load
 from .picture import Picture
 from .question import Answer, Event, kinds
-from .session import FrameMotion, Session
+from .session import Crossing, FrameMotion, Session
 from .table import Table
 
 __version__ = text_of(lib.km_version())
@@ -31,7 +32,7 @@ def documentation(function: str) -> str:
     return _comments.FUNCTIONS[function]
 
 
-__all__ = ["Answer", "Arm", "Builder", "Cancelled", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "KmechError",
+__all__ = ["Answer", "Arm", "Builder", "Cancelled", "Crossing", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "KmechError", "Linear",
            "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "Session",
            "State", "Study", "Summary", "Table", "Track", "UsageError", "documentation", "ffi", "from_string", "kinds", "lib", "load",
            "load_study"]
@@ -48,6 +49,7 @@ _BEHIND = {
     Study.track: "km_track_run", Answer.figure: "km_table_figure", Answer.save_csv: "km_table_write_csv",
     Answer.plot: "km_question_chart", Track.plot: "km_tracks_picture", Builder.body: "km_model_add_body",
     Builder.frame: "km_model_add_frame", Builder.joint: "km_model_add_joint", Builder.couple: "km_model_add_coupling",
+    Mechanism.linearise: "km_linearise", Mechanism.equilibrium: "km_equilibrium_find",
     Session.__init__: "km_session_create", Session.step: "km_session_step",
     Builder.load: "km_model_add_load", Builder.finish: "km_builder_finish",
 }

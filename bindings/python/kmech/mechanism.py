@@ -206,6 +206,19 @@ class Mechanism:
         with self._turn:
             return self.state.copy()
 
+    def linearise(self, state: Optional[State] = None) -> Any:
+        """The equations of motion, linearised about a state (a Linear): state matrices, eigenvalues, modes, stability."""
+        from .linear import linearise
+
+        return linearise(self, state or self._copy())
+
+    def equilibrium(self, *, settle: bool = False, progress: Progress = None, state: Optional[State] = None) -> State:
+        """A state at rest under the model's forces, near the given one. settle: lets the mechanism fall first, so that the
+        equilibrium is a stable one."""
+        from .linear import equilibrium
+
+        return equilibrium(self, state or self._copy(), settle, progress)
+
     def arm(self, effector: str, task: str = "pose") -> Any:
         """The chain of joints to a frame, as an arm."""
         from .arm import Arm

@@ -243,6 +243,15 @@ class Model:
         """The mobility over the range of a joint, by default the one of the model's analysis."""
         return self.mechanism().sweep(joint, start, stop, steps, **given)
 
+    def linearise(self, *, set: Optional[Mapping[str, float]] = None, hold: Optional[Mapping[str, float]] = None) -> Any:
+        """The equations of motion, linearised about the initial configuration, or one with joints `set` to values."""
+        return self.mechanism(set=set, hold=hold).linearise()
+
+    def equilibrium(self, *, settle: bool = False, progress: Any = None, set: Optional[Mapping[str, float]] = None,
+                    hold: Optional[Mapping[str, float]] = None) -> Any:
+        """A State at rest under the model's forces, near the initial configuration. settle: lets the mechanism fall first."""
+        return self.mechanism(set=set, hold=hold).equilibrium(settle=settle, progress=progress)
+
     def _ask(self, kind: str, here: bool, progress: Any, given: dict[str, Any]) -> Answer:
         return self.mechanism()._ask(kind, here, progress, given)
 

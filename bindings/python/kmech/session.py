@@ -1,7 +1,7 @@
 """Steps of a motion over time, with inputs that a program sets between them."""
 from __future__ import annotations
 
-from typing import Any, Mapping, NamedTuple, Optional, Sequence
+from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence
 
 import numpy
 
@@ -23,16 +23,59 @@ class FrameMotion(NamedTuple):
     angular_velocity: numpy.ndarray
 
 
+class Crossing(NamedTuple):
+    """A joint that passed a value: time and sense (+1: upwards)."""
+
+    joint: str
+    value: float
+    time: float
+    sense: int
+
+
+class _Forces:
+    """Forces of a function, in every evaluation of the equations of motion."""
+
+    def __init__(self, function: Callable[..., Any], model: Model, frames: dict[str, int]) -> None:
+        self.function, self.model, self.frames = function, model, frames
+        self.count = len(model.coordinates)
+        self.raised: Optional[BaseException] = None
+
+    def add(self, sample: Any, joint_forces: Any, wrenches: Any) -> None:
+        size = 8 * self.count
+        q = numpy.frombuffer(ffi.buffer(sample.q, size)) if size else numpy.zeros(0)
+        v = numpy.frombuffer(ffi.buffer(sample.rate, size)) if size else numpy.zeros(0)
+        for name, value in (self.function(sample.time, q, v) or {}).items():
+            if name in self.frames:
+                wrenches[self.frames[name]] = numbers(value, 6, f"forces: {name}")
+            else:
+                joint_forces[self.model._coordinate(name)] = number(value, f"forces: {name}")
+
+
+@ffi.def_extern(name="kmech_python_forces", error=False)
+def _forces(context: Any, sample: Any, joint_forces: Any, wrenches: Any) -> bool:
+    forces = ffi.from_handle(context)
+    try:
+        forces.add(sample, joint_forces, wrenches)
+        return True
+    except BaseException as raised:
+        forces.raised = raised
+        return False
+
+
 class Session:
     """A motion over time that a program advances step by step.
 
     step: length of a step in the model's time unit (default 1 ms). integrator: "fixed" (bounded work in every step),
     "adams" or "bdf". frames: "body/frame" on which loads act and whose motion is read. set, rate: values and rates of
-    joints at the start. A session is used by one thread at a time."""
+    joints at the start. stop: values of joints at which a step ends early (crossings). forces: function(time, q, v) of
+    the time and of arrays of all coordinates and rates, called in every evaluation; it returns {joint: force along +q} and
+    {frame of `frames`: [force, moment], six numbers}, which are added to the model's forces; a continuous function of its
+    arguments. A session is used by one thread at a time."""
 
     def __init__(self, model: Model, *, step: Optional[float] = None, integrator: str = "fixed",
                  frames: Sequence[str] = (), set: Optional[Mapping[str, float]] = None,
-                 rate: Optional[Mapping[str, float]] = None, hold: Optional[Mapping[str, float]] = None) -> None:
+                 rate: Optional[Mapping[str, float]] = None, hold: Optional[Mapping[str, float]] = None,
+                 stop: Optional[Mapping[str, float]] = None, forces: Optional[Callable[..., Any]] = None) -> None:
         if integrator not in _INTEGRATORS:
             raise UsageError(f"integrator: found {integrator!r}; expected {', '.join(_INTEGRATORS)}")
         self.mechanism, self.model, self._error = Mechanism(model, set=set, hold=hold), model, new_error()
@@ -45,9 +88,20 @@ class Session:
         definition.simulation.integrator = _INTEGRATORS.index(integrator)
         definition.step = definition.step if step is None else number(step, "step")
         definition.frames, definition.frame_count = places, len(frames)
+        self._stops = [(label, number(value, f"stop {label}")) for label, value in (stop or {}).items()]
+        crossings = ffi.new("km_crossing[]", [{"coordinate": model._coordinate(label), "value": value, "stops": True}
+                                              for label, value in self._stops])
+        definition.simulation.crossings, definition.simulation.crossing_count = crossings, len(self._stops)
+        self._forces = None if forces is None else _Forces(forces, model, self._frames)
+        self._handle = ffi.new_handle(self._forces)
+        if self._forces:
+            user = ffi.new("km_user_forces *", {"compute": lib.kmech_python_forces, "context": self._handle,
+                                                "frames": places, "frame_count": len(frames)})
+            definition.user = user
         with model._reading():
-            check(lib.km_session_create(self.mechanism._c, self.mechanism.state._c, definition, out, self._error),
-                  self._error)
+            status = lib.km_session_create(self.mechanism._c, self.mechanism.state._c, definition, out, self._error)
+        self._raise()
+        check(status, self._error)
         self._c = ffi.gc(out[0], lib.km_session_free)
         self._state = lib.km_session_state(self._c)
 
@@ -83,9 +137,24 @@ class Session:
               self._error)
 
     def step(self, count: int = 1) -> float:
-        """Makes steps and returns the time."""
-        check(lib.km_session_step(self._c, count, self._error), self._error)
+        """Makes steps and returns the time: of the last step's end, or of the crossing that ended a step."""
+        status = lib.km_session_step(self._c, count, self._error)
+        self._raise()
+        check(status, self._error, partial=True)
         return self.time
+
+    def _raise(self) -> None:
+        """Raises what the function of forces raised."""
+        if self._forces and self._forces.raised is not None:
+            raised, self._forces.raised = self._forces.raised, None
+            raise raised
+
+    @property
+    def crossings(self) -> list[Crossing]:
+        """Passages of the values of `stop` so far."""
+        run = lib.km_session_run(self._c)
+        found = [lib.km_simulation_crossing(run, i) for i in range(lib.km_simulation_crossing_count(run))]
+        return [Crossing(*self._stops[c.crossing], c.time, c.sense) for c in found]
 
     @property
     def time(self) -> float:

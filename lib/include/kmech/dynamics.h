@@ -227,6 +227,7 @@ typedef struct km_session_def {
   double step;                  /* length of a step, the model's time unit */
   const int *frames;            /* [frame_count] frames on which wrenches act and whose motion is read */
   int frame_count;
+  const km_user_forces *user; /* forces of a program in every evaluation (km_forces_set_user), borrowed; NULL: none */
 } km_session_def;
 /* Default definition: fixed steps of 1 ms. */
 KM_API km_session_def km_session_default(const km_model *model);
@@ -421,8 +422,8 @@ typedef struct km_linear {
   /* [2 freedom] eigenvalues of A per time unit, by magnitude; of a pair the one with positive imaginary part first,
    * equal magnitudes by decreasing real part. */
   double *real, *imaginary;
-  double *modes;       /* [coordinates × 2 freedom × 2] mode shapes: real and imaginary parts of the coordinates; the
-                    * largest scaled entry is 1 */
+  double *modes;       /* [2 freedom × 2 × coordinates] mode shapes: of each eigenvalue the real parts of all
+                    * coordinates, then the imaginary parts; the largest scaled entry is 1 */
   double residual;     /* largest scaled acceleration of an independent coordinate per s²; 0 at rest */
   double *error_bound; /* [2 freedom] per time unit: an eigenvalue of at most this magnitude counts as 0, by the errors
                      * of the differences */
