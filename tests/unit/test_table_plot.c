@@ -33,11 +33,11 @@ static bool same_number(double a, double b) {
 /* Written tables are read back: names with all characters of labels, and every kind of double. */
 static void tables_survive_their_text(void **state) {
   (void)state;
-  static const char *const names[] = {"step", "q.A", "q.comma, \"quoted\"\nin two lines", "m.crank_m", "ma.A/B"};
-  static const char *const units[] = {"", "rad", "deg", "", "rad/mm"};
+  static const char *const names[] = {"step", "q.A", "q.comma, \"quoted\"\nin two lines", "m.crank_m", "ma.A/B", "a.A"};
+  static const char *const units[] = {"", "rad", "deg", "", "rad/mm", "m/s^2"};
   static const double numbers[] = {0.0,       -0.1,        1e300,        DBL_MIN, HUGE_VAL,
                                    -HUGE_VAL, (double)NAN, DBL_TRUE_MIN, 1.0 / 3, 12345678901234567.0};
-  enum { COLUMNS = 5, ROWS = 10 };
+  enum { COLUMNS = 6, ROWS = 10 };
   km_table *table = km_table_create();
   for (int c = 0; c < COLUMNS; ++c)
     assert_int_equal(km_table_add_column(table, names[c], units[c]), c);

@@ -70,11 +70,12 @@ static bool is_unit_word(const char *text, size_t length) {
   return false;
 }
 
-/* Units of the model format with * and / between them. */
+/* Units of the model format, each with a power or without, with * and / between them: "m/s^2". */
 static bool is_unit(const char *text) {
   for (;;) {
-    size_t length = strcspn(text, "*/");
-    if (!is_unit_word(text, length))
+    size_t length = strcspn(text, "*/"), word = strcspn(text, "*/^");
+    bool powered = word < length;
+    if (!is_unit_word(text, word) || (powered && word + 1 + strspn(text + word + 1, "0123456789") < length))
       return false;
     if (!text[length])
       return true;
