@@ -289,11 +289,26 @@ static void modules_as_columns(void **state) {
   fixture_close(&f);
 }
 
+/* A cart on a tyre carries a four-bar with joint friction, stops, a spring to the ground, a damper, air drag on the cart,
+ * a motor, a bounded controller and a contact with a wall: all modules at once keep the energy. */
+static void energy_of_all_modules(void **state) {
+  (void)state;
+  fixture f = fixture_open("../tests/golden/models/all_modules");
+  assert_int_equal(km_model_module_count(f.model), 7);
+  km_history h = history_of(&f, 3.0, 0.1, 1e-10, false);
+  assert_true(h.energy_scale > 100.0);
+  assert_at_most(h.energy_error, 1e-8 * h.energy_scale);
+  assert_true(history_end(&h, "energy_dissipated") > 0.5 * h.energy_scale);
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(accelerations),       cmocka_unit_test(controlled_speed),
                                      cmocka_unit_test(bounded_integral),    cmocka_unit_test(references),
                                      cmocka_unit_test(weighted_inputs),     cmocka_unit_test(angles_between_frames),
                                      cmocka_unit_test(frames_in_body_axes), cmocka_unit_test(motors_over_speed),
-                                     cmocka_unit_test(modules_as_columns)};
+                                     cmocka_unit_test(modules_as_columns),
+                                     cmocka_unit_test(energy_of_all_modules)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
