@@ -2,74 +2,96 @@
  * that a prescribed motion takes (km_inverse_run). Both start at the state's configuration and leave it there. */
 #include "question/question.h"
 
+#include "base/file.h"
 #include "kinematics/state.h"
+#include "kmech/report.h"
 #include "kmech/inspect.h"
 
 #include <math.h>
 
 /* Options of both kinds, behind the kind's own ones. */
-enum { RATE, UNTIL, FRAME, REACTIONS, AXES, SHARED_OPTIONS };
+enum { RATE, UNTIL, FRAME, REACTIONS, SHARED_OPTIONS };
 #define MOST 1e60 /* largest time and tolerance */
 
 static const km_option shared[SHARED_OPTIONS] = {
-    {"rate", KM_OPTION_SETTINGS, "JOINT=RATE", "the joint's per time", "the model's rates",
-     "Rates: of a run those at the start, of an inverse motion constant ones (repeatable)", 0, 0, NULL, true},
+    {"rate", KM_OPTION_SETTINGS, "JOINT=RATE", "the joint's per time", NULL,
+     "Rate at the start of a run, instead of the model's (joints without a stated rate follow); constant rate of an inverse "
+     "motion, beside the model's prescribed motions (repeatable)",
+     0, 0, NULL, true},
     {"until", KM_OPTION_NUMBER, "T", "time", "the model's, else 10 s; of a rate of a hinge one turn", "End", 0, MOST,
      NULL, true},
     {"frame", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
      "Add place, velocity and acceleration of a frame's origin (repeatable)", 0, 0, NULL, true},
     {"reactions", KM_OPTION_FLAG, NULL, "", NULL, "Add the reaction in every joint", 0, 0, NULL, true},
-    {"axes", KM_OPTION_WORD, "AXES", "", NULL,
-     "Axes of the reactions: joint (of the child's joint frame, default) or fixed", 0, KM_AXES_FIXED, "joint or fixed",
-     true},
 };
 
 enum {
   EVERY,
+  FROM,
   EVENT,
   STOP,
-  FORCES,
-  MOBILITY,
   LIMIT_STOPS,
   IGNORE_LIMITS,
-  INTEGRATOR,
+  AXES,
+  FORCES,
+  MOBILITY,
   RTOL,
   ATOL,
   MAX_STEP,
+  INTEGRATOR,
+  STABILISE,
   RUN_OPTIONS
 };
+enum { AXES_BODY = 2 }; /* word of `axes` behind those of km_axes */
 
 static const km_option run_options[RUN_OPTIONS] = {
     {"every", KM_OPTION_NUMBER, "DT", "time", "the model's, else a 200th of the run", "Time between rows", 0, MOST, NULL,
      true},
-    {"event", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "Locate where a joint passes a value (repeatable)",
-     0, 0, NULL, true},
+    {"from", KM_OPTION_FILE, "TABLE.csv", "", NULL,
+     "Go on from the last row of a run's table: its pose, its rates and its time", 0, 0, NULL, true},
+    {"event", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "Tell when a joint passes a value (repeatable)", 0,
+     0, NULL, true},
     {"stop", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "End where a joint passes a value (repeatable)", 0,
      0, NULL, true},
-    {"forces", KM_OPTION_FLAG, NULL, "", NULL, "Add variable, force, power and work of every force module", 0, 0, NULL,
-     true},
+    {"limit-stops", KM_OPTION_PAIR, "K[,B]", "force/length", NULL,
+     "Stops at the limits of joints without one: stiffness and damping (0), of hinges per radian, in the model's units",
+     0, 0, NULL, true},
+    {"ignore-limits", KM_OPTION_FLAG, NULL, "", NULL,
+     "Pass limits where no stop acts; otherwise a run that passes one is partial", 0, 0, NULL, true},
+    {"axes", KM_OPTION_WORD, "AXES", "", NULL,
+     "Axes of the reactions: joint (default) or fixed. body: the frames' own axes for what `frame` adds, with angular "
+     "velocity and acceleration",
+     0, AXES_BODY, "joint or fixed or body", true},
+    {"forces", KM_OPTION_MODULES, "NAME", "", NULL,
+     "Add variable, force, power and work of a force module, or of all (repeatable)", 0, 0, NULL, true},
     {"mobility", KM_OPTION_FLAG, NULL, "", NULL, "Add every joint's mobility number", 0, 0, NULL, true},
-    {"limit-stops", KM_OPTION_RANGE, "K:B", "force/length", NULL,
-     "Stops at the limits of joints without one: stiffness and damping, of hinges per radian", 0, 0, NULL, true},
-    {"ignore-limits", KM_OPTION_FLAG, NULL, "", NULL, "Pass limits where no stop acts", 0, 0, NULL, true},
-    {"integrator", KM_OPTION_WORD, "METHOD", "", "the model's, else adams",
-     "Integration method; fixed: steps of `max-step`", 0, KM_INTEGRATOR_FIXED, "adams or bdf or fixed", true},
-    {"rtol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7", "Relative error of the run", 0, MOST, NULL, true},
+    {"rtol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7", "Relative error that steps may add up to", 0, MOST,
+     NULL, true},
     {"atol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7",
-     "Absolute error of the run, of radians and characteristic lengths", 0, MOST, NULL, true},
-    {"max-step", KM_OPTION_NUMBER, "DT", "time", NULL, "Longest step", 0, MOST, NULL, true},
+     "Absolute error that they may add up to, of radians and characteristic lengths", 0, MOST, NULL, true},
+    {"max-step", KM_OPTION_NUMBER, "DT", "time", NULL, "Longest step; of `integrator` fixed its length", 0, MOST, NULL,
+     true},
+    {"integrator", KM_OPTION_WORD, "NAME", "", "the model's, else adams",
+     "adams (changes to bdf where the motion is stiff), bdf or fixed", 0, KM_INTEGRATOR_FIXED, "adams or bdf or fixed",
+     true},
+    {"stabilise", KM_OPTION_WORD, "HOW", "", NULL, "How loops stay closed: project (default) or baumgarte", 0,
+     KM_STABILISE_BAUMGARTE, "project or baumgarte", true},
 };
+_Static_assert(KM_AXES_JOINT == 0 && KM_AXES_FIXED == 1, "the words of `axes` stand in the order of km_axes");
 
-enum { STEPS, INVERSE_OPTIONS };
+enum { STEPS, INVERSE_AXES, INVERSE_OPTIONS };
 
 static const km_option inverse_options[INVERSE_OPTIONS] = {
     {"steps", KM_OPTION_WHOLE, "N", "", "360", "Number of intervals; N + 1 rows", 1, KM_MAX_SWEEP_STEPS, NULL, true},
+    {"axes", KM_OPTION_WORD, "AXES", "", NULL, "Axes of the reactions: joint (default) or fixed", 0, KM_AXES_FIXED,
+     "joint or fixed", true},
 };
 
 typedef struct kind_data {
   km_arena arena; /* lists of the definitions */
   km_crossing *crossings;
   km_constant_rate *rates;
+  km_table *from; /* table of an earlier run; NULL: none */
   km_history_def run;
   km_inverse_def inverse;
   km_history history;
@@ -102,14 +124,24 @@ static const km_traced_frame *frames_of(const km_question *q, kind_data *o, int 
   return frames;
 }
 
-static km_axes axes_of(const km_question *q) {
-  const km_option_value *v = shared_value(q, AXES);
-  return v ? (km_axes)v->whole : KM_AXES_JOINT;
+/* Index of an option's word; 0: not set. */
+static int word_of(const km_option_value *v) {
+  return v ? v->whole : 0;
+}
+
+static km_status read_table(const char *file, km_table **out, km_error *error) {
+  km_text text = {0};
+  km_status status = km_file_read(file, &text, error);
+  if (!status)
+    status = km_csv_read(&text, file, out, error);
+  km_text_free(&text);
+  return status;
 }
 
 static void clear_preparation(km_question *q) {
   kind_data *o = q->kind_data;
   km_arena_free(&o->arena);
+  km_table_free(o->from);
   *o = (kind_data){0};
 }
 
@@ -124,13 +156,14 @@ static km_status prepare_run(km_question *q, km_error *error) {
   kind_data *o = q->kind_data;
   const km_model *model = q->m->model;
   const km_option_value *events = km_question_own_value(q, EVENT), *stops = km_question_own_value(q, STOP),
-                        *method = km_question_own_value(q, INTEGRATOR);
+                        *method = km_question_own_value(q, INTEGRATOR), *from = km_question_own_value(q, FROM),
+                        *modules = km_question_own_value(q, FORCES);
   km_history_def *def = &o->run;
   *def = km_history_default(model);
   double every;
   km_model_simulated(model, NULL, &every);
   take_number(shared_value(q, UNTIL), &def->until);
-  if (!(every > 0.0))
+  if (shared_value(q, UNTIL) && !(every > 0.0))
     def->every = def->until / KM_HISTORY_ROWS;
   take_number(km_question_own_value(q, EVERY), &def->every);
   take_number(km_question_own_value(q, RTOL), &def->simulation.relative);
@@ -140,24 +173,25 @@ static km_status prepare_run(km_question *q, km_error *error) {
     def->simulation.integrator = (km_integrator)method->whole;
   if (def->simulation.integrator == KM_INTEGRATOR_FIXED && !(def->simulation.max_step > 0.0))
     return km_fail(error, KM_USAGE, "`integrator` fixed: expected `max-step` with it, the length of its steps");
-  int modules = km_model_module_count(model);
-  int *list = KM_ARENA_NEW(&o->arena, int, (size_t)modules + 1);
+  if (from && shared_value(q, RATE))
+    return km_fail(error, KM_USAGE, "`from`: a table beside `rate`; expected one of them: both give the rates");
   o->crossings = KM_ARENA_NEW(&o->arena, km_crossing,
                               (size_t)(events ? events->count : 0) + (size_t)(stops ? stops->count : 0) + 1);
   def->frames = frames_of(q, o, &def->frame_count);
   if (o->arena.failed)
     return no_memory(error);
-  for (int i = 0; i < modules; ++i)
-    list[i] = i;
-  def->modules = list;
-  def->module_count = is_flagged(km_question_own_value(q, FORCES)) ? modules : 0;
+  def->modules = modules ? modules->modules : NULL;
+  def->module_count = modules ? modules->count : 0;
   add_crossings(events, false, o);
   add_crossings(stops, true, o);
   def->simulation.crossings = o->crossings;
   def->reactions = is_flagged(shared_value(q, REACTIONS));
-  def->axes = axes_of(q);
+  int axes = word_of(km_question_own_value(q, AXES));
+  def->frame_rotations = axes == AXES_BODY;
+  def->axes = axes == KM_AXES_FIXED ? KM_AXES_FIXED : KM_AXES_JOINT;
   def->mobility = is_flagged(km_question_own_value(q, MOBILITY));
-  return KM_OK;
+  def->simulation.stabilisation = (km_stabilisation)word_of(km_question_own_value(q, STABILISE));
+  return from ? read_table(from->text, &o->from, error) : KM_OK;
 }
 
 static km_status prepare_inverse(km_question *q, km_error *error) {
@@ -168,16 +202,25 @@ static km_status prepare_inverse(km_question *q, km_error *error) {
   const km_traced_frame *frames = frames_of(q, o, &frame_count);
   if (o->arena.failed)
     return no_memory(error);
-  for (int i = 0; i < count; ++i)
+  for (int i = 0; i < count; ++i) {
     o->rates[i] = (km_constant_rate){rates->coordinates[i], rates->settings[i]};
+    const char *label = km_model_coordinate_label(q->m->model, o->rates[i].coordinate);
+    if (o->rates[i].rate == 0.0)
+      return km_fail(error, KM_USAGE, "`rate` %s=0: expected a rate other than 0", label);
+    for (int k = 0; k < i; ++k)
+      if (o->rates[k].coordinate == o->rates[i].coordinate)
+        return km_fail(error, KM_USAGE, "`rate`: \"%s\" is named twice; expected one rate for each joint", label);
+  }
   o->inverse = km_inverse_default(q->m, o->rates, count);
   o->inverse.frames = frames;
   o->inverse.frame_count = frame_count;
   take_number(shared_value(q, UNTIL), &o->inverse.until);
+  if (!(o->inverse.until > 0.0))
+    return km_fail(error, KM_USAGE, "`until` is missing; expected the end of the motion, in the model's time unit");
   if (steps)
     o->inverse.steps = steps->whole;
   o->inverse.reactions = is_flagged(shared_value(q, REACTIONS));
-  o->inverse.axes = axes_of(q);
+  o->inverse.axes = (km_axes)word_of(km_question_own_value(q, INVERSE_AXES));
   return KM_OK;
 }
 
@@ -198,27 +241,50 @@ static km_status create_start(const km_question *q, const km_state *from, km_sta
 
 static km_status set_limit_stops(const km_question *q, km_forces *forces, km_error *error) {
   const km_option_value *stops = km_question_own_value(q, LIMIT_STOPS);
-  return stops ? km_forces_set_limit_stops(forces, stops->numbers[0], stops->numbers[1], error) : KM_OK;
+  if (!stops || !km_forces_set_limit_stops(forces, stops->numbers[0], stops->numbers[1], error))
+    return KM_OK;
+  return km_fail(error, KM_USAGE, "`limit-stops` %g,%g: expected a positive stiffness, and a damping of at least 0",
+                 stops->numbers[0], stops->numbers[1]);
+}
+
+/* Moves a state to the end of the earlier run. */
+static km_status resume(const km_question *q, kind_data *o, km_state *at, km_run_memory **memory, km_error *error) {
+  km_error found;
+  km_status status = km_history_resume(q->m, o->from, km_question_own_value(q, FROM)->text, at, &o->run.start, memory,
+                                       &found);
+  return status ? km_fail(error, status, "`from`: %s", found.text) : KM_OK;
+}
+
+/* The status of a motion over time: rows before its early end are a partial result. */
+static km_status status_of(const km_history *h, km_status status) {
+  bool some = h->table && km_table_rows(h->table) > 0;
+  return some && status != KM_OK && status != KM_CANCELLED && status != KM_MEMORY ? KM_PARTIAL : status;
 }
 
 static km_status compute_run(km_question *q, km_forces *forces, km_state *at, km_error *error) {
   kind_data *o = q->kind_data;
+  km_run_memory *memory = NULL;
   o->run.progress = q->progress;
   o->run.context = q->context;
   km_status status = set_limit_stops(q, forces, error);
+  if (!status && o->from)
+    status = resume(q, o, at, &memory, error);
+  o->run.simulation.memory = memory;
   if (!status)
     status = km_history_run(q->m, forces, at, &o->run, &o->history, error);
+  km_run_memory_free(memory);
+  o->run.simulation.memory = NULL;
   bool passes = o->history.limit_count > 0 && !is_flagged(km_question_own_value(q, IGNORE_LIMITS));
   if (status == KM_PARTIAL || status == KM_OK) /* an end by `stop` is the end that is wanted */
     return passes ? KM_PARTIAL : KM_OK;
-  return status == KM_DIVERGED && o->history.table && km_table_rows(o->history.table) > 0 ? KM_PARTIAL : status;
+  return status_of(&o->history, status);
 }
 
 static km_status compute_inverse(km_question *q, km_forces *forces, km_state *at, km_error *error) {
   kind_data *o = q->kind_data;
   o->inverse.progress = q->progress;
   o->inverse.context = q->context;
-  return km_inverse_run(q->m, forces, at, &o->inverse, &o->history, error);
+  return status_of(&o->history, km_inverse_run(q->m, forces, at, &o->inverse, &o->history, error));
 }
 
 static km_status answer(km_question *q, km_state *s, km_error *error) {
@@ -231,7 +297,7 @@ static km_status answer(km_question *q, km_state *s, km_error *error) {
     status = (q->kind == &km_run_question ? compute_run : compute_inverse)(q, forces, at, error);
   km_state_free(at);
   km_forces_free(forces);
-  return status == KM_DIVERGED ? KM_NO_RESULT : status;
+  return status;
 }
 
 static const km_table *table(const km_question *q) {
@@ -322,6 +388,6 @@ const km_history *km_question_history(const km_question *q) {
              : NULL;
 }
 
-const km_crossing *km_question_crossings(const km_question *q) {
-  return km_question_has(q, &km_run_question) ? ((const kind_data *)q->kind_data)->crossings : NULL;
+const km_history_def *km_question_run_def(const km_question *q) {
+  return km_question_has(q, &km_run_question) ? &((const kind_data *)q->kind_data)->run : NULL;
 }

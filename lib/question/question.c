@@ -109,9 +109,11 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
   km_status status = KM_OK;
   if (o->type == KM_OPTION_COORDINATE || sense)
     status = km_check_index(v->coordinate, m->coordinate_count, "coordinate", error);
-  bool settings = o->type == KM_OPTION_SETTINGS, coordinates = o->type == KM_OPTION_COORDINATES || settings;
-  if (coordinates || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS || o->type == KM_OPTION_ENDS)
+  bool settings = o->type == KM_OPTION_SETTINGS, coordinates = o->type == KM_OPTION_COORDINATES || settings,
+       modules = o->type == KM_OPTION_MODULES;
+  if (coordinates || modules || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS || o->type == KM_OPTION_ENDS)
     status = km_check_list(coordinates                      ? (const void *)v->coordinates
+                           : modules                        ? (const void *)v->modules
                            : o->type == KM_OPTION_POINTS    ? (const void *)v->points
                            : o->type == KM_OPTION_ENDS      ? (const void *)v->ends
                                                             : v->loads,
@@ -121,6 +123,8 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
   for (int i = 0; i < v->count && !status; ++i) {
     if (settings && !isfinite(v->settings[i]))
       return km_fail(error, KM_USAGE, "`%s`: a value that isn't finite", o->name);
+    if (modules)
+      status = km_check_index(v->modules[i], m->model->module_count, "force module", error);
     if (coordinates)
       status = km_check_index(v->coordinates[i], m->coordinate_count, "coordinate", error);
     if (o->type == KM_OPTION_POINTS)
@@ -134,7 +138,8 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
 }
 
 static km_status check_numbers(const km_option *o, const km_option_value *v, km_error *error) {
-  int count = o->type == KM_OPTION_VECTOR ? 3 : o->type == KM_OPTION_RANGE ? 2 : o->type == KM_OPTION_NUMBER ? 1 : 0;
+  bool two = o->type == KM_OPTION_RANGE || o->type == KM_OPTION_PAIR;
+  int count = o->type == KM_OPTION_VECTOR ? 3 : two ? 2 : o->type == KM_OPTION_NUMBER ? 1 : 0;
   for (int k = 0; k < count; ++k)
     if (!isfinite(v->numbers[k]))
       return km_fail(error, KM_USAGE, "`%s`: a value that isn't finite", o->name);
@@ -167,6 +172,8 @@ static km_option_value copy_value(km_question *q, km_option_type type, const km_
     v.coordinates = copy_list(q, v.coordinates, v.count, sizeof *v.coordinates);
   if (type == KM_OPTION_SETTINGS)
     v.settings = copy_list(q, v.settings, v.count, sizeof *v.settings);
+  if (type == KM_OPTION_MODULES)
+    v.modules = copy_list(q, v.modules, v.count, sizeof *v.modules);
   if (type == KM_OPTION_LOADS)
     v.loads = copy_list(q, v.loads, v.count, sizeof *v.loads);
   if (type == KM_OPTION_FILE)

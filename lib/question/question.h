@@ -86,7 +86,4 @@ void km_questions_compute(km_question *const *questions, km_state *const *states
 bool km_question_is(const km_question *question, const km_question_class *kind);
 bool km_question_has(const km_question *question, const km_question_class *kind);
 
-/* Crossings of a run's definition, to which km_history.crossings refers; NULL: none, or another kind. */
-const km_crossing *km_question_crossings(const km_question *question);
-
 #endif

@@ -1,4 +1,5 @@
 /* Options of a study's request, converted to their types: labels and paths become indices of the model. */
+#include "kmech/inspect.h"
 #include "study/design_study.h"
 
 #include <math.h>
@@ -115,6 +116,26 @@ static km_status read_settings(const km_design_option *o, const km_model *model,
   return status;
 }
 
+/* Reads names of force modules, or "all". */
+static km_status read_modules(const km_design_option *o, const km_model *model, km_arena *arena, km_option_value *v,
+                              km_error *error) {
+  int most = km_model_module_count(model);
+  bool all = o->text_count == 1 && strcmp(o->texts[0], "all") == 0 && km_model_find_module(model, "all") < 0;
+  v->count = all ? most : o->text_count;
+  int *modules = KM_ARENA_NEW(arena, int, (size_t)v->count + 1);
+  if (!modules)
+    return km_fail(error, KM_MEMORY, "out of memory for options");
+  if (o->text_count == 0 || o->number_count > 0)
+    return fail_expected(o, "all, or names of force modules", error);
+  for (int i = 0; i < v->count; ++i) {
+    modules[i] = all ? i : km_model_find_module(model, o->texts[i]);
+    if (modules[i] < 0)
+      return km_fail(error, KM_USAGE, "%s: there is no force module \"%s\"", o->name, o->texts[i]);
+  }
+  v->modules = modules;
+  return KM_OK;
+}
+
 /* Index of a word in a list such as "one or another". */
 static int word_place(const char *words, const char *word) {
   int place = 0;
@@ -165,6 +186,11 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
     return numbers_of(o, 1, "a number", v->numbers, error);
   case KM_OPTION_RANGE:
     return numbers_of(o, 2, "two numbers [from, to]", v->numbers, error);
+  case KM_OPTION_PAIR:
+    v->numbers[1] = 0.0; /* second one of one number */
+    return numbers_of(o, o->number_count == 1 ? 1 : 2, "one or two numbers", v->numbers, error);
+  case KM_OPTION_MODULES:
+    return read_modules(o, model, arena, v, error);
   case KM_OPTION_VECTOR:
     v->numbers[2] = 0.0; /* third component of two numbers */
     return numbers_of(o, o->number_count == 2 ? 2 : 3, "two or three numbers [x, y] or [x, y, z]", v->numbers, error);

@@ -289,8 +289,8 @@ static void modules_as_columns(void **state) {
   fixture_close(&f);
 }
 
-/* A cart on a tyre carries a four-bar with joint friction, stops, a spring to the ground, a damper, air drag on the cart,
- * a motor, a bounded controller and a contact with a wall: all modules at once keep the energy. */
+/* A cart on a tyre carries a four-bar with joint friction, stops, a spring to the ground, a damper, air drag on the
+ * cart, a motor, a bounded controller and a contact with a wall: all modules at once keep the energy. */
 static void energy_of_all_modules(void **state) {
   (void)state;
   fixture f = fixture_open("../tests/golden/models/all_modules");

@@ -121,6 +121,9 @@ typedef struct kt_settings {
   int count;
 } kt_settings;
 
+/* "60rpm" or a number in the coordinate's unit per time unit of the model; false where it is neither. */
+bool kt_rate(const km_model *model, int coordinate, const char *text, double *out);
+
 /* Adds what `texts` (as given to --set or --hold) says; KT_USAGE with a message. */
 kt_exit kt_settings_add(const kt_common *common, const km_model *model, const char *option, char **texts, int count,
                         kt_settings *out);

@@ -63,11 +63,13 @@ static void ask(kt_sweep_job *j) {
   km_status status = km_question_compute(j->question, j->pose.state, &error);
   kt_progress_end(&progress);
   j->empty = status == KM_NO_RESULT;
-  if (status == KM_OK || status == KM_PARTIAL)
-    tell(j, status == KM_PARTIAL);
-  else
-    kt_print_messages(&j->common, KM_ERROR, j->name, error.text);
   j->result = kt_exit_of(status);
+  if (status != KM_OK && status != KM_PARTIAL)
+    kt_print_messages(&j->common, KM_ERROR, j->name, error.text);
+  else if (j->options->tell)
+    j->result = j->options->tell(j);
+  else
+    tell(j, status == KM_PARTIAL);
 }
 
 /* A label without what file names or shells mind: "rise=40, tip.x=5" becomes "rise=40,tip.x=5". */
@@ -137,7 +139,7 @@ static void start_job(void *context, int index) {
 }
 
 bool kt_sweep_job_delivers(const kt_sweep_job *j) {
-  return (j->result == KT_DONE || j->result == KT_PARTIAL) && !j->empty;
+  return !j->empty && km_question_table(j->question);
 }
 
 /* Name of the result in file names. */
@@ -242,6 +244,8 @@ static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
     for (int f = KT_CSV; f <= KT_JSON; ++f)
       if (o->formats.wanted[f])
         result = kt_worse(result, write_table(j, own, (kt_format)f));
+    if (o->write_more)
+      result = kt_worse(result, o->write_more(j, own));
   }
   for (int f = KT_SVG; f <= KT_PNG && some; ++f)
     if (o->formats.wanted[f])

@@ -8,6 +8,8 @@
 
 enum { KT_MOST_MODELS = 64, KT_JOB_NAME = 1024 };
 
+typedef struct kt_sweep_job kt_sweep_job;
+
 /* Options of sweep and report commands. */
 typedef struct kt_sweep_options {
   kt_common common;
@@ -18,6 +20,10 @@ typedef struct kt_sweep_options {
   const char *base;     /* -o, or NULL */
   const char *format;   /* --format, or NULL */
   kt_formats formats;   /* formats of --format, set by kt_sweep */
+  /* Kinds without a sweep: says what a result with rows calls for; returns the exit code of the result. */
+  kt_exit (*tell)(kt_sweep_job *job);
+  /* Writes more files of a job, named after `base`; NULL: none. */
+  kt_exit (*write_more)(const kt_sweep_job *job, const char *base);
 } kt_sweep_options;
 
 /* The options of a kind of question, --hold and --set. */
@@ -27,7 +33,7 @@ void kt_sweep_options_several(kt_options *out, kt_sweep_options *options, const 
 #define KT_SWEEP_BASE(RESULT) "Files are BASE." RESULT ".FORMAT (default: the model's name); - is the standard output"
 
 /* One model of the sweep, or one variant of one, with all that its files are made of. */
-typedef struct kt_sweep_job {
+struct kt_sweep_job {
   const kt_sweep_options *options;
   kt_common common; /* context with its own log */
   km_text log;
@@ -45,7 +51,7 @@ typedef struct kt_sweep_job {
   km_text stopped_by;
   kt_exit result;
   bool empty; /* no pose of the range is in reach: there is nothing to write */
-} kt_sweep_job;
+};
 
 /* Computes the question for all models and variants on --jobs threads, and writes the requested files. */
 kt_exit kt_sweep(kt_sweep_options *options);

@@ -9,7 +9,7 @@
 enum { MOST_FRAMES = 600 };
 
 typedef struct animation {
-  const ksim_work *work;
+  const kt_sweep_job *job;
   km_table *table; /* the rows that are shown */
   km_drawing *drawing;
   double *times;
@@ -33,23 +33,26 @@ static km_table *thinned(const km_table *from, size_t stride) {
 }
 
 static km_status copy_rows(animation *a, km_error *error) {
-  const km_table *all = a->work->history.table;
+  const km_table *all = km_question_table(a->job->question);
   a->table = thinned(all, (km_table_rows(all) - 1) / MOST_FRAMES + 1);
   a->times = a->table ? KM_NEW(double, km_table_rows(a->table)) : NULL;
   if (!a->times)
     return km_fail(error, KM_MEMORY, "out of memory for a motion");
   km_status status = km_table_column(a->table, 0, a->times, error);
   if (!status)
-    status = km_drawing_create(a->work->pose.mechanism, &a->drawing, error);
+    status = km_drawing_create(a->job->pose.mechanism, &a->drawing, error);
   return status ? status : km_drawing_add_rows(a->drawing, a->table, error);
 }
 
 static km_status write_page(const animation *a, km_text *out, km_error *error) {
-  const ksim_work *w = a->work;
-  const km_unit *time = km_model_units(w->pose.model).time;
+  const kt_sweep_job *j = a->job;
+  const km_unit *time = km_model_units(j->pose.model).time;
+  const km_answered answer = {j->question, j->label, j->shown, j->shown_count};
+  km_plotted_history shown = km_question_plotted_history(&answer);
+  shown.table = a->table;
   km_chart *chart = NULL;
-  km_status status = ksim_chart(w, a->table, &chart, error);
-  const km_motion_page page = {.title = w->name,
+  km_status status = km_history_chart(&shown, &chart, error);
+  const km_motion_page page = {.title = j->label,
                                .subtitle = "motion over time",
                                .footer = "kmech " KM_VERSION " · ksim run --animate",
                                .quantity = "time",
@@ -65,8 +68,8 @@ static km_status write_page(const animation *a, km_text *out, km_error *error) {
   return status;
 }
 
-kt_exit ksim_animate(const ksim_work *w, const char *base) {
-  animation a = {.work = w};
+kt_exit ksim_animate(const kt_sweep_job *j, const char *base) {
+  animation a = {.job = j};
   km_text out = {0};
   km_error error;
   km_status status = copy_rows(&a, &error);
@@ -74,9 +77,9 @@ kt_exit ksim_animate(const ksim_work *w, const char *base) {
     status = write_page(&a, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_print_message(&w->options->common, KM_ERROR, "%s: %s", w->options->model, error.text);
+    kt_print_message(&j->options->common, KM_ERROR, "%s: %s", j->name, error.text);
   else
-    result = kt_write(&w->options->common, base, "motion", "html", &out);
+    result = kt_write(&j->options->common, base, "motion", "html", &out);
   km_text_free(&out);
   km_drawing_free(a.drawing);
   km_table_free(a.table);

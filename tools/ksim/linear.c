@@ -39,18 +39,24 @@ static void report_friction(const kt_common *common, const char *path, const km_
         path, first);
 }
 
+static void print_gravity(const km_model *model, km_text *out) {
+  km_text_add(out, "  ");
+  km_gravity_words(model, NULL, out);
+  km_text_add(out, "\n");
+}
+
 static kt_exit open_work(work *w) {
   const options *o = w->o;
   km_error error;
   kt_base_name(o->model, w->name, sizeof w->name);
   w->base = o->base ? o->base : w->name;
   kt_exit result = kt_open(&o->common, o->model, &o->holds, &o->sets, &w->pose);
-  if (result == KT_DONE)
-    result = ksim_forces(&o->common, o->model, &w->pose, &w->forces);
   if (result != KT_DONE)
     return result;
   report_friction(&o->common, o->model, w->pose.model);
-  km_status status = km_dynamics_create(w->pose.mechanism, w->forces, &w->dynamics, &error);
+  km_status status = km_forces_create_own(w->pose.mechanism, &w->forces, &error);
+  if (!status)
+    status = km_dynamics_create(w->pose.mechanism, w->forces, &w->dynamics, &error);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   return kt_exit_of(status);
@@ -130,7 +136,7 @@ static kt_exit run_linearise(work *w) {
   km_text_format(&lines, "%s: %d freedom%s about this pose, %s%s\n", w->o->model, w->linear.freedom,
                  w->linear.freedom == 1 ? "" : "s", stability == KM_NOT_AT_REST ? "which is " : "",
                  km_stability_name(stability));
-  ksim_print_acting(false, w->pose.model, &lines);
+  print_gravity(w->pose.model, &lines);
   if (stability == KM_NOT_AT_REST)
     kt_print_message(
         &w->o->common, KM_NOTE,
@@ -164,7 +170,7 @@ static kt_exit run_equilibrium(work *w) {
   const km_model *model = w->pose.model;
   km_text lines = {0};
   km_text_format(&lines, "%s: at rest, %s\n", o->model, km_stability_name(km_linear_stability(&w->linear)));
-  ksim_print_acting(false, model, &lines);
+  print_gravity(model, &lines);
   for (int c = 0; c < km_model_coordinate_count(model); ++c)
     km_text_format(&lines, "  %-14s %.9g %s\n", km_model_coordinate_label(model, c),
                    km_state_coordinate(w->pose.state, c), km_model_coordinate_unit(model, c));

@@ -1,4 +1,4 @@
-/* ksim run --rate: the joints' rates at the start, and whether the motion has them. */
+/* Stated initial rates that the motion doesn't start with. */
 #include "ksim/ksim.h"
 
 #include "kmech/base.h"
@@ -10,39 +10,8 @@ enum { MOST_TOLD = 8 };
 /* Rates that agree to three digits are consistent; larger differences are contradictions. */
 static const double rounded = 1e-3;
 
-kt_exit ksim_set_rates(ksim_work *w) {
-  const ksim_options *o = w->options;
-  kt_exit result = KT_DONE;
-  if (o->rates.count > 0 && o->from)
-    return kt_usage(&o->common, "--from", "a table beside --rate", "one of them: both give the rates");
-  for (int i = 0; i < (int)o->rates.count && result == KT_DONE; ++i) {
-    const char *rest = o->rates.items[i];
-    int coordinate = -1;
-    double rate;
-    km_error error;
-    kt_piece label = kt_split(&rest, "=");
-    if (label.separator != '=')
-      result = kt_usage(&o->common, "--rate", o->rates.items[i], "JOINT=RATE, as A=60rpm or A=2.5");
-    else
-      result = kt_coordinate(&o->common, w->pose.model, "--rate", label.text, &coordinate);
-    km_free(label.text);
-    if (result == KT_DONE && !ksim_read_rate(w->pose.model, coordinate, rest, &rate))
-      result = kt_usage(&o->common, "--rate", o->rates.items[i],
-                        "a rate in the model's unit per time unit, or of an angle in rpm");
-    if (result != KT_DONE)
-      continue;
-    km_status status = km_state_set_rate(w->pose.mechanism, w->pose.state, coordinate, rate, &error);
-    if (status)
-      kt_print_message(&o->common, KM_ERROR, "--rate %s: %s", o->rates.items[i], error.text);
-    result = kt_exit_of(status);
-  }
-  return result;
-}
-
 /* "A starts at 5 instead of 6 deg/s, …", of the rates of one source. */
-static void list_changed(const ksim_work *w, bool by_model, km_text *out) {
-  const km_history *h = &w->history;
-  const km_model *model = w->pose.model;
+static void list_changed(const km_model *model, const km_history *h, bool by_model, km_text *out) {
   int count = 0;
   for (int i = 0; i < h->changed_rate_count; ++i) {
     const km_changed_rate *r = &h->changed_rates[i];
@@ -55,36 +24,35 @@ static void list_changed(const ksim_work *w, bool by_model, km_text *out) {
     km_text_format(out, ", and %d more", count - MOST_TOLD);
 }
 
-kt_exit ksim_report_rates(const ksim_work *w) {
-  const ksim_options *o = w->options;
-  const km_history *h = &w->history;
+kt_exit ksim_report_rates(const kt_sweep_job *j, const km_history *h) {
+  const kt_common *common = &j->common;
   bool of_model = true;
   for (int i = 0; i < h->changed_rate_count; ++i)
     of_model = of_model && h->changed_rates[i].by_model;
   if (h->changed_rate_count == 0)
     return KT_DONE;
-  bool replaced = of_model && (o->rates.count > 0 || km_table_span(h->table, "f.").count > 0);
+  bool replaced = of_model && (kt_question_given(&j->options->asked, "rate") || km_table_span(h->table, "f.").count > 0);
   bool contradict = !replaced && h->rate_change > rounded;
   km_text list = {0};
-  list_changed(w, of_model, &list);
+  list_changed(j->pose.model, h, of_model, &list);
   const char *names = list.data ? list.data : "";
   if (replaced)
     kt_print_message(
-        &o->common, KM_NOTE,
-        "%s: --rate and prescribed motions come before initial rates of the model that contradict them: %s", o->model,
+        common, KM_NOTE,
+        "%s: --rate and prescribed motions come before initial rates of the model that contradict them: %s", j->name,
         names);
   else if (contradict && h->changed_rate_count > 1)
     kt_print_message(
-        &o->common, KM_WARNING,
+        common, KM_WARNING,
         "%s: stated initial rates contradict each other: %s; state rates that the loops allow, or leave out those of "
         "joints that are to follow",
-        o->model, names);
+        j->name, names);
   else if (contradict)
-    kt_print_message(&o->common, KM_WARNING, "%s: the loops don't allow a stated initial rate: %s", o->model, names);
+    kt_print_message(common, KM_WARNING, "%s: the loops don't allow a stated initial rate: %s", j->name, names);
   else
-    kt_print_message(&o->common, KM_NOTE,
+    kt_print_message(common, KM_NOTE,
                      "%s: stated initial rates would open the loops; they are changed by %.3g of their size: %s",
-                     o->model, h->rate_change, names);
+                     j->name, h->rate_change, names);
   km_text_free(&list);
   return contradict ? KT_PARTIAL : KT_DONE;
 }

@@ -10,8 +10,10 @@
 #include <string.h>
 
 typedef struct serve_options {
-  ksim_options ksim; /* model, pose, rates, crossings, frames */
-  const char *step, *socket;
+  kt_common common;
+  kt_question asked; /* rates, crossings, frames and integrator, as of the question "run" */
+  kt_texts holds, sets;
+  const char *model, *step, *socket;
 } serve_options;
 
 /* "1ms", "0.5us", "2s", or a number in the model's time unit. */
@@ -35,7 +37,7 @@ static kt_exit read_step(const serve_options *o, const km_model *model, double *
   }
   snprintf(number, sizeof number, "%.*s", (int)length, o->step);
   if (length >= sizeof number || !kt_number(number, out) || !(*out > 0.0))
-    return kt_usage(&o->ksim.common, "--step", o->step, "a positive time, as 1ms");
+    return kt_usage(&o->common, "--step", o->step, "a positive time, as 1ms");
   *out *= factor;
   return KT_DONE;
 }
@@ -63,55 +65,92 @@ static void serve(ksim_server *server, FILE *in, FILE *out) {
 
 static void report_times(const ksim_server *server) {
   if (server->steps > 0)
-    kt_print_message(&server->work->options->common, KM_NOTE,
+    kt_print_message(server->common, KM_NOTE,
                      "%ld steps: mean %.3g ms, longest %.3g ms of computing for a step of %.3g ms", server->steps,
                      1e3 * server->total / (double)server->steps, 1e3 * server->longest,
-                     1e3 * server->step * km_model_units(server->work->pose.model).time->si);
+                     1e3 * server->step * km_model_units(server->pose.model).time->si);
 }
 
-static kt_exit create_session(const serve_options *o, ksim_server *server) {
-  ksim_work *w = server->work;
+/* Reads an option of the question "run"; what its value points to goes to the arena. */
+static kt_exit read(const serve_options *o, const km_model *model, const char *option, km_arena *arena,
+                    km_option_value *out) {
+  return kt_question_read(&o->common, model, &o->asked, option, arena, out);
+}
+
+static kt_exit set_rates(const serve_options *o, const kt_pose *pose, km_arena *arena) {
+  km_option_value rates;
   km_error error;
-  km_session_def def = km_session_default(w->pose.model);
-  if (o->ksim.integrator >= 0)
-    def.simulation.integrator = (km_integrator)o->ksim.integrator;
-  def.simulation.crossings = w->def.simulation.crossings;
-  def.simulation.crossing_count = w->def.simulation.crossing_count;
-  kt_exit result = read_step(o, w->pose.model, &def.step);
-  int *frames = KM_NEW(int, (size_t)w->def.frame_count + 1);
+  kt_exit result = read(o, pose->model, "rate", arena, &rates);
+  km_status status = KM_OK;
+  for (int i = 0; i < rates.count && result == KT_DONE && !status; ++i)
+    status = km_state_set_rate(pose->mechanism, pose->state, rates.coordinates[i], rates.settings[i], &error);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "--rate: %s", error.text);
+  return status ? kt_exit_of(status) : result;
+}
+
+static kt_exit add_crossings(const serve_options *o, const char *option, bool stops, ksim_server *server,
+                             km_arena *arena) {
+  km_option_value values;
+  kt_exit result = read(o, server->pose.model, option, arena, &values);
+  km_crossing *all = KM_ARENA_NEW(arena, km_crossing, (size_t)(server->crossing_count + values.count) + 1);
+  if (result != KT_DONE || !all)
+    return all ? result : KT_NO_MEMORY;
+  for (int i = 0; i < server->crossing_count; ++i)
+    all[i] = server->crossings[i];
+  for (int i = 0; i < values.count; ++i)
+    all[server->crossing_count++] =
+        (km_crossing){.coordinate = values.coordinates[i], .value = values.settings[i], .stops = stops};
+  server->crossings = all;
+  return KT_DONE;
+}
+
+static kt_exit create_session(const serve_options *o, ksim_server *server, km_arena *arena) {
+  km_error error;
+  km_option_value method;
+  km_session_def def = km_session_default(server->pose.model);
+  kt_exit result = read(o, server->pose.model, "integrator", arena, &method);
+  if (result == KT_DONE)
+    result = read_step(o, server->pose.model, &def.step);
+  int *frames = KM_ARENA_NEW(arena, int, (size_t)server->frames.count + 1);
   if (!frames)
     return KT_NO_MEMORY;
-  for (int i = 0; i < w->def.frame_count; ++i)
-    frames[i] = w->def.frames[i].frame;
+  for (int i = 0; i < server->frames.count; ++i)
+    frames[i] = server->frames.points[i].frame;
   def.frames = frames;
-  def.frame_count = w->def.frame_count;
+  def.frame_count = server->frames.count;
+  def.simulation.crossings = server->crossings;
+  def.simulation.crossing_count = server->crossing_count;
+  if (kt_question_given(&o->asked, "integrator"))
+    def.simulation.integrator = (km_integrator)method.whole;
   server->step = def.step;
-  if (result == KT_DONE) {
-    km_status status = km_session_create(w->pose.mechanism, w->pose.state, &def, &server->session, &error);
-    if (status)
-      kt_print_message(&o->ksim.common, KM_ERROR, "%s: %s", o->ksim.model, error.text);
-    result = kt_exit_of(status);
-  }
-  km_free(frames);
-  return result;
+  if (result != KT_DONE)
+    return result;
+  km_status status = km_session_create(server->pose.mechanism, server->pose.state, &def, &server->session, &error);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  return kt_exit_of(status);
 }
 
-static kt_exit open_and_serve(serve_options *o) {
-  ksim_work w = {.options = &o->ksim};
-  ksim_server server = {.work = &w};
+static kt_exit open_session(const serve_options *o, ksim_server *server, km_arena *arena) {
+  kt_exit result = kt_open(&o->common, o->model, &o->holds, &o->sets, &server->pose);
+  if (result == KT_DONE)
+    result = set_rates(o, &server->pose, arena);
+  if (result == KT_DONE)
+    result = add_crossings(o, "event", false, server, arena);
+  if (result == KT_DONE)
+    result = add_crossings(o, "stop", true, server, arena);
+  if (result == KT_DONE)
+    result = read(o, server->pose.model, "frame", arena, &server->frames);
+  return result == KT_DONE ? create_session(o, server, arena) : result;
+}
+
+static kt_exit open_and_serve(const serve_options *o) {
+  km_arena arena = {0};
+  ksim_server server = {.common = &o->common, .path = o->model};
   FILE *in = stdin, *out = stdout;
-  kt_exit result = kt_open(&o->ksim.common, o->ksim.model, &o->ksim.holds, &o->ksim.sets, &w.pose);
-  if (result == KT_DONE) {
-    w.def = km_history_default(w.pose.model);
-    result = ksim_set_rates(&w);
-  }
-  if (result == KT_DONE)
-    result = ksim_read_crossings(&w);
-  if (result == KT_DONE)
-    result = ksim_read_frames(&o->ksim.common, w.pose.model, &o->ksim.frames, &w.def.frames, &w.def.frame_count);
-  if (result == KT_DONE)
-    result = create_session(o, &server);
-  if (result == KT_DONE && o->socket && !ksim_accept(&o->ksim.common, o->socket, &in, &out))
+  kt_exit result = open_session(o, &server, &arena);
+  if (result == KT_DONE && o->socket && !ksim_accept(&o->common, o->socket, &in, &out))
     result = KT_USAGE;
   if (result == KT_DONE) {
     serve(&server, in, out);
@@ -123,16 +162,15 @@ static kt_exit open_and_serve(serve_options *o) {
     fclose(out);
   }
   km_session_free(server.session);
-  km_free(w.crossings);
-  km_free((km_traced_frame *)w.def.frames);
-  kt_close(&w.pose);
+  kt_close(&server.pose);
+  km_arena_free(&arena);
   return result;
 }
 
 kt_exit ksim_serve(int argc, char **argv) {
-  serve_options o = {.ksim = {.common = KT_COMMON("ksim"), .integrator = -1}};
-  ksim_options *k = &o.ksim;
-  kt_options all = {.operand = {"model", "MODEL", true, &k->model, NULL}};
+  static const char *const of_run[] = {"rate", "event", "stop", "frame", "integrator", NULL};
+  serve_options o = {.common = KT_COMMON("ksim")};
+  kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
   const kt_option table[] = {
       {"step", 0, "DT", "Length of a step: 1ms (default), 50us, or a number in the model's time unit", KT_TEXT, &o.step,
        KT_ABOUT_METHOD},
@@ -140,23 +178,19 @@ kt_exit ksim_serve(int argc, char **argv) {
        "Serve one client at a Unix socket (a path) or a TCP port of this machine (a number), instead of the standard "
        "input and output",
        KT_TEXT, &o.socket, KT_ABOUT_FILES},
-      KT_SET(&k->sets, KT_SET_FIRST),
-      {"rate", 0, "JOINT=RATE", "Rate at the start, instead of the model's: A=60rpm (repeatable)", KT_TEXTS, &k->rates,
-       KT_ABOUT_MODEL},
-      KT_HOLD(&k->holds, KT_HOLD_RIGID),
-      KT_MODE(k->common),
-      KT_POSE(k->common),
-      {"event", 0, "JOINT=VALUE", "Tell when a joint passes a value (repeatable)", KT_TEXTS, &k->events,
-       KT_ABOUT_MODEL},
-      {"stop", 0, "JOINT=VALUE", "End a step where a joint passes a value; the next one completes it (repeatable)",
-       KT_TEXTS, &k->stops, KT_ABOUT_MODEL},
-      {"frame", 0, "BODY/FRAME", "Take loads on a frame, and reply its motion (repeatable)", KT_TEXTS, &k->frames,
-       KT_ABOUT_MODEL},
-      {"integrator", 0, "NAME", "fixed (default: bounded work in every step), adams or bdf",
-       KT_WORD("adams or bdf or fixed"), &k->integrator, KT_ABOUT_METHOD},
+      KT_SET(&o.sets, KT_SET_FIRST),
+      KT_HOLD(&o.holds, KT_HOLD_RIGID),
+      KT_MODE(o.common),
+      KT_POSE(o.common),
   };
   KT_OPTIONS_ADD(&all, table);
-  kt_common_options(&all, &k->common, KT_USES_FLOAT);
+  kt_question_some(&all, &o.asked, "run", of_run);
+  kt_question_explain(&all, "rate", "JOINT=RATE", "Rate at the start, instead of the model's: A=60rpm (repeatable)");
+  kt_question_explain(&all, "stop", "JOINT=VALUE",
+                      "End a step where a joint passes a value; the next one completes it (repeatable)");
+  kt_question_explain(&all, "frame", "BODY/FRAME", "Take loads on a frame, and reply its motion (repeatable)");
+  kt_question_explain(&all, "integrator", "NAME", "fixed (default: bounded work in every step), adams or bdf");
+  kt_common_options(&all, &o.common, KT_USES_FLOAT);
   kt_options_read(
       &all,
       "Steps one by one for a controller, hardware or a co-simulation: reads requests and writes replies, one line of JSON "

@@ -6,11 +6,15 @@
 
 #include <stdio.h>
 
-/* A session that another program controls. */
+/* A session that another program controls. Lists are borrowed. */
 typedef struct ksim_server {
-  ksim_work *work;
+  const kt_common *common;
+  const char *path; /* the model's file */
+  kt_pose pose;
+  km_option_value frames; /* points of --frame */
+  km_crossing *crossings; /* [crossing_count] those of --event and --stop */
+  int crossing_count;
   km_session *session;
-  const int *frames; /* [frame_count] frames of --frame, names in work->def.frames */
   double step;       /* the model's time unit */
   int crossings_told;
   long steps; /* steps made; and their clock time, seconds */

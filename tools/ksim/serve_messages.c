@@ -16,11 +16,11 @@
 enum { MOST_STEPS = 1000000 };
 
 void ksim_describe(const ksim_server *server, km_text *out) {
-  const km_model *model = server->work->pose.model;
+  const km_model *model = server->pose.model;
   const km_units units = km_model_units(model);
   km_arena arena = {0};
   km_value *root = km_value_add(&arena, NULL, NULL, KM_OBJECT);
-  km_value_string(&arena, root, "model", server->work->options->model);
+  km_value_string(&arena, root, "model", server->path);
   km_value_number(&arena, root, "step", server->step);
   km_value *used = km_value_add(&arena, root, "units", KM_OBJECT);
   km_value_string(&arena, used, "time", units.time->suffix);
@@ -30,8 +30,8 @@ void ksim_describe(const ksim_server *server, km_text *out) {
   for (int c = 0; c < km_model_coordinate_count(model); ++c)
     km_value_string(&arena, joints, km_model_coordinate_label(model, c), km_model_coordinate_unit(model, c));
   km_value *frames = km_value_add(&arena, root, "frames", KM_LIST);
-  for (int i = 0; i < server->work->def.frame_count; ++i)
-    km_value_string(&arena, frames, NULL, server->work->def.frames[i].name);
+  for (int i = 0; i < server->frames.count; ++i)
+    km_value_string(&arena, frames, NULL, server->frames.points[i].name);
   km_value *modules = km_value_add(&arena, root, "modules", KM_LIST);
   for (int i = 0; i < km_model_module_count(model); ++i)
     km_value_string(&arena, modules, NULL, km_model_module_name(model, i));
@@ -50,7 +50,7 @@ static km_status expect_number(const km_value *member, km_error *error) {
 static km_status set_coordinate(const ksim_server *server, const km_value *member,
                                 km_status (*set)(km_session *, int, double, km_error *), km_error *error) {
   int coordinate;
-  km_status status = km_model_find_coordinate(server->work->pose.model, member->key, &coordinate, error);
+  km_status status = km_model_find_coordinate(server->pose.model, member->key, &coordinate, error);
   if (!status)
     status = expect_number(member, error);
   return status ? status : set(server->session, coordinate, member->number, error);
@@ -65,7 +65,7 @@ static km_status set_rate(const ksim_server *server, const km_value *member, km_
 }
 
 static km_status set_reference(const ksim_server *server, const km_value *member, km_error *error) {
-  int module = km_model_find_module(server->work->pose.model, member->key);
+  int module = km_model_find_module(server->pose.model, member->key);
   if (module < 0)
     return km_fail(error, KM_USAGE, "no force module is called \"%s\"", member->key);
   km_status status = member->kind == KM_NULL ? KM_OK : expect_number(member, error);
@@ -74,12 +74,12 @@ static km_status set_reference(const ksim_server *server, const km_value *member
 }
 
 static km_status set_load(const ksim_server *server, const km_value *member, km_error *error) {
-  const km_history_def *def = &server->work->def;
+  const km_option_value *frames = &server->frames;
   double wrench[6];
   int index = 0, count = 0;
-  while (index < def->frame_count && strcmp(def->frames[index].name, member->key) != 0)
+  while (index < frames->count && strcmp(frames->points[index].name, member->key) != 0)
     ++index;
-  if (index == def->frame_count)
+  if (index == frames->count)
     return km_fail(error, KM_USAGE, "frame \"%s\" isn't one of --frame", member->key);
   for (const km_value *part = member->first; part && member->kind == KM_LIST; part = part->next, ++count)
     if (count < 6 && part->kind == KM_NUMBER)
@@ -149,7 +149,7 @@ static km_status make_steps(ksim_server *server, int count, km_error *error) {
 
 static void add_coordinates(const ksim_server *server, km_value *root, const char *key,
                             double (*get)(const km_state *, int), km_arena *arena) {
-  const km_model *model = server->work->pose.model;
+  const km_model *model = server->pose.model;
   km_value *object = km_value_add(arena, root, key, KM_OBJECT);
   for (int c = 0; c < km_model_coordinate_count(model); ++c)
     km_value_number(arena, object, km_model_coordinate_label(model, c), get(km_session_state(server->session), c));
@@ -157,9 +157,9 @@ static void add_coordinates(const ksim_server *server, km_value *root, const cha
 
 static void add_frames(const ksim_server *server, km_value *root, km_arena *arena) {
   km_value *frames = km_value_add(arena, root, "frames", KM_OBJECT);
-  for (int i = 0; i < server->work->def.frame_count; ++i) {
+  for (int i = 0; i < server->frames.count; ++i) {
     km_frame_motion motion = km_session_frame(server->session, i);
-    km_value *frame = km_value_add(arena, frames, server->work->def.frames[i].name, KM_OBJECT);
+    km_value *frame = km_value_add(arena, frames, server->frames.points[i].name, KM_OBJECT);
     km_value_numbers(arena, frame, "origin", motion.origin, 3);
     km_value_numbers(arena, frame, "axes", motion.axes, 9);
     km_value_numbers(arena, frame, "velocity", motion.velocity, 3);
@@ -173,9 +173,9 @@ static void add_passed(ksim_server *server, km_value *root, km_arena *arena) {
   km_value *passed = km_value_add(arena, root, "passed", KM_LIST);
   for (; server->crossings_told < km_simulation_crossing_count(run); ++server->crossings_told) {
     km_crossing_met met = km_simulation_crossing(run, server->crossings_told);
-    const km_crossing *crossing = &server->work->def.simulation.crossings[met.crossing];
+    const km_crossing *crossing = &server->crossings[met.crossing];
     km_value *one = km_value_add(arena, passed, NULL, KM_OBJECT);
-    km_value_string(arena, one, "joint", km_model_coordinate_label(server->work->pose.model, crossing->coordinate));
+    km_value_string(arena, one, "joint", km_model_coordinate_label(server->pose.model, crossing->coordinate));
     km_value_number(arena, one, "value", crossing->value);
     km_value_number(arena, one, "t", met.time);
     km_value_string(arena, one, "sense", met.sense > 0 ? "up" : "down");
@@ -188,9 +188,9 @@ static const km_value *motion(ksim_server *server, km_arena *arena) {
   add_coordinates(server, root, "q", km_state_coordinate, arena);
   add_coordinates(server, root, "v", km_state_rate, arena);
   add_coordinates(server, root, "a", km_state_acceleration, arena);
-  if (server->work->def.frame_count > 0)
+  if (server->frames.count > 0)
     add_frames(server, root, arena);
-  if (server->work->def.simulation.crossing_count > 0)
+  if (server->crossing_count > 0)
     add_passed(server, root, arena);
   return arena->failed ? NULL : root;
 }

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import keyword
 import os
 from typing import Any, Iterable, Mapping, NamedTuple, Optional
 
@@ -20,7 +21,8 @@ _EXPECTED = {
     lib.KM_OPTION_END: "a joint's label, or (\"body/frame\", [dx, dy, dz])",
     lib.KM_OPTION_ENDS: "a list of (\"body/frame\", [dx, dy, dz])",
     lib.KM_OPTION_FILE: "a file's name",
-    lib.KM_OPTION_SETTINGS: "{joint's label: number}",
+    lib.KM_OPTION_SETTINGS: "{joint's label: number}", lib.KM_OPTION_PAIR: "a number, or two",
+    lib.KM_OPTION_MODULES: "a list of force modules' names, or \"all\"",
     lib.KM_OPTION_LOADS: "a list of {\"frame\": \"body/frame\", \"force\": […], \"torque\": […], \"turning\": False}",
 }
 
@@ -37,7 +39,8 @@ class Option(NamedTuple):
 
     @property
     def argument(self) -> str:
-        return self.name.replace("-", "_")
+        name = self.name.replace("-", "_")
+        return name + "_" if keyword.iskeyword(name) else name
 
 
 class Event(NamedTuple):
@@ -105,6 +108,15 @@ class Values:
         self.kept.append(kept)
         return kept
 
+    def modules(self, names: Optional[list[Any]], what: str) -> list[int]:
+        """Indices of force modules; None: all."""
+        if names is None:
+            return list(range(lib.km_model_module_count(self.model._c)))
+        found = [lib.km_model_find_module(self.model._c, bytes_of(name, what)) for name in names]
+        if -1 in found:
+            raise UsageError(f"{what}: no force module is called {names[found.index(-1)]!r}")
+        return found
+
     def end(self, value: Any, option: Option) -> dict[str, Any]:
         if isinstance(value, str):
             c = self.model._coordinate(value)
@@ -156,6 +168,12 @@ class Values:
             out.coordinate, out.numbers[0] = self.model._coordinate(value[1:] if back else value), -1.0 if back else 1.0
         elif kind == lib.KM_OPTION_END:
             out.end = self.end(value, option)
+        elif kind == lib.KM_OPTION_PAIR:
+            pair = numbers(value, 2, what) if isinstance(value, Iterable) else [number(value, what), 0.0]
+            out.numbers[0], out.numbers[1] = pair
+        elif kind == lib.KM_OPTION_MODULES:
+            modules = self.modules(_items(value, option) if value != "all" else None, what)
+            out.modules, out.count = self.array("int", modules), len(modules)
         elif kind == lib.KM_OPTION_SETTINGS:
             if not isinstance(value, Mapping):
                 raise TypeError(f"{what}: found {value!r}; expected {_EXPECTED[kind]}")

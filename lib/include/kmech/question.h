@@ -36,6 +36,8 @@ typedef enum km_option_type {
   KM_OPTION_ENDS,        /* ends[count]: points along directions */
   KM_OPTION_LOADS,       /* loads[count]: all loads, in place of the model's own */
   KM_OPTION_SETTINGS,    /* coordinates[count] with a number each, settings[count] */
+  KM_OPTION_MODULES,     /* modules[count]: force modules */
+  KM_OPTION_PAIR,        /* numbers[0], and numbers[1], 0 where one is stated */
   KM_OPTION_FILE         /* text: a file's name */
 } km_option_type;
 
@@ -61,6 +63,7 @@ typedef struct km_option_value {
   int count;                    /* length of the list */
   const int *coordinates;       /* indices in the model */
   const double *settings;       /* numbers of the coordinates: values, or rates per time unit */
+  const int *modules;           /* indices of force modules of the model */
   const km_sweep_point *points; /* frames with the names of their columns */
   const km_load *loads;         /* loads in place of the model's */
   const km_port *ends;          /* pushed points */
@@ -132,6 +135,8 @@ KM_API km_question_event km_question_event_at(const km_question *question, int i
 /* Return the results of one kind; NULL for another kind, and before the first result. */
 KM_API const km_track *km_question_track(const km_question *question);
 KM_API const km_history *km_question_history(const km_question *question); /* kinds "run" and "inverse" */
+/* Definition of a run, to whose crossings km_history.crossings refers; NULL: another kind, or no result. */
+KM_API const km_history_def *km_question_run_def(const km_question *question);
 KM_API const km_mobility_sweep *km_question_mobility(const km_question *question);
 KM_API const km_sweep_redundancies *km_question_redundancies(const km_question *question); /* kind "mobility" */
 KM_API const km_advantage_sweep *km_question_advantage(const km_question *question);

@@ -97,11 +97,15 @@ KM_API void km_linear_mat(const km_linear *linear, km_text *out);
 /* A matrix[rows × columns], column-major, as CSV without header, row by row. */
 KM_API void km_matrix_csv(const double *matrix, int rows, int columns, km_text *out);
 /* kmech, tool, model … figures, events, columns, rows, complete, stopped_by. NULL when out of memory. */
-KM_API const km_value *km_history_record(const km_mechanism *mechanism, const km_history_def *def,
+KM_API km_value *km_history_record(const km_mechanism *mechanism, const km_history_def *def,
                                          const km_history *history, const char *stopped_by, const char *name,
                                          km_arena *arena);
+/* Summary of a run (`def`: its definition) or of inverse dynamics (NULL): extent, what acts, errors, events; largest
+ * forces. */
+KM_API void km_history_print(const km_mechanism *mechanism, const km_history_def *def, const km_history *history,
+                             const char *name, km_text *out);
 /* Record of inverse dynamics; `stopped_by` as above. */
-KM_API const km_value *km_inverse_record(const km_mechanism *mechanism, const km_history *history,
+KM_API km_value *km_inverse_record(const km_mechanism *mechanism, const km_history *history,
                                          const char *stopped_by, const char *name, km_arena *arena);
 
 /* Pieces of text about sweeps. */
@@ -166,6 +170,8 @@ KM_API km_status km_table_chart(const km_plotted_table *tables, int count, int c
 /* Plot of a time history: coordinates and rates by unit, driving forces, mobility numbers if present, energies.
  * KM_USAGE: also if the table isn't from km_history_run of this mechanism. */
 KM_API km_status km_history_chart(const km_plotted_history *history, km_chart **out, km_error *error);
+/* Options of the plot of an answer of kind "run" or "inverse", borrowed; empty for another kind. */
+KM_API km_plotted_history km_question_plotted_history(const km_answered *answer);
 /* Plot of inverse dynamics (km_inverse_run): driving forces, shaking force, coordinates. */
 KM_API km_status km_inverse_chart(const km_plotted_history *history, km_chart **out, km_error *error);
 

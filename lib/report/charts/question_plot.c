@@ -60,24 +60,17 @@ static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
 
 /* One motion over time, with the plot of a history. */
 static bool plot_history(const km_answered *a, km_arena *arena, km_plot *out) {
-  const km_question *q = a->question;
-  const km_history *h = km_question_history(q);
-  const km_plotted_history shown = {.mechanism = q->m,
-                                    .table = h->table,
-                                    .crossings = km_question_crossings(q),
-                                    .met = h->crossings,
-                                    .met_count = h->crossing_count,
-                                    .name = a->name,
-                                    .joints = a->shown,
-                                    .joint_count = a->shown_count};
-  return h->peak_count ? km_inverse_plot_make(&shown, arena, out) : km_history_plot_make(&shown, arena, out);
+  const km_plotted_history shown = km_question_plotted_history(a);
+  return km_question_run_def(a->question) ? km_history_plot_make(&shown, arena, out)
+                                          : km_inverse_plot_make(&shown, arena, out);
 }
 
-/* Coordinates of several motions over time, one over another. */
+/* Several motions over time, one over another: chosen coordinates, else the first ones of runs and the driving forces
+ * of inverse motions. */
 static bool plot_histories(const km_comparison *c, km_arena *arena, km_plot *out) {
   const km_answered *first = &c->answers[0];
-  km_span q = km_table_span(km_question_table(first->question), "q.");
-  bool chosen = first->shown != NULL;
+  bool chosen = first->shown != NULL, run = km_question_run_def(first->question) != NULL;
+  km_span q = km_table_span(km_question_table(first->question), chosen || run ? "q." : "f.");
   size_t count = chosen ? (size_t)first->shown_count : q.count < MOST_CURVES ? q.count : MOST_CURVES;
   size_t *columns = KM_ARENA_NEW(arena, size_t, count + 1);
   km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
@@ -90,6 +83,22 @@ static bool plot_histories(const km_comparison *c, km_arena *arena, km_plot *out
     tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
   }
   return km_table_plot_make(tables, (size_t)c->count, count, arena, out);
+}
+
+km_plotted_history km_question_plotted_history(const km_answered *a) {
+  const km_question *q = a ? a->question : NULL;
+  const km_history *h = km_question_history(q);
+  const km_history_def *run = km_question_run_def(q);
+  if (!h)
+    return (km_plotted_history){0};
+  return (km_plotted_history){.mechanism = q->m,
+                              .table = h->table,
+                              .crossings = run ? run->simulation.crossings : NULL,
+                              .met = h->crossings,
+                              .met_count = h->crossing_count,
+                              .name = a->name,
+                              .joints = a->shown,
+                              .joint_count = a->shown_count};
 }
 
 km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot *out, km_error *error) {

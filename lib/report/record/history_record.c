@@ -1,4 +1,4 @@
-/* The record of a simulation, key by key. */
+/* Record and summary of a simulation and of inverse dynamics. */
 #include "kmech/report.h"
 
 #include "report/record/record.h"
@@ -69,7 +69,7 @@ static void add_note(const km_model *model, const km_table *table, km_value *rec
     km_reactions_note_record(model, record, arena);
 }
 
-const km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
+km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
                                   const char *stopped_by, const char *name, km_arena *arena) {
   if (!m || !def || !h || !stopped_by || !name || !arena)
     return NULL;
@@ -94,7 +94,7 @@ const km_value *km_history_record(const km_mechanism *m, const km_history_def *d
   return arena->failed ? NULL : record;
 }
 
-const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, const char *stopped_by, const char *name,
+km_value *km_inverse_record(const km_mechanism *m, const km_history *h, const char *stopped_by, const char *name,
                                   km_arena *arena) {
   if (!m || !h || !stopped_by || !name || !arena)
     return NULL;
@@ -108,4 +108,66 @@ const km_value *km_inverse_record(const km_mechanism *m, const km_history *h, co
   km_value_boolean(arena, record, "complete", stopped_by[0] == '\0');
   km_value_string(arena, record, "stopped_by", stopped_by);
   return arena->failed ? NULL : record;
+}
+
+/* Gravity, and what reactions leave out. */
+static void print_acting(const km_model *model, const km_table *table, km_text *out) {
+  km_text meshing = {0};
+  km_text_add(out, "  ");
+  km_gravity_words(model, NULL, out);
+  km_text_add(out, "\n");
+  if (km_table_span(table, "r.").count > 0)
+    km_meshing_words(model, &meshing);
+  if (meshing.size)
+    km_text_format(out, "  %s\n", meshing.data);
+  out->failed = out->failed || meshing.failed;
+  km_text_free(&meshing);
+}
+
+static void print_run(const km_model *model, const km_history_def *def, const km_history *h, km_text *out) {
+  const char *unit = model->units.time->suffix;
+  km_text_format(out, "  loops closed to %.1e of their size; ", h->worst_loop);
+  if (h->energy_scale > h->figures.rest_energy)
+    km_text_format(out, "energy kept to %.1e of the largest kinetic energy\n", h->energy_error / h->energy_scale);
+  else
+    km_text_add(out, "nothing moves by more than the tolerances\n");
+  for (int i = 0; i < h->crossing_count; ++i) {
+    const km_crossing *crossing = &def->simulation.crossings[h->crossings[i].crossing];
+    km_text_format(out, "  %s passes %.6g %s %s at %.9g %s\n", km_model_coordinate_label(model, crossing->coordinate),
+                   crossing->value, km_model_coordinate_unit(model, crossing->coordinate),
+                   h->crossings[i].sense > 0 ? "upwards" : "downwards", h->crossings[i].time, unit);
+  }
+}
+
+static void print_peak(const km_model *model, const km_table *table, const km_force_peak *peak, km_text *out) {
+  const char *force = km_table_unit(table, peak->column), *time = model->units.time->suffix;
+  const char *label = km_model_coordinate_label(model, peak->coordinate);
+  if (peak->coordinate >= 0 && peak->value < 0.0)
+    km_text_format(out, "  %s is driven by at most %.6g %s in size, %.6g at %.6g %s, %.6g rms\n", label, -peak->value,
+                   force, peak->value, peak->time, time, peak->rms);
+  else if (peak->coordinate >= 0)
+    km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n", label, peak->value, force,
+                   peak->time, time, peak->rms);
+  else
+    km_text_format(out, "  shaking force at most %.6g %s at %.6g %s, %.6g rms\n", peak->value, force, peak->time, time,
+                   peak->rms);
+}
+
+void km_history_print(const km_mechanism *m, const km_history_def *def, const km_history *h, const char *name,
+                      km_text *out) {
+  if (!m || !h || !h->table || km_table_rows(h->table) == 0 || !name || !out)
+    return;
+  const km_model *model = m->model;
+  size_t rows = km_table_rows(h->table);
+  km_text_format(out, "%s: %.6g %s, %zu rows", name, km_table_row(h->table, rows - 1)[0], model->units.time->suffix,
+                 rows);
+  if (def)
+    km_text_format(out, "; %ld steps, %ld evaluations, %d new partition%s", h->figures.steps, h->figures.evaluations,
+                   h->figures.repartitions, h->figures.repartitions == 1 ? "" : "s");
+  km_text_add(out, "\n");
+  print_acting(model, h->table, out);
+  if (def)
+    print_run(model, def, h, out);
+  for (int i = 0; i < h->peak_count; ++i)
+    print_peak(model, h->table, &h->peaks[i], out);
 }

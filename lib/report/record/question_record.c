@@ -16,12 +16,20 @@ km_value *km_question_record(const km_question *q, const km_mechanism *m, const 
     return km_advantage_sweep_record(m, km_question_advantage(q), stopped_by, name, arena);
   if (km_question_statics(q))
     return km_statics_sweep_record(m, km_question_statics(q), stopped_by, name, arena);
+  if (km_question_run_def(q))
+    return km_history_record(m, km_question_run_def(q), km_question_history(q), stopped_by, name, arena);
+  if (km_question_history(q))
+    return km_inverse_record(m, km_question_history(q), stopped_by, name, arena);
   return NULL;
 }
 
 void km_question_print(const km_question *q, const km_mechanism *m, const char *name, km_text *out) {
   if (!q || !m || q->m != m || !name || !out)
     return;
+  if (km_question_history(q)) {
+    km_history_print(m, km_question_run_def(q), km_question_history(q), name, out);
+    return;
+  }
   const km_sweep_plan *plan = km_question_plan(q);
   if (!plan || plan->steps == 0) /* an answer at one configuration has no driver */
     return;

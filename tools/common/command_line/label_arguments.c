@@ -188,6 +188,21 @@ void kt_settings_free(kt_settings *settings) {
   *settings = (kt_settings){0};
 }
 
+bool kt_rate(const km_model *model, int coordinate, const char *text, double *out) {
+  size_t length = strlen(text);
+  char number[64];
+  bool turns = length > 3 && strcmp(text + length - 3, "rpm") == 0;
+  if ((turns && km_model_coordinate_is_length(model, coordinate)) || length >= sizeof number)
+    return false;
+  snprintf(number, sizeof number, "%.*s", (int)(turns ? length - 3 : length), text);
+  if (!kt_number(number, out) || !isfinite(*out))
+    return false;
+  const km_units units = km_model_units(model);
+  if (turns)
+    *out *= 2.0 * M_PI / units.angle->si / (60.0 / units.time->si);
+  return true;
+}
+
 static kt_exit add_coordinates(const kt_common *common, const char *option, const char *text, const km_model *model,
                                int first, int freedom, int *out, int *count) {
   for (int c = first; c < first + freedom; ++c) {

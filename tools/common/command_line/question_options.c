@@ -11,17 +11,38 @@ static int find_kind(const char *name) {
   return kind;
 }
 
+/* The length of an option's name in backquotes at the start of the text; 0: there is none. */
+static size_t option_at(const char *text) {
+  size_t length = *text == '`' ? strspn(text + 1, "abcdefghijklmnopqrstuvwxyz-") : 0;
+  return length && text[length + 1] == '`' ? length : 0;
+}
+
+/* Appends a text of the library with the names of options as on the command line: `joint` becomes --joint. */
+static void add_words(const char *text, km_text *out) {
+  for (const char *c = text; *c;) {
+    size_t length = option_at(c);
+    if (length)
+      km_text_add(out, "--");
+    km_text_bytes(out, length ? c + 1 : c, length ? length : 1);
+    c += length ? length + 2 : 1;
+  }
+}
+
 static void add_option(kt_options *out, kt_question *asked, const km_option *o) {
   int i = asked->count++;
   bool flag = o->type == KM_OPTION_FLAG;
+  km_text help = {0};
   asked->options[i] = o;
   snprintf(asked->name_texts[i], sizeof asked->name_texts[i], "--%s", o->name);
   asked->names[i] = asked->name_texts[i];
+  add_words(o->help, &help);
   if (o->otherwise)
-    snprintf(asked->help[i], sizeof asked->help[i], "%s (default: %s)", o->help, o->otherwise);
+    km_text_format(&help, " (default: %s)", o->otherwise);
+  snprintf(asked->help[i], sizeof asked->help[i], "%s", help.data ? help.data : "");
+  km_text_free(&help);
   const kt_option option = {.name = o->name,
                             .argument = o->argument,
-                            .help = o->otherwise ? asked->help[i] : o->help,
+                            .help = asked->help[i],
                             .kind = flag ? KT_FLAG : (kt_kind){KT_KEEP_TEXTS, o->words},
                             .target = flag ? (void *)&asked->flags[i] : (void *)&asked->texts[i],
                             .group = KT_ABOUT_MODEL};
@@ -88,22 +109,10 @@ void kt_question_call(kt_question *asked, const char *option, const char *name) 
     asked->names[i] = name;
 }
 
-/* The length of an option's name in backquotes at the start of the text; 0: there is none. */
-static size_t option_at(const char *text) {
-  size_t length = *text == '`' ? strspn(text + 1, "abcdefghijklmnopqrstuvwxyz-") : 0;
-  return length && text[length + 1] == '`' ? length : 0;
-}
-
 void kt_print_messages(const kt_common *common, km_severity severity, const char *path, const char *text) {
   km_text out = {0};
   km_text_add(&out, "");
-  for (const char *c = text; *c;) {
-    size_t length = option_at(c);
-    if (length)
-      km_text_add(&out, "--");
-    km_text_bytes(&out, length ? c + 1 : c, length ? length : 1);
-    c += length ? length + 2 : 1;
-  }
+  add_words(text, &out);
   kt_print_message(common, severity, "%s%s%s", path ? path : "", path ? ": " : "", out.failed ? text : out.data);
   km_text_free(&out);
 }
@@ -120,6 +129,15 @@ static kt_exit set(const kt_common *common, const km_model *model, const kt_ques
     kt_print_messages(common, KM_ERROR, NULL, error.text);
   km_arena_free(&arena);
   return status ? kt_exit_of(status) : result;
+}
+
+kt_exit kt_question_read(const kt_common *common, const km_model *model, const kt_question *asked, const char *option,
+                         km_arena *arena, km_option_value *out) {
+  int i = find(asked, option);
+  *out = (km_option_value){0};
+  if (i < 0 || !asked->texts[i].count)
+    return KT_DONE;
+  return kt_question_value(common, model, asked->options[i], asked->names[i], &asked->texts[i], arena, out);
 }
 
 kt_exit kt_compute_question(const kt_common *common, const char *path, const kt_question *asked, const kt_pose *pose,

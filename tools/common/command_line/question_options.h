@@ -45,6 +45,9 @@ void kt_print_messages(const kt_common *common, km_severity severity, const char
 /* Reads what was given for one option; what its value points at goes to the arena. Says what is wrong. */
 kt_exit kt_question_value(const kt_common *common, const km_model *model, const km_option *option, const char *name,
                           const kt_texts *texts, km_arena *arena, km_option_value *out);
+/* As kt_question_value for an option by its name; zero if it isn't on the command line. */
+kt_exit kt_question_read(const kt_common *common, const km_model *model, const kt_question *asked, const char *option,
+                         km_arena *arena, km_option_value *out);
 /* An end of a leverage: a joint, or BODY/FRAME:DX,DY,DZ. */
 kt_exit kt_end(const kt_common *common, const km_model *model, const char *option, const char *text, km_arena *arena,
                km_port *out);

@@ -1,6 +1,8 @@
 /* Reads the options of a question by their types. */
 #include "common/command_line/question_options.h"
 
+#include "kmech/inspect.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -84,23 +86,76 @@ static kt_exit read_ends(const kt_common *common, const km_model *model, const c
   return result;
 }
 
-static kt_exit read_settings(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
-                             km_arena *arena, km_option_value *out) {
-  kt_settings found = {0};
-  kt_exit result = kt_settings_add(common, model, name, (char **)(size_t)texts->items, texts->count, &found);
-  int *coordinates = KM_ARENA_NEW(arena, int, (size_t)found.count + 1);
-  double *numbers = KM_ARENA_NEW(arena, double, (size_t)found.count + 1);
-  if (arena->failed)
-    result = KT_NO_MEMORY;
-  for (int i = 0; i < found.count && result == KT_DONE; ++i) {
-    coordinates[i] = found.items[i].coordinate;
-    numbers[i] = found.items[i].value;
-  }
-  out->coordinates = coordinates;
-  out->settings = numbers;
-  out->count = found.count;
-  kt_settings_free(&found);
+/* JOINT=RATE: "60rpm", or a number in the model's unit per time unit. */
+static kt_exit read_rate(const kt_common *common, const km_model *model, const char *name, const char *text,
+                         int *coordinate, double *rate) {
+  const char *rest = text;
+  kt_piece label = kt_split(&rest, "=");
+  kt_exit result;
+  if (label.separator != '=')
+    result = kt_usage(common, name, text, "JOINT=RATE, as A=60rpm or A=2.5");
+  else
+    result = kt_coordinate(common, model, name, label.text, coordinate);
+  km_free(label.text);
+  if (result == KT_DONE && !kt_rate(model, *coordinate, rest, rate))
+    result = kt_usage(common, name, text, "a rate in the model's unit per time unit, or of an angle in rpm");
   return result;
+}
+
+static kt_exit read_rates(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                          km_arena *arena, km_option_value *out) {
+  int *coordinates = KM_ARENA_NEW(arena, int, (size_t)texts->count + 1);
+  double *rates = KM_ARENA_NEW(arena, double, (size_t)texts->count + 1);
+  kt_exit result = arena->failed ? KT_NO_MEMORY : KT_DONE;
+  out->coordinates = coordinates;
+  out->settings = rates;
+  out->count = texts->count;
+  for (int i = 0; i < texts->count && result == KT_DONE; ++i)
+    result = read_rate(common, model, name, texts->items[i], &coordinates[i], &rates[i]);
+  return result;
+}
+
+/* JOINT=VALUE, several values of one joint too. */
+static kt_exit read_values(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                           km_arena *arena, km_option_value *out) {
+  size_t most = (size_t)texts->count * (size_t)km_model_coordinate_count(model);
+  int *coordinates = KM_ARENA_NEW(arena, int, most + 1);
+  double *values = KM_ARENA_NEW(arena, double, most + 1);
+  kt_exit result = arena->failed ? KT_NO_MEMORY : KT_DONE;
+  out->coordinates = coordinates;
+  out->settings = values;
+  for (int i = 0; i < texts->count && result == KT_DONE; ++i) {
+    kt_settings one = {0};
+    char *text = (char *)(size_t)texts->items[i];
+    result = kt_settings_add(common, model, name, &text, 1, &one);
+    for (int k = 0; k < one.count && result == KT_DONE; ++k) {
+      coordinates[out->count] = one.items[k].coordinate;
+      values[out->count++] = one.items[k].value;
+    }
+    kt_settings_free(&one);
+  }
+  return result;
+}
+
+/* Names of force modules, each once, or "all". */
+static kt_exit read_modules(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                            km_arena *arena, km_option_value *out) {
+  bool all = texts->count == 1 && strcmp(texts->items[0], "all") == 0 && km_model_find_module(model, "all") < 0;
+  out->count = all ? km_model_module_count(model) : texts->count;
+  int *modules = KM_ARENA_NEW(arena, int, (size_t)out->count + 1);
+  kt_exit result = modules ? kt_each_once(common, name, texts->items, texts->count) : KT_NO_MEMORY;
+  out->modules = modules;
+  for (int i = 0; i < out->count && result == KT_DONE; ++i) {
+    modules[i] = all ? i : km_model_find_module(model, texts->items[i]);
+    if (modules[i] < 0)
+      result = kt_usage(common, name, texts->items[i], "all, or the name of one force module");
+  }
+  return result;
+}
+
+static kt_exit read_pair(const kt_common *common, const km_option *o, const char *name, const char *text, double *out) {
+  out[1] = 0.0;
+  return kt_numbers(text, strchr(text, ',') ? 2 : 1, out) ? KT_DONE : kt_usage(common, name, text, o->argument);
 }
 
 kt_exit kt_question_value(const kt_common *common, const km_model *model, const km_option *o, const char *name,
@@ -128,7 +183,11 @@ kt_exit kt_question_value(const kt_common *common, const km_model *model, const 
   case KM_OPTION_COORDINATES:
     return read_coordinates(common, model, name, text, arena, out);
   case KM_OPTION_SETTINGS:
-    return read_settings(common, model, name, texts, arena, out);
+    return (strcmp(o->name, "rate") == 0 ? read_rates : read_values)(common, model, name, texts, arena, out);
+  case KM_OPTION_MODULES:
+    return read_modules(common, model, name, texts, arena, out);
+  case KM_OPTION_PAIR:
+    return read_pair(common, o, name, text, out->numbers);
   case KM_OPTION_POINTS:
     return read_points(common, model, name, texts, arena, out);
   case KM_OPTION_END:
@@ -136,6 +195,7 @@ kt_exit kt_question_value(const kt_common *common, const km_model *model, const 
   case KM_OPTION_ENDS:
     return read_ends(common, model, name, texts, arena, out);
   case KM_OPTION_FILE:
+    kt_input(text);
     out->text = text;
     return KT_DONE;
   case KM_OPTION_LOADS:
