@@ -3,6 +3,7 @@
  *   n    : normal from parent to child;  c centre of the child, o of the parent, ρ = c − o
  *          point-plane  n = e_z of the parent, g = n · ρ − r          circle-line  n = e_y, g = n · ρ − r
  *          circle-circle  n = ρ'/|ρ'|, g = |ρ'| − R − r,  ρ' = ρ − (e_z · ρ) e_z
+ *          circle-in-circle  n = −ρ'/|ρ'|, g = R − r − |ρ'|
  *   δ = −g,  δ̇ = −n · v(c),  v(x) velocity of the child relative to the parent at x
  *   N = k δ (δ/δ_0)^(n−1) max(1 + c δ̇, 0)  for δ > 0,  else 0                          no adhesion
  *   F = N n − μ N s(|v_t|) v_t/|v_t|  at p = c − (r − δ/2) n,  v_t = v(p) − (n · v(p)) n;   s of km_slip_share
@@ -16,8 +17,15 @@ static double elastic_force(const km_contact *contact, double depth) {
   return contact->exponent == 1.0 ? force : force * pow(depth / contact->reference_depth, contact->exponent - 1.0);
 }
 
-static double radius_sum(const km_contact *contact) {
-  return contact->radius + (contact->shape == KM_CONTACT_CIRCLE_CIRCLE ? contact->parent_radius : 0.0);
+static bool has_two_circles(const km_contact *contact) {
+  return contact->shape == KM_CONTACT_CIRCLE_CIRCLE || contact->shape == KM_CONTACT_CIRCLE_IN_CIRCLE;
+}
+
+/* Distance of the child's centre along the normal at which the surfaces touch. */
+static double touching_distance(const km_contact *contact) {
+  return contact->shape == KM_CONTACT_CIRCLE_CIRCLE      ? contact->radius + contact->parent_radius
+         : contact->shape == KM_CONTACT_CIRCLE_IN_CIRCLE ? contact->radius - contact->parent_radius
+                                                         : contact->radius;
 }
 
 km_touch km_contact_touch(const km_mechanism *m, const km_forces *f, const km_model_module *module) {
@@ -28,12 +36,13 @@ km_touch km_contact_touch(const km_mechanism *m, const km_forces *f, const km_mo
   km_vec3 way = km_vec3_sub(B.p, A.p);
   km_touch t = {.normal = A.R.axis[contact->shape == KM_CONTACT_CIRCLE_LINE ? 1 : 2]};
   double distance = km_vec3_dot(t.normal, way);
-  if (contact->shape == KM_CONTACT_CIRCLE_CIRCLE) {
+  if (has_two_circles(contact)) {
+    const double sense = contact->shape == KM_CONTACT_CIRCLE_CIRCLE ? 1.0 : -1.0;
     way = km_vec3_axpy(-distance, t.normal, way);
-    distance = km_vec3_norm(way);
-    t.normal = distance > 0.0 ? km_vec3_scale(1.0 / distance, way) : A.R.axis[0];
+    distance = sense * km_vec3_norm(way);
+    t.normal = distance != 0.0 ? km_vec3_scale(1.0 / distance, way) : A.R.axis[0];
   }
-  t.depth = radius_sum(contact) - distance;
+  t.depth = touching_distance(contact) - distance;
   t.depth_rate = -km_vec3_dot(t.normal, km_point_velocity(v, B.p));
   t.point = km_vec3_axpy(0.5 * t.depth - contact->radius, t.normal, B.p);
   const km_vec3 velocity = km_point_velocity(v, t.point);
@@ -86,7 +95,7 @@ km_status km_contacts_check(const km_model *model, km_error *error) {
     if (module->output.coordinate >= 0)
       return km_fail(error, KM_MODEL, "%s: a contact acts in a joint; expected the frames of the two bodies that touch",
                      module->where);
-    const bool has_circle = c->shape != KM_CONTACT_POINT_PLANE, has_two = c->shape == KM_CONTACT_CIRCLE_CIRCLE;
+    const bool has_circle = c->shape != KM_CONTACT_POINT_PLANE, has_two = has_two_circles(c);
     const struct {
       const char *key;
       double value;
@@ -99,6 +108,9 @@ km_status km_contacts_check(const km_model *model, km_error *error) {
       if (needed[k].is_needed && !(needed[k].value > 0.0))
         return km_fail(error, KM_MODEL, "%s.contact.%s: found %g; a simulation expects a positive number",
                        module->where, needed[k].key, needed[k].value);
+    if (c->shape == KM_CONTACT_CIRCLE_IN_CIRCLE && !(c->parent_radius > c->radius))
+      return km_fail(error, KM_MODEL, "%s.contact.parent_radius: found %g; expected more than the radius %g inside it",
+                     module->where, c->parent_radius, c->radius);
     if (!(c->exponent >= 1.0))
       return km_fail(error, KM_MODEL, "%s.contact.exponent: found %g; expected a number of at least 1", module->where,
                      c->exponent);

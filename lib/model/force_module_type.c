@@ -5,7 +5,8 @@
 
 static const char *const words[KM_MODULE_TYPES] = {"stiffness", "damping",    "friction", "motor",
                                                    "pid",       "fiala_tire", "contact"};
-static const char *const shapes[KM_CONTACT_SHAPES] = {"point-plane", "circle-line", "circle-circle"};
+static const char *const shapes[KM_CONTACT_SHAPES] = {"point-plane", "circle-line", "circle-circle",
+                                                        "circle-in-circle"};
 
 const char *km_contact_shape_word(km_contact_shape shape) {
   return shapes[shape];

@@ -163,6 +163,7 @@ typedef enum km_contact_shape {
   KM_CONTACT_POINT_PLANE,   /* point, or ball with a radius, on the parent's plane z = 0, above it */
   KM_CONTACT_CIRCLE_LINE,   /* circle on the parent's line y = 0, above it */
   KM_CONTACT_CIRCLE_CIRCLE, /* circles about the z axes, outside each other */
+  KM_CONTACT_CIRCLE_IN_CIRCLE, /* the child's circle inside the parent's */
   KM_CONTACT_SHAPES
 } km_contact_shape;
 

@@ -138,6 +138,26 @@ static void impact_of_discs(void **state) {
   }
 }
 
+/* A pin with clearance c = R − r moves to and fro in its hole: a contact with linear stiffness lasts π √(m/k) and
+ * reverses the rate. */
+static void pin_in_a_hole(void **state) {
+  (void)state;
+  const double clearance = 0.2, mass = 2.0, stiffness = 1e4;
+  km_history h = run(
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"pin\", \"mass\": 2}], \"joints\": [{\"name\": \"X\", "
+      "\"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"pin\"], \"initial_velocity\": 1}], \"force_modules\": "
+      "[{\"name\": \"hole\", \"type\": \"contact\", \"input\": {\"body_frame_pair\": [\"fixed\", \"pin\"]}, "
+      "\"contact\": {\"shape\": \"circle-in-circle\", \"radius\": 0.1, \"parent_radius\": 0.3, \"stiffness\": 1e4}}]}]}",
+      1.0);
+  const double touch = M_PI * sqrt(mass / stiffness), second = clearance + touch + 2.0 * clearance;
+  const double t = 1.0 - second - touch; /* since the second wall */
+  assert_true(t > 0.0);
+  assert_near(history_end(&h, "v.X"), 1.0, 1e-7);
+  assert_near(history_end(&h, "q.X"), t - clearance, 1e-7);
+  assert_at_most(h.energy_error, 1e-8 * h.energy_scale);
+  km_history_free(&h);
+}
+
 /* A disc that flies past another one touches it for 3 ms in a flight whose steps would be as long as the run: its
  * path is bent, and the momentum across it is that of the other disc. */
 static void short_touch(void **state) {
@@ -196,6 +216,7 @@ int main(void) {
       cmocka_unit_test(sliding_block),
       cmocka_unit_test(rolling_disc),
       cmocka_unit_test(impact_of_discs),
+      cmocka_unit_test(pin_in_a_hole),
       cmocka_unit_test(short_touch),
       cmocka_unit_test(frames_and_units_dont_matter),
   };

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-enum { MOST_JOINTS = 8, MOST_PANELS = 10, MOST_SERIES = 64, STRIP_POSES = 5 };
+enum { MOST_PARTITIONS = 12, MOST_JOINTS = 8, MOST_PANELS = 10, MOST_SERIES = 64, STRIP_POSES = 5 };
 
 typedef struct sheet {
   const km_plotted_history *h;
@@ -127,20 +127,43 @@ static void add_energies(sheet *s) {
   add_panel(s, store(s, &label), series, count);
 }
 
-static void add_marks(sheet *s) {
+/* Appends a mark for each event that was located. */
+static size_t mark_events(const sheet *s, km_plot_mark *marks) {
   const km_plotted_history *h = s->h;
-  km_plot_mark *marks = KM_ARENA_NEW(s->arena, km_plot_mark, (size_t)h->met_count + 1);
-  for (int i = 0; i < h->met_count && marks; ++i) {
+  for (int i = 0; i < h->met_count; ++i) {
     const km_crossing *crossing = &h->crossings[h->met[i].crossing];
     km_text name = {0};
     km_text_format(&name, "%s = %.6g", km_model_coordinate_label(h->mechanism->model, crossing->coordinate),
                    crossing->value);
     marks[i] = (km_plot_mark){.x = h->met[i].time, .name = store(s, &name)};
   }
-  if (s->panel_count && marks) {
-    s->panels[0].marks = marks;
-    s->panels[0].mark_count = (size_t)h->met_count;
-  }
+  return (size_t)h->met_count;
+}
+
+/* Appends a mark for each row before which the independent coordinates changed; none where they are too many to
+ * tell apart. */
+static size_t mark_partitions(const sheet *s, km_plot_mark *marks) {
+  int column = km_table_find(s->h->table, "repartitions");
+  const double *counts = column < 0 ? NULL : values_of(s, (size_t)column);
+  size_t count = 0;
+  for (size_t r = 1; r < s->rows && counts; ++r)
+    count += counts[r] > counts[r - 1];
+  if (!counts || count > MOST_PARTITIONS)
+    return 0;
+  for (size_t r = 1, i = 0; r < s->rows; ++r)
+    if (counts[r] > counts[r - 1])
+      marks[i++] = (km_plot_mark){.x = s->t[r], .name = "partition"};
+  return count;
+}
+
+static void add_marks(sheet *s) {
+  km_plot_mark *marks = KM_ARENA_NEW(s->arena, km_plot_mark, (size_t)s->h->met_count + MOST_PARTITIONS + 1);
+  if (!s->panel_count || !marks)
+    return;
+  size_t count = mark_events(s, marks);
+  count += mark_partitions(s, marks + count);
+  s->panels[0].marks = marks;
+  s->panels[0].mark_count = count;
 }
 
 /* Every driven joint has a curve, whichever joints are shown. */

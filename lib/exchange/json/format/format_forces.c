@@ -34,11 +34,11 @@ static const km_object_format tire_format = {"tire", tire_fields};
 static const km_field contact_fields[] = {
     {"shape",
      "What touches: \"point-plane\" (the child's origin, or a ball about it, on the parent's plane z = 0), "
-     "\"circle-line\" (a circle about the child's origin on the parent's line y = 0) or \"circle-circle\" (about the "
-     "origins of both frames, normal to the parent's z axis).",
+     "\"circle-line\" (a circle about the child's origin on the parent's line y = 0), \"circle-circle\" (about the "
+     "origins of both frames, normal to the parent's z axis) or \"circle-in-circle\" (the child's circle inside the parent's).",
      STRING, REQUIRED},
     {"radius", "Radius of the child's circle or ball.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
-    {"parent_radius", "Radius of the parent's circle, of circle-circle.", NUMBER, UNIT(.length = 1)},
+    {"parent_radius", "Radius of the parent's circle, of circle-circle and circle-in-circle.", NUMBER, UNIT(.length = 1)},
     {"stiffness", "Normal force over the penetration; with an exponent, at the reference depth.", NUMBER, REQUIRED,
      UNIT(.force = 1, .length = -1)},
     {"exponent", "Power of the penetration in the normal force: 1, or 1.5 of round bodies (Hertz).", NUMBER,

@@ -90,7 +90,8 @@ static void read_contact(km_reader *reader, const km_value *module, const km_pla
     km_reader_error(reader, place, "\"contact\" is missing; expected the shape and the numbers of a contact");
   int found = shape ? km_contact_shape_find(shape) : 0;
   if (found < 0)
-    km_reader_error(reader, &shape_at, "\"%.40s\" is no contact; expected point-plane, circle-line or circle-circle",
+    km_reader_error(reader, &shape_at, "\"%.40s\" is no contact; expected point-plane, circle-line, circle-circle or "
+                    "circle-in-circle",
                     shape);
   *out = (km_contact){.shape = found < 0 ? KM_CONTACT_POINT_PLANE : (km_contact_shape)found,
                       .radius = km_reader_number(t, "radius", 0.0),
