@@ -141,7 +141,7 @@ static size_t mark_events(const sheet *s, km_plot_mark *marks) {
 }
 
 /* Appends a mark for each row before which the independent coordinates changed; none where they are too many to
- * tell apart. */
+ * distinguish. */
 static size_t mark_partitions(const sheet *s, km_plot_mark *marks) {
   int column = km_table_find(s->h->table, "repartitions");
   const double *counts = column < 0 ? NULL : values_of(s, (size_t)column);
