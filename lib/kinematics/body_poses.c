@@ -163,3 +163,37 @@ void km_frame_position(const km_mechanism *m, const km_state *s, int frame, doub
   position[1] = p.y;
   position[2] = p.z;
 }
+
+/* Adds the motion of one primitive: V = V_from + x, A = A_from + Σ h q̈ + [V_from, x], x = Σ h q̇ (docs/theory.md 2.6).
+ * The columns h move with either side of the primitive, because [x, x] = 0. */
+static void add_primitive(const km_mechanism *m, const km_state *s, int first, int freedom, double sense,
+                          const double *rate, const double *acceleration, km_body_motion *b) {
+  km_twist x = {{0, 0, 0}, {0, 0, 0}};
+  for (int c = first; c < first + freedom; ++c) {
+    km_twist h = km_coordinate_twist(m, s, c);
+    x = km_twist_axpy(sense * rate[c], h, x);
+    b->A = km_twist_axpy(sense * acceleration[c], h, b->A);
+  }
+  b->A = km_twist_axpy(1.0, km_twist_bracket(b->V, x), b->A);
+  b->V = km_twist_axpy(1.0, x, b->V);
+}
+
+void km_body_motions(const km_mechanism *m, const km_state *s, const double *rate, const double *acceleration,
+                     km_body_motion *out) {
+  out[0] = (km_body_motion){{{0, 0, 0}, {0, 0, 0}}, {{0, 0, 0}, {0, 0, 0}}};
+  for (int i = 0; i < m->topology.body_count - 1; ++i) {
+    const km_arc *arc = &m->arcs[i];
+    const km_model_joint *joint = &m->model->joints[arc->joint];
+    const km_joint_kind *kind = km_joint_kind_of(joint->type);
+    int coordinate = joint->first_coordinate + (arc->is_reversed ? kind->freedom : 0);
+    km_body_motion *b = &out[arc->body];
+    *b = out[arc->parent];
+    for (int k = 0; k < kind->motion_count; ++k) {
+      km_motion motion = kind->motions[arc->is_reversed ? kind->motion_count - 1 - k : k];
+      int freedom = km_primitive_freedom(motion.primitive);
+      coordinate -= arc->is_reversed ? freedom : 0;
+      add_primitive(m, s, coordinate, freedom, arc->is_reversed ? -1.0 : 1.0, rate, acceleration, b);
+      coordinate += arc->is_reversed ? 0 : freedom;
+    }
+  }
+}

@@ -31,4 +31,14 @@ void km_pose_write(const km_pose *pose, km_frame_pose *out);
 /* Pose of a joint's parent frame in the inertial frame. */
 km_pose km_joint_pose(const km_mechanism *mechanism, const km_state *state, int joint);
 
+/* Twist V of a body and its rate A = dV/dt, in the inertial frame at its origin. */
+typedef struct km_body_motion {
+  km_twist V, A;
+} km_body_motion;
+
+/* Motions of all bodies from rates and accelerations of all coordinates (radians, model's length): out[body count].
+ * After km_poses_compute. O(coordinates). */
+void km_body_motions(const km_mechanism *mechanism, const km_state *state, const double *rate,
+                     const double *acceleration, km_body_motion *out);
+
 #endif

@@ -7,7 +7,8 @@
 #include <string.h>
 
 static const km_question_class *const kinds[] = {&km_mobility_question, &km_advantage_question, &km_forces_question,
-                                                 &km_track_question,    &km_run_question,       &km_inverse_question};
+                                                 &km_track_question,    &km_run_question,       &km_inverse_question,
+                                                 &km_motion_question};
 
 int km_question_kinds(void) {
   return (int)(sizeof kinds / sizeof *kinds);
@@ -112,11 +113,11 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
   bool settings = o->type == KM_OPTION_SETTINGS, coordinates = o->type == KM_OPTION_COORDINATES || settings,
        modules = o->type == KM_OPTION_MODULES;
   if (coordinates || modules || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS || o->type == KM_OPTION_ENDS)
-    status = km_check_list(coordinates                      ? (const void *)v->coordinates
-                           : modules                        ? (const void *)v->modules
-                           : o->type == KM_OPTION_POINTS    ? (const void *)v->points
-                           : o->type == KM_OPTION_ENDS      ? (const void *)v->ends
-                                                            : v->loads,
+    status = km_check_list(coordinates                   ? (const void *)v->coordinates
+                           : modules                     ? (const void *)v->modules
+                           : o->type == KM_OPTION_POINTS ? (const void *)v->points
+                           : o->type == KM_OPTION_ENDS   ? (const void *)v->ends
+                                                         : v->loads,
                            v->count, o->name, error);
   if (settings && !status)
     status = km_check_list(v->settings, v->count, o->name, error);

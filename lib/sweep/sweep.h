@@ -196,6 +196,12 @@ km_status km_sweeper_leave_branch(km_sweeper *sweeper, km_error *error);
 void km_sweeps_by_driver(km_sweeper *sweepers, km_sweep_job *jobs, int count);
 km_status km_sweep_by_length(km_sweeper *sweeper, km_error *error);
 
+/* Extends a swing to a value at s; swing of a coordinate over the rows of a sweep; and with the values at its dead
+ * points. */
+void km_swing_take(km_swing *swing, double value, double s);
+km_swing km_swing_over_rows(const km_mechanism *mechanism, const km_table *table, int coordinate);
+km_swing km_swing_with_toggles(const km_mechanism *mechanism, const km_mobility_sweep *sweep, int coordinate);
+
 /* Calls the progress callback; false: cancelled. */
 static inline bool km_sweeper_continues(const km_sweeper *r, int step) {
   return !r->plan->progress || r->plan->progress(r->plan->context, (double)step / r->plan->steps);

@@ -9,6 +9,7 @@ kt_exit kmob_info(int argc, char **argv);
 kt_exit kmob_at(int argc, char **argv);
 kt_exit kmob_frame(int argc, char **argv);
 kt_exit kmob_sweep(int argc, char **argv);
+kt_exit kmob_motion(int argc, char **argv);
 kt_exit kmob_graph(int argc, char **argv);
 kt_exit kmob_check(int argc, char **argv);
 kt_exit kmob_draw(int argc, char **argv);

@@ -166,7 +166,8 @@ typedef struct km_design_setting {
 typedef struct km_design_question {
   const char *name; /* name, used by its files and figures */
   const char
-      *kind; /* kind as in km_question_create: "mobility", "advantage", "forces", "track", "run", "inverse"; NULL: the
+      *kind; /* kind as in km_question_create: "mobility", "advantage", "forces", "track", "run", "inverse", "motion";
+             * NULL: the
              * study's function computes the figures in order */
   const km_design_option *options; /* options of the request */
   int option_count;

@@ -118,6 +118,26 @@ KM_API km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *
                                        km_mobility_sweep *out, km_error *error);
 KM_API void km_mobility_sweep_free(km_mobility_sweep *sweep);
 
+/* ---- Velocities and accelerations along a sweep (theory 10.6). */
+
+/* Swing of a coordinate: its extremes over a sweep, located between the rows. */
+typedef struct km_swing {
+  int coordinate;       /* coordinate that moves */
+  double low, high;     /* least and greatest value, the coordinate's unit */
+  double s_low, s_high; /* driver values there */
+  bool goes_round;      /* a hinge that makes a full turn in one sense */
+} km_swing;
+
+/* A sweep with velocities and accelerations for a constant rate of the driver: columns t, v., a. of every coordinate,
+ * body.NAME.wx … alphaz (radians), of traced points vx … az, speed, path (length so far) and curvature. Accelerations
+ * are NaN with several freedoms. */
+typedef struct km_motion_sweep {
+  km_sweep motion;  /* rows and ends of the sweep */
+  double rate;      /* rate of the driver along the sweep, its unit per time unit */
+  km_swing *swings; /* [swing_count] by coordinate */
+  int swing_count;
+} km_motion_sweep;
+
 /* ---- Mechanical advantage along a sweep (theory 8). */
 
 /* A configuration at which the advantage is 0, infinite or undefined, located by root finding. */

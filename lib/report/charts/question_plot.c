@@ -85,6 +85,62 @@ static bool plot_histories(const km_comparison *c, km_arena *arena, km_plot *out
   return km_table_plot_make(tables, (size_t)c->count, count, arena, out);
 }
 
+/* Coordinates to draw: chosen ones, else the first that move besides the driver; at most MOST_CURVES. */
+static size_t moving_coordinates(const km_answered *a, int *out) {
+  const km_motion_sweep *sweep = km_question_velocities(a->question);
+  const km_mechanism *m = a->question->m;
+  size_t count = 0;
+  for (int i = 0; a->shown && i < a->shown_count && count < MOST_CURVES; ++i)
+    out[count++] = a->shown[i];
+  for (int i = 0; !a->shown && i < sweep->swing_count && count < MOST_CURVES; ++i) {
+    const km_swing *swing = &sweep->swings[i];
+    int c = swing->coordinate;
+    if (c != km_question_plan(a->question)->coordinate && m->ball_of[c] < 0 &&
+        (swing->high - swing->low) * m->factor[c] * m->scale[c] > 1e-9)
+      out[count++] = c;
+  }
+  return count;
+}
+
+/* Velocities and accelerations over the driver, and the speeds of traced points. */
+static bool plot_motions(const km_comparison *c, km_arena *arena, km_plot *out) {
+  const km_answered *first = &c->answers[0];
+  const km_table *t = km_question_table(first->question);
+  const km_sweep_plan *plan = km_question_plan(first->question);
+  const size_t velocities = km_table_span(t, "v.").first, accelerations = km_table_span(t, "a.").first;
+  int moving[MOST_CURVES];
+  size_t joints = moving_coordinates(first, moving), count = 0;
+  size_t *columns = KM_ARENA_NEW(arena, size_t, 2 * joints + (size_t)plan->point_count + 1);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
+  if (arena->failed)
+    return false;
+  for (size_t k = 0; k < joints; ++k)
+    columns[count++] = velocities + (size_t)moving[k];
+  for (size_t k = 0; k < joints; ++k)
+    columns[count++] = accelerations + (size_t)moving[k];
+  for (int i = 0; i < plan->point_count; ++i) {
+    km_text name = {0};
+    km_text_format(&name, "point.%s.speed", plan->points[i].name);
+    columns[count++] = (size_t)km_table_find(t, name.data ? name.data : "t");
+    km_text_free(&name);
+  }
+  if (count == 0)
+    columns[count++] = velocities + (size_t)plan->coordinate;
+  for (int i = 0; i < c->count; ++i) {
+    const km_table *table = km_question_table(c->answers[i].question);
+    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
+  }
+  if (!km_table_plot_make(tables, (size_t)c->count, count, arena, out))
+    return false;
+  out->title = "Velocities and accelerations";
+  const km_model *model = first->question->m->model;
+  km_text x = {0};
+  km_text_format(&x, "%s (%s)", km_model_coordinate_label(model, plan->coordinate),
+                 km_model_coordinate_unit(model, plan->coordinate));
+  out->x_label = km_text_move_to_arena(&x, arena);
+  return !arena->failed;
+}
+
 km_plotted_history km_question_plotted_history(const km_answered *a) {
   const km_question *q = a ? a->question : NULL;
   const km_history *h = km_question_history(q);
@@ -110,6 +166,8 @@ km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot
     made = plot_advantage(c, arena, out);
   else if (km_question_statics(first))
     made = plot_statics(c, arena, out);
+  else if (km_question_velocities(first))
+    made = plot_motions(c, arena, out);
   else if (km_question_history(first))
     made = c->count == 1 ? plot_history(&c->answers[0], arena, out) : plot_histories(c, arena, out);
   else

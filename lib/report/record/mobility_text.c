@@ -5,6 +5,7 @@
 
 #include "kmech/mechanism.h"
 #include "report/record/singular_value_record.h"
+#include "sweep/sweep.h"
 #include "topology/mechanism.h"
 
 #include <string.h>
@@ -172,9 +173,32 @@ static void print_extra(const km_sweep_redundancies *r, const char *unit, km_tex
   km_text_add(out, "\n");
 }
 
+/* Swings of the joints besides the driver. */
+static void print_swings(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
+                         km_text *out) {
+  int width = km_widest_label(m->model), shown = 0, more = 0;
+  for (int c = 0; c < m->coordinate_count; ++c) {
+    km_text line = {0};
+    if (m->ball_of[c] >= 0 || (plan->arclength <= 0.0 && c == plan->coordinate))
+      continue;
+    km_swing swing = km_swing_with_toggles(m, sweep, c);
+    bool moves = km_swing_print(m, plan, &swing, width, &line);
+    if (moves && shown < KM_SWINGS_SHOWN)
+      km_text_format(out, "%s\n", line.data ? line.data : "");
+    shown += moves && shown < KM_SWINGS_SHOWN;
+    more += moves;
+    out->failed = out->failed || line.failed;
+    km_text_free(&line);
+  }
+  if (more > shown)
+    km_text_format(out, "  %d more joint%s\n", more - shown, more - shown == 1 ? " moves" : "s move");
+}
+
 void km_mobility_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
                              const km_sweep_redundancies *redundancies, const char *name, km_text *out) {
-  km_sweep_print(m, plan, &sweep->motion, name, out);
+  km_sweep_print_range(m, plan, &sweep->motion, name, out);
+  print_swings(m, plan, sweep, out);
+  km_sweep_print_mobility(m, plan, &sweep->motion, out);
   print_extra(redundancies, km_sweep_unit(m, plan), out);
   km_singularities_print(sweep, km_sweep_unit(m, plan), out);
   if (sweep->motion.substructure >= 0)

@@ -5,6 +5,7 @@
 #include "report/record/advantage_record.h"
 #include "report/record/mobility_record.h"
 #include "report/record/statics_record.h"
+#include "report/record/sweep_text.h"
 
 km_value *km_question_record(const km_question *q, const km_mechanism *m, const char *stopped_by, const char *name,
                              km_arena *arena) {
@@ -16,6 +17,8 @@ km_value *km_question_record(const km_question *q, const km_mechanism *m, const 
     return km_advantage_sweep_record(m, km_question_advantage(q), stopped_by, name, arena);
   if (km_question_statics(q))
     return km_statics_sweep_record(m, km_question_statics(q), stopped_by, name, arena);
+  if (km_question_velocities(q))
+    return km_motion_sweep_record(m, km_question_velocities(q), stopped_by, name, arena);
   if (km_question_run_def(q))
     return km_history_record(m, km_question_run_def(q), km_question_history(q), stopped_by, name, arena);
   if (km_question_history(q))
@@ -35,6 +38,8 @@ void km_question_print(const km_question *q, const km_mechanism *m, const char *
     return;
   if (km_question_mobility(q))
     km_mobility_sweep_print(m, plan, km_question_mobility(q), km_question_redundancies(q), name, out);
+  if (km_question_velocities(q))
+    km_motion_sweep_print(m, plan, km_question_velocities(q), name, out);
   if (km_question_advantage(q))
     km_advantage_sweep_print(m, plan, km_question_advantage(q), name, out);
   if (km_question_statics(q))

@@ -2,6 +2,8 @@
 #include "report/record/sweep_text.h"
 
 #include "base/arguments.h"
+#include "kinematics/body_poses.h"
+#include "kmech/mobility.h"
 #include "topology/mechanism.h"
 
 #include <string.h>
@@ -152,8 +154,22 @@ static void print_cycle(const km_sweep *sweep, const km_sweep_plan *plan, km_tex
     print_branch(&sweep->branches[i], i == 0 && plan->branch > 1 ? "turned there" : "the smooth one was followed", out);
 }
 
-void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
-                    km_text *out) {
+/* True if everything moves in one plane; marks a text without memory. */
+static bool is_planar(const km_mechanism *m, km_text *out) {
+  km_state *s = NULL;
+  double normal[3];
+  if (km_state_create(m, &s, NULL)) {
+    out->failed = true;
+    return false;
+  }
+  km_poses_compute(m, s);
+  bool planar = km_mechanism_plane(m, s, normal);
+  km_state_free(s);
+  return planar;
+}
+
+void km_sweep_print_range(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
+                          km_text *out) {
   bool by_length = plan->arclength > 0.0;
   const char *label = by_length ? "arc length" : m->model->coordinates[plan->coordinate].label;
   size_t rows = km_table_rows(sweep->table);
@@ -161,11 +177,46 @@ void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_s
   const double *first = km_table_row(sweep->table, 0), *last = km_table_row(sweep->table, rows - 1);
   km_text_format(out, "%s: %s from %.6g to %.6g%s, %zu row%s\n", name, label, first[s_column], last[s_column],
                  km_sweep_unit(m, plan), rows, rows == 1 ? "" : "s");
-  km_text_format(out, "  mobility %d", sweep->first.mobility);
+}
+
+void km_sweep_print_mobility(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  const km_mobility *first = &sweep->first;
+  km_text_format(out, "  mobility %d", first->mobility);
   if (sweep->passive)
-    km_text_format(out, " = %d + %d idle", sweep->first.mobility - sweep->passive, sweep->passive);
-  km_text_format(out, " (Kutzbach %d), %d redundant constraint%s, loops closed to %.2g\n", sweep->first.kutzbach,
-                 sweep->first.redundant_constraints, km_plural(sweep->first.redundant_constraints),
-                 sweep->first.residual);
+    km_text_format(out, " = %d + %d idle", first->mobility - sweep->passive, sweep->passive);
+  if (is_planar(m, out))
+    km_text_format(out, " (planar count %d)", first->kutzbach_planar);
+  else
+    km_text_format(out, " (Kutzbach %d), %d redundant constraint%s", first->kutzbach, first->redundant_constraints,
+                   km_plural(first->redundant_constraints));
+  km_text_format(out, ", loops closed to %.2g\n", first->residual);
   print_cycle(sweep, plan, out);
+}
+
+void km_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
+                    km_text *out) {
+  km_sweep_print_range(m, plan, sweep, name, out);
+  km_sweep_print_mobility(m, plan, sweep, out);
+}
+
+/* Swings below this size, in radians or characteristic lengths, are rounding. */
+static const double at_rest = 1e-9;
+
+bool km_swing_print(const km_mechanism *m, const km_sweep_plan *plan, const km_swing *swing, int width, km_text *out) {
+  const km_model *model = m->model;
+  int c = swing->coordinate;
+  double size = swing->high - swing->low;
+  const char *unit = km_model_coordinate_unit(model, c), *s_unit = km_sweep_unit(m, plan);
+  const char *driver = plan->arclength > 0.0 ? "s" : km_model_coordinate_label(model, plan->coordinate);
+  if (!(size * m->factor[c] * m->scale[c] > at_rest) || m->held[c])
+    return false;
+  km_text_add(out, "  ");
+  km_text_padded(model->coordinates[c].label, width, out);
+  if (swing->goes_round)
+    km_text_add(out, " goes round");
+  else
+    km_text_format(out, " %s by %.5g %s: %.5g at %s = %.5g%s to %.5g at %s = %.5g%s",
+                   km_coordinate_turns(m, c) ? "swings" : "moves", size, unit, swing->low, driver, swing->s_low, s_unit,
+                   swing->high, driver, swing->s_high, s_unit);
+  return true;
 }

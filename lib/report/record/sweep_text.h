@@ -3,6 +3,7 @@
 #define KM_REPORT_RECORD_SWEEP_TEXT_H
 
 #include "base/text.h"
+#include "base/value.h"
 #include "kmech/report.h"
 #include "kmech/sweep.h"
 
@@ -13,8 +14,23 @@ int km_widest_label(const km_model *model);
 /* The labels of a substructure's joints, each after a blank. */
 void km_joints_print(const km_mechanism *mechanism, int substructure, km_text *out);
 
-/* The first lines of a summary: range, mobility, cycle and branch points. */
+/* Range of a sweep; its mobility, cycle and branch points; and both, as the first lines of a summary. */
+void km_sweep_print_range(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep,
+                          const char *name, km_text *out);
+void km_sweep_print_mobility(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep,
+                             km_text *out);
+/* The extent of a coordinate's motion, without the end of the line. False: it stays at rest, nothing is written. */
+bool km_swing_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_swing *swing, int width,
+                    km_text *out);
+enum { KM_SWINGS_SHOWN = 8 }; /* lines of a summary about swings */
 void km_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
                     km_text *out);
+
+/* Record of a motion: rate, swings {joint, least, least_at, greatest, greatest_at, goes_round}, columns, rows; NULL
+ * without memory. And its summary. */
+km_value *km_motion_sweep_record(const km_mechanism *mechanism, const km_motion_sweep *sweep, const char *stopped_by,
+                                 const char *name, km_arena *arena);
+void km_motion_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_motion_sweep *sweep,
+                           const char *name, km_text *out);
 
 #endif

@@ -80,7 +80,8 @@ static const km_object_format figure_format = {"figure", figure_fields};
 
 static const km_field question_fields[] = {
     {"name", "Of its files.", STRING, UNSTATED("the question's own word")},
-    {"question", "\"mobility\", \"advantage\", \"forces\", \"track\", \"run\" or \"inverse\".", STRING, REQUIRED},
+    {"question", "\"mobility\", \"advantage\", \"forces\", \"track\", \"run\", \"inverse\" or \"motion\".", STRING,
+     REQUIRED},
     {"options",
      "The options of the sweep commands, but mode, pose and float: {\"joint\": \"A\", \"range\": [0, 6.28], \"steps\": 100, …}; of a track: "
      "{\"study\": a path study's file, \"method\": \"greedy\"}; of a run: {\"until\": 5, \"rate\": {\"A\": 3}, \"stop\": {\"C\": 0.2}, …}; "

@@ -5,6 +5,7 @@ import { Table } from "../protocol";
 export function answers(table: Table): number[] {
   const begins = (pattern: RegExp): number[] => table.columns.flatMap((c, i) => (pattern.test(c.name) ? [i] : []));
   if (table.question === "mobility") return begins(/^m\./);
+  if (table.question === "motion") return begins(/^v\./);
   if (table.question === "advantage") return begins(/^ma\./);
   if (table.question === "track") return begins(/^(limit_margin$|objective\.|z\.)/);
   const forces = begins(/^f\./);
