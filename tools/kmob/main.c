@@ -7,6 +7,7 @@ static const kt_command commands[] = {
     {"frame", "where a frame is and how it moves: --frame BODY/FRAME", kmob_frame},
     {"sweep", "every mobility number over a driver's range: tables and plots", kmob_sweep},
     {"motion", "how far, how fast and with which acceleration each joint and point moves", kmob_motion},
+    {"report", "how the mechanism moves, as a report to hand on: PDF pages, or one HTML file", kmob_report},
     {"graph", "bodies, joints, loops and substructures as a graph for graphviz", kmob_graph},
     {"check", "everything suspicious about a model, and what to do", kmob_check},
     {"draw", "a picture of the mechanism in one or more poses", kmob_draw},

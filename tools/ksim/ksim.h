@@ -14,6 +14,7 @@ kt_exit ksim_run(int argc, char **argv);
 kt_exit ksim_inverse(int argc, char **argv);
 kt_exit ksim_linearise(int argc, char **argv);
 kt_exit ksim_equilibrium(int argc, char **argv);
+kt_exit ksim_report(int argc, char **argv);
 kt_exit ksim_serve(int argc, char **argv);
 
 /* Says what a motion over time calls for: hinges without friction radius, drives beyond their bounds, changed initial

@@ -178,6 +178,15 @@ static void add_drives(sheet *s) {
   s->panel_count = drives.panel_count;
 }
 
+static const double rounding = 1e-9; /* part of the largest component below which another one is not drawn */
+
+static double largest_of(const sheet *s, size_t column) {
+  double largest = 0.0;
+  for (size_t r = 0; r < s->rows; ++r)
+    largest = fmax(largest, fabs(km_table_row(s->h->table, r)[column]));
+  return largest;
+}
+
 static void add_shaking(sheet *s) {
   static const char *const names[] = {"x", "y", "z"};
   km_span span = km_table_span(s->h->table, "shaking.");
@@ -186,14 +195,19 @@ static void add_shaking(sheet *s) {
     km_text label = {0};
     km_text_format(&label, "%s (%s)", part ? "shaking moment" : "shaking force",
                    km_table_unit(s->h->table, span.first + part));
+    size_t count = 0;
+    double largest = 0.0;
+    for (size_t k = 0; k < 3; ++k)
+      largest = fmax(largest, largest_of(s, span.first + part + k));
     for (size_t k = 0; k < 3 && series; ++k)
-      series[k] = (km_plot_series){.name = names[k],
-                                   .x = s->t,
-                                   .y = values_of(s, span.first + part + k),
-                                   .count = s->rows,
-                                   .colour = (int)k,
-                                   .dash = (int)k};
-    add_panel(s, store(s, &label), series, series ? 3 : 0);
+      if (largest_of(s, span.first + part + k) > rounding * largest)
+        series[count++] = (km_plot_series){.name = names[k],
+                                           .x = s->t,
+                                           .y = values_of(s, span.first + part + k),
+                                           .count = s->rows,
+                                           .colour = (int)k,
+                                           .dash = (int)k};
+    add_panel(s, store(s, &label), series, count);
   }
 }
 

@@ -4,6 +4,7 @@
 #include "kmech/report.h"
 #include "question/question.h"
 #include "report/document/advantage_report.h"
+#include "report/document/motion_report.h"
 #include "report/document/statics_report.h"
 
 static void load_words(const km_model *model, const km_forces *forces, int index, km_text *out) {
@@ -49,6 +50,10 @@ km_status km_question_report(const km_answered *a, const char *stopped_by, bool 
   const km_table *table = km_question_table(a->question);
   if (!table || km_table_rows(table) == 0)
     return km_fail(error, KM_USAGE, "there is no answer to report");
+  if (km_question_velocities(a->question))
+    return km_motion_report(a, stopped_by, html, out, error);
+  if (km_question_history(a->question))
+    return km_history_report(a, stopped_by, html, out, error);
   if (km_question_statics(a->question))
     return statics_report(a, &swept, stopped_by, html, out, error);
   if (!advantage)

@@ -79,10 +79,9 @@ void km_report_motion(km_document_maker *maker, const km_swept *s, const char *s
   km_report_fact(facts, "Swept", swept_words(maker, s));
   if (stopped_by[0])
     km_report_fact(facts, "Ended early", stopped_by);
-  km_report_fact(facts, "Mobility",
-                 km_document_format(maker, "%d (Kutzbach %d), %d redundant constraint%s", s->motion->first.mobility,
-                                    s->motion->first.kutzbach, s->motion->first.redundant_constraints,
-                                    km_plural(s->motion->first.redundant_constraints)));
+  km_text mobility = {0};
+  km_mobility_words(s->mechanism, s->motion, &mobility);
+  km_report_fact(facts, "Mobility", km_document_words(maker, &mobility, ""));
   const char *held = held_words(maker, s->mechanism);
   if (held)
     km_report_fact(facts, "Held", held);
@@ -125,9 +124,9 @@ static km_status draw_strip(void *context, km_canvas *canvas, double width, doub
 }
 
 /* Poses of rows of the table, for one drawing. */
-static km_drawing_def *make_drawing(km_document_maker *maker, const km_swept *s) {
-  const km_mechanism *m = s->mechanism;
-  size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(s->motion->table);
+static km_drawing_def *make_drawing(km_document_maker *maker, const km_mechanism *m, const km_table *table,
+                                    const char *name) {
+  size_t bodies = (size_t)m->topology.body_count, rows = km_table_rows(table);
   size_t count = rows < POSES ? rows : POSES;
   km_drawing_def *drawing = KM_ARENA_NEW(&maker->arena, km_drawing_def, 1);
   km_pose *poses = KM_ARENA_NEW(&maker->arena, km_pose, count * bodies);
@@ -137,28 +136,48 @@ static km_drawing_def *make_drawing(km_document_maker *maker, const km_swept *s)
   if (maker->arena.failed)
     return NULL;
   for (size_t k = 0; k < count; ++k) {
-    km_row_pose(m, s->motion->table, row_of(s->motion->table, k, count), state, q, poses + k * bodies);
+    km_row_pose(m, table, row_of(table, k, count), state, q, poses + k * bodies);
   }
   km_state_free(state);
   *drawing = (km_drawing_def){
-      .mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = s->name, .loads = true};
+      .mechanism = m, .poses = poses, .pose_count = count, .full = count / 2, .name = name, .loads = true};
   return drawing;
 }
 
-void km_report_poses(km_document_maker *maker, const km_swept *s) {
-  if (s->mechanism->topology.body_count < 2)
+/* One large drawing, and a strip of small ones. */
+static void add_pictures(km_document_maker *maker, km_drawing_def *drawing, const km_plot_strip *strip,
+                         const char *over) {
+  km_plot_strip *kept = KM_ARENA_NEW(&maker->arena, km_plot_strip, 1);
+  if (!drawing || !kept)
     return;
-  km_drawing_def *drawing = make_drawing(maker, s);
-  km_sweep_strip *kept = KM_ARENA_NEW(&maker->arena, km_sweep_strip, 1);
-  km_plot_strip *strip = KM_ARENA_NEW(&maker->arena, km_plot_strip, 1);
-  if (!drawing || maker->arena.failed)
-    return;
-  *strip = km_sweep_strip_make(s, POSES, &maker->arena, kept);
+  *kept = *strip;
   km_document_heading(maker, "The mechanism");
-  km_document_picture(maker, "the mechanism in the middle of the sweep, with the names of its joints; other poses pale",
-                      250, draw_large, drawing);
-  if (strip->height > 0.0)
-    km_document_picture(maker, "five poses over the sweep", strip->height, draw_strip, strip);
+  km_document_picture(
+      maker,
+      km_document_format(maker, "the mechanism in the middle of the %s, with the names of its joints; other poses pale",
+                         over),
+      250, draw_large, drawing);
+  if (kept->height > 0.0)
+    km_document_picture(maker, km_document_format(maker, "five poses over the %s", over), kept->height, draw_strip,
+                        kept);
+}
+
+void km_report_poses(km_document_maker *maker, const km_swept *s) {
+  km_sweep_strip *strip = KM_ARENA_NEW(&maker->arena, km_sweep_strip, 1);
+  if (s->mechanism->topology.body_count < 2 || !strip)
+    return;
+  km_drawing_def *drawing = make_drawing(maker, s->mechanism, s->motion->table, s->name);
+  const km_plot_strip drawn = km_sweep_strip_make(s, POSES, &maker->arena, strip);
+  add_pictures(maker, drawing, &drawn, "sweep");
+}
+
+void km_report_run_poses(km_document_maker *maker, const km_mechanism *m, const km_table *table, const char *name) {
+  km_sweep_strip *strip = KM_ARENA_NEW(&maker->arena, km_sweep_strip, 1);
+  if (m->topology.body_count < 2 || !strip)
+    return;
+  km_drawing_def *drawing = make_drawing(maker, m, table, name);
+  const km_plot_strip drawn = km_motion_strip_make(m, table, POSES, &maker->arena, strip);
+  add_pictures(maker, drawing, &drawn, "motion");
 }
 
 static km_status draw_plot(void *context, km_canvas *canvas, double width, double height, km_error *error) {

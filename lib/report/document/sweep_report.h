@@ -22,6 +22,9 @@ void km_report_close_facts(km_document_maker *maker, const km_report_facts *fact
 
 /* The mechanism in poses over the sweep: one large drawing with names, and a row of small ones. */
 void km_report_poses(km_document_maker *maker, const km_swept *swept);
+/* As km_report_poses for a motion over time, whose table has the time in its first column. */
+void km_report_run_poses(km_document_maker *maker, const km_mechanism *mechanism, const km_table *table,
+                         const char *name);
 /* A plot of the maker's arena as a picture. */
 void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *shows, double height);
 

@@ -179,9 +179,9 @@ void km_sweep_print_range(const km_mechanism *m, const km_sweep_plan *plan, cons
                  km_sweep_unit(m, plan), rows, rows == 1 ? "" : "s");
 }
 
-void km_sweep_print_mobility(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+void km_mobility_words(const km_mechanism *m, const km_sweep *sweep, km_text *out) {
   const km_mobility *first = &sweep->first;
-  km_text_format(out, "  mobility %d", first->mobility);
+  km_text_format(out, "%d", first->mobility);
   if (sweep->passive)
     km_text_format(out, " = %d + %d idle", first->mobility - sweep->passive, sweep->passive);
   if (is_planar(m, out))
@@ -189,7 +189,12 @@ void km_sweep_print_mobility(const km_mechanism *m, const km_sweep_plan *plan, c
   else
     km_text_format(out, " (Kutzbach %d), %d redundant constraint%s", first->kutzbach, first->redundant_constraints,
                    km_plural(first->redundant_constraints));
-  km_text_format(out, ", loops closed to %.2g\n", first->residual);
+}
+
+void km_sweep_print_mobility(const km_mechanism *m, const km_sweep_plan *plan, const km_sweep *sweep, km_text *out) {
+  km_text_add(out, "  mobility ");
+  km_mobility_words(m, sweep, out);
+  km_text_format(out, ", loops closed to %.2g\n", sweep->first.residual);
   print_cycle(sweep, plan, out);
 }
 

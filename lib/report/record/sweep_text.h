@@ -17,6 +17,8 @@ void km_joints_print(const km_mechanism *mechanism, int substructure, km_text *o
 /* Range of a sweep; its mobility, cycle and branch points; and both, as the first lines of a summary. */
 void km_sweep_print_range(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep,
                           const char *name, km_text *out);
+/* "1 (planar count 1)", "1 (Kutzbach -2), 3 redundant constraints". */
+void km_mobility_words(const km_mechanism *mechanism, const km_sweep *sweep, km_text *out);
 void km_sweep_print_mobility(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep,
                              km_text *out);
 /* The extent of a coordinate's motion, without the end of the line. False: it stays at rest, nothing is written. */
