@@ -1,5 +1,6 @@
 /* Figures of merit of a computed request, and the rows of its bands. */
 #include "base/similar_names.h"
+#include "exchange/json/formula.h"
 #include "spatial/vec3.h"
 #include "study/design_study.h"
 
@@ -86,16 +87,38 @@ static bool is_of_variable(const km_design_figure *f) {
 }
 
 static double column_figure(const km_design_figure *f, const km_table *t) {
-  static const km_figure figures[] = {
-      [KM_DESIGN_MIN] = KM_FIGURE_MIN,        [KM_DESIGN_MAX] = KM_FIGURE_MAX,
-      [KM_DESIGN_SPAN] = KM_FIGURE_SPAN,      [KM_DESIGN_MEAN] = KM_FIGURE_MEAN,
-      [KM_DESIGN_AT] = KM_FIGURE_AT,          [KM_DESIGN_WHERE_MIN] = KM_FIGURE_MIN,
-      [KM_DESIGN_WHERE_MAX] = KM_FIGURE_MAX,  [KM_DESIGN_RMS] = KM_FIGURE_RMS,
-      [KM_DESIGN_PEAK] = KM_FIGURE_PEAK,      [KM_DESIGN_WHERE_PEAK] = KM_FIGURE_PEAK,
-      [KM_DESIGN_LAST] = KM_FIGURE_LAST,      [KM_DESIGN_SETTLING] = KM_FIGURE_SETTLING};
+  static const km_figure figures[] = {[KM_DESIGN_MIN] = KM_FIGURE_MIN,       [KM_DESIGN_MAX] = KM_FIGURE_MAX,
+                                      [KM_DESIGN_SPAN] = KM_FIGURE_SPAN,     [KM_DESIGN_MEAN] = KM_FIGURE_MEAN,
+                                      [KM_DESIGN_AT] = KM_FIGURE_AT,         [KM_DESIGN_WHERE_MIN] = KM_FIGURE_MIN,
+                                      [KM_DESIGN_WHERE_MAX] = KM_FIGURE_MAX, [KM_DESIGN_RMS] = KM_FIGURE_RMS,
+                                      [KM_DESIGN_PEAK] = KM_FIGURE_PEAK,     [KM_DESIGN_WHERE_PEAK] = KM_FIGURE_PEAK,
+                                      [KM_DESIGN_LAST] = KM_FIGURE_LAST,     [KM_DESIGN_SETTLING] = KM_FIGURE_SETTLING};
   double value = nan(""), where = nan("");
   km_table_figure(t, f->column, figures[f->kind], f->at, &value, &where, NULL);
   return is_place(f) ? where : value;
+}
+
+/* Value of a formula of the figures before it. KM_USAGE: it can't be evaluated. */
+static km_status formula_value(const km_design_question *def, int figure, const double *figures, double *value,
+                               km_error *error) {
+  km_formulas *formulas = km_formulas_create(NULL);
+  km_error found, ignored;
+  bool defined = formulas != NULL;
+  for (int f = 0; f < figure && defined; ++f)
+    if (!km_formulas_check_name(def->figures[f].name, &ignored))
+      defined = km_formulas_define(formulas, def->figures[f].name, figures[f]);
+  km_status status = defined ? km_formulas_result(formulas, def->figures[figure].column, value, &found)
+                             : km_fail(&found, KM_MEMORY, "out of memory for a formula");
+  km_formulas_free(formulas);
+  return status ? km_fail(error, status == KM_MODEL ? KM_USAGE : status, "\"%.80s\": %s", def->figures[figure].name,
+                          found.text)
+                : KM_OK;
+}
+
+static double formula_figure(const km_design_question *def, int figure, const double *figures) {
+  double value = nan("");
+  km_error ignored;
+  return formula_value(def, figure, figures, &value, &ignored) ? nan("") : value;
 }
 
 void km_design_copy_figures(const km_design_question *def, const km_question *q, double *figures) {
@@ -105,6 +128,7 @@ void km_design_copy_figures(const km_design_question *def, const km_question *q,
     figures[f] = figure->kind == KM_DESIGN_REACHED    ? reached_range(t)
                  : figure->kind == KM_DESIGN_TOGGLES  ? dead_point_count(q)
                  : figure->kind == KM_DESIGN_DISTANCE ? path_distance(figure, t)
+                 : figure->kind == KM_DESIGN_FORMULA  ? formula_figure(def, f, figures)
                                                       : column_figure(figure, t);
   }
 }
@@ -168,7 +192,20 @@ static km_status no_column(const km_table *t, const char *where, const char *nam
 }
 
 static bool needs_column(const km_design_figure *f) {
-  return f->kind != KM_DESIGN_REACHED && f->kind != KM_DESIGN_TOGGLES && f->kind != KM_DESIGN_DISTANCE;
+  return f->kind != KM_DESIGN_REACHED && f->kind != KM_DESIGN_TOGGLES && f->kind != KM_DESIGN_DISTANCE &&
+         f->kind != KM_DESIGN_FORMULA;
+}
+
+/* Checks the formulas with figures of 1: unknown names, wrong syntax. */
+static km_status check_formulas(const km_design_question *def, km_error *error) {
+  double ones[KM_MAX_DESIGN_FIGURES], value;
+  km_status status = KM_OK;
+  for (int f = 0; f < def->figure_count && !status; ++f) {
+    ones[f] = 1.0;
+    if (def->figures[f].kind == KM_DESIGN_FORMULA)
+      status = formula_value(def, f, ones, &value, error);
+  }
+  return status;
 }
 
 km_status km_design_check_figures(const km_design_question *def, const km_question *q, const char **units,
@@ -188,5 +225,5 @@ km_status km_design_check_figures(const km_design_question *def, const km_questi
   for (int b = 0; b < def->band_count; ++b)
     if (km_table_find(t, def->bands[b]) < 0)
       return no_column(t, "bands", def->bands[b], error);
-  return KM_OK;
+  return check_formulas(def, error);
 }

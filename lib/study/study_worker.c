@@ -190,7 +190,7 @@ static const char **columns_read(const km_design_question *q, km_arena *arena) {
   const char **reads = KM_ARENA_NEW(arena, const char *, (size_t)(q->figure_count + q->band_count) + 1);
   int count = 0;
   for (int f = 0; f < q->figure_count && reads; ++f)
-    if (q->figures[f].column)
+    if (q->figures[f].column && q->figures[f].kind != KM_DESIGN_FORMULA)
       reads[count++] = q->figures[f].column;
   for (int b = 0; b < q->band_count && reads; ++b)
     reads[count++] = q->bands[b];

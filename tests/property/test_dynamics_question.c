@@ -228,11 +228,37 @@ static void runs_of_a_study(void **unused) {
   }
 }
 
+/* A formula of two figures has the bits of their quotient; NaN stays NaN. */
+static void figures_by_formula(void **unused) {
+  (void)unused;
+  static const double masses[2] = {1.0, 1.5}, until = 1.0;
+  designs d;
+  const km_design_variant variants[2] = {{"a", &masses[0]}, {"b", &masses[1]}};
+  designs_of_model(&d, "slider_crank", "run");
+  designs_add_parameter(&d, "bodies.crank.mass");
+  designs_add_figure(&d, "peak", KM_DESIGN_PEAK, "v.A");
+  designs_add_figure(&d, "end", KM_DESIGN_LAST, "v.A");
+  designs_add_figure(&d, "ratio", KM_DESIGN_FORMULA, "end/peak");
+  designs_add_figure(&d, "none", KM_DESIGN_FORMULA, "sqrt(0 - peak) + ratio");
+  designs_set_number(&d, "until", &until);
+  d.def.variants = variants;
+  d.def.variant_count = 2;
+  km_design_study *s = designs_run(&d, NULL, 2);
+  for (int i = 0; i < 2; ++i) {
+    const km_design_result r = designs_result(s, i);
+    const double quotient = r.figures[1] / r.figures[0];
+    assert_memory_equal(&r.figures[2], &quotient, sizeof quotient);
+    assert_true(isnan(r.figures[3]));
+  }
+  km_design_study_free(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_run_is_the_history), cmocka_unit_test(an_inverse_motion_is_the_history),
       cmocka_unit_test(stops_and_limits),     cmocka_unit_test(refusals),
       cmocka_unit_test(figures_over_time),    cmocka_unit_test(runs_of_a_study),
+      cmocka_unit_test(figures_by_formula),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -198,7 +198,7 @@ static km_status check_text(const km_formulas *f, const char *text, km_error *er
   return more_than_number ? KM_OK : km_fail(error, KM_MODEL, "a number stands without quotation marks");
 }
 
-km_status km_formulas_evaluate(km_formulas *f, const char *text, double *value, km_error *error) {
+km_status km_formulas_result(km_formulas *f, const char *text, double *value, km_error *error) {
   km_status status = check_text(f, text, error);
   if (!status)
     status = load(f, error);
@@ -213,8 +213,16 @@ km_status km_formulas_evaluate(km_formulas *f, const char *text, double *value, 
                ? km_fail(error, KM_MODEL, "it isn't complete")
                : km_fail(error, KM_MODEL, "it can't be read at character %d", position + 1);
   }
-  if (!isfinite(result))
-    return km_fail(error, KM_MODEL, "its value isn't finite");
   *value = result;
   return KM_OK;
+}
+
+km_status km_formulas_evaluate(km_formulas *f, const char *text, double *value, km_error *error) {
+  double result;
+  km_status status = km_formulas_result(f, text, &result, error);
+  if (!status && !isfinite(result))
+    status = km_fail(error, KM_MODEL, "its value isn't finite");
+  if (!status)
+    *value = result;
+  return status;
 }

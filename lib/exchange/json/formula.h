@@ -22,5 +22,7 @@ bool km_formulas_define(km_formulas *formulas, const char *name, double value);
 /* The value of an expression: numbers, + - * / ^ ( ), pi, deg, sqrt sin cos tan atan2 abs min max, and parameters that
  * are defined. KM_MODEL says what is wrong, without the place; KM_IO: the library isn't there; KM_MEMORY. */
 km_status km_formulas_evaluate(km_formulas *formulas, const char *text, double *value, km_error *error);
+/* As km_formulas_evaluate; the value may be infinite or NaN. */
+km_status km_formulas_result(km_formulas *formulas, const char *text, double *value, km_error *error);
 
 #endif

@@ -131,6 +131,7 @@ typedef enum km_design_figure_kind {
   KM_DESIGN_LAST,        /* value of the last row: where a sweep or a run ends */
   KM_DESIGN_SETTLING,    /* time from which on the column stays within `at` times its largest distance from its last
                           * value */
+  KM_DESIGN_FORMULA,     /* expression `column` of figures of the same question before it */
   KM_DESIGN_FIGURE_KINDS /* number of enumerators */
 } km_design_figure_kind;
 
@@ -138,9 +139,10 @@ typedef enum km_design_figure_kind {
 typedef struct km_design_figure {
   const char *name;
   km_design_figure_kind kind; /* reduction of the rows */
-  const char *column;         /* column of the answer's table; KM_DESIGN_DISTANCE: "body/frame" */
-  double at;                  /* KM_DESIGN_AT: value of s; KM_DESIGN_SETTLING: fraction, 0.02: to 2 % */
-  const double *points;       /* KM_DESIGN_DISTANCE: [3 × point_count] points, inertial axes, model's length unit */
+  const char
+      *column; /* column of the answer's table; KM_DESIGN_DISTANCE: "body/frame"; KM_DESIGN_FORMULA: expression */
+  double at;   /* KM_DESIGN_AT: value of s; KM_DESIGN_SETTLING: fraction, 0.02: to 2 % */
+  const double *points; /* KM_DESIGN_DISTANCE: [3 × point_count] points, inertial axes, model's length unit */
   int point_count;
   double low, high; /* limits of accepted values; ∓infinity: none */
   int better;       /* +1: larger is better, −1: smaller is better, 0: neither */

@@ -59,7 +59,7 @@ static const km_field figure_fields[] = {
     {"figure",
      "\"min\", \"max\", \"span\", \"mean\", \"rms\", \"peak\" (largest magnitude), \"last\" (value of the last row), "
      "\"settling\", \"at\", \"where min\", \"where max\", \"where peak\" of a column; \"reached\", \"toggles\"; "
-     "\"distance\" of given points from a traced one. Mean and rms (root mean square) are those over the driver, the arc "
+     "\"distance\" of given points from a traced one; \"formula\". Mean and rms (root mean square) are those over the driver, the arc "
      "length or the time, by the trapezoidal rule.",
      STRING, REQUIRED},
     {"column", "Column of the answer's table, without its unit.", STRING},
@@ -72,6 +72,10 @@ static const km_field figure_fields[] = {
      NUMBER, UNSTATED("0.02")},
     {"point", "The traced point of \"distance\", \"body/frame\".", STRING},
     {"through", "The points that it should pass, [x, y] or [x, y, z] each.", SHAPE(ROWS)},
+    {"formula",
+     "Of \"formula\": an expression of figures of the same question before it, such as \"end/start\"; a text with an operator "
+     "alone stands for the object.",
+     STRING},
     {"low", "Least value that is good enough.", NUMBER},
     {"high", "Greatest value that is good enough.", NUMBER},
     {"better", "\"larger\" or \"smaller\": which design is the best.", STRING},

@@ -18,7 +18,8 @@ static const char *const kinds[KM_DESIGN_FIGURE_KINDS] = {[KM_DESIGN_MIN] = "min
                                                           [KM_DESIGN_SETTLING] = "settling",
                                                           [KM_DESIGN_REACHED] = "reached",
                                                           [KM_DESIGN_TOGGLES] = "toggles",
-                                                          [KM_DESIGN_DISTANCE] = "distance"};
+                                                          [KM_DESIGN_DISTANCE] = "distance",
+                                                          [KM_DESIGN_FORMULA] = "formula"};
 
 static const double default_settling = 0.02; /* part of the largest distance from the last value */
 
@@ -31,15 +32,27 @@ static bool find_kind(const char *word, size_t length, km_design_figure_kind *ou
   return false;
 }
 
-/* "min ma.A/B", "where max q.K", "reached". */
+/* True for a text with an operator whose first word is no kind of figure: "start/end". */
+static bool is_formula(const char *text, bool known) {
+  return !known && strpbrk(text, "+-*/^(");
+}
+
+/* "min ma.A/B", "where max q.K", "reached", "start/end". */
 static void read_short(km_designs_reader *d, const char *text, const km_place *place, km_design_figure *out) {
   const char *blank = strncmp(text, "where ", 6) == 0 ? strchr(text + 6, ' ') : strchr(text, ' ');
   bool known = find_kind(text, blank ? (size_t)(blank - text) : strlen(text), &out->kind);
+  if (is_formula(text, known)) {
+    out->kind = KM_DESIGN_FORMULA;
+    out->column = text;
+    return;
+  }
   bool alone = out->kind == KM_DESIGN_REACHED || out->kind == KM_DESIGN_TOGGLES;
-  if (!known || alone == (blank != NULL) || out->kind == KM_DESIGN_AT || out->kind == KM_DESIGN_DISTANCE)
-    km_designs_error(d, place,
-                     "expected min, max, span, mean, rms, peak, last, settling, where min, where max or where peak and a "
-                     "column, or reached or toggles");
+  if (!known || alone == (blank != NULL) || out->kind == KM_DESIGN_AT || out->kind == KM_DESIGN_DISTANCE ||
+      out->kind == KM_DESIGN_FORMULA)
+    km_designs_error(
+        d, place,
+        "expected min, max, span, mean, rms, peak, last, settling, where min, where max or where peak and a "
+        "column, reached or toggles, or an expression of figures before it");
   out->column = blank ? blank + 1 : NULL;
   out->at = out->kind == KM_DESIGN_SETTLING ? default_settling : 0.0;
 }
@@ -77,9 +90,13 @@ static void read_figure(km_designs_reader *d, const km_value *v, const km_place 
   const char *word = km_designs_text(v, "figure");
   km_place at = {place, "figure", 0};
   if (!find_kind(word, strlen(word), &out->kind))
-    km_designs_error(d, &at, "expected min, max, span, mean, at, rms, peak, last, settling, where min, where max, where peak, reached, "
-                     "toggles or distance");
-  out->column = km_designs_text(v, out->kind == KM_DESIGN_DISTANCE ? "point" : "column");
+    km_designs_error(
+        d, &at,
+        "expected min, max, span, mean, at, rms, peak, last, settling, where min, where max, where peak, reached, "
+        "toggles, distance or formula");
+  out->column = km_designs_text(v, out->kind == KM_DESIGN_DISTANCE  ? "point"
+                                   : out->kind == KM_DESIGN_FORMULA ? "formula"
+                                                                    : "column");
   out->at = km_designs_number(v, "at", nan(""));
   if (out->kind == KM_DESIGN_AT && isnan(out->at))
     km_designs_error(d, place, "\"at\" is missing; expected the driver's value");
