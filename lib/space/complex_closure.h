@@ -1,0 +1,107 @@
+/* Closure errors of one substructure over the complex numbers (docs/theory.md 4.15).
+ *
+ *   F(q) = p,  E_R = G,   q complex: angles and lengths x, unit quaternions Q of ball joints with Q·Q = 1        [n × n]
+ *   planar loops : isotropic coordinates Z = x + iy, W = x − iy, U = exp(iφ), V = 1/U
+ *                  F = ((F_Z + F_W)/2, (F_Z − F_W)/(2i), (A/G − 1)/i),   A = U_a V_b exp(i φ_0)
+ *   spatial loops: F = (E(o) − o; 2 tan(θ/2) axis),   E = X_a X_b⁻¹, E_R Gᵀ a rotation by θ; o the loop's point
+ *
+ * A closed loop has F = 0 with G = 1. Positions have errors p; rotations have an error G, the quaternion P, since sums
+ * of quaternions near the real ones have no pole.
+ *
+ * A ball joint that closes a loop takes any rotation error, so it and the loop's rotations are left out. Rows are
+ * independent at the reference configuration; columns are independent at a generic one. F is rational in
+ * exp(iq), lengths and quaternions, so almost all values p have the same number of solutions. Source of isotropic
+ * coordinates: C. W. Wampler, Solving the kinematics of planar mechanisms, ASME J. Mechanical Design 121, 1999. */
+#ifndef KM_SPACE_COMPLEX_CLOSURE_H
+#define KM_SPACE_COMPLEX_CLOSURE_H
+
+#include "base/random.h"
+#include "kinematics/state.h"
+
+#include <complex.h>
+#include <stdint.h>
+
+typedef double complex km_complex;
+#define KM_I CMPLX(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
+
+enum { KM_FUNCTIONALS = 3 }; /* random functions y_k of the bodies' poses: y_0 for the trace test, all for identity */
+
+/* Complex pose of a slot of a spatial program: columns of the rotation, origin. */
+typedef struct km_complex_pose {
+  km_complex R[3][3], p[3];
+} km_complex_pose;
+
+/* Slot of a planar program in isotropic coordinates. */
+typedef struct km_isotropic_pose {
+  km_complex U, V, Z, W;
+} km_isotropic_pose;
+
+/* Random number in the square |Re|, |Im| <= 1. */
+static inline km_complex km_complex_random(uint64_t *random) {
+  double re = km_uniform(random);
+  return CMPLX(re, km_uniform(random));
+}
+
+/* Coefficients of one slot in a functional. Spatial: y = Σ p·p_slot + Σ_k R_k·R_slot,k. Planar: y = p · (U, Z, W). */
+typedef struct km_slot_weight {
+  km_complex p[3], R[3][3];
+} km_slot_weight;
+
+/* The square system of one substructure. Immutable after its creation but for the workspace. */
+typedef struct km_complex_closure {
+  const km_mechanism *m;
+  const km_substructure *sub;
+  int size;             /* n: unknowns and equations */
+  int length;           /* numbers of a configuration */
+  int *start_of;        /* [columns] index of a column's number, or of its quaternion, in a configuration */
+  int *unknown_of;      /* [columns] unknown; −1: fixed */
+  int *equation_of;     /* [rows] equation; −1: left out */
+  int *column_of;       /* [n] column of an unknown */
+  int *turn_of;         /* [n] index of a rotation's component in `turn`; −1: a position */
+  bool *has_turn;       /* [4 · loops] components of P that loops have */
+  int *closing_ball;    /* [loops] step of a ball joint that closes the loop; −1: none */
+  km_slot_weight *weight[KM_FUNCTIONALS]; /* [steps of all programs], zero for slots that don't count */
+  km_complex_pose *slot;                  /* workspace of spatial programs */
+  km_isotropic_pose *isotropic;           /* workspace of planar programs */
+  km_complex (*twist)[6];                 /* workspace: unit twists (v; ω) of a program's steps, three per step */
+  km_complex (*wrench)[6];                /* workspace of gradients, by slot */
+} km_complex_closure;
+
+/* One evaluation: F[n], J[n × n] by rows of `stride` numbers, and a functional with its gradient[n]. Pointers may be
+ * NULL. */
+typedef struct km_complex_values {
+  const km_complex *turn; /* [4 · loops] quaternions P of the rotations G that the loops' errors shall have; NULL: none */
+  km_complex *F, *J;
+  int stride;
+  int functional; /* index of the functional */
+  km_complex value, *gradient;
+} km_complex_values;
+
+/* Compiles the system of a substructure at a closed configuration of the state. Coordinates that are locked in the
+ * state, and passive ones, are fixed. KM_USAGE: it has screws or couplings, or bodies can move; then `*freedom` is the
+ * number of their freedoms. KM_MEMORY. */
+km_status km_complex_closure_create(const km_mechanism *mechanism, km_state *state, int substructure, uint64_t *random,
+                                    km_arena *arena, km_complex_closure *out, int *freedom, km_error *error);
+
+/* Copies the state's coordinates to a configuration x[length]. */
+void km_complex_from_state(const km_complex_closure *c, const km_state *state, km_complex *x);
+/* Copies the real part of a configuration to a state. Balls that close loops take the rotation that closes them, in x
+ * too. */
+void km_complex_to_state(const km_complex_closure *c, km_complex *x, km_state *state);
+/* Writes a random complex configuration beside `centre`: x <- exp(δ) centre with |δ_i| <= distance. */
+void km_complex_randomise(const km_complex_closure *c, const km_complex *centre, double distance, uint64_t *random,
+                          km_complex *x);
+
+/* Evaluates F, J and a functional at a configuration. O(steps + entries of J). */
+void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out);
+/* Computes all functionals y[KM_FUNCTIONALS]: two configurations with the same values have the same bodies' poses. */
+void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y);
+
+/* Adds a step[n] to a configuration: x <- exp(step) x. */
+void km_complex_move(const km_complex_closure *c, const km_complex *step, km_complex *x);
+/* Computes the rate of the configuration's numbers, out[length], at the rates[n] of the unknowns. */
+void km_complex_rate(const km_complex_closure *c, const km_complex *x, const km_complex *rates, km_complex *out);
+/* Normalises the quaternions, Q <- Q / sqrt(Q·Q). */
+void km_complex_normalise(const km_complex_closure *c, km_complex *x);
+
+#endif
