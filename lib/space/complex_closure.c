@@ -41,20 +41,21 @@ void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_co
   }
 }
 
-/* Sets the balls that close loops. */
-static void close_balls(const km_complex_closure *c, km_complex *x) {
+/* Sets the joints that close loops. */
+static void set_closing_joints(const km_complex_closure *c, km_complex *x) {
   for (int i = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
     for (int j = 0; j < program->loop_count; ++j) {
-      int place = program->loop_start + j, step = c->closing_ball[place - c->sub->loop_start];
+      int place = program->loop_start + j, step = c->closing_step[place - c->sub->loop_start];
+      const km_loop *loop = &c->m->loops[c->m->loop_order[place]];
       if (step >= 0)
-        km_complex_close_ball(c, program, &c->m->loops[c->m->loop_order[place]], step, x);
+        (program->planar ? km_complex_close_planar : km_complex_close_spatial)(c, program, loop, step, x);
     }
   }
 }
 
 void km_complex_to_state(const km_complex_closure *c, km_complex *x, km_state *s) {
-  close_balls(c, x);
+  set_closing_joints(c, x);
   for (int k = 0; k < c->sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[c->sub->column_start + k];
     const km_complex *number = &x[c->start_of[k]];
@@ -163,11 +164,58 @@ void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_co
 }
 
 void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y) {
-  for (int k = 0; k < KM_FUNCTIONALS; ++k) {
+  for (int k = 0; k < KM_FINGERPRINT; ++k) {
     km_complex_values values = {.functional = k};
     km_complex_evaluate(c, x, &values);
     y[k] = values.value;
   }
+}
+
+km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x) {
+  km_complex_values values = {.functional = KM_TRACE};
+  km_complex_evaluate(c, x, &values);
+  return values.value;
+}
+
+/* Difference of the trace's functional at two configurations, relative to 1 + |y|, above which they are separate. */
+static const double separate = 1e-6;
+enum { LEAST_SEPARATED = 8 }; /* fewer configurations don't show that a slot's pose tells all of them apart */
+
+/* True if the trace's functional differs at all configurations. */
+static bool is_separating(const km_complex_closure *c, const km_complex *points, int count) {
+  for (int i = 0; i < count; ++i) {
+    km_complex y = km_complex_trace(c, points + (size_t)i * (size_t)c->length);
+    for (int j = 0; j < i; ++j)
+      if (!(cabs(y - km_complex_trace(c, points + (size_t)j * (size_t)c->length)) > separate * (1.0 + cabs(y))))
+        return false;
+  }
+  return true;
+}
+
+/* Steps of all programs. */
+static int count_steps(const km_complex_closure *c) {
+  int steps = 0;
+  for (int i = 0; i < c->sub->program_count; ++i)
+    steps += c->m->programs[c->sub->program_start + i].step_count;
+  return steps;
+}
+
+void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, int count, uint64_t *random) {
+  int steps = count_steps(c);
+  km_slot_weight *trace = c->weight[KM_TRACE];
+  const km_slot_weight *all = c->weight[0];
+  for (int i = 0; i < 2 * steps && count >= LEAST_SEPARATED; ++i) {
+    km_slot_weight *one = &trace[i % steps];
+    memset(trace, 0, (size_t)steps * sizeof *trace);
+    for (int k = 0; k < 3; ++k) {
+      one->p[k] = all[i % steps].p[k] == 0.0 ? 0.0 : km_complex_random(random);
+      for (int j = 0; j < 3 && i >= steps; ++j)
+        one->R[k][j] = all[i % steps].R[k][j] == 0.0 ? 0.0 : km_complex_random(random);
+    }
+    if (is_separating(c, points, count))
+      return;
+  }
+  memcpy(trace, all, (size_t)steps * sizeof *trace);
 }
 
 /* ---- Functionals. */
@@ -197,7 +245,7 @@ static slot_place place_of_step(const km_mechanism *m, const km_program *program
 }
 
 /* Parts of a slot's pose that are a function of the bodies' places. */
-static void random_weight(const km_program *program, km_body_identity identity, bool is_trace, uint64_t *random,
+static void random_weight(const km_program *program, km_body_identity identity, uint64_t *random,
                           km_slot_weight *out) {
   *out = (km_slot_weight){0};
   if (identity == KM_BODY_PASSIVE)
@@ -205,7 +253,7 @@ static void random_weight(const km_program *program, km_body_identity identity, 
   if (program->planar) {
     out->p[0] = identity == KM_BODY_POINT ? 0.0 : km_complex_random(random);
     out->p[1] = km_complex_random(random);
-    out->p[2] = is_trace ? 0.0 : km_complex_random(random);
+    out->p[2] = km_complex_random(random);
     return;
   }
   for (int k = 0; k < 3; ++k) {
@@ -234,9 +282,7 @@ static void orient_connected_points(const km_mechanism *m, km_body_placement *pl
 /* Draws the coefficients of all functionals. */
 static void draw_weights(km_complex_closure *c, uint64_t *random, km_arena *arena) {
   const km_mechanism *m = c->m;
-  size_t steps = 0;
-  for (int i = 0; i < c->sub->program_count; ++i)
-    steps += (size_t)m->programs[c->sub->program_start + i].step_count;
+  size_t steps = (size_t)count_steps(c);
   km_body_placement *placement = KM_ARENA_NEW(arena, km_body_placement, (size_t)m->model->body_count);
   for (int k = 0; k < KM_FUNCTIONALS; ++k)
     c->weight[k] = KM_ARENA_NEW(arena, km_slot_weight, steps);
@@ -253,8 +299,8 @@ static void draw_weights(km_complex_closure *c, uint64_t *random, km_arena *aren
         slot_place next = place_of_step(m, program, n);
         here.is_inner = here.is_inner || (next.from == here.to && next.joint == here.joint);
       }
-      for (int k = 0; k < KM_FUNCTIONALS; ++k)
-        random_weight(program, here.is_inner ? KM_BODY_PASSIVE : placement[here.body].identity, k == 0, random,
+      for (int k = 0; k < KM_FINGERPRINT; ++k)
+        random_weight(program, here.is_inner ? KM_BODY_PASSIVE : placement[here.body].identity, random,
                       &c->weight[k][first + j]);
     }
     first += program->step_count;
@@ -265,20 +311,24 @@ static void draw_weights(km_complex_closure *c, uint64_t *random, km_arena *aren
 
 static int count_loops(const km_complex_closure *c, int column);
 
-/* Step of a ball joint that closes a loop and belongs to no other one; −1: none. The loop's rows are taken where its
- * frames meet, so that the ball turns no position. */
-static int find_closing_ball(const km_complex_closure *c, const km_state *s, const km_program *program,
+/* Step of the ball joint, or planar hinge, that closes a loop and belongs to no other one; −1: none. The loop's rows are
+ * taken where its frames meet, so that the joint turns no position. */
+static int find_closing_step(const km_complex_closure *c, const km_state *s, const km_program *program,
                              const km_loop *loop) {
   const km_mechanism *m = c->m;
   int chord = m->topology.chord[loop - m->loops];
-  if (program->planar || !loop->has_moving_point || loop->lambda != 6 ||
-      km_vec3_norm(loop->closing_frame[0].p) > 0.0)
+  if (!loop->has_moving_point || loop->lambda != (program->planar ? 3 : 6))
     return -1;
   for (int i = 0; i < program->step_count; ++i) {
-    const km_step *step = &m->steps[program->step_start + i];
-    if (step->to == loop->slot[0] && step->primitive == KM_BALL && !s->locked[step->coordinate] &&
-        m->model->coordinates[step->coordinate].joint == chord &&
-        count_loops(c, km_complex_column(c, step->coordinate)) == 1)
+    const km_step *spatial = program->planar ? NULL : &m->steps[program->step_start + i];
+    const km_planar_step *planar = program->planar ? &m->planar_steps[program->step_start + i] : NULL;
+    bool turns_freely = planar ? !planar->is_slide && planar->to == loop->slot[0] &&
+                                     loop->planar_closing_point[0][0] == 0.0 && loop->planar_closing_point[0][1] == 0.0
+                               : spatial->primitive == KM_BALL && spatial->to == loop->slot[0] &&
+                                     km_vec3_norm(loop->closing_frame[0].p) == 0.0;
+    int coordinate = planar ? planar->coordinate : spatial->coordinate;
+    if (turns_freely && !s->locked[coordinate] && m->model->coordinates[coordinate].joint == chord &&
+        count_loops(c, km_complex_column(c, coordinate)) == 1)
       return i;
   }
   return -1;
@@ -296,10 +346,14 @@ static int number_candidates(km_complex_closure *c, const km_state *s, int *rows
     for (int j = 0; j < program->loop_count; ++j) {
       int place = program->loop_start + j;
       const km_loop *loop = &m->loops[m->loop_order[place]];
-      int step = c->closing_ball[place - c->sub->loop_start] = find_closing_ball(c, s, program, loop);
-      for (int k = 0; step >= 0 && k < 3; ++k) {
-        c->unknown_of[km_complex_column(c, m->steps[program->step_start + step].coordinate) + k] = -1;
-        c->equation_of[loop->row_start + 3 + k] = -1;
+      int step = c->closing_step[place - c->sub->loop_start] = find_closing_step(c, s, program, loop);
+      if (step < 0)
+        continue;
+      int first = program->planar ? m->planar_steps[program->step_start + step].coordinate
+                                  : m->steps[program->step_start + step].coordinate;
+      for (int k = 0; k < (program->planar ? 1 : 3); ++k) {
+        c->unknown_of[km_complex_column(c, first) + k] = -1;
+        c->equation_of[loop->row_start + (program->planar ? 2 : 3) + k] = -1;
       }
     }
   }
@@ -328,7 +382,7 @@ static void evaluate_all(const km_complex_closure *c, const choice *w, const km_
 
 /* True if no functional changes along the null vectors of the eliminated J at the generic configuration. */
 static bool is_passive(const km_complex_closure *c, const choice *w, int rank) {
-  for (int k = 0; k < KM_FUNCTIONALS; ++k) {
+  for (int k = 0; k < KM_FINGERPRINT; ++k) {
     km_complex_values values = {.functional = k, .gradient = w->gradient};
     km_complex_evaluate(c, w->generic, &values);
     double scale = 0.0;
@@ -463,7 +517,7 @@ static void allocate(km_complex_closure *c, choice *w, km_arena *arena) {
   c->unknown_of = KM_ARENA_NEW(arena, int, columns);
   c->equation_of = KM_ARENA_NEW(arena, int, rows);
   c->column_of = KM_ARENA_NEW(arena, int, most);
-  c->closing_ball = KM_ARENA_NEW(arena, int, (size_t)c->sub->loop_count);
+  c->closing_step = KM_ARENA_NEW(arena, int, (size_t)c->sub->loop_count);
   c->turn_of = KM_ARENA_NEW(arena, int, rows);
   c->has_turn = KM_ARENA_NEW(arena, bool, (size_t)(4 * c->sub->loop_count));
   for (int i = 0; i < c->sub->program_count; ++i)

@@ -8,8 +8,8 @@
  * A closed loop has F = 0 with G = 1. Positions have errors p; rotations have an error G, the quaternion P, since sums
  * of quaternions near the real ones have no pole.
  *
- * A ball joint that closes a loop takes any rotation error, so it and the loop's rotations are left out. Rows are
- * independent at the reference configuration; columns are independent at a generic one. F is rational in
+ * A ball joint that closes a loop, and a hinge that closes a planar one, take any rotation error, so they and the loop's
+ * rotations are left out. Rows are independent at the reference configuration; columns are independent at a generic one. F is rational in
  * exp(iq), lengths and quaternions, so almost all values p have the same number of solutions. Source of isotropic
  * coordinates: C. W. Wampler, Solving the kinematics of planar mechanisms, ASME J. Mechanical Design 121, 1999. */
 #ifndef KM_SPACE_COMPLEX_CLOSURE_H
@@ -24,7 +24,9 @@
 typedef double complex km_complex;
 #define KM_I CMPLX(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
 
-enum { KM_FUNCTIONALS = 3 }; /* random functions y_k of the bodies' poses: y_0 for the trace test, all for identity */
+/* Random functions y_k of the bodies' poses: the first two are the fingerprint of a solution, the third one serves the
+ * trace test. */
+enum { KM_FINGERPRINT = 2, KM_TRACE = 2, KM_FUNCTIONALS = 3 };
 
 /* Complex pose of a slot of a spatial program: columns of the rotation, origin. */
 typedef struct km_complex_pose {
@@ -59,7 +61,7 @@ typedef struct km_complex_closure {
   int *column_of;       /* [n] column of an unknown */
   int *turn_of;         /* [n] index of a rotation's component in `turn`; −1: a position */
   bool *has_turn;       /* [4 · loops] components of P that loops have */
-  int *closing_ball;    /* [loops] step of a ball joint that closes the loop; −1: none */
+  int *closing_step;    /* [loops] step of a ball joint or planar hinge that closes the loop; −1: none */
   km_slot_weight *weight[KM_FUNCTIONALS]; /* [steps of all programs], zero for slots that don't count */
   km_complex_pose *slot;                  /* workspace of spatial programs */
   km_isotropic_pose *isotropic;           /* workspace of planar programs */
@@ -85,7 +87,7 @@ km_status km_complex_closure_create(const km_mechanism *mechanism, km_state *sta
 
 /* Copies the state's coordinates to a configuration x[length]. */
 void km_complex_from_state(const km_complex_closure *c, const km_state *state, km_complex *x);
-/* Copies the real part of a configuration to a state. Balls that close loops take the rotation that closes them, in x
+/* Copies the real part of a configuration to a state. Joints that close loops take the rotation that closes them, in x
  * too. */
 void km_complex_to_state(const km_complex_closure *c, km_complex *x, km_state *state);
 /* Writes a random complex configuration beside `centre`: x <- exp(δ) centre with |δ_i| <= distance. */
@@ -94,8 +96,14 @@ void km_complex_randomise(const km_complex_closure *c, const km_complex *centre,
 
 /* Evaluates F, J and a functional at a configuration. O(steps + entries of J). */
 void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out);
-/* Computes all functionals y[KM_FUNCTIONALS]: two configurations with the same values have the same bodies' poses. */
+/* Computes the fingerprint y[KM_FINGERPRINT]: two configurations with the same values have the same bodies' poses. */
 void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y);
+/* Value of the trace's functional. */
+km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x);
+/* Chooses the trace's functional: a random function of the first slot whose position differs in all `count`
+ * configurations, else of the first one whose pose does, else of all slots. The fewer it takes, the fewer points has a
+ * section of a curve. */
+void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, int count, uint64_t *random);
 
 /* Adds a step[n] to a configuration: x <- exp(step) x. */
 void km_complex_move(const km_complex_closure *c, const km_complex *step, km_complex *x);

@@ -11,19 +11,31 @@ void km_complex_planar(const km_complex_closure *c, const km_program *program, c
 void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_complex *x,
                         const km_slot_weight *weight, km_complex_values *out);
 
-/* Sets the quaternion of a ball joint that closes a loop of a spatial program, at a configuration x: the rotation with
- * which the loop's frames agree. */
-void km_complex_close_ball(const km_complex_closure *c, const km_program *program, const km_loop *loop, int step,
-                           km_complex *x);
+/* Sets the ball joint, or planar hinge, that closes a loop at a configuration x, to the rotation with which the loop's
+ * frames agree. The configuration is real but for rounding. */
+void km_complex_close_planar(const km_complex_closure *c, const km_program *program, const km_loop *loop, int step,
+                             km_complex *x);
+void km_complex_close_spatial(const km_complex_closure *c, const km_program *program, const km_loop *loop, int step,
+                              km_complex *x);
 
 /* Returns the first column of a step's coordinate, −1 if it is held. */
 static inline int km_complex_column(const km_complex_closure *c, int coordinate) {
   return c->m->column_of[coordinate];
 }
 
-/* Quaternion P of the loop at a place of the mechanism's loop order; NULL: no rotation. */
-static inline const km_complex *km_complex_turn(const km_complex_closure *c, int place, const km_complex_values *out) {
-  return out->turn ? out->turn + 4 * (place - c->sub->loop_start) : NULL;
+/* One loop: its quaternion P (NULL: none), and whether its rows are taken at the moving point where side b ends. That
+ * is so if a joint takes any rotation; else E would not be constant along the solutions of one error. */
+typedef struct km_complex_loop {
+  const km_loop *loop;
+  const km_complex *P;
+  bool has_moving_point;
+} km_complex_loop;
+
+/* The loop at a place of the mechanism's loop order. */
+static inline km_complex_loop km_complex_loop_at(const km_complex_closure *c, int place, const km_complex_values *out) {
+  int index = place - c->sub->loop_start;
+  return (km_complex_loop){&c->m->loops[c->m->loop_order[place]], out->turn ? out->turn + 4 * index : NULL,
+                           c->closing_step[index] >= 0};
 }
 
 /* Stores an entry of J; left-out rows and fixed columns have none. */

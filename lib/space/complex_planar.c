@@ -4,7 +4,7 @@
  *   slide        : Z_to = Z + U (d + q u),              ∂Z_end/∂q = U u,               ∂W_end/∂q = V ū
  *   E            : Z -> Z_a + A (Z − Z_b),  W -> W_a + (W − W_b)/A,  A = U_a V_b exp(i φ_0)
  *
- * Errors are the displacement by E of the loop's point o, or of the moving point Z_b where the loop has all rows. */
+ * Errors are the displacement by E of the point o: a fixed one, or the moving point Z_b (complex_loops.h). */
 #include "space/complex_loops.h"
 
 /* Poses of the slots and, of each step, the derivatives (Z, W) of a slide or the place (Z, W) of a hinge. */
@@ -35,9 +35,11 @@ static void compute_slots(const km_complex_closure *c, const km_program *program
 }
 
 /* Errors and Jacobian of one loop. */
-static void evaluate_loop(const km_complex_closure *c, const km_program *program, const km_loop *loop,
-                          const km_isotropic_pose *slot, km_complex (*twist)[6], const km_complex *P,
+static void evaluate_loop(const km_complex_closure *c, const km_program *program, km_complex_loop here,
                           const km_complex_values *out) {
+  const km_loop *loop = here.loop;
+  const km_complex *P = here.P;
+  const km_isotropic_pose *slot = c->isotropic;
   const km_isotropic_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
   km_complex ca = CMPLX(loop->planar_closing_point[0][0], loop->planar_closing_point[0][1]);
   km_complex cb = CMPLX(loop->planar_closing_point[1][0], loop->planar_closing_point[1][1]);
@@ -46,11 +48,11 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
   km_complex A = a->U * b->V * phase, B = a->V * b->U * conj(phase);
   km_complex Za = a->Z + a->U * ca, Wa = a->W + a->V * conj(ca);
   km_complex Zb = b->Z + b->U * cb + offset, Wb = b->W + b->V * conj(cb) + conj(offset);
-  km_complex o = loop->has_moving_point ? Zb : CMPLX(loop->planar_point[0], loop->planar_point[1]);
-  km_complex o_conjugate = loop->has_moving_point ? Wb : CMPLX(loop->planar_point[0], -loop->planar_point[1]);
+  km_complex o = here.has_moving_point ? Zb : CMPLX(loop->planar_point[0], loop->planar_point[1]);
+  km_complex o_conjugate = here.has_moving_point ? Wb : CMPLX(loop->planar_point[0], -loop->planar_point[1]);
   /* Images of o, by which joints on side a move it, and the factors by which those on side b do. */
   km_complex Z_image = Za + A * (o - Zb), W_image = Wa + B * (o_conjugate - Wb);
-  km_complex Z_factor = loop->has_moving_point ? 1.0 : A, W_factor = loop->has_moving_point ? 1.0 : B;
+  km_complex Z_factor = here.has_moving_point ? 1.0 : A, W_factor = here.has_moving_point ? 1.0 : B;
   km_complex FZ = Z_image - o, FW = W_image - o_conjugate;
   km_complex rest = P ? A * (P[0] - KM_I * P[3]) / (P[0] + KM_I * P[3]) : A; /* A / G */
   const km_complex errors[3] = {0.5 * (FZ + FW), -0.5 * KM_I * (FZ - FW), -KM_I * (rest - 1.0)};
@@ -59,7 +61,7 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
       out->F[c->equation_of[loop->row_start + r]] = errors[loop->rows[r]];
   for (int i = 0; out->J && i < loop->entry_count; ++i) {
     const km_entry *entry = &c->m->entries[loop->entry_start + i];
-    const km_complex *h = twist[entry->step];
+    const km_complex *h = c->twist[entry->step];
     bool is_slide = c->m->planar_steps[program->step_start + entry->step].is_slide;
     km_complex dZ, dW;
     if (entry->side > 0.0) {
@@ -105,8 +107,17 @@ void km_complex_planar(const km_complex_closure *c, const km_program *program, c
                        const km_slot_weight *weight, km_complex_values *out) {
   compute_slots(c, program, x, c->isotropic, c->twist);
   for (int i = 0; i < program->loop_count; ++i)
-    evaluate_loop(c, program, &c->m->loops[c->m->loop_order[program->loop_start + i]], c->isotropic, c->twist,
-                  km_complex_turn(c, program->loop_start + i, out), out);
+    evaluate_loop(c, program, km_complex_loop_at(c, program->loop_start + i, out), out);
   if (weight)
     add_functional(c, program, c->isotropic, c->twist, weight, out);
+}
+
+/* A = U_a V_b exp(i φ_0) of the closed loop is 1: the hinge's angle changes by −arg A, times its sign. */
+void km_complex_close_planar(const km_complex_closure *c, const km_program *program, const km_loop *loop, int i,
+                             km_complex *x) {
+  const km_planar_step *step = &c->m->planar_steps[program->step_start + i];
+  compute_slots(c, program, x, c->isotropic, c->twist);
+  km_complex A = c->isotropic[loop->slot[0]].U * c->isotropic[loop->slot[1]].V *
+                 CMPLX(cos(loop->planar_closing_angle), sin(loop->planar_closing_angle));
+  x[c->start_of[km_complex_column(c, step->coordinate)]] -= step->sign * carg(A);
 }

@@ -133,8 +133,8 @@ typedef struct loop_displacement {
 } loop_displacement;
 
 /* Computes E and the errors. */
-static void displace(const km_complex_closure *c, const km_loop *loop, const km_complex *P, loop_displacement *E,
-                     km_complex errors[6]) {
+static void displace(const km_complex_closure *c, km_complex_loop here, loop_displacement *E, km_complex errors[6]) {
+  const km_loop *loop = here.loop;
   km_complex_pose a, b;
   pose_product(&c->slot[loop->slot[0]], &loop->closing_frame[0], true, &a);
   pose_product(&c->slot[loop->slot[1]], &loop->closing_frame[1], true, &b);
@@ -145,11 +145,11 @@ static void displace(const km_complex_closure *c, const km_loop *loop, const km_
       E->R[j][k] = a.R[0][k] * b.R[0][j] + a.R[1][k] * b.R[1][j] + a.R[2][k] * b.R[2][j];
   km_complex from[3];
   for (int k = 0; k < 3; ++k) {
-    E->o[k] = loop->has_moving_point ? b.p[k] : point[k] - offset[k];
+    E->o[k] = here.has_moving_point ? b.p[k] : point[k] - offset[k];
     from[k] = E->o[k] - b.p[k];
   }
   rotate(E->R, from, E->image);
-  gibbs_vector(E->R, P, E->g);
+  gibbs_vector(E->R, here.P, E->g);
   for (int k = 0; k < 3; ++k) {
     E->image[k] += a.p[k];
     errors[k] = E->image[k] - E->o[k] - offset[k];
@@ -158,7 +158,7 @@ static void displace(const km_complex_closure *c, const km_loop *loop, const km_
 }
 
 /* Column of J of the unit twist h of a joint on one side. */
-static void loop_column(const km_loop *loop, loop_displacement *E, double side, const km_complex *h,
+static void loop_column(bool has_moving_point, loop_displacement *E, double side, const km_complex *h,
                         km_complex column[6]) {
   km_complex w[3], v[3];
   memcpy(w, h + 3, sizeof w);
@@ -166,7 +166,7 @@ static void loop_column(const km_loop *loop, loop_displacement *E, double side, 
   for (int k = 0; k < 3; ++k)
     v[k] = side * (v[k] + h[k]);
   if (side < 0.0) {
-    if (!loop->has_moving_point)
+    if (!has_moving_point)
       rotate(E->R, v, v);
     rotate(E->R, w, w);
   }
@@ -178,11 +178,12 @@ static void loop_column(const km_loop *loop, loop_displacement *E, double side, 
   }
 }
 
-static void evaluate_loop(const km_complex_closure *c, const km_program *program, const km_loop *loop,
-                          const km_complex *P, const km_complex_values *out) {
+static void evaluate_loop(const km_complex_closure *c, const km_program *program, km_complex_loop here,
+                          const km_complex_values *out) {
+  const km_loop *loop = here.loop;
   loop_displacement E;
   km_complex errors[6], column[6];
-  displace(c, loop, P, &E, errors);
+  displace(c, here, &E, errors);
   for (int r = 0; out->F && r < loop->lambda; ++r)
     if (c->equation_of[loop->row_start + r] >= 0)
       out->F[c->equation_of[loop->row_start + r]] = errors[loop->rows[r]];
@@ -192,7 +193,7 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
     for (int k = 0; k < freedom; ++k) {
       if (c->unknown_of[entry->column + k] < 0)
         continue;
-      loop_column(loop, &E, entry->side, c->twist[3 * entry->step + k], column);
+      loop_column(here.has_moving_point, &E, entry->side, c->twist[3 * entry->step + k], column);
       for (int r = 0; r < loop->lambda; ++r)
         km_complex_store(c, out, loop->row_start + r, entry->column + k, column[loop->rows[r]]);
     }
@@ -234,16 +235,14 @@ void km_complex_spatial(const km_complex_closure *c, const km_program *program, 
                         const km_slot_weight *weight, km_complex_values *out) {
   compute_slots(c, program, x);
   for (int i = 0; i < program->loop_count; ++i)
-    evaluate_loop(c, program, &c->m->loops[c->m->loop_order[program->loop_start + i]],
-                  km_complex_turn(c, program->loop_start + i, out), out);
+    evaluate_loop(c, program, km_complex_loop_at(c, program->loop_start + i, out), out);
   if (weight)
     add_functional(c, program, weight, out);
 }
 
-/* The ball's rotation T before the closing frame C: R T C = R_b, so T = Rᵀ R_b Cᵀ; a reversed joint has the inverse. The
- * configuration is real but for rounding. */
-void km_complex_close_ball(const km_complex_closure *c, const km_program *program, const km_loop *loop, int i,
-                           km_complex *x) {
+/* The ball's rotation T before the closing frame C: R T C = R_b, so T = Rᵀ R_b Cᵀ; a reversed joint has the inverse. */
+void km_complex_close_spatial(const km_complex_closure *c, const km_program *program, const km_loop *loop, int i,
+                              km_complex *x) {
   const km_step *step = &c->m->steps[program->step_start + i];
   km_complex_pose before, b;
   km_rotation T, C = loop->closing_frame[0].R, other, middle;

@@ -7,13 +7,13 @@
 
 /* First correction of a step, in radians and sizes: the step size aims at TARGET, steps above LIMIT are rejected, and
  * below SMALL one factorisation is enough, since the error that remains is its square. */
-static const double target_correction = 3e-3, correction_limit = 3e-2, small_correction = 1e-5;
+static const double target_correction = 3e-2, correction_limit = 2e-1, small_correction = 1e-3;
 static const double contraction = 0.25; /* largest ratio of two corrections of Newton's method */
 static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.5, least_growth = 0.3;
-static const double final_correction = 1e-11;
-/* Corrections that no longer decrease are rounding up to this size: solutions beside a pole, with complex rotations of
+/* Corrections at the end of a path. Corrections that no longer decrease are rounding up to this size: solutions beside a pole, with complex rotations of
  * norm 1e2, lose four digits. */
-static const double rounded_correction = 1e-7;
+static const double final_correction = 1e-11, rounded_correction = 1e-7;
+static const double final_error = 1e-6; /* of H at the end of a path, in radians and sizes */
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
 bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uint64_t *random, km_arena *arena,
@@ -22,7 +22,8 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
   int section_start = n + 4 * closure->sub->loop_count, parameters = section_start + (has_section ? 3 : 0);
   *out = (km_homotopy){.closure = closure, .has_section = has_section, .size = size, .length = length,
                        
-                       .parameter_count = parameters, .section_start = section_start, .step_factor = 1.0};
+                       .parameter_count = parameters, .section_start = section_start, .step_factor = 1.0,
+                       .functional_size = 1.0};
   out->direction = KM_ARENA_NEW(arena, km_complex, (size_t)n);
   out->J = KM_ARENA_NEW(arena, km_complex, (size_t)(size * size));
   out->F = KM_ARENA_NEW(arena, km_complex, (size_t)size);
@@ -54,7 +55,16 @@ static bool is_planar_turn(const km_complex_closure *c, int turn) {
 }
 
 static const double imaginary_turn = 0.3;  /* imaginary parts of quaternions with real parts of length 1 */
-static const double position_radius = 1.0; /* sizes */
+ /* sizes */
+
+/* Errors of positions in sizes, and the section's numbers: random sizes reach the solutions far out, which exchange
+ * places on large closed paths only. */
+static const double position_decades = 1.0, section_decades = 0.5;
+
+/* 10^u, u uniform in [0, decades]. */
+static double random_size(double decades, uint64_t *random) {
+  return pow(10.0, decades * (0.5 + 0.5 * km_uniform(random)));
+}
 
 /* Draws a quaternion with the components that a loop has. */
 static void draw_quaternion(const bool *has, uint64_t *random, km_complex *P) {
@@ -73,8 +83,14 @@ static void draw_quaternion(const bool *has, uint64_t *random, km_complex *P) {
 
 void km_homotopy_draw(const km_homotopy *h, uint64_t *random, km_complex *parameters) {
   const km_complex_closure *c = h->closure;
+  double size = random_size(position_decades, random);
   for (int i = 0; i < h->parameter_count; ++i)
-    parameters[i] = i < c->size && c->turn_of[i] >= 0 ? 0.0 : position_radius * km_complex_random(random);
+    parameters[i] = (i < c->size ? size * (c->turn_of[i] < 0) : 1.0) * km_complex_random(random);
+  if (h->has_section) {
+    parameters[h->section_start] *= random_size(section_decades, random);
+    for (int k = 1; k < 3; ++k)
+      parameters[h->section_start + k] *= h->functional_size * random_size(section_decades, random);
+  }
   for (int l = 0; l < c->sub->loop_count; ++l)
     draw_quaternion(c->has_turn + 4 * l, random, parameters + c->size + 4 * l);
 }
@@ -111,7 +127,7 @@ void km_homotopy_begin(const km_homotopy *h, const km_complex *centre, uint64_t 
 static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_value) {
   int n = h->closure->size, stride = h->size;
   const km_complex *P = h->parameter, *section = P + h->section_start;
-  km_complex_values values = {.turn = P + n, .F = h->F, .J = h->J, .stride = stride, .functional = h->has_section ? 0 : -1,
+  km_complex_values values = {.turn = P + n, .F = h->F, .J = h->J, .stride = stride, .functional = h->has_section ? KM_TRACE : -1,
                               .gradient = h->has_section ? h->J + n * stride : NULL};
   km_complex s = h->has_section ? x[h->closure->length] : 0.0;
   km_complex_evaluate(h->closure, x, &values);
@@ -160,7 +176,7 @@ static double correct(km_homotopy *h, km_complex *x) {
   double largest = 0.0;
   km_complex_solve(h->J, h->size, h->size, h->row, h->F, h->step);
   for (int i = 0; i < n; ++i) {
-    double size = cabs(h->step[i]);
+    double size = fabs(creal(h->step[i])) + fabs(cimag(h->step[i]));
     largest = size > largest || isnan(size) ? size : largest;
   }
   km_complex_move(h->closure, h->step, x);
@@ -220,6 +236,14 @@ static bool is_infinite(const km_homotopy *h, const km_complex *x) {
   return false;
 }
 
+/* True if the errors at the end of a path are rounding: beside poles Newton's method settles on points that are none. */
+static bool is_solution(km_homotopy *h, const km_complex *x, km_complex *section_value) {
+  bool is_small = linearise(h, x, section_value);
+  for (int i = 0; i < h->size; ++i)
+    is_small = is_small && cabs(h->F[i]) <= final_error;
+  return is_small;
+}
+
 /* Corrects the predicted point. Returns the first correction, infinity if the step is rejected. */
 static double correct_step(km_homotopy *h, km_complex *x, km_complex *section_value, bool is_last) {
   if (!linearise(h, x, section_value))
@@ -273,6 +297,8 @@ km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const 
     exchange(&h->point[0], &h->point[1]);
     exchange(&h->point[1], &h->point[2]);
     exchange(&h->rate[0], &h->rate[1]);
+    if (is_last && !is_solution(h, h->point[1], &section_value))
+      outcome = KM_PATH_SINGULAR;
     path_rates(h, h->point[1], section_value, h->rate[1]);
     last = end - t;
     t = end;

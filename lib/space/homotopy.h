@@ -19,6 +19,7 @@ typedef struct km_homotopy {
   int parameter_count;    /* p[n], P[4 · loops], with a section also s_0, c, τ */
   int section_start;      /* index of s_0 */
   km_complex *direction;  /* v[n] */
+  double functional_size; /* of y_0, for the section's c and τ; 1 by default */
   double step_factor;     /* scales the corrections that a step may have; 1 by default, less to track again */
   long evaluations;       /* number of factorisations */
   km_complex *J, *F, *parameter, *slope, *rates, *step, *rhs; /* workspace */

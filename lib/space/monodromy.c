@@ -5,14 +5,15 @@
 
 /* Functionals of one solution differ by less than this between two ways to it, relative to 1 + |y|. */
 static const double same_solution = 1e-7;
+static const double retry_factor = 0.1; /* of the corrections that a step may have, for lost paths */
 
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
-  km_complex mark[KM_FUNCTIONALS];
+  km_complex mark[KM_FINGERPRINT];
   km_complex_fingerprint(g->h->closure, x, mark);
   for (int i = 0; i < fibre->count; ++i) {
-    const km_complex *known = fibre->marks + (size_t)i * KM_FUNCTIONALS;
+    const km_complex *known = fibre->marks + (size_t)i * KM_FINGERPRINT;
     bool is_same = true;
-    for (int k = 0; k < KM_FUNCTIONALS && is_same; ++k)
+    for (int k = 0; k < KM_FINGERPRINT && is_same; ++k)
       is_same = cabs(known[k] - mark[k]) <= same_solution * (1.0 + cabs(mark[k]));
     if (is_same)
       return i;
@@ -28,14 +29,14 @@ int km_fibre_add(km_monodromy *g, km_fibre *fibre, const km_complex *x) {
   size_t count = (size_t)fibre->count;
   bool is_ok = km_reserve(&points, &fibre->point_capacity, (count + 1) * (size_t)length, sizeof(km_complex));
   fibre->points = points;
-  is_ok = is_ok && km_reserve(&marks, &fibre->mark_capacity, (count + 1) * KM_FUNCTIONALS, sizeof(km_complex));
+  is_ok = is_ok && km_reserve(&marks, &fibre->mark_capacity, (count + 1) * KM_FINGERPRINT, sizeof(km_complex));
   fibre->marks = marks;
   if (!is_ok) {
     g->failed = true;
     return -1;
   }
   memcpy(fibre->points + count * (size_t)length, x, (size_t)length * sizeof *x);
-  km_complex_fingerprint(g->h->closure, x, fibre->marks + count * KM_FUNCTIONALS);
+  km_complex_fingerprint(g->h->closure, x, fibre->marks + count * KM_FINGERPRINT);
   return fibre->count++;
 }
 
@@ -52,6 +53,25 @@ static bool extend_edge(km_monodromy *g, km_fibre_edge *edge) {
   return !g->failed;
 }
 
+km_path_outcome km_monodromy_track(km_monodromy *g, const km_complex *from, const km_complex *to, km_complex *x) {
+  size_t bytes = (size_t)g->h->length * sizeof(km_complex);
+  km_complex *start = KM_NEW(km_complex, (size_t)g->h->length);
+  g->failed = g->failed || !start;
+  if (!start)
+    return KM_PATH_SINGULAR;
+  memcpy(start, x, bytes);
+  ++g->paths;
+  km_path_outcome outcome = km_homotopy_track(g->h, from, to, x, NULL);
+  if (outcome == KM_PATH_SINGULAR) {
+    memcpy(x, start, bytes);
+    g->h->step_factor = retry_factor;
+    outcome = km_homotopy_track(g->h, from, to, x, NULL);
+    g->h->step_factor = 1.0;
+  }
+  km_free(start);
+  return outcome;
+}
+
 /* Tracks solution i of one end of an edge. An arrival that has another partner already shows that one of both paths
  * changed to a neighbouring one; then both stay without a partner. */
 static void track(km_monodromy *g, km_fibre_edge *edge, int end, int i) {
@@ -62,8 +82,7 @@ static void track(km_monodromy *g, km_fibre_edge *edge, int end, int i) {
   if (!x)
     return;
   memcpy(x, from->points + (size_t)i * (size_t)g->h->length, bytes);
-  ++g->paths;
-  km_path_outcome outcome = km_homotopy_track(g->h, from->parameters, to->parameters, x, NULL);
+  km_path_outcome outcome = km_monodromy_track(g, from->parameters, to->parameters, x);
   edge->partner[end][i] = KM_UNTRACKABLE;
   if (outcome == KM_PATH_ARRIVED) {
     int found = km_fibre_add(g, to, x);
@@ -116,26 +135,34 @@ static bool add_node(km_monodromy *g) {
   g->failed = g->failed || !node->parameters;
   if (!g->failed && k > 0)
     km_homotopy_draw(g->h, g->random, node->parameters);
-  for (int back = 1; back <= 2 && back <= k; ++back)
+  for (int back = 1; back <= KM_NODE_EDGES && back <= k; ++back)
     g->edge[g->edge_count++] = (km_fibre_edge){.node = {k - back, k}};
   return !g->failed;
 }
 
-bool km_monodromy_search(km_monodromy *g, int quiet) {
-  for (int without_news = 0; without_news < quiet && g->node_count < KM_MAX_NODES;) {
-    int before = g->node[0].count;
-    if (!add_node(g) || !saturate(g))
+bool km_monodromy_extend(km_monodromy *g, int nodes) {
+  for (int i = 0; i < nodes; ++i)
+    if (g->node_count >= KM_MAX_NODES || !add_node(g))
       return false;
-    without_news = g->node[0].count > before || g->node_count < 3 ? 0 : without_news + 1;
+  return saturate(g);
+}
+
+bool km_monodromy_search(km_monodromy *g, int quiet) {
+  for (int without_news = 0; without_news < quiet;) {
+    int before = g->node[0].count;
+    if (!km_monodromy_extend(g, g->node_count == 0 ? 3 : 1))
+      return false;
+    without_news = g->node[0].count > before ? 0 : without_news + 1;
   }
   return true;
 }
 
 void km_monodromy_free(km_monodromy *g) {
-  for (int i = 0; i < g->node_count; ++i) {
+  for (int i = 0; i < KM_MAX_NODES; ++i) {
     km_free(g->node[i].parameters);
     km_free(g->node[i].points);
     km_free(g->node[i].marks);
+    g->node[i] = (km_fibre){0};
   }
   for (int e = 0; e < g->edge_count; ++e) {
     km_free(g->edge[e].partner[0]);
