@@ -12,7 +12,7 @@ static const double contraction = 0.25; /* largest ratio of two corrections of N
 static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.5, least_growth = 0.3;
 /* Corrections at the end of a path. Corrections that no longer decrease are rounding up to this size: solutions beside a pole, with complex rotations of
  * norm 1e2, lose four digits. */
-static const double final_correction = 1e-11, rounded_correction = 1e-7;
+static const double final_correction = 1e-11, rounded_correction = 1e-6;
 static const double final_error = 1e-6; /* of H at the end of a path, in radians and sizes */
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
@@ -257,7 +257,7 @@ static double correct_step(km_homotopy *h, km_complex *x, km_complex *section_va
       return HUGE_VAL;
     double next = correct(h, x);
     if (!(next <= contraction * last))
-      return next <= rounded_correction ? first : HUGE_VAL;
+      return next <= (is_last ? rounded_correction : small_correction) ? first : HUGE_VAL;
     last = next;
   }
   return first;
