@@ -10,12 +10,9 @@
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/mode_identity.h"
+#include "kinematics/mode_normalisation.h"
 
-#include <stdint.h>
 #include <string.h>
-
-static const double pose_tolerance = 1e-6; /* tolerance of a body's pose: radians, lengths over the substructure's
-                                            * size */
 
 /* One assembly mode. */
 typedef struct mode {
@@ -29,128 +26,21 @@ typedef struct mode_search {
   const km_mechanism *m;
   km_state *s; /* the search's state, with the driver locked */
   const km_state *original;
-  int driver, substructure;
+  int driver;
   km_arena arena;
-  double *saved, *step; /* [3 · columns], [columns] workspace */
+  km_mode_workspace work; /* of closings from random starts */
   km_body_placement *placements;
   mode *modes;
   size_t capacity;
   int count, closed;
   bool is_mobile; /* a mode has a mobility above 0 */
-  uint64_t random;
   km_progress progress;
   void *context;
   bool cancelled;
 } mode_search;
 
-/* Uniform random number in [−1, 1) by splitmix64. */
-static double uniform(mode_search *f) {
-  uint64_t z = (f->random += 0x9E3779B97F4A7C15u);
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
-}
-
 static const km_substructure *substructure_of_search(const mode_search *f) {
-  return &f->m->substructures[f->substructure];
-}
-
-static int coordinate_of_column(const mode_search *f, int column) {
-  return f->m->column_coordinate[substructure_of_search(f)->column_start + column];
-}
-
-/* Random start: hinges uniform in [−π, π], slides within the substructure's size around the present value; locked
- * coordinates stay. */
-static void randomise(mode_search *f) {
-  const km_substructure *sub = substructure_of_search(f);
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = coordinate_of_column(f, k);
-    f->step[k] = f->s->locked[c] ? 0.0 : uniform(f) * (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
-  }
-  km_state_move(f->m, f->s, sub, f->step);
-}
-
-/* Closes the substructure's loops from the present start. */
-static bool close_loops(mode_search *f) {
-  bool closed;
-  f->arena.failed = km_assemble_one(f->m, f->s, f->substructure, f->saved, &closed) || f->arena.failed;
-  return closed;
-}
-
-static int body_of_joint(const km_mechanism *m, int joint, int end) {
-  return m->model->frames[m->model->joints[joint].frame[end]].body;
-}
-
-/* True if the coordinate belongs to the strut's slide or to the joint at either end. */
-static bool belongs_to_strut(const km_mechanism *m, int strut, int coordinate) {
-  int slide = m->model->coordinates[strut].joint, joint = m->model->coordinates[coordinate].joint;
-  return joint == slide || body_of_joint(m, joint, 1) == body_of_joint(m, slide, 0) ||
-         body_of_joint(m, joint, 0) == body_of_joint(m, slide, 1);
-}
-
-static void lock_driver(mode_search *f) {
-  km_state_unlock(f->s);
-  if (f->driver >= 0)
-    km_state_lock(f->s, f->driver);
-}
-
-/* Reverses a strut of negative length: its length becomes |q|, its own joints are closed again from random starts, all
- * others stay. False, with the state unchanged, if no start closes. */
-static bool reverse_strut(mode_search *f, int strut) {
-  enum { STARTS = 40 };
-  const km_substructure *sub = substructure_of_search(f);
-  size_t size = (size_t)(KM_SAVED_PER_COLUMN * sub->columns);
-  double *saved_before = KM_NEW(double, size);
-  bool is_reversed = false;
-  f->arena.failed = f->arena.failed || !saved_before;
-  if (!saved_before)
-    return false;
-  km_state_save(f->s, sub, saved_before);
-  km_state_lock(f->s, strut);
-  for (int k = 0; k < sub->columns; ++k)
-    if (!belongs_to_strut(f->m, strut, coordinate_of_column(f, k)))
-      km_state_lock(f->s, coordinate_of_column(f, k));
-  for (int i = 0; i < STARTS && !is_reversed; ++i) {
-    km_state_restore(f->s, sub, saved_before);
-    f->s->q[strut] = fabs(f->s->q[strut]);
-    randomise(f);
-    is_reversed = close_loops(f);
-  }
-  lock_driver(f);
-  if (!is_reversed)
-    km_state_restore(f->s, sub, saved_before);
-  km_free(saved_before);
-  return is_reversed;
-}
-
-/* Moves hinge angles by full turns to within half a turn of the original values, or into their limits. */
-static void choose_full_turns(mode_search *f) {
-  const km_substructure *sub = substructure_of_search(f);
-  for (int k = 0; k < sub->columns && sub->coupling_count == 0; ++k) {
-    int c = coordinate_of_column(f, k);
-    double *q = &f->s->q[c];
-    if (!km_coordinate_turns(f->m, c))
-      continue;
-    double turn = remainder(*q - f->original->q[c], 2.0 * M_PI);
-    *q = f->original->q[c] + (turn < pose_tolerance - M_PI ? turn + 2.0 * M_PI : turn);
-    if (*q > f->m->high[c])
-      *q -= 2.0 * M_PI * ceil((*q - f->m->high[c]) / (2.0 * M_PI));
-    else if (*q < f->m->low[c])
-      *q += 2.0 * M_PI * ceil((f->m->low[c] - *q) / (2.0 * M_PI));
-  }
-}
-
-/* Normalises a configuration: strut lengths of at least 0, hinge angles nearest to the original ones or within limits.
- * False if a strut could not be reversed. */
-static bool normalise_configuration(mode_search *f) {
-  bool is_reversed = true;
-  for (int k = 0; k < substructure_of_search(f)->columns; ++k) {
-    int c = coordinate_of_column(f, k);
-    if (f->m->model->coordinates[c].is_strut && f->s->q[c] < 0.0 && c != f->driver)
-      is_reversed = reverse_strut(f, c) && is_reversed;
-  }
-  choose_full_turns(f);
-  return is_reversed;
+  return &f->m->substructures[f->work.substructure];
 }
 
 /* Index of the mode with the present poses of all bodies; -1: a new mode. */
@@ -158,7 +48,7 @@ static int find_mode(const mode_search *f) {
   double size = substructure_of_search(f)->size;
   km_poses_compute(f->m, f->s);
   for (int i = 0; i < f->count; ++i)
-    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, size, pose_tolerance))
+    if (km_is_same_mode(f->m, f->placements, f->modes[i].pose, f->s->pose, size, km_pose_tolerance))
       return i;
   return -1;
 }
@@ -174,11 +64,11 @@ static bool add_mode(mode_search *f) {
   if (f->arena.failed || !km_reserve(&modes, &f->capacity, (size_t)f->count + 1, sizeof *f->modes))
     return false;
   f->modes = modes;
-  f->is_mobile = f->is_mobile || km_partition_freedom(&f->s->partition[f->substructure]) > 0;
+  f->is_mobile = f->is_mobile || km_partition_freedom(&f->s->partition[f->work.substructure]) > 0;
   memcpy(added.pose, f->s->pose, bodies * sizeof *added.pose);
   bool is_first = f->count == 0;
   added.is_within_limits =
-      is_first || (normalise_configuration(f) && km_state_find_outside_limit(f->s, substructure_of_search(f)) < 0);
+      is_first || (km_mode_normalise(&f->work) && km_state_find_outside_limit(f->s, substructure_of_search(f)) < 0);
   km_state_save(f->s, substructure_of_search(f), added.saved);
   f->modes[f->count++] = added;
   return !f->arena.failed;
@@ -203,8 +93,8 @@ static bool run_starts(mode_search *f, int starts) {
     if (f->cancelled)
       return false;
     km_state_restore(f->s, substructure_of_search(f), f->modes[0].saved);
-    randomise(f);
-    if ((close_loops(f) && !record_mode(f)) || f->arena.failed)
+    km_mode_randomise(&f->work);
+    if ((km_mode_close(&f->work) && !record_mode(f)) || f->arena.failed || f->work.failed)
       return false;
   }
   return true;
@@ -212,7 +102,7 @@ static bool run_starts(mode_search *f, int starts) {
 
 /* Returns a coordinate for output. A value that is 0 to the rounding of closing is written as 0. */
 static double output_coordinate(const mode_search *f, int c) {
-  if (f->m->substructure_of[c] != f->substructure)
+  if (f->m->substructure_of[c] != f->work.substructure)
     return km_state_coordinate(f->original, c);
   return fabs(f->s->q[c]) <= km_residual_tolerance * f->m->unit[c] ? 0.0 : km_state_coordinate(f->s, c);
 }
@@ -239,21 +129,19 @@ static bool write_modes(mode_search *f, km_modes *out) {
 
 /* Closes the first mode, runs the starts and writes the result. */
 static km_status search_modes(mode_search *f, int starts, km_modes *out, km_error *error) {
-  size_t columns = (size_t)substructure_of_search(f)->columns;
-  f->saved = KM_ARENA_NEW(&f->arena, double, KM_SAVED_PER_COLUMN *columns);
-  f->step = KM_ARENA_NEW(&f->arena, double, columns);
+  bool is_ok = km_mode_workspace_reserve(&f->work, &f->arena), is_mobile = false, is_closed = true;
   f->placements = KM_ARENA_NEW(&f->arena, km_body_placement, (size_t)f->m->model->body_count);
-  bool is_ok = !f->arena.failed, is_mobile = false, is_closed = true;
+  is_ok = is_ok && !f->arena.failed;
   if (is_ok) {
     f->arena.failed = !km_body_placements(f->m, f->placements);
     km_state_copy(f->m, f->s, f->original);
-    is_closed = close_loops(f);
-    is_ok = is_closed && !f->arena.failed;
-    is_mobile = is_ok && f->driver < 0 && km_partition_freedom(&f->s->partition[f->substructure]) > 0;
+    is_closed = km_mode_close(&f->work);
+    is_ok = is_closed && !f->arena.failed && !f->work.failed;
+    is_mobile = is_ok && f->driver < 0 && km_partition_freedom(&f->s->partition[f->work.substructure]) > 0;
     is_ok = is_ok && !is_mobile && run_starts(f, starts) && write_modes(f, out);
   }
   out->isolated = is_ok && !f->is_mobile;
-  bool is_open = !is_closed && !f->arena.failed;
+  bool is_open = !is_closed && !f->arena.failed && !f->work.failed;
   km_free(f->modes);
   km_arena_free(&f->arena);
   if (is_open)
@@ -307,15 +195,19 @@ km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, in
   if (!status)
     status = km_state_create(m, &state, error);
   if (!status) {
+    if (driver >= 0)
+      km_state_lock(state, driver);
     mode_search f = {.m = m,
                      .s = state,
                      .original = s,
                      .driver = driver,
-                     .substructure = driver >= 0 ? m->substructure_of[driver] : largest_substructure(m),
-                     .random = seed,
+                     .work = {.m = m,
+                              .s = state,
+                              .original = s,
+                              .substructure = driver >= 0 ? m->substructure_of[driver] : largest_substructure(m),
+                              .random = seed},
                      .progress = progress,
                      .context = context};
-    lock_driver(&f);
     status = search_modes(&f, starts, out, error);
   }
   km_state_free(state);

@@ -1,4 +1,4 @@
-/* Comparison of configurations as assembly modes (docs/theory.md 4.13). Private to kinematics/. */
+/* Comparison of configurations as assembly modes (docs/theory.md 4.13). */
 #ifndef KM_KINEMATICS_MODE_IDENTITY_H
 #define KM_KINEMATICS_MODE_IDENTITY_H
 

@@ -1,0 +1,120 @@
+/* Random starts and normal forms of assembly modes (mode_normalisation.h). */
+#include "kinematics/mode_normalisation.h"
+
+#include "kinematics/assembly.h"
+
+#include <string.h>
+
+/* Uniform random number in [−1, 1) by splitmix64. */
+static double uniform(km_mode_workspace *f) {
+  uint64_t z = (f->random += 0x9E3779B97F4A7C15u);
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
+}
+
+static const km_substructure *substructure_of(const km_mode_workspace *f) {
+  return &f->m->substructures[f->substructure];
+}
+
+static int coordinate_of_column(const km_mode_workspace *f, int column) {
+  return f->m->column_coordinate[substructure_of(f)->column_start + column];
+}
+
+bool km_mode_workspace_reserve(km_mode_workspace *f, km_arena *arena) {
+  size_t columns = (size_t)substructure_of(f)->columns;
+  f->saved = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns);
+  f->before = KM_ARENA_NEW(arena, double, KM_SAVED_PER_COLUMN *columns);
+  f->step = KM_ARENA_NEW(arena, double, columns);
+  f->locked = KM_ARENA_NEW(arena, bool, (size_t)f->m->coordinate_count);
+  if (!arena->failed)
+    memcpy(f->locked, f->s->locked, (size_t)f->m->coordinate_count * sizeof *f->locked);
+  return !arena->failed;
+}
+
+void km_mode_randomise(km_mode_workspace *f) {
+  const km_substructure *sub = substructure_of(f);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = coordinate_of_column(f, k);
+    f->step[k] = f->s->locked[c] ? 0.0 : uniform(f) * (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
+  }
+  km_state_move(f->m, f->s, sub, f->step);
+}
+
+bool km_mode_close(km_mode_workspace *f) {
+  bool closed;
+  f->failed = km_assemble_one(f->m, f->s, f->substructure, f->saved, &closed) || f->failed;
+  return closed;
+}
+
+static int body_of_joint(const km_mechanism *m, int joint, int end) {
+  return m->model->frames[m->model->joints[joint].frame[end]].body;
+}
+
+/* True if the coordinate belongs to the strut's slide or to the joint at either end. */
+static bool belongs_to_strut(const km_mechanism *m, int strut, int coordinate) {
+  int slide = m->model->coordinates[strut].joint, joint = m->model->coordinates[coordinate].joint;
+  return joint == slide || body_of_joint(m, joint, 1) == body_of_joint(m, slide, 0) ||
+         body_of_joint(m, joint, 0) == body_of_joint(m, slide, 1);
+}
+
+/* Restores the locks. */
+static void lock_again(km_mode_workspace *f) {
+  km_state_unlock(f->s);
+  for (int c = 0; c < f->m->coordinate_count; ++c)
+    if (f->locked[c])
+      km_state_lock(f->s, c);
+}
+
+/* Reverses a strut of negative length: its length becomes |q|, its own joints are closed again from random starts, all
+ * others stay. False, with the state unchanged, if no start closes. */
+static bool reverse_strut(km_mode_workspace *f, int strut) {
+  enum { STARTS = 40 };
+  const km_substructure *sub = substructure_of(f);
+  bool is_reversed = false;
+  km_state_save(f->s, sub, f->before);
+  km_state_lock(f->s, strut);
+  for (int k = 0; k < sub->columns; ++k)
+    if (!belongs_to_strut(f->m, strut, coordinate_of_column(f, k)))
+      km_state_lock(f->s, coordinate_of_column(f, k));
+  for (int i = 0; i < STARTS && !is_reversed; ++i) {
+    km_state_restore(f->s, sub, f->before);
+    f->s->q[strut] = fabs(f->s->q[strut]);
+    km_mode_randomise(f);
+    is_reversed = km_mode_close(f);
+  }
+  lock_again(f);
+  if (!is_reversed)
+    km_state_restore(f->s, sub, f->before);
+  return is_reversed;
+}
+
+/* Moves hinge angles by full turns to within half a turn of the original values, or into their limits. */
+static void choose_full_turns(km_mode_workspace *f) {
+  const km_substructure *sub = substructure_of(f);
+  for (int k = 0; k < sub->columns && sub->coupling_count == 0; ++k) {
+    int c = coordinate_of_column(f, k);
+    double *q = &f->s->q[c];
+    if (!km_coordinate_turns(f->m, c))
+      continue;
+    double turn = remainder(*q - f->original->q[c], 2.0 * M_PI);
+    *q = f->original->q[c] + (turn < km_pose_tolerance - M_PI ? turn + 2.0 * M_PI : turn);
+    if (*q > f->m->high[c])
+      *q -= 2.0 * M_PI * ceil((*q - f->m->high[c]) / (2.0 * M_PI));
+    else if (*q < f->m->low[c])
+      *q += 2.0 * M_PI * ceil((f->m->low[c] - *q) / (2.0 * M_PI));
+  }
+}
+
+/* Normalises a configuration: strut lengths of at least 0, hinge angles nearest to the original ones or within limits.
+ * False if a strut could not be reversed. */
+bool km_mode_normalise(km_mode_workspace *f) {
+  bool is_reversed = true;
+  for (int k = 0; k < substructure_of(f)->columns; ++k) {
+    int c = coordinate_of_column(f, k);
+    if (f->m->model->coordinates[c].is_strut && f->s->q[c] < 0.0 && !f->locked[c])
+      is_reversed = reverse_strut(f, c) && is_reversed;
+  }
+  choose_full_turns(f);
+  return is_reversed;
+}
