@@ -171,6 +171,17 @@ void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km
   }
 }
 
+km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x) {
+  km_complex_extent extent = {0.0, 0.0};
+  for (int i = 0, step = 0; i < c->sub->program_count; ++i) {
+    const km_program *program = &c->m->programs[c->sub->program_start + i];
+    (program->planar ? km_complex_planar_extent : km_complex_spatial_extent)(c, program, x, c->weight[0] + step,
+                                                                            &extent);
+    step += program->step_count;
+  }
+  return extent;
+}
+
 km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x) {
   km_complex_values values = {.functional = KM_TRACE};
   km_complex_evaluate(c, x, &values);

@@ -98,6 +98,11 @@ void km_complex_randomise(const km_complex_closure *c, const km_complex *centre,
 void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out);
 /* Computes the fingerprint y[KM_FINGERPRINT]: two configurations with the same values have the same bodies' poses. */
 void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y);
+/* Size of the parts of the bodies' poses that count: largest part, and largest imaginary part. */
+typedef struct km_complex_extent {
+  double largest, imaginary;
+} km_complex_extent;
+km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x);
 /* Value of the trace's functional. */
 km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x);
 /* Chooses the trace's functional: a random function of the first slot whose position differs in all `count`

@@ -18,6 +18,17 @@ void km_complex_close_planar(const km_complex_closure *c, const km_program *prog
 void km_complex_close_spatial(const km_complex_closure *c, const km_program *program, const km_loop *loop, int step,
                               km_complex *x);
 
+/* Enlarges the extent by the parts of the slots' poses whose weights aren't 0. */
+void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+                              const km_slot_weight *weight, km_complex_extent *extent);
+void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+                               const km_slot_weight *weight, km_complex_extent *extent);
+/* Enlarges the extent by one number. */
+static inline void km_complex_extend(km_complex_extent *extent, km_complex z) {
+  extent->largest = fmax(extent->largest, cabs(z));
+  extent->imaginary = fmax(extent->imaginary, fabs(cimag(z)));
+}
+
 /* Returns the first column of a step's coordinate, −1 if it is held. */
 static inline int km_complex_column(const km_complex_closure *c, int coordinate) {
   return c->m->column_of[coordinate];

@@ -121,3 +121,21 @@ void km_complex_close_planar(const km_complex_closure *c, const km_program *prog
                  CMPLX(cos(loop->planar_closing_angle), sin(loop->planar_closing_angle));
   x[c->start_of[km_complex_column(c, step->coordinate)]] -= step->sign * carg(A);
 }
+
+/* Cartesian parts of the slots: (Z + W)/2, (Z − W)/(2i), and of the direction U likewise. */
+void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+                              const km_slot_weight *weight, km_complex_extent *extent) {
+  const km_planar_step *steps = c->m->planar_steps + program->step_start;
+  compute_slots(c, program, x, c->isotropic, c->twist);
+  for (int i = 0; i < program->step_count; ++i) {
+    const km_isotropic_pose *X = &c->isotropic[steps[i].to];
+    if (weight[i].p[0] != 0.0) {
+      km_complex_extend(extent, 0.5 * (X->U + X->V));
+      km_complex_extend(extent, -0.5 * KM_I * (X->U - X->V));
+    }
+    if (weight[i].p[1] != 0.0) {
+      km_complex_extend(extent, 0.5 * (X->Z + X->W));
+      km_complex_extend(extent, -0.5 * KM_I * (X->Z - X->W));
+    }
+  }
+}

@@ -264,3 +264,18 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
   number[2] = step->sign * Q.y;
   number[3] = step->sign * Q.z;
 }
+
+void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
+                               const km_slot_weight *weight, km_complex_extent *extent) {
+  compute_slots(c, program, x);
+  for (int i = 0; i < program->step_count; ++i) {
+    const km_complex_pose *X = &c->slot[c->m->steps[program->step_start + i].to];
+    for (int k = 0; k < 3; ++k) {
+      if (weight[i].p[k] != 0.0)
+        km_complex_extend(extent, X->p[k]);
+      for (int j = 0; j < 3; ++j)
+        if (weight[i].R[k][j] != 0.0)
+          km_complex_extend(extent, X->R[k][j]);
+    }
+  }
+}

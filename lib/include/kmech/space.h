@@ -1,0 +1,88 @@
+/* Configuration spaces: all assembly modes with a proof. */
+#ifndef KMECH_SPACE_H
+#define KMECH_SPACE_H
+
+#include "kmech/base.h"
+#include "kmech/mechanism.h"
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- All assembly modes: the configurations that close the loops with some coordinates locked (docs/theory.md 4.15 to
+ * 4.17). */
+
+/* Reason why a list of modes is not shown to be complete. */
+typedef enum km_mode_gap {
+  KM_GAP_NONE,     /* complete: the trace test passed, and every solution was followed to the closed loops */
+  KM_GAP_TRACE,    /* the trace test did not pass: at least these modes */
+  KM_GAP_LOST,     /* solutions were lost on the way to the closed loops */
+  KM_GAP_SINGULAR, /* singular solutions: several may coincide, or the solutions there are curves */
+  KM_GAP_MOVES,    /* a mode moves, although all held joints stay: the modes there are samples of a self-motion */
+  KM_GAP_LIMIT     /* there are more solutions than the search was allowed to follow */
+} km_mode_gap;
+/* Returns "complete", "trace", "lost", "singular", "self-motion", "limit"; "" for another value. */
+KM_API const char *km_mode_gap_name(km_mode_gap gap);
+
+/* Evidence of one assembly mode. */
+typedef struct km_mode_evidence {
+  bool is_certified;     /* the proof holds: exactly one solution lies within error_bound, and no other within radius */
+  double kantorovich;    /* h of the proof, at most 1/2 if it holds; NaN at a singular configuration */
+  double error_bound;    /* distance to the exact solution: radians, lengths over the substructure's size */
+  double radius;         /* distance within which there is no other solution, in the same units */
+  double residual;       /* √(eᵀe/6) of the worst loop, scaled */
+  int mobility;          /* instantaneous mobility with all coordinates free */
+  bool is_singular;      /* bodies can move to first order although the locked coordinates stay */
+  bool moves;            /* they can move: a self-motion, of which this is a sample */
+  bool is_within_limits; /* all coordinates are within their limits */
+} km_mode_evidence;
+
+/* All assembly modes. */
+typedef struct km_all_modes {
+  int count;                  /* number of modes; the first is that of the state */
+  double *coordinates;        /* [count × coordinate count] in the model's units */
+  double *mobility_numbers;   /* [count × coordinate count] with all coordinates free */
+  km_mode_evidence *evidence; /* [count] */
+  int substructure;           /* index of the substructure whose modes these are */
+  bool is_complete;           /* there are no other modes */
+  km_mode_gap gap;            /* why not */
+  int complex_solutions;      /* complex solutions over a generic closure error */
+  int section_points;         /* points of the section in the trace test */
+  double trace_difference;    /* relative second difference of the trace test; rounding if it passed; NaN: not made */
+  int estimate;               /* estimated number of complex solutions of an incomplete search */
+  int samples, found_once;    /* its independent finds, and the solutions found by one of them */
+  int infinite, singular;     /* solutions that go to infinity, or to a singular solution, as the loops close */
+  int outside;                /* modes outside the joint limits: in the list, or left out */
+} km_all_modes;
+
+enum {
+  KM_DEFAULT_MODE_SOLUTIONS = 20000 /* complex solutions that are followed, unless stated */
+};
+
+/* Options of the search. */
+typedef struct km_all_modes_def {
+  const int *locked; /* [locked_count] coordinates that keep their values; NULL: none */
+  int locked_count;
+  bool within_limits; /* modes outside the joint limits are left out, but that of the state */
+  int max_solutions;  /* complex solutions that are followed; 0: KM_DEFAULT_MODE_SOLUTIONS */
+  unsigned long seed; /* of the random numbers: the modes don't depend on it */
+} km_all_modes_def;
+
+/* Finds all assembly modes of one substructure: that of the locked coordinates, else the largest one. Its closure
+ * errors are followed over the complex numbers by monodromy; the trace test shows completeness; real solutions of the
+ * closed loops are the modes, and Newton-Kantorovich proves each. Two configurations are one mode if all bodies have
+ * the same poses to 1e-6, as in km_modes_find. Modes are ordered by their coordinates behind the first one. The state
+ * must be assembled and keeps its configuration. KM_USAGE: an index is invalid, locked coordinates lie in different
+ * substructures, there is no loop, bodies can move although the locked coordinates stay (the message says in how many
+ * ways), or a joint is a screw or coupled; KM_MODEL: the loops are open; KM_MEMORY; KM_CANCELLED. Free `*out` in any
+ * case. O(complex solutions · 10³ · rank³). */
+KM_API km_status km_all_modes_find(const km_mechanism *mechanism, const km_state *state, const km_all_modes_def *def,
+                                   km_progress progress, void *context, km_all_modes *out, km_error *error);
+KM_API void km_all_modes_free(km_all_modes *modes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
