@@ -137,10 +137,6 @@ static const double *ordering_values(modes_search *f) {
 static bool is_singular(modes_search *f) {
   const km_partition *p = &f->s->partition[f->substructure];
   km_update_and_search_pivots(f->m, f->s, f->substructure, KM_NO_DRIVER, 0.0);
-  int locked = 0;
-  for (int k = 0; k < substructure_of(f)->columns; ++k)
-    locked += f->s->locked[f->m->column_coordinate[substructure_of(f)->column_start + k]];
-  (void)locked;
   return km_partition_freedom(p) > f->passive;
 }
 
@@ -216,8 +212,8 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
   if (f->arena.failed || !km_body_placements(f->m, f->placements))
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   km_state_copy(f->m, f->s, f->original);
-  bool is_closed = km_mode_close(&f->work);
-  (void)is_closed; /* it was closed before */
+  if (!km_mode_close(&f->work)) /* lock_and_close closed it */
+    return km_fail(error, KM_MODEL, "the loops of the state are open; expected an assembled one");
   km_state_save(f->s, sub, own);
   km_status status = add_mode(f, true, error);
   *is_first_found = false;
@@ -241,13 +237,9 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
 /* Decides the verdict. */
 static void judge_completeness(const modes_search *f, const km_fibre_search *search, int limit, bool is_first_found,
                                km_all_modes *out) {
-  bool moves = false, all_singular_isolated = f->ends.singular > 0;
-  int singular_modes = 0;
-  for (int i = 0; i < f->count; ++i) {
+  bool moves = false;
+  for (int i = 0; i < f->count; ++i)
     moves = moves || f->modes[i].evidence.moves;
-    singular_modes += f->modes[i].evidence.is_singular;
-  }
-  all_singular_isolated = all_singular_isolated && singular_modes > 0;
   out->gap = moves                                               ? KM_GAP_MOVES
              : search->graph.node[0].count > limit               ? KM_GAP_LIMIT
              : !search->is_complete                              ? KM_GAP_TRACE

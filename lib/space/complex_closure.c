@@ -140,6 +140,13 @@ void km_complex_randomise(const km_complex_closure *c, const km_complex *centre,
 
 /* ---- Evaluation. */
 
+/* Coefficients of one program, whose first step is the `step`-th one of all. */
+static km_program_weight weight_of_program(const km_complex_closure *c, int functional, const km_program *program,
+                                           int step) {
+  const km_slot_weight *all = c->weight[functional];
+  return (km_program_weight){all + step, all + c->end_start + 2 * (program->loop_start - c->sub->loop_start)};
+}
+
 void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out) {
   bool has_functional = out->functional >= 0;
   int rows = 0, columns = 0;
@@ -154,7 +161,8 @@ void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_co
     memset(out->gradient, 0, (size_t)columns * sizeof *out->gradient);
   for (int i = 0, step = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
-    const km_slot_weight *weight = has_functional ? c->weight[out->functional] + step : NULL;
+    km_program_weight weight = has_functional ? weight_of_program(c, out->functional, program, step)
+                                              : (km_program_weight){NULL, NULL};
     if (program->planar)
       km_complex_planar(c, program, x, weight, out);
     else
@@ -175,8 +183,8 @@ km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_c
   km_complex_extent extent = {0.0, 0.0};
   for (int i = 0, step = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
-    (program->planar ? km_complex_planar_extent : km_complex_spatial_extent)(c, program, x, c->weight[0] + step,
-                                                                            &extent);
+    (program->planar ? km_complex_planar_extent : km_complex_spatial_extent)(
+        c, program, x, weight_of_program(c, 0, program, step), &extent);
     step += program->step_count;
   }
   return extent;
@@ -186,6 +194,16 @@ km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x) {
   km_complex_values values = {.functional = KM_TRACE};
   km_complex_evaluate(c, x, &values);
   return values.value;
+}
+
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other) {
+  km_complex y[2][KM_FINGERPRINT];
+  km_complex_fingerprint(c, x, y[0]);
+  km_complex_fingerprint(c, other, y[1]);
+  for (int k = 0; k < KM_FINGERPRINT; ++k)
+    if (!(cabs(y[0][k] - y[1][k]) <= passive_tolerance * (1.0 + cabs(y[0][k]))))
+      return false;
+  return true;
 }
 
 /* Difference of the trace's functional at two configurations, relative to 1 + |y|, above which they are separate. */
@@ -212,7 +230,7 @@ static int count_steps(const km_complex_closure *c) {
 }
 
 void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, int count, uint64_t *random) {
-  int steps = count_steps(c);
+  int steps = c->end_start + 2 * c->sub->loop_count;
   km_slot_weight *trace = c->weight[KM_TRACE];
   const km_slot_weight *all = c->weight[0];
   for (int i = 0; i < 2 * steps && count >= LEAST_SEPARATED; ++i) {
@@ -229,11 +247,24 @@ void km_complex_choose_trace(km_complex_closure *c, const km_complex *points, in
   memcpy(trace, all, (size_t)steps * sizeof *trace);
 }
 
+bool km_complex_has_all_rows(const km_complex_closure *c) {
+  int count = 0, closing = 0;
+  for (int r = 0; r < c->sub->rows; ++r)
+    count += c->equation_of[r] >= 0;
+  for (int i = 0; i < c->sub->program_count; ++i) {
+    const km_program *program = &c->m->programs[c->sub->program_start + i];
+    for (int j = 0; j < program->loop_count; ++j)
+      if (c->closing_step[program->loop_start + j - c->sub->loop_start] >= 0)
+        closing += program->planar ? 1 : 3;
+  }
+  return count + closing == c->sub->rows;
+}
+
 /* ---- Functionals. */
 
 /* A step of a program, as the functionals need it. */
 typedef struct slot_place {
-  int joint, body, from, to;
+  int joint, body, body_before, from, to;
   bool is_inner; /* the next step belongs to the same joint, or the joint closes a loop */
 } slot_place;
 
@@ -252,7 +283,28 @@ static slot_place place_of_step(const km_mechanism *m, const km_program *program
   bool is_chord = false;
   for (int l = 0; l < m->topology.loop_count; ++l)
     is_chord = is_chord || m->topology.chord[l] == joint;
-  return (slot_place){joint, m->model->frames[j->frame[sign > 0.0]].body, from, to, is_chord};
+  return (slot_place){joint, m->model->frames[j->frame[sign > 0.0]].body, m->model->frames[j->frame[sign <= 0.0]].body, from,
+                      to, is_chord};
+}
+
+static bool has_slide(const km_model_joint *joint) {
+  const km_joint_kind *kind = km_joint_kind_of(joint->type);
+  bool found = false;
+  for (int i = 0; i < kind->motion_count; ++i)
+    found = found || kind->motions[i].primitive == KM_PRISMATIC;
+  return found;
+}
+
+/* Part of a slot's pose that is a function of the bodies' places: of a half of a strut none, but the place of a joint
+ * without a slide is one of the other body too. */
+static km_body_identity identity_of_slot(const km_mechanism *m, const km_body_placement *placement,
+                                         const slot_place *here) {
+  if (here->is_inner)
+    return KM_BODY_PASSIVE;
+  km_body_identity own = placement[here->body].identity;
+  bool is_shared = !has_slide(&m->model->joints[here->joint]) &&
+                   (here->body_before == 0 || placement[here->body_before].identity != KM_BODY_PASSIVE);
+  return own == KM_BODY_PASSIVE && is_shared ? KM_BODY_POINT : own;
 }
 
 /* Parts of a slot's pose that are a function of the bodies' places. */
@@ -290,10 +342,19 @@ static void orient_connected_points(const km_mechanism *m, km_body_placement *pl
       placement[b].identity = KM_BODY_POSE;
 }
 
+/* True if the position of a loop's chord is a function of the bodies' places: one of its bodies is no half of a strut,
+ * and no slide lies between. */
+static bool end_counts(const km_mechanism *m, const km_body_placement *placement, int loop) {
+  const km_model_joint *chord = &m->model->joints[m->topology.chord[loop]];
+  return placement[m->model->frames[chord->frame[1]].body].identity != KM_BODY_PASSIVE ||
+         (!has_slide(chord) && placement[m->model->frames[chord->frame[0]].body].identity != KM_BODY_PASSIVE);
+}
+
 /* Draws the coefficients of all functionals. */
 static void draw_weights(km_complex_closure *c, uint64_t *random, km_arena *arena) {
   const km_mechanism *m = c->m;
-  size_t steps = (size_t)count_steps(c);
+  c->end_start = count_steps(c);
+  size_t steps = (size_t)(c->end_start + 2 * c->sub->loop_count);
   km_body_placement *placement = KM_ARENA_NEW(arena, km_body_placement, (size_t)m->model->body_count);
   for (int k = 0; k < KM_FUNCTIONALS; ++k)
     c->weight[k] = KM_ARENA_NEW(arena, km_slot_weight, steps);
@@ -311,11 +372,16 @@ static void draw_weights(km_complex_closure *c, uint64_t *random, km_arena *aren
         here.is_inner = here.is_inner || (next.from == here.to && next.joint == here.joint);
       }
       for (int k = 0; k < KM_FINGERPRINT; ++k)
-        random_weight(program, here.is_inner ? KM_BODY_PASSIVE : placement[here.body].identity, random,
+        random_weight(program, identity_of_slot(m, placement, &here), random,
                       &c->weight[k][first + j]);
     }
     first += program->step_count;
   }
+  for (int l = 0; l < c->sub->loop_count; ++l)
+    for (int i = 0; i < 2 * KM_FINGERPRINT; ++i)
+      if (end_counts(m, placement, m->loop_order[c->sub->loop_start + l]))
+        for (int k = 0; k < 3; ++k)
+          c->weight[i / 2][c->end_start + 2 * l + i % 2].p[k] = km_complex_random(random);
 }
 
 /* ---- Choice of equations and unknowns. */
@@ -449,7 +515,10 @@ static void mark_turns(km_complex_closure *c) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
     for (int j = 0; j < program->loop_count; ++j) {
       const km_loop *loop = &c->m->loops[c->m->loop_order[program->loop_start + j]];
-      for (int r = 0; r < loop->lambda; ++r) {
+      bool is_whole = true; /* a rotation of which some components are free has no quaternion */
+      for (int r = 0; r < loop->lambda; ++r)
+        is_whole = is_whole && (loop->rows[r] < (program->planar ? 2 : 3) || c->equation_of[loop->row_start + r] >= 0);
+      for (int r = 0; r < loop->lambda && is_whole; ++r) {
         int equation = c->equation_of[loop->row_start + r];
         int component = loop->rows[r] - (program->planar ? 2 : 3);
         if (component < 0)

@@ -62,7 +62,9 @@ typedef struct km_complex_closure {
   int *turn_of;         /* [n] index of a rotation's component in `turn`; −1: a position */
   bool *has_turn;       /* [4 · loops] components of P that loops have */
   int *closing_step;    /* [loops] step of a ball joint or planar hinge that closes the loop; −1: none */
-  km_slot_weight *weight[KM_FUNCTIONALS]; /* [steps of all programs], zero for slots that don't count */
+  km_slot_weight *weight[KM_FUNCTIONALS]; /* [steps of all programs + 2 · loops]: slots, then the ends of the loops'
+                                           * sides, whose positions count; zero: they don't */
+  int end_start;                          /* first weight of an end: side k of loop l has end_start + 2 l + k */
   km_complex_pose *slot;                  /* workspace of spatial programs */
   km_isotropic_pose *isotropic;           /* workspace of planar programs */
   km_complex (*twist)[6];                 /* workspace: unit twists (v; ω) of a program's steps, three per step */
@@ -85,6 +87,9 @@ typedef struct km_complex_values {
 km_status km_complex_closure_create(const km_mechanism *mechanism, km_state *state, int substructure, uint64_t *random,
                                     km_arena *arena, km_complex_closure *out, int *freedom, km_error *error);
 
+/* True if all rows of all loops are equations, or are solved by a joint that closes the loop. */
+bool km_complex_has_all_rows(const km_complex_closure *c);
+
 /* Copies the state's coordinates to a configuration x[length]. */
 void km_complex_from_state(const km_complex_closure *c, const km_state *state, km_complex *x);
 /* Copies the real part of a configuration to a state. Joints that close loops take the rotation that closes them, in x
@@ -103,6 +108,8 @@ typedef struct km_complex_extent {
   double largest, imaginary;
 } km_complex_extent;
 km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x);
+/* True if two configurations have the same fingerprint. */
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other);
 /* Value of the trace's functional. */
 km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x);
 /* Chooses the trace's functional: a random function of the first slot whose position differs in all `count`

@@ -77,17 +77,35 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
   }
 }
 
+/* Place (Z, W) of the end of a loop's side. */
+static void side_end(const km_loop *loop, const km_isotropic_pose *slot, int side, km_complex *Z, km_complex *W) {
+  const km_isotropic_pose *X = &slot[loop->slot[side]];
+  km_complex d = CMPLX(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1]);
+  *Z = X->Z + X->U * d;
+  *W = X->W + X->V * conj(d);
+}
+
 /* Adds y = Σ weights · (U, Z, W) and its gradient, accumulated from the slots to the base: with the sums S over the
  * slots behind a joint, ∂y/∂q = i (S_U U + S_Z (Z − Z_h) − S_W (W − W_h)) of a hinge, S_Z dZ + S_W dW of a slide. */
 static void add_functional(const km_complex_closure *c, const km_program *program, const km_isotropic_pose *slot,
-                           km_complex (*twist)[6], const km_slot_weight *weight, km_complex_values *out) {
+                           km_complex (*twist)[6], km_program_weight weight, km_complex_values *out) {
   const km_planar_step *steps = c->m->planar_steps + program->step_start;
   km_complex(*sum)[6] = c->wrench; /* (Σ w_U U + w_Z Z − w_W W, Σ w_Z, Σ w_W) */
   for (int k = 0; k < program->slot_count; ++k)
     sum[k][0] = sum[k][1] = sum[k][2] = 0.0;
+  for (int i = 0; i < 2 * program->loop_count; ++i) {
+    const km_loop *loop = &c->m->loops[c->m->loop_order[program->loop_start + i / 2]];
+    const km_complex *w = weight.end[i].p;
+    km_complex *at = sum[loop->slot[i % 2]], Z, W;
+    side_end(loop, slot, i % 2, &Z, &W);
+    out->value += w[1] * Z + w[2] * W;
+    at[0] += w[1] * Z - w[2] * W;
+    at[1] += w[1];
+    at[2] += w[2];
+  }
   for (int i = program->step_count - 1; i >= 0; --i) {
     const km_isotropic_pose *to = &slot[steps[i].to];
-    const km_complex *w = weight[i].p;
+    const km_complex *w = weight.slot[i].p;
     km_complex *behind = sum[steps[i].to], *before = sum[steps[i].from];
     out->value += w[0] * to->U + w[1] * to->Z + w[2] * to->W;
     behind[0] += w[0] * to->U + w[1] * to->Z - w[2] * to->W;
@@ -104,11 +122,11 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
 }
 
 void km_complex_planar(const km_complex_closure *c, const km_program *program, const km_complex *x,
-                       const km_slot_weight *weight, km_complex_values *out) {
+                       km_program_weight weight, km_complex_values *out) {
   compute_slots(c, program, x, c->isotropic, c->twist);
   for (int i = 0; i < program->loop_count; ++i)
     evaluate_loop(c, program, km_complex_loop_at(c, program->loop_start + i, out), out);
-  if (weight)
+  if (weight.slot)
     add_functional(c, program, c->isotropic, c->twist, weight, out);
 }
 
@@ -124,16 +142,24 @@ void km_complex_close_planar(const km_complex_closure *c, const km_program *prog
 
 /* Cartesian parts of the slots: (Z + W)/2, (Z − W)/(2i), and of the direction U likewise. */
 void km_complex_planar_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
-                              const km_slot_weight *weight, km_complex_extent *extent) {
+                              km_program_weight weight, km_complex_extent *extent) {
   const km_planar_step *steps = c->m->planar_steps + program->step_start;
   compute_slots(c, program, x, c->isotropic, c->twist);
+  for (int i = 0; i < 2 * program->loop_count; ++i) {
+    km_complex Z, W;
+    side_end(&c->m->loops[c->m->loop_order[program->loop_start + i / 2]], c->isotropic, i % 2, &Z, &W);
+    if (weight.end[i].p[1] != 0.0) {
+      km_complex_extend(extent, 0.5 * (Z + W));
+      km_complex_extend(extent, -0.5 * KM_I * (Z - W));
+    }
+  }
   for (int i = 0; i < program->step_count; ++i) {
     const km_isotropic_pose *X = &c->isotropic[steps[i].to];
-    if (weight[i].p[0] != 0.0) {
+    if (weight.slot[i].p[0] != 0.0) {
       km_complex_extend(extent, 0.5 * (X->U + X->V));
       km_complex_extend(extent, -0.5 * KM_I * (X->U - X->V));
     }
-    if (weight[i].p[1] != 0.0) {
+    if (weight.slot[i].p[1] != 0.0) {
       km_complex_extend(extent, 0.5 * (X->Z + X->W));
       km_complex_extend(extent, -0.5 * KM_I * (X->Z - X->W));
     }

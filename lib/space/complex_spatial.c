@@ -200,24 +200,36 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
   }
 }
 
+/* Adds w·p of a point and its wrench (w; p × w). */
+static void add_force(const km_complex *w, const km_complex *p, km_complex *wrench, km_complex_values *out) {
+  km_complex moment[3];
+  cross(p, w, moment);
+  out->value += dot(w, p);
+  for (int k = 0; k < 3; ++k) {
+    wrench[k] += w[k];
+    wrench[3 + k] += moment[k];
+  }
+}
+
 /* Adds y = Σ w·p + Σ w_k·R_k over the slots and its gradient: each slot acts on the joints before it as the wrench
  * (w; p × w + Σ R_k × w_k). */
-static void add_functional(const km_complex_closure *c, const km_program *program, const km_slot_weight *weight,
+static void add_functional(const km_complex_closure *c, const km_program *program, km_program_weight weight,
                            km_complex_values *out) {
   memset(c->wrench, 0, (size_t)program->slot_count * sizeof *c->wrench);
+  for (int i = 0; i < 2 * program->loop_count; ++i) {
+    const km_loop *loop = &c->m->loops[c->m->loop_order[program->loop_start + i / 2]];
+    km_complex_pose X;
+    pose_product(&c->slot[loop->slot[i % 2]], &loop->closing_frame[i % 2], false, &X);
+    add_force(weight.end[i].p, X.p, c->wrench[loop->slot[i % 2]], out);
+  }
   for (int i = program->step_count - 1; i >= 0; --i) {
     const km_step *step = &c->m->steps[program->step_start + i];
     const km_complex_pose *X = &c->slot[step->to];
     km_complex *behind = c->wrench[step->to], *before = c->wrench[step->from], moment[3];
-    out->value += dot(weight[i].p, X->p);
-    cross(X->p, weight[i].p, moment);
-    for (int k = 0; k < 3; ++k) {
-      behind[k] += weight[i].p[k];
-      behind[3 + k] += moment[k];
-    }
+    add_force(weight.slot[i].p, X->p, behind, out);
     for (int j = 0; j < 3; ++j) {
-      out->value += dot(weight[i].R[j], X->R[j]);
-      cross(X->R[j], weight[i].R[j], moment);
+      out->value += dot(weight.slot[i].R[j], X->R[j]);
+      cross(X->R[j], weight.slot[i].R[j], moment);
       for (int k = 0; k < 3; ++k)
         behind[3 + k] += moment[k];
     }
@@ -232,11 +244,11 @@ static void add_functional(const km_complex_closure *c, const km_program *progra
 }
 
 void km_complex_spatial(const km_complex_closure *c, const km_program *program, const km_complex *x,
-                        const km_slot_weight *weight, km_complex_values *out) {
+                        km_program_weight weight, km_complex_values *out) {
   compute_slots(c, program, x);
   for (int i = 0; i < program->loop_count; ++i)
     evaluate_loop(c, program, km_complex_loop_at(c, program->loop_start + i, out), out);
-  if (weight)
+  if (weight.slot)
     add_functional(c, program, weight, out);
 }
 
@@ -266,15 +278,23 @@ void km_complex_close_spatial(const km_complex_closure *c, const km_program *pro
 }
 
 void km_complex_spatial_extent(const km_complex_closure *c, const km_program *program, const km_complex *x,
-                               const km_slot_weight *weight, km_complex_extent *extent) {
+                               km_program_weight weight, km_complex_extent *extent) {
   compute_slots(c, program, x);
+  for (int i = 0; i < 2 * program->loop_count; ++i) {
+    const km_loop *loop = &c->m->loops[c->m->loop_order[program->loop_start + i / 2]];
+    km_complex_pose X;
+    pose_product(&c->slot[loop->slot[i % 2]], &loop->closing_frame[i % 2], false, &X);
+    for (int k = 0; k < 3; ++k)
+      if (weight.end[i].p[k] != 0.0)
+        km_complex_extend(extent, X.p[k]);
+  }
   for (int i = 0; i < program->step_count; ++i) {
     const km_complex_pose *X = &c->slot[c->m->steps[program->step_start + i].to];
     for (int k = 0; k < 3; ++k) {
-      if (weight[i].p[k] != 0.0)
+      if (weight.slot[i].p[k] != 0.0)
         km_complex_extend(extent, X->p[k]);
       for (int j = 0; j < 3; ++j)
-        if (weight[i].R[k][j] != 0.0)
+        if (weight.slot[i].R[k][j] != 0.0)
           km_complex_extend(extent, X->R[k][j]);
     }
   }

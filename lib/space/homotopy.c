@@ -14,6 +14,7 @@ static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.
  * norm 1e2, lose four digits. */
 static const double final_correction = 1e-11, rounded_correction = 1e-6;
 static const double final_error = 1e-6; /* of H at the end of a path, in radians and sizes */
+enum { MAX_STEPS = 3000 };
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
 bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uint64_t *random, km_arena *arena,
@@ -24,7 +25,8 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
                        
                        .parameter_count = parameters, .section_start = section_start, .step_factor = 1.0,
                        .functional_size = 1.0};
-  out->direction = KM_ARENA_NEW(arena, km_complex, (size_t)n);
+  out->direction = KM_ARENA_NEW(arena, km_complex, (size_t)section_start);
+  out->turn = KM_ARENA_NEW(arena, km_complex, (size_t)(section_start - n));
   out->J = KM_ARENA_NEW(arena, km_complex, (size_t)(size * size));
   out->F = KM_ARENA_NEW(arena, km_complex, (size_t)size);
   out->parameter = KM_ARENA_NEW(arena, km_complex, (size_t)parameters);
@@ -37,9 +39,13 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
   for (int k = 0; k < 2; ++k)
     out->rate[k] = KM_ARENA_NEW(arena, km_complex, (size_t)length);
   out->row = KM_ARENA_NEW(arena, int, (size_t)size);
+  bool has_position = false;
   for (int i = 0; !arena->failed && i < n; ++i) {
     out->direction[i] = closure->turn_of[i] >= 0 ? 0.0 : km_complex_random(random);
+    has_position = has_position || closure->turn_of[i] < 0;
   }
+  for (int i = n; !arena->failed && i < section_start; ++i)
+    out->direction[i] = has_position || !closure->has_turn[i - n] ? 0.0 : km_complex_random(random);
   return !arena->failed;
 }
 
@@ -123,13 +129,24 @@ void km_homotopy_begin(const km_homotopy *h, const km_complex *centre, uint64_t 
     }
 }
 
+/* Component of the angular velocity ω = 2 vec(Ḋ P*) / (P·P) of a loop's rotation P of the last evaluation, if P changes
+ * at the rate Ḋ: parameters' rates. */
+static km_complex turn_rate(const km_homotopy *h, int turn, const km_complex *rates) {
+  const km_complex *P = h->turn + turn / 4 * 4, *D = rates + h->closure->size + turn / 4 * 4;
+  int k = turn % 4, i = 1 + k % 3, j = 1 + (k + 1) % 3;
+  km_complex square = P[0] * P[0] + P[1] * P[1] + P[2] * P[2] + P[3] * P[3];
+  return 2.0 * (D[k] * P[0] - D[0] * P[k] - D[i] * P[j] + D[j] * P[i]) / square;
+}
+
 /* Computes H and factors H_x at x and the present parameters; h->F = −H. False: singular. */
 static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_value) {
   int n = h->closure->size, stride = h->size;
   const km_complex *P = h->parameter, *section = P + h->section_start;
-  km_complex_values values = {.turn = P + n, .F = h->F, .J = h->J, .stride = stride, .functional = h->has_section ? KM_TRACE : -1,
+  km_complex_values values = {.turn = h->turn, .F = h->F, .J = h->J, .stride = stride, .functional = h->has_section ? KM_TRACE : -1,
                               .gradient = h->has_section ? h->J + n * stride : NULL};
   km_complex s = h->has_section ? x[h->closure->length] : 0.0;
+  for (int i = n; i < h->section_start; ++i)
+    h->turn[i - n] = P[i] + s * h->direction[i];
   km_complex_evaluate(h->closure, x, &values);
   for (int i = 0; i < n; ++i)
     h->F[i] = P[i] + s * h->direction[i] - h->F[i];
@@ -137,7 +154,8 @@ static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_v
     km_complex *last = h->J + n * stride;
     *section_value = values.value;
     for (int i = 0; i < n; ++i) {
-      h->J[i * stride + n] = -h->direction[i];
+      h->J[i * stride + n] = h->closure->turn_of[i] < 0 ? -h->direction[i]
+                                                       : -turn_rate(h, h->closure->turn_of[i], h->direction);
       last[i] *= s - section[0];
     }
     last[n] = values.value - section[1];
@@ -147,19 +165,11 @@ static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_v
   return km_complex_factor(h->J, h->size, stride, h->row);
 }
 
-/* Component of the angular velocity ω = 2 vec(Ṗ P*) / (P·P) of the loops' rotations along the path. */
-static km_complex turn_rate(const km_homotopy *h, int turn) {
-  const km_complex *P = h->parameter + h->closure->size + turn / 4 * 4, *D = h->slope + h->closure->size + turn / 4 * 4;
-  int k = turn % 4, i = 1 + k % 3, j = 1 + (k + 1) % 3;
-  km_complex square = P[0] * P[0] + P[1] * P[1] + P[2] * P[2] + P[3] * P[3];
-  return 2.0 * (D[k] * P[0] - D[0] * P[k] - D[i] * P[j] + D[j] * P[i]) / square;
-}
-
 /* Rates of the unknowns along the path, from the present factors. */
 static void path_rates(km_homotopy *h, const km_complex *x, km_complex section_value, km_complex *out) {
   int n = h->closure->size;
   for (int i = 0; i < n; ++i)
-    h->rhs[i] = h->closure->turn_of[i] < 0 ? h->slope[i] : turn_rate(h, h->closure->turn_of[i]);
+    h->rhs[i] = h->closure->turn_of[i] < 0 ? h->slope[i] : turn_rate(h, h->closure->turn_of[i], h->slope);
   if (h->has_section) {
     const km_complex *section = h->parameter + h->section_start, *slope = h->slope + h->section_start;
     h->rhs[n] = slope[2] + slope[0] * (section_value - section[1]) + (x[h->closure->length] - section[0]) * slope[1];
@@ -282,7 +292,11 @@ km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const 
     outcome = KM_PATH_SINGULAR;
   else
     path_rates(h, x, section_value, h->rate[1]);
-  while (outcome == KM_PATH_ARRIVED && t < 1.0) {
+  for (int i = 0; outcome == KM_PATH_ARRIVED && t < 1.0; ++i) {
+    if (i == MAX_STEPS) {
+      outcome = KM_PATH_SINGULAR;
+      break;
+    }
     bool is_last = t + 1.001 * step >= 1.0;
     double end = is_last ? 1.0 : t + step;
     predict(h, last, end - t, h->point[2]);

@@ -1,6 +1,6 @@
 /* Tracking of solutions along straight paths of parameters (docs/theory.md 4.15).
  *
- *   F(q) = p + s v,  rotations of the errors: P               v: fixed direction; without a section s = 0
+ *   F(q) = p + s v,  rotations of the errors: P + s V          (v, V): fixed direction; without a section s = 0
  *   (s − s_0)(y(q) − c) = τ                                    the section, with the unknown s
  *   H(x) = 0,  parameters (p, P, s_0, c, τ) on a straight path,   ẋ = −H_x⁻¹ ∂H/∂t
  *
@@ -18,10 +18,11 @@ typedef struct km_homotopy {
   int length;             /* numbers of a point: those of the configuration, with a section also s */
   int parameter_count;    /* p[n], P[4 · loops], with a section also s_0, c, τ */
   int section_start;      /* index of s_0 */
-  km_complex *direction;  /* v[n] */
+  km_complex *direction;  /* [n + 4 · loops] v and V; V = 0 if there are errors of positions */
   double functional_size; /* of y_0, for the section's c and τ; 1 by default */
   double step_factor;     /* scales the corrections that a step may have; 1 by default, less to track again */
   long evaluations;       /* number of factorisations */
+  km_complex *turn; /* [4 · loops] workspace: P + s V */
   km_complex *J, *F, *parameter, *slope, *rates, *step, *rhs; /* workspace */
   km_complex *point[3], *rate[2];                             /* workspace of the predictor */
   int *row;

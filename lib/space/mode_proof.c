@@ -9,34 +9,33 @@
 /* Roundings of one step of a program: products of rotations, a sine, sums. */
 enum { ROUNDINGS_PER_STEP = 64 };
 
-/* Reach of the loops of one program: all constant links and slides, one size more for slides within the ball of the
- * proof, and the distance of the loop's point. */
-static double program_reach(const km_complex_closure *c, const km_program *program, const km_complex *x) {
-  double reach = 1.0;
-  for (int i = 0; i < program->step_count; ++i) {
-    if (program->planar) {
-      const km_planar_step *step = &c->m->planar_steps[program->step_start + i];
-      reach += hypot(step->x, step->y);
-      if (step->is_slide)
-        reach += cabs(x[c->start_of[km_complex_column(c, step->coordinate)]]);
-    } else {
-      const km_step *step = &c->m->steps[program->step_start + i];
-      reach += km_vec3_norm(step->before.p);
-      if (step->primitive == KM_PRISMATIC)
-        reach += cabs(x[c->start_of[km_complex_column(c, step->coordinate)]]);
-    }
-  }
-  return reach;
-}
+/* Columns of a loop, and the reach of its chain: constant links and slides, one size more for slides within the ball of
+ * the proof, and the distance of the loop's point. */
+typedef struct loop_size {
+  double columns, reach;
+} loop_size;
 
-static double loop_reach(const km_program *program, const km_loop *loop) {
-  double reach = 0.0;
+static loop_size size_of_loop(const km_complex_closure *c, const km_program *program, const km_loop *loop,
+                              const km_complex *x) {
+  loop_size size = {0.0, 1.0};
+  for (int e = 0; e < loop->entry_count; ++e) {
+    int i = program->step_start + c->m->entries[loop->entry_start + e].step;
+    const km_planar_step *planar = program->planar ? &c->m->planar_steps[i] : NULL;
+    const km_step *spatial = program->planar ? NULL : &c->m->steps[i];
+    bool is_slide = planar ? planar->is_slide : spatial->primitive == KM_PRISMATIC;
+    int coordinate = planar ? planar->coordinate : spatial->coordinate;
+    size.columns += planar ? 1.0 : km_primitive_freedom(spatial->primitive);
+    size.reach += planar ? hypot(planar->x, planar->y) : km_vec3_norm(spatial->before.p);
+    size.reach += is_slide ? cabs(x[c->start_of[km_complex_column(c, coordinate)]]) : 0.0;
+  }
   for (int side = 0; side < 2; ++side)
-    reach += program->planar ? hypot(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1])
-                             : km_vec3_norm(loop->closing_frame[side].p);
-  return reach + (program->planar ? hypot(loop->planar_origin_offset[0], loop->planar_origin_offset[1]) +
-                                        hypot(loop->planar_point[0], loop->planar_point[1])
-                                  : km_vec3_norm(loop->origin_offset) + km_vec3_norm(loop->point[0]));
+    size.reach += program->planar
+                      ? hypot(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1])
+                      : km_vec3_norm(loop->closing_frame[side].p);
+  size.reach += program->planar ? hypot(loop->planar_origin_offset[0], loop->planar_origin_offset[1]) +
+                                      hypot(loop->planar_point[0], loop->planar_point[1])
+                                : km_vec3_norm(loop->origin_offset) + km_vec3_norm(loop->point[0]);
+  return size;
 }
 
 /* K, and the rounding errors of F and J. */
@@ -45,36 +44,18 @@ static double second_derivative_bound(const km_complex_closure *c, const km_comp
   int steps = 0;
   for (int i = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
-    double chain = program_reach(c, program, x);
     steps += program->step_count;
     for (int j = 0; j < program->loop_count; ++j) {
-      const km_loop *loop = &c->m->loops[c->m->loop_order[program->loop_start + j]];
-      double r = chain + loop_reach(program, loop), columns = 0.0;
-      for (int e = 0; e < loop->entry_count; ++e)
-        columns += program->planar ? 1.0
-                                   : km_primitive_freedom(c->m->steps[program->step_start +
-                                                                      c->m->entries[loop->entry_start + e].step]
-                                                              .primitive);
-      sum += columns * columns * (9.0 * r * r + 1.0);
-      largest = fmax(largest, r);
+      int place = program->loop_start + j;
+      loop_size size = size_of_loop(c, program, &c->m->loops[c->m->loop_order[place]], x);
+      /* The image E(o) of a fixed point is a sum of three vectors of the chain's reach, the moving point is one. */
+      double position = (c->closing_step[place - c->sub->loop_start] >= 0 ? 1.0 : 3.0) * size.reach;
+      sum += size.columns * size.columns * (position * position + 1.0);
+      largest = fmax(largest, size.reach);
     }
   }
-  *rounding = ROUNDINGS_PER_STEP * DBL_EPSILON * steps * (1.0 + largest) * c->size;
+  *rounding = ROUNDINGS_PER_STEP * DBL_EPSILON * steps * (1.0 + largest);
   return sqrt(sum);
-}
-
-/* True if all rows of all loops are equations, or are solved by a joint that closes the loop. */
-static bool has_all_equations(const km_complex_closure *c) {
-  int count = 0, closing = 0;
-  for (int r = 0; r < c->sub->rows; ++r)
-    count += c->equation_of[r] >= 0;
-  for (int i = 0; i < c->sub->program_count; ++i) {
-    const km_program *program = &c->m->programs[c->sub->program_start + i];
-    for (int j = 0; j < program->loop_count; ++j)
-      if (c->closing_step[program->loop_start + j - c->sub->loop_start] >= 0)
-        closing += program->planar ? 1 : 3;
-  }
-  return count + closing == c->sub->rows;
 }
 
 /* Frobenius norms of X = J⁻¹, computed from its factors, and of 1 − X J. */
@@ -122,7 +103,7 @@ bool km_mode_prove(const km_complex_closure *c, const km_complex *x, km_mode_pro
       double beta = inverse / (1.0 - defect - inverse * rounding), eta = beta * (sqrt(error) + rounding);
       if (beta > 0.0 && isfinite(beta)) {
         out->h = beta * eta * K;
-        out->is_proved = out->h <= 0.5 && has_all_equations(c);
+        out->is_proved = out->h <= 0.5 && km_complex_has_all_rows(c);
         double root = sqrt(fmax(1.0 - 2.0 * out->h, 0.0));
         out->error_bound = 2.0 * eta / (1.0 + root);
         out->radius = (1.0 + root) / (beta * K);

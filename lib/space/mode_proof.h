@@ -2,7 +2,7 @@
  *
  *   |J⁻¹| <= β,   |J⁻¹ F| <= η,   |F''| <= K in the whole space,   h = β η K <= 1/2
  *   => one solution within (1 − √(1 − 2h)) / (β K),  no other within (1 + √(1 − 2h)) / (β K)      (Newton-Kantorovich)
- *   K² = Σ_loops n² ((3 r)² + 1),   n: columns of the loop, r: reach of its chain
+ *   K² = Σ_loops n² (r² + 1),   n: columns of the loop, r: reach of its chain, three times it at a fixed point
  *
  * |·| is the Euclidean norm of angles and lengths over the substructure's size. Two derivatives of a product of
  * rotations and constant links are at most the reach for positions and 1 for rotations. β is the Frobenius norm of an

@@ -1,6 +1,8 @@
 /* Real solutions of the closed loops (real_endpoints.h). */
 #include "space/real_endpoints.h"
 
+#include "kinematics/loop_equations.h"
+
 #include <string.h>
 
 /* Imaginary part of a pose that is rounding, over its largest part; that of a singular end, where a double solution has
@@ -15,6 +17,7 @@ typedef struct endpoint_search {
   const km_complex_closure *closure;
   km_mode_workspace *work;
   km_arena *arena;
+  bool is_overconstrained; /* rows are left out of the system */
   km_fibre closed; /* solutions of the closed loops, to see paths that meet */
   km_complex *x, *start, *detour, *real;
   km_real_endpoints *out;
@@ -101,6 +104,15 @@ static bool realise(endpoint_search *w, double tolerance) {
   return is_found;
 }
 
+/* True if the loops close at w->x in all rows, also those that are no equations of the system. */
+static bool closes_all_rows(endpoint_search *w) {
+  int worst;
+  km_complex_to_state(w->closure, w->x, w->work->s);
+  km_loops_recompute(w->closure->m, w->work->s, w->closure->sub);
+  return km_loops_residual(w->closure->m, w->work->s, w->closure->sub, &worst) <=
+         fmax(w->closure->m->closure_tolerance, real_part);
+}
+
 /* Adds the state's configuration. */
 static void add_endpoint(endpoint_search *w) {
   km_real_endpoints *out = w->out;
@@ -124,6 +136,8 @@ static void judge(endpoint_search *w, km_path_outcome outcome) {
     km_fibre_add(&w->search->graph, &w->closed, w->x);
     if (extent.imaginary > real_part * (1.0 + extent.largest))
       return;
+    if (w->is_overconstrained && !closes_all_rows(w))
+      return;
     if (realise(w, real_part))
       add_endpoint(w);
     else
@@ -139,7 +153,8 @@ km_status km_real_endpoints_find(km_fibre_search *search, const km_complex_closu
                                  km_arena *arena, km_real_endpoints *out, km_error *error) {
   km_monodromy *g = &search->graph;
   size_t length = (size_t)closure->length, parameters = (size_t)g->h->parameter_count;
-  endpoint_search w = {.search = search, .closure = closure, .work = work, .arena = arena, .out = out};
+  endpoint_search w = {.search = search, .closure = closure, .work = work, .arena = arena, .out = out,
+                       .is_overconstrained = !km_complex_has_all_rows(closure)};
   *out = (km_real_endpoints){0};
   w.x = KM_ARENA_NEW(arena, km_complex, length);
   w.start = KM_ARENA_NEW(arena, km_complex, length);

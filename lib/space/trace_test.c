@@ -7,7 +7,8 @@
  * leaves 5e-9 and more at this change of τ; rounding leaves 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
 static const double trace_reach = 4.0; /* change of τ over the size of y: the larger, the more a missing point shows */
-enum { TRIALS = 12, SECTIONS = 4, FEW_SOLUTIONS = 8, QUIET_NODES_OF_FEW = 4, SECTION_NODES = 3, SAMPLES_PER_SOLUTION = 3, LEAST_SAMPLES = 30 };
+static const double least_reach = 1.0; /* where paths are lost with more */
+enum { TRIALS = 12, SECTIONS = 10, FEW_SOLUTIONS = 8, QUIET_NODES_OF_FEW = 4, SECTION_NODES = 3, SAMPLES_PER_SOLUTION = 3, LEAST_SAMPLES = 30 };
 
 typedef struct search_state {
   km_fibre_search *out;
@@ -45,7 +46,7 @@ static void place_section(search_state *w, uint64_t *random) {
   const km_complex *known = w->out->graph.node[0].parameters;
   km_homotopy_draw(h, random, P);
   memcpy(P, known, (size_t)h->section_start * sizeof *P);
-  for (int i = 0; i < h->closure->size; ++i)
+  for (int i = 0; i < h->section_start; ++i)
     P[i] -= P[h->section_start] * h->direction[i];
 }
 
@@ -118,11 +119,13 @@ static double functional_size(const km_monodromy *g) {
 /* The trace test in two directions; with less reach where paths are lost. */
 static double test_traces(search_state *w, uint64_t *random) {
   double largest = NAN;
-  for (double reach = trace_reach; isnan(largest) && reach > 0.3 * trace_reach; reach *= 0.5)
+  for (double reach = trace_reach; isnan(largest) && reach > least_reach; reach *= 0.7)
     largest = trace_difference(w, reach, random);
   if (!(largest <= trace_tolerance))
     return largest;
-  double other = trace_difference(w, trace_reach, random);
+  double other = NAN;
+  for (double reach = trace_reach; isnan(other) && reach > least_reach; reach *= 0.7)
+    other = trace_difference(w, reach, random);
   return other <= largest ? largest : other;
 }
 
@@ -209,7 +212,11 @@ km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *cen
   if (create(&w, random, arena)) {
     km_homotopy_begin(&out->homotopy, centre, random, w.x, out->graph.node[0].parameters);
     km_fibre_add(&out->graph, &out->graph.node[0], w.x);
-    if (km_monodromy_search(&out->graph, 1) &&
+    /* Bodies that cannot move have one mode: a generic configuration has the poses of the closed one. */
+    out->is_complete = km_complex_is_same_mode(closure, centre, w.x);
+    if (out->is_complete)
+      out->trace_difference = 0.0;
+    else if (km_monodromy_search(&out->graph, 1) &&
         km_monodromy_search(&out->graph, out->graph.node[0].count < FEW_SOLUTIONS ? QUIET_NODES_OF_FEW : 0))
       test_completeness(&w, random);
     if (!out->is_complete && goes_on(&w))
