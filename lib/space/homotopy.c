@@ -17,6 +17,17 @@ static const double final_error = 1e-6; /* of H at the end of a path, in radians
 enum { MAX_STEPS = 3000 };
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
+void km_homotopy_redirect(km_homotopy *h, uint64_t *random) {
+  const km_complex_closure *c = h->closure;
+  bool has_position = false;
+  for (int i = 0; i < c->size; ++i) {
+    h->direction[i] = c->turn_of[i] >= 0 ? 0.0 : km_complex_random(random);
+    has_position = has_position || c->turn_of[i] < 0;
+  }
+  for (int i = c->size; i < h->section_start; ++i)
+    h->direction[i] = has_position || !c->has_turn[i - c->size] ? 0.0 : km_complex_random(random);
+}
+
 bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uint64_t *random, km_arena *arena,
                         km_homotopy *out) {
   int n = closure->size, size = n + has_section, length = closure->length + has_section;
@@ -39,13 +50,8 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
   for (int k = 0; k < 2; ++k)
     out->rate[k] = KM_ARENA_NEW(arena, km_complex, (size_t)length);
   out->row = KM_ARENA_NEW(arena, int, (size_t)size);
-  bool has_position = false;
-  for (int i = 0; !arena->failed && i < n; ++i) {
-    out->direction[i] = closure->turn_of[i] >= 0 ? 0.0 : km_complex_random(random);
-    has_position = has_position || closure->turn_of[i] < 0;
-  }
-  for (int i = n; !arena->failed && i < section_start; ++i)
-    out->direction[i] = has_position || !closure->has_turn[i - n] ? 0.0 : km_complex_random(random);
+  if (!arena->failed)
+    km_homotopy_redirect(out, random);
   return !arena->failed;
 }
 

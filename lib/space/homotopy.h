@@ -37,6 +37,8 @@ typedef enum km_path_outcome {
 /* Allocates a homotopy. False when out of memory. */
 bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uint64_t *random, km_arena *arena,
                         km_homotopy *out);
+/* Draws another direction (v, V). */
+void km_homotopy_redirect(km_homotopy *h, uint64_t *random);
 /* Draws random parameters. */
 void km_homotopy_draw(const km_homotopy *h, uint64_t *random, km_complex *parameters);
 /* Chooses a random solution x beside the configuration `centre`, and the errors that it has; no section. */

@@ -6,8 +6,9 @@
 
 #include <float.h>
 
-/* Roundings of one step of a program: products of rotations, a sine, sums. */
-enum { ROUNDINGS_PER_STEP = 64 };
+/* Roundings of one number of a pose by one step of a program: the products by a constant and a joint's rotation, a sine
+ * and a cosine, and the sum of a position are 20 at most. */
+enum { ROUNDINGS_PER_STEP = 32 };
 
 /* Columns of a loop, and the reach of its chain: constant links and slides, one size more for slides within the ball of
  * the proof, and the distance of the loop's point. */
@@ -38,23 +39,21 @@ static loop_size size_of_loop(const km_complex_closure *c, const km_program *pro
   return size;
 }
 
-/* K, and the rounding errors of F and J. */
+/* K, and the rounding error of an entry of F or J. */
 static double second_derivative_bound(const km_complex_closure *c, const km_complex *x, double *rounding) {
   double sum = 0.0, largest = 0.0;
-  int steps = 0;
   for (int i = 0; i < c->sub->program_count; ++i) {
     const km_program *program = &c->m->programs[c->sub->program_start + i];
-    steps += program->step_count;
     for (int j = 0; j < program->loop_count; ++j) {
       int place = program->loop_start + j;
       loop_size size = size_of_loop(c, program, &c->m->loops[c->m->loop_order[place]], x);
       /* The image E(o) of a fixed point is a sum of three vectors of the chain's reach, the moving point is one. */
       double position = (c->closing_step[place - c->sub->loop_start] >= 0 ? 1.0 : 3.0) * size.reach;
       sum += size.columns * size.columns * (position * position + 1.0);
-      largest = fmax(largest, size.reach);
+      largest = fmax(largest, (size.columns + 2.0) * (1.0 + size.reach));
     }
   }
-  *rounding = ROUNDINGS_PER_STEP * DBL_EPSILON * steps * (1.0 + largest);
+  *rounding = ROUNDINGS_PER_STEP * DBL_EPSILON * largest;
   return sqrt(sum);
 }
 
@@ -100,7 +99,8 @@ bool km_mode_prove(const km_complex_closure *c, const km_complex *x, km_mode_pro
       inverse_norms(c, J, LU, row, unit, X, &inverse, &defect);
       for (int i = 0; i < c->size; ++i)
         error += creal(F[i] * conj(F[i]));
-      double beta = inverse / (1.0 - defect - inverse * rounding), eta = beta * (sqrt(error) + rounding);
+      double beta = inverse / (1.0 - defect - inverse * c->size * rounding);
+      double eta = beta * (sqrt(error) + sqrt(c->size) * rounding);
       if (beta > 0.0 && isfinite(beta)) {
         out->h = beta * eta * K;
         out->is_proved = out->h <= 0.5 && km_complex_has_all_rows(c);

@@ -159,6 +159,7 @@ static void test_completeness(search_state *w, uint64_t *random) {
     w->section.node_count = 0;
     km_complex_choose_trace(w->closure, out->graph.node[0].points, out->graph.node[0].count, random);
     out->section.functional_size = functional_size(&out->graph);
+    km_homotopy_redirect(&out->section, random);
     place_section(w, random);
     begin_section(w, 0);
     out->is_complete = test_section(w, random);
