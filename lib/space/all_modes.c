@@ -5,7 +5,7 @@
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
-#include "kinematics/mode_identity.h"
+#include "kinematics/modes/mode_identity.h"
 #include "kmech/mobility.h"
 #include "space/mode_proof.h"
 #include "space/real_endpoints.h"
@@ -24,7 +24,7 @@ typedef struct found_mode {
 typedef struct modes_search {
   const km_mechanism *m;
   const km_state *original;
-  km_state *s; /* with the locked coordinates */
+  km_state *s; /* state with the locked coordinates */
   const km_all_modes_def *def;
   int substructure, passive; /* passive: mobility of passive freedoms */
   km_arena arena;
@@ -71,8 +71,8 @@ static km_status choose_substructure(modes_search *f, km_error *error) {
     const char *label = m->model->coordinates[c].label;
     int own = m->substructure_of[c];
     if (m->held[c] || own < 0 || m->substructures[own].loop_count == 0)
-      return km_fail(error, KM_USAGE, "joint \"%s\" can't be locked for assembly modes; expected a free joint of a loop",
-                     label);
+      return km_fail(error, KM_USAGE,
+                     "joint \"%s\" can't be locked for assembly modes; expected a free joint of a loop", label);
     if (f->substructure >= 0 && f->substructure != own)
       return km_fail(error, KM_USAGE,
                      "joint \"%s\" is in another part of the mechanism than \"%s\"; expected joints of one part, whose "
@@ -98,8 +98,9 @@ static km_status lock_and_close(modes_search *f, km_error *error) {
   }
   if (!km_mode_workspace_reserve(&f->work, &f->arena))
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
-  return km_mode_close(&f->work) ? KM_OK
-                                 : km_fail(error, KM_MODEL, "the loops of the state are open; expected an assembled one");
+  return km_mode_close(&f->work)
+             ? KM_OK
+             : km_fail(error, KM_MODEL, "the loops of the state are open; expected an assembled one");
 }
 
 /* Says how many joints must be held. */
@@ -220,8 +221,8 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
   for (int i = 0; !status && i < f->ends.count; ++i) {
     km_state_restore(f->s, sub, f->ends.items[i]);
     km_poses_compute(f->m, f->s);
-    *is_first_found = *is_first_found || km_is_same_mode(f->m, f->placements, f->modes[0].pose, f->s->pose, sub->size,
-                                                         km_pose_tolerance);
+    *is_first_found = *is_first_found ||
+                      km_is_same_mode(f->m, f->placements, f->modes[0].pose, f->s->pose, sub->size, km_pose_tolerance);
     status = add_mode(f, false, error);
   }
   if (!status && f->count > 2)
@@ -240,12 +241,12 @@ static void judge_completeness(const modes_search *f, const km_fibre_search *sea
   bool moves = false;
   for (int i = 0; i < f->count; ++i)
     moves = moves || f->modes[i].evidence.moves;
-  out->gap = moves                                               ? KM_GAP_MOVES
-             : search->graph.node[0].count > limit               ? KM_GAP_LIMIT
-             : !search->is_complete                              ? KM_GAP_TRACE
-             : f->ends.singular > 0                              ? KM_GAP_SINGULAR
-             : f->ends.lost > 0 || !is_first_found               ? KM_GAP_LOST
-                                                                 : KM_GAP_NONE;
+  out->gap = moves                                 ? KM_GAP_MOVES
+             : search->graph.node[0].count > limit ? KM_GAP_LIMIT
+             : !search->is_complete                ? KM_GAP_TRACE
+             : f->ends.singular > 0                ? KM_GAP_SINGULAR
+             : f->ends.lost > 0 || !is_first_found ? KM_GAP_LOST
+                                                   : KM_GAP_NONE;
   out->is_complete = out->gap == KM_GAP_NONE;
   out->complex_solutions = search->graph.node[0].count;
   out->section_points = search->section_points;
@@ -271,7 +272,8 @@ static km_status write_mode(modes_search *f, const found_mode *mode, int k, km_a
   out->evidence[k] = mode->evidence;
   out->evidence[k].mobility = mobility.mobility;
   for (int c = 0; c < n; ++c) {
-    bool is_zero = f->m->substructure_of[c] == f->substructure && fabs(f->s->q[c]) <= km_residual_tolerance * f->m->unit[c];
+    bool is_zero =
+        f->m->substructure_of[c] == f->substructure && fabs(f->s->q[c]) <= km_residual_tolerance * f->m->unit[c];
     out->coordinates[(size_t)k * (size_t)n + (size_t)c] = is_zero ? 0.0 : km_state_coordinate(f->s, c);
     out->mobility_numbers[(size_t)k * (size_t)n + (size_t)c] = km_mobility_number(f->s, c);
   }
@@ -308,7 +310,8 @@ static km_status search_modes(modes_search *f, km_all_modes *out, km_error *erro
     status = km_fail(error, KM_MEMORY, "out of memory for the assembly modes");
   if (!status) {
     km_complex_from_state(&f->closure, f->s, centre);
-    status = km_fibre_search_run(&f->closure, centre, limit, &random, &f->arena, f->progress, f->context, &search, error);
+    status =
+        km_fibre_search_run(&f->closure, centre, limit, &random, &f->arena, f->progress, f->context, &search, error);
   }
   if (!status)
     status = km_real_endpoints_find(&search, &f->closure, &f->work, &f->arena, &f->ends, error);

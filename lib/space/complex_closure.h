@@ -1,6 +1,6 @@
 /* Closure errors of one substructure over the complex numbers (docs/theory.md 4.15).
  *
- *   F(q) = p,  E_R = G,   q complex: angles and lengths x, unit quaternions Q of ball joints with Q·Q = 1        [n × n]
+ *   F(q) = p,  E_R = G,   q complex: angles and lengths x, unit quaternions Q of ball joints with Q·Q = 1       [n × n]
  *   planar loops : isotropic coordinates Z = x + iy, W = x − iy, U = exp(iφ), V = 1/U
  *                  F = ((F_Z + F_W)/2, (F_Z − F_W)/(2i), (A/G − 1)/i),   A = U_a V_b exp(i φ_0)
  *   spatial loops: F = (E(o) − o; 2 tan(θ/2) axis),   E = X_a X_b⁻¹, E_R Gᵀ a rotation by θ; o the loop's point
@@ -8,10 +8,11 @@
  * A closed loop has F = 0 with G = 1. Positions have errors p; rotations have an error G, the quaternion P, since sums
  * of quaternions near the real ones have no pole.
  *
- * A ball joint that closes a loop, and a hinge that closes a planar one, take any rotation error, so they and the loop's
- * rotations are left out. Rows are independent at the reference configuration; columns are independent at a generic one. F is rational in
- * exp(iq), lengths and quaternions, so almost all values p have the same number of solutions. Source of isotropic
- * coordinates: C. W. Wampler, Solving the kinematics of planar mechanisms, ASME J. Mechanical Design 121, 1999. */
+ * A ball joint that closes a loop, and a hinge that closes a planar one, take any rotation error, so they and the
+ * loop's rotations are left out. Rows are independent at the reference configuration, columns at a generic one. F is
+ * rational in exp(iq), lengths and quaternions, so almost all values p have the same number of solutions. Source of
+ * isotropic coordinates: C. W. Wampler, Solving the kinematics of planar mechanisms, ASME J. Mechanical Design 121,
+ * 1999. */
 #ifndef KM_SPACE_COMPLEX_CLOSURE_H
 #define KM_SPACE_COMPLEX_CLOSURE_H
 
@@ -24,8 +25,8 @@
 typedef double complex km_complex;
 #define KM_I CMPLX(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
 
-/* Random functions y_k of the bodies' poses: the first two are the fingerprint of a solution, the third one serves the
- * trace test. */
+/* Random functions y_k of the bodies' poses: the first two are the fingerprint of a solution, the third one is that of
+ * the trace test. */
 enum { KM_FINGERPRINT = 2, KM_TRACE = 2, KM_FUNCTIONALS = 3 };
 
 /* Complex pose of a slot of a spatial program: columns of the rotation, origin. */
@@ -53,15 +54,15 @@ typedef struct km_slot_weight {
 typedef struct km_complex_closure {
   const km_mechanism *m;
   const km_substructure *sub;
-  int size;             /* n: unknowns and equations */
-  int length;           /* numbers of a configuration */
-  int *start_of;        /* [columns] index of a column's number, or of its quaternion, in a configuration */
-  int *unknown_of;      /* [columns] unknown; −1: fixed */
-  int *equation_of;     /* [rows] equation; −1: left out */
-  int *column_of;       /* [n] column of an unknown */
-  int *turn_of;         /* [n] index of a rotation's component in `turn`; −1: a position */
-  bool *has_turn;       /* [4 · loops] components of P that loops have */
-  int *closing_step;    /* [loops] step of a ball joint or planar hinge that closes the loop; −1: none */
+  int size;          /* n: unknowns and equations */
+  int length;        /* numbers of a configuration */
+  int *start_of;     /* [columns] index of a column's number, or of its quaternion, in a configuration */
+  int *unknown_of;   /* [columns] unknown; −1: fixed */
+  int *equation_of;  /* [rows] equation; −1: left out */
+  int *column_of;    /* [n] column of an unknown */
+  int *turn_of;      /* [n] index of a rotation's component in `turn`; −1: a position */
+  bool *has_turn;    /* [4 · loops] components of P that loops have */
+  int *closing_step; /* [loops] step of a ball joint or planar hinge that closes the loop; −1: none */
   km_slot_weight *weight[KM_FUNCTIONALS]; /* [steps of all programs + 2 · loops]: slots, then the ends of the loops'
                                            * sides, whose positions count; zero: they don't */
   int end_start;                          /* first weight of an end: side k of loop l has end_start + 2 l + k */
@@ -74,7 +75,8 @@ typedef struct km_complex_closure {
 /* One evaluation: F[n], J[n × n] by rows of `stride` numbers, and a functional with its gradient[n]. Pointers may be
  * NULL. */
 typedef struct km_complex_values {
-  const km_complex *turn; /* [4 · loops] quaternions P of the rotations G that the loops' errors shall have; NULL: none */
+  const km_complex
+      *turn; /* [4 · loops] quaternions P of the rotations G that the loops' errors shall have; NULL: none */
   km_complex *F, *J;
   int stride;
   int functional; /* index of the functional */

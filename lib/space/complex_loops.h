@@ -4,6 +4,19 @@
 
 #include "space/complex_closure.h"
 
+static inline bool km_complex_is_ball(const km_complex_closure *c, int column) {
+  return c->m->ball_of[c->m->column_coordinate[c->sub->column_start + column]] >= 0;
+}
+
+/* True if `column` is the first one of a ball joint. */
+static inline bool km_complex_begins_ball(const km_complex_closure *c, int column) {
+  int coordinate = c->m->column_coordinate[c->sub->column_start + column], ball = c->m->ball_of[coordinate];
+  return ball >= 0 && c->m->ball_coordinate[ball] == coordinate;
+}
+
+/* Draws the coefficients of the fingerprint's functionals; weights of the trace's one are 0. */
+void km_complex_draw_weights(km_complex_closure *c, uint64_t *random, km_arena *arena);
+
 /* Coefficients of a program: of its slots by step, and of the two ends of each of its loops. */
 typedef struct km_program_weight {
   const km_slot_weight *slot, *end;

@@ -7,8 +7,8 @@
 #include <complex.h>
 #include <stdbool.h>
 
-/* Factors A[n × n], by rows of `stride` numbers, in place; row[n] is the order of the rows. Zeros are skipped, so sparse
- * columns belong first. False: A is singular or not finite. O(n³). */
+/* Factors A[n × n], by rows of `stride` numbers, in place; row[n] is the order of the rows. Zeros are skipped, so
+ * sparse columns belong first. False: A is singular or not finite. O(n³). */
 bool km_complex_factor(double complex *A, int n, int stride, int *row);
 /* Solves A x = b with the factors; x must not be b. O(n²). */
 void km_complex_solve(const double complex *LU, int n, int stride, const int *row, const double complex *b,

@@ -10,10 +10,10 @@
 static const double target_correction = 3e-2, correction_limit = 2e-1, small_correction = 1e-3;
 static const double contraction = 0.25; /* largest ratio of two corrections of Newton's method */
 static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.5, least_growth = 0.3;
-/* Corrections at the end of a path. Corrections that no longer decrease are rounding up to this size: solutions beside a pole, with complex rotations of
- * norm 1e2, lose four digits. */
+/* Corrections at the end of a path. Those that no longer decrease are rounding up to the second size: solutions beside
+ * a pole, with complex rotations of norm 1e2, lose four digits. */
 static const double final_correction = 1e-11, rounded_correction = 1e-6;
-static const double final_error = 1e-6; /* of H at the end of a path, in radians and sizes */
+static const double final_error = 1e-6; /* largest |H| at the end of a path: radians, sizes */
 enum { MAX_STEPS = 3000 };
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
@@ -32,9 +32,14 @@ bool km_homotopy_create(const km_complex_closure *closure, bool has_section, uin
                         km_homotopy *out) {
   int n = closure->size, size = n + has_section, length = closure->length + has_section;
   int section_start = n + 4 * closure->sub->loop_count, parameters = section_start + (has_section ? 3 : 0);
-  *out = (km_homotopy){.closure = closure, .has_section = has_section, .size = size, .length = length,
-                       
-                       .parameter_count = parameters, .section_start = section_start, .step_factor = 1.0,
+  *out = (km_homotopy){.closure = closure,
+                       .has_section = has_section,
+                       .size = size,
+                       .length = length,
+
+                       .parameter_count = parameters,
+                       .section_start = section_start,
+                       .step_factor = 1.0,
                        .functional_size = 1.0};
   out->direction = KM_ARENA_NEW(arena, km_complex, (size_t)section_start);
   out->turn = KM_ARENA_NEW(arena, km_complex, (size_t)(section_start - n));
@@ -66,8 +71,8 @@ static bool is_planar_turn(const km_complex_closure *c, int turn) {
   return false;
 }
 
-static const double imaginary_turn = 0.3;  /* imaginary parts of quaternions with real parts of length 1 */
- /* sizes */
+static const double imaginary_turn = 0.3; /* imaginary parts of quaternions with real parts of length 1 */
+                                          /* sizes */
 
 /* Errors of positions in sizes, and the section's numbers: random sizes reach the solutions far out, which exchange
  * places on large closed paths only. */
@@ -148,7 +153,11 @@ static km_complex turn_rate(const km_homotopy *h, int turn, const km_complex *ra
 static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_value) {
   int n = h->closure->size, stride = h->size;
   const km_complex *P = h->parameter, *section = P + h->section_start;
-  km_complex_values values = {.turn = h->turn, .F = h->F, .J = h->J, .stride = stride, .functional = h->has_section ? KM_TRACE : -1,
+  km_complex_values values = {.turn = h->turn,
+                              .F = h->F,
+                              .J = h->J,
+                              .stride = stride,
+                              .functional = h->has_section ? KM_TRACE : -1,
                               .gradient = h->has_section ? h->J + n * stride : NULL};
   km_complex s = h->has_section ? x[h->closure->length] : 0.0;
   for (int i = n; i < h->section_start; ++i)
@@ -160,8 +169,8 @@ static bool linearise(km_homotopy *h, const km_complex *x, km_complex *section_v
     km_complex *last = h->J + n * stride;
     *section_value = values.value;
     for (int i = 0; i < n; ++i) {
-      h->J[i * stride + n] = h->closure->turn_of[i] < 0 ? -h->direction[i]
-                                                       : -turn_rate(h, h->closure->turn_of[i], h->direction);
+      h->J[i * stride + n] =
+          h->closure->turn_of[i] < 0 ? -h->direction[i] : -turn_rate(h, h->closure->turn_of[i], h->direction);
       last[i] *= s - section[0];
     }
     last[n] = values.value - section[1];
@@ -230,7 +239,7 @@ static void predict(const km_homotopy *h, double g, double step, km_complex *out
     for (int i = 0; i < h->length; ++i)
       out[i] = x1[i] + step * r1[i];
   } else {
-    double u = 1.0 + step / g; /* in [1, …): 0 is the last point, 1 the present one */
+    double u = 1.0 + step / g; /* 0 is the last point, 1 the present one */
     double b = u * u * (3.0 - 2.0 * u), c = u * u * (u - 1.0) * g, d = u * (u - 1.0) * (u - 1.0) * g;
     for (int i = 0; i < h->length; ++i)
       out[i] = x0[i] + b * (x1[i] - x0[i]) + c * r1[i] + d * r0[i];
@@ -252,7 +261,7 @@ static bool is_infinite(const km_homotopy *h, const km_complex *x) {
   return false;
 }
 
-/* True if the errors at the end of a path are rounding: beside poles Newton's method settles on points that are none. */
+/* True if the errors at the end of a path are rounding: Newton's method can converge to other points beside poles. */
 static bool is_solution(km_homotopy *h, const km_complex *x, km_complex *section_value) {
   bool is_small = linearise(h, x, section_value);
   for (int i = 0; i < h->size; ++i)
@@ -286,7 +295,7 @@ static void exchange(km_complex **a, km_complex **b) {
 }
 
 km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_complex *x,
-                                   double *progress) {
+                                  double *progress) {
   size_t bytes = (size_t)h->length * sizeof *x;
   double t = 0.0, step = first_step * h->step_factor, last = 0.0;
   km_complex section_value = 0.0;

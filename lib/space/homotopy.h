@@ -19,10 +19,10 @@ typedef struct km_homotopy {
   int parameter_count;    /* p[n], P[4 · loops], with a section also s_0, c, τ */
   int section_start;      /* index of s_0 */
   km_complex *direction;  /* [n + 4 · loops] v and V; V = 0 if there are errors of positions */
-  double functional_size; /* of y_0, for the section's c and τ; 1 by default */
+  double functional_size; /* size of y, for the section's c and τ; 1 by default */
   double step_factor;     /* scales the corrections that a step may have; 1 by default, less to track again */
   long evaluations;       /* number of factorisations */
-  km_complex *turn; /* [4 · loops] workspace: P + s V */
+  km_complex *turn;       /* [4 · loops] workspace: P + s V */
   km_complex *J, *F, *parameter, *slope, *rates, *step, *rhs; /* workspace */
   km_complex *point[3], *rate[2];                             /* workspace of the predictor */
   int *row;
@@ -49,6 +49,6 @@ void km_homotopy_close(const km_homotopy *h, km_complex *parameters);
 /* Tracks the solution x from the parameters `from` to `to`. `*progress` (may be NULL) is the path's parameter that was
  * reached, 1 at the end. */
 km_path_outcome km_homotopy_track(km_homotopy *h, const km_complex *from, const km_complex *to, km_complex *x,
-                                   double *progress);
+                                  double *progress);
 
 #endif

@@ -30,9 +30,8 @@ static loop_size size_of_loop(const km_complex_closure *c, const km_program *pro
     size.reach += is_slide ? cabs(x[c->start_of[km_complex_column(c, coordinate)]]) : 0.0;
   }
   for (int side = 0; side < 2; ++side)
-    size.reach += program->planar
-                      ? hypot(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1])
-                      : km_vec3_norm(loop->closing_frame[side].p);
+    size.reach += program->planar ? hypot(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1])
+                                  : km_vec3_norm(loop->closing_frame[side].p);
   size.reach += program->planar ? hypot(loop->planar_origin_offset[0], loop->planar_origin_offset[1]) +
                                       hypot(loop->planar_point[0], loop->planar_point[1])
                                 : km_vec3_norm(loop->origin_offset) + km_vec3_norm(loop->point[0]);
@@ -83,8 +82,8 @@ static void inverse_norms(const km_complex_closure *c, const km_complex *J, cons
 bool km_mode_prove(const km_complex_closure *c, const km_complex *x, km_mode_proof *out) {
   km_arena arena = {0};
   size_t n = (size_t)c->size;
-  km_complex *J = KM_ARENA_NEW(&arena, km_complex, n *n), *LU = KM_ARENA_NEW(&arena, km_complex, n *n);
-  km_complex *X = KM_ARENA_NEW(&arena, km_complex, n *n), *F = KM_ARENA_NEW(&arena, km_complex, n);
+  km_complex *J = KM_ARENA_NEW(&arena, km_complex, n * n), *LU = KM_ARENA_NEW(&arena, km_complex, n * n);
+  km_complex *X = KM_ARENA_NEW(&arena, km_complex, n * n), *F = KM_ARENA_NEW(&arena, km_complex, n);
   km_complex *unit = KM_ARENA_NEW(&arena, km_complex, n);
   int *row = KM_ARENA_NEW(&arena, int, n);
   bool is_ok = !arena.failed;

@@ -5,7 +5,7 @@
 
 /* Functionals of one solution differ by less than this between two ways to it, relative to 1 + |y|. */
 static const double same_solution = 1e-7;
-static const double retry_factor = 0.1; /* of the corrections that a step may have, for lost paths */
+static const double retry_factor = 0.1; /* lost paths: factor of the corrections that a step may have */
 
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
   km_complex mark[KM_FINGERPRINT];

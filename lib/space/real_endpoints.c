@@ -18,7 +18,7 @@ typedef struct endpoint_search {
   km_mode_workspace *work;
   km_arena *arena;
   bool is_overconstrained; /* rows are left out of the system */
-  km_fibre closed; /* solutions of the closed loops, to see paths that meet */
+  km_fibre closed;         /* solutions of the closed loops, to see paths that meet */
   km_complex *x, *start, *detour, *real;
   km_real_endpoints *out;
 } endpoint_search;
@@ -49,8 +49,7 @@ static km_path_outcome follow(endpoint_search *w, int i) {
       from = w->detour;
     }
     outcome = km_monodromy_track(g, from, w->closed.parameters, w->x);
-    if (outcome == KM_PATH_INFINITE ||
-        (outcome == KM_PATH_ARRIVED && km_fibre_find(g, &w->closed, w->x) < 0))
+    if (outcome == KM_PATH_INFINITE || (outcome == KM_PATH_ARRIVED && km_fibre_find(g, &w->closed, w->x) < 0))
       return outcome;
     if (outcome == KM_PATH_SINGULAR && k == 0)
       memcpy(w->start, w->x, bytes); /* the straight path's end */
@@ -85,8 +84,8 @@ static void lock_as_given(endpoint_search *w) {
       km_state_lock(w->work->s, i);
 }
 
-/* Closes the loops over the real numbers at the bodies' poses of w->x, to a tolerance. Coordinates of passive bodies may
- * be complex there: they are closed from random starts. */
+/* Closes the loops over the real numbers at the bodies' poses of w->x, to a tolerance. Coordinates of passive bodies
+ * may be complex there: they are closed from random starts. */
 static bool realise(endpoint_search *w, double tolerance) {
   const km_complex_closure *c = w->closure;
   bool is_found = false;
@@ -153,7 +152,11 @@ km_status km_real_endpoints_find(km_fibre_search *search, const km_complex_closu
                                  km_arena *arena, km_real_endpoints *out, km_error *error) {
   km_monodromy *g = &search->graph;
   size_t length = (size_t)closure->length, parameters = (size_t)g->h->parameter_count;
-  endpoint_search w = {.search = search, .closure = closure, .work = work, .arena = arena, .out = out,
+  endpoint_search w = {.search = search,
+                       .closure = closure,
+                       .work = work,
+                       .arena = arena,
+                       .out = out,
                        .is_overconstrained = !km_complex_has_all_rows(closure)};
   *out = (km_real_endpoints){0};
   w.x = KM_ARENA_NEW(arena, km_complex, length);

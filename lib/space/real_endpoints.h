@@ -5,7 +5,7 @@
 #ifndef KM_SPACE_REAL_ENDPOINTS_H
 #define KM_SPACE_REAL_ENDPOINTS_H
 
-#include "kinematics/mode_normalisation.h"
+#include "kinematics/modes/mode_normalisation.h"
 #include "space/trace_test.h"
 
 typedef struct km_real_endpoints {

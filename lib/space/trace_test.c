@@ -7,8 +7,16 @@
  * leaves 5e-9 and more at this change of τ; rounding leaves 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
 static const double trace_reach = 4.0; /* change of τ over the size of y: the larger, the more a missing point shows */
-static const double least_reach = 1.0; /* where paths are lost with more */
-enum { TRIALS = 12, SECTIONS = 10, FEW_SOLUTIONS = 8, QUIET_NODES_OF_FEW = 4, SECTION_NODES = 3, SAMPLES_PER_SOLUTION = 3, LEAST_SAMPLES = 30 };
+static const double least_reach = 1.0; /* least change, if paths are lost with more */
+enum {
+  TRIALS = 12,
+  SECTIONS = 10,
+  FEW_SOLUTIONS = 8,
+  QUIET_NODES_OF_FEW = 4,
+  SECTION_NODES = 3,
+  SAMPLES_PER_SOLUTION = 3,
+  LEAST_SAMPLES = 30
+};
 
 typedef struct search_state {
   km_fibre_search *out;
@@ -218,7 +226,7 @@ km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *cen
     if (out->is_complete)
       out->trace_difference = 0.0;
     else if (km_monodromy_search(&out->graph, 1) &&
-        km_monodromy_search(&out->graph, out->graph.node[0].count < FEW_SOLUTIONS ? QUIET_NODES_OF_FEW : 0))
+             km_monodromy_search(&out->graph, out->graph.node[0].count < FEW_SOLUTIONS ? QUIET_NODES_OF_FEW : 0))
       test_completeness(&w, random);
     if (!out->is_complete && goes_on(&w))
       out->graph.failed = !sample_fibre(&w, random);

@@ -14,12 +14,12 @@
 
 /* Result of the search. Its arrays belong to `graph`. */
 typedef struct km_fibre_search {
-  km_homotopy homotopy, section; /* without and with a section */
+  km_homotopy homotopy, section; /* the system without and with a section */
   km_monodromy graph;            /* node 0 holds the solutions */
   int section_points;            /* N + M of the last trace test */
   double trace_difference;       /* relative second difference of the last trace test; NaN: none was made */
   bool is_complete;              /* the trace test passed */
-  int samples, found_once;       /* of an incomplete search: independent finds, and solutions found by one of them */
+  int samples, found_once;       /* incomplete search: independent finds, and solutions found by one of them */
 } km_fibre_search;
 
 /* Finds the solutions over a generic value. `centre` is a closed configuration; the closure's

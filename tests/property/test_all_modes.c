@@ -48,13 +48,14 @@ static fixture build_platform(const planar_platform *p, int first, double shift)
   for (int i = 0; i < 3; ++i) {
     int k = (first + i) % 3;
     const double *b = p->base[k], *t = p->top[k];
-    km_text_format(&text,
-                   "%s{\"name\": \"R%d\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"a%d\"], \"at\": [%.17g, %.17g]},"
-                   "{\"name\": \"P%d\", \"type\": \"prismatic\", \"bodies\": [\"a%d\", \"b%d\"], \"at\": [%.17g, %.17g], "
-                   "\"axis\": [%.17g, %.17g]},"
-                   "{\"name\": \"S%d\", \"type\": \"revolute\", \"bodies\": [\"b%d\", \"top\"], \"at\": [%.17g, %.17g]}",
-                   i ? ", " : "", k, k, b[0] + shift, b[1], k, k, k, b[0] + shift, b[1], t[0] - b[0], t[1] - b[1], k, k,
-                   t[0] + shift, t[1]);
+    km_text_format(
+        &text,
+        "%s{\"name\": \"R%d\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"a%d\"], \"at\": [%.17g, %.17g]},"
+        "{\"name\": \"P%d\", \"type\": \"prismatic\", \"bodies\": [\"a%d\", \"b%d\"], \"at\": [%.17g, %.17g], "
+        "\"axis\": [%.17g, %.17g]},"
+        "{\"name\": \"S%d\", \"type\": \"revolute\", \"bodies\": [\"b%d\", \"top\"], \"at\": [%.17g, %.17g]}",
+        i ? ", " : "", k, k, b[0] + shift, b[1], k, k, k, b[0] + shift, b[1], t[0] - b[0], t[1] - b[1], k, k,
+        t[0] + shift, t[1]);
   }
   km_text_add(&text, "]}]}");
   fixture f = fixture_read(text.data);
@@ -137,7 +138,8 @@ static void modes_depend_on_the_mechanism_only(void **state) {
 /* Random starts find no mode that the complete list lacks. */
 static void random_starts_find_no_other(void **state) {
   (void)state;
-  const char *const names[] = {"fourbar", "klann", "jansen", "brake", "toggle_press", "andrews", "scissor_lift", "rssr"};
+  const char *const names[] = {"fourbar",      "klann",   "jansen",       "brake",
+                               "toggle_press", "andrews", "scissor_lift", "rssr"};
   for (size_t k = 0; k < sizeof names / sizeof *names; ++k) {
     fixture f = fixture_open(names[k]);
     int driver = km_sweep_plan_default(f.model).coordinate;
@@ -160,12 +162,13 @@ static void two_bars_meet_in_two_points(void **state) {
   for (int trial = 0; trial < 20; ++trial) {
     double knee[2] = {0.8 * km_uniform(&random), 0.8 * km_uniform(&random)}, pin = 1.5 + 0.5 * km_uniform(&random);
     km_text text = {0};
-    km_text_format(&text,
-                   "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"p\"}, {\"name\": "
-                   "\"q\"}], \"joints\": [{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"p\"], \"at\": "
-                   "[0, 0]}, {\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"p\", \"q\"], \"at\": [%.17g, %.17g]}, "
-                   "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"q\"], \"at\": [%.17g, 0]}]}]}",
-                   knee[0], knee[1], pin);
+    km_text_format(
+        &text,
+        "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"p\"}, {\"name\": "
+        "\"q\"}], \"joints\": [{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"p\"], \"at\": "
+        "[0, 0]}, {\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"p\", \"q\"], \"at\": [%.17g, %.17g]}, "
+        "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"q\"], \"at\": [%.17g, 0]}]}]}",
+        knee[0], knee[1], pin);
     fixture f = fixture_read(text.data);
     km_all_modes modes = all_modes(&f, NULL, 0, 1);
     assert_true(modes.is_complete);

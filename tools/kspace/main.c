@@ -5,6 +5,7 @@ static const kt_command commands[] = {
     {"modes", "all assembly modes: every way in which the loops close, each once and proved", kspace_modes}, {0}};
 
 int main(int argc, char **argv) {
-  return (int)kt_run("kspace", "Configuration spaces: in which ways a mechanism can be assembled, and whether that is all.",
+  return (int)kt_run("kspace",
+                     "Configuration spaces: in which ways a mechanism can be assembled, and whether that is all.",
                      commands, argc, argv);
 }

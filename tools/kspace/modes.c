@@ -37,7 +37,8 @@ typedef struct answer {
 static kt_exit choose_locked(answer *a, km_arena *arena) {
   const km_model *model = a->pose->model;
   kt_settings sets = {0};
-  kt_exit result = kt_settings_add(&a->o->common, model, "--set", (char **)(size_t)a->o->sets.items, a->o->sets.count, &sets);
+  kt_exit result =
+      kt_settings_add(&a->o->common, model, "--set", (char **)(size_t)a->o->sets.items, a->o->sets.count, &sets);
   a->locked = KM_ARENA_NEW(arena, int, (size_t)sets.count + 1);
   if (result == KT_DONE && !a->locked)
     result = KT_NO_MEMORY;
@@ -64,18 +65,20 @@ static void print_locked(const answer *a, km_text *out) {
                    km_model_coordinate_unit(a->pose->model, a->locked[i]));
 }
 
-/* Why the list may lack modes. */
+/* The verdict, and the reason why the list may lack modes. */
 static void print_gap(const km_all_modes *m, km_text *out) {
   switch (m->gap) {
   case KM_GAP_NONE:
-    km_text_format(out, "complete: the trace test passed, and %s %d complex solutions was followed to the closed loops\n",
+    km_text_format(out,
+                   "complete: the trace test passed, and %s %d complex solutions was followed to the closed loops\n",
                    m->complex_solutions == 1 ? "the one of" : "each of", m->complex_solutions);
     break;
   case KM_GAP_TRACE:
-    km_text_format(out,
-                   "at least these: the trace test did not pass. %d complex solutions are known, about %d are estimated "
-                   "(%d of %d finds were found once); another --seed may find the rest\n",
-                   m->complex_solutions, m->estimate, m->found_once, m->samples);
+    km_text_format(
+        out,
+        "at least these: the trace test did not pass. %d complex solutions are known, about %d are estimated "
+        "(%d of %d finds were found once); another --seed may find the rest\n",
+        m->complex_solutions, m->estimate, m->found_once, m->samples);
     break;
   case KM_GAP_LOST:
     km_text_add(out, "at least these: solutions were lost on the way to the closed loops; try another --seed\n");
@@ -87,8 +90,9 @@ static void print_gap(const km_all_modes *m, km_text *out) {
                    m->singular, m->complex_solutions);
     break;
   case KM_GAP_MOVES:
-    km_text_add(out, "self-motion: bodies move although the held joints stay. Modes that move are samples, and there are "
-                     "as many as you like; hold one joint more, or change a dimension\n");
+    km_text_add(out,
+                "self-motion: bodies move although the held joints stay. Modes that move are samples, and there are "
+                "as many as you like; hold one joint more, or change a dimension\n");
     break;
   case KM_GAP_LIMIT:
     km_text_format(out, "at least these: there are more than %d complex solutions\n", m->complex_solutions);
@@ -127,7 +131,10 @@ static void print_modes(const answer *a, km_text *out) {
     for (int c = 0; c < coordinates; ++c)
       km_text_format(out, "%s %s %.6g %s", c ? "," : "", km_model_coordinate_label(a->pose->model, c),
                      m->coordinates[i * coordinates + c], km_model_coordinate_unit(a->pose->model, c));
-    km_text_format(out, "%s%s%s\n", e->moves ? "; moves" : e->is_singular ? "; singular" : "",
+    km_text_format(out, "%s%s%s\n",
+                   e->moves         ? "; moves"
+                   : e->is_singular ? "; singular"
+                                    : "",
                    e->is_certified || e->is_singular ? "" : "; not proved",
                    e->is_within_limits ? "" : "; outside the limits");
   }
@@ -195,11 +202,11 @@ static kt_exit add_table(const answer *a, km_text *out) {
     bool is_number = c >= coordinates;
     name.size = 0;
     km_text_format(&name, "%s.%s", is_number ? "m" : "q", km_model_coordinate_label(a->pose->model, c % coordinates));
-    is_ok = !name.failed && km_table_add_column(table, name.data,
-                                                is_number ? "" : km_model_coordinate_unit(a->pose->model, c)) >= 0;
+    is_ok = !name.failed &&
+            km_table_add_column(table, name.data, is_number ? "" : km_model_coordinate_unit(a->pose->model, c)) >= 0;
   }
-  static const char *const figures[] = {"dof",         "certified", "kantorovich", "error_bound", "radius",
-                                        "residual",    "singular",  "moves",       "within_limits"};
+  static const char *const figures[] = {"dof",      "certified", "kantorovich", "error_bound",  "radius",
+                                        "residual", "singular",  "moves",       "within_limits"};
   for (size_t k = 0; is_ok && k < sizeof figures / sizeof *figures; ++k)
     is_ok = km_table_add_column(table, figures[k], "") >= 0;
   for (int i = 0; is_ok && i < m->count; ++i) {
@@ -213,8 +220,8 @@ static kt_exit add_table(const answer *a, km_text *out) {
       *row++ = m->coordinates[i * coordinates + c];
     for (int c = 0; c < coordinates; ++c)
       *row++ = m->mobility_numbers[i * coordinates + c];
-    const double rest[] = {e->mobility,    e->is_certified, e->kantorovich,     e->error_bound,     e->radius,
-                           e->residual, e->is_singular,  e->moves,           e->is_within_limits};
+    const double rest[] = {e->mobility, e->is_certified, e->kantorovich, e->error_bound,     e->radius,
+                           e->residual, e->is_singular,  e->moves,       e->is_within_limits};
     for (size_t k = 0; k < sizeof rest / sizeof *rest; ++k)
       *row++ = rest[k];
   }
@@ -244,7 +251,8 @@ static void report_parts(const answer *a) {
     kt_print_message(&a->o->common, KM_NOTE,
                      "%s: %d other part%s of the mechanism close%s by %s: their modes aren't listed; name one of their "
                      "joints by --set",
-                     a->o->model, parts, parts == 1 ? "" : "s", parts == 1 ? "s" : "", parts == 1 ? "itself" : "themselves");
+                     a->o->model, parts, parts == 1 ? "" : "s", parts == 1 ? "s" : "",
+                     parts == 1 ? "itself" : "themselves");
 }
 
 static kt_exit write_answer(const answer *a, km_arena *arena) {
@@ -301,7 +309,8 @@ kt_exit kspace_modes(int argc, char **argv) {
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
       {"limits", 0, NULL, "List modes within the joint limits only", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
-      {"format", 0, "FORMAT", "table (default), json or csv", KT_WORD("table or json or csv"), &o.format, KT_ABOUT_FILES},
+      {"format", 0, "FORMAT", "table (default), json or csv", KT_WORD("table or json or csv"), &o.format,
+       KT_ABOUT_FILES},
       KT_BASE(&o.base, "Write BASE.modes.txt, .json or .csv instead of the standard output"),
   };
   KT_OPTIONS_ADD(&all, own);

@@ -15,6 +15,7 @@ from .build import Builder
 from .errors import (Cancelled, Diverged, FileError, InternalError, KmechError, Message, ModelError, ModelWarning,
                      NoResult, UsageError, text_of)
 from .linear import Linear
+from .space import AssemblyModes
 from .mechanism import Mechanism, Mobility, Pose, State
 from .model import Model, from_string, load
 from .picture import Picture
@@ -32,7 +33,7 @@ def documentation(function: str) -> str:
     return _comments.FUNCTIONS[function]
 
 
-__all__ = ["Answer", "Arm", "Builder", "Cancelled", "Crossing", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "KmechError", "Linear",
+__all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "KmechError", "Linear",
            "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "Session",
            "State", "Study", "Summary", "Table", "Track", "UsageError", "documentation", "ffi", "from_string", "kinds", "lib", "load",
            "load_study"]

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import threading
 from contextlib import contextmanager
-from typing import Any, Iterator, Mapping, NamedTuple, Optional
+from typing import Any, Iterator, Mapping, NamedTuple, Optional, Sequence
 
 import numpy
 
@@ -218,6 +218,14 @@ class Mechanism:
         from .linear import equilibrium
 
         return equilibrium(self, state or self._copy(), settle, progress)
+
+    def all_modes(self, hold: Sequence[str] = (), *, within_limits: bool = False, seed: int = 1,
+                  progress: Progress = None, state: Optional[State] = None) -> Any:
+        """All assembly modes with the joints of hold at a state's values (an AssemblyModes): each once, with its proof, and
+        whether there are no others."""
+        from .space import all_modes
+
+        return all_modes(self, state or self._copy(), hold, within_limits, seed, progress)
 
     def arm(self, effector: str, task: str = "pose") -> Any:
         """The chain of joints to a frame, as an arm."""

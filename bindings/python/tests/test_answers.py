@@ -310,3 +310,15 @@ def test_arms_and_studies_of_a_model_that_has_changed(source):
         with pytest.raises(kmech.UsageError, match="the model has changed"):
             stale()
     assert model.mechanism().arm("flange/tool").place(q).p != pytest.approx(before)
+
+
+def test_all_assembly_modes(source):
+    mechanism = kmech.Mechanism(kmech.load(source / "models/fourbar.json"))
+    modes = mechanism.all_modes(["A"])
+    assert modes.complete and modes.reason == "complete" and modes.complex_solutions == 2
+    assert modes.coordinates.shape == modes.mobility_numbers.shape == (2, 4)
+    assert modes.certified.all() and (modes.error_bound < modes.radius).all() and not modes.moves.any()
+    with pytest.raises(kmech.UsageError, match="can still move"):
+        mechanism.all_modes()
+    with pytest.raises(kmech.Cancelled):
+        mechanism.all_modes(["A"], progress=lambda done: False)

@@ -47,7 +47,7 @@ typedef struct km_all_modes {
   km_mode_evidence *evidence; /* [count] */
   int substructure;           /* index of the substructure whose modes these are */
   bool is_complete;           /* there are no other modes */
-  km_mode_gap gap;            /* why not */
+  km_mode_gap gap;            /* reason for the verdict */
   int complex_solutions;      /* complex solutions over a generic closure error */
   int section_points;         /* points of the section in the trace test */
   double trace_difference;    /* relative second difference of the trace test; rounding if it passed; NaN: not made */
@@ -67,7 +67,7 @@ typedef struct km_all_modes_def {
   int locked_count;
   bool within_limits; /* modes outside the joint limits are left out, but that of the state */
   int max_solutions;  /* complex solutions that are followed; 0: KM_DEFAULT_MODE_SOLUTIONS */
-  unsigned long seed; /* of the random numbers: the modes don't depend on it */
+  unsigned long seed; /* start of the random numbers; the modes don't depend on it */
 } km_all_modes_def;
 
 /* Finds all assembly modes of one substructure: that of the locked coordinates, else the largest one. Its closure

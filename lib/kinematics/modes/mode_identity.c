@@ -2,7 +2,7 @@
  *
  * A body with all joints on one line (a rod) counts by that line, a body with all joints at one point (a crosspiece) by
  * that point, the halves of a strut not at all. */
-#include "kinematics/mode_identity.h"
+#include "kinematics/modes/mode_identity.h"
 
 static const double collinear = 1e-9; /* relative to the largest distance between joints */
 

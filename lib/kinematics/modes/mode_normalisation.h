@@ -16,8 +16,8 @@ typedef struct km_mode_workspace {
   km_state *s;              /* configuration that the functions change */
   const km_state *original; /* values to which full turns of hinges are counted */
   int substructure;
-  uint64_t random; /* state of the random numbers */
-  bool failed;     /* out of memory */
+  uint64_t random;               /* state of the random numbers */
+  bool failed;                   /* out of memory */
   double *saved, *before, *step; /* [3 · columns] twice, [columns] */
   bool *locked;                  /* [coordinate] locks of the state at km_mode_workspace_reserve */
 } km_mode_workspace;

@@ -1,5 +1,5 @@
 /* Random starts and normal forms of assembly modes (mode_normalisation.h). */
-#include "kinematics/mode_normalisation.h"
+#include "kinematics/modes/mode_normalisation.h"
 
 #include "kinematics/assembly.h"
 

@@ -9,8 +9,8 @@
 #include "kinematics/assembly.h"
 #include "kinematics/body_poses.h"
 #include "kinematics/loop_closing.h"
-#include "kinematics/mode_identity.h"
-#include "kinematics/mode_normalisation.h"
+#include "kinematics/modes/mode_identity.h"
+#include "kinematics/modes/mode_normalisation.h"
 
 #include <string.h>
 
@@ -28,7 +28,7 @@ typedef struct mode_search {
   const km_state *original;
   int driver;
   km_arena arena;
-  km_mode_workspace work; /* of closings from random starts */
+  km_mode_workspace work; /* closings from random starts */
   km_body_placement *placements;
   mode *modes;
   size_t capacity;

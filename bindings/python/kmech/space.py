@@ -1,0 +1,61 @@
+"""Configuration spaces: all assembly modes."""
+from __future__ import annotations
+
+from typing import NamedTuple, Sequence
+
+import numpy
+
+from ._kmech import ffi, lib
+from .errors import check, new_error, text_of
+from .mechanism import Mechanism, State
+from .progress import Progress, Watch
+
+
+class AssemblyModes(NamedTuple):
+    """All assembly modes. Rows of the arrays are modes; the first one is the state's own.
+
+    complete: there are no other modes; else reason: "trace", "lost", "singular", "self-motion" or "limit". coordinates:
+    modes × coordinates, in the model's units. mobility_numbers: the same shape, with all coordinates free. certified: the
+    proof holds, that exactly one solution lies within error_bound and no other within radius (radians, lengths over the
+    substructure's size). moves: bodies move although the held joints stay. within_limits: joints within their limits.
+    complex_solutions: complex solutions over a generic closure error; estimate: their estimated number."""
+
+    complete: bool
+    reason: str
+    coordinates: numpy.ndarray
+    mobility_numbers: numpy.ndarray
+    certified: numpy.ndarray
+    error_bound: numpy.ndarray
+    radius: numpy.ndarray
+    moves: numpy.ndarray
+    within_limits: numpy.ndarray
+    complex_solutions: int
+    estimate: int
+
+
+def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_limits: bool, seed: int,
+              progress: Progress) -> AssemblyModes:
+    """All assembly modes with the joints of `hold` at the state's values."""
+    error, modes, watch = new_error(), ffi.new("km_all_modes *"), Watch(progress)
+    locked = ffi.new("int[]", [mechanism.model._coordinate(label) for label in hold])
+    definition = ffi.new("km_all_modes_def *", {"locked": locked, "locked_count": len(locked),
+                                                "within_limits": within_limits, "seed": seed})
+    try:
+        with mechanism.model._reading(), state._using():
+            status = lib.km_all_modes_find(mechanism._c, state._c, definition, watch.call, watch.context, modes, error)
+        watch.finish()
+        check(status, error)
+        count, width = modes.count, len(mechanism.model.coordinates)
+
+        def table(pointer: object) -> numpy.ndarray:
+            return numpy.frombuffer(ffi.buffer(pointer, 8 * count * width)).reshape(count, width).copy()
+
+        def figures(name: str) -> numpy.ndarray:
+            return numpy.array([getattr(modes.evidence[i], name) for i in range(count)])
+
+        return AssemblyModes(modes.is_complete, text_of(lib.km_mode_gap_name(modes.gap)), table(modes.coordinates),
+                             table(modes.mobility_numbers), figures("is_certified"), figures("error_bound"),
+                             figures("radius"), figures("moves"), figures("is_within_limits"), modes.complex_solutions,
+                             modes.estimate)
+    finally:
+        lib.km_all_modes_free(modes)
