@@ -1,14 +1,15 @@
 /* kmob new: a model to start from. */
 #include "kmob/kmob.h"
 
+#include "kmob/dh_table.h"
 #include "kmob/starters.h"
 
 #include <string.h>
 
 typedef struct options {
   kt_common common;
-  const char *name, *file, *units;
-  int kind;
+  const char *name, *file, *units, *dh;
+  int kind, convention;
 } options;
 
 /* Millimetres and degrees by default. */
@@ -31,11 +32,16 @@ static kt_exit write_starter(const options *o, const km_units *units, const char
   if (!kt_may_write(&o->common, path))
     return KT_USAGE;
   km_text text = {0};
-  kmob_starter_write(o->kind, units, &text);
-  kt_exit result = kmob_write_text(&o->common, path, &text);
+  kt_exit result = KT_DONE;
+  if (o->dh)
+    result = kmob_dh_write(&o->common, o->dh, o->convention == 1, units, &text);
+  else
+    kmob_starter_write(o->kind, units, &text);
+  if (result == KT_DONE)
+    result = kmob_write_text(&o->common, path, &text);
   km_text_free(&text);
   if (result == KT_DONE && strcmp(path, "-") != 0)
-    kt_print_message(&o->common, KM_NOTE, "wrote %s; try: kmob sweep %s", path, path);
+    kt_print_message(&o->common, KM_NOTE, "wrote %s; try: kmob %s %s", path, o->dh ? "draw" : "sweep", path);
   return result;
 }
 
@@ -44,6 +50,14 @@ kt_exit kmob_new(int argc, char **argv) {
   kt_options all = {.operand = {"name", "[NAME]", false, &o.name, NULL}};
   const kt_option table[] = {
       {"kind", 0, "KIND", "What to start from: " KMOB_KINDS, KT_WORD(KMOB_KINDS), &o.kind, KT_ABOUT_MODEL},
+      {"dh", 0, "FILE.csv",
+       "An arm by Denavit and Hartenberg's parameters: columns a, alpha, d, theta, and name, type (R, P, or F for fixed), "
+       "min, max, mass; theta of a hinge and d of a slide are offsets",
+       KT_INPUT, &o.dh, KT_ABOUT_MODEL},
+      {"convention", 0, "WORD",
+       "Of --dh: standard (default: rows Rz(theta) Tz(d) Tx(a) Rx(alpha)) or modified (Rx(alpha) Tx(a) Rz(theta) Tz(d), "
+       "alpha and a of the link before)",
+       KT_WORD("standard or modified"), &o.convention, KT_ABOUT_MODEL},
       {"units", 0, "LIST", "Units of the model: words or symbols, as mm,deg (default: mm, deg, kg, s, N)", KT_TEXT,
        &o.units, KT_ABOUT_MODEL},
       KMOB_FILE(&o.file),
