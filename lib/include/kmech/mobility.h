@@ -238,6 +238,30 @@ KM_API void km_geometry_notes(const km_mechanism *mechanism, km_state *state, km
  * each. */
 KM_API km_status km_rank_doubts(const km_mechanism *mechanism, km_state *state, km_messages *messages, km_error *error);
 
+/* Type of a planar four-bar loop (Grashof 1883). */
+typedef enum km_four_bar_kind {
+  KM_FOUR_BAR_CRANK_ROCKER,  /* the hinge between ground and shortest link goes round */
+  KM_FOUR_BAR_DOUBLE_CRANK,  /* the shortest link is the ground: both its hinges go round */
+  KM_FOUR_BAR_DOUBLE_ROCKER, /* the shortest link is the coupler, which alone makes full turns */
+  KM_FOUR_BAR_TRIPLE_ROCKER, /* no hinge goes round: the longest link is too long */
+  KM_FOUR_BAR_CHANGE_POINT   /* shortest + longest = the others: all links can be in line */
+} km_four_bar_kind;
+KM_API const char *km_four_bar_name(km_four_bar_kind kind); /* "crank-rocker" …; "": no such kind */
+
+/* A planar loop of four hinges. Link i lies between joints i - 1 and i; link 0 is the ground, or the body nearest to
+ * it. */
+typedef struct km_four_bar {
+  km_four_bar_kind kind; /* type by Grashof's inequality */
+  int joints[4];         /* joints in their order round the loop */
+  int bodies[4];         /* body of each link */
+  double lengths[4];     /* distances between the hinges, the model's length unit */
+  int shortest, longest; /* links */
+  double excess;         /* shortest + longest − the others: by this much the longest link is too long if positive */
+} km_four_bar;
+/* Finds the four-bar in a loop, 0 … loops - 1, at the state's configuration (km_poses_compute). False: the loop isn't
+ * one: other joints, a held hinge, hinges that aren't parallel. O(1). */
+KM_API bool km_four_bar_find(const km_mechanism *mechanism, const km_state *state, int loop, km_four_bar *out);
+
 /* Severity of a finding. */
 typedef enum km_finding_severity {
   KM_FINDING_FAULT,     /* the mechanism cannot work as described */

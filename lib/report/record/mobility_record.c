@@ -8,7 +8,24 @@
 #include "report/record/singular_value_record.h"
 #include "topology/mechanism.h"
 
-static void add_loops(const km_mechanism *m, km_value *record, km_arena *arena) {
+/* `four_bar`: type, links {body, length}, by how much the longest one is too long. */
+static void add_four_bar(const km_mechanism *m, const km_state *s, int index, km_value *loop, km_arena *arena) {
+  km_four_bar f;
+  if (!km_four_bar_find(m, s, index, &f))
+    return;
+  km_value *four_bar = km_value_add(arena, loop, "four_bar", KM_OBJECT);
+  km_value_string(arena, four_bar, "type", km_four_bar_name(f.kind));
+  km_value *links = km_value_add(arena, four_bar, "links", KM_LIST);
+  for (int i = 0; i < 4 && !arena->failed; ++i) {
+    km_value *link = km_value_add(arena, links, NULL, KM_OBJECT);
+    km_value_string(arena, link, "body", m->model->bodies[f.bodies[i]].name);
+    km_value_number(arena, link, "length", f.lengths[i]);
+  }
+  km_value_string(arena, four_bar, "longest", m->model->bodies[f.bodies[f.longest]].name);
+  km_value_number(arena, four_bar, "excess", f.excess);
+}
+
+static void add_loops(const km_mechanism *m, const km_state *s, km_value *record, km_arena *arena) {
   const km_topology *t = &m->topology;
   km_value *loops = km_value_add(arena, record, "loops", KM_LIST);
   for (int l = 0; l < t->loop_count && !arena->failed; ++l) {
@@ -19,6 +36,7 @@ static void add_loops(const km_mechanism *m, km_value *record, km_arena *arena) 
     for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
       km_value_string(arena, joints, NULL, m->model->joints[t->member[i].joint].label);
     km_value_number(arena, loop, "lambda", m->loops[l].lambda);
+    add_four_bar(m, s, l, loop, arena);
   }
 }
 
@@ -86,7 +104,7 @@ km_value *km_mobility_record(const km_mechanism *m, const km_state *s, const km_
   km_value_number(arena, record, "bodies", model->body_count - 1);
   km_value_number(arena, record, "joints", model->joint_count);
   km_value_number(arena, record, "coordinates", model->coordinate_count);
-  add_loops(m, record, arena);
+  add_loops(m, s, record, arena);
   add_substructures(m, s, record, arena);
   km_value_number(arena, record, "kutzbach", mobility->kutzbach);
   km_value_number(arena, record, "kutzbach_extended", mobility->kutzbach_extended);

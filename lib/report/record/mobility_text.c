@@ -42,7 +42,25 @@ static void print_loop_kind(const km_mechanism *m, int loop, km_text *out) {
     km_text_format(out, "loop with a motion space of dimension %d", lambda);
 }
 
-static void print_loops(const km_mechanism *m, km_text *out) {
+/* ": crank-rocker, joint A goes round" of a four-bar. */
+static void print_four_bar(const km_mechanism *m, const km_state *s, int loop, km_text *out) {
+  const km_model *model = m->model;
+  km_four_bar f;
+  if (!km_four_bar_find(m, s, loop, &f))
+    return;
+  km_text_format(out, ": %s", km_four_bar_name(f.kind));
+  const int before = f.joints[(f.shortest + 3) % 4], after = f.joints[f.shortest];
+  if (f.kind == KM_FOUR_BAR_TRIPLE_ROCKER)
+    km_text_format(out, ", no hinge goes round: link %s (%.5g) is too long by %.5g %s",
+                   model->bodies[f.bodies[f.longest]].name, f.lengths[f.longest], f.excess,
+                   model->units.length->suffix);
+  else if (f.kind == KM_FOUR_BAR_CRANK_ROCKER)
+    km_text_format(out, ", joint %s goes round", model->joints[f.shortest == 1 ? before : after].label);
+  else if (f.kind != KM_FOUR_BAR_CHANGE_POINT)
+    km_text_format(out, ", joints %s and %s go round", model->joints[before].label, model->joints[after].label);
+}
+
+static void print_loops(const km_mechanism *m, const km_state *s, km_text *out) {
   const km_topology *t = &m->topology;
   for (int l = 0; l < t->loop_count; ++l) {
     km_text_format(out, "  %d: ", l + 1);
@@ -50,6 +68,7 @@ static void print_loops(const km_mechanism *m, km_text *out) {
     km_text_format(out, ", closed at joint %s, joints", m->model->joints[t->chord[l]].label);
     for (int i = t->member_start[l]; i < t->member_start[l + 1]; ++i)
       km_text_format(out, " %s", m->model->joints[t->member[i].joint].label);
+    print_four_bar(m, s, l, out);
     km_text_add(out, "\n");
   }
 }
@@ -99,7 +118,7 @@ void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobili
                  model->units.length->suffix, km_length_source_name(m->length_source));
   if (t->loop_count)
     km_text_add(out, "\nloops\n");
-  print_loops(m, out);
+  print_loops(m, s, out);
   if (t->substructure_count)
     km_text_add(out, "\nsubstructures\n");
   print_substructures(m, s, verbose, out);
