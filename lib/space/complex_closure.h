@@ -55,6 +55,7 @@ typedef struct km_complex_closure {
   const km_mechanism *m;
   const km_substructure *sub;
   int size;          /* n: unknowns and equations */
+  int passive;       /* coordinates that are fixed although they are not locked, since they move passive bodies only */
   int length;        /* numbers of a configuration */
   int *start_of;     /* [columns] index of a column's number, or of its quaternion, in a configuration */
   int *unknown_of;   /* [columns] unknown; −1: fixed */

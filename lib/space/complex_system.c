@@ -193,6 +193,7 @@ static int choose_system(km_complex_closure *c, const choice *w, double toleranc
     is_column[column_of[w->column[i]]] = true;
   number_system(c, w, rank, is_row, is_column);
   mark_turns(c);
+  c->passive = unlocked - rank;
   return 0;
 }
 

@@ -7,7 +7,7 @@
 
 /* Imaginary part of a pose that is rounding, over its largest part; that of a singular end, where a double solution has
  * the root of the rounding; and of one that may belong to a curve of solutions. */
-static const double real_part = 1e-6, singular_real_part = 1e-3;
+static const double real_part = 1e-6, real_coordinate = 1e-5, singular_real_part = 1e-3;
 /* Parts of poses, in sizes, beyond which a solution goes to infinity. */
 static const double infinite_extent = 1e4;
 enum { DETOURS = 3, STARTS = 40 };
@@ -60,19 +60,36 @@ static km_path_outcome follow(endpoint_search *w, int i) {
   return outcome;
 }
 
+/* Largest imaginary part of a column's number, or of its ball's quaternion. */
+static double imaginary_part(const endpoint_search *w, int column) {
+  const km_complex_closure *c = w->closure;
+  int ball = c->m->ball_of[c->m->column_coordinate[c->sub->column_start + column]];
+  int first = ball < 0 ? column : c->m->column_of[c->m->ball_coordinate[ball]];
+  double largest = 0.0;
+  for (int i = 0; i < (ball < 0 ? 1 : 4); ++i)
+    largest = fmax(largest, fabs(cimag(w->x[c->start_of[first] + i])));
+  return largest;
+}
+
+/* True if the coordinates are real. Real poses of all bodies are not enough: a universal joint may not reach them. If
+ * passive bodies move, their coordinates may be complex at a real mode. */
+static bool has_real_coordinates(const endpoint_search *w) {
+  double largest = 0.0;
+  for (int i = 0; i < w->closure->size; ++i)
+    largest = fmax(largest, imaginary_part(w, w->closure->column_of[i]));
+  return largest <= real_coordinate || w->closure->passive > 0;
+}
+
 /* Locks the coordinates whose numbers are real, so that passive ones alone are closed again. */
 static void lock_real(endpoint_search *w) {
   const km_complex_closure *c = w->closure;
   for (int k = 0; k < c->sub->columns; ++k) {
     int coordinate = c->m->column_coordinate[c->sub->column_start + k], ball = c->m->ball_of[coordinate];
     int first = ball < 0 ? k : c->m->column_of[c->m->ball_coordinate[ball]];
-    double imaginary = 0.0;
     bool is_unknown = false;
     for (int i = 0; i < (ball < 0 ? 1 : 3); ++i)
       is_unknown = is_unknown || c->unknown_of[first + i] >= 0;
-    for (int i = 0; i < (ball < 0 ? 1 : 4); ++i)
-      imaginary = fmax(imaginary, fabs(cimag(w->x[c->start_of[first] + i])));
-    if (imaginary <= real_part && is_unknown)
+    if (imaginary_part(w, k) <= real_part && is_unknown)
       km_state_lock(w->work->s, coordinate);
   }
 }
@@ -133,7 +150,7 @@ static void judge(endpoint_search *w, km_path_outcome outcome) {
     ++w->out->infinite;
   } else if (outcome == KM_PATH_ARRIVED) {
     km_fibre_add(&w->search->graph, &w->closed, w->x);
-    if (extent.imaginary > real_part * (1.0 + extent.largest))
+    if (extent.imaginary > real_part * (1.0 + extent.largest) || !has_real_coordinates(w))
       return;
     if (w->is_overconstrained && !closes_all_rows(w))
       return;
