@@ -74,9 +74,9 @@ static bool is_planar_turn(const km_complex_closure *c, int turn) {
 static const double imaginary_turn = 0.3; /* imaginary parts of quaternions with real parts of length 1 */
                                           /* sizes */
 
-/* Errors of positions in sizes, and the section's numbers: random sizes reach the solutions far out, which exchange
- * places on large closed paths only. */
-static const double position_decades = 1.0, section_decades = 0.5;
+/* Decades of the section's numbers: random sizes reach the solutions far out, which exchange places on large closed
+ * paths only. */
+static const double section_decades = 0.5;
 
 /* 10^u, u uniform in [0, decades]. */
 static double random_size(double decades, uint64_t *random) {
@@ -100,9 +100,8 @@ static void draw_quaternion(const bool *has, uint64_t *random, km_complex *P) {
 
 void km_homotopy_draw(const km_homotopy *h, uint64_t *random, km_complex *parameters) {
   const km_complex_closure *c = h->closure;
-  double size = random_size(position_decades, random);
   for (int i = 0; i < h->parameter_count; ++i)
-    parameters[i] = (i < c->size ? size * (c->turn_of[i] < 0) : 1.0) * km_complex_random(random);
+    parameters[i] = i < c->size && c->turn_of[i] >= 0 ? 0.0 : km_complex_random(random);
   if (h->has_section) {
     parameters[h->section_start] *= random_size(section_decades, random);
     for (int k = 1; k < 3; ++k)

@@ -7,7 +7,8 @@
  * leaves 5e-9 and more at this change of τ; rounding leaves 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
 static const double trace_reach = 4.0; /* change of τ over the size of y: the larger, the more a missing point shows */
-static const double least_reach = 1.0; /* least change, if paths are lost with more */
+static const double largest_news = 0.04; /* share of new points in the last node for which a test is worthwhile */
+static const double least_reach = 1.0;   /* least change, if paths are lost with more */
 enum {
   TRIALS = 12,
   SECTIONS = 10,
@@ -141,11 +142,14 @@ static double test_traces(search_state *w, uint64_t *random) {
 static bool test_section(search_state *w, uint64_t *random) {
   km_fibre_search *out = w->out;
   for (int trial = 0; trial < TRIALS && goes_on(w); ++trial) {
+    int known = w->section.node[0].count;
     if (!km_monodromy_extend(&w->section, trial == 0 ? SECTION_NODES : 1))
       return false;
     out->section_points = w->section.node[0].count;
-    out->trace_difference = test_traces(w, random);
     int before = out->graph.node[0].count;
+    if (out->section_points - known > largest_news * out->section_points)
+      continue; /* surely more points are missing */
+    out->trace_difference = test_traces(w, random);
     if (out->trace_difference <= trace_tolerance && out->section_points > before)
       return collect_fibre(w);
     if (isnan(out->trace_difference) || !km_monodromy_extend(&out->graph, 1))
