@@ -41,7 +41,7 @@ static km_status diagnose(const char *json) {
 
 /* Computes a question, and writes the answer as record, plot and report. */
 static km_status write_answer(const fixture *f, const km_question *q) {
-  km_answered answer = {q, "model", NULL, 0};
+  km_answered answer = {q, "model", NULL, 0, NULL};
   km_chart *chart = NULL;
   km_arena arena = {0};
   km_text record = {0}, summary = {0}, plot = {0}, report = {0};

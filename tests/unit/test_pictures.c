@@ -97,7 +97,7 @@ static km_status page_of(const swept *s, const km_chart *chart, const double *va
 static void pages_need_a_row_for_each_pose(void **unused) {
   (void)unused;
   swept s = sweep("fourbar", "A", 0.0, 1.5, 6);
-  const km_answered answer = {s.question, "model", NULL, 0};
+  const km_answered answer = {s.question, "model", NULL, 0, NULL};
   double values[8] = {0};
   km_chart *chart;
   km_error error;
@@ -148,7 +148,7 @@ static void what_cannot_be_drawn_is_told(void **unused) {
                  "scale 0; expected more than 0");
   assert_refused(km_drawing_dxf(s.drawing, KM_VIEW_AUTO, -1.0, &out, &e), &e, "links of width -1; expected at least 0");
   assert_int_equal(km_question_create(s.f.mechanism, "forces", &unasked, &e), KM_OK);
-  const km_answered answers[] = {{s.question, "a", NULL, 0}, {unasked, "b", NULL, 0}};
+  const km_answered answers[] = {{s.question, "a", NULL, 0, NULL}, {unasked, "b", NULL, 0, NULL}};
   assert_refused(km_question_chart(&(km_comparison){answers, 2, false}, &chart, &e), &e, "there is no answer to plot");
   assert_null(chart);
   assert_refused(km_question_report(&answers[0], "", true, &out, &e), &e, "there is no report about this question");

@@ -27,7 +27,7 @@ static void leverage(const char *model, bool html, km_text *out) {
   assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, &error), KM_OK);
   km_transmission_compute(f.mechanism, f.state, work, &transmission);
   km_plotted_advantage plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep};
-  if (km_advantage_report(&plotted, &transmission, "", html, out, &error))
+  if (km_advantage_report(&plotted, &transmission, "", NULL, html, out, &error))
     fail_msg("%s", error.text);
   km_transmission_free(work);
   km_advantage_sweep_free(&sweep);
@@ -45,7 +45,7 @@ static void holding(const char *model, bool html, km_text *out) {
   assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, &error), KM_OK);
   assert_int_equal(km_statics_sweep_run(f.mechanism, f.state, &plan, forces, &statics, &sweep, &error), KM_OK);
   km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep, NULL, 0};
-  if (km_statics_report(&plotted, &statics, "gravity", "", html, out, &error))
+  if (km_statics_report(&plotted, &statics, "gravity", "", NULL, html, out, &error))
     fail_msg("%s", error.text);
   km_statics_sweep_free(&sweep);
   km_statics_free(&statics);

@@ -9,6 +9,10 @@
 
 void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
   const kt_option table[] = {
+      {"title", 0, "TEXT", "Title in place of the report's own", KT_TEXT, &o->header.title, KT_ABOUT_FILES},
+      {"author", 0, "TEXT", "Author, under the title", KT_TEXT, &o->header.author, KT_ABOUT_FILES},
+      {"date", 0, "TEXT", "Date, under the title", KT_TEXT, &o->header.date, KT_ABOUT_FILES},
+      {"note", 0, "TEXT", "A paragraph behind the answer", KT_TEXT, &o->header.note, KT_ABOUT_FILES},
       {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), &o->format, KT_ABOUT_FILES},
       KT_BASE(&o->base, base_help),
   };
@@ -47,7 +51,7 @@ static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes
 static kt_exit deliver(const kt_sweep_job *j, bool html) {
   km_text out = {0};
   km_error error;
-  km_answered answer = {j->question, j->label, NULL, 0};
+  km_answered answer = {.question = j->question, .name = j->label, .header = &j->options->header};
   km_status status = km_question_report(&answer, j->stopped_by.data ? j->stopped_by.data : "", html, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)

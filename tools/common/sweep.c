@@ -185,7 +185,8 @@ static kt_exit write_plot(const kt_sweep_options *o, const kt_sweep_job *jobs, c
   km_comparison comparison = {.answers = shown, .ordered = o->variants.number_count > 0};
   for (int i = 0; i < job_count(o); ++i)
     if (kt_sweep_job_delivers(&jobs[i]))
-      shown[comparison.count++] = (km_answered){jobs[i].question, jobs[i].label, jobs[i].shown, jobs[i].shown_count};
+      shown[comparison.count++] =
+          (km_answered){jobs[i].question, jobs[i].label, jobs[i].shown, jobs[i].shown_count, NULL};
   km_text out = {0};
   km_error error;
   km_chart *chart = NULL;

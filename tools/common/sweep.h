@@ -6,6 +6,8 @@
 #include "common/command_line/vary.h"
 #include "common/pose.h"
 
+#include "kmech/report.h"
+
 enum { KT_MOST_MODELS = 64, KT_JOB_NAME = 1024 };
 
 typedef struct kt_sweep_job kt_sweep_job;
@@ -15,11 +17,12 @@ typedef struct kt_sweep_options {
   kt_common common;
   kt_question asked; /* the question */
   kt_texts holds, sets, models, vary;
-  kt_variants variants; /* variants of `vary`, set by kt_sweep */
-  const char *joints;   /* --joints: coordinates whose curves are drawn, or NULL */
-  const char *base;     /* -o, or NULL */
-  const char *format;   /* --format, or NULL */
-  kt_formats formats;   /* formats of --format, set by kt_sweep */
+  kt_variants variants;    /* variants of `vary`, set by kt_sweep */
+  const char *joints;      /* --joints: coordinates whose curves are drawn, or NULL */
+  const char *base;        /* -o, or NULL */
+  const char *format;      /* --format, or NULL */
+  kt_formats formats;      /* formats of --format, set by kt_sweep */
+  km_report_header header; /* head of a report */
   /* Kinds without a sweep: says what a result with rows calls for; returns the exit code of the result. */
   kt_exit (*tell)(kt_sweep_job *job);
   /* Writes more files of a job, named after `base`; NULL: none. */

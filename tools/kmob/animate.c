@@ -127,7 +127,7 @@ static const char *subtitle_of(animation *a) {
 
 static km_status write_page(animation *a, km_text *out, km_error *error) {
   const km_drawing_look look = kmob_shots_style(a->shots);
-  const km_answered answer = {a->question, a->shots->name, NULL, 0};
+  const km_answered answer = {a->question, a->shots->name, NULL, 0, NULL};
   km_chart *chart = NULL;
   km_motion_page page = {.title = a->shots->name,
                          .subtitle = subtitle_of(a),

@@ -47,7 +47,7 @@ static km_status copy_rows(animation *a, km_error *error) {
 static km_status write_page(const animation *a, km_text *out, km_error *error) {
   const kt_sweep_job *j = a->job;
   const km_unit *time = km_model_units(j->pose.model).time;
-  const km_answered answer = {j->question, j->label, j->shown, j->shown_count};
+  const km_answered answer = {j->question, j->label, j->shown, j->shown_count, NULL};
   km_plotted_history shown = km_question_plotted_history(&answer);
   shown.table = a->table;
   km_chart *chart = NULL;

@@ -97,16 +97,15 @@ KM_API void km_linear_mat(const km_linear *linear, km_text *out);
 /* A matrix[rows × columns], column-major, as CSV without header, row by row. */
 KM_API void km_matrix_csv(const double *matrix, int rows, int columns, km_text *out);
 /* kmech, tool, model … figures, events, columns, rows, complete, stopped_by. NULL when out of memory. */
-KM_API km_value *km_history_record(const km_mechanism *mechanism, const km_history_def *def,
-                                         const km_history *history, const char *stopped_by, const char *name,
-                                         km_arena *arena);
+KM_API km_value *km_history_record(const km_mechanism *mechanism, const km_history_def *def, const km_history *history,
+                                   const char *stopped_by, const char *name, km_arena *arena);
 /* Summary of a run (`def`: its definition) or of inverse dynamics (NULL): extent, what acts, errors, events; largest
  * forces. */
 KM_API void km_history_print(const km_mechanism *mechanism, const km_history_def *def, const km_history *history,
                              const char *name, km_text *out);
 /* Record of inverse dynamics; `stopped_by` as above. */
-KM_API km_value *km_inverse_record(const km_mechanism *mechanism, const km_history *history,
-                                         const char *stopped_by, const char *name, km_arena *arena);
+KM_API km_value *km_inverse_record(const km_mechanism *mechanism, const km_history *history, const char *stopped_by,
+                                   const char *name, km_arena *arena);
 
 /* Pieces of text about sweeps. */
 /* " mm", or nothing for an arc length. */
@@ -117,6 +116,14 @@ KM_API void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_pla
 
 /* ---- Answers as plots, and reports about them. */
 
+/* Words of a report's head in addition to its own; NULL: none. */
+typedef struct km_report_header {
+  const char *title;  /* in place of the report's own title */
+  const char *author; /* stands under the title, */
+  const char *date;   /* and the date, as text */
+  const char *note;   /* a paragraph behind the answer */
+} km_report_header;
+
 /* One of the answers that share a plot. Everything is borrowed. */
 typedef struct km_answered {
   const km_question *question; /* the question, with an answer */
@@ -124,6 +131,7 @@ typedef struct km_answered {
   const int *shown;            /* [shown_count] the coordinates whose curves are drawn; NULL: by default all, of several
                                 * answers the driver's */
   int shown_count;
+  const km_report_header *header; /* head of a report; NULL: none */
 } km_answered;
 
 /* Answers of several models or variants in one plot. */

@@ -31,7 +31,7 @@ static bool add(overlay *v, const km_designs_shown *p, int design, int question,
     km_evaluated_design_free(a);
     return status != KM_MEMORY;
   }
-  v->answers[v->count++] = (km_answered){a->question, kept, NULL, 0};
+  v->answers[v->count++] = (km_answered){a->question, kept, NULL, 0, NULL};
   return kept != NULL;
 }
 
@@ -79,7 +79,7 @@ static km_status made_or_no_memory(bool made, km_error *error) {
 
 /* Columns from which figures are computed, along the path of a track or over time. */
 static km_status make_columns(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
-                             km_error *error) {
+                              km_error *error) {
   km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, KM_MAX_OVERLAID_DESIGNS);
   size_t *columns = KM_ARENA_NEW(arena, size_t, KM_MAX_DESIGN_FIGURES);
   if (arena->failed)

@@ -215,12 +215,13 @@ void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *
 }
 
 km_status km_advantage_report(const km_plotted_advantage *p, const km_transmission *transmission,
-                              const char *stopped_by, bool html, km_text *out, km_error *error) {
+                              const char *stopped_by, const km_report_header *header, bool html, km_text *out,
+                              km_error *error) {
   km_document_maker *k = KM_NEW(km_document_maker, 1);
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
   km_advantage_report_make(k, p, transmission, stopped_by);
   const char *title =
       km_document_format(k, "%s: leverage of %s over %s", p->swept.name, p->sweep->input.name, p->sweep->output.name);
-  return km_report_finish(k, &p->swept, "kma", title, html, out, error);
+  return km_report_finish(k, &p->swept, header, "kma", title, html, out, error);
 }

@@ -9,7 +9,8 @@
 /* Report of a sweep with transmission columns; `transmission` of the last row has the reasons of undefined metrics.
  * `html`: one self-contained file instead of PDF pages. Appends the bytes. */
 km_status km_advantage_report(const km_plotted_advantage *sweep, const km_transmission *transmission,
-                              const char *stopped_by, bool html, km_text *out, km_error *error);
+                              const char *stopped_by, const km_report_header *header, bool html, km_text *out,
+                              km_error *error);
 /* Its blocks, before they are rendered. */
 void km_advantage_report_make(km_document_maker *maker, const km_plotted_advantage *sweep,
                               const km_transmission *transmission, const char *stopped_by);

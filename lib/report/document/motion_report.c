@@ -133,7 +133,8 @@ km_status km_motion_report(const km_answered *a, const char *stopped_by, bool ht
     add_plot(k, &plot, "velocities and accelerations over the driver");
   km_report_model(k, &swept,
                   "closed loops at every row; velocities and accelerations by the loops' first and second order");
-  return km_report_finish(k, &swept, "kmob", km_document_format(k, "%s: how it moves", a->name), html, out, error);
+  return km_report_finish(k, &swept, a->header, "kmob", km_document_format(k, "%s: how it moves", a->name), html, out,
+                          error);
 }
 
 /* ---- Over time. */
@@ -304,6 +305,6 @@ km_status km_history_report(const km_answered *a, const char *stopped_by, bool h
                   run ? "equations of motion in independent coordinates, loops closed at every evaluation"
                       : "forces of the prescribed motion by the balance of its virtual power, row by row");
   return km_report_finish(
-      k, &swept, "ksim", km_document_format(k, run ? "%s: its motion over time" : "%s: what its motion takes", a->name),
-      html, out, error);
+      k, &swept, a->header, "ksim",
+      km_document_format(k, run ? "%s: its motion over time" : "%s: what its motion takes", a->name), html, out, error);
 }

@@ -35,7 +35,7 @@ static km_status statics_report(const km_answered *a, const km_swept *swept, con
   acting_words(a->question->m->model, km_question_forces(a->question), &acting);
   km_status status = acting.failed ? km_fail(error, KM_MEMORY, "out of memory for the report")
                                    : km_statics_report(&plotted, km_question_balance(a->question), acting.data,
-                                                       stopped_by, html, out, error);
+                                                       stopped_by, a->header, html, out, error);
   km_text_free(&acting);
   return status;
 }
@@ -59,5 +59,5 @@ km_status km_question_report(const km_answered *a, const char *stopped_by, bool 
   if (!advantage)
     return km_fail(error, KM_USAGE, "there is no report about this question");
   km_plotted_advantage plotted = {swept, advantage};
-  return km_advantage_report(&plotted, &advantage->last, stopped_by, html, out, error);
+  return km_advantage_report(&plotted, &advantage->last, stopped_by, a->header, html, out, error);
 }

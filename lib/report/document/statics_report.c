@@ -219,11 +219,12 @@ void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, c
 }
 
 km_status km_statics_report(const km_plotted_statics *p, const km_statics *statics, const char *acting,
-                            const char *stopped_by, bool html, km_text *out, km_error *error) {
+                            const char *stopped_by, const km_report_header *header, bool html, km_text *out,
+                            km_error *error) {
   km_document_maker *k = KM_NEW(km_document_maker, 1);
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
   km_statics_report_make(k, p, statics, acting, stopped_by);
   const char *title = km_document_format(k, "%s: what its actuators hold", p->swept.name);
-  return km_report_finish(k, &p->swept, "kstatic", title, html, out, error);
+  return km_report_finish(k, &p->swept, header, "kstatic", title, html, out, error);
 }

@@ -234,10 +234,31 @@ void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report
   km_document_cells(maker, KM_BLOCK_TABLE, cells, shown + 1, count);
 }
 
-km_status km_report_finish(km_document_maker *k, const km_swept *swept, const char *tool, const char *title, bool html,
-                           km_text *out, km_error *error) {
-  km_document document = {.title = title,
-                          .subtitle = km_document_format(k, "Report by %s %s", tool, KM_VERSION),
+static bool stated(const char *text) {
+  return text && *text;
+}
+
+/* Puts a paragraph behind the first block. */
+static void insert_note(km_document_maker *k, const char *note) {
+  size_t before = k->count;
+  km_document_text(k, note);
+  if (k->count == before || before < 1)
+    return;
+  km_block last = k->blocks[before];
+  memmove(&k->blocks[2], &k->blocks[1], (before - 1) * sizeof *k->blocks);
+  k->blocks[1] = last;
+}
+
+km_status km_report_finish(km_document_maker *k, const km_swept *swept, const km_report_header *header,
+                           const char *tool, const char *title, bool html, km_text *out, km_error *error) {
+  const km_report_header none = {NULL, NULL, NULL, NULL}, *h = header ? header : &none;
+  if (stated(h->note))
+    insert_note(k, h->note);
+  km_document document = {.title = stated(h->title) ? h->title : title,
+                          .subtitle =
+                              km_document_format(k, "%s%s%s%sReport by %s %s", stated(h->author) ? h->author : "",
+                                                 stated(h->author) ? " · " : "", stated(h->date) ? h->date : "",
+                                                 stated(h->date) ? " · " : "", tool, KM_VERSION),
                           .footer = km_document_format(k, "%s · SHA-256 %.16s… · %s %s", swept->name,
                                                        swept->mechanism->model->sha256, tool, KM_VERSION),
                           .blocks = k->blocks,

@@ -41,8 +41,9 @@ void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_re
 /* "1.2345", "∞", "–" where there is none. */
 const char *km_report_number(km_document_maker *maker, double value);
 
-/* The document of all blocks, as HTML or PDF, appended to `out`; frees the maker. KM_MEMORY, KM_INTERNAL. */
-km_status km_report_finish(km_document_maker *maker, const km_swept *swept, const char *tool, const char *title,
-                           bool html, km_text *out, km_error *error);
+/* Appends the document of all blocks, HTML or PDF; `header` (may be NULL) has words for its head. Frees the maker.
+ * KM_MEMORY, KM_INTERNAL. */
+km_status km_report_finish(km_document_maker *maker, const km_swept *swept, const km_report_header *header,
+                           const char *tool, const char *title, bool html, km_text *out, km_error *error);
 
 #endif
