@@ -41,8 +41,8 @@ enum { KSTUDY_WORD = 200, KSTUDY_NAME = 400 };
 kt_exit kstudy_check_names(const kstudy_request *request, kstudy_open *open);
 /* Pictures of what the study came to, in the formats of the list. */
 kt_exit kstudy_plot(const kstudy_request *request, kstudy_open *open, const kt_formats *formats);
-/* BASE.study-report.html. */
-kt_exit kstudy_report(const kstudy_request *request, kstudy_open *open);
+/* BASE.study-report.html or .pdf. */
+kt_exit kstudy_write_report(const kstudy_request *request, kstudy_open *open, bool html);
 /* The tables and statistics, on the standard output. */
 kt_exit kstudy_print(const kstudy_request *request, kstudy_open *open);
 /* A figure's name as a part of a file's name. */
@@ -53,6 +53,7 @@ kt_exit kstudy_write_models(const kstudy_request *request, kstudy_open *open);
 kt_exit kstudy_run(int argc, char **argv);
 kt_exit kstudy_resume(int argc, char **argv);
 kt_exit kstudy_show(int argc, char **argv);
+kt_exit kstudy_report(int argc, char **argv);
 kt_exit kstudy_export(int argc, char **argv);
 kt_exit kstudy_plan(int argc, char **argv);
 

@@ -17,14 +17,14 @@ kt_exit kstudy_print(const kstudy_request *r, kstudy_open *o) {
   return result;
 }
 
-kt_exit kstudy_report(const kstudy_request *r, kstudy_open *o) {
+kt_exit kstudy_write_report(const kstudy_request *r, kstudy_open *o, bool html) {
   const char *slash = strrchr(o->base, '/');
   km_text out = {0};
   km_error error;
-  km_status status = km_designs_report(o->study, &o->def, slash ? slash + 1 : o->base, true, &out, &error);
+  km_status status = km_designs_report(o->study, &o->def, slash ? slash + 1 : o->base, html, &out, &error);
   if (status)
     kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, "study-report", "html", &out);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&r->common, o->base, "study-report", html ? "html" : "pdf", &out);
   km_text_free(&out);
   return result;
 }
@@ -72,6 +72,32 @@ kt_exit kstudy_show(int argc, char **argv) {
     result = kstudy_print(&r, &o);
   if (result == KT_DONE && r.format)
     result = kstudy_plot(&r, &o, &formats);
+  if (result == KT_DONE)
+    result = judge_answers(&r, &o);
+  kstudy_close(&o);
+  return result;
+}
+
+kt_exit kstudy_report(int argc, char **argv) {
+  kstudy_request r = {.common = KT_COMMON("kstudy")};
+  kstudy_open o;
+  kt_options all = {0};
+  const kt_option table[] = {
+      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), &r.format, KT_ABOUT_FILES}};
+  KT_OPTIONS_ADD(&all, table);
+  kstudy_options(&all, &r, 0);
+  kt_options_read(&all,
+                  "A report to hand on from the store: the best design beside the others or the start, spreads, limits, "
+                  "pictures, as BASE.study-report.pdf or .html.",
+                  argc, argv);
+  const bool html = r.format && strcmp(r.format, "html") == 0;
+  if (r.format && !html && strcmp(r.format, "pdf") != 0)
+    return kt_usage(&r.common, "--format", r.format, "pdf or html");
+  kt_exit result = kstudy_compile(&r, true, &o);
+  if (result == KT_DONE)
+    result = recall(&r, &o);
+  if (result == KT_DONE)
+    result = kstudy_write_report(&r, &o, html);
   if (result == KT_DONE)
     result = judge_answers(&r, &o);
   kstudy_close(&o);
