@@ -95,6 +95,56 @@ static void planar_platforms_have_six(void **state) {
   }
 }
 
+/* A random Watt-Baranov truss: k triangles on a fixed polygon, joined in a ring by k bars. */
+static fixture random_truss(int k, uint64_t *random) {
+  km_text text = {0};
+  double pin[5][2], next[5][2], last[5][2];
+  for (int i = 0; i < k; ++i)
+    for (int j = 0; j < 2; ++j) {
+      pin[i][j] = (j ? sin(2.0 * M_PI * i / k) : cos(2.0 * M_PI * i / k)) + 0.2 * km_uniform(random);
+      next[i][j] = pin[i][j] + 0.5 * km_uniform(random);
+      last[i][j] = pin[i][j] + 0.5 * km_uniform(random);
+    }
+  km_text_add(&text, "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [");
+  for (int i = 0; i < k; ++i)
+    km_text_format(&text, "%s{\"name\": \"t%d\"}, {\"name\": \"l%d\"}", i ? ", " : "", i, i);
+  km_text_add(&text, "], \"joints\": [");
+  for (int i = 0; i < k; ++i) {
+    int n = (i + 1) % k;
+    km_text_format(
+        &text,
+        "%s{\"name\": \"G%d\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"t%d\"], \"at\": [%.17g, %.17g]},"
+        "{\"name\": \"A%d\", \"type\": \"revolute\", \"bodies\": [\"t%d\", \"l%d\"], \"at\": [%.17g, %.17g]},"
+        "{\"name\": \"B%d\", \"type\": \"revolute\", \"bodies\": [\"l%d\", \"t%d\"], \"at\": [%.17g, %.17g]}",
+        i ? ", " : "", i, i, pin[i][0], pin[i][1], i, i, i, next[i][0], next[i][1], i, i, n, last[n][0], last[n][1]);
+  }
+  km_text_add(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+/* A truss of k triangles has 2^(k+1) − 2 complex modes: 6 for k = 2, a coupler curve of degree 6 and a circle, and 126
+ * for the 13 links of k = 6 (N. Rojas 2012). An even number of them is real. */
+static void trusses_have_a_power_of_two_less_two(void **state) {
+  (void)state;
+  uint64_t random = 5;
+  for (int trial = 0; trial < 12; ++trial) {
+    int k = 2 + trial % 4;
+    fixture f = random_truss(k, &random);
+    km_all_modes modes = all_modes(&f, NULL, 0, 1);
+    assert_true(modes.is_complete);
+    assert_int_equal(modes.complex_solutions, (1 << (k + 1)) - 2);
+    assert_int_equal(modes.count % 2, 0);
+    for (int i = 0; i < modes.count; ++i) {
+      assert_true(modes.evidence[i].is_certified);
+      assert_at_most(modes.evidence[i].residual, 1e-11);
+    }
+    km_all_modes_free(&modes);
+    fixture_close(&f);
+  }
+}
+
 /* Sorted values of one joint over all modes. */
 static int compare_numbers(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
@@ -272,6 +322,7 @@ static void refusals(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(planar_platforms_have_six),
+                                     cmocka_unit_test(trusses_have_a_power_of_two_less_two),
                                      cmocka_unit_test(modes_depend_on_the_mechanism_only),
                                      cmocka_unit_test(random_starts_find_no_other),
                                      cmocka_unit_test(two_bars_meet_in_two_points),
