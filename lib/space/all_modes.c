@@ -236,17 +236,17 @@ static km_status collect_modes(modes_search *f, bool *is_first_found, km_error *
 /* ---- The result. */
 
 /* Decides the verdict. */
-static void judge_completeness(const modes_search *f, const km_fibre_search *search, int limit, bool is_first_found,
+static void judge_completeness(const modes_search *f, const km_fibre_search *search, bool is_first_found,
                                km_all_modes *out) {
   bool moves = false;
   for (int i = 0; i < f->count; ++i)
     moves = moves || f->modes[i].evidence.moves;
-  out->gap = moves                                 ? KM_GAP_MOVES
-             : search->graph.node[0].count > limit ? KM_GAP_LIMIT
-             : !search->is_complete                ? KM_GAP_TRACE
-             : f->ends.singular > 0                ? KM_GAP_SINGULAR
-             : f->ends.lost > 0 || !is_first_found ? KM_GAP_LOST
-                                                   : KM_GAP_NONE;
+  out->gap = moves                                          ? KM_GAP_MOVES
+             : search->is_exhausted && !search->is_complete ? KM_GAP_LIMIT
+             : !search->is_complete                         ? KM_GAP_TRACE
+             : f->ends.singular > 0                         ? KM_GAP_SINGULAR
+             : f->ends.lost > 0 || !is_first_found          ? KM_GAP_LOST
+                                                            : KM_GAP_NONE;
   out->is_complete = out->gap == KM_GAP_NONE;
   out->complex_solutions = search->graph.node[0].count;
   out->section_points = search->section_points;
@@ -320,7 +320,7 @@ static km_status search_modes(modes_search *f, km_all_modes *out, km_error *erro
   if (!status)
     status = write_modes(f, out, error);
   if (!status)
-    judge_completeness(f, &search, limit, is_first_found, out);
+    judge_completeness(f, &search, is_first_found, out);
   km_fibre_search_free(&search);
   km_free(f->ends.items);
   return status;

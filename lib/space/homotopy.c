@@ -14,7 +14,7 @@ static const double first_step = 0.02, shortest_step = 1e-9, largest_growth = 2.
  * a pole, with complex rotations of norm 1e2, lose four digits. */
 static const double final_correction = 1e-11, rounded_correction = 1e-6;
 static const double final_error = 1e-6; /* largest |H| at the end of a path: radians, sizes */
-enum { MAX_STEPS = 3000 };
+enum { MAX_STEPS = 500 };               /* a path takes some 40 steps, one that is lost beside a pole thousands */
 static const double infinite_angle = 60.0, infinite_length = 1e9; /* imaginary part; sizes */
 
 void km_homotopy_redirect(km_homotopy *h, uint64_t *random) {

@@ -5,7 +5,8 @@
 
 /* Functionals of one solution differ by less than this between two ways to it, relative to 1 + |y|. */
 static const double same_solution = 1e-7;
-static const double retry_factor = 0.1; /* lost paths: factor of the corrections that a step may have */
+static const long max_evaluations = 4000000; /* of one search; the largest published case takes a tenth of them */
+static const double retry_factor = 0.1;      /* lost paths: factor of the corrections that a step may have */
 
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
   km_complex mark[KM_FINGERPRINT];
@@ -102,7 +103,8 @@ static void track(km_monodromy *g, km_fibre_edge *edge, int end, int i) {
 
 static bool continues(km_monodromy *g, double done) {
   g->cancelled = g->cancelled || (g->progress && !g->progress(g->context, done));
-  return !g->failed && !g->cancelled && g->node[0].count <= g->limit;
+  g->is_exhausted = g->is_exhausted || g->h->evaluations > max_evaluations || g->node[0].count > g->limit;
+  return !g->failed && !g->cancelled && !g->is_exhausted;
 }
 
 /* Tracks all solutions along all edges until none is left. */

@@ -45,6 +45,7 @@ typedef struct km_monodromy {
   long paths; /* number of tracked paths */
   km_progress progress;
   void *context;
+  bool is_exhausted;      /* more solutions, or more work, than is allowed */
   bool failed, cancelled; /* out of memory; cancelled by the caller */
 } km_monodromy;
 

@@ -112,7 +112,8 @@ static bool collect_fibre(search_state *w) {
 }
 
 static bool goes_on(const search_state *w) {
-  return !w->out->graph.failed && !w->section.failed && !w->out->graph.cancelled && !w->section.cancelled;
+  return !w->out->graph.failed && !w->section.failed && !w->out->graph.cancelled && !w->section.cancelled &&
+         !w->out->graph.is_exhausted && !w->section.is_exhausted;
 }
 
 /* Root mean square of y over the solutions. */
@@ -236,6 +237,7 @@ km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *cen
       out->graph.failed = !sample_fibre(&w, random);
   }
   bool failed = out->graph.failed || w.section.failed, cancelled = out->graph.cancelled || w.section.cancelled;
+  out->is_exhausted = out->graph.is_exhausted || w.section.is_exhausted;
   km_monodromy_free(&w.section);
   if (failed)
     return km_fail(error, KM_MEMORY, "out of memory for the assembly modes");

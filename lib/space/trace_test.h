@@ -18,6 +18,7 @@ typedef struct km_fibre_search {
   km_monodromy graph;            /* node 0 holds the solutions */
   int section_points;            /* N + M of the last trace test */
   double trace_difference;       /* relative second difference of the last trace test; NaN: none was made */
+  bool is_exhausted;             /* the search ended at a limit of solutions or work */
   bool is_complete;              /* the trace test passed */
   int samples, found_once;       /* incomplete search: independent finds, and solutions found by one of them */
 } km_fibre_search;

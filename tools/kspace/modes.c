@@ -95,7 +95,8 @@ static void print_gap(const km_all_modes *m, km_text *out) {
                 "as many as you like; hold one joint more, or change a dimension\n");
     break;
   case KM_GAP_LIMIT:
-    km_text_format(out, "at least these: there are more than %d complex solutions\n", m->complex_solutions);
+    km_text_format(out, "at least these: the search ended at its limit of work; %d complex solutions are known\n",
+                   m->complex_solutions);
     break;
   }
 }

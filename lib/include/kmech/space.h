@@ -21,7 +21,7 @@ typedef enum km_mode_gap {
   KM_GAP_LOST,     /* solutions were lost on the way to the closed loops */
   KM_GAP_SINGULAR, /* singular solutions: several may coincide, or the solutions there are curves */
   KM_GAP_MOVES,    /* a mode moves, although all held joints stay: the modes there are samples of a self-motion */
-  KM_GAP_LIMIT     /* there are more solutions than the search was allowed to follow */
+  KM_GAP_LIMIT     /* the search ended at its limit of solutions or of work */
 } km_mode_gap;
 /* Returns "complete", "trace", "lost", "singular", "self-motion", "limit"; "" for another value. */
 KM_API const char *km_mode_gap_name(km_mode_gap gap);
