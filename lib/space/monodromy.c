@@ -5,7 +5,7 @@
 
 /* Functionals of one solution differ by less than this between two ways to it, relative to 1 + |y|. */
 static const double same_solution = 1e-7;
-static const long max_evaluations = 4000000; /* of one search; the largest published case takes a tenth of them */
+static const long max_evaluations = 4000000; /* work of one search; the largest published case takes a tenth of it */
 static const double retry_factor = 0.1;      /* lost paths: factor of the corrections that a step may have */
 
 int km_fibre_find(const km_monodromy *g, const km_fibre *fibre, const km_complex *x) {
