@@ -13,15 +13,16 @@
 static const double strip_height = 132, names_height = 12, caption_height = 14, margin = 10; /* points */
 enum { MOST_BODIES = 60 };
 
-/* The value has precedence: a long name is omitted. */
-static const char *caption(const km_swept *sweep, double s, km_arena *arena) {
+/* Value of the driver under picture k. The first one has the driver's name, unless it is long: all of them would touch
+ * each other on a narrow page. */
+static const char *caption(const km_swept *sweep, int k, double s, km_arena *arena) {
   enum { LONGEST_NAME = 12 }; /* bytes */
   const char *label = km_model_coordinate_label(sweep->mechanism->model, sweep->plan->coordinate);
   const char *unit = km_model_coordinate_unit(sweep->mechanism->model, sweep->plan->coordinate);
   km_text text = {0};
   if (sweep->plan->arclength > 0.0)
-    km_text_format(&text, "arc length %.4g", s);
-  else if (strlen(label) > LONGEST_NAME)
+    km_text_format(&text, k ? "%.4g" : "arc length %.4g", s);
+  else if (k > 0 || strlen(label) > LONGEST_NAME)
     km_text_format(&text, "%.4g %s", s, unit);
   else
     km_text_format(&text, "%s = %.4g %s", label, s, unit);
@@ -116,7 +117,7 @@ km_plot_strip km_sweep_strip_make(const km_swept *sweep, int count, km_arena *ar
     return (km_plot_strip){0};
   for (int k = 0; k < count; ++k) {
     rows[k] = spaced_row(table, k, count);
-    out->captions[k] = caption(sweep, s_of(sweep, rows[k]), arena);
+    out->captions[k] = caption(sweep, k, s_of(sweep, rows[k]), arena);
   }
   out->drawings[0] = drawing_of(sweep->mechanism, table, rows, count, arena);
   return arena->failed ? (km_plot_strip){0} : (km_plot_strip){strip_height, draw, out};
@@ -190,9 +191,9 @@ km_plot_strip km_comparison_strip_make(const km_swept *sweeps, int count, bool o
   double begin = s_of(&sweeps[0], 0), end = common_end(sweeps, count);
   for (int k = 0; k < POSES; ++k)
     out->captions[k] =
-        isfinite(end)
-            ? caption(&sweeps[0], s_of(&sweeps[0], row_at(&sweeps[0], begin + k * (end - begin) / (POSES - 1))), arena)
-            : parts[k];
+        isfinite(end) ? caption(&sweeps[0], k,
+                                s_of(&sweeps[0], row_at(&sweeps[0], begin + k * (end - begin) / (POSES - 1))), arena)
+                      : parts[k];
   for (int layer = 0; layer < shown && names; ++layer) {
     int i = layer * (count - 1) / (shown > 1 ? shown - 1 : 1);
     size_t rows[POSES], last = km_table_rows(sweeps[i].motion->table) - 1;
