@@ -4,8 +4,8 @@
 
 #include "base/file.h"
 #include "kinematics/state.h"
-#include "kmech/report.h"
 #include "kmech/inspect.h"
+#include "kmech/report.h"
 
 #include <math.h>
 
@@ -45,12 +45,12 @@ enum {
 enum { AXES_BODY = 2 }; /* word of `axes` behind those of km_axes */
 
 static const km_option run_options[RUN_OPTIONS] = {
-    {"every", KM_OPTION_NUMBER, "DT", "time", "the model's, else a 200th of the run", "Time between rows", 0, MOST, NULL,
-     true},
+    {"every", KM_OPTION_NUMBER, "DT", "time", "the model's, else a 200th of the run", "Time between rows", 0, MOST,
+     NULL, true},
     {"from", KM_OPTION_FILE, "TABLE.csv", "", NULL,
      "Go on from the last row of a run's table: its pose, its rates and its time", 0, 0, NULL, true},
-    {"event", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "Tell when a joint passes a value (repeatable)", 0,
-     0, NULL, true},
+    {"event", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "Tell when a joint passes a value (repeatable)",
+     0, 0, NULL, true},
     {"stop", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "End where a joint passes a value (repeatable)", 0,
      0, NULL, true},
     {"limit-stops", KM_OPTION_PAIR, "K[,B]", "force/length", NULL,
@@ -152,18 +152,13 @@ static void add_crossings(const km_option_value *v, bool stops, kind_data *o) {
         (km_crossing){.coordinate = v->coordinates[i], .value = v->settings[i], .stops = stops};
 }
 
-static km_status prepare_run(km_question *q, km_error *error) {
-  kind_data *o = q->kind_data;
-  const km_model *model = q->m->model;
-  const km_option_value *events = km_question_own_value(q, EVENT), *stops = km_question_own_value(q, STOP),
-                        *method = km_question_own_value(q, INTEGRATOR), *from = km_question_own_value(q, FROM),
-                        *modules = km_question_own_value(q, FORCES);
-  km_history_def *def = &o->run;
-  *def = km_history_default(model);
+/* Times, tolerances and method of a run: the model's, replaced by the options. */
+static void take_method(const km_question *q, km_history_def *def) {
+  const km_option_value *until = shared_value(q, UNTIL), *method = km_question_own_value(q, INTEGRATOR);
   double every;
-  km_model_simulated(model, NULL, &every);
-  take_number(shared_value(q, UNTIL), &def->until);
-  if (shared_value(q, UNTIL) && !(every > 0.0))
+  km_model_simulated(q->m->model, NULL, &every);
+  take_number(until, &def->until);
+  if (until && !(every > 0.0))
     def->every = def->until / KM_HISTORY_ROWS;
   take_number(km_question_own_value(q, EVERY), &def->every);
   take_number(km_question_own_value(q, RTOL), &def->simulation.relative);
@@ -171,27 +166,62 @@ static km_status prepare_run(km_question *q, km_error *error) {
   take_number(km_question_own_value(q, MAX_STEP), &def->simulation.max_step);
   if (method)
     def->simulation.integrator = (km_integrator)method->whole;
-  if (def->simulation.integrator == KM_INTEGRATOR_FIXED && !(def->simulation.max_step > 0.0))
+  def->simulation.stabilisation = (km_stabilisation)word_of(km_question_own_value(q, STABILISE));
+}
+
+/* Columns of a run besides those of every run. */
+static void take_columns(const km_question *q, kind_data *o) {
+  const km_option_value *modules = km_question_own_value(q, FORCES);
+  const int axes = word_of(km_question_own_value(q, AXES));
+  km_history_def *def = &o->run;
+  def->frames = frames_of(q, o, &def->frame_count);
+  def->frame_rotations = axes == AXES_BODY;
+  def->modules = modules ? modules->modules : NULL;
+  def->module_count = modules ? modules->count : 0;
+  def->reactions = is_flagged(shared_value(q, REACTIONS));
+  def->axes = axes == KM_AXES_FIXED ? KM_AXES_FIXED : KM_AXES_JOINT;
+  def->mobility = is_flagged(km_question_own_value(q, MOBILITY));
+}
+
+static void take_crossings(const km_question *q, kind_data *o) {
+  const km_option_value *events = km_question_own_value(q, EVENT), *stops = km_question_own_value(q, STOP);
+  const size_t count = (size_t)(events ? events->count : 0) + (size_t)(stops ? stops->count : 0);
+  o->crossings = KM_ARENA_NEW(&o->arena, km_crossing, count + 1);
+  if (!o->crossings)
+    return;
+  add_crossings(events, false, o);
+  add_crossings(stops, true, o);
+  o->run.simulation.crossings = o->crossings;
+}
+
+static km_status prepare_run(km_question *q, km_error *error) {
+  kind_data *o = q->kind_data;
+  const km_option_value *from = km_question_own_value(q, FROM);
+  o->run = km_history_default(q->m->model);
+  take_method(q, &o->run);
+  if (o->run.simulation.integrator == KM_INTEGRATOR_FIXED && !(o->run.simulation.max_step > 0.0))
     return km_fail(error, KM_USAGE, "`integrator` fixed: expected `max-step` with it, the length of its steps");
   if (from && shared_value(q, RATE))
     return km_fail(error, KM_USAGE, "`from`: a table beside `rate`; expected one of them: both give the rates");
-  o->crossings = KM_ARENA_NEW(&o->arena, km_crossing,
-                              (size_t)(events ? events->count : 0) + (size_t)(stops ? stops->count : 0) + 1);
-  def->frames = frames_of(q, o, &def->frame_count);
+  take_columns(q, o);
+  take_crossings(q, o);
   if (o->arena.failed)
     return no_memory(error);
-  def->modules = modules ? modules->modules : NULL;
-  def->module_count = modules ? modules->count : 0;
-  add_crossings(events, false, o);
-  add_crossings(stops, true, o);
-  def->simulation.crossings = o->crossings;
-  def->reactions = is_flagged(shared_value(q, REACTIONS));
-  int axes = word_of(km_question_own_value(q, AXES));
-  def->frame_rotations = axes == AXES_BODY;
-  def->axes = axes == KM_AXES_FIXED ? KM_AXES_FIXED : KM_AXES_JOINT;
-  def->mobility = is_flagged(km_question_own_value(q, MOBILITY));
-  def->simulation.stabilisation = (km_stabilisation)word_of(km_question_own_value(q, STABILISE));
   return from ? read_table(from->text, &o->from, error) : KM_OK;
+}
+
+/* Copies the rates of an inverse motion: other than 0, one for each joint. */
+static km_status take_rates(const km_question *q, const km_option_value *rates, kind_data *o, km_error *error) {
+  for (int i = 0; rates && i < rates->count; ++i) {
+    const char *label = km_model_coordinate_label(q->m->model, rates->coordinates[i]);
+    o->rates[i] = (km_constant_rate){rates->coordinates[i], rates->settings[i]};
+    if (o->rates[i].rate == 0.0)
+      return km_fail(error, KM_USAGE, "`rate` %s=0: expected a rate other than 0", label);
+    for (int k = 0; k < i; ++k)
+      if (o->rates[k].coordinate == o->rates[i].coordinate)
+        return km_fail(error, KM_USAGE, "`rate`: \"%s\" is named twice; expected one rate for each joint", label);
+  }
+  return KM_OK;
 }
 
 static km_status prepare_inverse(km_question *q, km_error *error) {
@@ -202,15 +232,9 @@ static km_status prepare_inverse(km_question *q, km_error *error) {
   const km_traced_frame *frames = frames_of(q, o, &frame_count);
   if (o->arena.failed)
     return no_memory(error);
-  for (int i = 0; i < count; ++i) {
-    o->rates[i] = (km_constant_rate){rates->coordinates[i], rates->settings[i]};
-    const char *label = km_model_coordinate_label(q->m->model, o->rates[i].coordinate);
-    if (o->rates[i].rate == 0.0)
-      return km_fail(error, KM_USAGE, "`rate` %s=0: expected a rate other than 0", label);
-    for (int k = 0; k < i; ++k)
-      if (o->rates[k].coordinate == o->rates[i].coordinate)
-        return km_fail(error, KM_USAGE, "`rate`: \"%s\" is named twice; expected one rate for each joint", label);
-  }
+  km_status status = take_rates(q, rates, o, error);
+  if (status)
+    return status;
   o->inverse = km_inverse_default(q->m, o->rates, count);
   o->inverse.frames = frames;
   o->inverse.frame_count = frame_count;
@@ -250,8 +274,8 @@ static km_status set_limit_stops(const km_question *q, km_forces *forces, km_err
 /* Moves a state to the end of the earlier run. */
 static km_status resume(const km_question *q, kind_data *o, km_state *at, km_run_memory **memory, km_error *error) {
   km_error found;
-  km_status status = km_history_resume(q->m, o->from, km_question_own_value(q, FROM)->text, at, &o->run.start, memory,
-                                       &found);
+  km_status status =
+      km_history_resume(q->m, o->from, km_question_own_value(q, FROM)->text, at, &o->run.start, memory, &found);
   return status ? km_fail(error, status, "`from`: %s", found.text) : KM_OK;
 }
 
@@ -321,9 +345,9 @@ static void end_reason(const km_question *q, km_text *out) {
   if (h->why.text[0])
     km_text_add(out, h->why.text);
   else if (h->limit_count > 0)
-    km_text_format(out, "%s passes its %s limit of %.6g %s at %.6g %s", km_model_coordinate_label(model, passed->coordinate),
-                   passed->upper ? "upper" : "lower", passed->limit, km_model_coordinate_unit(model, passed->coordinate),
-                   passed->time, unit);
+    km_text_format(out, "%s passes its %s limit of %.6g %s at %.6g %s",
+                   km_model_coordinate_label(model, passed->coordinate), passed->upper ? "upper" : "lower",
+                   passed->limit, km_model_coordinate_unit(model, passed->coordinate), passed->time, unit);
 }
 
 /* Crossings of the run, then passed limits, then peaks of the driving forces and of the shaking force. */
