@@ -330,7 +330,7 @@ km_status km_all_modes_find(const km_mechanism *m, const km_state *s, const km_a
                             void *context, km_all_modes *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  *out = (km_all_modes){.trace_difference = NAN};
+  *out = (km_all_modes){.trace_difference = nan("")};
   modes_search f = {.m = m, .original = s, .def = def, .progress = progress, .context = context};
   km_status status = km_check_state(m, s, error);
   if (!status)

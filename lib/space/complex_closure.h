@@ -21,9 +21,18 @@
 
 #include <complex.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef double complex km_complex;
-#define KM_I CMPLX(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
+
+/* re + i im. CMPLX of C11 is missing in some headers, and `I` is a float. */
+static inline km_complex km_complex_of(double re, double im) {
+  const double parts[2] = {re, im};
+  km_complex z;
+  memcpy(&z, parts, sizeof z);
+  return z;
+}
+#define KM_I km_complex_of(0.0, 1.0) /* the imaginary unit as a double: C's own is a float */
 
 /* Random functions y_k of the bodies' poses: the first two are the fingerprint of a solution, the third one is that of
  * the trace test. */
@@ -42,7 +51,7 @@ typedef struct km_isotropic_pose {
 /* Random number in the square |Re|, |Im| <= 1. */
 static inline km_complex km_complex_random(uint64_t *random) {
   double re = km_uniform(random);
-  return CMPLX(re, km_uniform(random));
+  return km_complex_of(re, km_uniform(random));
 }
 
 /* Coefficients of one slot in a functional. Spatial: y = Σ p·p_slot + Σ_k R_k·R_slot,k. Planar: y = p · (U, Z, W). */

@@ -15,17 +15,19 @@ static void compute_slots(const km_complex_closure *c, const km_program *program
   for (int i = 0; i < program->step_count; ++i) {
     const km_planar_step *step = &steps[i];
     const km_isotropic_pose *from = &slot[step->from];
-    km_complex d = CMPLX(step->x, step->y), value = step->sign * x[c->start_of[km_complex_column(c, step->coordinate)]];
+    km_complex d = km_complex_of(step->x, step->y),
+               value = step->sign * x[c->start_of[km_complex_column(c, step->coordinate)]];
     km_complex Z = from->Z + from->U * d, W = from->W + from->V * conj(d);
     if (step->is_slide) {
-      km_complex u = CMPLX(step->ux, step->uy), dZ = from->U * u, dW = from->V * conj(u);
+      km_complex u = km_complex_of(step->ux, step->uy), dZ = from->U * u, dW = from->V * conj(u);
       slot[step->to] = (km_isotropic_pose){from->U, from->V, Z + value * dZ, W + value * dW};
       twist[i][0] = step->sign * dZ;
       twist[i][1] = step->sign * dW;
       twist[i][2] = 0.0;
     } else {
       double growth = exp(-cimag(value)), cosine = cos(creal(value)), sine = sin(creal(value));
-      km_complex turn = CMPLX(growth * cosine, growth * sine), back = CMPLX(cosine / growth, -sine / growth);
+      km_complex turn = km_complex_of(growth * cosine, growth * sine),
+                 back = km_complex_of(cosine / growth, -sine / growth);
       slot[step->to] = (km_isotropic_pose){from->U * turn, from->V * back, Z, W};
       twist[i][0] = Z;
       twist[i][1] = W;
@@ -41,15 +43,15 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
   const km_complex *P = here.P;
   const km_isotropic_pose *slot = c->isotropic;
   const km_isotropic_pose *a = &slot[loop->slot[0]], *b = &slot[loop->slot[1]];
-  km_complex ca = CMPLX(loop->planar_closing_point[0][0], loop->planar_closing_point[0][1]);
-  km_complex cb = CMPLX(loop->planar_closing_point[1][0], loop->planar_closing_point[1][1]);
-  km_complex offset = CMPLX(loop->planar_origin_offset[0], loop->planar_origin_offset[1]);
-  km_complex phase = CMPLX(cos(loop->planar_closing_angle), sin(loop->planar_closing_angle));
+  km_complex ca = km_complex_of(loop->planar_closing_point[0][0], loop->planar_closing_point[0][1]);
+  km_complex cb = km_complex_of(loop->planar_closing_point[1][0], loop->planar_closing_point[1][1]);
+  km_complex offset = km_complex_of(loop->planar_origin_offset[0], loop->planar_origin_offset[1]);
+  km_complex phase = km_complex_of(cos(loop->planar_closing_angle), sin(loop->planar_closing_angle));
   km_complex A = a->U * b->V * phase, B = a->V * b->U * conj(phase);
   km_complex Za = a->Z + a->U * ca, Wa = a->W + a->V * conj(ca);
   km_complex Zb = b->Z + b->U * cb + offset, Wb = b->W + b->V * conj(cb) + conj(offset);
-  km_complex o = here.has_moving_point ? Zb : CMPLX(loop->planar_point[0], loop->planar_point[1]);
-  km_complex o_conjugate = here.has_moving_point ? Wb : CMPLX(loop->planar_point[0], -loop->planar_point[1]);
+  km_complex o = here.has_moving_point ? Zb : km_complex_of(loop->planar_point[0], loop->planar_point[1]);
+  km_complex o_conjugate = here.has_moving_point ? Wb : km_complex_of(loop->planar_point[0], -loop->planar_point[1]);
   /* Images of o, by which joints on side a move it, and the factors by which those on side b do. */
   km_complex Z_image = Za + A * (o - Zb), W_image = Wa + B * (o_conjugate - Wb);
   km_complex Z_factor = here.has_moving_point ? 1.0 : A, W_factor = here.has_moving_point ? 1.0 : B;
@@ -80,7 +82,7 @@ static void evaluate_loop(const km_complex_closure *c, const km_program *program
 /* Place (Z, W) of the end of a loop's side. */
 static void side_end(const km_loop *loop, const km_isotropic_pose *slot, int side, km_complex *Z, km_complex *W) {
   const km_isotropic_pose *X = &slot[loop->slot[side]];
-  km_complex d = CMPLX(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1]);
+  km_complex d = km_complex_of(loop->planar_closing_point[side][0], loop->planar_closing_point[side][1]);
   *Z = X->Z + X->U * d;
   *W = X->W + X->V * conj(d);
 }
@@ -136,7 +138,7 @@ void km_complex_close_planar(const km_complex_closure *c, const km_program *prog
   const km_planar_step *step = &c->m->planar_steps[program->step_start + i];
   compute_slots(c, program, x, c->isotropic, c->twist);
   km_complex A = c->isotropic[loop->slot[0]].U * c->isotropic[loop->slot[1]].V *
-                 CMPLX(cos(loop->planar_closing_angle), sin(loop->planar_closing_angle));
+                 km_complex_of(cos(loop->planar_closing_angle), sin(loop->planar_closing_angle));
   x[c->start_of[km_complex_column(c, step->coordinate)]] -= step->sign * carg(A);
 }
 

@@ -82,7 +82,8 @@ static void apply_motion(const km_complex_closure *c, const km_step *step, const
     turning_twist(step->sign, axis, X->p, h[0]);
     km_complex value = step->sign * *number;
     double growth = exp(-cimag(value)), cosine = cos(creal(value)), sine = sin(creal(value));
-    km_complex turn = CMPLX(growth * cosine, growth * sine), back = CMPLX(cosine / growth, -sine / growth);
+    km_complex turn = km_complex_of(growth * cosine, growth * sine),
+               back = km_complex_of(cosine / growth, -sine / growth);
     km_complex C = 0.5 * (turn + back), S = -0.5 * KM_I * (turn - back);
     km_complex *u = X->R[(step->axis + 1) % 3], *v = X->R[(step->axis + 2) % 3];
     for (int k = 0; k < 3; ++k) {

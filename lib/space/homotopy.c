@@ -88,14 +88,14 @@ static void draw_quaternion(const bool *has, uint64_t *random, km_complex *P) {
   double length = 0.0;
   for (int k = 0; k < 4; ++k) {
     km_complex z = km_complex_random(random);
-    P[k] = has[k] ? CMPLX(creal(z), imaginary_turn * cimag(z)) : 0.0;
+    P[k] = has[k] ? km_complex_of(creal(z), imaginary_turn * cimag(z)) : 0.0;
     length += creal(P[k]) * creal(P[k]);
   }
   if (!has[0])
     P[0] = 1.0;
   else
     for (int k = 0; k < 4; ++k)
-      P[k] = CMPLX(creal(P[k]) / sqrt(length), cimag(P[k]));
+      P[k] = km_complex_of(creal(P[k]) / sqrt(length), cimag(P[k]));
 }
 
 void km_homotopy_draw(const km_homotopy *h, uint64_t *random, km_complex *parameters) {

@@ -87,7 +87,7 @@ bool km_mode_prove(const km_complex_closure *c, const km_complex *x, km_mode_pro
   km_complex *unit = KM_ARENA_NEW(&arena, km_complex, n);
   int *row = KM_ARENA_NEW(&arena, int, n);
   bool is_ok = !arena.failed;
-  *out = (km_mode_proof){.h = NAN, .error_bound = NAN, .radius = NAN};
+  *out = (km_mode_proof){.h = nan(""), .error_bound = nan(""), .radius = nan("")};
   if (is_ok) {
     km_complex_values values = {.F = F, .J = LU, .stride = c->size, .functional = -1};
     km_complex_evaluate(c, x, &values);

@@ -85,7 +85,7 @@ static double trace_difference(search_state *w, double reach, uint64_t *random) 
   double size[3], largest = 0.0;
   for (int k = 0; k < 3; ++k)
     if (!add_traces(w, k * change, sum[k], &size[k]))
-      return NAN;
+      return nan("");
   for (int j = 0; j < 2; ++j)
     largest = fmax(largest, cabs(sum[0][j] - 2.0 * sum[1][j] + sum[2][j]) / (size[0] + size[1] + size[2]));
   return largest;
@@ -128,12 +128,12 @@ static double functional_size(const km_monodromy *g) {
 
 /* The trace test in two directions; with less reach where paths are lost. */
 static double test_traces(search_state *w, uint64_t *random) {
-  double largest = NAN;
+  double largest = nan("");
   for (double reach = trace_reach; isnan(largest) && reach > least_reach; reach *= 0.7)
     largest = trace_difference(w, reach, random);
   if (!(largest <= trace_tolerance))
     return largest;
-  double other = NAN;
+  double other = nan("");
   for (double reach = trace_reach; isnan(other) && reach > least_reach; reach *= 0.7)
     other = trace_difference(w, reach, random);
   return other <= largest ? largest : other;
@@ -220,7 +220,7 @@ static bool create(search_state *w, uint64_t *random, km_arena *arena) {
 km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *centre, int limit, uint64_t *random,
                               km_arena *arena, km_progress progress, void *context, km_fibre_search *out,
                               km_error *error) {
-  *out = (km_fibre_search){.trace_difference = NAN};
+  *out = (km_fibre_search){.trace_difference = nan("")};
   out->graph = (km_monodromy){.random = random, .limit = limit, .progress = progress, .context = context};
   search_state w = {.out = out, .section = out->graph, .closure = closure, .centre = centre};
   if (create(&w, random, arena)) {
