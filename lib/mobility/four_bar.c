@@ -11,8 +11,9 @@
 
 #include <math.h>
 
-static const double parallel = 1e-9; /* sine of the angle below which hinges are parallel */
-static const double equal = 1e-9;    /* part of the sum of the links below which s + l = p + q */
+/* Rounding of axes and links in double precision, as in planar_motion.c; typed digits aren't considered. */
+static const double parallel_sine = 1e-9; /* sine of the angle below which hinges are parallel */
+static const double equal_lengths = 1e-9; /* part of the sum of the links below which s + l = p + q */
 
 static int body_of(const km_mechanism *m, int joint, int side) {
   return m->model->frames[m->model->joints[joint].frame[side]].body;
@@ -77,12 +78,12 @@ static bool measure(const km_mechanism *m, const km_state *s, km_four_bar *out) 
     const km_pose X = km_joint_pose(m, s, out->joints[i]);
     axis[i] = X.R.axis[km_joint_kind_of(m->model->joints[out->joints[i]].type)->motions[0].axis];
     point[i] = X.p;
-    if (km_vec3_norm(km_vec3_cross(axis[0], axis[i])) > parallel)
+    if (km_vec3_norm(km_vec3_cross(axis[0], axis[i])) > parallel_sine)
       return false;
   }
   for (int i = 0; i < 4; ++i) {
-    const km_vec3 way = km_vec3_sub(point[i], point[(i + 3) % 4]);
-    out->lengths[i] = km_vec3_norm(km_vec3_axpy(-km_vec3_dot(axis[0], way), axis[0], way));
+    const km_vec3 link = km_vec3_sub(point[i], point[(i + 3) % 4]);
+    out->lengths[i] = km_vec3_norm(km_vec3_axpy(-km_vec3_dot(axis[0], link), axis[0], link));
   }
   return true;
 }
@@ -96,11 +97,11 @@ static void classify(km_four_bar *out) {
     out->longest = out->lengths[i] > out->lengths[out->longest] ? i : out->longest;
   }
   out->excess = 2.0 * (out->lengths[out->shortest] + out->lengths[out->longest]) - sum;
-  out->kind = fabs(out->excess) <= equal * sum ? KM_FOUR_BAR_CHANGE_POINT
-              : out->excess > 0.0              ? KM_FOUR_BAR_TRIPLE_ROCKER
-              : out->shortest == 0             ? KM_FOUR_BAR_DOUBLE_CRANK
-              : out->shortest == 2             ? KM_FOUR_BAR_DOUBLE_ROCKER
-                                               : KM_FOUR_BAR_CRANK_ROCKER;
+  out->kind = fabs(out->excess) <= equal_lengths * sum ? KM_FOUR_BAR_CHANGE_POINT
+              : out->excess > 0.0                      ? KM_FOUR_BAR_TRIPLE_ROCKER
+              : out->shortest == 0                     ? KM_FOUR_BAR_DOUBLE_CRANK
+              : out->shortest == 2                     ? KM_FOUR_BAR_DOUBLE_ROCKER
+                                                       : KM_FOUR_BAR_CRANK_ROCKER;
 }
 
 bool km_four_bar_find(const km_mechanism *m, const km_state *s, int loop, km_four_bar *out) {

@@ -21,7 +21,7 @@ static const km_option shared[SHARED_OPTIONS] = {
     {"until", KM_OPTION_NUMBER, "T", "time", "the model's, else 10 s; of a rate of a hinge one turn", "End", 0, MOST,
      NULL, true},
     {"frame", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
-     "Add place, velocity and acceleration of a frame's origin (repeatable)", 0, 0, NULL, true},
+     "Add position, velocity and acceleration of a frame's origin (repeatable)", 0, 0, NULL, true},
     {"reactions", KM_OPTION_FLAG, NULL, "", NULL, "Add the reaction in every joint", 0, 0, NULL, true},
 };
 
@@ -48,7 +48,7 @@ static const km_option run_options[RUN_OPTIONS] = {
     {"every", KM_OPTION_NUMBER, "DT", "time", "the model's, else a 200th of the run", "Time between rows", 0, MOST,
      NULL, true},
     {"from", KM_OPTION_FILE, "TABLE.csv", "", NULL,
-     "Go on from the last row of a run's table: its pose, its rates and its time", 0, 0, NULL, true},
+     "Continue from the last row of a run's table: its pose, its rates and its time", 0, 0, NULL, true},
     {"event", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "Tell when a joint passes a value (repeatable)",
      0, 0, NULL, true},
     {"stop", KM_OPTION_SETTINGS, "JOINT=VALUE", "the joint's", NULL, "End where a joint passes a value (repeatable)", 0,
@@ -65,10 +65,9 @@ static const km_option run_options[RUN_OPTIONS] = {
     {"forces", KM_OPTION_MODULES, "NAME", "", NULL,
      "Add variable, force, power and work of a force module, or of all (repeatable)", 0, 0, NULL, true},
     {"mobility", KM_OPTION_FLAG, NULL, "", NULL, "Add every joint's mobility number", 0, 0, NULL, true},
-    {"rtol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7", "Relative error that steps may add up to", 0, MOST,
-     NULL, true},
+    {"rtol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7", "Relative tolerance of the run", 0, MOST, NULL, true},
     {"atol", KM_OPTION_NUMBER, "E", "", "the model's, else 1e-7",
-     "Absolute error that they may add up to, of radians and characteristic lengths", 0, MOST, NULL, true},
+     "Absolute tolerance of the run, of radians and characteristic lengths", 0, MOST, NULL, true},
     {"max-step", KM_OPTION_NUMBER, "DT", "time", NULL, "Longest step; of `integrator` fixed its length", 0, MOST, NULL,
      true},
     {"integrator", KM_OPTION_WORD, "NAME", "", "the model's, else adams",
@@ -298,9 +297,9 @@ static km_status compute_run(km_question *q, km_forces *forces, km_state *at, km
     status = km_history_run(q->m, forces, at, &o->run, &o->history, error);
   km_run_memory_free(memory);
   o->run.simulation.memory = NULL;
-  bool passes = o->history.limit_count > 0 && !is_flagged(km_question_own_value(q, IGNORE_LIMITS));
+  bool is_limit_passed = o->history.limit_count > 0 && !is_flagged(km_question_own_value(q, IGNORE_LIMITS));
   if (status == KM_PARTIAL || status == KM_OK) /* an end by `stop` is the end that is wanted */
-    return passes ? KM_PARTIAL : KM_OK;
+    return is_limit_passed ? KM_PARTIAL : KM_OK;
   return status_of(&o->history, status);
 }
 
@@ -330,11 +329,21 @@ static const km_table *table(const km_question *q) {
 
 static int planned_run_rows(const km_question *q) {
   const km_history_def *def = &((const kind_data *)q->kind_data)->run;
-  return 1 + (int)ceil((def->until - def->start) / def->every - 1e-9);
+  return 1 + (int)fmin(KM_MAX_SWEEP_STEPS, ceil((def->until - def->start) / def->every - 1e-9));
+}
+
+static double planned_run_place(const km_question *q, int row) {
+  const km_history_def *def = &((const kind_data *)q->kind_data)->run;
+  return fmin(def->start + row * def->every, def->until);
 }
 
 static int planned_inverse_rows(const km_question *q) {
   return 1 + ((const kind_data *)q->kind_data)->inverse.steps;
+}
+
+static double planned_inverse_place(const km_question *q, int row) {
+  const km_inverse_def *def = &((const kind_data *)q->kind_data)->inverse;
+  return def->until * row / def->steps;
 }
 
 static void end_reason(const km_question *q, km_text *out) {
@@ -384,6 +393,7 @@ const km_question_class km_run_question = {.name = "run",
                                            .answer = answer,
                                            .table = table,
                                            .planned_rows = planned_run_rows,
+                                           .planned_place = planned_run_place,
                                            .end_reason = end_reason,
                                            .event_count = event_count,
                                            .event = event,
@@ -400,6 +410,7 @@ const km_question_class km_inverse_question = {.name = "inverse",
                                                .answer = answer,
                                                .table = table,
                                                .planned_rows = planned_inverse_rows,
+                                               .planned_place = planned_inverse_place,
                                                .end_reason = end_reason,
                                                .event_count = event_count,
                                                .event = event,

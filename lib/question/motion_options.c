@@ -81,9 +81,9 @@ static km_status plan_length(const km_question *q, km_sweep_plan *plan, km_error
 }
 
 km_status km_question_make_plan(km_question *q, km_sweep_plan *out, km_error *error) {
-  km_status is_set_value = km_check_given(q && out, "question or place for its plan", error);
-  if (is_set_value)
-    return is_set_value;
+  km_status given = km_check_given(q && out, "question or place for its plan", error);
+  if (given)
+    return given;
   if (!q->kind->motion)
     return km_fail(error, KM_USAGE, "a \"%s\" question has no plan of a sweep", q->kind->name);
   km_sweep_plan plan = km_sweep_plan_default(q->m->model);
@@ -134,12 +134,12 @@ km_question_event km_question_event_at(const km_question *q, int index) {
   const km_sweep *motion = km_question_motion(q);
   if (index < 0 || index >= km_question_event_count(q))
     return (km_question_event){"", "", nan(""), nan("")};
-  int kind_data = q->kind->event_count(q);
-  if (index < kind_data)
+  int own = q->kind->event_count(q);
+  if (index < own)
     return q->kind->event(q, index);
   int branches = (int)motion->branch_count;
-  if (index < kind_data + branches)
-    return (km_question_event){"branch point", "", motion->branches[index - kind_data].s,
-                               motion->branches[index - kind_data].branches};
-  return stop_at(q, motion, index - kind_data - branches);
+  if (index < own + branches)
+    return (km_question_event){"branch point", "", motion->branches[index - own].s,
+                               motion->branches[index - own].branches};
+  return stop_at(q, motion, index - own - branches);
 }

@@ -38,6 +38,10 @@ static km_status check_driver(const km_question *q, km_error *error) {
         error, KM_USAGE, "`rate`: \"%s\" isn't the driver; expected \"%s\", or `joint` and `range` of \"%s\"",
         km_model_coordinate_label(q->m->model, rate->coordinates[0]), km_model_coordinate_label(q->m->model, driver),
         km_model_coordinate_label(q->m->model, rate->coordinates[0]));
+  if (rate && rate->settings[0] < 0.0 && q->plan.to > q->plan.from)
+    return km_fail(error, KM_USAGE,
+                   "`rate` %g: the range goes upwards; expected a positive rate, or the range reversed",
+                   rate->settings[0]);
   return KM_OK;
 }
 

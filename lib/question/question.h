@@ -21,13 +21,13 @@ typedef struct km_question_class {
   /* Computes results after a successful sweep. Can be NULL. */
   km_status (*conclude)(km_question *question, km_error *error);
   const km_sweep *(*motion)(const km_question *question);
-  /* Kinds without a sweep, whose `open` and `motion` are NULL: computes the result; returns its rows, the number of
-   * rows of a complete result, and the reason of KM_PARTIAL as text. */
-  km_status (*answer)(km_question *question, km_state *state, km_error *error);
-  const km_table *(*table)(const km_question *question);
-  int (*planned_rows)(const km_question *question);
-  void (*end_reason)(const km_question *question, km_text *out);
-  int (*event_count)(const km_question *question); /* events besides those of every motion */
+  /* Kinds without a sweep, whose `open` and `motion` are NULL, need the five functions below. */
+  km_status (*answer)(km_question *question, km_state *state, km_error *error); /* computes the result */
+  const km_table *(*table)(const km_question *question);                        /* its rows */
+  int (*planned_rows)(const km_question *question);              /* number of rows of a complete result */
+  double (*planned_place)(const km_question *question, int row); /* arc length or time of such a row; NaN: unknown */
+  void (*end_reason)(const km_question *question, km_text *out); /* reason of KM_PARTIAL as text */
+  int (*event_count)(const km_question *question);               /* events besides those of every motion */
   km_question_event (*event)(const km_question *question, int index);
   void (*clear_result)(km_question *question);      /* frees the last result */
   void (*clear_preparation)(km_question *question); /* frees the preparation, also a failed one */

@@ -2,6 +2,7 @@
 #include "base/file.h"
 #include "question/question.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { STUDY, METHOD, OPTIONS };
@@ -104,6 +105,13 @@ static int planned_rows(const km_question *q) {
   return km_track_samples(((const kind_data *)q->kind_data)->track);
 }
 
+/* Arc length of a sample, as far as the track goes. */
+static double planned_place(const km_question *q, int row) {
+  const km_table *rows = km_track_rows(((const kind_data *)q->kind_data)->track);
+  return row >= 0 && (size_t)row < km_table_rows(rows) ? km_table_row(rows, (size_t)row)[km_table_find(rows, "s")]
+                                                       : nan("");
+}
+
 static void end_reason(const km_question *q, km_text *out) {
   static const char *const reasons[] = {[KM_TRACK_LIMIT] = "a joint is at its limit",
                                         [KM_TRACK_RATE] = "a joint would be too fast",
@@ -136,6 +144,7 @@ const km_question_class km_track_question = {.name = "track",
                                              .answer = answer,
                                              .table = table,
                                              .planned_rows = planned_rows,
+                                             .planned_place = planned_place,
                                              .end_reason = end_reason,
                                              .event_count = event_count,
                                              .event = event,

@@ -211,6 +211,10 @@ static km_status check_figure(const km_design_question *q, const km_design_figur
   bool alone = !q->kind || f->kind == KM_DESIGN_REACHED || f->kind == KM_DESIGN_TOGGLES;
   if (!alone && !f->column)
     return km_fail(error, KM_USAGE, "ask.%.80s.figures.%.80s: expected a column", q->name, f->name);
+  if (f->kind == KM_DESIGN_SETTLING && !(f->at > 0.0 && f->at < 1.0))
+    return km_fail(error, KM_USAGE,
+                   "ask.%.80s.figures.%.80s: within %g; expected a part greater than 0 and less than 1", q->name,
+                   f->name, f->at);
   if (!(f->low <= f->high))
     return km_fail(error, KM_USAGE, "ask.%.80s.figures.%.80s: found limits [%g, %g]; expected low ≤ high", q->name,
                    f->name, f->low, f->high);

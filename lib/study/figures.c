@@ -1,6 +1,7 @@
 /* Figures of merit of a computed request, and the rows of its bands. */
 #include "base/similar_names.h"
 #include "exchange/json/formula.h"
+#include "question/question.h"
 #include "spatial/vec3.h"
 #include "study/design_study.h"
 
@@ -156,14 +157,14 @@ void km_design_missing_reason(const km_design_question *def, const km_question *
 }
 
 /* Step of a row: column `step` of sweeps and tracks, whose extra row at a located end has none; else the row's place at
- * equal intervals of time, −1 for a last row between two of them, where a run stopped. */
-static double step_of(const km_table *t, int step, size_t row) {
+ * the planned times, −1 for a last row between two of them, where a run stopped. */
+static double step_of(const km_question *q, const km_table *t, int step, size_t row) {
   if (step >= 0)
     return km_table_row(t, row)[step];
-  int s = km_table_variable(t);
-  double first = km_table_row(t, 0)[s], every = row > 0 ? km_table_row(t, 1)[s] - first : 1.0;
-  double place = (km_table_row(t, row)[s] - first) / every;
-  return fabs(place - (double)row) < 1e-6 ? (double)row : -1.0;
+  const int r = (int)row;
+  const double time = km_table_row(t, row)[km_table_variable(t)], planned = q->kind->planned_place(q, r);
+  const double interval = fabs(q->kind->planned_place(q, r ? r : 1) - q->kind->planned_place(q, r ? r - 1 : 0));
+  return fabs(time - planned) <= 1e-6 * interval ? (double)r : -1.0;
 }
 
 /* Copies the bands: row r is that of step r; the extra row at a located end is skipped. */
@@ -175,7 +176,7 @@ void km_design_copy_bands(const km_design_question *def, const km_question *q, i
   for (int b = 0; b < def->band_count; ++b) {
     int column = km_table_find(t, def->bands[b]);
     for (size_t r = 0; r < km_table_rows(t) && column >= 0; ++r) {
-      double at = step_of(t, step, r);
+      double at = step_of(q, t, step, r);
       if (at >= 0.0 && at < rows && at == floor(at))
         bands[b * rows + (int)at] = km_table_row(t, r)[column];
     }

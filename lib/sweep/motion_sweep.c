@@ -105,7 +105,7 @@ static void compute_second_derivatives(sweep_motion *w, const km_sweeper *r) {
   const km_mechanism *m = r->m;
   const km_substructure *sub = &m->substructures[r->substructure];
   const int *coordinate = m->column_coordinate + sub->column_start;
-  int driver = -1;
+  int driver = 0;
   km_loops_velocity_products(m, r->s, sub, r->rates, w->gamma);
   km_partition_solve(&r->s->partition[r->substructure], w->gamma, w->x);
   km_minimum_norm_step(m, r->s, r->substructure, KM_NO_DRIVER, w->x);
@@ -118,10 +118,23 @@ static void compute_second_derivatives(sweep_motion *w, const km_sweeper *r) {
     w->acceleration[coordinate[k]] = (w->x[k] - share * w->t[k]) * m->unit[coordinate[k]];
 }
 
-/* Rates and accelerations at the row; NaN where the motion has no direction. */
+/* Entry of the driver in the unit direction of motion, |1/D q'|, at a dead point: a located end, to 1e-11, leaves the
+ * square root of that. */
+static const double dead_point = 1e-5;
+
+/* True if the row isn't at a dead point of the driver, where rates are infinite. */
+static bool is_regular(const km_sweeper *r) {
+  double square = 0.0;
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    square += r->m->scale[c] * r->rates[c] * r->m->scale[c] * r->rates[c];
+  return r->m->scale[r->plan->coordinate] > dead_point * sqrt(square);
+}
+
+/* Rates and accelerations at the row; NaN where the motion has no direction, and at a dead point of the driver. */
 static void compute_rates(sweep_motion *w, km_sweeper *r) {
   int count = r->m->coordinate_count;
-  bool moves = km_sweeper_update_rates(r), determined = r->out->freedom - r->out->passive - r->out->infinitesimal <= 1;
+  bool moves = km_sweeper_update_rates(r) && is_regular(r),
+       determined = r->out->freedom - r->out->passive - r->out->infinitesimal <= 1;
   fill(w->acceleration, count, moves && determined ? 0.0 : nan(""));
   if (moves && determined && r->substructure >= 0)
     compute_second_derivatives(w, r);
@@ -148,6 +161,12 @@ static quintic quintic_through(double h, const double *a, const double *b) {
   double d = b[0] - a[0], v0 = h * a[1], v1 = h * b[1], w0 = h * h * a[2], w1 = h * h * b[2];
   return (quintic){{a[0], v0, 0.5 * w0, 10.0 * d - 6.0 * v0 - 4.0 * v1 - 1.5 * w0 + 0.5 * w1,
                     -15.0 * d + 8.0 * v0 + 7.0 * v1 + 1.5 * w0 - w1, 6.0 * d - 3.0 * (v0 + v1) - 0.5 * (w0 - w1)}};
+}
+
+/* Cubic by values and first derivatives alone. */
+static quintic cubic_through(double h, const double *a, const double *b) {
+  double d = b[0] - a[0], v0 = h * a[1], v1 = h * b[1];
+  return (quintic){{a[0], v0, 3.0 * d - 2.0 * v0 - v1, v0 + v1 - 2.0 * d, 0.0, 0.0}};
 }
 
 static double value_of(const quintic *q, double u) {
@@ -206,13 +225,31 @@ static double path_piece(const quintic *path, double from, double to) {
   return half * sum;
 }
 
-/* Length of a path between two rows, in two pieces where its speed is least between them: a path that reverses has a
+/* Length of one curve between two rows, in two pieces where its speed is least between them: a path that reverses has a
  * corner there. */
-static double path_length(const quintic *path) {
+static double curve_length(const quintic *path) {
   if (!(speed_change(path, 0.0) < 0.0 && speed_change(path, 1.0) > 0.0))
     return path_piece(path, 0.0, 1.0);
   double least = sign_change(speed_change, path);
   return path_piece(path, 0.0, least) + path_piece(path, least, 1.0);
+}
+
+/* Two interpolations of an interval that differ by more than this part don't resolve it: near a dead point of the
+ * driver rates grow without bound. */
+static const double most_difference = 0.02;
+
+/* Length of a path between two rows: the quintic's if the cubic agrees with it, else the chord. */
+static double path_length(double h, double last[3][3], double now[3][3]) {
+  quintic path[3], cubic[3];
+  double chord = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double from[3] = {last[0][k], last[1][k], last[2][k]}, to[3] = {now[0][k], now[1][k], now[2][k]};
+    path[k] = quintic_through(h, from, to);
+    cubic[k] = cubic_through(h, from, to);
+    chord = hypot(chord, to[0] - from[0]);
+  }
+  double length = curve_length(path), other = curve_length(cubic);
+  return fabs(length - other) <= most_difference * length ? length : chord;
 }
 
 static double *write_point(sweep_motion *w, const km_sweeper *r, int index, double dt, double *cell) {
@@ -221,14 +258,9 @@ static double *write_point(sweep_motion *w, const km_sweeper *r, int index, doub
   km_vec3 p = km_pose_point(&r->s->pose[frame->body], frame->pose.p);
   km_vec3 v = km_point_velocity(b->V, p), a = km_point_acceleration(b->V, b->A, p);
   double speed = km_vec3_norm(v), (*last)[3] = w->last[index], now[3][3];
-  quintic path[3];
   write_vector(a, write_vector(v, write_vector(p, now[0])));
-  for (int k = 0; k < 3; ++k) {
-    const double from[3] = {last[0][k], last[1][k], last[2][k]}, to[3] = {now[0][k], now[1][k], now[2][k]};
-    path[k] = quintic_through(dt, from, to);
-  }
   if (dt > 0.0)
-    w->path[index] += path_length(path);
+    w->path[index] += path_length(dt, last, now);
   memcpy(last, now, sizeof now);
   cell = write_vector(a, write_vector(v, cell));
   *cell++ = speed;
@@ -265,11 +297,13 @@ static double falling_slope(const quintic *q, double u) {
   return -slope_of(q, u);
 }
 
-/* Extremum inside an interval in which the rate changes its sign. */
+/* Extremum inside an interval in which the rate changes its sign, where the quintic and the cubic agree about it. */
 static void take_inside(km_swing *swing, double h, const double *a, const double *b, double s0, double s1) {
-  quintic q = quintic_through(h, a, b);
-  double u = sign_change(a[1] < 0.0 ? slope_of : falling_slope, &q);
-  km_swing_take(swing, value_of(&q, u), s0 + u * (s1 - s0));
+  const quintic q = quintic_through(h, a, b), cubic = cubic_through(h, a, b);
+  const double u = sign_change(a[1] < 0.0 ? slope_of : falling_slope, &q), value = value_of(&q, u);
+  const double rise = fmax(fabs(value - a[0]), fabs(value - b[0]));
+  if (fabs(value - value_of(&cubic, u)) <= most_difference * rise)
+    km_swing_take(swing, value, s0 + u * (s1 - s0));
 }
 
 /* Swing of a coordinate: extremes over the rows and between them. */

@@ -27,6 +27,8 @@ typedef struct dh_table {
   const kt_common *common;
   const char *file;
   int column[COLUMNS]; /* place in the header; −1: not there */
+  int fields;          /* fields of the header, as of every row */
+  char separator;      /* , or ; as in the header */
   dh_row rows[MOST_ROWS];
   int count, joints;
 } dh_table;
@@ -93,11 +95,11 @@ static kt_exit check_limits(const dh_table *t, const dh_row *row, int line) {
 }
 
 /* Reads the next field of a line without blanks around it; false: the line has ended. */
-static bool next_field(const char **at, const char *end, char out[FIELD]) {
+static bool next_field(const dh_table *t, const char **at, const char *end, char out[FIELD]) {
   if (*at > end)
     return false;
   const char *comma = *at;
-  while (comma < end && *comma != ',' && *comma != ';')
+  while (comma < end && *comma != t->separator)
     ++comma;
   const char *first = *at, *last = comma;
   while (first < last && strchr(" \t\r\"", *first))
@@ -111,20 +113,45 @@ static bool next_field(const char **at, const char *end, char out[FIELD]) {
 
 static kt_exit read_header(dh_table *t, const char *at, const char *end, int line) {
   char field[FIELD];
+  t->separator = memchr(at, ';', (size_t)(end - at)) ? ';' : ',';
   for (int c = 0; c < COLUMNS; ++c)
     t->column[c] = -1;
-  for (int place = 0; next_field(&at, end, field); ++place) {
+  for (int place = 0; next_field(t, &at, end, field); ++place) {
     int found = 0;
     while (found < COLUMNS && strcmp(columns[found], field) != 0)
       ++found;
     if (found == COLUMNS)
       return complain(t, line, "header", field, "name, type, a, alpha, d, theta, min, max or mass");
+    if (t->column[found] >= 0)
+      return complain(t, line, "header", field, "each column once");
     t->column[found] = place;
+    t->fields = place + 1;
   }
   for (int c = A; c <= THETA; ++c)
     if (t->column[c] < 0)
       return complain(t, line, "header", columns[c], "the columns a, alpha, d and theta");
   return KT_DONE;
+}
+
+/* Letters, digits, _, - and . of a name that no other row has, and that bodies and frames of the model don't. */
+static kt_exit check_name(const dh_table *t, const dh_row *row, int line) {
+  static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.";
+  if (row->name[strspn(row->name, plain)] || strlen(row->name) >= FIELD - 1)
+    return complain(t, line, "name", row->name, "up to 62 letters, digits, _, - and .");
+  if (strcmp(row->name, "origin") == 0 || strcmp(row->name, "tool") == 0)
+    return complain(t, line, "name", row->name, "another name: frames of the links are called so");
+  for (int i = 0; i < t->count; ++i)
+    if (strcmp(t->rows[i].name, row->name) == 0)
+      return complain(t, line, "name", row->name, "a name that no other row has");
+  return KT_DONE;
+}
+
+/* A fixed row has neither limits nor a mass. */
+static kt_exit check_fixed(const dh_table *t, const dh_row *row, int line) {
+  const double *n = row->numbers;
+  return row->type != 'F' || (isnan(n[LOWER]) && isnan(n[UPPER]) && isnan(n[MASS]))
+             ? KT_DONE
+             : complain(t, line, "type", "F", "no min, max or mass: a fixed row is a part of its link");
 }
 
 static kt_exit read_cell(dh_table *t, dh_row *row, int column, const char *text, int line) {
@@ -150,21 +177,34 @@ static kt_exit read_row(dh_table *t, const char *at, const char *end, int line) 
     return complain(t, line, "row", "one more", "at most 64");
   *row = (dh_row){.type = 'R'};
   row->numbers[LOWER] = row->numbers[UPPER] = row->numbers[MASS] = nan("");
-  for (int place = 0; next_field(&at, end, field) && result == KT_DONE; ++place)
+  int fields = 0;
+  for (; next_field(t, &at, end, field) && result == KT_DONE; ++fields)
     for (int c = 0; c < COLUMNS && result == KT_DONE; ++c)
-      if (t->column[c] == place)
+      if (t->column[c] == fields)
         result = read_cell(t, row, c, field, line);
+  if (result == KT_DONE && fields != t->fields) {
+    kt_print_message(t->common, KM_ERROR, "%s: line %d: found %d fields; expected %d, as in the header", t->file, line,
+                     fields, t->fields);
+    return KT_BAD_MODEL;
+  }
   if (result == KT_DONE)
     result = check_limits(t, row, line);
+  if (result == KT_DONE)
+    result = check_fixed(t, row, line);
   t->joints += row->type != 'F';
   if (!row->name[0])
-    snprintf(row->name, sizeof row->name, "J%d", t->joints);
+    snprintf(row->name, sizeof row->name, row->type == 'F' ? "fixed%d" : "J%d",
+             row->type == 'F' ? t->count + 1 : t->joints);
+  if (result == KT_DONE)
+    result = check_name(t, row, line);
   ++t->count;
   return result;
 }
 
 static kt_exit read_lines(dh_table *t, const km_text *text) {
-  const char *at = text->data, *stop = text->data + text->size;
+  static const char mark[] = "\xEF\xBB\xBF"; /* byte order mark */
+  const bool marked = text->size >= 3 && memcmp(text->data, mark, 3) == 0;
+  const char *at = text->data + (marked ? 3 : 0), *stop = text->data + text->size;
   bool has_header = false;
   kt_exit result = KT_DONE;
   for (int line = 1; at < stop && result == KT_DONE; ++line) {

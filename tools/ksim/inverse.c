@@ -14,7 +14,7 @@ kt_exit ksim_inverse(int argc, char **argv) {
       &all,
       "What a prescribed motion takes: the forces of its drives, the reactions in the joints, and the shaking force and "
       "moment on the ground; of several models or variants (--vary) with a common plot. The motion must leave no freedom. "
-      "Exit status 1 if it can't be gone to its end."
+      "Exit status 1 if the motion can't be completed."
       "\vColumns: t; q.JOINT, v.JOINT, a.JOINT; f.JOINT, the force that drives a prescribed joint, along +q; "
       "energy_kinetic, energy_potential; loop_error; shaking.fx … tz, the sum of the inertia forces about the inertial "
       "origin; frame.BODY/FRAME.x … vx … ax; r.JOINT.fx … tz, parent on child. JSON: largest_forces (of, value, t, "

@@ -13,11 +13,12 @@ static bool is_inverse(int argc, char **argv) {
 }
 
 kt_exit ksim_report(int argc, char **argv) {
-  bool inverse = is_inverse(argc, argv);
+  const bool inverse = is_inverse(argc, argv);
+  bool given = false;
   kt_sweep_options o = {.common = KT_COMMON("ksim"), .tell = ksim_tell};
   kt_options all = {0};
   const kt_option table[] = {
-      {"inverse", 0, NULL, "About a prescribed motion, with the options of ksim inverse", KT_FLAG, &inverse,
+      {"inverse", 0, NULL, "About a prescribed motion, with the options of ksim inverse", KT_FLAG, &given,
        KT_ABOUT_MODEL},
   };
   kt_report_options(&all, &o, inverse ? "inverse" : "run", KT_REPORT_BASE("run-report") " (or inverse-report)");
@@ -28,6 +29,8 @@ kt_exit ksim_report(int argc, char **argv) {
                   "A report to hand on: the motion over time with its energies, or what a prescribed motion takes "
                   "(--inverse); driving forces, bearing loads, events and poses, as PDF pages or one HTML file.",
                   argc, argv);
+  if (given != inverse)
+    return kt_usage(&o.common, "--inverse", "shortened, or in place of a value", "the whole word on its own");
   kt_question_set(&o.asked, "reactions");
   return kt_report(&o);
 }

@@ -41,9 +41,10 @@ kt_exit ksim_run(int argc, char **argv) {
   };
   kt_sweep_options_several(&all, &o, "run", KT_SWEEP_BASE("run"));
   KT_OPTIONS_ADD(&all, table);
-  kt_question_explain(&all, "rate", "JOINT=RATE",
-                      "Rate at the start, instead of the model's: A=60rpm, or in the model's unit per time unit; joints "
-                      "without a stated rate follow (repeatable)");
+  kt_question_explain(
+      &all, "rate", "JOINT=RATE",
+      "Rate at the start, instead of the model's: A=60rpm, or in the model's unit per time unit; joints "
+      "without a stated rate follow (repeatable)");
   kt_question_explain(&all, "until", "T", "End, in the model's time unit (default: the model's, else 10 s)");
   kt_question_explain(&all, "joints", "LIST", "Joints whose curves are drawn (default: up to eight that move)");
   kt_options_read(
@@ -60,7 +61,7 @@ kt_exit ksim_run(int argc, char **argv) {
       "beyond_max_force, limits_passed (joint, limit, t, beyond), changed_initial_rates (joint, stated, start).",
       argc, argv);
   if (animate && kt_is_piped(o.base))
-    return kt_usage(&o.common, "-o", "-", "--format csv or json, without --animate");
+    return kt_usage(&o.common, "-o", "-", "a name, as --animate writes a page beside the table");
   if (kt_question_given(&o.asked, "from") && o.sets.count > 0)
     return kt_usage(&o.common, "--from", "a table beside --set", "one of them: both give the pose");
   o.write_more = animate ? ksim_animate : NULL;

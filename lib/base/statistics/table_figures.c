@@ -115,7 +115,7 @@ static size_t last_row(const series *f) {
 /* Settling: |y − y_last| ≤ fraction · max |y − y_last| from the returned s on. */
 static double settling(const series *f, double fraction) {
   size_t last = last_row(f), outside = f->rows;
-  if (last == f->rows)
+  if (last == f->rows || !(fraction > 0.0 && fraction < 1.0))
     return nan("");
   double end = value_of(f, last), most = 0.0;
   for (size_t r = 0; r < last; ++r)

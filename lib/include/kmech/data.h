@@ -118,8 +118,8 @@ KM_API int km_table_variable(const km_table *table);
 /* Computes a figure of merit of a column over the table's variable s. NaN rows are skipped; a mean with an infinite
  * value is infinite. `at`: the s of KM_FIGURE_AT, the fraction of KM_FIGURE_SETTLING (0.02: to 2 %). `where` (may be
  * NULL): s of the extremum, of the peak, of the last value; NaN of other figures. The result is NaN if no row has a
- * value or `at` lies outside the rows. Settling is measured from the first row's s; the crossing of the bound is linear
- * between rows. KM_USAGE: the column doesn't exist. O(rows). */
+ * value, `at` lies outside the rows, or the fraction isn't between 0 and 1. Settling is measured from the first row's
+ * s; the crossing of the bound is linear between rows. KM_USAGE: the column doesn't exist. O(rows). */
 KM_API km_status km_table_figure(const km_table *table, const char *column, km_figure figure, double at, double *value,
                                  double *where, km_error *error);
 

@@ -259,7 +259,7 @@ typedef struct km_four_bar {
   double excess;         /* shortest + longest − the others: by this much the longest link is too long if positive */
 } km_four_bar;
 /* Finds the four-bar in a loop, 0 … loops - 1, at the state's configuration (km_poses_compute). False: the loop isn't
- * one: other joints, a held hinge, hinges that aren't parallel. O(1). */
+ * one: other joints, a held hinge, hinges that aren't parallel. O(depth of the spanning tree). */
 KM_API bool km_four_bar_find(const km_mechanism *mechanism, const km_state *state, int loop, km_four_bar *out);
 
 /* Severity of a finding. */

@@ -139,9 +139,9 @@ typedef enum km_design_figure_kind {
 typedef struct km_design_figure {
   const char *name;
   km_design_figure_kind kind; /* reduction of the rows */
-  const char
-      *column; /* column of the answer's table; KM_DESIGN_DISTANCE: "body/frame"; KM_DESIGN_FORMULA: expression */
-  double at;   /* KM_DESIGN_AT: value of s; KM_DESIGN_SETTLING: fraction, 0.02: to 2 % */
+  /* Column of the answer's table; "body/frame" of KM_DESIGN_DISTANCE; expression of KM_DESIGN_FORMULA. */
+  const char *column;
+  double at;            /* KM_DESIGN_AT: value of s; KM_DESIGN_SETTLING: fraction, 0.02: to 2 % */
   const double *points; /* KM_DESIGN_DISTANCE: [3 × point_count] points, inertial axes, model's length unit */
   int point_count;
   double low, high; /* limits of accepted values; ∓infinity: none */
@@ -167,10 +167,8 @@ typedef struct km_design_setting {
 /* A request that is computed for every design, with its figures. */
 typedef struct km_design_question {
   const char *name; /* name, used by its files and figures */
-  const char
-      *kind; /* kind as in km_question_create: "mobility", "advantage", "forces", "track", "run", "inverse", "motion";
-             * NULL: the
-             * study's function computes the figures in order */
+  /* Kind as in km_question_create; NULL: the study's function computes the figures in order. */
+  const char *kind;
   const km_design_option *options; /* options of the request */
   int option_count;
   const km_design_setting *holds, *sets; /* held coordinates, in addition to the model's; coordinates set at the

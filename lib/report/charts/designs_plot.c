@@ -1,5 +1,6 @@
 /* Pictures of samples: histograms, scatter, convergence, quantiles along a motion. */
 #include "report/charts/designs_plot.h"
+#include "question/question.h"
 
 #include "base/memory.h"
 #include "base/statistics/running_moments.h"
@@ -262,20 +263,23 @@ static void make_fan(const double *quantiles, const double *x, int rows, const d
       .name = named ? names[3] : NULL, .x = x, .y = columns + 3 * rows, .count = (size_t)rows, .colour = 1};
 }
 
-/* Abscissa of the rows: the driver's values, or the arc length. Returns the axis label. */
+/* Abscissa of the rows: the driver's values, the arc length or the time. Returns the axis label. */
 static const char *list_driver(const km_evaluated_design *asked, int rows, double *x, km_arena *arena) {
-  const km_sweep_plan *plan = km_question_plan(asked->question);
-  const km_table *table = km_question_table(asked->question);
-  bool driven = plan && plan->arclength <= 0.0;
-  int s = km_table_find(table, "s");
+  const km_question *q = asked->question;
+  const km_sweep_plan *plan = km_question_plan(q);
+  const km_table *table = km_question_table(q);
+  const bool driven = plan && plan->arclength <= 0.0;
+  const int s = km_table_variable(table);
   for (int r = 0; r < rows; ++r)
     x[r] = driven ? plan->from + (plan->to - plan->from) * r / (rows > 1 ? rows - 1 : 1)
            : plan ? r * plan->arclength
-                  : km_table_row(table, (size_t)r)[s];
+                  : q->kind->planned_place(q, r);
   if (driven)
     return words(arena, "driver %s (%s)", km_model_coordinate_label(asked->model, plan->coordinate),
                  km_model_coordinate_unit(asked->model, plan->coordinate));
-  return plan ? "arc length" : words(arena, "way along the path%s (%s)", "", km_table_unit(table, (size_t)s));
+  return plan ? "arc length"
+              : words(arena, "%s (%s)", km_question_history(q) ? "time" : "way along the path",
+                      km_table_unit(table, (size_t)s));
 }
 
 /* The driver's values over the rows, and the axes' names, by the question's own plan. KM_NO_RESULT: no design has an

@@ -91,7 +91,7 @@ static void add_swings(km_document_maker *k, const km_swept *swept, const km_mot
     km_document_cells(k, KM_BLOCK_TABLE, cells, rows, COLUMNS);
 }
 
-/* Path length, largest speed and acceleration of the traced points. */
+/* Path length and largest speed of the traced points. */
 static void add_points(km_document_maker *k, const km_swept *swept, const km_table *t) {
   enum { COLUMNS = 3 };
   size_t rows = (size_t)swept->plan->point_count + 1;
@@ -188,7 +188,7 @@ static void add_history_facts(km_document_maker *k, const km_mechanism *m, const
   km_report_close_facts(k, &facts);
 }
 
-/* Largest force and moment of three columns: √(x² + y² + z²) over the rows. */
+/* Largest norm √(x² + y² + z²) of three columns over the rows, and its time. */
 static double largest_norm(const km_table *t, size_t first, double *time) {
   double most = -1.0;
   for (size_t r = 0; r < km_table_rows(t); ++r) {
