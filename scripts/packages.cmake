@@ -1,11 +1,11 @@
 # Debian packages, by cpack in a build folder whose prefix is /usr (scripts/package does both).
 
 # What the library loads when it is first needed, so that dpkg-shlibdeps can't see it: the packages that own the files.
-foreach(name MUPARSER_MAJOR SPQR_MAJOR CHOLMOD_MAJOR LAPACKE_MAJOR)
+foreach(name MUPARSER_MAJOR XLSXWRITER_MAJOR SPQR_MAJOR CHOLMOD_MAJOR LAPACKE_MAJOR)
   get_directory_property(${name} DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/lib DEFINITION ${name})
 endforeach()
 set(loaded libharfbuzz.so.0 libfreetype.so.6 libz.so.1 libpangocairo-1.0.so.0 libcairo.so.2 libpango-1.0.so.0 libgobject-2.0.so.0 libglib-2.0.so.0
-  libmuparser.so.${MUPARSER_MAJOR} libspqr.so.${SPQR_MAJOR} libcholmod.so.${CHOLMOD_MAJOR}
+  libmuparser.so.${MUPARSER_MAJOR} libxlsxwriter.so.${XLSXWRITER_MAJOR} libspqr.so.${SPQR_MAJOR} libcholmod.so.${CHOLMOD_MAJOR}
   liblapacke.so.${LAPACKE_MAJOR})
 find_program(DPKG_QUERY dpkg-query)
 set(KMECH_LOADED_PACKAGES "")

@@ -149,12 +149,23 @@ bool kt_integer(const char *text, int least, int most, int *out);
 bool kt_numbers(const char *text, int count, double *out);
 
 /* File formats requested by --format. */
-typedef enum kt_format { KT_CSV, KT_JSON, KT_SVG, KT_PDF, KT_PNG, KT_HTML, KT_APNG, KT_DXF, KT_FORMATS } kt_format;
+typedef enum kt_format {
+  KT_CSV,
+  KT_JSON,
+  KT_XLSX,
+  KT_SVG,
+  KT_PDF,
+  KT_PNG,
+  KT_HTML,
+  KT_APNG,
+  KT_DXF,
+  KT_FORMATS
+} kt_format;
 typedef struct kt_formats {
   bool wanted[KT_FORMATS];
 } kt_formats;
-#define KT_FORMATS_HELP "Some of csv,json,svg,pdf,png (default csv,svg)"
-#define KT_FORMATS_KIND KT_TEXT_OF("csv or json or svg or pdf or png")
+#define KT_FORMATS_HELP "Some of csv,json,xlsx,svg,pdf,png (default csv,svg)"
+#define KT_FORMATS_KIND KT_TEXT_OF("csv or json or xlsx or svg or pdf or png")
 /* "csv,svg"; false and a message if a word is unknown. */
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out);
 /* File formats of a command that writes some of `among`, "svg,pdf,png". */

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const words[KT_FORMATS] = {"csv", "json", "svg", "pdf", "png", "html", "apng", "dxf"};
+static const char *const words[KT_FORMATS] = {"csv", "json", "xlsx", "svg", "pdf", "png", "html", "apng", "dxf"};
 
 const char *kt_format_word(kt_format format) {
   return words[format];
@@ -57,7 +57,7 @@ bool kt_formats_parse_among(const kt_common *common, const char *text, const cha
 }
 
 bool kt_formats_parse(const kt_common *common, const char *text, kt_formats *out) {
-  return kt_formats_parse_among(common, text, "csv,json,svg,pdf,png", out);
+  return kt_formats_parse_among(common, text, "csv,json,xlsx,svg,pdf,png", out);
 }
 
 int kt_formats_count(const kt_formats *formats) {

@@ -155,6 +155,18 @@ static void add_variant(const kt_sweep_job *j, km_value *record, km_arena *arena
     km_value_number(arena, variant, j->values[i].path, j->values[i].value);
 }
 
+static kt_exit write_workbook(const kt_sweep_job *j, const char *base) {
+  const kt_common *common = &j->options->common;
+  km_text out = {0};
+  km_error error;
+  const km_status status = km_question_xlsx(j->question, word_of(j->options), &out, &error);
+  if (status)
+    kt_print_messages(common, KM_ERROR, j->name, error.text);
+  const kt_exit result = status ? kt_exit_of(status) : kt_write(common, base, word_of(j->options), "xlsx", &out);
+  km_text_free(&out);
+  return result;
+}
+
 static kt_exit write_table(const kt_sweep_job *j, const char *base, kt_format format) {
   km_text out = {0};
   if (format == KT_CSV) {
@@ -221,7 +233,7 @@ static double count_numbers(const kt_sweep_options *o, const kt_sweep_job *jobs)
     if (table)
       numbers += (double)km_table_rows(table) * (double)km_table_columns(table);
   }
-  return numbers * (o->formats.wanted[KT_CSV] + o->formats.wanted[KT_JSON]);
+  return numbers * (o->formats.wanted[KT_CSV] + o->formats.wanted[KT_JSON] + o->formats.wanted[KT_XLSX]);
 }
 
 static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
@@ -245,6 +257,8 @@ static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
     for (int f = KT_CSV; f <= KT_JSON; ++f)
       if (o->formats.wanted[f])
         result = kt_worse(result, write_table(j, own, (kt_format)f));
+    if (o->formats.wanted[KT_XLSX])
+      result = kt_worse(result, write_workbook(j, own));
     if (o->write_more)
       result = kt_worse(result, o->write_more(j, own));
   }
@@ -323,8 +337,8 @@ static kt_exit name_and_run(const kt_sweep_options *o) {
 
 static kt_exit check(const kt_sweep_options *o) {
   bool piped = kt_is_piped(o->base);
-  bool tables_only = !o->formats.wanted[KT_SVG] && !o->formats.wanted[KT_PDF] && !o->formats.wanted[KT_PNG];
-  if (piped && (job_count(o) > 1 || kt_formats_count(&o->formats) != 1 || !tables_only))
+  bool text = o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON];
+  if (piped && (job_count(o) > 1 || kt_formats_count(&o->formats) != 1 || !text))
     return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
   for (int i = 0; i < o->models.count && o->variants.count > 1; ++i)
     if (strcmp(o->models.items[i], "-") == 0)

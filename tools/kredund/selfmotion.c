@@ -10,16 +10,14 @@
 static kt_exit write_curve(const kredund_request *r, const kredund_open *open, const kt_formats *formats,
                            const km_selfmotion *motion, const char *base) {
   kt_exit result = KT_DONE;
-  if (formats->wanted[KT_CSV]) {
-    km_text out = {0};
+  if (formats->wanted[KT_CSV] || formats->wanted[KT_XLSX]) {
     km_table *table = km_selfmotion_table(km_study_arm(open->study), motion, r->ignore_limits);
     if (table)
-      km_csv_write(table, &out);
+      result = kredund_write_table(r, formats, base, "selfmotion", table);
     else
-      out.failed = true;
-    result = kt_write(&r->common, base, "selfmotion", "csv", &out);
+      kt_print_message(&r->common, KM_ERROR, "out of memory");
+    result = table ? result : KT_NO_MEMORY;
     km_table_free(table);
-    km_text_free(&out);
   }
   if (formats->wanted[KT_JSON]) {
     km_arena arena = {0};
@@ -45,7 +43,7 @@ static kt_exit write_map(const kredund_request *r, const kredund_open *open, con
   if (!pictures)
     return KT_DONE;
   if (!km_study_bound_path(open->study) || km_arm_freedom(km_study_arm(open->study)) != 1) {
-    bool alone = !formats->wanted[KT_CSV] && !formats->wanted[KT_JSON];
+    bool alone = !formats->wanted[KT_CSV] && !formats->wanted[KT_JSON] && !formats->wanted[KT_XLSX];
     kt_print_message(&r->common, alone ? KM_ERROR : KM_NOTE, "%s: there is no map to draw: it needs %s", open->name,
                      km_study_bound_path(open->study) ? "one spare freedom" : "a path");
     return alone ? KT_PARTIAL : KT_DONE;

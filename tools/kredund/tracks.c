@@ -27,8 +27,8 @@ bool kredund_tracks_read(kt_options *all, const char *about, int argc, char **ar
   bool piped = kt_is_piped(r->base);
   if (!kt_formats_parse(&r->common, r->formats ? r->formats : piped ? "csv" : "csv,svg", formats))
     return false;
-  bool tables_only = !formats->wanted[KT_SVG] && !formats->wanted[KT_PDF] && !formats->wanted[KT_PNG];
-  if (piped && (kt_formats_count(formats) != 1 || !tables_only)) {
+  bool text = formats->wanted[KT_CSV] || formats->wanted[KT_JSON];
+  if (piped && (kt_formats_count(formats) != 1 || !text)) {
     kt_usage(&r->common, "-o", "-", "--format csv or json");
     return false;
   }
@@ -95,15 +95,31 @@ void kredund_tracks_free(kredund_tracks *t) {
   km_free(t->items);
 }
 
-static kt_exit write_table(const kredund_tracks *t, int index, const char *name) {
-  km_text out = {0};
-  km_csv_write(km_track_rows(t->items[index]), &out);
-  kt_exit result = kt_write(&t->request->common, name, "track", "csv", &out);
-  km_text_free(&out);
+kt_exit kredund_write_table(const kredund_request *r, const kt_formats *formats, const char *base, const char *word,
+                            const km_table *table) {
+  kt_exit result = KT_DONE;
+  km_text csv = {0}, book = {0};
+  if (formats->wanted[KT_CSV]) {
+    km_csv_write(table, &csv);
+    result = kt_write(&r->common, base, word, "csv", &csv);
+  }
+  if (formats->wanted[KT_XLSX]) {
+    km_error error;
+    const km_status status = km_xlsx_write(table, word, "q.", &book, &error);
+    if (status)
+      kt_print_message(&r->common, KM_ERROR, "%s", error.text);
+    result = kt_worse(result, status ? kt_exit_of(status) : kt_write(&r->common, base, word, "xlsx", &book));
+  }
+  km_text_free(&csv);
+  km_text_free(&book);
   return result;
 }
 
-/* BASE.track.csv; of several methods the best track's, and beside it BASE.METHOD.track.csv of each. */
+static kt_exit write_table(const kredund_tracks *t, int index, const char *name) {
+  return kredund_write_table(t->request, &t->formats, name, "track", km_track_rows(t->items[index]));
+}
+
+/* BASE.track.csv or .xlsx; of several methods the best track's, and beside it BASE.METHOD.track.csv of each. */
 static kt_exit write_tables(const kredund_tracks *t, const char *base) {
   kt_exit result = KT_DONE;
   int best = km_tracks_best(&t->all);
@@ -159,7 +175,8 @@ static double count_numbers(const kredund_tracks *t) {
   int best = km_tracks_best(&t->all);
   for (int i = 0; i < t->count; ++i) {
     const km_table *table = t->items[i] ? km_track_rows(t->items[i]) : NULL;
-    int copies = t->formats.wanted[KT_JSON] + t->formats.wanted[KT_CSV] * (1 + (i == best && t->count > 1));
+    int tables = t->formats.wanted[KT_CSV] + t->formats.wanted[KT_XLSX];
+    int copies = t->formats.wanted[KT_JSON] + tables * (1 + (i == best && t->count > 1));
     if (table)
       numbers += copies * (double)km_table_rows(table) * (double)km_table_columns(table);
   }
@@ -180,7 +197,7 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
     km_text_free(&summary);
   }
   kt_note_size(common, count_numbers(t));
-  if (t->formats.wanted[KT_CSV])
+  if (t->formats.wanted[KT_CSV] || t->formats.wanted[KT_XLSX])
     result = kt_worse(result, write_tables(t, base));
   if (t->formats.wanted[KT_JSON])
     result = kt_worse(result, write_record(t, base));

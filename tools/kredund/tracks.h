@@ -21,6 +21,9 @@ void kredund_tracks_free(kredund_tracks *tracks);
 typedef km_status (*kredund_draw)(const km_tracks *, km_picture_format, km_text *, km_error *);
 kt_exit kredund_tracks_picture(const kredund_tracks *tracks, const char *base, const char *word, kt_format format,
                                kredund_draw draw);
+/* Writes a table as BASE.WORD.csv and BASE.WORD.xlsx, as the formats say. */
+kt_exit kredund_write_table(const kredund_request *request, const kt_formats *formats, const char *base,
+                            const char *word, const km_table *table);
 /* Tables and pictures by the formats; the summary on the standard output. */
 kt_exit kredund_tracks_deliver(kredund_tracks *tracks, const char *base);
 

@@ -48,7 +48,7 @@ _BEHIND = {
     State.mobility: "km_mobility_compute", State.frame: "km_frame_place", State.jacobian: "km_frame_jacobian",
     Arm.__init__: "km_arm_create", Arm.place: "km_arm_place", Arm.jacobian: "km_arm_jacobian", Arm.solve: "km_arm_solve",
     Study.track: "km_track_run", Answer.figure: "km_table_figure", Answer.save_csv: "km_table_write_csv",
-    Answer.plot: "km_question_chart", Track.plot: "km_tracks_picture", Builder.body: "km_model_add_body",
+    Answer.save_xlsx: "km_question_xlsx", Answer.plot: "km_question_chart", Track.plot: "km_tracks_picture", Builder.body: "km_model_add_body",
     Builder.frame: "km_model_add_frame", Builder.joint: "km_model_add_joint", Builder.couple: "km_model_add_coupling",
     Mechanism.linearise: "km_linearise", Mechanism.equilibrium: "km_equilibrium_find",
     Session.__init__: "km_session_create", Session.step: "km_session_step",

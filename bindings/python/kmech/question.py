@@ -269,6 +269,15 @@ class Answer:
         error = new_error()
         check(lib.km_table_write_csv(lib.km_question_table(self._c), bytes_of(str(path), "path"), error), error)
 
+    def save_xlsx(self, path: str, sheet: str = "table") -> None:
+        """Writes the rows as a workbook: a sheet with the table, and one with a chart."""
+        out, error = ffi.new("km_text *"), new_error()
+        try:
+            check(lib.km_question_xlsx(self._c, bytes_of(sheet, "sheet"), out, error), error)
+            check(lib.km_file_write(bytes_of(str(path), "path"), out, error), error)
+        finally:
+            lib.km_text_free(out)
+
     def plot(self) -> Picture:
         """The plot that the tools draw of this answer."""
         name = ffi.new("char[]", bytes_of(self._mechanism.model.name, "name"))

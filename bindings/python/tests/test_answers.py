@@ -3,10 +3,12 @@ import csv
 import io
 import math
 import os
+import re
 import subprocess
 import sys
 import threading
 import warnings
+import zipfile
 from pathlib import Path
 
 import numpy
@@ -48,6 +50,16 @@ def test_rows_are_those_of_the_c_library(brake, tmp_path):
     for row, line in zip(answer.table, rows[1:]):
         assert [float(x) for x in line] == pytest.approx([float(v) for v in row], rel=0, abs=0, nan_ok=True)
     assert len(rows) == 9
+
+
+def test_workbooks_hold_every_number(brake, tmp_path):
+    answer = brake.sweep("K", 20, 32, 7)
+    answer.save_xlsx(tmp_path / "a.xlsx", sheet="stroke")
+    with zipfile.ZipFile(tmp_path / "a.xlsx") as book:
+        assert b'name="stroke"' in book.read("xl/workbook.xml")
+        cells = re.findall(rb'<c r="[A-Z]+[0-9]+"><v>([^<]+)</v>', book.read("xl/worksheets/sheet1.xml"))
+    numbers = [float(v) for row in answer.table for v in row if numpy.isfinite(v)]
+    assert [float(c) for c in cells] == pytest.approx(numbers, rel=5e-16 + 2.0**-53, abs=0)
 
 
 def test_tables_are_views(brake):

@@ -38,6 +38,16 @@ KM_API void km_csv_write(const km_table *table, km_text *out);
 KM_API km_status km_csv_read(const km_text *text, const char *file, km_table **out, km_error *error);
 /* The column that is called so, with or without its unit; -1 if there is none. */
 KM_API int km_csv_find(const km_table *table, const char *name);
+/* Appends a workbook (Office Open XML, .xlsx): a `sheet` of that name with the table, its header row and the columns
+ * up to the variable frozen, and a sheet with a chart of the columns whose names begin with `curves` ("m.") over the
+ * variable: at most eight that share the first one's unit. A number has 16 digits; a value that isn't finite is an
+ * empty cell. Equal tables give equal bytes. KM_USAGE: more rows or columns than a sheet holds, a name that no sheet
+ * can have; KM_IO: libxlsxwriter or a folder for temporary files is missing; KM_MEMORY. */
+KM_API km_status km_xlsx_write(const km_table *table, const char *sheet, const char *curves, km_text *out,
+                               km_error *error);
+/* Appends the workbook of an answer's table. `sheet`: name of the table's sheet. The chart has the curves that the
+ * plot shows: mobility numbers, advantage, forces, velocities or coordinates. KM_USAGE: also without an answer. */
+KM_API km_status km_question_xlsx(const km_question *question, const char *sheet, km_text *out, km_error *error);
 
 /* Records are trees of values for km_json_write; NULL when out of memory (arena->failed) or if an argument is
  * missing. The print functions append text. `name`: name of the model. */

@@ -1,6 +1,7 @@
-/* Finds the record and the summary of each kind of question. */
+/* Finds the record, the summary and the workbook of each kind of question. */
 #include "kmech/report.h"
 
+#include "base/arguments.h"
 #include "question/question.h"
 #include "report/record/advantage_record.h"
 #include "report/record/mobility_record.h"
@@ -44,4 +45,21 @@ void km_question_print(const km_question *q, const km_mechanism *m, const char *
     km_advantage_sweep_print(m, plan, km_question_advantage(q), name, out);
   if (km_question_statics(q))
     km_statics_sweep_print(m, plan, km_question_statics(q), name, out);
+}
+
+/* Beginning of the names of the columns that the workbook's chart shows. */
+static const char *curves_of(const km_question *q) {
+  if (km_question_mobility(q))
+    return "m.";
+  if (km_question_advantage(q))
+    return "ma.";
+  if (km_question_velocities(q))
+    return "v.";
+  const bool forces = km_table_span(km_question_table(q), "f.").count > 0 && !km_question_run_def(q);
+  return forces ? "f." : "q.";
+}
+
+km_status km_question_xlsx(const km_question *q, const char *sheet, km_text *out, km_error *error) {
+  const km_status status = km_check_given(q && sheet && out && km_question_table(q), "question with a table", error);
+  return status ? status : km_xlsx_write(km_question_table(q), sheet, curves_of(q), out, error);
 }
