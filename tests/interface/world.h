@@ -79,6 +79,7 @@ typedef struct world {
   km_answered answered;
   km_comparison comparison;
   km_plotted_table plotted;
+  km_chart_words chart_words;
   km_plotted_history history_shown;
   size_t columns[3];
   km_chart *chart;

@@ -104,7 +104,7 @@ static void columns_of_one_unit_share_a_panel(void **state) {
   const km_plotted_table shown = {table, "name", 0, y};
   km_arena arena = {0};
   km_plot plot;
-  assert_true(km_table_plot_make(&shown, 1, 3, &arena, &plot));
+  assert_true(km_table_plot_make(&shown, 1, 3, NULL, &arena, &plot));
   assert_int_equal(plot.panel_count, 2);
   assert_int_equal(plot.panels[0].series_count, 2);
   assert_int_equal(plot.panels[1].series_count, 1);
@@ -117,12 +117,37 @@ static void columns_of_one_unit_share_a_panel(void **state) {
   km_table_free(table);
 }
 
+/* Words of the user's replace those of the table; a column that has none keeps its own, and scales stay equal. */
+static void words_are_the_users(void **state) {
+  (void)state;
+  km_table *table = read_text("point.a/b.x_mm,point.a/b.y_mm,point.c/d.y_mm\n0,1,2\n1,5,6\n");
+  const size_t y[] = {1, 2};
+  const char *const names[] = {"tip", NULL};
+  const km_plotted_table shown = {table, "name", 0, y};
+  km_chart_words words = {.x_name = "across", .names = names};
+  km_arena arena = {0};
+  km_plot plot;
+  assert_true(km_table_plot_make(&shown, 1, 2, &words, &arena, &plot));
+  assert_string_equal(plot.title, "tip, point.c/d.y over across");
+  assert_string_equal(plot.x_label, "across (mm)");
+  assert_string_equal(plot.panels[0].y_label, "tip, point.c/d.y (mm)");
+  assert_string_equal(plot.panels[0].series[0].name, "tip");
+  assert_true(plot.equal);
+  words = (km_chart_words){.title = "A door", .x_label = "width", .y_label = "height"};
+  assert_true(km_table_plot_make(&shown, 1, 2, &words, &arena, &plot));
+  assert_string_equal(plot.title, "A door");
+  assert_string_equal(plot.x_label, "width");
+  assert_string_equal(plot.panels[0].y_label, "height");
+  km_arena_free(&arena);
+  km_table_free(table);
+}
+
 static bool equal_scales(const char *text, size_t x, size_t y) {
   km_table *table = read_text(text);
   const km_plotted_table shown = {table, "name", x, &y};
   km_arena arena = {0};
   km_plot plot;
-  assert_true(km_table_plot_make(&shown, 1, 1, &arena, &plot));
+  assert_true(km_table_plot_make(&shown, 1, 1, NULL, &arena, &plot));
   bool equal = plot.equal;
   km_arena_free(&arena);
   km_table_free(table);
@@ -179,6 +204,7 @@ int main(void) {
       cmocka_unit_test(foreign_tables_are_read),
       cmocka_unit_test(near_names_come_first),
       cmocka_unit_test(columns_of_one_unit_share_a_panel),
+      cmocka_unit_test(words_are_the_users),
       cmocka_unit_test(curves_in_a_plane_have_equal_scales),
       cmocka_unit_test(equal_plots_keep_shapes),
   };

@@ -10,8 +10,8 @@ enum { MOST_TABLES = 64, MOST_COLUMNS = 64 };
 
 typedef struct options {
   kt_common common;
-  kt_texts tables, y;
-  const char *x, *base, *format;
+  kt_texts tables, y, labels, names;
+  const char *x, *base, *format, *title, *range;
   kt_formats formats;
 } options;
 
@@ -24,6 +24,8 @@ typedef struct work {
   char names[MOST_TABLES][256];
   size_t found[MOST_TABLES][MOST_COLUMNS];
   km_plotted_table shown[MOST_TABLES];
+  const char *new_names[MOST_COLUMNS];
+  km_chart_words words;
 } work;
 
 /* The name of a column in the first `length` bytes as written in the file, with or without quotes. The caller frees
@@ -143,12 +145,117 @@ static kt_exit choose_columns(work *w, size_t t) {
   return result;
 }
 
+/* AXIS=TEXT of every --label. */
+static kt_exit read_labels(work *w) {
+  const kt_texts *labels = &w->options->labels;
+  for (int i = 0; i < labels->count; ++i) {
+    const char *text = labels->items[i];
+    const bool across = strncmp(text, "x=", 2) == 0;
+    if (!across && strncmp(text, "y=", 2) != 0)
+      return kt_usage(&w->options->common, "--label", text, "x=TEXT or y=TEXT");
+    *(across ? &w->words.x_label : &w->words.y_label) = text + 2;
+  }
+  return KT_DONE;
+}
+
+/* Gives the columns that are drawn and called `column` a name; false if there are none. */
+static bool rename_column(work *w, const char *column, const char *name) {
+  const int found = km_csv_find(w->tables[0], column);
+  bool drawn = false;
+  if (found >= 0 && w->shown[0].x == (size_t)found) {
+    w->words.x_name = name;
+    drawn = true;
+  }
+  for (size_t c = 0; found >= 0 && c < w->columns; ++c)
+    if (w->found[0][c] == (size_t)found) {
+      w->new_names[c] = name;
+      drawn = true;
+    }
+  return drawn;
+}
+
+/* COLUMN=TEXT of every --name. */
+static kt_exit read_names(work *w) {
+  const options *o = w->options;
+  kt_exit result = KT_DONE;
+  for (int i = 0; i < o->names.count && result == KT_DONE; ++i) {
+    const char *rest = o->names.items[i];
+    kt_piece column = kt_split(&rest, "=");
+    if (column.separator != '=' || !rename_column(w, column.text, rest))
+      result = kt_usage(&o->common, "--name", o->names.items[i], "COLUMN=TEXT with a column of --x or --y");
+    km_free(column.text);
+  }
+  return result;
+}
+
+/* Appends a row; NULL: one without values, which interrupts a curve. */
+static bool add_row(km_table *to, const double *row) {
+  double *cells = km_table_add_row(to);
+  if (cells && row)
+    memcpy(cells, row, km_table_columns(to) * sizeof *cells);
+  return cells != NULL;
+}
+
+/* The rows of a table whose x lies in [from, to], with a gap where others lay between them. NULL when out of memory. */
+static km_table *rows_within(const km_table *table, size_t x, double from, double to) {
+  km_table *out = km_table_create();
+  bool good = out != NULL, gap = false;
+  for (size_t c = 0; c < km_table_columns(table) && good; ++c) {
+    const char *name = km_table_name(table, c), *unit = km_table_unit(table, c);
+    good = (km_table_is_plain(table, c) ? km_table_add_plain_column(out, name, unit)
+                                        : km_table_add_column(out, name, unit)) >= 0;
+  }
+  for (size_t r = 0; r < km_table_rows(table) && good; ++r) {
+    const double *row = km_table_row(table, r);
+    const bool within = row[x] >= from && row[x] <= to;
+    if (within && gap && km_table_rows(out) > 0)
+      good = add_row(out, NULL);
+    if (within)
+      good = good && add_row(out, row);
+    gap = !within;
+  }
+  if (!good) {
+    km_table_free(out);
+    out = NULL;
+  }
+  return out;
+}
+
+/* Keeps of every table the rows of --range. */
+static kt_exit read_range(work *w) {
+  const options *o = w->options;
+  const char *rest = o->range;
+  double ends[2] = {0.0};
+  if (!rest)
+    return KT_DONE;
+  kt_piece from = kt_split(&rest, ":");
+  const bool good =
+      from.separator == ':' && kt_number(from.text, &ends[0]) && kt_number(rest, &ends[1]) && ends[0] < ends[1];
+  km_free(from.text);
+  if (!good)
+    return kt_usage(&o->common, "--range", o->range, "FROM:TO, two numbers in the unit of --x, the smaller one first");
+  for (int t = 0; t < o->tables.count; ++t) {
+    km_table *within = rows_within(w->tables[t], w->shown[t].x, ends[0], ends[1]);
+    if (!within)
+      return KT_NO_MEMORY;
+    km_table_free(w->tables[t]);
+    w->tables[t] = within;
+    w->shown[t].table = within;
+    if (km_table_rows(within) == 0) {
+      kt_print_message(&o->common, KM_ERROR, "--range %s: %s has no row there; expected a range within its %s",
+                       o->range, o->tables.items[t], km_table_name(within, w->shown[t].x));
+      return KT_USAGE;
+    }
+  }
+  return KT_DONE;
+}
+
 static kt_exit write_plot(const work *w, kt_format format) {
   const options *o = w->options;
   km_text out = {0};
   km_error error;
   km_chart *chart = NULL;
-  km_status status = km_table_chart(w->shown, o->tables.count, (int)w->columns, &chart, &error);
+  km_status status = km_table_chart_worded(w->shown, o->tables.count, (int)w->columns, &w->words, &chart, &error);
   if (!status)
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
   kt_exit result = kt_exit_of(status);
@@ -170,6 +277,14 @@ static kt_exit run(work *w) {
     result = read_columns(w);
   for (int t = 0; t < o->tables.count && result == KT_DONE; ++t)
     result = choose_columns(w, (size_t)t);
+  w->words.title = o->title;
+  w->words.names = w->new_names;
+  if (result == KT_DONE)
+    result = read_labels(w);
+  if (result == KT_DONE)
+    result = read_names(w);
+  if (result == KT_DONE)
+    result = read_range(w);
   for (int f = KT_SVG; f <= KT_PNG && result == KT_DONE; ++f)
     if (o->formats.wanted[f])
       result = write_plot(w, (kt_format)f);
@@ -183,6 +298,10 @@ kt_exit kmob_plot(int argc, char **argv) {
       {"x", 0, "COLUMN", "The column across (default s), with its unit or without", KT_TEXT, &o.x, KT_ABOUT_MODEL},
       {"y", 0, "COLUMN,…", "The columns upwards (repeatable); those of one unit share an axis", KT_TEXTS, &o.y,
        KT_ABOUT_MODEL},
+      {"range", 0, "FROM:TO", "Only the rows whose --x lies there", KT_TEXT, &o.range, KT_ABOUT_MODEL},
+      {"title", 0, "TEXT", "The plot's title", KT_TEXT, &o.title, KT_ABOUT_FILES},
+      {"label", 0, "AXIS=TEXT", "The label of an axis, x or y", KT_TEXTS, &o.labels, KT_ABOUT_FILES},
+      {"name", 0, "COLUMN=TEXT", "What a column is called (repeatable)", KT_TEXTS, &o.names, KT_ABOUT_FILES},
       {"format", 0, "LIST", "Some of svg,pdf,png (default svg)", KT_TEXT_OF("svg or pdf or png"), &o.format,
        KT_ABOUT_FILES},
       KT_BASE(&o.base, "Files are BASE.plot.FORMAT (default: the first table's name)"),

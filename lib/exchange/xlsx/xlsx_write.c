@@ -163,17 +163,19 @@ static km_status check_name(const char *sheet, km_error *error) {
   if (length >= 1 && length <= 31 && !strpbrk(sheet, "[]:*?/\\'") && strcasecmp(sheet, "chart") != 0)
     return KM_OK;
   return km_fail(error, KM_USAGE,
-                 "\"%.60s\" is not a sheet's name; expected at most 31 bytes without []:*?/\\', and not \"chart\"", sheet);
+                 "\"%.60s\" is not a sheet's name; expected at most 31 bytes without []:*?/\\', and not \"chart\"",
+                 sheet);
 }
 
 static km_status check_size(const km_table *table, km_error *error) {
   const size_t rows = km_table_rows(table), columns = km_table_columns(table);
   if (rows < LXW_ROW_MAX && columns <= LXW_COL_MAX)
     return KM_OK;
-  return km_fail(error, KM_USAGE,
-                 "the table has %zu rows and %zu columns; expected at most %d and %d, which a sheet of a workbook holds, "
-                 "or csv",
-                 rows, columns, LXW_ROW_MAX - 1, LXW_COL_MAX);
+  return km_fail(
+      error, KM_USAGE,
+      "the table has %zu rows and %zu columns; expected at most %d and %d, which a sheet of a workbook holds, "
+      "or csv",
+      rows, columns, LXW_ROW_MAX - 1, LXW_COL_MAX);
 }
 
 km_status km_xlsx_write(const km_table *table, const char *sheet, const char *curves, km_text *out, km_error *error) {
@@ -191,8 +193,10 @@ km_status km_xlsx_write(const km_table *table, const char *sheet, const char *cu
   const int file = path.failed ? -1 : mkstemp(path.data);
   if (file < 0) {
     status = path.failed ? km_fail(error, KM_MEMORY, "out of memory for a workbook")
-                         : km_fail(error, KM_IO, "%.300s: no temporary file can be created; expected TMPDIR to name a "
-                                               "folder that can be written", folder);
+                         : km_fail(error, KM_IO,
+                                   "%.300s: no temporary file can be created; expected TMPDIR to name a "
+                                   "folder that can be written",
+                                   folder);
   } else {
     close(file);
     status = write_file(&b, path.data, error);

@@ -159,6 +159,15 @@ typedef struct km_plotted_table {
   const size_t *y;       /* [columns] those upwards: the same columns of every table, with the same units */
 } km_plotted_table;
 
+/* Words of a plot of tables in place of its own; NULL: its own. Everything is borrowed. */
+typedef struct km_chart_words {
+  const char *title;        /* the title */
+  const char *x_label;      /* label of the axis across, with the unit */
+  const char *y_label;      /* label of the axis upwards, with the unit */
+  const char *x_name;       /* name of the column across in the title and the label */
+  const char *const *names; /* [columns] names of the columns upwards; NULL, also one of them: as in the table */
+} km_chart_words;
+
 /* Options of the plot of a history's table, or of some of its rows. Everything is borrowed. */
 typedef struct km_plotted_history {
   const km_mechanism *mechanism; /* mechanism of the columns */
@@ -185,6 +194,10 @@ KM_API km_status km_question_chart(const km_comparison *comparison, km_chart **o
  * finite interrupt a curve. */
 KM_API km_status km_table_chart(const km_plotted_table *tables, int count, int columns, km_chart **out,
                                 km_error *error);
+/* Plot of columns of tables with words of its own. `words` may have NULL everywhere. KM_USAGE: also if the y axis is
+ * labelled and columns of several units have several. */
+KM_API km_status km_table_chart_worded(const km_plotted_table *tables, int count, int columns,
+                                       const km_chart_words *words, km_chart **out, km_error *error);
 /* Plot of a time history: coordinates and rates by unit, driving forces, mobility numbers if present, energies.
  * KM_USAGE: also if the table isn't from km_history_run of this mechanism. */
 KM_API km_status km_history_chart(const km_plotted_history *history, km_chart **out, km_error *error);

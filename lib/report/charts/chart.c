@@ -7,6 +7,8 @@
 #include "report/charts/question_plot.h"
 #include "report/charts/table_plot.h"
 
+#include <string.h>
+
 void km_chart_free(km_chart *chart) {
   if (chart)
     km_arena_free(&chart->arena);
@@ -71,16 +73,35 @@ static km_status check_table(const km_plotted_table *t, int columns, km_error *e
   return status;
 }
 
-km_status km_table_chart(const km_plotted_table *tables, int count, int columns, km_chart **out, km_error *error) {
+/* A label of the y axis is for one axis. */
+static km_status check_units(const km_plotted_table *t, int columns, const km_chart_words *words, km_error *error) {
+  for (int k = 1; k < columns && words->y_label; ++k)
+    if (strcmp(km_table_unit(t->table, t->y[k]), km_table_unit(t->table, t->y[0])) != 0)
+      return km_fail(error, KM_USAGE,
+                     "a label for one y axis, but columns in \"%s\" and \"%s\" have one each; expected "
+                     "columns of one unit",
+                     km_table_unit(t->table, t->y[0]), km_table_unit(t->table, t->y[k]));
+  return KM_OK;
+}
+
+km_status km_table_chart_worded(const km_plotted_table *tables, int count, int columns, const km_chart_words *words,
+                                km_chart **out, km_error *error) {
   km_status status = begin(out, error);
   if (status)
     return status;
-  status = km_check_given(tables && count > 0 && columns > 0, "table or column", error);
+  status = km_check_given(tables && words && count > 0 && columns > 0, "table, words or column", error);
   for (int i = 0; !status && i < count; ++i)
     status = check_table(&tables[i], columns, error);
-  if (!status && !km_table_plot_make(tables, (size_t)count, (size_t)columns, &(*out)->arena, &(*out)->plot))
+  if (!status)
+    status = check_units(tables, columns, words, error);
+  if (!status && !km_table_plot_make(tables, (size_t)count, (size_t)columns, words, &(*out)->arena, &(*out)->plot))
     status = km_fail(error, KM_MEMORY, "out of memory for a plot");
   return end(status, out);
+}
+
+km_status km_table_chart(const km_plotted_table *tables, int count, int columns, km_chart **out, km_error *error) {
+  const km_chart_words none = {0};
+  return km_table_chart_worded(tables, count, columns, &none, out, error);
 }
 
 static km_status check_history(const km_plotted_history *h, km_error *error) {

@@ -89,7 +89,7 @@ static km_status make_columns(const overlay *v, const km_designs_shown *p, int q
     const km_table *table = km_question_table(v->asked[i].question);
     tables[i] = (km_plotted_table){table, v->answers[i].name, (size_t)km_table_variable(table), columns};
   }
-  return made_or_no_memory(km_table_plot_make(tables, (size_t)v->count, count, arena, out), error);
+  return made_or_no_memory(km_table_plot_make(tables, (size_t)v->count, count, NULL, arena, out), error);
 }
 
 static km_status make_answers(const overlay *v, const km_designs_shown *p, int question, km_arena *arena, km_plot *out,
@@ -115,7 +115,7 @@ static km_status make_paths(const overlay *v, const km_designs_shown *p, int que
     y[i] = points.first + 1;
     tables[i] = (km_plotted_table){table, v->answers[i].name, points.first, &y[i]};
   }
-  return made_or_no_memory(!arena->failed && km_table_plot_make(tables, (size_t)v->count, 1, arena, out), error);
+  return made_or_no_memory(!arena->failed && km_table_plot_make(tables, (size_t)v->count, 1, NULL, arena, out), error);
 }
 
 static km_status draw(const km_designs_shown *p, int question, maker make, km_text *out, km_error *error) {

@@ -55,7 +55,7 @@ static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
     const km_table *table = km_question_table(c->answers[i].question);
     tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_find(table, "s"), columns};
   }
-  return km_table_plot_make(tables, (size_t)c->count, COLUMNS, arena, out);
+  return km_table_plot_make(tables, (size_t)c->count, COLUMNS, NULL, arena, out);
 }
 
 /* One motion over time, with the plot of a history. */
@@ -82,7 +82,7 @@ static bool plot_histories(const km_comparison *c, km_arena *arena, km_plot *out
     const km_table *table = km_question_table(c->answers[i].question);
     tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
   }
-  return km_table_plot_make(tables, (size_t)c->count, count, arena, out);
+  return km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out);
 }
 
 /* Coordinates to draw: chosen ones, else the first that move besides the driver; at most MOST_CURVES. */
@@ -130,7 +130,7 @@ static bool plot_motions(const km_comparison *c, km_arena *arena, km_plot *out) 
     const km_table *table = km_question_table(c->answers[i].question);
     tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
   }
-  if (!km_table_plot_make(tables, (size_t)c->count, count, arena, out))
+  if (!km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out))
     return false;
   out->title = "Velocities and accelerations";
   const km_model *model = first->question->m->model;

@@ -13,6 +13,7 @@ enum { MOST_COLOURED = 8, MOST_NAMED = 3 };
 typedef struct sheet {
   const km_plotted_table *tables;
   size_t count, columns;
+  const km_chart_words *words;
   km_arena *arena;
   const char **names; /* [table] short */
   double **x;         /* [table] */
@@ -33,8 +34,22 @@ static double *values_of(const sheet *s, size_t table, size_t column) {
   return values;
 }
 
-static const char *name_of(const sheet *s, size_t column) {
+static const char *table_name_of(const sheet *s, size_t column) {
   return km_table_name(s->tables[0].table, s->tables[0].y[column]);
+}
+
+static const char *name_of(const sheet *s, size_t column) {
+  const char *own = s->words->names ? s->words->names[column] : NULL;
+  return own ? own : table_name_of(s, column);
+}
+
+static const char *x_name(const sheet *s) {
+  return s->words->x_name ? s->words->x_name : km_table_name(s->tables[0].table, s->tables[0].x);
+}
+
+/* Words of the user's, else those that are made. */
+static const char *chosen(const sheet *s, const char *words, const char *(*make)(const sheet *)) {
+  return words ? km_arena_string(s->arena, words) : make(s);
 }
 
 static const char *unit_of(const sheet *s, size_t column) {
@@ -119,7 +134,7 @@ static bool lies_in_plane(const sheet *s) {
   for (size_t c = 0; c < s->columns; ++c) {
     if (strcmp(unit_of(s, c), unit) != 0)
       return false;
-    points = points && is_point(name_of(s, c));
+    points = points && is_point(table_name_of(s, c));
   }
   for (size_t t = 0; t < s->count; ++t)
     forth = forth && goes_on(s->x[t], km_table_rows(s->tables[t].table));
@@ -132,7 +147,7 @@ static const char *title_of(const sheet *s) {
     km_text_format(&text, "%s%s", c ? ", " : "", name_of(s, c));
   if (s->columns > MOST_NAMED)
     km_text_format(&text, " and %zu more", s->columns - MOST_NAMED);
-  km_text_format(&text, " over %s", km_table_name(s->tables[0].table, s->tables[0].x));
+  km_text_format(&text, " over %s", x_name(s));
   return store(s, &text);
 }
 
@@ -148,7 +163,7 @@ static const char *subtitle_of(const sheet *s) {
 static const char *x_label(const sheet *s) {
   km_text text = {0};
   const char *unit = km_table_unit(s->tables[0].table, s->tables[0].x);
-  km_text_format(&text, *unit ? "%s (%s)" : "%s", km_table_name(s->tables[0].table, s->tables[0].x), unit);
+  km_text_format(&text, *unit ? "%s (%s)" : "%s", x_name(s), unit);
   return store(s, &text);
 }
 
@@ -165,20 +180,24 @@ static size_t make_panels(const sheet *s, km_plot_panel *panels) {
   return count;
 }
 
-bool km_table_plot_make(const km_plotted_table *tables, size_t count, size_t columns, km_arena *arena, km_plot *out) {
-  sheet s = {tables, count, columns, arena, NULL, KM_ARENA_NEW(arena, double *, count)};
+bool km_table_plot_make(const km_plotted_table *tables, size_t count, size_t columns, const km_chart_words *words,
+                        km_arena *arena, km_plot *out) {
+  const km_chart_words none = {0};
+  sheet s = {tables, count, columns, words ? words : &none, arena, NULL, KM_ARENA_NEW(arena, double *, count)};
   km_plot_panel *panels = KM_ARENA_NEW(arena, km_plot_panel, columns);
   s.names = km_short_names_of(&tables[0].name, sizeof *tables, (int)count, arena);
   for (size_t t = 0; t < count && !arena->failed; ++t)
     s.x[t] = values_of(&s, t, tables[t].x);
   if (arena->failed)
     return false;
-  *out = (km_plot){.title = title_of(&s),
+  *out = (km_plot){.title = chosen(&s, s.words->title, title_of),
                    .subtitle = subtitle_of(&s),
-                   .x_label = x_label(&s),
+                   .x_label = chosen(&s, s.words->x_label, x_label),
                    .panels = panels,
                    .panel_count = make_panels(&s, panels),
                    .own_y = true,
                    .equal = lies_in_plane(&s)};
+  if (s.words->y_label)
+    panels[0].y_label = km_arena_string(arena, s.words->y_label);
   return !arena->failed;
 }

@@ -5,7 +5,8 @@
 #include "kmech/report.h"
 #include "report/plot/plot.h"
 
-/* Builds the plot of km_table_chart in the arena. False when out of memory. */
-bool km_table_plot_make(const km_plotted_table *tables, size_t count, size_t columns, km_arena *arena, km_plot *out);
+/* Builds the plot of km_table_chart_worded in the arena; `words` NULL: none. False when out of memory. */
+bool km_table_plot_make(const km_plotted_table *tables, size_t count, size_t columns, const km_chart_words *words,
+                        km_arena *arena, km_plot *out);
 
 #endif
