@@ -1,6 +1,6 @@
-/* Diagnosis of a configuration: finite mobility, passive freedoms, redundant constraints. */
+/* Diagnosis of a configuration: finite mobility, passive freedoms, redundant constraints and their remedies. */
 #include "base/arguments.h"
-#include "kmech/mobility.h"
+#include "mobility/remedies/remedy_set.h"
 
 km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_progress progress, void *context, km_diagnosis *out,
                             km_error *error) {
@@ -10,7 +10,12 @@ km_status km_diagnosis_find(const km_mechanism *m, km_state *s, km_progress prog
   km_status status = km_finite_mobility_find(m, s, progress, context, &out->finite, error);
   if (!status)
     status = km_passive_freedoms_find(m, s, progress, context, &out->passive, error);
-  return status ? status : km_redundancies_find(m, s, progress, context, &out->redundancies, error);
+  if (!status)
+    status = km_redundancies_find(m, s, progress, context, &out->redundancies, error);
+  if (!status && out->redundancies.count)
+    status = km_remedy_set_find_with(m, s, out->finite.undecided ? -1 : out->finite.mobility, progress, context,
+                                     &out->remedies, error);
+  return status;
 }
 
 void km_diagnosis_free(km_diagnosis *d) {
@@ -19,4 +24,5 @@ void km_diagnosis_free(km_diagnosis *d) {
   km_finite_mobility_free(&d->finite);
   km_redundancies_free(&d->redundancies);
   km_passive_freedoms_free(&d->passive);
+  km_remedy_set_free(&d->remedies);
 }

@@ -12,6 +12,7 @@ from . import _comments
 from ._kmech import ffi, lib
 from .arm import Arm, Study, Summary, Track, load_study
 from .build import Builder
+from .diagnosis import JointChange, RemedySet
 from .errors import (Cancelled, Diverged, FileError, InternalError, KmechError, Message, ModelError, ModelWarning,
                      NoResult, UsageError, text_of)
 from .linear import Linear
@@ -33,8 +34,8 @@ def documentation(function: str) -> str:
     return _comments.FUNCTIONS[function]
 
 
-__all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "KmechError", "Linear",
-           "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "Session",
+__all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "JointChange", "KmechError", "Linear",
+           "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "RemedySet", "Session",
            "State", "Study", "Summary", "Table", "Track", "UsageError", "documentation", "ffi", "from_string", "kinds", "lib", "load",
            "load_study"]
 
@@ -51,6 +52,7 @@ _BEHIND = {
     Answer.save_xlsx: "km_question_xlsx", Answer.plot: "km_question_chart", Track.plot: "km_tracks_picture", Builder.body: "km_model_add_body",
     Builder.frame: "km_model_add_frame", Builder.joint: "km_model_add_joint", Builder.couple: "km_model_add_coupling",
     Mechanism.linearise: "km_linearise", Mechanism.equilibrium: "km_equilibrium_find",
+    Mechanism.remedies: "km_remedy_set_find", Mechanism.diagnose: "km_diagnosis_find",
     Session.__init__: "km_session_create", Session.step: "km_session_step",
     Builder.load: "km_model_add_load", Builder.finish: "km_builder_finish",
 }

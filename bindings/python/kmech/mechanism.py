@@ -227,6 +227,20 @@ class Mechanism:
 
         return all_modes(self, state or self._copy(), hold, within_limits, seed, progress)
 
+    def diagnose(self, *, progress: Progress = None, state: Optional[State] = None) -> dict[str, Any]:
+        """What kmob info --format json tells at a state: mobility, finite mobility and motions, idle freedoms, redundant
+        constraints, single remedies and a set of remedies."""
+        from .diagnosis import diagnose
+
+        return diagnose(self, state or self._copy(), progress)
+
+    def remedies(self, *, progress: Progress = None, state: Optional[State] = None) -> Any:
+        """Joint types that together end the redundant constraints and keep the mobility (a RemedySet), with the changed
+        model."""
+        from .diagnosis import remedies
+
+        return remedies(self, state or self._copy(), progress)
+
     def arm(self, effector: str, task: str = "pose") -> Any:
         """The chain of joints to a frame, as an arm."""
         from .arm import Arm

@@ -252,6 +252,16 @@ class Model:
         """A State at rest under the model's forces, near the initial configuration. settle: lets the mechanism fall first."""
         return self.mechanism(set=set, hold=hold).equilibrium(settle=settle, progress=progress)
 
+    def diagnose(self, *, set: Optional[Mapping[str, float]] = None, hold: Optional[Mapping[str, float]] = None,
+                 progress: Any = None) -> dict[str, Any]:
+        """What kmob info --format json tells at the initial configuration, or one with joints `set` to values."""
+        return self.mechanism(set=set, hold=hold).diagnose(progress=progress)
+
+    def remedies(self, *, set: Optional[Mapping[str, float]] = None, hold: Optional[Mapping[str, float]] = None,
+                 progress: Any = None) -> Any:
+        """Joint types that together end the redundant constraints (a RemedySet)."""
+        return self.mechanism(set=set, hold=hold).remedies(progress=progress)
+
     def _ask(self, kind: str, here: bool, progress: Any, given: dict[str, Any]) -> Answer:
         return self.mechanism()._ask(kind, here, progress, given)
 

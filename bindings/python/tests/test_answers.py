@@ -334,3 +334,19 @@ def test_all_assembly_modes(source):
         mechanism.all_modes()
     with pytest.raises(kmech.Cancelled):
         mechanism.all_modes(["A"], progress=lambda done: False)
+
+
+def test_remedies_end_what_is_redundant(source):
+    for name, redundant in (("bennett", 3), ("sarrus3", 4), ("scissor_lift", 9), ("fourbar", 3)):
+        model = kmech.load(source / f"models/{name}.json")
+        found = model.remedies()
+        assert (found.redundant, found.remaining, found.mobility) == (redundant, 0, 1) and found.checked
+        assert sum(len(change.motions) for change in found.changes) == redundant
+        changed = found.model.mechanism().state.mobility()
+        assert (changed.mobility, changed.redundant_constraints) == (1, 0)
+        assert found.model.diagnose()["redundancies"] == []
+        record = model.diagnose()
+        assert [c["joint"] for c in record["remedy_set"]["changes"]] == [c.joint for c in found.changes]
+        assert record["finite_mobility"] == 1 and len(record["redundancies"]) == redundant
+    with pytest.raises(kmech.Cancelled):
+        model.remedies(progress=lambda done: False)

@@ -213,6 +213,51 @@ KM_API km_status km_redundancies_find(const km_mechanism *mechanism, km_state *s
                                       void *context, km_redundancies *out, km_error *error);
 KM_API void km_redundancies_free(km_redundancies *redundancies);
 
+/* ---- Remedies as one set (theory 7.5): changes of joints that together end all redundant constraints. */
+
+enum {
+  /* largest product of redundant constraints and joints of a substructure for which a set is searched */
+  KM_MAX_SET_SIZE = 1000000
+};
+
+/* Another type of one joint. */
+typedef struct km_joint_change {
+  int joint; /* index in the model */
+  /* "cylindrical", "universal", "spherical", "planar"; or a series of slides and a hinge or ball joint: "pin-in-slot",
+   * "sphere-cylinder" (a ball in a cylinder), "sphere-plane" (a ball between planes) */
+  const char *to;
+  int freedoms; /* number of freedoms that it adds */
+  int motions;  /* these freedoms as bits: 1 2 4 translations along x y z of the joint's parent frame, 8 16 32 rotations
+                 * about them */
+} km_joint_change;
+
+/* Changes that end the redundant constraints and keep the mobility. */
+typedef struct km_remedy_set {
+  int redundant;         /* redundant constraints near the configuration, the incidental ones left out */
+  int remaining;         /* redundant constraints after the changes; 0: the set is complete */
+  int mobility;          /* mobility near the configuration, before and after the changes */
+  bool is_checked;       /* an analysis of the changed model found `remaining` and `mobility` */
+  bool is_infinitesimal; /* no set exists: some motions are infinitesimal, so the dimensions must change */
+  bool is_too_large;     /* a substructure exceeds KM_MAX_SET_SIZE and was left out */
+  int change_count;
+  km_joint_change *changes; /* [change_count], by substructure in the order of the joints */
+} km_remedy_set;
+
+/* Finds joint types that together end the redundant constraints of an assembled configuration and keep its mobility;
+ * chosen at a neighbouring configuration on the motion, checked there by an analysis of the changed model. Few joints
+ * are changed. Types of the format precede series of joints; actuators, inputs and drivers of the model are changed
+ * only where the others do not suffice, joints of couplings and held joints never. `remaining` above 0: no better set
+ * was found. The state keeps its configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY, KM_IO (the sparse QR
+ * library is missing). O(joints · redundant²) per substructure. */
+KM_API km_status km_remedy_set_find(const km_mechanism *mechanism, km_state *state, km_progress progress, void *context,
+                                    km_remedy_set *out, km_error *error);
+/* Creates the model with the joints of `set` changed, which starts at the state's configuration: bodies without mass,
+ * frames, joints, couplings and holds. The caller frees `*out` with km_model_free. KM_USAGE: a change does not fit its
+ * joint; KM_MEMORY. */
+KM_API km_status km_remedy_set_model(const km_mechanism *mechanism, const km_state *state, const km_remedy_set *set,
+                                     km_model **out, km_error *error);
+KM_API void km_remedy_set_free(km_remedy_set *set);
+
 /* ---- Diagnosis of a configuration and checks of a model. */
 
 /* Properties of a configuration beyond its mobility numbers. */
@@ -220,9 +265,10 @@ typedef struct km_diagnosis {
   km_finite_mobility finite;    /* finite motions */
   km_redundancies redundancies; /* redundant constraints */
   km_passive_freedoms passive;  /* passive freedoms */
+  km_remedy_set remedies;       /* changes that end all redundant constraints */
 } km_diagnosis;
 
-/* Finds all three at an assembled configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of
+/* Finds all four at an assembled configuration. Free `*out` in any case. KM_CANCELLED, KM_MEMORY. Cost: the sum of
  * them. */
 KM_API km_status km_diagnosis_find(const km_mechanism *mechanism, km_state *state, km_progress progress, void *context,
                                    km_diagnosis *out, km_error *error);

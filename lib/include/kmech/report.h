@@ -59,7 +59,8 @@ KM_API km_value *km_mobility_record(const km_mechanism *mechanism, const km_stat
 /* Text of `kmob info` and `kmob at`; `verbose` adds the evidence of each rank. */
 KM_API void km_mobility_print(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
                               const char *name, bool verbose, km_text *out);
-/* Adds finite_mobility, motions, truncated, idle_mobility, idle_freedoms and redundancies to a record. */
+/* Adds finite_mobility, motions, truncated, idle_mobility, idle_freedoms, redundancies and, if there are any,
+ * remedy_set to a record. */
 KM_API void km_diagnosis_record(const km_mechanism *mechanism, const km_diagnosis *diagnosis, km_value *record,
                                 km_arena *arena);
 /* `all`: also what planar loops have by nature. */

@@ -52,6 +52,35 @@ void km_redundancies_record(const km_mechanism *m, const km_redundancies *redund
   }
 }
 
+/* Adds the motions of a change: translations along and rotations about the axes of the joint's parent frame. */
+static void add_change_motions(const km_joint_change *change, km_value *entry, km_arena *arena) {
+  static const char *const words[] = {"Tx", "Ty", "Tz", "Rx", "Ry", "Rz"};
+  km_value *list = km_value_add(arena, entry, "motions_added", KM_LIST);
+  for (int k = 0; k < 6 && !arena->failed; ++k)
+    if (change->motions >> k & 1)
+      km_value_string(arena, list, NULL, words[k]);
+}
+
+void km_remedy_set_record(const km_mechanism *m, const km_remedy_set *set, km_value *record, km_arena *arena) {
+  km_value *item = km_value_add(arena, record, "remedy_set", KM_OBJECT);
+  km_value_number(arena, item, "redundant_constraints", set->redundant);
+  km_value_number(arena, item, "remaining", set->remaining);
+  km_value_number(arena, item, "mobility", set->mobility);
+  km_value_boolean(arena, item, "checked", set->is_checked);
+  km_value_boolean(arena, item, "infinitesimal", set->is_infinitesimal);
+  km_value_boolean(arena, item, "too_large", set->is_too_large);
+  km_value *changes = km_value_add(arena, item, "changes", KM_LIST);
+  for (int i = 0; i < set->change_count && !arena->failed; ++i) {
+    const km_joint_change *change = &set->changes[i];
+    km_value *entry = km_value_add(arena, changes, NULL, KM_OBJECT);
+    km_value_string(arena, entry, "joint", m->model->joints[change->joint].label);
+    km_value_string(arena, entry, "from", km_joint_kind_of(m->model->joints[change->joint].type)->word);
+    km_value_string(arena, entry, "to", change->to);
+    km_value_number(arena, entry, "freedoms_added", change->freedoms);
+    add_change_motions(change, entry, arena);
+  }
+}
+
 static void add_idle(const km_mechanism *m, const km_passive_freedoms *idle, km_value *record, km_arena *arena) {
   km_value_number(arena, record, "idle_mobility", idle->mobility);
   km_value *list = km_value_add(arena, record, "idle_freedoms", KM_LIST);
@@ -89,6 +118,8 @@ void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value 
   km_value_boolean(arena, record, "truncated", d->finite.truncated);
   add_idle(m, &d->passive, record, arena);
   km_redundancies_record(m, &d->redundancies, record, arena);
+  if (d->redundancies.count)
+    km_remedy_set_record(m, &d->remedies, record, arena);
 }
 
 static void print_finite(const km_finite_mobility *finite, km_text *out) {
@@ -144,7 +175,8 @@ static void print_redundancies(const km_mechanism *m, const km_redundancies *fou
   int across = km_redundancies_out_of_plane(found, -1), shown = 0, listed = all ? found->count : found->count - across;
   if (across)
     km_text_format(out, "\n%d constraint%s out of the plane of planar loops %s redundant by nature%s\n", across,
-                   km_plural(across), across == 1 ? "is" : "are", all ? "" : " (--verbose lists them)");
+                   km_plural(across), across == 1 ? "is" : "are",
+                   all ? "" : " (--verbose lists them and a set of joint types without them)");
   if (listed)
     km_text_add(out, "\nredundant constraints, and what would end each with the same mobility\n");
   for (int i = 0; i < found->count && shown < MOST_SHOWN; ++i) {
@@ -157,10 +189,49 @@ static void print_redundancies(const km_mechanism *m, const km_redundancies *fou
     km_text_format(out, "  and %d more (--format json lists all)\n", listed - MOST_SHOWN);
 }
 
+static void print_change(const km_mechanism *m, const km_joint_change *change, km_text *out) {
+  const km_model_joint *joint = &m->model->joints[change->joint];
+  km_text_format(out, "  %s %s instead of %s", joint->label, change->to, km_joint_kind_of(joint->type)->word);
+  const char *before = ": also";
+  for (int k = 0; k < 6; ++k) {
+    if (!(change->motions >> k & 1))
+      continue;
+    km_text_format(out, "%s %s %c", before, k < 3 ? "along" : "about", "xyzxyz"[k]);
+    before = ",";
+  }
+  km_text_format(out, " of its frame in %s\n", m->model->bodies[m->model->frames[joint->frame[0]].body].name);
+}
+
+static void print_remedy_set(const km_mechanism *m, const km_remedy_set *set, km_text *out) {
+  enum { MOST_SHOWN = 24 };
+  if (set->is_infinitesimal) {
+    km_text_add(out,
+                "\nno set of joint types ends them: some motions are infinitesimal, so the dimensions must change\n");
+    return;
+  }
+  if (set->change_count == 0) {
+    km_text_format(out, "\nno set of joint types that ends them was found%s\n",
+                   set->is_too_large ? ": a substructure is too large for the search" : "");
+    return;
+  }
+  if (set->remaining == 0)
+    km_text_format(out, "\na set of joint types that ends all %d with mobility %d", set->redundant, set->mobility);
+  else
+    km_text_format(out, "\na set of joint types that ends %d of %d with mobility %d", set->redundant - set->remaining,
+                   set->redundant, set->mobility);
+  km_text_add(out, set->is_checked ? " (checked on the changed model)\n" : " (not confirmed on the changed model)\n");
+  for (int i = 0; i < set->change_count && i < MOST_SHOWN; ++i)
+    print_change(m, &set->changes[i], out);
+  if (set->change_count > MOST_SHOWN)
+    km_text_format(out, "  and %d more (--format json lists all)\n", set->change_count - MOST_SHOWN);
+}
+
 void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, bool all, km_text *out) {
   if (!m || !d || !out)
     return;
   print_finite(&d->finite, out);
   print_idle(m, d, out);
   print_redundancies(m, &d->redundancies, all, out);
+  if (d->redundancies.count > (all ? 0 : km_redundancies_out_of_plane(&d->redundancies, -1)))
+    print_remedy_set(m, &d->remedies, out);
 }

@@ -10,5 +10,7 @@
 /* Adds `redundancies` to a record. */
 void km_redundancies_record(const km_mechanism *mechanism, const km_redundancies *redundancies, km_value *record,
                             km_arena *arena);
+/* Adds `remedy_set` to a record. */
+void km_remedy_set_record(const km_mechanism *mechanism, const km_remedy_set *set, km_value *record, km_arena *arena);
 
 #endif
