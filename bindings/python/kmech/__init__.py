@@ -12,6 +12,7 @@ from . import _comments
 from ._kmech import ffi, lib
 from .arm import Arm, Study, Summary, Track, load_study
 from .build import Builder
+from .designs import DesignStudy, Statistics, Yield, load_designs
 from .diagnosis import JointChange, RemedySet
 from .errors import (Cancelled, Diverged, FileError, InternalError, KmechError, Message, ModelError, ModelWarning,
                      NoResult, UsageError, text_of)
@@ -34,10 +35,10 @@ def documentation(function: str) -> str:
     return _comments.FUNCTIONS[function]
 
 
-__all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "JointChange", "KmechError", "Linear",
+__all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "DesignStudy", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "JointChange", "KmechError", "Linear",
            "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "RemedySet", "Session",
-           "State", "Study", "Summary", "Table", "Track", "UsageError", "documentation", "ffi", "from_string", "kinds", "lib", "load",
-           "load_study"]
+           "State", "Statistics", "Study", "Summary", "Table", "Track", "UsageError", "Yield", "documentation", "ffi", "from_string", "kinds", "lib", "load",
+           "load_designs", "load_study"]
 
 # What the C headers say of the functions behind methods stands below each one's own words.
 _BEHIND = {
@@ -53,6 +54,8 @@ _BEHIND = {
     Builder.frame: "km_model_add_frame", Builder.joint: "km_model_add_joint", Builder.couple: "km_model_add_coupling",
     Mechanism.linearise: "km_linearise", Mechanism.equilibrium: "km_equilibrium_find",
     Mechanism.remedies: "km_remedy_set_find", Mechanism.diagnose: "km_diagnosis_find",
+    DesignStudy.__init__: "km_design_study_read", DesignStudy.run: "km_design_study_run",
+    DesignStudy.ranks: "km_design_study_ranks",
     Session.__init__: "km_session_create", Session.step: "km_session_step",
     Builder.load: "km_model_add_load", Builder.finish: "km_builder_finish",
 }

@@ -350,3 +350,31 @@ def test_remedies_end_what_is_redundant(source):
         assert record["finite_mobility"] == 1 and len(record["redundancies"]) == redundant
     with pytest.raises(kmech.Cancelled):
         model.remedies(progress=lambda done: False)
+
+
+def test_a_study_of_designs(source, tmp_path):
+    study = kmech.load_designs(source / "studies/slider_crank_tolerance/study.json", store=tmp_path / "store.sqlite")
+    assert study.parameters == ["crank", "rod", "offset"] and study.figures == {"stroke": "m", "inner end": "m"}
+    assert study.run(jobs=2) and len(study) == 5120
+    rows, spread, share = study.table, study.statistics("stroke"), study.share()
+    # A centred slider-crank moves by two cranks r; an offset e adds e² r / (l² - r²), less than 1.2e-5 here.
+    assert rows["stroke"] == pytest.approx(2 * rows["crank"], abs=2e-5)
+    assert spread.mean == pytest.approx(rows["stroke"].mean(), rel=1e-12)
+    assert spread.deviation == pytest.approx(rows["stroke"].std(ddof=1), rel=1e-9)
+    assert share.good == rows["accepted"].sum() and share.share == share.good / len(study)
+    assert share.good == numpy.sum((rows["stroke"] >= 1.199) & (rows["stroke"] <= 1.201))
+    ranks = study.ranks("stroke")
+    assert ranks["crank"] > 0.999 and abs(ranks["rod"]) < 0.1
+    crank = study.model(7).motion(rate={"A": 1.0}, steps=90).figure("q.B", "span")[0]
+    assert crank == pytest.approx(rows["stroke"][7], abs=1e-3)
+    del study
+    again = kmech.load_designs(source / "studies/slider_crank_tolerance/study.json", store=tmp_path / "store.sqlite")
+    assert again.run(progress=lambda done: True) and numpy.array_equal(again.table, rows)
+
+
+def test_an_optimisation(source):
+    study = kmech.load_designs(source / "studies/bonnet_spring/study.json")
+    assert study.best is None and len(study) == 0
+    assert study.run()
+    best, rows = study.best, study.table
+    assert rows["accepted"][best] and rows["closing"][best] == rows["closing"][rows["accepted"]].max()

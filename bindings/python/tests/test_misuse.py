@@ -266,3 +266,31 @@ def test_a_state_is_of_one_thread_at_a_time(brake):
 def test_a_model_in_use_does_not_change(brake):
     with brake._reading(), pytest.raises(kmech.UsageError, match="in use"):
         brake.set_position("K", 20)
+
+
+DESIGNS = '''{"model": "m.json", "parameters": {"q": "J.initial_displacement"}, "grid": {"q": [0, 1]},
+ "ask": [{"question": "mobility", "options": {"joint": "J", "range": [0, 1], "steps": 2}, "figures": {"dof": "min dof"}}]}'''
+
+
+@pytest.mark.parametrize("call", [
+    lambda d: kmech.load_designs("/no/such/file"),
+    lambda d: kmech.load_designs("/dev/zero"),
+    lambda d: kmech.DesignStudy(3),
+    lambda d: kmech.DesignStudy(""),
+    lambda d: kmech.DesignStudy("{}"),
+    lambda d: kmech.DesignStudy(DESIGNS, folder="/no/such/folder"),
+    lambda d: kmech.DesignStudy(DESIGNS.replace("mobility", "nothing"), folder=d),
+    lambda d: kmech.DesignStudy(DESIGNS.replace("min dof", "min nothing"), folder=d).run(jobs=0),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d, store="/no/such/folder/store"),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d).run(jobs="2"),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d).run(progress=3),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d).statistics("nothing"),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d).ranks(None),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d).model(99),
+    lambda d: kmech.DesignStudy(DESIGNS, folder=d).model("best"),
+], ids=range(15))
+def test_designs(call, tmp_path):
+    (tmp_path / "m.json").write_text(ONE)
+    with pytest.raises((kmech.KmechError, TypeError)) as raised:
+        call(tmp_path)
+    assert str(raised.value)
