@@ -6,25 +6,27 @@
 
 #include "dynamics/dynamics.h"
 
-/* Value of a coordinate, radians or the model's length unit. */
+enum { KM_CORNER_TIME = -1 };
+
+/* Value of a coordinate, radians or the model's length unit; or (coordinate KM_CORNER_TIME) of the time. */
 typedef struct km_corner {
   int coordinate;
   double value;
+  double period; /* > 0: the corner repeats at value + k · period, k = … −1, 0, 1 … */
 } km_corner;
 
 typedef struct km_corners {
-  int count, time_count;
-  /* Limits with a stop and knots of springs, sorted by coordinate and value; without balls and distances between
-   * frames. */
+  /* Limits with a stop, knots of springs, rows of tables; sorted by coordinate and value, the periodic ones after the
+   * others; without balls and distances between frames. */
+  int count, single_count; /* number of corners; of those that don't repeat */
   km_corner *corners;
-  double *times; /* ascending times: rows of tables, knots of motors */
 } km_corners;
 
 /* Lists all corners. False: out of memory. O(corners log corners). */
 bool km_corners_list(const km_dynamics *dynamics, km_arena *arena, km_corners *out);
-/* Index of the coordinate's first corner above a value, or the index at which it would be inserted. O(log corners). */
-int km_corners_above(const km_corners *corners, int coordinate, double value);
-/* First corner time after `time`; infinity if there is none. */
-double km_corners_next(const km_corners *corners, double time);
+/* Next corner of a coordinate above a value; infinity if there is none. O(log corners + periodic corners). */
+double km_corners_above(const km_corners *corners, int coordinate, double value);
+/* Next corner of a coordinate at or below a value; −infinity if there is none. */
+double km_corners_up_to(const km_corners *corners, int coordinate, double value);
 
 #endif

@@ -10,6 +10,7 @@
 #include "dynamics/linearisation.h"
 #include "linalg/dense/eigenvalues.h"
 
+#include <math.h>
 #include <string.h>
 
 static const double default_step = 1e-5, least_step = 1e-8;
@@ -29,9 +30,11 @@ static double choose_step(const km_dynamics *d, const km_state *s, km_arena *are
     return step;
   for (int i = 0; i < corners.count; ++i) {
     int c = corners.corners[i].coordinate;
-    double distance = error_share * d->mechanism->scale[c] * fabs(s->q[c] - corners.corners[i].value);
-    if (distance > 0.0)
-      step = fmin(step, distance);
+    if (c == KM_CORNER_TIME)
+      continue;
+    double above = km_corners_above(&corners, c, s->q[c]) - s->q[c];
+    double below = s->q[c] - km_corners_up_to(&corners, c, nextafter(s->q[c], -HUGE_VAL));
+    step = fmin(step, error_share * d->mechanism->scale[c] * fmin(above, below));
   }
   return fmax(step, least_step);
 }

@@ -1,5 +1,5 @@
-/* Values, rates and accelerations of prescribed motions: polynomials, sines, cubic splines of tables
- * (docs/theory.md 11.11). */
+/* Values, rates and accelerations of prescribed motions: polynomials, sines, cubic splines of tables,
+ * curves (docs/theory.md 11.11). */
 #include "dynamics/prescribed_motion.h"
 
 #include "base/memory.h"
@@ -130,6 +130,8 @@ int km_prescribed_at(const km_prescribed *p, int index, double time, double moti
     polynomial_at(l->def, time, motion);
   else if (l->def->law == KM_MOTION_SINE)
     sine_at(l, time, motion);
+  else if (l->def->law == KM_MOTION_CURVE)
+    km_curve_at(&l->def->curve, time, motion);
   else
     table_at(l, time, motion);
   for (int i = 0; i < 3; ++i)

@@ -118,7 +118,8 @@ void km_crossings_report(km_simulation *run);
 /* Initialises the crossings at a start or restart. Leaving a value at which the motion is then is no crossing. */
 void km_crossings_begin(km_simulation *run);
 /* Time within the last step at which a coordinate is beyond a corner although it isn't at both ends of the step, so
- * that no evaluation noticed it. Infinity: none. O(corners), plus the search near a corner. */
+ * that no evaluation noticed it; or at which it passes the first of several corners. Infinity: none. O(corners), plus
+ * the search near a corner. */
 double km_simulation_passed_over(km_simulation *run);
 
 /* Time within the last step at which the bodies of a contact overlap although they are apart at both ends of the step;

@@ -4,6 +4,7 @@
 
 #include "base/event_locator.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Coordinate minus value. */
@@ -72,26 +73,48 @@ static bool can_have_passed(const km_simulation *run, const km_corner *at) {
 }
 
 /* Time at which the step passed over a corner and returned; infinity: it didn't. */
-static double time_passed_over(km_simulation *run, int corner, int coordinate) {
-  if (corner < 0 || corner >= run->corners.count || run->corners.corners[corner].coordinate != coordinate)
+static double time_passed_over(km_simulation *run, int coordinate, double value) {
+  if (!isfinite(value))
     return HUGE_VAL;
-  const km_corner *at = &run->corners.corners[corner];
+  const km_corner at = {coordinate, value, 0.0};
   double error = run->tolerance[run->value_index[coordinate]]; /* the coordinate isn't known more accurately */
-  return can_have_passed(run, at) ? find_excursion(run, at, error) : HUGE_VAL;
+  return can_have_passed(run, &at) ? find_excursion(run, &at, error) : HUGE_VAL;
+}
+
+/* Time at which a coordinate passes the first of two or more corners in the step, because a law between them may have
+ * been evaluated nowhere; infinity: it passes at most one. */
+static double time_of_two_corners(km_simulation *run, int c, double one, double other) {
+  const km_corners *all = &run->corners;
+  double error = run->tolerance[run->value_index[c]], first, second;
+  if (other > one) {
+    first = km_corners_above(all, c, one + error);
+    second = km_corners_above(all, c, first);
+  } else {
+    first = km_corners_up_to(all, c, one - error);
+    second = km_corners_up_to(all, c, nextafter(first, -HUGE_VAL));
+  }
+  if (!isfinite(second) || (other - second) * (second - first) <= 0.0)
+    return HUGE_VAL;
+  const km_corner at = {c, first, 0.0};
+  signed_difference q = {run, &at, 1.0};
+  return km_locate_root(evaluate_at, &q, run->last_time, run->time, one - first, other - first);
 }
 
 /* A coordinate that passes a corner and returns has passed the closest corner beyond both ends of the step. */
 double km_simulation_passed_over(km_simulation *run) {
   const km_corners *all = &run->corners;
-  double first = HUGE_VAL;
-  for (int i = 0; i < all->count; i = km_corners_above(all, all->corners[i].coordinate, HUGE_VAL)) {
+  double time = HUGE_VAL;
+  for (int i = 0; i < all->count; ++i) {
     int c = all->corners[i].coordinate;
+    if (c == KM_CORNER_TIME || (i > 0 && all->corners[i - 1].coordinate == c))
+      continue;
     double one = difference(run, run->accepted, c, 0.0), other = difference(run, run->y, c, 0.0);
-    int above = km_corners_above(all, c, nextafter(fmax(one, other), -HUGE_VAL));
-    int below = km_corners_above(all, c, fmin(one, other)) - 1;
-    first = fmin(first, fmin(time_passed_over(run, above, c), time_passed_over(run, below, c)));
+    double above = km_corners_above(all, c, nextafter(fmax(one, other), -HUGE_VAL));
+    double below = km_corners_up_to(all, c, fmin(one, other));
+    time = fmin(time, fmin(time_passed_over(run, c, above), time_passed_over(run, c, below)));
+    time = fmin(time, time_of_two_corners(run, c, one, other));
   }
-  return first;
+  return time;
 }
 
 void km_crossings_begin(km_simulation *run) {
@@ -135,7 +158,7 @@ static double locate(km_simulation *run, int i, double a, double fa, double b, d
 
 /* Adds both crossings of a coordinate that passes the value and returns within the step. */
 static bool add_pair(km_simulation *run, size_t first, int i, double now) {
-  const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value};
+  const km_corner at = {run->crossings[i].coordinate, run->crossings[i].value, 0.0};
   double t = can_have_passed(run, &at) ? find_excursion(run, &at, 0.0) : HUGE_VAL;
   if (t == HUGE_VAL)
     return true;

@@ -75,7 +75,8 @@ km_load km_model_load_at(const km_model *model, int index) {
   if (!model || index < 0 || index >= model->load_count)
     return (km_load){.frame = -1};
   const km_applied_load *d = &model->loads[index];
-  return (km_load){d->frame, {d->force.x, d->force.y, d->force.z}, {d->torque.x, d->torque.y, d->torque.z}, d->turning};
+  return (km_load){
+      d->frame, {d->force.x, d->force.y, d->force.z}, {d->torque.x, d->torque.y, d->torque.z}, d->turning, d->scale};
 }
 
 km_status km_forces_create_own(const km_mechanism *m, km_forces **out, km_error *error) {
@@ -118,18 +119,31 @@ static void add_weights(const km_mechanism *m, km_forces *f) {
   }
 }
 
-void km_loads_add(const km_mechanism *m, km_forces *f) {
+/* Factor of a load at the state's coordinates and time. */
+static double load_factor(const km_mechanism *m, const km_state *s, const km_load_scale *scale) {
+  if (!scale)
+    return 1.0;
+  int c = scale->coordinate;
+  return km_curve_value(&scale->curve, c < 0 ? s->time : km_length_sense(m, s, c) * s->q[c]);
+}
+
+double km_loads_add(const km_mechanism *m, const km_state *s, km_forces *f) {
+  double power = 0.0;
   for (int i = 0; i < f->load_count; ++i) {
     const km_load *load = &f->loads[i];
     const km_model_frame *frame = &m->model->frames[load->frame];
     km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
-    km_vec3 force = km_vec3_from_array(load->force), torque = km_vec3_from_array(load->torque);
+    double factor = load_factor(m, s, load->scale);
+    km_vec3 force = km_vec3_scale(factor, km_vec3_from_array(load->force));
+    km_vec3 torque = km_vec3_scale(factor, km_vec3_from_array(load->torque));
     if (load->turning) {
       force = km_rotate(&X.R, force);
       torque = km_rotate(&X.R, torque);
     }
     km_forces_add(f, frame->body, force, torque, X.p);
+    power += km_wrench_power(km_wrench_at(force, torque, X.p), f->twist[frame->body]);
   }
+  return power;
 }
 
 /* Sums weights, loads, springs and additional joint forces at the state's configuration. */
@@ -144,7 +158,7 @@ void km_forces_compute(const km_mechanism *m, const km_state *s, km_forces *f) {
     if (f->extra[c] != 0.0)
       km_forces_add_joint(m->model, f, c, f->extra[c]);
   add_weights(m, f);
-  km_loads_add(m, f);
+  km_loads_add(m, s, f);
   km_springs_add(m, s, f);
 }
 

@@ -48,6 +48,8 @@ void km_force_unit(const km_model *model, int coordinate, km_text *out);
 void km_torque_unit(const km_model *model, km_text *out);
 
 double km_law_force(const km_law *law, double displacement);
+/* Value of a module's law, piecewise polynomial or curve, at its variable. */
+double km_module_law_value(const km_model_module *module, double variable);
 /* Force of a law in a rate. Jumps at its knots are spread over rates up to `width` on both sides (at most half the
  * distance to the next knot), like friction near rest, so that a load at rest stays at rest. */
 double km_law_resistance(const km_law *law, double rate, double width);
@@ -91,8 +93,8 @@ km_status km_springs_collect(const km_model *model, km_forces *forces, km_error 
 double km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 /* Energy stored in the conservative springs, 0 at displacement 0. */
 double km_springs_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
-/* Adds the loads. */
-void km_loads_add(const km_mechanism *mechanism, km_forces *forces);
+/* Adds the loads; returns their power. */
+double km_loads_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 
 /* Adds a force in a joint along +q of a coordinate. */
 void km_forces_add_joint(const km_model *model, km_forces *forces, int coordinate, double force);

@@ -278,37 +278,6 @@ static void add_reaction_friction(const km_mechanism *m, const km_state *s, km_f
   }
 }
 
-/* Linear interpolation of rows x, value, constant beyond their ends. */
-static double table_value(const double *t, int rows, double x, double *slope) {
-  *slope = 0.0;
-  if (x <= t[0])
-    return t[1];
-  for (int i = 1; i < rows; ++i)
-    if (x <= t[2 * i]) {
-      *slope = (t[2 * i + 1] - t[2 * i - 1]) / (t[2 * i] - t[2 * i - 2]);
-      return t[2 * i - 1] + *slope * (x - t[2 * i - 2]);
-    }
-  return t[2 * rows - 1];
-}
-
-double km_time_law_value(const km_time_law *law, double time, double *rate) {
-  if (law->is_table)
-    return table_value(law->numbers, law->count, time, rate);
-  double value = 0.0;
-  *rate = 0.0;
-  for (int k = law->count - 1; k >= 0; --k) {
-    *rate = *rate * time + value;
-    value = value * time + law->numbers[k];
-  }
-  return value;
-}
-
-double km_motor_force(const km_model_module *module, double variable) {
-  double slope;
-  return module->table_count ? table_value(module->table, module->table_count, variable, &slope)
-                             : km_law_force(&module->law, variable);
-}
-
 /* Value of the module's variable; of a time law its time. */
 static double variable_of(const km_model_module *module, const km_measured *x, double time) {
   return module->variable == KM_VARIABLE_DISPLACEMENT ? x->displacement
@@ -321,13 +290,13 @@ static double variable_of(const km_model_module *module, const km_measured *x, d
 static double controller_force(const km_forces *f, int index, const km_measured *x, double time, double *error) {
   const km_moving_forces *moving = f->moving;
   const km_model_module *module = moving->modules[index];
-  double slope = 0.0, value = f->reference[module - f->mechanism->model->modules];
-  if (isnan(value))
-    value = km_time_law_value(&module->reference, time, &slope);
-  *error = value - variable_of(module, x, time);
+  double reference[3] = {f->reference[module - f->mechanism->model->modules]};
+  if (isnan(reference[0]))
+    km_curve_at(&module->reference, time, reference);
+  *error = reference[0] - variable_of(module, x, time);
   double rate = module->kd == 0.0                              ? 0.0
-                : module->variable == KM_VARIABLE_DISPLACEMENT ? slope - x->velocity
-                                                               : slope - x->acceleration;
+                : module->variable == KM_VARIABLE_DISPLACEMENT ? reference[1] - x->velocity
+                                                               : reference[1] - x->acceleration;
   double integral = moving->internal_state[moving->first_state_of[index]];
   return module->kp * *error + module->ki * integral + module->kd * rate;
 }
@@ -344,11 +313,11 @@ static double integrated_error(const km_forces *f, int index, const km_measured 
 static double law_force(const km_mechanism *m, const km_state *s, const km_forces *f, int index, const km_measured *x) {
   const km_model_module *module = f->moving->modules[index];
   double error, value = variable_of(module, x, s->time);
-  double force = module->type == KM_MODULE_PID     ? controller_force(f, index, x, s->time, &error)
-                 : module->type == KM_MODULE_MOTOR ? km_motor_force(module, value)
-                 : module->variable == KM_VARIABLE_VELOCITY && module->type != KM_MODULE_STIFFNESS
-                     ? km_law_resistance(&module->law, value, stiction_rate(m, module->input.coordinate))
-                     : km_law_force(&module->law, value);
+  bool resists = module->variable == KM_VARIABLE_VELOCITY && !module->curve.form &&
+                 (module->type == KM_MODULE_DAMPING || module->type == KM_MODULE_FRICTION);
+  double force = module->type == KM_MODULE_PID ? controller_force(f, index, x, s->time, &error)
+                 : resists ? km_law_resistance(&module->law, value, stiction_rate(m, module->input.coordinate))
+                           : km_module_law_value(module, value);
   return km_module_saturate(module, force);
 }
 
@@ -407,24 +376,6 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
     moving->drive_force[c] += km_length_sense(m, s, c) * force;
 }
 
-/* Power of all loads. */
-static double power_of_loads(const km_mechanism *m, const km_forces *f) {
-  double power = 0.0;
-  for (int i = 0; i < f->load_count; ++i) {
-    const km_load *load = &f->loads[i];
-    const km_model_frame *frame = &m->model->frames[load->frame];
-    km_pose X = km_pose_product(&f->pose[frame->body], &frame->pose);
-    km_twist V = f->twist[frame->body];
-    km_vec3 force = km_vec3_from_array(load->force), torque = km_vec3_from_array(load->torque);
-    if (load->turning) {
-      force = km_rotate(&X.R, force);
-      torque = km_rotate(&X.R, torque);
-    }
-    power += km_wrench_power(km_wrench_at(force, torque, X.p), V);
-  }
-  return power;
-}
-
 /* Sums all forces of a motion with dissipated and supplied power. */
 void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces *f) {
   km_moving_forces *moving = f->moving;
@@ -442,10 +393,7 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
       moving->drive_force[moving->modules[i]->output.coordinate] = 0.0;
   for (int i = 0; i < moving->module_count; ++i)
     add_module(m, s, f, i);
-  if (f->load_count) {
-    km_loads_add(m, f);
-    moving->motor_power += power_of_loads(m, f);
-  }
+  moving->motor_power += km_loads_add(m, s, f);
   for (int c = 0; c < m->coordinate_count; ++c)
     moving->motor_power += f->extra[c] * s->rate[c];
   if (f->user.compute)

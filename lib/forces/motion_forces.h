@@ -60,10 +60,6 @@ double km_slip_share(double speed, double stiction);
  * second. */
 double km_stiction_speed(const km_mechanism *mechanism, const km_joint_friction *friction);
 
-/* Value and rate of a law over time. */
-double km_time_law_value(const km_time_law *law, double time, double *rate);
-/* Value of a motor's law at its variable. */
-double km_motor_force(const km_model_module *module, double variable);
 /* Forces of the laws of the implicit modules at the state's accelerations and those of the bodies. */
 void km_implicit_forces_compute(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                                 double *out);

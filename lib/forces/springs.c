@@ -18,6 +18,10 @@ double km_law_force(const km_law *law, double x) {
   return piece_force(law, piece, x);
 }
 
+double km_module_law_value(const km_model_module *module, double variable) {
+  return module->curve.form ? km_curve_value(&module->curve, variable) : km_law_force(&module->law, variable);
+}
+
 /* Half width over which the jump at a knot is spread: at most half the distance to the next knot, so that spreads
  * don't overlap. */
 static double spread_at(const km_law *law, int knot, double width) {
@@ -79,11 +83,11 @@ double km_module_saturate(const km_model_module *module, double force) {
   return module->saturates ? fmin(fmax(force, module->least), module->most) : force;
 }
 
-/* True if a spring is conservative: it acts where it measures, and not on a ball's coordinate, whose rate isn't
- * conjugate to its torque. */
+/* True if a spring's energy is known: it acts where it measures, by a piecewise polynomial, and not on a ball's
+ * coordinate, whose rate isn't conjugate to its torque. */
 static bool is_conservative(const km_mechanism *m, const km_model_module *module) {
   const km_module_port *in = &module->input, *out = &module->output;
-  if (module->input_count != 1 || module->inputs[0].weight != 1.0 || module->saturates)
+  if (module->input_count != 1 || module->inputs[0].weight != 1.0 || module->saturates || module->curve.form)
     return false;
   if (in->coordinate >= 0 || out->coordinate >= 0)
     return in->coordinate == out->coordinate && m->ball_of[in->coordinate] < 0;
@@ -96,7 +100,7 @@ double km_springs_add(const km_mechanism *m, const km_state *s, km_forces *f) {
   for (int i = 0; i < f->spring_count; ++i) {
     const km_model_module *spring = f->springs[i];
     double x = km_module_measure(m, s, f, spring).displacement;
-    double force = km_module_saturate(spring, km_law_force(&spring->law, x));
+    double force = km_module_saturate(spring, km_module_law_value(spring, x));
     double power = force * km_module_apply(m, s, f, spring, force);
     *km_module_report_of(m, f, spring) = (km_module_report){.variable = x, .force = force, .power = power};
     if (!is_conservative(m, spring))

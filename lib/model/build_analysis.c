@@ -67,7 +67,7 @@ km_status km_model_add_force(km_builder *b, const km_force_def *def, km_error *e
     return KM_MODEL;
   module.output = module.input;
   module.inputs = km_model_single_input(&b->model->arena, module.input, def->distance);
-  module.reference = (km_time_law){1, false, km_builder_numbers(b, &def->reference, 1)};
+  module.reference = km_curve_constant(&b->model->arena, def->reference);
   if (!module.inputs || !module.reference.numbers)
     return km_builder_memory(error);
   status = copy_law(b, def, who, &module.law, error);

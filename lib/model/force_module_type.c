@@ -31,7 +31,7 @@ km_module_variable km_module_type_variable(km_module_type type) {
 
 bool km_module_is_spring_in_joint(const km_model_module *module) {
   return module->type == KM_MODULE_STIFFNESS && module->variable == KM_VARIABLE_DISPLACEMENT &&
-         module->input_count == 1 && module->inputs[0].weight == 1.0 && !module->saturates &&
+         module->input_count == 1 && module->inputs[0].weight == 1.0 && !module->saturates && !module->curve.form &&
          module->input.coordinate >= 0 && module->output.coordinate == module->input.coordinate;
 }
 

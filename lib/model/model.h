@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "kmech/model.h"
+#include "model/curve/curve.h"
 #include "model/joint_type.h"
 #include "spatial/pose.h"
 
@@ -65,6 +66,7 @@ typedef struct km_joint_prescribed {
   int count;      /* number of rows of the table, or of coefficients */
   double *values; /* [2 · count] rows t, q; or [count] coefficients, lowest power first; or [4] offset, amplitude,
                    * frequency, phase */
+  km_law_curve curve; /* law of KM_MOTION_CURVE */
 } km_joint_prescribed;
 
 typedef struct km_model_joint {
@@ -143,13 +145,6 @@ typedef struct km_law {
   const double *coefficients; /* coefficients, lowest power first */
 } km_law;
 
-/* A law over time: a polynomial, or a table whose rows are joined by lines. */
-typedef struct km_time_law {
-  int count;             /* number of coefficients, lowest power first; of rows */
-  bool is_table;         /* rows t, value */
-  const double *numbers; /* [count] or [2 · count] */
-} km_time_law;
-
 /* Parameters of a Fiala tyre. */
 typedef struct km_tire {
   double radius, stiffness, damping; /* unloaded radius; vertical stiffness */
@@ -191,9 +186,8 @@ typedef struct km_model_module {
   double least, most; /* bounds of the force, if it saturates */
   km_law law;
   double kp, ki, kd;     /* gains of a controller */
-  km_time_law reference; /* reference of a controller */
-  int table_count;       /* number of rows of a motor's table, over time or its variable */
-  const double *table;   /* [2 · table_count] rows t, f */
+  km_law_curve reference; /* reference of a controller, over time */
+  km_law_curve curve;     /* law of the variable, instead of `law` */
   km_tire tire;
   km_contact contact;
 } km_model_module;
@@ -203,11 +197,18 @@ typedef struct km_model_module {
 int km_module_internal_count(const km_model_module *module);
 bool km_module_is_spring_in_joint(const km_model_module *module);
 
+/* Factor of a load, over a coordinate's value or the time. */
+struct km_load_scale {
+  int coordinate; /* < 0: time */
+  km_law_curve curve;
+};
+
 typedef struct km_applied_load {
   const char *name;
   int frame;
   km_vec3 force, torque;
-  bool turning; /* true: along the frame's axes */
+  bool turning;               /* true: along the frame's axes */
+  const km_load_scale *scale; /* NULL: 1 */
 } km_applied_load;
 
 /* Port of a mechanical advantage: a joint, or a frame's origin along a direction. */

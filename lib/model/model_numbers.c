@@ -17,6 +17,18 @@ static void add_vector(km_model_numbers *n, km_vec3 *v, km_number_rule rule) {
   add(n, &v->z, 1, rule);
 }
 
+static void add_curve(km_model_numbers *n, const km_law_curve *curve) {
+  if (curve->form != KM_CURVE_PIECES)
+    add(n, curve->numbers, curve->form == KM_CURVE_SINE ? 4 : (size_t)curve->count, KM_NUMBER_CHECKED);
+  for (int i = 0; curve->form == KM_CURVE_PIECES && i < curve->count; ++i) {
+    const km_curve_piece *p = &curve->pieces[i];
+    add(n, &p->start, 2, KM_NUMBER_CHECKED);
+    add(n, p->c, 4, KM_NUMBER_CHECKED);
+    add(n, &p->step, 2, KM_NUMBER_CHECKED);
+  }
+  add(n, &curve->period, 2, KM_NUMBER_CHECKED);
+}
+
 static size_t law_size(const km_joint_prescribed *p) {
   size_t count = (size_t)p->count;
   return p->law == KM_MOTION_TABLE ? 2 * count : p->law == KM_MOTION_SINE ? 4 : count;
@@ -70,6 +82,7 @@ static void add_joints(km_model_numbers *n, km_model *m) {
       add(n, checked[k], 1, KM_NUMBER_CHECKED);
     if (at->prescribed.values)
       add(n, at->prescribed.values, law_size(&at->prescribed), KM_NUMBER_CHECKED);
+    add_curve(n, &at->prescribed.curve);
   }
   for (int c = 0; c < m->coupling_count; ++c) {
     km_model_coupling *at = &m->couplings[c];
@@ -89,12 +102,12 @@ static void add_forces(km_model_numbers *n, km_model *m) {
     if (at->law.start)
       add(n, at->law.coefficients, (size_t)at->law.start[at->law.knot_count + 1], KM_NUMBER_FREE);
     const double *checked[] = {&at->kp, &at->ki, &at->kd, &at->least, &at->most};
-    add(n, at->reference.numbers, (size_t)at->reference.count * (at->reference.is_table ? 2 : 1), KM_NUMBER_CHECKED);
+    add_curve(n, &at->reference);
     for (int k = 0; k < at->input_count; ++k)
       add(n, &at->inputs[k].weight, 1, KM_NUMBER_CHECKED);
     for (int k = 0; k < 5; ++k)
       add(n, checked[k], 1, KM_NUMBER_CHECKED);
-    add(n, at->table, 2 * (size_t)at->table_count, KM_NUMBER_CHECKED);
+    add_curve(n, &at->curve);
     const km_tire *t = &at->tire;
     const double *tire[] = {
         &t->radius,       &t->stiffness, &t->damping,       &t->rolling_resistance, &t->width,
@@ -111,6 +124,8 @@ static void add_forces(km_model_numbers *n, km_model *m) {
   for (int l = 0; l < m->load_count; ++l) {
     add_vector(n, &m->loads[l].force, KM_NUMBER_FREE);
     add_vector(n, &m->loads[l].torque, KM_NUMBER_FREE);
+    if (m->loads[l].scale)
+      add_curve(n, &m->loads[l].scale->curve);
   }
   add_vector(n, &m->gravity, KM_NUMBER_FREE);
 }

@@ -41,7 +41,7 @@ static km_status create_parts(const km_mechanism *m, const km_port *input, const
                               km_losses_workspace *w, km_error *error) {
   static const double weightless[3] = {0, 0, 0};
   const double *d = output->direction;
-  km_load load = {output->frame, {-d[0], -d[1], -d[2]}, {0, 0, 0}, false};
+  km_load load = {output->frame, {-d[0], -d[1], -d[2]}, {0, 0, 0}, false, NULL};
   km_status status = km_transfer_create(m, input, output, &w->transfer, error);
   if (!status)
     status = km_forces_create(m, weightless, &load, output->kind == KM_PORT_POINT, &w->forces, error);

@@ -117,7 +117,7 @@ static void balances_and_peaks(void **state) {
     fixture f = fixture_open("slider_crank");
     km_sweep_plan plan = {.coordinate = 0, .from = 0.3, .to = 6.5, .steps = steps[i]};
     int crank = 0;
-    km_load load = {f.model->joints[1].frame[1], {0, -50.0, 0}, {0, 0, 0}, false};
+    km_load load = {f.model->joints[1].frame[1], {0, -50.0, 0}, {0, 0, 0}, false, NULL};
     km_forces *forces;
     km_statics statics;
     km_statics_sweep sweep;

@@ -136,8 +136,8 @@ static void pair_of_loads(const fixture *f, int c, km_load out[2]) {
   }
   km_vec3 force = turns ? none : axis, couple = turns ? axis : none;
   km_vec3 back = turns ? km_vec3_scale(-1.0, axis) : moment;
-  out[0] = (km_load){def->frame[1], {force.x, force.y, force.z}, {couple.x, couple.y, couple.z}, false};
-  out[1] = (km_load){def->frame[0], {-force.x, -force.y, -force.z}, {back.x, back.y, back.z}, false};
+  out[0] = (km_load){def->frame[1], {force.x, force.y, force.z}, {couple.x, couple.y, couple.z}, false, NULL};
+  out[1] = (km_load){def->frame[0], {-force.x, -force.y, -force.z}, {back.x, back.y, back.z}, false, NULL};
 }
 
 /* The input force that balances an output force τ is −τ / MA. */

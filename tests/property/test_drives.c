@@ -71,12 +71,49 @@ static void polynomial(double t, double motion[3]) {
   motion[2] = -2.0 + 3.0 * t;
 }
 
+/* 5 + 20 cos(2π t/1.6 + 30°). */
+static void cosine(double t, double motion[3]) {
+  double w = 2.0 * M_PI / 1.6, angle = w * t + M_PI / 6.0;
+  motion[0] = 5.0 + 20.0 * cos(angle);
+  motion[1] = -20.0 * w * sin(angle);
+  motion[2] = -20.0 * w * w * cos(angle);
+}
+
+/* Cycloidal rise of 90 in 0.5 s, dwell of 0.25 s; with a period of 1 s the table indexes by 90 each second. */
+static void indexed(double t, double motion[3]) {
+  double cycles = floor(t), z = fmin((t - cycles) / 0.5, 1.0), w = 2.0 * M_PI;
+  motion[0] = 7.0 + 90.0 * (cycles + z - sin(w * z) / w);
+  motion[1] = 90.0 / 0.5 * (1.0 - cos(w * z));
+  motion[2] = 90.0 / 0.25 * w * sin(w * z);
+}
+
+/* 3-4-5 return of −60 in 2 s, then at rest. */
+static void returned(double t, double motion[3]) {
+  double z = fmin(t / 2.0, 1.0);
+  motion[0] = -60.0 * z * z * z * (10.0 - 15.0 * z + 6.0 * z * z);
+  motion[1] = -30.0 * 30.0 * z * z * (1.0 - z) * (1.0 - z);
+  motion[2] = -15.0 * 60.0 * z * (1.0 - z) * (1.0 - 2.0 * z);
+}
+
+/* Start to 120 a second in 1 s by the cycloidal law, whose integral is z²/2 + (cos 2πz − 1)/(4π²); on at that rate. */
+static void started(double t, double motion[3]) {
+  double z = fmin(t, 1.0), w = 2.0 * M_PI;
+  motion[0] = 120.0 * (0.5 * z * z + (cos(w * z) - 1.0) / (w * w) + (t - z));
+  motion[1] = 120.0 * (z - sin(w * z) / w);
+  motion[2] = 120.0 * (1.0 - cos(w * z));
+}
+
 static void laws_are_what_they_say(void **state) {
   (void)state;
   check_motion("{\"sine\": {\"offset\": 10, \"amplitude\": 20, \"frequency\": 0.4, \"phase\": 30}}", sine);
   check_motion("{\"table\": [[0, 0], [1, 1], [2, 0]]}", spline);
   check_motion("{\"table\": [[-1, -9], [1, -1]]}", line);
   check_motion("{\"polynomial\": [1, 2, -1, 0.5]}", polynomial);
+  check_motion("{\"cosine\": {\"offset\": 5, \"amplitude\": 20, \"phase\": 30}, \"period\": 1.6}", cosine);
+  check_motion("{\"start\": 7, \"period\": 1, \"segments\": [{\"rise\": 90, \"duration\": 0.5}, {\"duration\": 0.25}]}",
+               indexed);
+  check_motion("{\"segments\": [{\"rise\": -60, \"duration\": 2, \"law\": \"3-4-5\"}, {\"duration\": 1}]}", returned);
+  check_motion("{\"segments\": [{\"rate\": 120, \"duration\": 1}, {\"duration\": 1}]}", started);
 }
 
 /* The table of a run of one second. */

@@ -32,8 +32,11 @@ static balance balance_open(fixture *f, randomness *r, km_axes axes) {
   const km_model *model = f->model;
   for (int i = 0; i < LOADS; ++i) {
     km_vec3 force = random_vector(r, 100.0), torque = random_vector(r, 10.0);
-    b.loads[i] = (km_load){
-        below(r, model->frame_count), {force.x, force.y, force.z}, {torque.x, torque.y, torque.z}, below(r, 2) == 1};
+    b.loads[i] = (km_load){below(r, model->frame_count),
+                           {force.x, force.y, force.z},
+                           {torque.x, torque.y, torque.z},
+                           below(r, 2) == 1,
+                           NULL};
   }
   km_mobility_compute(b.f->mechanism, b.f->state, &b.mobility);
   assert_int_equal(km_forces_create(b.f->mechanism, NULL, b.loads, LOADS, &b.forces, NULL), KM_OK);

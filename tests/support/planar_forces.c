@@ -82,7 +82,7 @@ static km_status sweep_of(const planar_case *k, fixture *f, km_statics_sweep *sw
   km_load loads[MOST_LOADS];
   for (int i = 0; i < k->load_count; ++i) {
     km_vec3 force = planar_in_space(&k->p, k->loads[i].force);
-    loads[i] = (km_load){f->model->joints[k->loaded[i]].frame[1], {force.x, force.y, force.z}, {0, 0, 0}, false};
+    loads[i] = (km_load){f->model->joints[k->loaded[i]].frame[1], {force.x, force.y, force.z}, {0, 0, 0}, false, NULL};
   }
   km_vec3 g = planar_in_space(&k->p, k->gravity);
   km_forces *forces = NULL;

@@ -146,7 +146,7 @@ static void look(void *context, fixture *f, int i, double s) {
 }
 
 static km_status sweep_of(const spatial_case *k, fixture *f, km_statics_sweep *sweep) {
-  km_load load = {frame_of(k, f), {k->force.x, k->force.y, k->force.z}, {0, 0, 0}, false};
+  km_load load = {frame_of(k, f), {k->force.x, k->force.y, k->force.z}, {0, 0, 0}, false, NULL};
   km_forces *forces = NULL;
   km_statics statics = {0};
   km_status status =

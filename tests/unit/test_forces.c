@@ -136,7 +136,7 @@ static void loads_act_at_their_frames(void **state) {
   snprintf(text, sizeof text, arm, "\"input\": {\"type\": \"joint\", \"joint\": \"B\"}");
   fixture f = fixture_read(text);
   static const char *const path[2] = {"one", "eye"};
-  km_load load = {0, {2.0, 0.0, 0.0}, {0.0, 0.0, 0.5}, false};
+  km_load load = {0, {2.0, 0.0, 0.0}, {0.0, 0.0, 0.5}, false, NULL};
   assert_int_equal(km_model_find_frame(f.model, path, 2, &load.frame, NULL), KM_OK);
   double c = cos(0.3), s = sin(0.3), x = 0.4 * c - 0.2 * s, y = 0.4 * s + 0.2 * c;
   for (int turning = 0; turning < 2; ++turning) {

@@ -207,7 +207,7 @@ static bool continue_unchecked(km_simulation *run) {
 static bool set_stop_time(km_simulation *run) {
   if (run->due_time <= run->time)
     run->due_time = HUGE_VAL;
-  double time = fmin(fmin(run->def.end, run->due_time), km_corners_next(&run->corners, run->time));
+  double time = fmin(fmin(run->def.end, run->due_time), km_corners_above(&run->corners, KM_CORNER_TIME, run->time));
   return !isfinite(time) || CVodeSetStopTime(run->cvode->memory, time) == CV_SUCCESS;
 }
 

@@ -125,7 +125,8 @@ typedef enum km_motion_law {
   KM_MOTION_FREE,       /* not prescribed: forces move the coordinate */
   KM_MOTION_TABLE,      /* cubic spline through values at times */
   KM_MOTION_POLYNOMIAL, /* Σ c_k t^k */
-  KM_MOTION_SINE        /* offset + amplitude · sin(2π · frequency · t + phase) */
+  KM_MOTION_SINE,       /* offset + amplitude · sin(2π · frequency · t + phase) */
+  KM_MOTION_CURVE       /* another law of a file: segments, a periodic table, a cosine, an expression */
 } km_motion_law;
 
 /* Definition of a joint. Arrays have an entry for each coordinate of the type. */

@@ -14,6 +14,9 @@ extern "C" {
 /* A model, read from a file or built by calls. */
 typedef struct km_model km_model;
 
+/* Factor of a load over a joint's value or the time: `scale` of a model's load. */
+typedef struct km_load_scale km_load_scale;
+
 /* Reads a model from `size` bytes of JSON, URDF, MJCF or SDF; the format is recognised from the text. Warnings,
  * notes and up to 20 errors are added to `messages`, each with its location in the file. With an error the status is
  * KM_MODEL, `error` holds the first one and `*out` is NULL. The caller frees `*out`. Cost: linear in the file. */

@@ -20,6 +20,8 @@ typedef struct km_load {
   double force[3], torque[3]; /* model's units of force, and of force × length */
   /* true: along the frame's axes, which rotate with the body; false: along the inertial axes */
   bool turning;
+  /* factor of a model's load (km_model_load_at), borrowed from the model; NULL: 1 */
+  const km_load_scale *scale;
 } km_load;
 
 /* The loads of one thread, and their values at the last configuration. */

@@ -77,6 +77,8 @@ static const km_field load_fields[] = {
     {"torque", "Torque.", VECTOR, UNIT(.force = 1, .length = 1), UNSTATED("[0, 0, 0]")},
     {"axes", "\"fixed\": along the inertial axes. \"frame\": along the frame's axes, turning with it.", STRING,
      UNSTATED("fixed")},
+    {"scale", "Factor of the force and the torque over a joint's value or the time.", OBJECT(km_format_scale),
+     UNSTATED("1")},
     {0}};
 static const km_object_format load_format = {"load", load_fields};
 

@@ -59,7 +59,11 @@ typedef enum km_measure {
   KM_MEASURE_LAW_POLYNOMIAL, /* item k: the module's force over time^k */
   KM_MEASURE_REFERENCE,      /* the module's variable; of a polynomial over time^k, in rows after the time */
   KM_MEASURE_MODULE_FORCE,   /* the module's force */
-  KM_MEASURE_GAIN            /* the module's force over its variable */
+  KM_MEASURE_GAIN,           /* the module's force over its variable */
+  KM_MEASURE_LAW_X,          /* the variable of a law */
+  KM_MEASURE_LAW_VALUE,      /* the value of a law */
+  KM_MEASURE_LAW_ROWS,       /* rows of the variable and the value of a law */
+  KM_MEASURE_LAW_SERIES      /* item k: the value of a law over its variable^k */
 } km_measure;
 
 typedef struct km_object_format km_object_format;
@@ -86,7 +90,7 @@ extern const km_object_format km_format_model;
 extern const km_object_format km_format_designs; /* format of studies of designs */
 extern const km_object_format km_format_study;   /* format of path studies */
 /* Objects whose contents decide the units of numbers inside. */
-extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut;
+extern const km_object_format km_format_joint, km_format_coupling, km_format_module, km_format_strut, km_format_scale;
 /* Objects that have frames. */
 extern const km_object_format km_format_body, km_format_fixed;
 extern const km_object_format km_format_assembly, km_format_parameters;

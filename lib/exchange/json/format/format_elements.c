@@ -115,6 +115,14 @@ static const km_field sine_fields[] = {
     {0}};
 static const km_object_format sine_format = {"sine", sine_fields};
 
+static const km_field segment_fields[] = {
+    {"duration", "Time that the segment takes.", NUMBER, REQUIRED, UNIT(.time = 1)},
+    {"rise", "Change of the value, from rest to rest; negative for a return.", NUMBER, BY(COORDINATE)},
+    {"rate", "Rate at the end: the start or the stop of a steady motion.", NUMBER, BY(COORDINATE), UNIT(.time = -1)},
+    {"law", "Law of the rise or of the rate: cycloidal, 3-4-5 or modified-trapezoid.", STRING, UNSTATED("cycloidal")},
+    {0}};
+static const km_object_format segment_format = {"segment", segment_fields};
+
 static const km_field prescribed_fields[] = {
     {"table",
      "Rows [time, value] with increasing times, joined by a cubic spline; before and behind them the motion goes on with the "
@@ -122,6 +130,15 @@ static const km_field prescribed_fields[] = {
      SHAPE(ROWS), BY(TABLE)},
     {"polynomial", "Coefficients of a polynomial in time, the constant one first.", SHAPE(NUMBERS), BY(POLYNOMIAL)},
     {"sine", "offset + amplitude sin(2 pi frequency t + phase).", OBJECT(sine_format)},
+    {"cosine", "offset + amplitude cos(2 pi t/period + phase), with the `period` beside it.", OBJECT(km_format_cosine)},
+    {"segments",
+     "Rises, dwells, starts and stops one after another, from rest at time 0. A segment with neither `rise` nor `rate` "
+     "goes on as it is: a dwell, or a steady motion.",
+     OBJECTS(segment_format)},
+    {"start", "Value at which the segments begin.", NUMBER, BY(COORDINATE), UNSTATED("the initial displacement")},
+    {"period",
+     "The table, cosine or segments repeat after this time. Segments that end at another value go on from there.",
+     NUMBER, UNIT(.time = 1), UNSTATED("none")},
     {0}};
 static const km_object_format prescribed_format = {"prescribed", prescribed_fields};
 

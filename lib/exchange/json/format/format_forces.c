@@ -53,6 +53,33 @@ static const km_field contact_fields[] = {
     {0}};
 static const km_object_format contact_format = {"contact", contact_fields};
 
+static const km_field cosine_fields[] = {{"offset", "Mean value.", NUMBER, BY(LAW_VALUE), UNSTATED("0")},
+                                         {"amplitude", "Amplitude.", NUMBER, BY(LAW_VALUE), UNSTATED("0")},
+                                         {"phase", "Phase at x = 0.", NUMBER, UNIT(.angle = 1), UNSTATED("0")},
+                                         {0}};
+const km_object_format km_format_cosine = {"cosine", cosine_fields};
+
+static const km_field step_fields[] = {
+    {"at", "x at which the step begins.", NUMBER, BY(LAW_X), UNSTATED("0")},
+    {"width", "Change of x over which the value changes, by the 3-4-5 polynomial; 0 for a jump.", NUMBER, BY(LAW_X),
+     UNSTATED("0")},
+    {"from", "Value before.", NUMBER, BY(LAW_VALUE), UNSTATED("0")},
+    {"to", "Value after.", NUMBER, BY(LAW_VALUE), UNSTATED("0")},
+    {0}};
+const km_object_format km_format_step = {"step", step_fields};
+
+static const km_field scale_fields[] = {
+    LAW_OVER("t"),
+    LAW_PERIOD,
+    {"table", "Rows [x, factor]; before and behind them the factor stays, if there is no period.", SHAPE(ROWS),
+     BY(LAW_ROWS)},
+    LAW_INTERPOLATION,
+    LAW_COSINE,
+    LAW_STEP,
+    {"polynomial", "The factor as a polynomial in x, the constant coefficient first.", SHAPE(NUMBERS), BY(LAW_SERIES)},
+    {0}};
+const km_object_format km_format_scale = {"scale", scale_fields};
+
 static const km_field module_fields[] = {
     {"name", "Name of the force module.", STRING, REQUIRED},
     {"type",
@@ -80,12 +107,17 @@ static const km_field module_fields[] = {
      "One polynomial in the variable more than there are knots, the constant coefficient first. The value is the force "
      "along the joint or the way, positive where it pushes it to grow; angles inside are in radians.",
      SHAPE(ROWS), BY(PIECES)},
+    LAW_OVER("the input"),
+    LAW_PERIOD,
     {"table",
-     "A motor's force as rows [time, force], joined by lines; before and behind them it stays. With `variable`, the rows "
-     "begin with its value.",
+     "The force as rows [x, force]; before and behind them it stays, if there is no period. x is what `over` names; "
+     "without it the variable, of a motor the time.",
      SHAPE(ROWS), BY(LAW_TABLE)},
-    {"polynomial", "A motor's force as a polynomial in time, the constant coefficient first.", SHAPE(NUMBERS),
-     BY(LAW_POLYNOMIAL)},
+    LAW_INTERPOLATION,
+    LAW_COSINE,
+    LAW_STEP,
+    {"polynomial", "The force as a polynomial in time, or in what `over` names, the constant coefficient first.",
+     SHAPE(NUMBERS), BY(LAW_POLYNOMIAL)},
     {"reference",
      "Value that a pid holds the variable at: a number, a polynomial over time (the constant coefficient first), or rows "
      "[time, value] that are joined by lines.",

@@ -32,4 +32,20 @@ extern const km_object_format km_format_euler;
 
 extern const km_object_format km_format_parameter, km_format_analysis;
 
+/* Keys of a law over a variable. */
+#define LAW_OVER(unstated_text)                                                                                        \
+  {                                                                                                                    \
+    "over", "Variable x of the law: a joint, whose value counts in the file's unit, or t, the time.", SHAPE(PATH),     \
+        UNSTATED(unstated_text)                                                                                        \
+  }
+#define LAW_PERIOD                                                                                                     \
+  { "period", "The table or cosine repeats after this change of x.", NUMBER, BY(LAW_X), UNSTATED("none") }
+#define LAW_INTERPOLATION                                                                                              \
+  { "interpolation", "How the rows of the table are joined: linear, or cubic by a spline.", STRING, UNSTATED("linear") }
+#define LAW_COSINE                                                                                                     \
+  { "cosine", "offset + amplitude cos(2 pi x/period + phase), with the `period` beside it.", OBJECT(km_format_cosine) }
+#define LAW_STEP                                                                                                       \
+  { "step", "A step from one value to another.", OBJECT(km_format_step) }
+extern const km_object_format km_format_cosine, km_format_step;
+
 #endif

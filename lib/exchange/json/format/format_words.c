@@ -75,6 +75,10 @@ void km_field_unit_text(const km_field *field, km_text *out) {
       [KM_MEASURE_REFERENCE] = "rad or length",
       [KM_MEASURE_MODULE_FORCE] = "torque or force",
       [KM_MEASURE_GAIN] = "torque/rad or force/length",
+      [KM_MEASURE_LAW_X] = "that of x",
+      [KM_MEASURE_LAW_VALUE] = "that of the value",
+      [KM_MEASURE_LAW_ROWS] = "that of x; that of the value",
+      [KM_MEASURE_LAW_SERIES] = "that of the value, over x^k",
   };
   km_text above = {0}, below = {0};
   int over = factors(field->dimension, 1, &above), under = factors(field->dimension, -1, &below);

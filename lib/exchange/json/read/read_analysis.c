@@ -54,11 +54,32 @@ static void read_sweep(km_reader *reader, const km_value *sweep, const km_place 
   }
 }
 
+/* Factor of a load over a joint's value or time. */
+static const km_load_scale *read_scale(km_reader *reader, const km_value *scale, const km_place *place) {
+  const km_value *over = km_value_get(scale, "over");
+  km_place over_at = {place, "over", 0};
+  int laws = km_count_laws(scale);
+  km_load_scale *out = KM_ARENA_NEW(&reader->model->arena, km_load_scale, 1);
+  if (laws != 1)
+    km_reader_error(reader, place, "found %d laws; expected one of \"table\", \"cosine\", \"step\", \"polynomial\"",
+                    laws);
+  if (!out || laws != 1)
+    return NULL;
+  bool is_time = !over || (over->kind == KM_STRING && strcmp(over->string, "t") == 0);
+  out->coordinate = is_time ? -1 : analysis_coordinate(reader, over, &over_at);
+  if (!is_time && out->coordinate < 0)
+    return NULL;
+  km_read_curve(reader, scale, is_time ? 1.0 : km_model_coordinate_factor(reader->model, out->coordinate), place,
+                &out->curve);
+  return out;
+}
+
 static void read_load(km_reader *reader, const km_value *value, int owner, const km_place *place) {
   (void)owner;
   km_model *model = reader->model;
   km_reader_named(reader, value, place);
-  km_place at = {place, "frame", 0}, axes_at = {place, "axes", 0};
+  km_place at = {place, "frame", 0}, axes_at = {place, "axes", 0}, scale_at = {place, "scale", 0};
+  const km_value *scale = km_value_get(value, "scale");
   const char *axes = km_reader_string(value, "axes");
   if (axes && strcmp(axes, "fixed") != 0 && strcmp(axes, "frame") != 0)
     km_reader_error(reader, &axes_at, "\"%.40s\" is not known; expected \"fixed\" or \"frame\"", axes);
@@ -69,7 +90,8 @@ static void read_load(km_reader *reader, const km_value *value, int owner, const
                                                         .frame = frame < 0 ? 0 : frame,
                                                         .force = km_reader_vector(value, "force"),
                                                         .torque = km_reader_vector(value, "torque"),
-                                                        .turning = axes && strcmp(axes, "frame") == 0};
+                                                        .turning = axes && strcmp(axes, "frame") == 0,
+                                                        .scale = scale ? read_scale(reader, scale, &scale_at) : NULL};
 }
 
 /* One entry of `hold`: every coordinate of a joint, or one coordinate of it. */

@@ -26,21 +26,28 @@ static double *numbers_of(km_reader *reader, const km_value *list, size_t *count
 }
 
 /* A number, a polynomial over time, or rows [time, value]. */
-static void read_reference(km_reader *reader, const km_value *reference, km_time_law *out) {
-  size_t count = 0;
-  double *numbers = NULL;
-  if (reference && reference->kind == KM_LIST)
-    numbers = numbers_of(reader, reference, &count);
-  else if ((numbers = KM_ARENA_NEW(&reader->model->arena, double, 1)))
-    numbers[count++] = reference ? reference->number : 0.0;
-  bool is_table = reference && reference->kind == KM_LIST && reference->first && reference->first->kind == KM_LIST;
-  *out = (km_time_law){(int)(is_table ? count / 2 : count), is_table, numbers};
+static void read_reference(km_reader *reader, const km_value *module, const km_place *place, km_law_curve *out) {
+  km_arena *arena = &reader->model->arena;
+  const km_value *reference = km_value_get(module, "reference");
+  km_place at = {place, "reference", 0};
+  size_t errors = km_messages_errors(reader->messages), count;
+  *out = km_curve_constant(arena, reference && reference->kind == KM_NUMBER ? reference->number : 0.0);
+  if (!reference || reference->kind != KM_LIST)
+    return;
+  bool is_table = reference->first && reference->first->kind == KM_LIST;
+  double *numbers = numbers_of(reader, reference, &count);
+  if (is_table)
+    km_check_rows(reader, reference, "time", &at);
+  if (!is_table)
+    *out = (km_law_curve){.form = KM_CURVE_POLYNOMIAL, .count = (int)count, .numbers = numbers};
+  else if (numbers && km_messages_errors(reader->messages) == errors)
+    arena->failed = km_curve_from_rows(numbers, (int)(count / 2), false, 0.0, arena, out) != KM_CURVE_OK;
 }
 
 /* Knots and polynomials; a motor's polynomial in time is one without knots. */
-static void read_law(km_reader *reader, const km_value *module, km_model_module *out) {
+static void read_law(km_reader *reader, const km_value *module, const km_place *place, km_model_module *out) {
   const km_value *pieces = km_value_get(module, "coefficients"), *polynomial = km_value_get(module, "polynomial");
-  size_t knots, total, rows;
+  size_t knots, total;
   km_law law = {.knots = numbers_of(reader, km_value_get(module, "knot_points"), &knots)};
   size_t count = pieces ? pieces->count : polynomial ? 1 : 0;
   int *start = KM_ARENA_NEW(&reader->model->arena, int, count + 1), piece = 0;
@@ -52,9 +59,7 @@ static void read_law(km_reader *reader, const km_value *module, km_model_module 
   if (start && !pieces && polynomial)
     start[1] = (int)total;
   out->law = law;
-  out->table = numbers_of(reader, km_value_get(module, "table"), &rows);
-  out->table_count = (int)(rows / 2);
-  read_reference(reader, km_value_get(module, "reference"), &out->reference);
+  read_reference(reader, module, place, &out->reference);
   out->kp = km_reader_number(module, "kp", 0.0);
   out->ki = km_reader_number(module, "ki", 0.0);
   out->kd = km_reader_number(module, "kd", 0.0);
@@ -273,16 +278,17 @@ static void check_pieces(km_reader *reader, const km_value *module, const km_pla
 }
 
 /* Required keys of a type of force module: at least one of them. */
-static void check_law(km_reader *reader, const km_value *module, const char *type, const km_place *place) {
+static void check_law(km_reader *reader, const km_value *module, const char *type, bool has_curve,
+                      const km_place *place) {
   static const struct {
     const char *type, *keys[3], *words;
   } laws[] = {{"stiffness", {"coefficients"}, "\"coefficients\""},
               {"damping", {"coefficients"}, "\"coefficients\""},
               {"friction", {"coefficients"}, "\"coefficients\""},
-              {"motor", {"polynomial", "table", "coefficients"}, "\"polynomial\" or \"table\""},
+              {"motor", {"polynomial", "coefficients"}, "\"polynomial\" or \"table\""},
               {"pid", {"kp", "ki", "kd"}, "\"kp\", \"ki\" or \"kd\""}};
   for (size_t i = 0; i < sizeof laws / sizeof *laws; ++i) {
-    bool given = strcmp(laws[i].type, type) != 0;
+    bool given = strcmp(laws[i].type, type) != 0 || has_curve;
     for (size_t k = 0; k < 3 && laws[i].keys[k]; ++k)
       given = given || km_value_get(module, laws[i].keys[k]);
     if (!given)
@@ -290,17 +296,85 @@ static void check_law(km_reader *reader, const km_value *module, const char *typ
   }
 }
 
-/* One of several laws of a module is used: a motor's table before pieces, pieces before a polynomial. */
-static void warn_unused_laws(km_reader *reader, const km_value *module, bool is_motor, const km_place *place) {
+/* True if a module of a law is a curve: a motor's table; a table of another module without polynomials; a cosine or a
+ * step; or a polynomial over another variable. */
+static bool has_curve(const km_value *module, const km_model_module *def) {
+  if (def->type > KM_MODULE_MOTOR)
+    return false;
+  bool has_table =
+      km_value_get(module, "table") && (def->type == KM_MODULE_MOTOR || !km_value_get(module, "coefficients"));
+  return has_table || km_value_get(module, "cosine") || km_value_get(module, "step") ||
+         (km_value_get(module, "over") && km_value_get(module, "polynomial"));
+}
+
+/* One of several laws of a module is used: a curve before pieces, pieces before a polynomial. */
+static void warn_unused_laws(km_reader *reader, const km_value *module, const km_model_module *def,
+                             const km_place *place) {
   km_place table = {place, "table", 0}, pieces = {place, "coefficients", 0}, polynomial = {place, "polynomial", 0};
-  bool table_given = km_value_get(module, "table"), has_table = table_given && is_motor,
+  bool table_given = km_value_get(module, "table"), table_counts = table_given && has_curve(module, def),
        has_pieces = km_value_get(module, "coefficients");
-  if (table_given && !is_motor)
-    km_reader_warning(reader, &table, "doesn't count: only motors have a table");
-  if (has_table && has_pieces)
+  if (table_given && !table_counts)
+    km_reader_warning(reader, &table, "doesn't count: the module has %s", has_pieces ? "coefficients" : "no law");
+  if (table_counts && has_pieces)
     km_reader_warning(reader, &pieces, "doesn't count: the motor has a table");
-  if (km_value_get(module, "polynomial") && (has_table || has_pieces))
-    km_reader_warning(reader, &polynomial, "doesn't count: the module has %s", has_table ? "a table" : "coefficients");
+  if (km_value_get(module, "polynomial") && (table_counts || has_pieces))
+    km_reader_warning(reader, &polynomial, "doesn't count: the module has %s",
+                      table_counts ? "a table" : "coefficients");
+}
+
+/* The joint or time that `over` names becomes the module's input and variable. False where it is left out. */
+static bool read_over(km_reader *reader, const km_value *module, int assembly, const km_place *place,
+                      km_model_module *out) {
+  const km_value *over = km_value_get(module, "over");
+  km_place at = {place, "over", 0};
+  if (!over)
+    return true;
+  const char *const others[] = {"input", "inputs", "variable", "coefficients", "knot_points", NULL};
+  for (const char *const *key = others; *key; ++key)
+    if (km_value_get(module, *key))
+      km_reader_error(reader, &at, "found it beside \"%s\"; expected one of them", *key);
+  const bool is_time = over->kind == KM_STRING && strcmp(over->string, "t") == 0;
+  if (out->type != KM_MODULE_MOTOR && (is_time || out->type != KM_MODULE_STIFFNESS))
+    km_reader_error(reader, &at, "found it in a %s; expected a motor, or a joint of a stiffness",
+                    km_module_type_word(out->type));
+  if (is_time) {
+    out->variable = KM_VARIABLE_TIME;
+    return true;
+  }
+  km_module_input *input = KM_ARENA_NEW(&reader->model->arena, km_module_input, 1);
+  int coordinate = km_reader_coordinate(reader, over, assembly, &at);
+  if (!input || coordinate < 0)
+    return coordinate != KM_LEFT_OUT;
+  *input = (km_module_input){.port = {.coordinate = coordinate}, .weight = 1.0};
+  out->variable = KM_VARIABLE_DISPLACEMENT;
+  out->inputs = input;
+  out->input_count = 1;
+  out->input = input->port;
+  if (!km_value_get(module, "output"))
+    km_reader_error(reader, place, "\"output\" is missing; expected the joint or the frames on which the force acts");
+  return true;
+}
+
+/* The law, if it is a curve. Over a joint, x counts in the file's unit of the joint. */
+static void read_module_curve(km_reader *reader, const km_value *module, const km_place *place, km_model_module *out) {
+  const char *const keys[] = {"over", "period", "interpolation", "cosine", "step", NULL};
+  const bool over_joint = km_value_get(module, "over") && out->variable == KM_VARIABLE_DISPLACEMENT;
+  if (!has_curve(module, out)) {
+    for (const char *const *key = keys; *key && out->type <= KM_MODULE_MOTOR; ++key)
+      if (km_value_get(module, *key)) {
+        km_place at = {place, *key, 0};
+        km_reader_error(reader, &at, "the module has no table, cosine or step; expected one of them");
+      }
+    return;
+  }
+  const bool is_other = km_value_get(module, "cosine") || km_value_get(module, "step");
+  if (is_other && (km_count_laws(module) > 1 || km_value_get(module, "coefficients"))) {
+    km_reader_error(reader, place, "found several laws; expected one of \"table\", \"cosine\", \"step\"");
+    return;
+  }
+  double factor =
+      over_joint && out->input_count ? km_model_coordinate_factor(reader->model, out->input.coordinate) : 1.0;
+  km_read_curve(reader, module, factor, place, &out->curve);
 }
 
 static void read_module(km_reader *reader, const km_value *module, int assembly, const km_place *place) {
@@ -325,8 +399,14 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
                    km_reader_string(module, "name"));
     return;
   }
-  read_law(reader, module, &def);
+  read_law(reader, module, place, &def);
   read_variable(reader, module, place, &def);
+  if (!read_over(reader, module, assembly, place, &def)) {
+    km_reader_note(reader, place, "force module \"%.80s\" is left out with the joint that it reads",
+                   km_reader_string(module, "name"));
+    return;
+  }
+  read_module_curve(reader, module, place, &def);
   if (def.type == KM_MODULE_TIRE)
     read_tire(reader, module, place, &def.tire);
   if (def.type == KM_MODULE_CONTACT)
@@ -335,9 +415,9 @@ static void read_module(km_reader *reader, const km_value *module, int assembly,
   reader->model->modules[reader->model->module_count++] = def;
   if (def.input_count == 0)
     km_reader_error(reader, place, "\"input\" is missing; expected where the force module acts");
-  check_law(reader, module, type, place);
+  check_law(reader, module, type, has_curve(module, &def), place);
   check_pieces(reader, module, place);
-  warn_unused_laws(reader, module, def.type == KM_MODULE_MOTOR, place);
+  warn_unused_laws(reader, module, &def, place);
 }
 
 static void modules_of(km_reader *reader, const km_value *assembly, int index, const km_place *place) {

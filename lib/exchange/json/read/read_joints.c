@@ -97,19 +97,21 @@ static void read_drive(km_reader *reader, const km_value *joint, int freedom, co
 }
 
 static void check_table(km_reader *reader, const km_value *table, const km_place *place) {
-  double last = -HUGE_VAL;
-  km_place item = {place, NULL, 0};
-  for (const km_value *row = table->first; row; row = row->next, ++item.index) {
-    if (row->count != 2)
-      km_reader_error(reader, &item, "found %zu numbers; expected [time, value]", row->count);
-    else if (!(row->first->number > last))
-      km_reader_error(reader, &item, "time %s doesn't come after the last one; expected increasing times",
-                      KM_SHOWN(row->first->number));
-    if (row->first)
-      last = row->first->number;
-  }
+  km_check_rows(reader, table, "time", place);
   if (table->count < 2)
     km_reader_error(reader, place, "found %zu rows; expected at least 2", table->count);
+}
+
+/* Reads a law that is a curve: a table with a period, a cosine, or segments. */
+static void read_prescribed_curve(km_reader *reader, const km_value *p, double start, const km_place *place,
+                                  km_joint_prescribed *out) {
+  out->law = KM_MOTION_CURVE;
+  if (km_value_get(p, "segments"))
+    km_read_segments(reader, p, km_reader_number(p, "start", start), place, &out->curve);
+  else if (km_value_get(p, "cosine"))
+    km_read_cosine(reader, p, 1.0, place, &out->curve);
+  else
+    km_read_table(reader, p, true, 1.0, place, &out->curve);
 }
 
 static void read_prescribed(km_reader *reader, const km_value *p, km_joint_prescribed *out) {
@@ -154,16 +156,30 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
     km_reader_error(reader, &prescribed, "a joint of %d coordinates; expected one with a single coordinate",
                     km_joint_kind_of(out->type)->freedom);
   const km_value *table = km_value_get(p, "table");
-  int laws = (table != NULL) + (km_value_get(p, "polynomial") != NULL) + (km_value_get(p, "sine") != NULL);
-  if (laws != 1)
-    km_reader_error(reader, &prescribed, "found %d laws; expected one of \"table\", \"polynomial\", \"sine\"", laws);
+  const km_value *polynomial = km_value_get(p, "polynomial"), *sine = km_value_get(p, "sine");
+  const km_value *cosine = km_value_get(p, "cosine"), *segments = km_value_get(p, "segments");
+  const km_value *period = km_value_get(p, "period"), *start = km_value_get(p, "start");
+  int laws = (table != NULL) + (polynomial != NULL) + (sine != NULL) + (cosine != NULL) + (segments != NULL);
   km_place at = {&prescribed, "table", 0}, polynomial_at = {&prescribed, "polynomial", 0};
+  km_place period_at = {&prescribed, "period", 0}, start_at = {&prescribed, "start", 0};
+  if (laws != 1)
+    km_reader_error(reader, &prescribed,
+                    "found %d laws; expected one of \"table\", \"polynomial\", \"sine\", \"cosine\", \"segments\"",
+                    laws);
+  if (period && (polynomial || sine))
+    km_reader_error(reader, &period_at, "this law has no period; expected a table, a cosine or segments");
+  if (start && !segments)
+    km_reader_error(reader, &start_at, "found it without segments; expected it beside \"segments\"");
   if (table)
     check_table(reader, table, &at);
-  const km_value *polynomial = km_value_get(p, "polynomial");
   if (polynomial && polynomial->count == 0)
     km_reader_error(reader, &polynomial_at, "found a list of 0; expected at least one coefficient");
-  if (km_messages_errors(reader->messages) == errors)
+  if (km_messages_errors(reader->messages) > errors)
+    return;
+  if (cosine || segments || period)
+    read_prescribed_curve(reader, p, reader->model->coordinates[out->first_coordinate].position, &prescribed,
+                          &out->prescribed);
+  else
     read_prescribed(reader, p, &out->prescribed);
 }
 

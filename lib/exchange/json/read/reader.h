@@ -125,6 +125,22 @@ void km_read_coordinates(km_reader *reader, const km_value *value, const km_plac
 /* After all joints: a strut's parts lie as they start. */
 void km_read_struts(km_reader *reader, const km_value *root);
 void km_read_couplings(km_reader *reader, const km_value *root);
+
+/* Laws over a variable x (read_curves.c). `factor`: x of the model over x of the file. */
+/* Reports rows that aren't [x, value] or whose x doesn't increase. */
+void km_check_rows(km_reader *reader, const km_value *table, const char *first_column, const km_place *place);
+double km_read_period(km_reader *reader, const km_value *object, const km_place *place); /* 0: none */
+void km_read_table(km_reader *reader, const km_value *object, bool cubic, double factor, const km_place *place,
+                   km_law_curve *out);
+void km_read_cosine(km_reader *reader, const km_value *object, double factor, const km_place *place, km_law_curve *out);
+/* Number of laws that an object states: table, cosine, step, polynomial. */
+int km_count_laws(const km_value *object);
+/* The first law that an object states, in this order. */
+void km_read_curve(km_reader *reader, const km_value *object, double factor, const km_place *place, km_law_curve *out);
+/* `segments` of a prescribed motion that begins at `start`. */
+void km_read_segments(km_reader *reader, const km_value *object, double start, const km_place *place,
+                      km_law_curve *out);
+
 void km_read_force_modules(km_reader *reader, const km_value *root);
 void km_read_analysis(km_reader *reader, const km_value *root);
 void km_read_poses(km_reader *reader, const km_value *root);

@@ -18,6 +18,7 @@ typedef struct context {
   int joint;                         /* its index, -1: left out */
   const km_model_coupling *coupling; /* inside a coupling; NULL: left out */
   km_dimension variable, force;      /* inside a force module */
+  km_dimension x, value;             /* dimensions of a law */
 } context;
 
 /* An object of the file, and the element that it became. */
@@ -75,6 +76,12 @@ static km_dimension plain_of(const converter *c, int coordinate) {
   return plain(c->model->joints[def->joint].type, def->index);
 }
 
+/* Dimension of a coordinate's value in a file. */
+static km_dimension file_dimension_of(const converter *c, int coordinate) {
+  const km_model_coordinate *def = &c->model->coordinates[coordinate];
+  return km_joint_dimension(c->model->joints[def->joint].type, def->index);
+}
+
 /* The dimension of number `item` of list `row` in a field, inside `depth` lists. */
 static km_dimension measured(const converter *c, const context *at, const km_field *field, int depth, int row,
                              int item) {
@@ -126,6 +133,14 @@ static km_dimension measured(const converter *c, const context *at, const km_fie
     return km_dimension_product(at->force, km_dimension_power(at->variable, -item));
   case KM_MEASURE_GAIN:
     return km_dimension_product(at->force, km_dimension_power(at->variable, -1));
+  case KM_MEASURE_LAW_X:
+    return at->x;
+  case KM_MEASURE_LAW_VALUE:
+    return at->value;
+  case KM_MEASURE_LAW_ROWS:
+    return item == 0 ? at->x : at->value;
+  case KM_MEASURE_LAW_SERIES:
+    return km_dimension_product(at->value, km_dimension_power(at->x, -item));
   default:
     return (km_dimension){0};
   }
@@ -215,8 +230,23 @@ static void enter_module(const converter *c, const km_value *module, context *at
     bool is_component = in->port.coordinate == KM_MODULE_PORT_FRAME;
     bool is_length = is_component ? in->component < 3 : port_is_length(c, in->port.coordinate, in->distance);
     at->variable = variable_dimension(is_length ? length_1 : (km_dimension){0}, def->variable);
+    if (km_value_get(module, "over") && def->variable == KM_VARIABLE_DISPLACEMENT)
+      at->variable = file_dimension_of(c, in->port.coordinate);
     at->force = generalised_force(port_is_length(c, def->output.coordinate, def->distance));
   }
+  at->x = at->variable;
+  at->value = at->force;
+}
+
+/* The factor of a load over a joint, which counts in the file's unit, or over time. */
+static void enter_scale(const converter *c, const km_value *scale, context *at) {
+  char text[KM_PLACE_TEXT];
+  const km_value *over = km_value_get(scale, "over");
+  int coordinate;
+  at->x = time_1;
+  at->value = (km_dimension){0};
+  if (over && km_model_find_coordinate(c->model, km_path_text(over, text), &coordinate, NULL) == KM_OK)
+    at->x = file_dimension_of(c, coordinate);
 }
 
 static void enter(const converter *c, const km_object_format *format, const km_value *object, context *at) {
@@ -225,8 +255,12 @@ static void enter(const converter *c, const km_object_format *format, const km_v
     int found = type && type->string ? km_joint_type_find(type->string) : -1;
     at->type = found < 0 ? KM_RIGID : (km_joint_type)found;
     at->joint = element_of(c->joints, c->model->joint_count, object);
+    at->x = time_1;
+    at->value = km_joint_dimension(at->type, 0);
   } else if (format == &km_format_strut) {
     at->type = KM_TX;
+  } else if (format == &km_format_scale) {
+    enter_scale(c, object, at);
   } else if (format == &km_format_module) {
     enter_module(c, object, at);
   } else if (format == &km_format_coupling) {
