@@ -41,6 +41,23 @@ def test_an_inverse_motion_has_the_weights_torque(pendulum):
         pendulum.inverse(until=1)
 
 
+def test_a_load_follows_an_angle_and_a_motion_its_segments():
+    """A force on a slide over the angle of a hinge that rises by 180 degrees in 2 s."""
+    answer = kmech.from_string(json.dumps({
+        "model_parameters": {"version": "1.2", "units": {"angle": "degrees"}},
+        "assemblies": [{"name": "a", "bodies": [{"name": "cam"}, {"name": "ram", "mass": MASS}], "joints": [
+            {"name": "A", "type": "Rz", "body_frame_pairs": ["fixed", "cam"],
+             "prescribed": {"segments": [{"rise": 180, "duration": 2, "law": "3-4-5"}]}},
+            {"name": "B", "type": "Tx", "body_frame_pairs": ["fixed", "ram"], "prescribed": {"polynomial": [0, 0, 0.5]}}]}],
+        "analysis": {"loads": [{"name": "push", "frame": "ram", "force": [10, 0, 0],
+                                "scale": {"over": "A", "period": 360, "cosine": {"offset": 1, "amplitude": 1}}}]}
+    })).inverse(until=3, steps=60)
+    z = numpy.minimum(answer["t"] / 2, 1)
+    angle = 180 * z ** 3 * (10 - 15 * z + 6 * z ** 2)
+    assert answer["q.A"] == pytest.approx(angle, abs=1e-10)
+    assert answer["f.B"] == pytest.approx(MASS - 10 * (1 + numpy.cos(numpy.radians(angle))), abs=1e-10)
+
+
 def test_options_with_a_number_for_each_joint(pendulum):
     with pytest.raises(TypeError, match="joint's label: number"):
         pendulum.run(rate=3.0)
