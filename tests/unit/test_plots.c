@@ -153,7 +153,7 @@ static void track_plots_draw_their_columns(void **state) {
   const km_track *best = tracks[km_tracks_best(&all)];
   km_arena arena = {0};
   km_plot plots[KM_TRACK_PLOTS];
-  size_t count = km_tracks_plots_make(&all, &arena, plots);
+  size_t count = km_tracks_plots_make(&all, true, &arena, plots);
   assert_true(count >= 7);
   check_joints(&plots[0], best, "q.", false);
   assert_int_equal(plots[0].panels[0].series_count, best->arm->n);

@@ -7,17 +7,22 @@
 #include <stdio.h>
 #include <string.h>
 
-void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
+void kt_report_head_options(kt_options *out, km_report_header *header, const char **format, const char **base,
+                            const char *base_help) {
   const kt_option table[] = {
-      {"title", 0, "TEXT", "Title in place of the report's own", KT_TEXT, &o->header.title, KT_ABOUT_FILES},
-      {"author", 0, "TEXT", "Author, under the title", KT_TEXT, &o->header.author, KT_ABOUT_FILES},
-      {"date", 0, "TEXT", "Date, under the title", KT_TEXT, &o->header.date, KT_ABOUT_FILES},
-      {"note", 0, "TEXT", "A paragraph behind the answer", KT_TEXT, &o->header.note, KT_ABOUT_FILES},
-      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), &o->format, KT_ABOUT_FILES},
-      KT_BASE(&o->base, base_help),
+      {"title", 0, "TEXT", "Title in place of the report's own", KT_TEXT, &header->title, KT_ABOUT_FILES},
+      {"author", 0, "TEXT", "Author, under the title", KT_TEXT, &header->author, KT_ABOUT_FILES},
+      {"date", 0, "TEXT", "Date, under the title", KT_TEXT, &header->date, KT_ABOUT_FILES},
+      {"note", 0, "TEXT", "A paragraph behind the answer", KT_TEXT, &header->note, KT_ABOUT_FILES},
+      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), format, KT_ABOUT_FILES},
+      KT_BASE(base, base_help),
   };
-  kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, table);
+}
+
+void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
+  kt_sweep_options_add(out, o, kind);
+  kt_report_head_options(out, &o->header, &o->format, &o->base, base_help);
   kt_common_options(out, &o->common, KT_USES_FLOAT);
   kt_options_hide(out, "derivatives"); /* columns of tables, which a report doesn't have */
   kt_options_hide(out, "transmission");
@@ -29,23 +34,24 @@ static bool ends_with(const char *text, const char *end) {
   return a > b && strcmp(text + a - b, end) == 0;
 }
 
-/* Format from --format or the file's extension; false if --format is invalid or contradicts the extension. */
-static bool choose_format(const kt_sweep_options *o, bool *html) {
-  bool named_html = o->base && ends_with(o->base, ".html"), named_pdf = o->base && ends_with(o->base, ".pdf");
-  const char *word = o->format ? o->format : named_html ? "html" : "pdf";
+bool kt_report_format(const char *format, const char *base, bool *html) {
+  bool named_html = base && ends_with(base, ".html"), named_pdf = base && ends_with(base, ".pdf");
+  const char *word = format ? format : named_html ? "html" : "pdf";
   *html = strcmp(word, "html") == 0;
   return *html ? !named_pdf : strcmp(word, "pdf") == 0 && !named_html;
 }
 
-/* Writes the file that -o names, or BASE.WORD.FORMAT. */
+kt_exit kt_report_write(const kt_common *common, const char *base, const char *name, const char *word, bool html,
+                        const km_text *bytes) {
+  if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
+    return kt_write(common, base ? base : name, word, html ? "html" : "pdf", bytes);
+  return kt_write_file(common, base, bytes);
+}
+
 static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes) {
   char word[64];
-  const kt_common *common = &j->options->common;
-  const char *base = j->options->base, *format = html ? "html" : "pdf";
   snprintf(word, sizeof word, "%s-report", km_question_kind_name(j->options->asked.kind));
-  if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
-    return kt_write(common, base ? base : j->base, word, format, bytes);
-  return kt_write_file(common, base, bytes);
+  return kt_report_write(&j->options->common, j->options->base, j->base, word, html, bytes);
 }
 
 static kt_exit deliver(const kt_sweep_job *j, bool html) {
@@ -64,7 +70,7 @@ static kt_exit deliver(const kt_sweep_job *j, bool html) {
 
 kt_exit kt_report(kt_sweep_options *o) {
   bool html;
-  if (!choose_format(o, &html))
+  if (!kt_report_format(o->format, o->base, &html))
     return kt_usage(&o->common, "--format", o->format, "pdf or html, as -o says");
   if (o->models.count > 1)
     return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");

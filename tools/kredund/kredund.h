@@ -10,6 +10,7 @@ kt_exit kredund_compare(int argc, char **argv);
 kt_exit kredund_selfmotion(int argc, char **argv);
 kt_exit kredund_ik(int argc, char **argv);
 kt_exit kredund_matrix(int argc, char **argv);
+kt_exit kredund_report(int argc, char **argv);
 
 /* Options of the commands about an arm: a study, or a model with equivalent options. */
 typedef struct kredund_request {

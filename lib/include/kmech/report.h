@@ -364,6 +364,12 @@ KM_API km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format fo
  * freedom. */
 KM_API km_status km_tracks_map(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
 
+/* Report about tracks: the best one in a sentence, each joint's margin and rate against its limits, the methods side
+ * by side, the arm along the path, plots. `header` may be NULL. `html`: one self-contained file, otherwise PDF pages.
+ * Appends the bytes. KM_USAGE: there is no track with rows; KM_MEMORY, KM_INTERNAL. */
+KM_API km_status km_tracks_report(const km_tracks *tracks, const km_report_header *header, bool html, km_text *out,
+                                  km_error *error);
+
 /* A self-motion as record, text and table. Rows are the configurations within the limits, or the whole curve with
  * `all`. `model` and `name`: those of the model. The caller frees the table; NULL when out of memory. */
 KM_API km_value *km_selfmotion_record(const km_arm *arm, const km_selfmotion *motion, bool all, const char *model,

@@ -65,7 +65,7 @@ static void add(sheet *s, const km_table *table, int index, double factor, doubl
 }
 
 /* Joint angles, and where they are between their limits. */
-static void add_joints(sheet *s, const km_track *t) {
+static void add_joints(sheet *s, const km_track *t, bool diagnostics) {
   const km_arm *a = t->arm;
   char text[120];
   snprintf(text, sizeof text, "q (%s)", km_model_coordinate_unit(a->mechanism->model, a->coordinate[0]));
@@ -81,6 +81,8 @@ static void add_joints(sheet *s, const km_track *t) {
           km_arm_label(a, k));
   }
   s->plot_count += s->plots[s->plot_count].count > 0;
+  if (!diagnostics)
+    return;
   begin(s, "Path-control column", "entries of c1", 0.0, 0.0);
   for (int k = 0; k <= a->n; ++k)
     add(s, t->table, column_of(t, "z.", k), 1.0, 0.0, k < a->n ? km_arm_label(a, k) : "path");
@@ -124,12 +126,12 @@ static void add_speeds(sheet *s) {
   s->plot_count++;
 }
 
-static void gather(sheet *s) {
+static void gather(sheet *s, bool diagnostics) {
   const km_track *t = s->tracks->items[s->first];
   const char *unit = t->arm->mechanism->model->units.length->suffix, *name = km_objective_name(&t->plan.objective);
   char text[120], column_name[80];
   snprintf(s->x_label, sizeof s->x_label, "s: travel, and turns times L (%s)", unit);
-  add_joints(s, t);
+  add_joints(s, t, diagnostics);
   if (strcmp(name, "manipulability") != 0) {
     snprintf(column_name, sizeof column_name, "objective.%s", name);
     snprintf(text, sizeof text, "Objective: %s", name);
@@ -139,7 +141,8 @@ static void gather(sheet *s) {
   add_all(s, "Limit margin", "nearest limit / half range", "limit_margin", 0.0, 1.0);
   snprintf(text, sizeof text, "position error (%s)", unit);
   add_speeds(s);
-  add_all(s, "Tracking error", text, "error_position", 0.0, 0.0);
+  if (diagnostics)
+    add_all(s, "Tracking error", text, "error_position", 0.0, 0.0);
 }
 
 static void fill_plots(const sheet *s, km_arena *arena, km_plot *out) {
@@ -158,14 +161,14 @@ static void fill_plots(const sheet *s, km_arena *arena, km_plot *out) {
   }
 }
 
-size_t km_tracks_plots_make(const km_tracks *tracks, km_arena *arena, km_plot *out) {
+size_t km_tracks_plots_make(const km_tracks *tracks, bool diagnostics, km_arena *arena, km_plot *out) {
   sheet *s = KM_ARENA_NEW(arena, sheet, 1);
   if (!s)
     return 0;
   s->tracks = tracks;
   s->arena = arena;
   s->first = km_tracks_best(tracks);
-  gather(s);
+  gather(s, diagnostics);
   fill_plots(s, arena, out);
   return arena->failed ? 0 : s->plot_count;
 }
@@ -217,7 +220,7 @@ km_status km_tracks_picture(const km_tracks *tracks, km_picture_format format, k
   km_arena arena = {0};
   km_canvas *canvas = NULL;
   km_plot plots[KM_TRACK_PLOTS];
-  size_t count = km_tracks_plots_make(tracks, &arena, plots), down = (count + ACROSS - 1) / ACROSS;
+  size_t count = km_tracks_plots_make(tracks, true, &arena, plots), down = (count + ACROSS - 1) / ACROSS;
   km_status status = arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a plot")
                                   : km_canvas_create(format, ACROSS * cell_width, head + cell_height * (double)down,
                                                      out, &canvas, error);
@@ -233,7 +236,7 @@ km_status km_tracks_picture(const km_tracks *tracks, km_picture_format format, k
 }
 
 /* The mechanism's bodies with the arm at a row of the track. */
-static bool pose_at(const km_track *t, km_state *state, size_t row, double *q, km_pose *poses) {
+static void pose_at(const km_track *t, km_state *state, size_t row, double *q, km_pose *poses) {
   const km_arm *a = t->arm;
   const km_mechanism *m = a->mechanism;
   const double *values = km_table_row(t->table, row) + column_of(t, "q.", 0);
@@ -243,11 +246,11 @@ static bool pose_at(const km_track *t, km_state *state, size_t row, double *q, k
   km_state_set(m, state, q);
   km_poses_compute(m, state);
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
-  return true;
 }
 
-static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *arena, km_state *state,
-                          km_picture_format format, km_text *out, km_error *error) {
+/* Fills in the drawing with the state as workspace. False when out of memory. */
+static bool make_drawing(const km_tracks *tracks, const km_track *t, km_arena *arena, km_state *state,
+                         km_drawing_def *out) {
   enum { SHOWN = 6, TRACED = 300 };
   const km_mechanism *m = t->arm->mechanism;
   size_t rows = km_table_rows(t->table), bodies = (size_t)m->topology.body_count;
@@ -255,8 +258,9 @@ static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *
   km_pose *poses = KM_ARENA_NEW(arena, km_pose, shown * bodies), *one = KM_ARENA_NEW(arena, km_pose, bodies);
   double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
   km_vec3 *points = KM_ARENA_NEW(arena, km_vec3, traced);
+  km_drawing_trace *trace = KM_ARENA_NEW(arena, km_drawing_trace, 1);
   if (arena->failed)
-    return km_fail(error, KM_MEMORY, "out of memory for a drawing");
+    return false;
   for (size_t i = 0; i < shown; ++i)
     pose_at(t, state, shown > 1 ? i * (rows - 1) / (shown - 1) : 0, q, poses + i * bodies);
   for (size_t i = 0; i < traced; ++i) {
@@ -265,28 +269,32 @@ static km_status draw_arm(const km_tracks *tracks, const km_track *t, km_arena *
     km_frame_position(m, state, t->arm->frame, p);
     points[i] = km_vec3_from_array(p);
   }
-  km_drawing_trace trace = {t->arm->frame, m->model->frames[t->arm->frame].name, points, traced};
-  km_drawing_def drawing = {.mechanism = m,
-                            .poses = poses,
-                            .pose_count = shown,
-                            .traces = &trace,
-                            .trace_count = 1,
-                            .title = "The arm along the path",
-                            .name = tracks->model};
-  return km_drawing_render(&drawing, format, out, error);
+  *trace = (km_drawing_trace){t->arm->frame, m->model->frames[t->arm->frame].name, points, traced};
+  *out = (km_drawing_def){
+      .mechanism = m, .poses = poses, .pose_count = shown, .traces = trace, .trace_count = 1, .name = tracks->model};
+  return true;
+}
+
+km_status km_tracks_drawing_make(const km_tracks *tracks, km_arena *arena, km_drawing_def *out, km_error *error) {
+  const km_track *t = tracks->items[km_tracks_best(tracks)];
+  km_state *state = NULL;
+  km_status status = km_state_create(t->arm->mechanism, &state, error);
+  if (!status && !make_drawing(tracks, t, arena, state, out))
+    status = km_fail(error, KM_MEMORY, "out of memory for a drawing");
+  km_state_free(state);
+  return status;
 }
 
 km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error) {
   km_status status = km_check_tracks(tracks, true, format, out, error);
   if (status)
     return status;
-  const km_track *t = tracks->items[km_tracks_best(tracks)];
   km_arena arena = {0};
-  km_state *state = NULL;
-  status = km_state_create(t->arm->mechanism, &state, error);
+  km_drawing_def drawing = {0};
+  status = km_tracks_drawing_make(tracks, &arena, &drawing, error);
+  drawing.title = "The arm along the path";
   if (!status)
-    status = draw_arm(tracks, t, &arena, state, format, out, error);
-  km_state_free(state);
+    status = km_drawing_render(&drawing, format, out, error);
   km_arena_free(&arena);
   return status;
 }

@@ -2,14 +2,18 @@
 #ifndef KM_REPORT_CHARTS_TRACK_PLOT_H
 #define KM_REPORT_CHARTS_TRACK_PLOT_H
 
+#include "report/drawing/drawing.h"
 #include "report/plot/plot.h"
 #include "report/record/track_record.h"
 
 /* KM_USAGE unless these are tracks that can be drawn, in a picture of this format. `some`: at least one with rows. */
 km_status km_check_tracks(const km_tracks *tracks, bool some, km_picture_format format, const km_text *out,
                           km_error *error);
-/* The page's plots before they are rendered, in the arena. Returns their number, 0 when out of memory. */
+/* The page's plots before they are rendered, in the arena; `diagnostics`: also entries of the path-control column and
+ * tracking errors. Returns their number, 0 when out of memory. */
 enum { KM_TRACK_PLOTS = 8 };
-size_t km_tracks_plots_make(const km_tracks *tracks, km_arena *arena, km_plot *out);
+size_t km_tracks_plots_make(const km_tracks *tracks, bool diagnostics, km_arena *arena, km_plot *out);
+/* Drawing of the arm along the best track with the effector's path, in the arena. KM_MEMORY. */
+km_status km_tracks_drawing_make(const km_tracks *tracks, km_arena *arena, km_drawing_def *out, km_error *error);
 
 #endif

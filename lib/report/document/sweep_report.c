@@ -144,6 +144,10 @@ static km_drawing_def *make_drawing(km_document_maker *maker, const km_mechanism
   return drawing;
 }
 
+void km_report_drawing(km_document_maker *maker, km_drawing_def *drawing, const char *shows, double height) {
+  km_document_picture(maker, shows, height, draw_large, drawing);
+}
+
 /* One large drawing, and a strip of small ones. */
 static void add_pictures(km_document_maker *maker, km_drawing_def *drawing, const km_plot_strip *strip,
                          const char *over) {

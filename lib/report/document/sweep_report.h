@@ -4,6 +4,7 @@
 
 #include "report/charts/sweep_plot.h"
 #include "report/document/document.h"
+#include "report/drawing/drawing.h"
 
 /* Rows of a name and what it is, in the making. */
 typedef struct km_report_facts {
@@ -22,6 +23,8 @@ void km_report_close_facts(km_document_maker *maker, const km_report_facts *fact
 
 /* The mechanism in poses over the sweep: one large drawing with names, and a row of small ones. */
 void km_report_poses(km_document_maker *maker, const km_swept *swept);
+/* A drawing of the maker's arena as a picture. */
+void km_report_drawing(km_document_maker *maker, km_drawing_def *drawing, const char *shows, double height);
 /* As km_report_poses for a motion over time, whose table has the time in its first column. */
 void km_report_run_poses(km_document_maker *maker, const km_mechanism *mechanism, const km_table *table,
                          const char *name);
