@@ -1,6 +1,6 @@
 /* Report about the tracks of an arm along a path.
  *
- *   margin of a joint = min over the rows of min(q − low, high − q) / ((high − low) / 2);  1 in the middle, 0 at a limit
+ *   margin of a joint = min over the rows of min(q − low, high − q) / ((high − low) / 2); 1 in the middle, 0 at a limit
  *   rate of a joint   = max over the rows of |v|,  its part of the drive's limit
  *
  * The joint with the least margin limits the track. */
