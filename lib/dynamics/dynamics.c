@@ -238,8 +238,10 @@ km_status km_dynamics_fail(const km_dynamics *d, km_dynamics_outcome outcome, km
   if (d->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the equations of motion");
   if (outcome == KM_DYNAMICS_INFINITE)
-    return km_fail(error, KM_DIVERGED,
-                   "rates or accelerations grow beyond all numbers; expected shorter steps, or weaker forces");
+    return km_fail(
+        error, KM_DIVERGED,
+        "rates or accelerations grow beyond all numbers, or an expression has no value; expected shorter steps, weaker "
+        "forces, or another expression");
   if (d->overprescribed >= 0)
     return km_fail(
         error, KM_DIVERGED,

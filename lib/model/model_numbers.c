@@ -18,8 +18,12 @@ static void add_vector(km_model_numbers *n, km_vec3 *v, km_number_rule rule) {
 }
 
 static void add_curve(km_model_numbers *n, const km_law_curve *curve) {
+  int count = curve->form == KM_CURVE_SINE ? 4 : curve->count;
+  const double *numbers = curve->numbers;
+  if (curve->form == KM_CURVE_EXPRESSION)
+    numbers = km_expression_numbers(curve->expression, &count);
   if (curve->form != KM_CURVE_PIECES)
-    add(n, curve->numbers, curve->form == KM_CURVE_SINE ? 4 : (size_t)curve->count, KM_NUMBER_CHECKED);
+    add(n, numbers, (size_t)count, KM_NUMBER_CHECKED);
   for (int i = 0; curve->form == KM_CURVE_PIECES && i < curve->count; ++i) {
     const km_curve_piece *p = &curve->pieces[i];
     add(n, &p->start, 2, KM_NUMBER_CHECKED);

@@ -103,6 +103,14 @@ static void started(double t, double motion[3]) {
   motion[2] = 120.0 * (1.0 - cos(w * z));
 }
 
+/* 10 t² cos(3 t). */
+static void expressed(double t, double motion[3]) {
+  double c = cos(3.0 * t), s = sin(3.0 * t);
+  motion[0] = 10.0 * t * t * c;
+  motion[1] = 10.0 * (2.0 * t * c - 3.0 * t * t * s);
+  motion[2] = 10.0 * (2.0 * c - 12.0 * t * s - 9.0 * t * t * c);
+}
+
 static void laws_are_what_they_say(void **state) {
   (void)state;
   check_motion("{\"sine\": {\"offset\": 10, \"amplitude\": 20, \"frequency\": 0.4, \"phase\": 30}}", sine);
@@ -114,6 +122,7 @@ static void laws_are_what_they_say(void **state) {
                indexed);
   check_motion("{\"segments\": [{\"rise\": -60, \"duration\": 2, \"law\": \"3-4-5\"}, {\"duration\": 1}]}", returned);
   check_motion("{\"segments\": [{\"rate\": 120, \"duration\": 1}, {\"duration\": 1}]}", started);
+  check_motion("{\"expression\": \"10*t^2*cos(3*t)\"}", expressed);
 }
 
 /* The table of a run of one second. */

@@ -156,9 +156,34 @@ static void loads_follow_the_time(void **state) {
   fixture_close(&f);
 }
 
+/* A controller of the slide with k_p 400 and k_d 40 (critical) follows r(t) = sin 3t + t²/10 from rest at r(0) = 0; the
+ * error obeys ë + 40 ė + 400 e = r̈, so that with e(0) = 0, ė(0) = 3 it is the solution below. The motor takes the
+ * force by an expression, and the load is its negative: both cancel. */
+static void references_are_expressions(void **state) {
+  (void)state;
+  fixture f =
+      rotor("{\"name\": \"c\", \"type\": \"pid\", \"input\": {\"joint\": \"X\"}, \"reference\": \"sin(3*t) + t^2/10\", "
+            "\"kp\": 400, \"kd\": 40}, {\"name\": \"m\", \"type\": \"motor\", \"output\": {\"joint\": \"X\"}, "
+            "\"expression\": \"5*cos(7*t)\"}",
+            "\"loads\": [{\"name\": \"push\", \"frame\": [\"a\", \"s\", \"origin\"], \"force\": [5, 0, 0], "
+            "\"scale\": {\"expression\": \"-cos(7*t)\"}}]");
+  km_history h = run(&f, 2.0);
+  /* Particular solution of −9 sin 3t: a sin 3t + b cos 3t with (391 + 120 i)(…) = −9; of 1/5: 1/2000. */
+  double square = 391.0 * 391.0 + 120.0 * 120.0, a = -9.0 * 391.0 / square, b = 9.0 * 120.0 / square, c = 0.2 / 400.0;
+  double c0 = -b - c, c1 = 3.0 - 3.0 * a + 20.0 * c0;
+  for (size_t r = 0; r < km_table_rows(h.table); ++r) {
+    double t = at(&h, r, "t"), reference = sin(3.0 * t) + 0.1 * t * t;
+    double e = a * sin(3.0 * t) + b * cos(3.0 * t) + c + (c0 + c1 * t) * exp(-20.0 * t);
+    assert_near(at(&h, r, "q.X"), reference - e, 1e-8);
+  }
+  km_history_free(&h);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(torques_over_an_angle_do_their_work),
                                      cmocka_unit_test(no_step_passes_over_a_push),
-                                     cmocka_unit_test(loads_follow_an_angle), cmocka_unit_test(loads_follow_the_time)};
+                                     cmocka_unit_test(loads_follow_an_angle), cmocka_unit_test(loads_follow_the_time),
+                                     cmocka_unit_test(references_are_expressions)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

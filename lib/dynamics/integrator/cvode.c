@@ -220,6 +220,8 @@ static int try_step(km_simulation *run) {
   if (!set_stop_time(run))
     return CV_MEM_NULL;
   int flag = CVode(run->cvode->memory, run->time + 1.0, run->cvode->y, &t, CV_ONE_STEP);
+  if (flag >= 0 && !(t > run->time)) /* CVODE accepts steps so short that the time doesn't change */
+    flag = CV_CONV_FAILURE;
   if (flag < 0)
     memcpy(run->y, run->accepted, (size_t)run->size * sizeof *run->y);
   else

@@ -3,12 +3,14 @@
 
 #include "exchange/json/format/format.h"
 #include "exchange/json/formula.h"
+#include "model/curve/expression.h"
 
 #include <string.h>
 
 typedef struct evaluation {
   km_formulas *formulas;
   km_messages *messages;
+  bool has_t;       /* a parameter is called t */
   km_status status; /* KM_IO or KM_MEMORY: no use to go on */
   km_error error;
 } evaluation;
@@ -49,6 +51,11 @@ static void evaluate_map(evaluation *e, km_value *map, const km_field *field, co
   }
 }
 
+/* True for a string that is an expression of the time, not of numbers. */
+static bool is_of_time(const evaluation *e, const km_value *value, km_shape shape) {
+  return value->kind == KM_STRING && shape == KM_SHAPE_TIME_LAW && !e->has_t && km_expression_uses(value->string, "t");
+}
+
 /* A string in place of a whole list is none of its numbers: it is left to the check of the field. */
 static bool stands_for_a_list(const km_value *value, km_shape shape) {
   return value->kind == KM_STRING && shape != KM_SHAPE_NUMBER && shape != KM_SHAPE_COORDINATES &&
@@ -60,7 +67,7 @@ static void evaluate_object(evaluation *e, km_value *object, const km_object_for
     const km_field *field = km_format_field(format, v->key);
     km_place at = {place, v->key, 0};
     km_place item = {&at, NULL, 0};
-    if (!field || stands_for_a_list(v, field->shape))
+    if (!field || stands_for_a_list(v, field->shape) || is_of_time(e, v, field->shape))
       continue;
     if (km_shape_is_numeric(field->shape))
       evaluate_numbers(e, v, &at);
@@ -109,7 +116,8 @@ static void evaluate_parameter(evaluation *e, km_value *parameter, const km_plac
 
 km_status km_model_evaluate(km_value *root, km_messages *messages, km_error *error) {
   km_value *parameters = member(root, "parameters");
-  evaluation e = {.messages = messages, .formulas = km_formulas_create(parameters)};
+  evaluation e = {
+      .messages = messages, .formulas = km_formulas_create(parameters), .has_t = km_value_get(parameters, "t") != NULL};
   km_place place = {NULL, "parameters", 0};
   if (!e.formulas)
     return km_fail(error, KM_MEMORY, "out of memory while reading parameters");

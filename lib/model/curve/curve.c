@@ -151,6 +151,8 @@ void km_curve_at(const km_law_curve *f, double x, double out[3]) {
     out[2] = -c[1] * c[2] * c[2] * sin(angle);
   } else if (f->form == KM_CURVE_PIECES) {
     pieces_at(f, x, out);
+  } else if (f->form == KM_CURVE_EXPRESSION) {
+    km_expression_at(f->expression, x, out);
   }
 }
 

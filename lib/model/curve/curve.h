@@ -3,7 +3,7 @@
 #ifndef KM_MODEL_CURVE_CURVE_H
 #define KM_MODEL_CURVE_CURVE_H
 
-#include "base/memory.h"
+#include "model/curve/expression.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,7 +13,8 @@ typedef enum km_curve_form {
   KM_CURVE_NONE,
   KM_CURVE_POLYNOMIAL, /* Σ c_k x^k */
   KM_CURVE_SINE,       /* c_0 + c_1 sin(c_2 x + c_3) */
-  KM_CURVE_PIECES      /* pieces, constant outside them */
+  KM_CURVE_PIECES,     /* pieces, constant outside them */
+  KM_CURVE_EXPRESSION  /* expression of x */
 } km_curve_form;
 
 /* Forms of a piece over z = (x − start)/length, 0 ≤ z ≤ 1. A rise s(z) goes from 0 to 1 and is at rest at both ends. */
@@ -37,6 +38,7 @@ typedef struct km_law_curve {
   int count;             /* number of coefficients or pieces */
   const double *numbers; /* [count] coefficients; [4] of a sine */
   const km_curve_piece *pieces;
+  const km_expression *expression;
   double period; /* > 0: f(x + period) = f(x) + gain, by the pieces from the first start on; 0: not periodic */
   double gain;
 } km_law_curve;

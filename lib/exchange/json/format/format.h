@@ -21,7 +21,8 @@ typedef enum km_shape {
   KM_SHAPE_RANGE,          /* [low, high] */
   KM_SHAPE_RANGES,         /* [low, high], or one such pair for each coordinate */
   KM_SHAPE_ROWS,           /* a list of lists of numbers */
-  KM_SHAPE_TIME_LAW,       /* a number, a list of coefficients, or a list of rows [time, number] */
+  KM_SHAPE_TIME_LAW,       /* a number, a list of coefficients, a list of rows [time, number], or an expression of t */
+  KM_SHAPE_EXPRESSION,     /* an expression of t */
   KM_SHAPE_STRINGS,        /* a string or a list of strings */
   KM_SHAPE_PATH,           /* a name, or a list of names from the root */
   KM_SHAPE_PATHS,          /* a list of paths */

@@ -2,6 +2,7 @@
 #include "base/text.h"
 #include "exchange/json/format/format.h"
 #include "exchange/json/json_location.h"
+#include "model/curve/expression.h"
 
 #include <math.h>
 #include <string.h>
@@ -171,6 +172,8 @@ static void check_object_map(km_messages *m, const km_place *place, const km_val
 }
 
 static void check_time_law(km_messages *m, const km_place *place, const km_value *value) {
+  if (value->kind == KM_STRING && km_expression_uses(value->string, "t"))
+    return;
   if (value->kind != KM_LIST)
     check_number(m, place, value);
   else if (value->first && value->first->kind == KM_LIST)
@@ -193,6 +196,7 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
   case KM_SHAPE_NUMBER:
     check_number(m, place, value);
     break;
+  case KM_SHAPE_EXPRESSION:
   case KM_SHAPE_STRING:
     if (value->kind != KM_STRING)
       expected(m, place, value, "a string");

@@ -135,6 +135,7 @@ static const km_field prescribed_fields[] = {
      "Rises, dwells, starts and stops one after another, from rest at time 0. A segment with neither `rise` nor `rate` "
      "goes on as it is: a dwell, or a steady motion.",
      OBJECTS(segment_format)},
+    LAW_EXPRESSION,
     {"start", "Value at which the segments begin.", NUMBER, BY(COORDINATE), UNSTATED("the initial displacement")},
     {"period",
      "The table, cosine or segments repeat after this time. Segments that end at another value go on from there.",

@@ -77,6 +77,7 @@ static const km_field scale_fields[] = {
     LAW_COSINE,
     LAW_STEP,
     {"polynomial", "The factor as a polynomial in x, the constant coefficient first.", SHAPE(NUMBERS), BY(LAW_SERIES)},
+    LAW_EXPRESSION,
     {0}};
 const km_object_format km_format_scale = {"scale", scale_fields};
 
@@ -118,9 +119,10 @@ static const km_field module_fields[] = {
     LAW_STEP,
     {"polynomial", "The force as a polynomial in time, or in what `over` names, the constant coefficient first.",
      SHAPE(NUMBERS), BY(LAW_POLYNOMIAL)},
+    LAW_EXPRESSION,
     {"reference",
-     "Value that a pid holds the variable at: a number, a polynomial over time (the constant coefficient first), or rows "
-     "[time, value] that are joined by lines.",
+     "Value that a pid holds the variable at: a number, a polynomial over time (the constant coefficient first), rows "
+     "[time, value] that are joined by lines, or an expression of t.",
      SHAPE(TIME_LAW), BY(REFERENCE), UNSTATED("0")},
     {"kp", "Force of a pid for each unit of the error, which is reference minus variable.", NUMBER, BY(GAIN),
      UNSTATED("0")},

@@ -46,6 +46,11 @@ extern const km_object_format km_format_parameter, km_format_analysis;
   { "cosine", "offset + amplitude cos(2 pi x/period + phase), with the `period` beside it.", OBJECT(km_format_cosine) }
 #define LAW_STEP                                                                                                       \
   { "step", "A step from one value to another.", OBJECT(km_format_step) }
+#define LAW_EXPRESSION                                                                                                 \
+  {                                                                                                                    \
+    "expression", "The value as an expression of the time t, in the file's units; angles of sin and cos in radians.",  \
+        SHAPE(EXPRESSION), BY(LAW_VALUE)                                                                               \
+  }
 extern const km_object_format km_format_cosine, km_format_step;
 
 #endif

@@ -159,6 +159,9 @@ static void describe(const schema *s, km_value *object, const km_object_format *
     coordinates(s, a);
     numbers(s, list(s, b, 0), 2);
     break;
+  case KM_SHAPE_EXPRESSION:
+    type(s, object, "string");
+    break;
   case KM_SHAPE_STRINGS:
   case KM_SHAPE_PATH:
     path(s, object);

@@ -61,7 +61,9 @@ static const km_load_scale *read_scale(km_reader *reader, const km_value *scale,
   int laws = km_count_laws(scale);
   km_load_scale *out = KM_ARENA_NEW(&reader->model->arena, km_load_scale, 1);
   if (laws != 1)
-    km_reader_error(reader, place, "found %d laws; expected one of \"table\", \"cosine\", \"step\", \"polynomial\"",
+    km_reader_error(reader, place,
+                    "found %d laws; expected one of \"table\", \"cosine\", \"step\", \"polynomial\", "
+                    "\"expression\"",
                     laws);
   if (!out || laws != 1)
     return NULL;

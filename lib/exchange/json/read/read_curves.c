@@ -1,4 +1,6 @@
 /* Laws over a time or a joint's value: tables, cosines, steps, segments of a motion. */
+#include "exchange/json/expression_values.h"
+#include "exchange/json/formula.h"
 #include "exchange/json/read/reader.h"
 
 #include <math.h>
@@ -118,7 +120,69 @@ static void read_polynomial(km_reader *reader, const km_value *object, double fa
   *out = (km_law_curve){.form = KM_CURVE_POLYNOMIAL, .count = count, .numbers = numbers};
 }
 
-static const char *const laws[] = {"table", "cosine", "step", "polynomial", NULL};
+/* Checks the text as expressions of numbers are checked, with t = 0. */
+static km_status check_expression(const km_value *parameters, const char *text, km_error *error) {
+  km_formulas *formulas = km_formulas_create(parameters);
+  km_status status = formulas ? KM_OK : km_fail(error, KM_MEMORY, "out of memory while reading expressions");
+  for (const km_value *p = parameters ? parameters->first : NULL; p && !status; p = p->next) {
+    const km_value *number = km_parameter_number((km_value *)p);
+    if (number && !km_formulas_define(formulas, p->key, number->number))
+      status = km_fail(error, KM_MEMORY, "out of memory while reading expressions");
+  }
+  if (!status && km_value_get(parameters, "t"))
+    status = km_fail(error, KM_MODEL, "the parameter \"t\" hides the time; expected another name of the parameter");
+  double value;
+  if (!status && !km_formulas_define(formulas, "t", 0.0))
+    status = km_fail(error, KM_MEMORY, "out of memory while reading expressions");
+  if (!status)
+    status = km_formulas_evaluate(formulas, text, &value, error);
+  km_formulas_free(formulas);
+  return status;
+}
+
+bool km_parameter_value(const void *parameters, const char *name, size_t length, double *value) {
+  const km_value *all = parameters;
+  for (const km_value *p = all ? all->first : NULL; p; p = p->next) {
+    const km_value *number = km_parameter_number((km_value *)p);
+    if (number && strlen(p->key) == length && strncmp(p->key, name, length) == 0) {
+      *value = number->number;
+      return true;
+    }
+  }
+  return false;
+}
+
+void km_read_expression(km_reader *reader, const char *text, const km_place *place, km_law_curve *out) {
+  const km_value *parameters = km_value_get(reader->origin->root, "parameters");
+  km_error error;
+  double at[3];
+  if (check_expression(parameters, text, &error)) {
+    km_reader_error(reader, place, "\"%.60s\": %s", text, error.text);
+    return;
+  }
+  const km_expression *expression = km_expression_compile(text, km_parameter_value, parameters, &reader->model->arena);
+  if (!expression) {
+    km_reader_error(reader, place, "\"%.60s\": it can't be read", text);
+    return;
+  }
+  km_expression_at(expression, 0.0, at);
+  if (!isfinite(at[1]) || !isfinite(at[2]))
+    km_reader_error(reader, place, "\"%.60s\": its rate isn't finite at t = 0", text);
+  *out = (km_law_curve){.form = KM_CURVE_EXPRESSION, .expression = expression};
+}
+
+/* The law `expression`, which reads the time alone. */
+static void read_expression_law(km_reader *reader, const km_value *object, const km_place *place, km_law_curve *out) {
+  km_place at = {place, "expression", 0}, over_at = {place, "over", 0}, period_at = {place, "period", 0};
+  const km_value *over = km_value_get(object, "over");
+  if (over && (over->kind != KM_STRING || strcmp(over->string, "t") != 0))
+    km_reader_error(reader, &over_at, "an expression is one of the time; expected t");
+  if (km_value_get(object, "period"))
+    km_reader_error(reader, &period_at, "an expression has no period; expected a table or a cosine");
+  km_read_expression(reader, km_reader_string(object, "expression"), &at, out);
+}
+
+static const char *const laws[] = {"table", "cosine", "step", "polynomial", "expression", NULL};
 
 int km_count_laws(const km_value *object) {
   int count = 0;
@@ -135,6 +199,8 @@ void km_read_curve(km_reader *reader, const km_value *object, double factor, con
     km_read_cosine(reader, object, factor, place, out);
   else if (km_value_get(object, "step"))
     read_step(reader, object, factor, place, out);
+  else if (km_value_get(object, "expression"))
+    read_expression_law(reader, object, place, out);
   else
     read_polynomial(reader, object, factor, place, out);
 }

@@ -32,6 +32,8 @@ static void read_reference(km_reader *reader, const km_value *module, const km_p
   km_place at = {place, "reference", 0};
   size_t errors = km_messages_errors(reader->messages), count;
   *out = km_curve_constant(arena, reference && reference->kind == KM_NUMBER ? reference->number : 0.0);
+  if (reference && reference->kind == KM_STRING)
+    km_read_expression(reader, reference->string, &at, out);
   if (!reference || reference->kind != KM_LIST)
     return;
   bool is_table = reference->first && reference->first->kind == KM_LIST;
@@ -304,7 +306,7 @@ static bool has_curve(const km_value *module, const km_model_module *def) {
   bool has_table =
       km_value_get(module, "table") && (def->type == KM_MODULE_MOTOR || !km_value_get(module, "coefficients"));
   return has_table || km_value_get(module, "cosine") || km_value_get(module, "step") ||
-         (km_value_get(module, "over") && km_value_get(module, "polynomial"));
+         km_value_get(module, "expression") || (km_value_get(module, "over") && km_value_get(module, "polynomial"));
 }
 
 /* One of several laws of a module is used: a curve before pieces, pieces before a polynomial. */
@@ -357,7 +359,7 @@ static bool read_over(km_reader *reader, const km_value *module, int assembly, c
 
 /* The law, if it is a curve. Over a joint, x counts in the file's unit of the joint. */
 static void read_module_curve(km_reader *reader, const km_value *module, const km_place *place, km_model_module *out) {
-  const char *const keys[] = {"over", "period", "interpolation", "cosine", "step", NULL};
+  const char *const keys[] = {"over", "period", "interpolation", "cosine", "step", "expression", NULL};
   const bool over_joint = km_value_get(module, "over") && out->variable == KM_VARIABLE_DISPLACEMENT;
   if (!has_curve(module, out)) {
     for (const char *const *key = keys; *key && out->type <= KM_MODULE_MOTOR; ++key)
@@ -367,9 +369,14 @@ static void read_module_curve(km_reader *reader, const km_value *module, const k
       }
     return;
   }
-  const bool is_other = km_value_get(module, "cosine") || km_value_get(module, "step");
+  const bool is_other =
+      km_value_get(module, "cosine") || km_value_get(module, "step") || km_value_get(module, "expression");
+  km_place expression_at = {place, "expression", 0};
+  if (km_value_get(module, "expression") && !km_value_get(module, "over") && out->variable != KM_VARIABLE_TIME)
+    km_reader_error(reader, &expression_at, "a %s reads no time; expected a motor", km_module_type_word(out->type));
   if (is_other && (km_count_laws(module) > 1 || km_value_get(module, "coefficients"))) {
-    km_reader_error(reader, place, "found several laws; expected one of \"table\", \"cosine\", \"step\"");
+    km_reader_error(reader, place,
+                    "found several laws; expected one of \"table\", \"cosine\", \"step\", \"expression\"");
     return;
   }
   double factor =

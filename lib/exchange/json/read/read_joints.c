@@ -108,6 +108,8 @@ static void read_prescribed_curve(km_reader *reader, const km_value *p, double s
   out->law = KM_MOTION_CURVE;
   if (km_value_get(p, "segments"))
     km_read_segments(reader, p, km_reader_number(p, "start", start), place, &out->curve);
+  else if (km_value_get(p, "expression"))
+    km_read_curve(reader, p, 1.0, place, &out->curve);
   else if (km_value_get(p, "cosine"))
     km_read_cosine(reader, p, 1.0, place, &out->curve);
   else
@@ -157,15 +159,18 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
                     km_joint_kind_of(out->type)->freedom);
   const km_value *table = km_value_get(p, "table");
   const km_value *polynomial = km_value_get(p, "polynomial"), *sine = km_value_get(p, "sine");
-  const km_value *cosine = km_value_get(p, "cosine"), *segments = km_value_get(p, "segments");
+  const km_value *cosine = km_value_get(p, "cosine"), *segments = km_value_get(p, "segments"),
+                 *expression = km_value_get(p, "expression");
   const km_value *period = km_value_get(p, "period"), *start = km_value_get(p, "start");
-  int laws = (table != NULL) + (polynomial != NULL) + (sine != NULL) + (cosine != NULL) + (segments != NULL);
+  int laws = (table != NULL) + (polynomial != NULL) + (sine != NULL) + (cosine != NULL) + (segments != NULL) +
+             (expression != NULL);
   km_place at = {&prescribed, "table", 0}, polynomial_at = {&prescribed, "polynomial", 0};
   km_place period_at = {&prescribed, "period", 0}, start_at = {&prescribed, "start", 0};
   if (laws != 1)
-    km_reader_error(reader, &prescribed,
-                    "found %d laws; expected one of \"table\", \"polynomial\", \"sine\", \"cosine\", \"segments\"",
-                    laws);
+    km_reader_error(
+        reader, &prescribed,
+        "found %d laws; expected one of \"table\", \"polynomial\", \"sine\", \"cosine\", \"segments\", \"expression\"",
+        laws);
   if (period && (polynomial || sine))
     km_reader_error(reader, &period_at, "this law has no period; expected a table, a cosine or segments");
   if (start && !segments)
@@ -176,7 +181,7 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
     km_reader_error(reader, &polynomial_at, "found a list of 0; expected at least one coefficient");
   if (km_messages_errors(reader->messages) > errors)
     return;
-  if (cosine || segments || period)
+  if (cosine || segments || expression || period)
     read_prescribed_curve(reader, p, reader->model->coordinates[out->first_coordinate].position, &prescribed,
                           &out->prescribed);
   else

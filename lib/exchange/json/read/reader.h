@@ -133,7 +133,9 @@ double km_read_period(km_reader *reader, const km_value *object, const km_place 
 void km_read_table(km_reader *reader, const km_value *object, bool cubic, double factor, const km_place *place,
                    km_law_curve *out);
 void km_read_cosine(km_reader *reader, const km_value *object, double factor, const km_place *place, km_law_curve *out);
-/* Number of laws that an object states: table, cosine, step, polynomial. */
+/* An expression of the time, as `expression` or another key states it. */
+void km_read_expression(km_reader *reader, const char *text, const km_place *place, km_law_curve *out);
+/* Number of laws that an object states: table, cosine, step, polynomial, expression. */
 int km_count_laws(const km_value *object);
 /* The first law that an object states, in this order. */
 void km_read_curve(km_reader *reader, const km_value *object, double factor, const km_place *place, km_law_curve *out);

@@ -2,6 +2,7 @@
 #include "exchange/json/write/convert.h"
 
 #include "base/arguments.h"
+#include "exchange/json/expression_values.h"
 #include "exchange/json/write/write_built.h"
 
 #include "exchange/json/format/format.h"
@@ -184,6 +185,41 @@ static void convert_numbers(const converter *c, const context *at, const km_fiel
     convert_numbers(c, at, field, list, NULL, v, depth + 1, rows ? index : row, rows ? 0 : index);
 }
 
+static void add_number(km_text *out, const char *before, double number, const char *after) {
+  char text[KM_NUMBER_TEXT];
+  km_number_format(text, number);
+  km_text_format(out, "%s%s%s", before, text, after);
+}
+
+/* An expression of the time in other units: factor · f(t / factor of the time), with the values of parameters. */
+static void convert_expression(const converter *c, const context *at, const km_field *field, const km_value *value,
+                               km_value *parent) {
+  const km_value *parameters = km_value_get(c->origin->root, "parameters");
+  double factor = in_new_units(c, 1.0, measured(c, at, field, 0, 0, 0)), time = in_new_units(c, 1.0, time_1), number;
+  km_text out = {0};
+  if (c->verbatim) {
+    copy(c, parent, value->key, value);
+    return;
+  }
+  if (factor != 1.0)
+    add_number(&out, "", factor, "*(");
+  for (const char *from = value->string; *from;) {
+    size_t digits = km_expression_number(from), name = digits ? 0 : km_expression_name(from);
+    size_t length = digits ? digits : name ? name : 1;
+    if (name == 1 && *from == 't' && time != 1.0)
+      add_number(&out, "(t/", time, ")");
+    else if (name && km_parameter_value(parameters, from, name, &number))
+      add_number(&out, "(", number, ")");
+    else
+      km_text_bytes(&out, from, length);
+    from += length;
+  }
+  if (factor != 1.0)
+    km_text_add(&out, ")");
+  km_value_string(c->arena, parent, value->key, out.data ? out.data : "");
+  km_text_free(&out);
+}
+
 /* {label: coordinates} of `hold` and of poses. */
 static void convert_map(const converter *c, const km_value *value, km_value *parent) {
   static const km_field field = {.key = "hold", .shape = KM_SHAPE_COORDINATES, .measure = KM_MEASURE_COORDINATE};
@@ -299,6 +335,9 @@ static void convert_field(const converter *c, const context *at, const km_field 
     if (c->verbatim)
       copy(c, parent, value->key, value);
     break;
+  case KM_SHAPE_EXPRESSION:
+    convert_expression(c, at, field, value, parent);
+    break;
   case KM_SHAPE_NUMBER:
   case KM_SHAPE_VECTOR:
   case KM_SHAPE_POINT:
@@ -308,7 +347,10 @@ static void convert_field(const converter *c, const context *at, const km_field 
   case KM_SHAPE_RANGES:
   case KM_SHAPE_ROWS:
   case KM_SHAPE_TIME_LAW:
-    convert_numbers(c, at, field, parent, value->key, value, 0, 0, 0);
+    if (value->kind == KM_STRING)
+      convert_expression(c, at, field, value, parent);
+    else
+      convert_numbers(c, at, field, parent, value->key, value, 0, 0, 0);
     break;
   default:
     copy(c, parent, value->key, value);
