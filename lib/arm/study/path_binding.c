@@ -1,7 +1,9 @@
 /* Path of a path study, bound to the arm: units, start pose, and the place of errors in the text. */
 #include "arm/arm_arguments.h"
 #include "arm/study/study_binding.h"
+#include "model/units.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -67,6 +69,52 @@ static void report_fault(km_binder *b, const km_path_fault *fault, const km_erro
   km_binder_fault(b, &at, "%s", found->text);
 }
 
+/* Bound of the distance from the arm's origin to the effector: the sum of the links, over L; infinite for slides
+ * without limits and for screws. */
+static double reach_bound(const km_arm *a) {
+  double reach = km_vec3_norm(a->tool.p);
+  for (int k = 0; k < a->n; ++k) {
+    const km_arm_motion *m = &a->motions[k];
+    reach += km_vec3_norm(m->before.p);
+    if (m->primitive != KM_REVOLUTE)
+      reach += m->primitive == KM_PRISMATIC ? fmax(fabs(a->low[k]), fabs(a->high[k])) : HUGE_VAL;
+  }
+  return reach;
+}
+
+/* Unit of length in which a path of this size fits the arm: not larger than the reach, nor below a twentieth of it;
+ * NULL: none but the model's. */
+static const km_unit *fitting_unit(const km_unit *own, double size, double reach) {
+  for (const km_unit *u = km_quantity_units(KM_LENGTH); u->word; ++u) {
+    double scaled = size * u->si / own->si;
+    if (u->si != own->si && scaled <= reach && scaled >= 0.05 * reach)
+      return u;
+  }
+  return NULL;
+}
+
+/* Notes a path whose lengths don't fit the arm: ten times its reach, or a hundredth of it. */
+static void note_units(km_binder *b) {
+  static const double most = 10.0, least = 0.01;
+  const km_arm *a = b->study->arm;
+  const km_path *path = b->study->path;
+  const km_unit *own = a->mechanism->model->units.length;
+  double reach = reach_bound(a), size = 0.0;
+  for (int i = 0; i < path->samples; ++i)
+    size = fmax(size, km_vec3_norm(path->points[i].pose.p));
+  if (!isfinite(reach) || (size <= most * reach && size >= least * reach))
+    return;
+  const km_unit *unit = fitting_unit(own, size, reach);
+  km_text text = {0};
+  km_text_format(&text, "the path goes up to %.3g %s from the arm's first joint, but the arm's reach is %.3g %s",
+                 size * a->length, own->suffix, reach * a->length, own->suffix);
+  if (unit)
+    km_text_format(&text, ": its lengths look like %s; write them in %s, times %.6g", unit->word, own->word,
+                   unit->si / own->si);
+  km_messages_add(b->messages, KM_WARNING, "%s: %s", b->def->path.place.text, text.data ? text.data : "");
+  km_text_free(&text);
+}
+
 bool km_bind_path(km_binder *b, const double *q) {
   const km_study_path *path = &b->def->path;
   km_path_fault fault = KM_PATH_NO_FAULT;
@@ -88,5 +136,7 @@ bool km_bind_path(km_binder *b, const double *q) {
     return km_binder_pass(b, &path->place, status, &error);
   if (status)
     report_fault(b, &fault, &error);
+  else
+    note_units(b);
   return !status;
 }

@@ -234,6 +234,15 @@ static bool write_rows(km_track *t, km_tracking_run *run, int count, km_arena *a
   return is_ok;
 }
 
+/* Effector's origin at the end of the track, from its pose in the arm's frame. */
+static void set_place(km_track *t, const km_pose *pose) {
+  const km_arm *a = t->arm;
+  km_vec3 p = km_vec3_add(a->origin, km_vec3_scale(a->length, pose->p));
+  t->end.place[0] = p.x;
+  t->end.place[1] = p.y;
+  t->end.place[2] = p.z;
+}
+
 /* Creates the table, writes its rows, and sums up the track. */
 static km_status fill_table(km_track *t, km_tracking_run *run, km_error *error) {
   int count = run->reached + (run->stop && run->reached > 0 && run->fraction > 0.0);
@@ -252,10 +261,14 @@ static km_status fill_table(km_track *t, km_tracking_run *run, km_error *error) 
     cells += km_table_columns(t->table);
     km_track_add_effort(t, &summaries[i].effort, i > 0 ? here.point.t - last.point.t : 0.0, &sum, cells);
   }
-  t->end = (km_track_end){run->stop,        run->column,
-                          run->reached - 1, here.point.s * t->arm->length,
-                          here.point.t,     here.point.travel * t->arm->length,
-                          here.point.turn};
+  t->end = (km_track_end){.stop = run->stop,
+                          .column = run->column,
+                          .sample = run->reached - 1,
+                          .s = here.point.s * t->arm->length,
+                          .t = here.point.t,
+                          .travel = here.point.travel * t->arm->length,
+                          .turn = here.point.turn};
+  set_place(t, count > 0 ? &here.point.pose : &t->plan.path->points[0].pose);
   if (is_ok && count > 0)
     t->summary.objective_mean = weights > 0.0 ? t->summary.objective_mean / weights : summaries[0].value;
   km_arena_free(&arena);

@@ -259,6 +259,7 @@ typedef struct km_track_end {
   int sample;          /* last sample that was reached; −1: none */
   double s, t;         /* end of the track: path metric in the model's length unit; seconds */
   double travel, turn; /* travel of the effector's origin, model's length unit; rotation, radians */
+  double place[3];     /* effector's origin in the inertial frame, model's length unit; of START that of the path */
 } km_track_end;
 
 /* A track: a configuration of the arm for each sample of a path. */

@@ -92,6 +92,38 @@ static void add_held(const km_track *t, km_text *out) {
   km_text_add(out, " held the arm can't follow the path any further; with all its joints it could");
 }
 
+/* Coordinate k of the last row, in the model's unit. */
+static double last_value(const km_track *t, int k) {
+  const double *last = km_table_row(t->table, km_table_rows(t->table) - 1);
+  return last[km_table_span(t->table, "q.").first + (size_t)k];
+}
+
+/* Limit of coordinate k that its last value is nearer to, in the model's unit; infinite: it has none. */
+static double nearest_limit(const km_track *t, int k) {
+  const km_arm *a = t->arm;
+  double q = last_value(t, k), low = km_arm_to_units(a, k, a->low[k]), high = km_arm_to_units(a, k, a->high[k]);
+  return fabs(q - low) < fabs(q - high) ? low : high;
+}
+
+/* Appends the joint with the smallest part of its range left. */
+static void add_nearest_limit(const km_track *t, km_text *out) {
+  const km_arm *a = t->arm;
+  int nearest = -1;
+  double least = HUGE_VAL;
+  for (int k = 0; k < a->n; ++k) {
+    double range = km_arm_to_units(a, k, a->high[k]) - km_arm_to_units(a, k, a->low[k]);
+    double part = fabs(last_value(t, k) - nearest_limit(t, k)) / range;
+    if (isfinite(range) && part < least) {
+      least = part;
+      nearest = k;
+    }
+  }
+  if (nearest >= 0)
+    km_text_format(out, "; joint %s is nearest to a limit, %.3g from %.6g %s", km_arm_label(a, nearest),
+                   fabs(last_value(t, nearest) - nearest_limit(t, nearest)), nearest_limit(t, nearest),
+                   km_model_coordinate_unit(a->mechanism->model, a->coordinate[nearest]));
+}
+
 void km_track_end_text(const km_track *t, km_text *out) {
   if (!t || !out)
     return;
@@ -100,19 +132,16 @@ void km_track_end_text(const km_track *t, km_text *out) {
   if (end->stop == KM_TRACK_COMPLETE)
     return;
   const char *label = end->column >= 0 ? km_arm_label(a, end->column) : "";
-  km_text_format(out, "stops after %.9g %s and %.9g %s (s = %.9g %s, t = %.9g s, sample %d of %d): ", end->travel,
-                 length_unit(a), angle_shown(a, end->turn), angle_unit(a), end->s, length_unit(a), end->t,
-                 end->sample < 0 ? 0 : end->sample, t->plan.path->samples - 1);
+  km_text_format(
+      out, "stops after %.9g %s and %.9g %s (s = %.9g %s, t = %.9g s, sample %d of %d) at (%.6g, %.6g, %.6g) %s: ",
+      end->travel, length_unit(a), angle_shown(a, end->turn), angle_unit(a), end->s, length_unit(a), end->t,
+      end->sample < 0 ? 0 : end->sample, t->plan.path->samples - 1, end->place[0], end->place[1], end->place[2],
+      length_unit(a));
   switch (end->stop) {
-  case KM_TRACK_LIMIT: {
-    const double *last = km_table_row(t->table, km_table_rows(t->table) - 1);
-    double q = last[km_table_span(t->table, "q.").first + (size_t)end->column],
-           low = km_arm_to_units(a, end->column, a->low[end->column]),
-           high = km_arm_to_units(a, end->column, a->high[end->column]);
-    km_text_format(out, "joint %s is at its limit, %.9g %s", label, fabs(q - low) < fabs(q - high) ? low : high,
+  case KM_TRACK_LIMIT:
+    km_text_format(out, "joint %s is at its limit, %.9g %s", label, nearest_limit(t, end->column),
                    km_model_coordinate_unit(a->mechanism->model, a->coordinate[end->column]));
     break;
-  }
   case KM_TRACK_RATE:
     km_text_format(out, "joint %s would have to move faster than its %.9g %s/s", label,
                    km_arm_to_units(a, end->column, a->rate[end->column]),
@@ -135,6 +164,9 @@ void km_track_end_text(const km_track *t, km_text *out) {
     km_text_add(out,
                 "there is no pose to start from: the path's first pose is out of reach, or never within the limits");
   }
+  const bool names_joint = end->stop == KM_TRACK_LIMIT || end->stop == KM_TRACK_RATE;
+  if (!names_joint && end->stop != KM_TRACK_START && km_table_rows(t->table) > 0)
+    add_nearest_limit(t, out);
 }
 
 static void add_settings(const km_method *m, const km_track *t, km_value *record, km_arena *arena) {
