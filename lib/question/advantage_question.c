@@ -15,7 +15,7 @@ static const km_option options[OPTIONS] = {
     {"output", KM_OPTION_END, "JOINT", "", NULL, "What pushes: a joint, or a point in the same way", 0, 0, NULL, false},
     {"transmission", KM_OPTION_FLAG, NULL, "", NULL,
      "Add transmission angle, virtual coefficient, Sutherland-Roth and Chen-Angeles indices, manipulability and "
-     "condition number as columns; nan where undefined",
+     "condition number as columns, and the angles of each hinge of a planar linkage; nan where undefined",
      0, 0, NULL, true},
 };
 

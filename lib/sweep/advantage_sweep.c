@@ -5,8 +5,9 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "kmech/transfer.h"
-#include "sweep/sweep_observer.h"
 #include "sweep/event_search.h"
+#include "sweep/sweep_observer.h"
+#include "transfer/joint_transmission.h"
 #include "transfer/transfer.h"
 #include "transfer/transmission_metrics.h"
 
@@ -21,6 +22,7 @@ typedef struct sweep_events {
   km_observer observer;
   km_transfer *transfer;
   km_transmission_workspace *transmission; /* NULL: not requested */
+  km_joint_transmission *hinges;           /* NULL: not requested */
   km_losses_workspace *losses;             /* NULL: no joint has friction */
   bool has_rates;                          /* r->rates is the motion at the state's configuration */
   bool is_between_rows;                    /* the configuration lies between rows */
@@ -49,7 +51,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
     unit = km_transmission_unit(r->m->model, &w->out->output, i);
     added = added && km_table_add_joined_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
   }
-  return added;
+  return added && (!w->hinges || km_joint_transmission_columns(w->hinges, table));
 }
 
 /* Computes the advantage in a batch from the unit direction of the single freedom. */
@@ -100,6 +102,8 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
     if (!w->is_between_rows)
       w->out->last = t;
     cell += KM_METRIC_COLUMNS;
+    km_joint_transmission_compute(r->s, w->hinges, w->transfer->rates, cell);
+    cell += 2 * w->hinges->count;
   }
   return cell;
 }
@@ -279,6 +283,8 @@ static km_status create_evaluators(sweep_events *w, const km_sweep_job *job, boo
   km_status status = km_transfer_create(m, input, output, &w->transfer, job->error);
   if (!status && transmission)
     status = km_transmission_create(m, input, output, &w->transmission, job->error);
+  if (!status && transmission)
+    status = km_joint_transmission_create(m, input, output, &w->hinges, job->error);
   w->out->friction = km_model_has_friction(m->model);
   if (!status && w->out->friction)
     status = km_losses_create(m, input, output, &w->losses, job->error);
@@ -298,6 +304,7 @@ static km_status finish(void *self, const km_sweep_job *job) {
 static void close_observer(void *self) {
   sweep_events *w = self;
   km_losses_free(w->losses);
+  km_joint_transmission_free(w->hinges);
   km_transmission_free(w->transmission);
   km_transfer_free(w->transfer);
   km_event_search_free(&w->search);
