@@ -108,6 +108,15 @@ def test_slider_crank_by_formula():
     assert again.mechanism().state["D"] == pytest.approx(state["D"], abs=1e-12)
 
 
+def test_hinges_have_transmission_angles(fourbar):
+    """The one of coupler and rocker is the four-bar's, or its supplement."""
+    answer = fourbar.advantage(input="A", output="D", transmission=True, steps=36)
+    angle = answer["transmission_angle"]
+    assert answer["transmission.C"] == pytest.approx(numpy.minimum(angle, math.pi - angle), abs=1e-9)
+    assert answer["transmission.B"] + answer["pressure.B"] == pytest.approx(math.pi / 2, abs=1e-12)
+    assert answer.figure("transmission.C", "min")[0] <= answer["transmission.C"].min() + 1e-12
+
+
 def test_models_change(fourbar):
     mechanism = fourbar.mechanism()
     before = mechanism.state.mobility().numbers
