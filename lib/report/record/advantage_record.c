@@ -1,6 +1,7 @@
 /* Mechanical advantage, at a pose and over a sweep, as a record and as text. */
 #include "report/record/advantage_record.h"
 
+#include "base/table.h"
 #include "kinematics/state.h"
 
 #include "report/record/sweep_text.h"
@@ -8,6 +9,7 @@
 #include "topology/mechanism.h"
 
 #include <math.h>
+#include <string.h>
 
 static void add_losses(const km_losses *losses, const km_advantage *a, km_value *record, km_arena *arena) {
   km_value *item = km_value_add(arena, record, "force_ratio", KM_OBJECT);
@@ -167,6 +169,23 @@ static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_
   km_text_add(out, poles ? "" : "\n");
 }
 
+/* Least transmission angle of each hinge over the rows. */
+static void print_hinges(const km_advantage_sweep *sweep, const char *s_unit, km_text *out) {
+  static const char prefix[] = "transmission.";
+  const km_table *t = sweep->motion.table;
+  int count = 0, s = km_table_find(t, "s");
+  for (size_t c = 0; c < km_table_columns(t) && s >= 0; ++c) {
+    const char *name = km_table_name(t, c);
+    size_t row = strncmp(name, prefix, sizeof prefix - 1) == 0 ? km_table_extreme_row(t, c, 1.0) : km_table_rows(t);
+    if (row == km_table_rows(t))
+      continue;
+    km_text_add(out, count++ ? ";" : "  least transmission angles of the hinges:");
+    km_text_format(out, " %s %.4g %s at %.6g%s", name + sizeof prefix - 1, km_table_row(t, row)[c], km_table_unit(t, c),
+                   km_table_row(t, row)[s], s_unit);
+  }
+  km_text_add(out, count ? "\n" : "");
+}
+
 void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
                               const char *name, km_text *out) {
   const char *unit = km_advantage_unit(m->model, &sweep->input, &sweep->output), *s_unit = km_sweep_unit(m, plan);
@@ -174,6 +193,7 @@ void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, 
   km_text_format(out, "  mechanical advantage of %s over %s%s%s%s:", sweep->input.name, sweep->output.name,
                  unit[0] ? " (" : "", unit, unit[0] ? ")" : "");
   print_range(sweep, s_unit, out);
+  print_hinges(sweep, s_unit, out);
   if (sweep->method == KM_ADVANTAGE_LEAST_MOTION && sweep->motion.freedom - sweep->motion.passive > 1)
     km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
   print_state(sweep, KM_ADVANTAGE_ZERO, "  zero at", s_unit, out);
