@@ -1,20 +1,27 @@
 /* Initial poses of the bodies, before loops are closed. */
 #include "model/initial_poses.h"
 
-km_pose km_model_start_motion(const km_model *model, int joint) {
+km_pose km_model_joint_motion(const km_model *model, int joint, const double *q) {
   const km_model_joint *def = &model->joints[joint];
   const km_joint_kind *kind = km_joint_kind_of(def->type);
   km_pose X = km_pose_identity();
-  int coordinate = def->first_coordinate;
   for (int i = 0; i < kind->motion_count; ++i) {
     double value[3] = {0};
     int freedom = km_primitive_freedom(kind->motions[i].primitive);
-    for (int k = 0; k < freedom; ++k, ++coordinate)
-      value[k] = model->coordinates[coordinate].position * km_model_coordinate_factor(model, coordinate);
+    for (int k = 0; k < freedom; ++k)
+      value[k] = *q++;
     km_pose step = km_motion_pose(kind->motions[i], def->pitch / (2.0 * M_PI), value);
     X = km_pose_product(&X, &step);
   }
   return X;
+}
+
+km_pose km_model_start_motion(const km_model *model, int joint) {
+  double q[KM_MAX_FREEDOM] = {0};
+  int first = model->joints[joint].first_coordinate;
+  for (int k = 0; k < km_model_freedom(model, joint); ++k)
+    q[k] = model->coordinates[first + k].position * km_model_coordinate_factor(model, first + k);
+  return km_model_joint_motion(model, joint, q);
 }
 
 static bool is_drawn(const km_model *model, int body) {

@@ -4,6 +4,9 @@
 
 #include "model/model.h"
 
+/* Pose of the child frame in the parent frame at the joint's coordinates q: radians, lengths; a ball's rotation
+ * vector. */
+km_pose km_model_joint_motion(const km_model *model, int joint, const double *q);
 /* Pose of the child frame in the parent frame at the initial displacements. */
 km_pose km_model_start_motion(const km_model *model, int joint);
 /* Computes the poses of all bodies along the first chain of joints to each. Bodies of drawn assemblies, and

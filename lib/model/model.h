@@ -261,6 +261,8 @@ typedef struct km_unedited {
   km_applied_load *loads;
 } km_unedited;
 
+typedef struct km_written_number km_written_number;
+
 struct km_model {
   km_arena arena;
   const struct km_origin *origin; /* data of the reader in exchange/ for writing the model; NULL: built by calls */
@@ -274,7 +276,7 @@ struct km_model {
   double characteristic_length; /* 0: not stated */
   bool length_shared;           /* true: shared with models that are compared */
   double closure_tolerance;
-  bool closure_tolerance_given;
+  bool closure_tolerance_given, closure_tolerance_inferred; /* inferred by a reader from the digits of the file */
   double rotation_misfit; /* largest entry of RᵀR − I over the stated frames */
   km_model_assembly *assemblies;
   km_model_body *bodies;
@@ -287,13 +289,15 @@ struct km_model {
   km_applied_load *loads;
   km_model_hold *holds;
   km_model_pose *poses;
+  struct km_written_number *written; /* [written_count] numbers of the file that place frames (written_numbers.h) */
+  size_t written_room;
   int *actuators;       /* coordinate indices */
   bool actuators_given; /* true if stated, even if the list is empty */
   km_model_port advantage_input, advantage_output;
   km_model_sweep sweep;
   const km_unedited *unedited; /* NULL: unchanged */
   int assembly_count, body_count, frame_count, shape_count, joint_count, coordinate_count, coupling_count, module_count;
-  int load_count, hold_count, pose_count, actuator_count;
+  int load_count, hold_count, pose_count, actuator_count, written_count;
 };
 
 /* Saves the numbers as they were read, before the first change. KM_MEMORY: the model is unchanged. */

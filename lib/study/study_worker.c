@@ -1,5 +1,6 @@
 /* Worker of a study (one thread): patches designs into models and computes their requests in batches. */
 #include "kmech/mechanism.h"
+#include "kmech/rounding.h"
 #include "model/model_numbers.h"
 #include "question/question.h"
 #include "study/design_study.h"
@@ -65,6 +66,8 @@ static km_status open_slot(const km_design_study *s, model_slot *at, km_error *e
   km_design_clear(s, values);
   km_read_def definition = {.file = s->def->model};
   km_status status = km_model_read_as(s->bytes, s->size, &definition, NULL, &at->model, error);
+  if (!status)
+    status = km_model_idealise(at->model, NULL, NULL, error);
   if (status)
     return status;
   double unit = km_model_length_unit(at->model);

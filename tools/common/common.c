@@ -50,9 +50,11 @@ void kt_common_options(kt_options *out, kt_common *common, unsigned uses) {
   const kt_option floating[] = {{"float", 0, NULL,
                                  "The root link of a robot description is free to move, instead of fixed to the ground",
                                  KT_FLAG, &common->floating, KT_ABOUT_MODEL}};
-  const kt_option tolerance[] = {{"closure-tolerance", 0, "X",
-                                  "Close loops and judge ranks to within X, instead of the file's closure_tolerance",
-                                  KT_TOLERANCE, &common->closure_tolerance, KT_ABOUT_MODEL}};
+  const kt_option tolerance[] = {
+      {"closure-tolerance", 0, "X", "Close loops and judge ranks to within X, instead of the file's closure_tolerance",
+       KT_TOLERANCE, &common->closure_tolerance, KT_ABOUT_MODEL},
+      {"exact", 0, NULL, "Take rounded numbers as written, not the nearest mechanism that moves", KT_FLAG,
+       &common->exact, KT_ABOUT_MODEL}};
   KT_OPTIONS_ADD(out, all);
   if (uses & KT_USES_MODEL)
     KT_OPTIONS_ADD(out, tolerance);
@@ -150,6 +152,12 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
                      .floating = common->floating,
                      .closure_tolerance = common->closure_tolerance};
   km_status status = km_model_read_file_as(path, &def, messages, &model, &error);
+  if (!status && !common->exact)
+    status = km_model_idealise(model, messages, common->idealised, &error);
+  if (status) {
+    km_model_free(model);
+    model = NULL;
+  }
   const char *name = strcmp(path, "-") == 0 ? "standard input" : path;
   for (size_t i = 0; i < km_messages_count(messages); ++i) {
     km_severity severity = km_messages_severity(messages, i);

@@ -7,6 +7,7 @@
 #include "kmech/data.h"
 #include "kmech/mechanism.h"
 #include "kmech/report.h"
+#include "kmech/rounding.h"
 
 /* Exit codes of every tool. */
 typedef enum kt_exit {
@@ -29,10 +30,12 @@ typedef struct kt_common {
   bool quiet, verbose, force;
   bool floating;            /* --float: bodies without a parent in a robot description are free */
   double closure_tolerance; /* --closure-tolerance; 0: the file's */
+  bool exact;               /* --exact: rounded numbers are taken as written */
   int jobs;
   unsigned long seed;
-  int mode;           /* --mode: assembly mode; 0: the file's own */
-  const char *pose;   /* --pose: named pose of the model to start from; NULL: its own */
+  km_idealisation *idealised; /* receives the changes of rounded numbers; NULL: doesn't */
+  int mode;                   /* --mode: assembly mode; 0: the file's own */
+  const char *pose;           /* --pose: named pose of the model to start from; NULL: its own */
   km_messages *found; /* receives the reader's warnings and notes instead of the standard error; NULL: doesn't */
   km_text *log;       /* buffer of messages, so that parallel work reports in order; NULL: direct output */
 } kt_common;

@@ -5,12 +5,33 @@
 #include "kmech/exchange.h"
 #include "kmech/inspect.h"
 
+#include <math.h>
+
 typedef struct options {
   kt_common common;
   kt_texts holds, sets;
   const char *model, *file, *units;
-  bool frames, drawn;
+  bool frames, drawn, idealise;
 } options;
+
+/* Notes on the numbers that a movable mechanism needs. */
+static void report_of_changes(const options *o, const km_idealisation *found) {
+  for (int i = 0; i < found->change_count; ++i) {
+    const km_number_change *c = &found->change[i];
+    if (isnan(c->written))
+      kt_print_message(&o->common, KM_NOTE, "%s: %s is turned by %.2g of a last digit", o->model, c->place, c->digits);
+    else
+      kt_print_message(&o->common, KM_NOTE, "%s: %s is %.15g instead of %.15g (%.2g of a last digit)", o->model,
+                       c->place, c->nearest, c->written, c->digits);
+  }
+  for (int i = 0; i < found->count; ++i)
+    if (found->verdict[i].verdict == KM_ROUNDING_BEYOND)
+      kt_print_message(
+          &o->common, KM_WARNING,
+          "%s: rounding doesn't explain why substructure %d is open or nearly singular; its numbers stand as "
+          "written",
+          o->model, found->verdict[i].substructure + 1);
+}
 
 /* Meshes are files of their own, in the model's length unit. */
 static void report_of_meshes(const options *o, const km_model *model, const km_units *units) {
@@ -100,6 +121,9 @@ kt_exit kmob_convert(int argc, char **argv) {
       KT_SET(&o.sets, "Write another pose: move a joint to a value"),
       KT_HOLD(&o.holds, "Keep a joint rigid at a value on the way"),
       {"frames", 0, NULL, "Write drawn assemblies as frames of their bodies", KT_FLAG, &o.frames, KT_ABOUT_MODEL},
+      {"idealise", 0, NULL,
+       "Replace rounded numbers by the nearest ones for which the loops close and move, and list them", KT_FLAG,
+       &o.idealise, KT_ABOUT_MODEL},
       {"drawn", 0, NULL, "Write assemblies by points and axes in the pose, all bodies in one frame", KT_FLAG, &o.drawn,
        KT_ABOUT_MODEL},
       KT_MODE(o.common),
@@ -127,9 +151,15 @@ kt_exit kmob_convert(int argc, char **argv) {
   if (o.file && !kt_may_write(&o.common, o.file))
     return KT_USAGE;
   kt_pose pose;
+  km_idealisation found = {0};
+  o.common.exact = !o.idealise;
+  o.common.idealised = &found;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
-  if (result == KT_DONE)
+  if (result == KT_DONE) {
+    report_of_changes(&o, &found);
     result = convert_pose(&o, &pose);
+  }
   kt_close(&pose);
+  km_idealisation_free(&found);
   return result;
 }

@@ -181,6 +181,7 @@ kt_exit kview_export(int argc, char **argv) {
   kv_session session = {.opening = {.path = o.model,
                                     .floating = o.common.floating,
                                     .closure_tolerance = o.common.closure_tolerance,
+                                    .exact = o.common.exact,
                                     .pose = o.common.pose}};
   km_text recording = {0};
   km_error error;

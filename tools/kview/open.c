@@ -108,6 +108,7 @@ static kt_exit try_model(const options *o) {
   kv_session session = {.opening = {.path = o->model,
                                     .floating = o->common.floating,
                                     .closure_tolerance = o->common.closure_tolerance,
+                                    .exact = o->common.exact,
                                     .pose = o->common.pose}};
   km_error error;
   km_status status = kv_session_load(&session, &error);
@@ -158,6 +159,7 @@ kt_exit kview_open(int argc, char **argv) {
   kv_server_def def = {.opening = {.path = o.model,
                                    .floating = o.common.floating,
                                    .closure_tolerance = o.common.closure_tolerance,
+                                   .exact = o.common.exact,
                                    .pose = o.common.pose,
                                    .study = o.study},
                        .stay = o.stay,

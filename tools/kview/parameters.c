@@ -2,6 +2,7 @@
 #include "kview/messages.h"
 
 #include "kmech/data.h"
+#include "kmech/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -72,6 +73,8 @@ static km_status load(const kv_session *s, const double *values, km_model **out,
       items[def.assignment_count++] = (km_assignment){p->items[i].name, values[i]};
     }
   km_status status = km_model_read_file_as(s->opening.path, &def, NULL, out, error);
+  if (!status && !s->opening.exact)
+    status = km_model_idealise(*out, NULL, NULL, error);
   free(items);
   return status;
 }

@@ -3,6 +3,7 @@
 
 #include "kmech/base.h"
 #include "kmech/continuation.h"
+#include "kmech/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -99,6 +100,8 @@ static km_status make_model(kv_session *s, const km_text *file, km_messages *mes
       .file = s->opening.path, .floating = s->opening.floating, .closure_tolerance = s->opening.closure_tolerance};
   km_status status = km_model_read_as(file->data ? file->data : "", file->size, &def, messages, out, error);
   int pose;
+  if (!status && !s->opening.exact)
+    status = km_model_idealise(*out, messages, NULL, error);
   if (!status && s->opening.pose) {
     status = km_model_find_pose(*out, s->opening.pose, &pose, error);
     if (!status)

@@ -20,6 +20,7 @@ typedef struct kv_opening {
   const char *path; /* path of the model's file */
   bool floating;
   double closure_tolerance; /* 0: the file's */
+  bool exact;               /* rounded numbers are taken as written */
   const char *pose;         /* named in the model; NULL: its own */
   const char *study;        /* path study of the question "track"; NULL: none */
 } kv_opening;

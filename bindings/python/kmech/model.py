@@ -4,6 +4,7 @@ from __future__ import annotations
 import threading
 import warnings
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Iterator, Mapping, Optional, Sequence, Union
 
@@ -16,19 +17,55 @@ from .question import Answer, add_methods, number, numbers
 
 
 def load(path: Union[str, Path], *, floating: bool = False, vary: Optional[Mapping[str, float]] = None,
-         closure_tolerance: Optional[float] = None) -> "Model":
+         closure_tolerance: Optional[float] = None, exact: bool = False) -> "Model":
     """Reads a model from a file: JSON of the model format, URDF, MJCF or SDF, told by the content.
 
     floating: what a robot description leaves untied is free to move. vary: other values for numbers of the file, by
-    their paths ("crank.tip.x", a parameter's name); JSON only. closure_tolerance: instead of the file's.
+    their paths ("crank.tip.x", a parameter's name); JSON only. closure_tolerance: instead of the file's. exact: rounded
+    numbers are taken as written; otherwise those of the nearest mechanism that moves are used, if rounding explains the
+    difference (Model.roundings).
     Raises ModelError with the place in the file, and warns with ModelWarning."""
-    return Model(read_file(path), file=str(path), floating=floating, vary=vary, closure_tolerance=closure_tolerance)
+    return Model(read_file(path), file=str(path), floating=floating, vary=vary, closure_tolerance=closure_tolerance,
+                 exact=exact)
 
 
 def from_string(text: Union[str, bytes], *, floating: bool = False, vary: Optional[Mapping[str, float]] = None,
-                file: Optional[str] = None, closure_tolerance: Optional[float] = None) -> "Model":
+                file: Optional[str] = None, closure_tolerance: Optional[float] = None, exact: bool = False) -> "Model":
     """Reads a model from a text. `file`: where it is from, for meshes and files that it names."""
-    return Model(text, file=file, floating=floating, vary=vary, closure_tolerance=closure_tolerance)
+    return Model(text, file=file, floating=floating, vary=vary, closure_tolerance=closure_tolerance, exact=exact)
+
+
+@dataclass(frozen=True)
+class NumberChange:
+    """A number of the file that was replaced: its place, values as written and used, change in units of its last digit."""
+
+    place: str
+    written: float
+    nearest: float
+    digits: float
+
+
+@dataclass(frozen=True)
+class Rounding:
+    """Verdict on the rounded numbers of one substructure.
+
+    verdict: "exact" (nothing to explain), "found" (numbers within half a last digit give `mobility`), "beyond" (rounding
+    doesn't explain the gap: the numbers stand as written). closes: the loops close as written. changes: what was
+    replaced."""
+
+    substructure: int
+    verdict: str
+    closes: bool
+    mobility_as_written: int
+    mobility: int
+    changes: tuple[NumberChange, ...]
+
+    @classmethod
+    def _of(cls, c: Any, found: Any) -> "Rounding":
+        changes = (found.change[i] for i in range(found.change_count))
+        return cls(c.substructure, ("exact", "found", "beyond")[c.verdict], c.closes, c.mobility_as_written, c.mobility,
+                   tuple(NumberChange(text_of(n.place), n.written, n.nearest, n.digits) for n in changes
+                         if n.substructure == c.substructure))
 
 
 class Model:
@@ -38,16 +75,22 @@ class Model:
     pose; Mechanism has the same ones."""
 
     def __init__(self, text: Union[str, bytes], *, file: Optional[str] = None, floating: bool = False,
-                 vary: Optional[Mapping[str, float]] = None, closure_tolerance: Optional[float] = None) -> None:
+                 vary: Optional[Mapping[str, float]] = None, closure_tolerance: Optional[float] = None,
+                 exact: bool = False) -> None:
         if not isinstance(text, (str, bytes, bytearray)):
             raise TypeError(f"text: found {type(text).__name__}; expected the text of a model")
         self._source = text.encode("utf-8", "surrogateescape") if isinstance(text, str) else bytes(text)
         self._read_with = {"file": file, "floating": bool(floating), "vary": dict(vary or {}),
-                           "closure_tolerance": closure_tolerance}
+                           "closure_tolerance": closure_tolerance, "exact": bool(exact)}
         self.file = file
         messages = ffi.gc(lib.km_messages_create(), lib.km_messages_free)
         out, error = ffi.new("km_model **"), new_error()
         status = lib.km_model_read_as(self._source, len(self._source), self._definition(), messages, out, error)
+        self.roundings: list[Rounding] = []
+        if status == lib.KM_OK and not exact:
+            found = ffi.gc(ffi.new("km_idealisation *"), lib.km_idealisation_free)
+            status = lib.km_model_idealise(out[0], messages, found, error)
+            self.roundings = [Rounding._of(found.verdict[i], found) for i in range(found.count)]
         self.messages: list[Message] = messages_of(messages)
         try:
             check(status, error)
@@ -79,7 +122,7 @@ class Model:
     def _of(cls, pointer: Any) -> "Model":
         """A model that was built by calls."""
         model = cls.__new__(cls)
-        model._source, model.file, model.messages = None, None, []
+        model._source, model.file, model.messages, model.roundings = None, None, [], []
         model._take(pointer)
         return model
 

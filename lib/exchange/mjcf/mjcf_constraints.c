@@ -125,9 +125,9 @@ static void judge_gap(km_mjcf *m, const loop_ends *ends, bool weld) {
   km_pose stands = across(m, ends), back = km_pose_inverse(&ends->pose[1]), gap = km_pose_product(&back, &stands);
   double far = km_vec3_norm(gap.p), angle = km_vec3_norm(km_quaternion_log(km_rotation_quaternion(&gap.R)));
   if (far < 1e-3 * m->robot->reach)
-    m->robot->length_rounding = fmax(m->robot->length_rounding, far);
+    m->robot->lengths.several = fmax(m->robot->lengths.several, far);
   if (weld && angle < 1e-3)
-    m->robot->angle_rounding = fmax(m->robot->angle_rounding, angle);
+    m->robot->angles.several = fmax(m->robot->angles.several, angle);
 }
 
 static void read_loop(km_mjcf *m, const km_xml *e) {

@@ -163,7 +163,7 @@ static km_rotation from_axes(km_mjcf *m, const km_xml *e, const double v[6]) {
 
 /* The text of an attribute that turns axes counts for how the file is rounded. */
 static bool given(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const char *key, double *v, int count,
-                  double period, double *rounding) {
+                  double period, km_robot_digits *rounding) {
   const char *text = km_mjcf_get(m, e, place, key);
   if (!text || !km_robot_parse(m->robot, e, key, text, v, count))
     return false;
@@ -174,7 +174,8 @@ static bool given(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, const
 
 static km_rotation read_rotation(km_mjcf *m, const km_xml *e, const km_mjcf_place *place) {
   bool of_joints = strcmp(e->name, "inertial") != 0 && strcmp(e->name, "geom") != 0;
-  double v[6], *worst = of_joints ? &m->robot->angle_rounding : NULL, step = M_PI / 12.0 / m->compiler.angle;
+  km_robot_digits *worst = of_joints ? &m->robot->angles : NULL;
+  double v[6], step = M_PI / 12.0 / m->compiler.angle;
   if (given(m, e, place, "quat", v, 4, 0.0, worst)) {
     if (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0 || v[3] != 0.0)
       return km_quaternion_rotation(km_quaternion_normalised((km_quaternion){v[0], v[1], v[2], v[3]}));

@@ -121,7 +121,7 @@ static void set_single(km_mjcf *m, const km_xml *e, const km_mjcf_place *place, 
   double reference = unit * km_mjcf_number(m, e, place, "ref", 0.0);
   km_mjcf_numbers(m, e, place, "pos", p, 3);
   if (km_mjcf_numbers(m, e, place, "axis", u, 3) == 3)
-    km_robot_judge_digits(km_mjcf_get(m, e, place, "axis"), 0.0, &m->robot->angle_rounding);
+    km_robot_judge_digits(km_mjcf_get(m, e, place, "axis"), 0.0, &m->robot->angles);
   joint->axis = km_mjcf_unit(m->robot, e, "axis", u);
   km_pose anchor = {km_rotation_identity(), km_vec3_from_array(p)}, back = km_pose_identity();
   joint->in_child = km_pose_product(&place->pose, &anchor);

@@ -1,6 +1,8 @@
 /* Building a model from a description: messages, what is left out, and the settings of the whole. */
 #include "exchange/robot/robot.h"
 
+#include "model/written_numbers.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -45,15 +47,65 @@ void km_robot_omit(km_robot *robot, const char *kind, const char *name) {
 
 /* Loops that a file's rounded numbers leave almost closed, or axes almost parallel, close to within the rounding, where
  * the file states no tolerance. */
-static void set_closure_tolerance(km_robot *robot) {
+static bool set_closure_tolerance(km_robot *robot) {
   double size = robot->reach > 0.0 ? robot->reach : 1.0;
-  double rounding = fmax(robot->angle_rounding, robot->length_rounding / size);
+  double rounding = fmax(robot->angles.several, robot->lengths.several / size);
   if (robot->settings.closure_tolerance > 0.0 || !robot->closes || 2.0 * rounding <= 1e-9)
-    return;
+    return false;
   robot->settings.closure_tolerance = fmin(2.0 * rounding, 1e-3);
   km_messages_add(robot->request->messages, KM_NOTE,
                   "closure_tolerance is set to %.2g, as the numbers in the file are rounded",
                   robot->settings.closure_tolerance);
+  return true;
+}
+
+/* Half a unit of the last digit of the coordinates of frames: of the coarsest number with at least `several` digits. */
+static double coarsest_half(const km_model *model, int several) {
+  enum { ALL = 12 /* digits of a number that was computed */ };
+  double half = 0.0;
+  for (int f = 0; f < model->frame_count; ++f) {
+    const km_vec3 *p = &model->frames[f].pose.p;
+    const double x[3] = {p->x, p->y, p->z};
+    for (int k = 0; k < 3; ++k) {
+      int digits;
+      double own = km_half_digit(x[k], &digits);
+      if (digits >= several && digits <= ALL)
+        half = fmax(half, own);
+    }
+  }
+  return half;
+}
+
+/* Half a unit of the last digit of a description's lengths: of its numbers with four digits; if axes are rounded and no
+ * length has more, of those with three. */
+static double length_half(const km_robot *robot, const km_model *model) {
+  double half = fmax(robot->lengths.several, coarsest_half(model, 4));
+  return half > 0.0 || robot->angles.written == 0.0 ? half : coarsest_half(model, 3);
+}
+
+/* Records how the poses of frames are rounded (model/written_numbers.h): a description states them in many forms, of
+ * which the frames' own coordinates and turns stand here. */
+static void record_numbers(const km_robot *robot, km_model *model) {
+  double length = length_half(robot, model), angle = fmax(robot->angles.several, robot->angles.written);
+  for (int f = 0; f < model->frame_count; ++f) {
+    const km_pose *pose = &model->frames[f].pose;
+    const double x[3] = {pose->p.x, pose->p.y, pose->p.z};
+    if (strcmp(model->frames[f].name, "origin") == 0)
+      continue;
+    for (int k = 0; k < 3 && length > 0.0; ++k)
+      if (x[k] != 0.0)
+        km_model_add_written(model, &(km_written_number){.frame = {f, -1},
+                                                         .key = "T",
+                                                         .index = k,
+                                                         .value = x[k],
+                                                         .half = length,
+                                                         .move = {k == 0, k == 1, k == 2}});
+    for (int k = 0; k < 3 && angle > 0.0; ++k)
+      km_model_add_written(
+          model,
+          &(km_written_number){
+              .frame = {f, -1}, .key = "turn", .index = -1, .value = nan(""), .half = angle, .turn = pose->R.axis[k]});
+  }
 }
 
 static void compute_masses(const km_robot *robot, km_model *model) {
@@ -84,7 +136,7 @@ static km_status finish(km_robot *robot, km_model **out, km_error *error) {
     return first_error(robot, error);
   if (robot->request->closure_tolerance > 0.0)
     robot->settings.closure_tolerance = robot->request->closure_tolerance;
-  set_closure_tolerance(robot);
+  bool is_inferred = set_closure_tolerance(robot);
   km_status status = km_model_set(robot->builder, &robot->settings, error);
   if (!status)
     status = km_builder_finish(robot->builder, out, error);
@@ -93,6 +145,9 @@ static km_status finish(km_robot *robot, km_model **out, km_error *error) {
   if (status)
     return status;
   compute_masses(robot, *out);
+  (*out)->closure_tolerance_inferred = is_inferred;
+  if (robot->closes)
+    record_numbers(robot, *out);
   km_omissions_report(&robot->omissions, robot->request->messages);
   return KM_OK;
 }

@@ -16,6 +16,12 @@ typedef struct km_robot_request {
   km_messages *messages;
 } km_robot_request;
 
+/* Half a unit of the last digit of the coarsest number of a kind. */
+typedef struct km_robot_digits {
+  double several; /* numbers with five digits or more, which are rounded for certain */
+  double written; /* numbers with four too, and directions whose length is nearly 1 */
+} km_robot_digits;
+
 typedef struct km_robot {
   const km_robot_request *request;
   km_arena arena; /* memory that is freed after reading */
@@ -24,11 +30,11 @@ typedef struct km_robot {
   km_names joints, bodies,
       frames; /* taken names: scope assembly, assembly, body; 0 where they wait for their element */
   km_omissions omissions;
-  bool closes;                            /* there are loops */
-  double angle_rounding, length_rounding; /* rounding errors of axes and points of loops, from the digits of the file */
-  double reach;                           /* the largest distance of a frame from its body's origin */
-  double total_mass;                      /* > 0: what the whole is to weigh */
-  bool failed;                            /* an error was reported */
+  bool closes;                     /* there are loops */
+  km_robot_digits angles, lengths; /* rounding errors of axes and points of loops, from the digits of the file */
+  double reach;                    /* the largest distance of a frame from its body's origin */
+  double total_mass;               /* > 0: what the whole is to weigh */
+  bool failed;                     /* an error was reported */
 } km_robot;
 
 /* A model from a tree: what each of the formats does. False only where nothing further can be done; faults are
@@ -64,7 +70,7 @@ double km_robot_number(km_robot *robot, const km_xml *element, const char *attri
 double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const char *text, double otherwise);
 /* Records the rounding of a pose's numbers. `period`: a multiple of it within the rounding is taken as exact; 0:
  * none. */
-void km_robot_judge_digits(const char *text, double period, double *worst);
+void km_robot_judge_digits(const char *text, double period, km_robot_digits *worst);
 /* Records the rounding of the attributes `rpy` and `xyz` of an element. */
 void km_robot_judge_origin(km_robot *robot, const km_xml *element);
 

@@ -77,41 +77,56 @@ double km_robot_bound(km_robot *robot, const km_xml *at, const char *what, const
   return otherwise;
 }
 
-/* Half a unit in the last digit of a number; 0 for a number with few digits, which is taken as exact. */
-static double half_unit(const char *number, size_t length) {
-  int digits = 0, decimals = 0;
+/* Half a unit in the last digit of a number with a point; *digits: number of its digits from the first that isn't 0. */
+static double half_unit(const char *number, size_t length, int *digits) {
+  int decimals = 0;
   bool point = false;
   const char *c = number;
   for (; c < number + length && *c != 'e' && *c != 'E'; ++c) {
     if (*c == '.')
       point = true;
     else if (*c >= '0' && *c <= '9') {
-      digits += digits > 0 || *c != '0';
+      *digits += *digits > 0 || *c != '0';
       decimals += point;
     }
   }
   double power = c < number + length ? km_number_read(c + 1, NULL) : 0.0;
-  return digits >= 5 && point ? 0.5 * pow(10.0, power - decimals) : 0.0;
+  return point ? 0.5 * pow(10.0, power - decimals) : 0.0;
 }
 
-void km_robot_judge_digits(const char *text, double period, double *worst) {
+void km_robot_judge_digits(const char *text, double period, km_robot_digits *worst) {
+  enum { SEVERAL = 5, WRITTEN = 4 };                  /* digits of a number that is rounded */
+  static const double nearly = 0.03, off_unit = 1e-9; /* relative to the length 1 of a direction */
+  double finest = HUGE_VAL, square = 0.0;
+  int count = 0;
   for (const char *rest = text; !is_empty(rest);) {
     double value;
     rest += strspn(rest, blanks);
     const char *start = rest;
     if (!read_one(&rest, &value))
       return;
-    double rounding = half_unit(start, (size_t)(rest - start));
+    int digits = 0;
+    double rounding = half_unit(start, (size_t)(rest - start), &digits);
+    ++count;
+    square += value * value;
+    if (rounding > 0.0)
+      finest = fmin(finest, rounding);
     double off = period > 0.0 ? fabs(value - period * round(value / period)) : (double)INFINITY;
     rounding = fmin(rounding, off); /* π/2 is known exactly, however it is written */
-    if (rounding > *worst && rounding < 1e-3)
-      *worst = rounding;
+    if (digits >= SEVERAL && rounding < 1e-3)
+      worst->several = fmax(worst->several, rounding);
+    if (digits >= WRITTEN && rounding < 1e-3)
+      worst->written = fmax(worst->written, rounding);
   }
+  double off = fabs(sqrt(square) - 1.0);
+  bool is_direction = period == 0.0 && (count == 3 || count == 4);
+  if (is_direction && off > off_unit && off < nearly && isfinite(finest))
+    worst->written = fmax(worst->written, count == 4 ? 2.0 * finest : finest); /* a quaternion turns by 2 |dq| */
 }
 
 void km_robot_judge_origin(km_robot *robot, const km_xml *element) {
-  km_robot_judge_digits(km_xml_attribute_of(element, "rpy"), M_PI / 12.0, &robot->angle_rounding);
-  km_robot_judge_digits(km_xml_attribute_of(element, "xyz"), 0.0, &robot->length_rounding);
+  km_robot_judge_digits(km_xml_attribute_of(element, "rpy"), M_PI / 12.0, &robot->angles);
+  km_robot_judge_digits(km_xml_attribute_of(element, "xyz"), 0.0, &robot->lengths);
 }
 
 km_rotation km_rotation_rpy(const double rpy[3]) {

@@ -30,7 +30,7 @@ km_pose km_sdf_pose(km_robot *robot, const km_xml *element) {
     return km_pose_identity();
   km_pose pose = {km_rotation_identity(), km_vec3_from_array(v)};
   double unit = km_sdf_is_true(km_xml_attribute_of(e, "degrees")) ? M_PI / 180.0 : 1.0;
-  km_robot_judge_digits(e->text, M_PI / 12.0 / unit, &robot->angle_rounding);
+  km_robot_judge_digits(e->text, M_PI / 12.0 / unit, &robot->angles);
   if (quaternion && (v[3] != 0.0 || v[4] != 0.0 || v[5] != 0.0 || v[6] != 0.0))
     pose.R = km_quaternion_rotation(km_quaternion_normalised((km_quaternion){v[6], v[3], v[4], v[5]}));
   else if (!quaternion)

@@ -147,7 +147,7 @@ static km_vec3 axis_of(const km_closures *c, const km_xml *axis, const km_pose *
   const km_xml *xyz = km_xml_child(axis, "xyz");
   double u[3] = {0, 0, 1};
   if (xyz && km_robot_parse(c->robot, xyz, "xyz", xyz->text, u, 3))
-    km_robot_judge_digits(xyz->text, 0.0, &c->robot->angle_rounding);
+    km_robot_judge_digits(xyz->text, 0.0, &c->robot->angles);
   double length = km_vec3_norm(km_vec3_from_array(u));
   km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_from_array(u)) : (km_vec3){0, 0, 1};
   if (!(length > 0.0))

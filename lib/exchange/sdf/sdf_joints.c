@@ -38,7 +38,7 @@ km_vec3 km_sdf_axis(km_sdf *sdf, int joint, const km_xml *axis) {
   const char *in = km_xml_attribute_of(xyz, "expressed_in"), *old = km_sdf_text(axis, "use_parent_model_frame");
   double u[3] = {0, 0, 1};
   if (xyz && km_robot_parse(sdf->robot, xyz, "xyz", xyz->text, u, 3))
-    km_robot_judge_digits(xyz->text, 0.0, &sdf->robot->angle_rounding);
+    km_robot_judge_digits(xyz->text, 0.0, &sdf->robot->angles);
   double length = km_vec3_norm(km_vec3_from_array(u));
   km_vec3 unit = length > 0.0 ? km_vec3_scale(1.0 / length, km_vec3_from_array(u)) : (km_vec3){0, 0, 1};
   if (!(length > 0.0))

@@ -5,9 +5,9 @@
 
 /* A pose that no joint depends on: how it is rounded doesn't count. */
 static km_pose loose_pose(km_robot *robot, const km_xml *element) {
-  double rounding = robot->angle_rounding;
+  km_robot_digits rounding = robot->angles;
   km_pose pose = km_sdf_pose(robot, element);
-  robot->angle_rounding = rounding;
+  robot->angles = rounding;
   return pose;
 }
 

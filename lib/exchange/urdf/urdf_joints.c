@@ -120,7 +120,7 @@ static void add_joint(km_urdf *urdf, km_urdf_joint *joint) {
   def.in_parent = km_urdf_origin(robot, joint->at);
   def.axis = read_axis(robot, joint);
   km_robot_judge_origin(robot, km_xml_child(joint->at, "origin"));
-  km_robot_judge_digits(km_xml_attribute_of(km_xml_child(joint->at, "axis"), "xyz"), 0.0, &robot->angle_rounding);
+  km_robot_judge_digits(km_xml_attribute_of(km_xml_child(joint->at, "axis"), "xyz"), 0.0, &robot->angles);
   def.position[0] = joint->position;
   read_limits(robot, joint, &def);
   if (child >= 0 && urdf->parents[child])

@@ -15,6 +15,7 @@
 #include "kmech/model.h"
 #include "kmech/question.h"
 #include "kmech/report.h"
+#include "kmech/rounding.h"
 #include "kmech/space.h"
 #include "kmech/statics.h"
 #include "kmech/study.h"

@@ -89,6 +89,7 @@ bool km_read_drawn_ends(km_reader *reader, const km_value *value, int assembly, 
     return false;
   for (int end = 0; end < 2; ++end)
     joint->frame[end] = km_reader_make_frame(reader, body[end], joint->name, pose);
+  km_reader_record_drawn(reader, value, joint->frame);
   return true;
 }
 

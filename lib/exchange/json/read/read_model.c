@@ -175,8 +175,8 @@ static void read_frame(km_reader *reader, const km_value *frame, int body, const
     return;
   }
   const char *name = km_reader_name(reader, frame, place, &reader->frames, body, "origin");
-  km_reader_add_frame(reader, name, body,
-                      (km_pose){km_reader_orientation(reader, frame, place), km_reader_vector(frame, "T")});
+  km_pose pose = {km_reader_orientation(reader, frame, place), km_reader_vector(frame, "T")};
+  km_reader_record_pose(reader, frame, km_reader_add_frame(reader, name, body, pose));
 }
 
 static void read_body(km_reader *reader, const km_value *value, int assembly, const km_place *place) {

@@ -98,6 +98,11 @@ int km_reader_values(km_reader *reader, const km_value *value, const km_place *p
 /* A path as a person reads it: `a/b/c`. */
 const char *km_path_text(const km_value *path, char out[KM_PLACE_TEXT]);
 
+/* Records the numbers of an object that place a frame: its T and orientation. */
+void km_reader_record_pose(km_reader *reader, const km_value *object, int frame);
+/* Records the numbers of a drawn joint, `at` and `axis`, which place both of its frames. */
+void km_reader_record_drawn(km_reader *reader, const km_value *joint, const int frame[2]);
+
 /* `drawn` of an assembly. */
 void km_read_drawn(km_reader *reader, const km_value *assembly, const km_place *place, km_model_assembly *out);
 /* `bodies`, `at` and `axis` of a joint: its two frames, both at the point; false if there are none, which is reported

@@ -1,0 +1,16 @@
+/* Singular value decomposition A = U S Vᵀ by LAPACK's dgesdd, loaded at the first use. */
+#ifndef KM_LINALG_DENSE_SINGULAR_VALUES_H
+#define KM_LINALG_DENSE_SINGULAR_VALUES_H
+
+#include "kmech/base.h"
+
+#include <stdbool.h>
+
+/* Decomposes A[rows × columns], column-major, which is overwritten. s[min(rows, columns)]: singular values, largest
+ * first. `complete`: U[rows × rows] and Vt[columns × columns] are orthogonal; otherwise U[rows × min] and Vt[min ×
+ * columns]. rows, columns > 0. KM_IO: LAPACKE is not installed; KM_DIVERGED: a number is not finite, or the iteration
+ * does not converge; KM_MEMORY. O(rows · columns · max(rows, columns)). */
+km_status km_singular_value_decomposition(int rows, int columns, double *A, bool complete, double *s, double *U,
+                                          double *Vt, km_error *error);
+
+#endif

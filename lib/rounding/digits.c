@@ -1,0 +1,132 @@
+/* Digits of the numbers of a substructure. */
+#include "rounding/digits.h"
+
+#include "base/extrema.h"
+
+#include <string.h>
+
+enum {
+  LONG_DIGITS = 4
+}; /* a number with so many digits is taken as rounded; those with fewer are meant as they stand */
+static const double orthonormal = 1e-12; /* columns of a matrix with all digits of a double */
+
+/* Marks the frames of the substructure's joints that no joint outside it has. */
+static void mark_frames(const km_mechanism *m, int index, signed char *mark) {
+  for (int j = 0; j < m->model->joint_count; ++j)
+    for (int end = 0; end < 2; ++end) {
+      int f = m->model->joints[j].frame[end];
+      if (m->topology.substructure_of_joint[j] != index)
+        mark[f] = -1;
+      else if (mark[f] == 0)
+        mark[f] = 1;
+    }
+}
+
+static bool is_usable(const km_written_number *number, const signed char *mark) {
+  bool one = false;
+  for (int end = 0; end < 2; ++end) {
+    int f = number->frame[end];
+    if (f >= 0 && mark[f] < 0)
+      return false;
+    one = one || (f >= 0 && mark[f] > 0);
+  }
+  return one;
+}
+
+static const double nearly_unit = 0.03; /* axes whose length is so near 1 are meant as unit vectors */
+
+/* Largest deviation of RᵀR from I, or of the length of a quaternion or a unit axis from 1, for the list that begins at
+ * number[i]; 0 for other lists. */
+static double misfit(const km_rounded_numbers *n, int i, int size) {
+  double v[9], worst = 0.0;
+  for (int k = 0; k < size && k < 9; ++k)
+    v[k] = n->number[i + k]->value;
+  if (strcmp(n->number[i]->key, "quaternion") == 0 && size == 4)
+    return fabs(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3] - 1.0);
+  if (strcmp(n->number[i]->key, "axis") == 0 && size == 3) {
+    double off = fabs(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) - 1.0);
+    return off < nearly_unit ? off : 0.0;
+  }
+  if (strcmp(n->number[i]->key, "R") != 0 || size != 9)
+    return 0.0;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      worst = fmax(worst, fabs(v[a] * v[b] + v[3 + a] * v[3 + b] + v[6 + a] * v[6 + b] - (a == b)));
+  return worst;
+}
+
+/* Kinds of numbers, each with a unit of its own. */
+static int kind_of(const char *key) {
+  static const char *const keys[] = {"T", "R", "quaternion", "euler", "rotation_vector", "axis", "turn"};
+  for (int i = 0; i < 7; ++i)
+    if (strcmp(key, keys[i]) == 0)
+      return i;
+  return 0; /* "at" */
+}
+
+enum { KINDS = 7 };
+
+/* Length of the list of numbers that begins at i. */
+static int list_size(const km_rounded_numbers *n, int i) {
+  int size = 1;
+  while (i + size < n->count && n->number[i + size]->key == n->number[i]->key &&
+         n->number[i + size]->frame[0] == n->number[i]->frame[0])
+    ++size;
+  return size;
+}
+
+/* Finds the unit of each kind: of its rounded numbers, else of all that aren't 0. */
+static void find_units(km_rounded_numbers *n, double *half, const int *digits) {
+  double rounded[KINDS], any[KINDS];
+  for (int k = 0; k < KINDS; ++k)
+    rounded[k] = any[k] = HUGE_VAL;
+  for (int i = 0, size; i < n->count; i += size) {
+    size = list_size(n, i);
+    bool is_off = misfit(n, i, size) > orthonormal;
+    for (int k = i; k < i + size; ++k) {
+      int kind = kind_of(n->number[k]->key);
+      bool is_shape = kind == 1 || kind == 2 || is_off, is_given = n->number[k]->half > 0.0;
+      n->is_long[k] = is_given || (is_shape ? is_off && digits[k] > 1 : digits[k] >= LONG_DIGITS);
+      if (digits[k] > 0 || is_given)
+        any[kind] = fmin(any[kind], half[k]);
+      if (n->is_long[k])
+        rounded[kind] = fmin(rounded[kind], half[k]);
+      n->is_rounded = n->is_rounded || n->is_long[k];
+    }
+  }
+  for (int i = 0; i < n->count; ++i) {
+    int kind = kind_of(n->number[i]->key);
+    double unit = isfinite(rounded[kind]) ? rounded[kind] : isfinite(any[kind]) ? any[kind] : 0.0;
+    /* a number with as many decimals as the longest has its unit, however few its digits */
+    n->is_long[i] = n->is_long[i] || (isfinite(rounded[kind]) && digits[i] > 1 && half[i] <= 1.5 * unit);
+    n->half[i] = unit;
+  }
+}
+
+bool km_rounded_numbers_find(const km_mechanism *m, int index, km_arena *arena, km_rounded_numbers *out) {
+  const km_model *model = m->model;
+  km_arena scratch = {0};
+  signed char *mark = KM_ARENA_NEW(&scratch, signed char, (size_t)model->frame_count);
+  size_t most = (size_t)model->written_count + 1;
+  double *half = KM_ARENA_NEW(&scratch, double, most);
+  int *digits = KM_ARENA_NEW(&scratch, int, most);
+  *out = (km_rounded_numbers){.most = model->written_count};
+  out->number = KM_ARENA_NEW(arena, const km_written_number *, most);
+  out->half = KM_ARENA_NEW(arena, double, most);
+  out->is_long = KM_ARENA_NEW(arena, bool, most);
+  bool found = !scratch.failed && !arena->failed;
+  if (found) {
+    mark_frames(m, index, mark);
+    for (int i = 0; i < model->written_count; ++i)
+      if (is_usable(&model->written[i], mark)) {
+        const km_written_number *number = &model->written[i];
+        half[out->count] = km_half_digit(number->value, &digits[out->count]);
+        if (number->half > 0.0)
+          half[out->count] = number->half;
+        out->number[out->count++] = number;
+      }
+    find_units(out, half, digits);
+  }
+  km_arena_free(&scratch);
+  return found;
+}

@@ -1,0 +1,306 @@
+/* Rounded numbers: verdicts for all substructures of a model, and its numbers replaced by the nearest ones that move
+ * (docs/theory.md 14.6-14.8).
+ *
+ *   ν = √(Σ_k |h_k ξ_k|²)   noise: change of J that half a last digit of every number causes, about; ξ_k: twist of the
+ *                           frame that the number places
+ *   σ_i > 10 ν kept, σ_i < 1e-13 σ_1 zero; those between may be rounding: each rank is tried, the lowest first */
+#include "kmech/rounding.h"
+
+#include "kinematics/assembly.h"
+#include "kinematics/damped_least_squares.h"
+#include "rounding/digits.h"
+#include "rounding/nearest_mechanism.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_COLUMNS = 400 };             /* larger substructures take minutes */
+static const double noise_margin = 10.0; /* singular values above so many times the noise don't come from rounding */
+static const double zero = 1e-13;        /* relative singular values below are rounding errors of the arithmetic */
+static const double written_zero = 1e-9; /* as ranks are decided as written (docs/theory.md 3.2) */
+static const double closes_as_written = 1e-9; /* the default closure tolerance */
+static const double largest_unit = 1e-2;      /* relative to the substructure's size: a coarser unit explains any gap */
+
+/* The result while it grows. */
+typedef struct result {
+  km_idealisation *out;
+  void *verdict, *change; /* the arrays of `out` */
+  size_t verdict_room, change_room;
+  bool failed; /* out of memory */
+} result;
+
+/* Analysis of one substructure. */
+typedef struct examination {
+  km_model *model;
+  km_compiling options;
+  km_nearest_mechanism nearest;
+  km_rounded_numbers numbers;
+  int lowest, highest; /* rank without and with the singular values that may be rounding */
+  double noise, gap;   /* ν; the largest gap at the lowest rank */
+  km_rounding verdict;
+} examination;
+
+/* Numbers that may change: those that are known to be rounded, in their planes; all, in their planes; all. */
+typedef enum freedom_of_numbers { LONG_IN_PLANES, ALL_IN_PLANES, ALL, FREEDOMS_OF_NUMBERS } freedom_of_numbers;
+
+static void choose_numbers(examination *x, freedom_of_numbers freedom) {
+  km_nearest_mechanism *n = &x->nearest;
+  double size = n->m->substructures[n->index].size;
+  n->count = 0;
+  n->gaps.keeps_planes = freedom != ALL;
+  for (int k = 0; k < x->numbers.count; ++k) {
+    km_written_number number = *x->numbers.number[k];
+    if (freedom != ALL)
+      number = km_loop_gaps_keep_plane(&n->gaps, &number);
+    double unit = x->numbers.half[k], moves = km_vec3_norm(number.move) / size, turns = km_vec3_norm(number.turn);
+    if ((freedom == LONG_IN_PLANES && !x->numbers.is_long[k]) || unit == 0.0 ||
+        unit * fmax(moves, turns) > largest_unit)
+      continue;
+    n->number[n->count] = number;
+    n->half[n->count] = unit;
+    n->x[n->count++] = 0.0;
+  }
+}
+
+static int count_above(const km_nearest_mechanism *n, double bound) {
+  int count = 0, least = n->rows < n->columns ? n->rows : n->columns;
+  while (count < least && n->S[count] > bound)
+    ++count;
+  return count;
+}
+
+static double largest_gap(const km_nearest_mechanism *n, int first_row) {
+  double most = 0.0;
+  for (int r = first_row; r < n->rows; ++r) {
+    double along = 0.0;
+    for (int i = 0; i < n->rows; ++i)
+      along += n->U[(size_t)r * (size_t)n->rows + (size_t)i] * n->e[i];
+    most = fmax(most, fabs(along));
+  }
+  return most;
+}
+
+/* Finds ranks and gaps of the numbers as they are written. *closed: the
+ * start is near a configuration without gaps in the directions that are kept. */
+static km_status examine_as_written(examination *x, bool *converged, km_error *error) {
+  static const double far = 0.01; /* scaled gap from which the start is poor */
+  km_nearest_mechanism *n = &x->nearest;
+  km_status status = km_nearest_decompose(n, error);
+  double open = largest_gap(n, 0);
+  *converged = false;
+  if (!status && open > far) {
+    status = km_damped_least_squares(n->m, n->s, n->index, error);
+    status = status ? status : km_nearest_decompose(n, error);
+  }
+  if (status)
+    return status;
+  choose_numbers(x, ALL_IN_PLANES);
+  x->noise = km_loop_gaps_noise(&n->gaps, n->number, n->half, n->count);
+  x->lowest = n->rank = count_above(n, fmax(noise_margin * x->noise, zero * n->S[0]));
+  status = km_nearest_correct(n, converged, error);
+  if (status || !*converged)
+    return status;
+  km_state_save(n->s, &n->m->substructures[n->index], n->start);
+  x->highest = count_above(n, zero * n->S[0]);
+  x->gap = largest_gap(n, x->lowest);
+  int rank = count_above(n, written_zero * n->S[0]);
+  x->verdict.closes = largest_gap(n, rank) <= closes_as_written;
+  x->verdict.mobility = x->verdict.mobility_as_written = n->columns - rank;
+  return KM_OK;
+}
+
+/* Puts the frames back to what was written. */
+static km_status restore(examination *x, km_error *error) {
+  choose_numbers(x, ALL);
+  return km_nearest_apply(&x->nearest, error);
+}
+
+/* True if the loops of the present numbers are closed from the model's start as every tool closes them. */
+static km_status check_assembly(const km_nearest_mechanism *n, bool *closed, km_error *error) {
+  km_state_restart(n->s);
+  double *saved = KM_ARENA_NEW(n->arena, double, KM_SAVED_PER_COLUMN *(size_t)n->columns);
+  return saved ? km_assemble_one(n->m, n->s, n->index, saved, closed)
+               : km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism");
+}
+
+/* Tries the ranks between, first with the numbers that are known to be rounded. */
+static km_status find_rank(examination *x, bool *found, km_error *error) {
+  km_nearest_mechanism *n = &x->nearest;
+  km_status status = KM_OK;
+  *found = false;
+  for (int rank = x->lowest; rank <= x->highest && !status; ++rank)
+    for (int freedom = 0; freedom < FREEDOMS_OF_NUMBERS && !status; ++freedom) {
+      if (rank == x->highest && x->gap <= closes_as_written)
+        continue;
+      status = restore(x, error);
+      choose_numbers(x, (freedom_of_numbers)freedom);
+      n->rank = rank;
+      status = status ? status : km_nearest_find(n, found, error);
+      if (!status && *found)
+        status = check_assembly(n, found, error);
+      if (*found)
+        return status;
+    }
+  return status;
+}
+
+/* Writes "R[5] of frame link/B". */
+static void write_place(const km_model *model, const km_written_number *number, char out[KM_NUMBER_PLACE]) {
+  const km_model_frame *frame = &model->frames[number->frame[0]];
+  char index[16] = "";
+  if (number->index >= 0)
+    snprintf(index, sizeof index, "[%d]", number->index);
+  snprintf(out, KM_NUMBER_PLACE, "%s%s of frame %.80s/%.80s", number->key, index, model->bodies[frame->body].name,
+           frame->name);
+}
+
+/* Value of a number in the nearest mechanism. */
+static double nearest_value(const km_nearest_mechanism *n, int k) {
+  const km_written_number *number = &n->number[k];
+  const km_pose *pose = &n->model->frames[number->frame[0]].pose;
+  const double p[3] = {pose->p.x, pose->p.y, pose->p.z};
+  double R[9];
+  km_rotation_rows(&pose->R, R);
+  if (number->index < 0)
+    return number->value;
+  if (strcmp(number->key, "R") == 0)
+    return R[number->index];
+  return strcmp(number->key, "T") == 0 ? p[number->index] : number->value + n->half[k] * n->x[k];
+}
+
+/* Adds the changes of a substructure; its largest is entered in the verdict. */
+static void record_changes(examination *x, result *r) {
+  static const double no_change = 1e-6; /* last digits: below the rounding errors of the search */
+  const km_nearest_mechanism *n = &x->nearest;
+  for (int k = 0; k < n->count; ++k) {
+    const km_written_number *number = &n->number[k];
+    double nearest = nearest_value(n, k), digits = 0.5 * n->x[k];
+    if (number->index >= 0)
+      digits = 0.5 * (nearest - number->value) / n->half[k];
+    if (fabs(digits) <= no_change)
+      continue;
+    km_number_change change = {n->index, "", number->value, nearest, digits};
+    write_place(x->model, number, change.place);
+    if (fabs(digits) > x->verdict.largest_change) {
+      x->verdict.largest_change = fabs(digits);
+      memcpy(x->verdict.place, change.place, sizeof change.place);
+    }
+    r->failed = r->failed || !km_reserve(&r->change, &r->change_room, (size_t)r->out->change_count + 1, sizeof change);
+    r->out->change = r->change;
+    if (!r->failed)
+      r->out->change[r->out->change_count++] = change;
+  }
+}
+
+static void record_verdict(const km_rounding *verdict, result *r) {
+  r->failed = r->failed || !km_reserve(&r->verdict, &r->verdict_room, (size_t)r->out->count + 1, sizeof *verdict);
+  r->out->verdict = r->verdict;
+  if (!r->failed)
+    r->out->verdict[r->out->count++] = *verdict;
+}
+
+static void add_note(const examination *x, const km_mechanism *m, km_messages *messages) {
+  const km_rounding *v = &x->verdict;
+  char written[40] = "doesn't close as written";
+  if (v->closes)
+    snprintf(written, sizeof written, "mobility %d as written", v->mobility_as_written);
+  km_messages_add(messages, KM_NOTE,
+                  "substructure %d (joint %.80s and others): %s; mobility %d within rounding, which is used (largest "
+                  "change %.2g of a last digit, %s); --exact takes the numbers as written",
+                  v->substructure + 1,
+                  m->model->joints[m->topology.joint[m->topology.joint_start[v->substructure]]].label, written,
+                  v->mobility, v->largest_change, v->place[0] ? v->place : "none");
+}
+
+static km_status examine(km_model *model, int index, const km_mechanism *m, const km_compiling *options, result *r,
+                         km_messages *messages, km_error *error) {
+  const km_substructure *sub = &m->substructures[index];
+  examination x = {.model = model, .options = *options, .verdict = {.substructure = index}};
+  km_arena arena = {0};
+  km_status status = KM_OK;
+  bool converged = false, found = false;
+  if (!km_rounded_numbers_find(m, index, &arena, &x.numbers))
+    status = km_fail(error, KM_MEMORY, "out of memory for the digits of a model");
+  if (!status && sub->loop_count > 0 && sub->columns <= MOST_COLUMNS && x.numbers.count > 0) {
+    status = km_nearest_create(model, &x.options, index, x.numbers.count, &arena, &x.nearest, error);
+    if (!status)
+      status = examine_as_written(&x, &converged, error);
+    bool is_suspect = converged && ((x.lowest < x.highest && x.numbers.is_rounded) || x.gap > closes_as_written);
+    if (!status && is_suspect)
+      status = find_rank(&x, &found, error);
+    x.verdict.verdict = found ? KM_ROUNDING_FOUND : is_suspect ? KM_ROUNDING_BEYOND : KM_ROUNDING_EXACT;
+    if (found) {
+      x.verdict.mobility = x.nearest.columns - x.nearest.rank;
+      record_changes(&x, r);
+      add_note(&x, m, messages);
+    } else if (!status && is_suspect) {
+      status = restore(&x, error);
+    }
+    km_nearest_release(&x.nearest);
+    if (!status)
+      record_verdict(&x.verdict, r);
+  }
+  km_arena_free(&arena);
+  return status;
+}
+
+/* The model's holds; NULL when out of memory. */
+static km_hold *list_holds(const km_model *model) {
+  km_hold *holds = KM_NEW(km_hold, (size_t)model->hold_count + 1);
+  for (int i = 0; holds && i < model->hold_count; ++i)
+    holds[i] = (km_hold){model->holds[i].coordinate, model->holds[i].value};
+  return holds;
+}
+
+static void set_tolerance(km_model *model, double tolerance, bool is_given) {
+  model->closure_tolerance = tolerance;
+  model->closure_tolerance_given = is_given;
+}
+
+/* A tolerance that a reader inferred is needed unless the numbers that are used now close the loops that it is for. */
+static void settle_tolerance(km_model *model, const km_idealisation *out, double inferred) {
+  bool found = false, beyond = false;
+  for (int i = 0; i < out->count; ++i) {
+    found = found || out->verdict[i].verdict == KM_ROUNDING_FOUND;
+    beyond = beyond || out->verdict[i].verdict == KM_ROUNDING_BEYOND;
+  }
+  if (model->closure_tolerance_inferred && (!found || beyond))
+    set_tolerance(model, inferred, true);
+}
+
+static km_status examine_all(km_model *model, result *r, km_messages *messages, km_error *error) {
+  km_mechanism *m = NULL;
+  km_hold *holds = list_holds(model);
+  double inferred = model->closure_tolerance;
+  if (model->closure_tolerance_inferred)
+    set_tolerance(model, closes_as_written, false);
+  const km_compiling options = {.holds = holds, .hold_count = model->hold_count};
+  km_status status = holds ? km_mechanism_compile_as(model, &options, &m, error) : KM_MEMORY;
+  for (int i = 0; m && i < m->topology.substructure_count && !status; ++i)
+    status = examine(model, i, m, &options, r, messages, error);
+  km_mechanism_free(m);
+  km_free(holds);
+  settle_tolerance(model, r->out, inferred);
+  return r->failed || !holds ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : status;
+}
+
+km_status km_model_idealise(km_model *model, km_messages *messages, km_idealisation *found, km_error *error) {
+  km_idealisation own = {0};
+  result r = {.out = found ? found : &own};
+  *r.out = (km_idealisation){0};
+  if (!model)
+    return km_fail(error, KM_USAGE, "found no model");
+  km_status status = KM_OK;
+  if (model->written_count > 0 && (!model->closure_tolerance_given || model->closure_tolerance_inferred))
+    status = examine_all(model, &r, messages, error);
+  km_idealisation_free(&own);
+  return status;
+}
+
+void km_idealisation_free(km_idealisation *idealisation) {
+  if (!idealisation)
+    return;
+  km_free(idealisation->verdict);
+  km_free(idealisation->change);
+  *idealisation = (km_idealisation){0};
+}
