@@ -10,25 +10,30 @@ enum {
 }; /* a number with so many digits is taken as rounded; those with fewer are meant as they stand */
 static const double orthonormal = 1e-12; /* columns of a matrix with all digits of a double */
 
-/* Marks the frames of the substructure's joints that no joint outside it has. */
-static void mark_frames(const km_mechanism *m, int index, signed char *mark) {
-  for (int j = 0; j < m->model->joint_count; ++j)
+enum { NO_OWNER = -1, SHARED = -2 };
+
+int *km_frame_owners(const km_mechanism *m, km_arena *arena) {
+  int *owner = KM_ARENA_NEW(arena, int, (size_t)m->model->frame_count);
+  for (int f = 0; owner && f < m->model->frame_count; ++f)
+    owner[f] = NO_OWNER;
+  for (int j = 0; owner && j < m->model->joint_count; ++j)
     for (int end = 0; end < 2; ++end) {
-      int f = m->model->joints[j].frame[end];
-      if (m->topology.substructure_of_joint[j] != index)
-        mark[f] = -1;
-      else if (mark[f] == 0)
-        mark[f] = 1;
+      int *of_frame = &owner[m->model->joints[j].frame[end]], index = m->topology.substructure_of_joint[j];
+      *of_frame = *of_frame == NO_OWNER ? index : *of_frame == index ? index : SHARED;
+      if (index < 0)
+        *of_frame = SHARED;
     }
+  return owner;
 }
 
-static bool is_usable(const km_written_number *number, const signed char *mark) {
+/* True if the number's frames are those of the substructure, or of no joint at all. */
+static bool is_usable(const km_written_number *number, const int *owner, int index) {
   bool one = false;
   for (int end = 0; end < 2; ++end) {
     int f = number->frame[end];
-    if (f >= 0 && mark[f] < 0)
+    if (f >= 0 && owner[f] != index && owner[f] != NO_OWNER)
       return false;
-    one = one || (f >= 0 && mark[f] > 0);
+    one = one || (f >= 0 && owner[f] == index);
   }
   return one;
 }
@@ -103,30 +108,31 @@ static void find_units(km_rounded_numbers *n, double *half, const int *digits) {
   }
 }
 
-bool km_rounded_numbers_find(const km_mechanism *m, int index, km_arena *arena, km_rounded_numbers *out) {
+bool km_rounded_numbers_find(const km_mechanism *m, int index, const int *owner, km_arena *arena,
+                             km_rounded_numbers *out) {
   const km_model *model = m->model;
   km_arena scratch = {0};
-  signed char *mark = KM_ARENA_NEW(&scratch, signed char, (size_t)model->frame_count);
-  size_t most = (size_t)model->written_count + 1;
-  double *half = KM_ARENA_NEW(&scratch, double, most);
-  int *digits = KM_ARENA_NEW(&scratch, int, most);
-  *out = (km_rounded_numbers){.most = model->written_count};
-  out->number = KM_ARENA_NEW(arena, const km_written_number *, most);
-  out->half = KM_ARENA_NEW(arena, double, most);
-  out->is_long = KM_ARENA_NEW(arena, bool, most);
+  int count = 0;
+  *out = (km_rounded_numbers){0};
+  for (int i = 0; i < model->written_count; ++i)
+    count += is_usable(&model->written[i], owner, index);
+  double *half = KM_ARENA_NEW(&scratch, double, (size_t)count);
+  int *digits = KM_ARENA_NEW(&scratch, int, (size_t)count);
+  out->number = KM_ARENA_NEW(arena, const km_written_number *, (size_t)count);
+  out->half = KM_ARENA_NEW(arena, double, (size_t)count);
+  out->is_long = KM_ARENA_NEW(arena, bool, (size_t)count);
   bool found = !scratch.failed && !arena->failed;
-  if (found) {
-    mark_frames(m, index, mark);
-    for (int i = 0; i < model->written_count; ++i)
-      if (is_usable(&model->written[i], mark)) {
-        const km_written_number *number = &model->written[i];
-        half[out->count] = km_half_digit(number->value, &digits[out->count]);
-        if (number->half > 0.0)
-          half[out->count] = number->half;
-        out->number[out->count++] = number;
-      }
-    find_units(out, half, digits);
+  for (int i = 0; i < model->written_count && found; ++i) {
+    const km_written_number *number = &model->written[i];
+    if (!is_usable(number, owner, index))
+      continue;
+    half[out->count] = km_half_digit(number->value, &digits[out->count]);
+    if (number->half > 0.0)
+      half[out->count] = number->half;
+    out->number[out->count++] = number;
   }
+  if (found)
+    find_units(out, half, digits);
   km_arena_free(&scratch);
   return found;
 }

@@ -11,14 +11,18 @@
 
 /* The numbers that place the frames of a substructure's joints. */
 typedef struct km_rounded_numbers {
-  int count, most;
+  int count;
   const km_written_number **number; /* [count] */
   double *half;                     /* [count] unit of the number if it may change */
   bool *is_long;                    /* [count] may change even where other numbers explain the gap */
   bool is_rounded;                  /* at least one number is known to be rounded */
 } km_rounded_numbers;
 
-/* Lists the numbers of frames that belong to joints of this substructure only. False without memory. */
-bool km_rounded_numbers_find(const km_mechanism *mechanism, int substructure, km_arena *arena, km_rounded_numbers *out);
+/* The substructure of each frame's joints: owner[frame]; below 0 for frames of joints in none or several, and of no
+ * joint. NULL when out of memory. O(frames + joints). */
+int *km_frame_owners(const km_mechanism *mechanism, km_arena *arena);
+/* Lists the numbers of frames that belong to joints of this substructure only. False without memory. O(numbers). */
+bool km_rounded_numbers_find(const km_mechanism *mechanism, int substructure, const int *owner, km_arena *arena,
+                             km_rounded_numbers *out);
 
 #endif

@@ -29,6 +29,15 @@ typedef struct result {
   bool failed; /* out of memory */
 } result;
 
+/* Data that the examinations of all substructures share. */
+typedef struct shared_data {
+  km_mechanism *m; /* the model as written, with a state whose poses are current */
+  km_state *s;
+  const km_pose *written; /* [frame] */
+  const int *owner;       /* [frame] substructure of its joints */
+  const km_compiling *options;
+} shared_data;
+
 /* Analysis of one substructure. */
 typedef struct examination {
   km_model *model;
@@ -212,17 +221,19 @@ static void add_note(const examination *x, const km_mechanism *m, km_messages *m
                   v->mobility, v->largest_change, v->place[0] ? v->place : "none");
 }
 
-static km_status examine(km_model *model, int index, const km_mechanism *m, const km_compiling *options, result *r,
-                         km_messages *messages, km_error *error) {
+static km_status examine(km_model *model, int index, const shared_data *shared, result *r, km_messages *messages,
+                         km_error *error) {
+  const km_mechanism *m = shared->m;
   const km_substructure *sub = &m->substructures[index];
-  examination x = {.model = model, .options = *options, .verdict = {.substructure = index}};
+  examination x = {.model = model, .options = *shared->options, .verdict = {.substructure = index}};
   km_arena arena = {0};
   km_status status = KM_OK;
   bool converged = false, found = false;
-  if (!km_rounded_numbers_find(m, index, &arena, &x.numbers))
+  if (!km_rounded_numbers_find(m, index, shared->owner, &arena, &x.numbers))
     status = km_fail(error, KM_MEMORY, "out of memory for the digits of a model");
   if (!status && sub->loop_count > 0 && sub->columns <= MOST_COLUMNS && x.numbers.count > 0) {
-    status = km_nearest_create(model, &x.options, index, x.numbers.count, &arena, &x.nearest, error);
+    status = km_nearest_create(model, &x.options, m, shared->s, shared->written, index, x.numbers.count, &arena,
+                               &x.nearest, error);
     if (!status)
       status = examine_as_written(&x, &converged, error);
     bool is_suspect = converged && ((x.lowest < x.highest && x.numbers.is_rounded) || x.gap > closes_as_written);
@@ -268,18 +279,37 @@ static void settle_tolerance(km_model *model, const km_idealisation *out, double
     set_tolerance(model, inferred, true);
 }
 
+/* Compiles the model as written, with a state and what else is shared. */
+static km_status prepare(km_model *model, km_arena *arena, shared_data *out, km_error *error) {
+  km_pose *written = KM_ARENA_NEW(arena, km_pose, (size_t)model->frame_count);
+  for (int f = 0; written && f < model->frame_count; ++f)
+    written[f] = model->frames[f].pose;
+  out->written = written;
+  km_status status = km_mechanism_compile_as(model, out->options, &out->m, error);
+  if (!status)
+    status = km_state_create(out->m, &out->s, error);
+  if (status)
+    return status;
+  km_poses_compute(out->m, out->s);
+  out->owner = km_frame_owners(out->m, arena);
+  return arena->failed ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : KM_OK;
+}
+
 static km_status examine_all(km_model *model, result *r, km_messages *messages, km_error *error) {
-  km_mechanism *m = NULL;
+  km_arena arena = {0};
   km_hold *holds = list_holds(model);
   double inferred = model->closure_tolerance;
   if (model->closure_tolerance_inferred)
     set_tolerance(model, closes_as_written, false);
   const km_compiling options = {.holds = holds, .hold_count = model->hold_count};
-  km_status status = holds ? km_mechanism_compile_as(model, &options, &m, error) : KM_MEMORY;
-  for (int i = 0; m && i < m->topology.substructure_count && !status; ++i)
-    status = examine(model, i, m, &options, r, messages, error);
-  km_mechanism_free(m);
+  shared_data shared = {.options = &options};
+  km_status status = holds ? prepare(model, &arena, &shared, error) : KM_MEMORY;
+  for (int i = 0; !status && i < shared.m->topology.substructure_count; ++i)
+    status = examine(model, i, &shared, r, messages, error);
+  km_state_free(shared.s);
+  km_mechanism_free(shared.m);
   km_free(holds);
+  km_arena_free(&arena);
   settle_tolerance(model, r->out, inferred);
   return r->failed || !holds ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : status;
 }

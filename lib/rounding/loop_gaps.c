@@ -21,6 +21,7 @@ bool km_loop_gaps_create(const km_mechanism *m, km_state *s, int index, km_arena
                         .index = index,
                         .rows = 6 * sub->loop_count + sub->coupling_count,
                         .columns = sub->columns,
+                        .about = km_joint_pose(m, s, m->topology.joint[m->topology.joint_start[index]]).p,
                         .twist = KM_ARENA_NEW(arena, km_twist, (size_t)m->coordinate_count),
                         .normal = KM_ARENA_NEW(arena, km_vec3, (size_t)sub->loop_count),
                         .is_hinged = KM_ARENA_NEW(arena, bool, (size_t)sub->loop_count),
@@ -41,6 +42,7 @@ bool km_loop_gaps_create(const km_mechanism *m, km_state *s, int index, km_arena
 void km_loop_gaps_replace(km_loop_gaps *g, const km_mechanism *m, km_state *s) {
   g->m = m;
   g->s = s;
+  km_poses_compute(m, s);
 }
 
 /* Passes from one body of a joint to the other: the pose of the next body. */
@@ -84,16 +86,19 @@ static void loop_gap(const km_loop_gaps *g, int i, double *e) {
     *side = pass_joint(g, &t->member[k], side);
   }
   km_pose back = km_pose_inverse(&Y), difference = km_pose_product(&X, &back);
-  km_twist_entries(sub, km_twist_log(&difference), (km_vec3){0, 0, 0}, 1.0, e);
+  km_twist_entries(sub, km_twist_log(&difference), g->about, 1.0, e);
   remove_direction(free_direction(g, i), e);
 }
 
 void km_loop_gaps_compute(km_loop_gaps *g, double *e, double *J) {
   const km_mechanism *m = g->m;
   const km_substructure *sub = &m->substructures[g->index];
-  km_poses_compute(m, g->s);
-  km_twists_about(m, g->s, g->s->pose, g->twist);
-  km_full_jacobian(m, g->s, g->index, g->twist, (km_vec3){0, 0, 0}, J);
+  km_poses_compute_in(m, g->s, g->index);
+  for (int k = 0; k < g->columns; ++k) {
+    int c = m->column_coordinate[sub->column_start + k];
+    g->twist[c] = km_coordinate_twist(m, g->s, c);
+  }
+  km_full_jacobian(m, g->s, g->index, g->twist, g->about, J);
   for (int i = 0; i < sub->loop_count; ++i)
     loop_gap(g, i, e + 6 * i);
   if (sub->coupling_count > 0) {
@@ -114,7 +119,7 @@ static bool end_entries(const km_loop_gaps *g, int joint, int end, const km_writ
   km_twist change = {number->move, number->turn};
   change.v = km_vec3_add(change.v, km_vec3_cross(frame->pose.p, change.w)); /* its velocity at the body's origin */
   km_twist_entries(&g->m->substructures[g->index], km_twist_transform(&g->s->pose[frame->body], change),
-                   (km_vec3){0, 0, 0}, 1.0, entry);
+                   g->about, 1.0, entry);
   return true;
 }
 

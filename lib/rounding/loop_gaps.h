@@ -16,13 +16,15 @@ typedef struct km_loop_gaps {
   const km_mechanism *m;
   km_state *s;
   int index, rows, columns;
+  km_vec3 about;   /* reference point of the rows: the first joint at the start */
   km_twist *twist;   /* [coordinate] */
   km_vec3 *normal;   /* [loop of the substructure] of a planar loop the normal, in the axes of its base body; else 0 */
   bool *is_hinged;   /* [loop of the substructure] planar loop of hinges, which may be offset along the normal */
   bool keeps_planes; /* offsets along the normals don't count */
 } km_loop_gaps;
 
-/* Prepares the system. Planes are those of the mechanism's loops. False without memory. */
+/* Prepares the system. The poses of all bodies must be current (km_poses_compute). Planes are those of the mechanism's
+ * loops. False without memory. */
 bool km_loop_gaps_create(const km_mechanism *mechanism, km_state *state, int substructure, km_arena *arena,
                          km_loop_gaps *out);
 /* Continues with another compilation and state of the mechanism. The planes stay. */

@@ -23,19 +23,16 @@ static const double least_conditioning = 0.02; /* smallest singular value kept, 
 static const double hopeless_change = 30.0;    /* a change of so many halves isn't rounding */
 static const double within_rounding = 1.05;    /* largest |x|: a half, and 5 % for the linear effect of a number on R */
 
-km_status km_nearest_create(km_model *model, const km_compiling *options, int index, int most_numbers, km_arena *arena,
+km_status km_nearest_create(km_model *model, const km_compiling *options, const km_mechanism *m, km_state *state,
+                            const km_pose *written, int index, int most_numbers, km_arena *arena,
                             km_nearest_mechanism *out, km_error *error) {
-  *out = (km_nearest_mechanism){.model = model, .options = options, .arena = arena, .index = index};
-  out->written = KM_ARENA_NEW(arena, km_pose, (size_t)model->frame_count);
+  *out = (km_nearest_mechanism){
+      .model = model, .options = options, .arena = arena, .index = index, .m = m, .s = state, .written = written};
   out->number = KM_ARENA_NEW(arena, km_written_number, (size_t)most_numbers);
   out->half = KM_ARENA_NEW(arena, double, (size_t)most_numbers);
   out->x = KM_ARENA_NEW(arena, double, (size_t)most_numbers);
-  for (int f = 0; out->written && f < model->frame_count; ++f)
-    out->written[f] = model->frames[f].pose;
-  km_status status = arena->failed ? km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism")
-                                   : km_nearest_apply(out, error);
-  if (status)
-    return status;
+  if (arena->failed || !km_loop_gaps_create(m, state, index, arena, &out->gaps))
+    return km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism");
   size_t rows = (size_t)out->gaps.rows, columns = (size_t)out->gaps.columns;
   out->rows = out->gaps.rows;
   out->columns = out->gaps.columns;
@@ -52,8 +49,10 @@ km_status km_nearest_create(km_model *model, const km_compiling *options, int in
 }
 
 void km_nearest_release(km_nearest_mechanism *n) {
-  km_state_free(n->s);
-  km_mechanism_free(n->m);
+  if (n->own)
+    km_state_free(n->s);
+  km_mechanism_free(n->own);
+  n->own = NULL;
   n->s = NULL;
   n->m = NULL;
 }
@@ -90,15 +89,12 @@ km_status km_nearest_apply(km_nearest_mechanism *n, km_error *error) {
   if (status)
     return status;
   km_nearest_release(n);
-  status = km_mechanism_compile_as(n->model, n->options, &n->m, error);
+  status = km_mechanism_compile_as(n->model, n->options, &n->own, error);
+  n->m = n->own;
   if (!status)
     status = km_state_create(n->m, &n->s, error);
-  if (status)
-    return status;
-  if (n->gaps.m)
+  if (!status)
     km_loop_gaps_replace(&n->gaps, n->m, n->s);
-  else if (!km_loop_gaps_create(n->m, n->s, n->index, n->arena, &n->gaps))
-    status = km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism");
   return status;
 }
 
@@ -173,8 +169,8 @@ static void choose_heading(const km_nearest_mechanism *n, const double *from, ui
     out[c] /= size;
 }
 
-/* Steps from the saved configuration `base` along `from` (NULL: at random) by `length`, or less where Newton's method fails or
- * the smallest singular value kept falls. The state is left there. */
+/* Steps from the saved configuration `base` along `from` (NULL: at random) by `length`, or less where Newton's method
+ * fails or the smallest singular value kept falls. The state is left there. */
 static km_status walk(km_nearest_mechanism *n, const double *base, const double *from, double length,
                       double conditioning, uint64_t *random, double *heading, bool *walked, km_error *error) {
   *walked = false;

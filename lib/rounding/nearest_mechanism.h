@@ -14,14 +14,15 @@ typedef struct km_nearest_mechanism {
   km_model *model;
   const km_compiling *options;
   km_arena *arena;
-  km_mechanism *m; /* compiled from the present numbers, with its state */
+  const km_mechanism *m; /* compiled from the present numbers, with its state */
   km_state *s;
+  km_mechanism *own; /* the compilation after a change of numbers; NULL: `m` and `s` are the caller's */
   km_loop_gaps gaps;
   int index, rows, columns;
   int count;                      /* numbers that may change */
   km_written_number *number;      /* [count] */
   double *half, *x;               /* [count] x: changes in units of `half` */
-  km_pose *written;               /* [frame] poses as written */
+  const km_pose *written;         /* [frame] poses as written */
   double *e, *J, *E, *S, *U, *Vt; /* gaps, J and its singular values and vectors, at the last configuration */
   int rank;                       /* that the nearest mechanism is to have */
   int configuration_count;
@@ -30,9 +31,10 @@ typedef struct km_nearest_mechanism {
   double *start;                   /* [3 · columns] configuration from which the search starts */
 } km_nearest_mechanism;
 
-/* Reserves the workspace for a substructure. The caller fills number and half, and frees the mechanism and the state
- * by km_nearest_release. KM_MEMORY. */
-km_status km_nearest_create(km_model *model, const km_compiling *options, int substructure, int most_numbers,
+/* Reserves the workspace for a substructure of `mechanism`, with a state whose poses are current. `written`[frame]:
+ * poses of the file. The caller fills number and half, and frees by km_nearest_release. KM_MEMORY. */
+km_status km_nearest_create(km_model *model, const km_compiling *options, const km_mechanism *mechanism,
+                            km_state *state, const km_pose *written, int substructure, int most_numbers,
                             km_arena *arena, km_nearest_mechanism *out, km_error *error);
 void km_nearest_release(km_nearest_mechanism *nearest);
 /* Sets the frames to their written poses, changed by x, and compiles the model again. */

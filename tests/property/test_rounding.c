@@ -406,6 +406,7 @@ static void gaps_after(km_model *model, const km_written_number *number, double 
   assert_int_equal(km_model_set_frame(model, number->frame[0], T, R, NULL), KM_OK);
   assert_int_equal(km_mechanism_compile(model, NULL, 0, &m, NULL), KM_OK);
   assert_int_equal(km_state_create(m, &s, NULL), KM_OK);
+  km_poses_compute(m, s);
   assert_true(km_loop_gaps_create(m, s, 0, &arena, &gaps));
   km_loop_gaps_compute(&gaps, e, J);
   km_state_free(s);
@@ -429,6 +430,7 @@ static void derivatives_by_numbers(void **unused) {
     double e[6], J[36], E[6], plus[6], minus[6], one = 1.0;
     assert_int_equal(km_mechanism_compile(model, NULL, 0, &m, NULL), KM_OK);
     assert_int_equal(km_state_create(m, &s, NULL), KM_OK);
+    km_poses_compute(m, s);
     assert_true(km_loop_gaps_create(m, s, 0, &arena, &gaps));
     assert_true(model->written_count >= 40);
     for (int k = 0; k < model->written_count; ++k) {

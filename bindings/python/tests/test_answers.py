@@ -1,6 +1,7 @@
 """Answers are those of the tools, and their tables are the library's own memory."""
 import csv
 import io
+import json
 import math
 import os
 import re
@@ -387,3 +388,20 @@ def test_an_optimisation(source):
     assert study.run()
     best, rows = study.best, study.table
     assert rows["accepted"][best] and rows["closing"][best] == rows["closing"][rows["accepted"]].max()
+
+
+def test_rounded_numbers_mean_the_nearest_mechanism_that_moves():
+    points = [[1, 0.2, 0.4], [0.3, 1.1, -0.4], [-1, -0.2, 0.4], [-0.3, -1.1, -0.4]]
+    axes = [[-0.6361, 0.1735, 0.7518], [-0.1210, 0.6052, 0.7868], [0.6361, -0.1735, 0.7518], [0.1210, -0.6052, 0.7868]]
+    bodies = ["fixed", "one", "two", "three"]
+    joints = [{"name": "ABCD"[i], "type": "revolute", "bodies": [bodies[i], bodies[(i + 1) % 4]], "at": points[i], "axis": axes[i]}
+              for i in range(4)]
+    text = json.dumps({"assemblies": [{"name": "bennett", "drawn": "assembled", "bodies": [{"name": b} for b in bodies[1:]],
+                                       "joints": joints}]})
+    model = kmech.from_string(text)
+    rounding, = model.roundings
+    assert (rounding.verdict, rounding.mobility_as_written, rounding.mobility) == ("found", 0, 1)
+    assert rounding.closes and all(abs(change.digits) <= 0.5 for change in rounding.changes)
+    assert any(change.place == "axis[0] of frame three/D" for change in rounding.changes)
+    exact = kmech.from_string(text, exact=True)
+    assert exact.roundings == [] and exact.sha256 == model.sha256
