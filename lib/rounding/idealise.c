@@ -180,6 +180,7 @@ static double nearest_value(const km_nearest_mechanism *n, int k) {
 /* Adds the changes of a substructure; its largest is entered in the verdict. */
 static void record_changes(examination *x, result *r) {
   static const double no_change = 1e-6; /* last digits: below the rounding errors of the search */
+  static const double tie = 1.0 + 1e-4; /* the first of equal changes is named, whatever their rounding errors */
   const km_nearest_mechanism *n = &x->nearest;
   for (int k = 0; k < n->count; ++k) {
     const km_written_number *number = &n->number[k];
@@ -190,7 +191,7 @@ static void record_changes(examination *x, result *r) {
       continue;
     km_number_change change = {n->index, "", number->value, nearest, digits};
     write_place(x->model, number, change.place);
-    if (fabs(digits) > x->verdict.largest_change) {
+    if (fabs(digits) > tie * x->verdict.largest_change) {
       x->verdict.largest_change = fabs(digits);
       memcpy(x->verdict.place, change.place, sizeof change.place);
     }

@@ -118,8 +118,8 @@ static bool end_entries(const km_loop_gaps *g, int joint, int end, const km_writ
   const km_model_frame *frame = &model->frames[f];
   km_twist change = {number->move, number->turn};
   change.v = km_vec3_add(change.v, km_vec3_cross(frame->pose.p, change.w)); /* its velocity at the body's origin */
-  km_twist_entries(&g->m->substructures[g->index], km_twist_transform(&g->s->pose[frame->body], change),
-                   g->about, 1.0, entry);
+  km_twist_entries(&g->m->substructures[g->index], km_twist_transform(&g->s->pose[frame->body], change), g->about, 1.0,
+                   entry);
   return true;
 }
 

@@ -16,7 +16,7 @@ typedef struct km_loop_gaps {
   const km_mechanism *m;
   km_state *s;
   int index, rows, columns;
-  km_vec3 about;   /* reference point of the rows: the first joint at the start */
+  km_vec3 about;     /* reference point of the rows: the first joint at the start */
   km_twist *twist;   /* [coordinate] */
   km_vec3 *normal;   /* [loop of the substructure] of a planar loop the normal, in the axes of its base body; else 0 */
   bool *is_hinged;   /* [loop of the substructure] planar loop of hinges, which may be offset along the normal */

@@ -21,7 +21,7 @@ static void report_of_changes(const options *o, const km_idealisation *found) {
     if (isnan(c->written))
       kt_print_message(&o->common, KM_NOTE, "%s: %s is turned by %.2g of a last digit", o->model, c->place, c->digits);
     else
-      kt_print_message(&o->common, KM_NOTE, "%s: %s is %.15g instead of %.15g (%.2g of a last digit)", o->model,
+      kt_print_message(&o->common, KM_NOTE, "%s: %s is %.10g instead of %.10g (%.2g of a last digit)", o->model,
                        c->place, c->nearest, c->written, c->digits);
   }
   for (int i = 0; i < found->count; ++i)
