@@ -139,7 +139,7 @@ km_status km_model_add_joint(km_builder *b, const km_joint_def *def, km_joint_id
                        .most_turn = def->most_turn,
                        .friction = {def->friction, def->friction_radius, def->stiction_velocity},
                        .stop = {def->stop_stiffness, def->stop_damping},
-                       .prescribed = {def->law, def->law_count, values},
+                       .prescribed = {.law = def->law, .count = def->law_count, .values = values},
                        .where = name};
   add_coordinates(m, def, m->joint_count);
   m->joint_count++;
