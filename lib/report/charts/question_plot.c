@@ -41,21 +41,35 @@ static bool plot_statics(const km_comparison *c, km_arena *arena, km_plot *out) 
   return sweeps && km_statics_plot_make(sweeps, c->count, c->ordered, true, arena, out);
 }
 
+/* The tables of the answers with the columns of the first one, found by their names: other models may have others, or lack
+ * some (their index is then past the last column). `x`: variable of the rows. NULL when out of memory. */
+static km_plotted_table *tables_of(const km_comparison *c, const size_t *columns, size_t count, const char *x,
+                                   km_arena *arena) {
+  const km_table *first = km_question_table(c->answers[0].question);
+  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
+  size_t *found = KM_ARENA_NEW(arena, size_t, (size_t)c->count * count);
+  for (int i = 0; i < c->count && !arena->failed; ++i, found += count) {
+    const km_table *table = km_question_table(c->answers[i].question);
+    for (size_t k = 0; k < count; ++k)
+      found[k] = (size_t)km_table_find(table, km_table_name(first, columns[k]));
+    int variable = x ? km_table_find(table, x) : km_table_variable(table);
+    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)variable, found};
+  }
+  return arena->failed ? NULL : tables;
+}
+
 /* Margins of an arm along its path. */
 static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
   static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
   enum { COLUMNS = sizeof names / sizeof *names };
-  size_t *columns = KM_ARENA_NEW(arena, size_t, COLUMNS);
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
-  if (arena->failed)
-    return false;
-  for (size_t k = 0; k < COLUMNS; ++k)
-    columns[k] = (size_t)km_table_find(km_question_table(c->answers[0].question), names[k]);
-  for (int i = 0; i < c->count; ++i) {
-    const km_table *table = km_question_table(c->answers[i].question);
-    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_find(table, "s"), columns};
+  size_t columns[COLUMNS], count = 0;
+  for (size_t k = 0; k < COLUMNS; ++k) {
+    int column = km_table_find(km_question_table(c->answers[0].question), names[k]);
+    if (column >= 0)
+      columns[count++] = (size_t)column;
   }
-  return km_table_plot_make(tables, (size_t)c->count, COLUMNS, NULL, arena, out);
+  const km_plotted_table *tables = tables_of(c, columns, count, "s", arena);
+  return tables && km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out);
 }
 
 /* One motion over time, with the plot of a history. */
@@ -73,16 +87,12 @@ static bool plot_histories(const km_comparison *c, km_arena *arena, km_plot *out
   km_span q = km_table_span(km_question_table(first->question), chosen || run ? "q." : "f.");
   size_t count = chosen ? (size_t)first->shown_count : q.count < MOST_CURVES ? q.count : MOST_CURVES;
   size_t *columns = KM_ARENA_NEW(arena, size_t, count + 1);
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
   if (arena->failed)
     return false;
   for (size_t k = 0; k < count; ++k)
     columns[k] = q.first + (chosen ? (size_t)first->shown[k] : k);
-  for (int i = 0; i < c->count; ++i) {
-    const km_table *table = km_question_table(c->answers[i].question);
-    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
-  }
-  return km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out);
+  const km_plotted_table *tables = tables_of(c, columns, count, NULL, arena);
+  return tables && km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out);
 }
 
 /* Coordinates to draw: chosen ones, else the first that move besides the driver; at most MOST_CURVES. */
@@ -111,7 +121,6 @@ static bool plot_motions(const km_comparison *c, km_arena *arena, km_plot *out) 
   int moving[MOST_CURVES];
   size_t joints = moving_coordinates(first, moving), count = 0;
   size_t *columns = KM_ARENA_NEW(arena, size_t, 2 * joints + (size_t)plan->point_count + 1);
-  km_plotted_table *tables = KM_ARENA_NEW(arena, km_plotted_table, (size_t)c->count);
   if (arena->failed)
     return false;
   for (size_t k = 0; k < joints; ++k)
@@ -126,11 +135,8 @@ static bool plot_motions(const km_comparison *c, km_arena *arena, km_plot *out) 
   }
   if (count == 0)
     columns[count++] = velocities + (size_t)plan->coordinate;
-  for (int i = 0; i < c->count; ++i) {
-    const km_table *table = km_question_table(c->answers[i].question);
-    tables[i] = (km_plotted_table){table, c->answers[i].name, (size_t)km_table_variable(table), columns};
-  }
-  if (!km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out))
+  const km_plotted_table *tables = tables_of(c, columns, count, NULL, arena);
+  if (!tables || !km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out))
     return false;
   out->title = "Velocities and accelerations";
   const km_model *model = first->question->m->model;

@@ -86,13 +86,17 @@ static void fill_panel(const sheet *s, const char *unit, km_plot_panel *panel) {
   for (size_t c = 0; c < s->columns; ++c)
     together += strcmp(unit_of(s, c), unit) == 0;
   for (size_t c = 0; c < s->columns && series; ++c)
-    for (size_t t = 0; t < s->count && strcmp(unit_of(s, c), unit) == 0; ++t, ++used)
+    for (size_t t = 0; t < s->count && strcmp(unit_of(s, c), unit) == 0; ++t) {
+      if (s->tables[t].y[c] >= km_table_columns(s->tables[t].table))
+        continue;
       series[used] = (km_plot_series){.name = line_name(s, t, c, together),
                                       .x = s->x[t],
                                       .y = values_of(s, t, s->tables[t].y[c]),
                                       .count = km_table_rows(s->tables[t].table),
                                       .colour = used < MOST_COLOURED ? (int)used : -1,
                                       .dash = used < MOST_COLOURED ? (int)used : 0};
+      ++used;
+    }
   *panel = (km_plot_panel){.y_label = label_of(s, unit), .series = series, .series_count = used};
 }
 
