@@ -41,8 +41,9 @@ static bool plot_statics(const km_comparison *c, km_arena *arena, km_plot *out) 
   return sweeps && km_statics_plot_make(sweeps, c->count, c->ordered, true, arena, out);
 }
 
-/* The tables of the answers with the columns of the first one, found by their names: other models may have others, or lack
- * some (their index is then past the last column). `x`: variable of the rows. NULL when out of memory. */
+/* The tables of the answers with the columns of the first one, found by their names: other models may have others, or
+ * lack some (their index is then past the last column). `x`: variable of the rows; NULL: the table's own. NULL when out
+ * of memory. */
 static km_plotted_table *tables_of(const km_comparison *c, const size_t *columns, size_t count, const char *x,
                                    km_arena *arena) {
   const km_table *first = km_question_table(c->answers[0].question);
