@@ -26,7 +26,7 @@ typedef struct sweep_events {
   km_losses_workspace *losses;             /* NULL: no joint has friction */
   bool has_rates;                          /* r->rates is the motion at the state's configuration */
   bool is_between_rows;                    /* the configuration lies between rows */
-  bool failed;                             /* no memory for the losses of the last row */
+  bool failed;                             /* no memory for the losses or hinges of the last row */
   /* [coordinate] motion at the last sample, to orient the next one: the sign of a basis vector is arbitrary */
   double *reference;
   /* orientation, ±1, of the transfer's motion relative to the sweep's at the last configuration */
@@ -102,7 +102,7 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
     if (!w->is_between_rows)
       w->out->last = t;
     cell += KM_METRIC_COLUMNS;
-    km_joint_transmission_compute(r->s, w->hinges, w->transfer->rates, cell);
+    w->failed = !km_joint_transmission_compute(r->s, w->hinges, w->transfer->rates, cell) || w->failed;
     cell += 2 * w->hinges->count;
   }
   return cell;
@@ -177,8 +177,8 @@ static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *er
 
 static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
-  km_status status =
-      w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses") : handle_sample(self, r, s, error);
+  km_status status = w->failed ? km_fail(error, KM_MEMORY, "out of memory for the losses and the hinges")
+                               : handle_sample(self, r, s, error);
   return status || !w->search.events ? status : add_dead_point_at_row(w, s, error);
 }
 

@@ -111,14 +111,15 @@ static km_vec3 hinge_force(const km_joint_transmission *w, int joint) {
   return km_vec3_from_array(w->statics.reactions[joint].force);
 }
 
-void km_joint_transmission_compute(km_state *s, km_joint_transmission *w, const double *rates, double *cells) {
+bool km_joint_transmission_compute(km_state *s, km_joint_transmission *w, const double *rates, double *cells) {
   const km_mechanism *m = w->mechanism;
   if (!w->count)
-    return;
+    return true;
   km_poses_compute(m, s);
   km_body_motions(m, s, rates, w->zero, w->motion);
   km_forces_compute(m, s, w->forces);
-  const bool balanced = km_statics_compute(m, s, w->forces, &w->statics) == KM_OK && w->statics.held;
+  const km_status status = km_statics_compute(m, s, w->forces, &w->statics);
+  const bool balanced = status == KM_OK && w->statics.held;
   double fastest = 0.0, strongest = 0.0;
   for (int i = 0; i < w->count; ++i) {
     fastest = fmax(fastest, km_vec3_norm(hinge_velocity(w, s, w->joint[i])));
@@ -132,4 +133,5 @@ void km_joint_transmission_compute(km_state *s, km_joint_transmission *w, const 
     cells[2 * i] = 0.5 * M_PI / m->model->units.angle->si - pressure;
     cells[2 * i + 1] = pressure;
   }
+  return status != KM_MEMORY;
 }
