@@ -27,7 +27,8 @@ void km_joint_transmission_free(km_joint_transmission *work);
 /* Adds the columns transmission.JOINT and pressure.JOINT of each hinge. False: no memory. */
 bool km_joint_transmission_columns(const km_joint_transmission *work, km_table *table);
 /* Writes both angles of each hinge in the motion `rates` [coordinate], in the model's unit; NaN where the hinge rests,
- * carries no force, or the input doesn't hold the output's load. Requires the state's mobility. False when out of memory. */
+ * carries no force, or the input doesn't hold the output's load. Requires the state's mobility. False when out of
+ * memory. */
 bool km_joint_transmission_compute(km_state *state, km_joint_transmission *work, const double *rates, double *cells);
 
 #endif
