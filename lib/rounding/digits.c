@@ -1,13 +1,9 @@
 /* Digits of the numbers of a substructure. */
 #include "rounding/digits.h"
 
-#include "base/extrema.h"
-
 #include <string.h>
 
-enum {
-  LONG_DIGITS = 4
-}; /* a number with so many digits is taken as rounded; those with fewer are meant as they stand */
+enum { LONG_DIGITS = 4 };                /* digits from which on a number counts as rounded */
 static const double orthonormal = 1e-12; /* columns of a matrix with all digits of a double */
 
 enum { NO_OWNER = -1, SHARED = -2 };
@@ -61,15 +57,15 @@ static double misfit(const km_rounded_numbers *n, int i, int size) {
 }
 
 /* Kinds of numbers, each with a unit of its own. */
+enum { KIND_T, KIND_R, KIND_QUATERNION, KINDS = 7 };
+
 static int kind_of(const char *key) {
-  static const char *const keys[] = {"T", "R", "quaternion", "euler", "rotation_vector", "axis", "turn"};
-  for (int i = 0; i < 7; ++i)
+  static const char *const keys[KINDS] = {"T", "R", "quaternion", "euler", "rotation_vector", "axis", "turn"};
+  for (int i = 0; i < KINDS; ++i)
     if (strcmp(key, keys[i]) == 0)
       return i;
-  return 0; /* "at" */
+  return KIND_T; /* "at" */
 }
-
-enum { KINDS = 7 };
 
 /* Length of the list of numbers that begins at i. */
 static int list_size(const km_rounded_numbers *n, int i) {
@@ -90,7 +86,7 @@ static void find_units(km_rounded_numbers *n, double *half, const int *digits) {
     bool is_off = misfit(n, i, size) > orthonormal;
     for (int k = i; k < i + size; ++k) {
       int kind = kind_of(n->number[k]->key);
-      bool is_shape = kind == 1 || kind == 2 || is_off, is_given = n->number[k]->half > 0.0;
+      bool is_shape = kind == KIND_R || kind == KIND_QUATERNION || is_off, is_given = n->number[k]->half > 0.0;
       n->is_long[k] = is_given || (is_shape ? is_off && digits[k] > 1 : digits[k] >= LONG_DIGITS);
       if (digits[k] > 0 || is_given)
         any[kind] = fmin(any[kind], half[k]);

@@ -14,10 +14,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MOST_COLUMNS = 400 };             /* larger substructures take minutes */
-static const double noise_margin = 10.0; /* singular values above so many times the noise don't come from rounding */
-static const double zero = 1e-13;        /* relative singular values below are rounding errors of the arithmetic */
-static const double written_zero = 1e-9; /* as ranks are decided as written (docs/theory.md 3.2) */
+enum { MOST_COLUMNS = 400 };                  /* larger substructures take minutes */
+static const double noise_margin = 10.0;      /* times the noise: lower bound of singular values that are kept */
+static const double zero = 1e-13;             /* relative singular values below are rounding errors of the arithmetic */
+static const double written_zero = 1e-9;      /* as ranks are decided as written (docs/theory.md 3.2) */
 static const double closes_as_written = 1e-9; /* the default closure tolerance */
 static const double largest_unit = 1e-2;      /* relative to the substructure's size: a coarser unit explains any gap */
 
@@ -45,7 +45,7 @@ typedef struct examination {
   km_nearest_mechanism nearest;
   km_rounded_numbers numbers;
   int lowest, highest; /* rank without and with the singular values that may be rounding */
-  double noise, gap;   /* ν; the largest gap at the lowest rank */
+  double gap;          /* the largest gap at the lowest rank */
   km_rounding verdict;
 } examination;
 
@@ -104,8 +104,8 @@ static km_status examine_as_written(examination *x, bool *converged, km_error *e
   if (status)
     return status;
   choose_numbers(x, ALL_IN_PLANES);
-  x->noise = km_loop_gaps_noise(&n->gaps, n->number, n->half, n->count);
-  x->lowest = n->rank = count_above(n, fmax(noise_margin * x->noise, zero * n->S[0]));
+  double noise = km_loop_gaps_noise(&n->gaps, n->number, n->half, n->count);
+  x->lowest = n->rank = count_above(n, fmax(noise_margin * noise, zero * n->S[0]));
   status = km_nearest_correct(n, converged, error);
   if (status || !*converged)
     return status;

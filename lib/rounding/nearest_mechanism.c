@@ -20,7 +20,7 @@ static const double closed_gap = 2e-14;   /* scaled: the rounding error of a pro
 static const double checked_gap = 2e-13;  /* gap of configurations between, where errors of x are a few times larger */
 static const double checked_rank = 1e-12; /* relative singular value that is to be 0 there */
 static const double least_conditioning = 0.02; /* smallest singular value kept, relative to that at the start */
-static const double hopeless_change = 30.0;    /* a change of so many halves isn't rounding */
+static const double hopeless_change = 30.0;    /* halves: change of a number at which the search ends */
 static const double within_rounding = 1.05;    /* largest |x|: a half, and 5 % for the linear effect of a number on R */
 
 km_status km_nearest_create(km_model *model, const km_compiling *options, const km_mechanism *m, km_state *state,
@@ -255,12 +255,12 @@ static km_status gather(km_nearest_mechanism *n, conditions *c, km_error *error)
 /* A = U S Vᵀ of the conditions. */
 typedef struct decomposition {
   km_arena arena;
-  int rows, columns, count; /* number of singular values */
+  int rows, count; /* number of singular values */
   double *S, *U, *Vt;
 } decomposition;
 
 static km_status decompose(const km_nearest_mechanism *n, const conditions *c, decomposition *d, km_error *error) {
-  *d = (decomposition){.rows = c->rows, .columns = n->count, .count = c->rows < n->count ? c->rows : n->count};
+  *d = (decomposition){.rows = c->rows, .count = c->rows < n->count ? c->rows : n->count};
   double *A = KM_ARENA_NEW(&d->arena, double, (size_t)c->rows *(size_t)n->count);
   d->S = KM_ARENA_NEW(&d->arena, double, (size_t)d->count);
   d->U = KM_ARENA_NEW(&d->arena, double, (size_t)c->rows *(size_t)d->count);

@@ -55,7 +55,7 @@ static void engine_close(engine *e) {
   fixture_close(&e->f);
 }
 
-/* Without weights the holding torque is F dP/dA, dP/dA = −r sin A − r² sin A cos A / √(l² − r² sin² A). */
+/* The holding torque of massless links: F dP/dA, dP/dA = −r sin A − r² sin A cos A / √(l² − r² sin² A). */
 static void statics_hold_the_gas(void **state) {
   (void)state;
   engine e = engine_open();

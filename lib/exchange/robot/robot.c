@@ -83,8 +83,8 @@ static double length_half(const km_robot *robot, const km_model *model) {
   return half > 0.0 || robot->angles.written == 0.0 ? half : coarsest_half(model, 3);
 }
 
-/* Records how the poses of frames are rounded (model/written_numbers.h): a description states them in many forms, of
- * which the frames' own coordinates and turns stand here. */
+/* Records how the poses of frames are rounded (model/written_numbers.h): the coordinates of each frame and
+ * its turns about its own axes, instead of the forms in which a description states them. */
 static void record_numbers(const km_robot *robot, km_model *model) {
   double length = length_half(robot, model), angle = fmax(robot->angles.several, robot->angles.written);
   for (int f = 0; f < model->frame_count; ++f) {

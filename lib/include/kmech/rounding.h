@@ -12,7 +12,7 @@ extern "C" {
 typedef enum km_rounding_verdict {
   KM_ROUNDING_EXACT, /* the loops close as written, and no singular value of J is within rounding of 0 */
   KM_ROUNDING_FOUND, /* numbers within half a last digit of those written give the mobility below */
-  KM_ROUNDING_BEYOND /* rounding doesn't explain the gap or the small singular values: the numbers stand as written */
+  KM_ROUNDING_BEYOND /* the gap or the small singular values exceed rounding; no number is changed */
 } km_rounding_verdict;
 
 enum {
