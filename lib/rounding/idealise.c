@@ -8,6 +8,7 @@
 
 #include "kinematics/assembly.h"
 #include "kinematics/damped_least_squares.h"
+#include "kinematics/loop_closing.h"
 #include "rounding/digits.h"
 #include "rounding/nearest_mechanism.h"
 
@@ -222,6 +223,31 @@ static void add_note(const examination *x, const km_mechanism *m, km_messages *m
                   v->mobility, v->largest_change, v->place[0] ? v->place : "none");
 }
 
+/* Enters the verdict of loops of exact numbers that close. *closed is false for other ones,
+ * and the state is then at the start. LAPACKE need not be loaded for it. */
+static km_status accept_exact(const shared_data *shared, int index, km_rounding *verdict, bool *closed,
+                              km_error *error) {
+  const km_substructure *sub = &shared->m->substructures[index];
+  km_arena scratch = {0};
+  size_t size = KM_SAVED_PER_COLUMN * (size_t)sub->columns;
+  double *start = KM_ARENA_NEW(&scratch, double, size), *saved = KM_ARENA_NEW(&scratch, double, size);
+  km_status status = KM_MEMORY;
+  *closed = false;
+  if (!scratch.failed) {
+    km_state_save(shared->s, sub, start);
+    status = km_assemble_one(shared->m, shared->s, index, saved, closed);
+  }
+  if (!status && *closed) {
+    km_update_and_search_pivots(shared->m, shared->s, index, KM_NO_DRIVER, 0.0);
+    verdict->closes = true;
+    verdict->mobility = verdict->mobility_as_written = km_partition_freedom(&shared->s->partition[index]);
+  } else if (!status) {
+    km_state_restore(shared->s, sub, start);
+  }
+  km_arena_free(&scratch);
+  return status ? km_fail(error, status, "out of memory for the digits of a model") : KM_OK;
+}
+
 static km_status examine(km_model *model, int index, const shared_data *shared, result *r, km_messages *messages,
                          km_error *error) {
   const km_mechanism *m = shared->m;
@@ -232,7 +258,13 @@ static km_status examine(km_model *model, int index, const shared_data *shared, 
   bool converged = false, found = false;
   if (!km_rounded_numbers_find(m, index, shared->owner, &arena, &x.numbers))
     status = km_fail(error, KM_MEMORY, "out of memory for the digits of a model");
-  if (!status && sub->loop_count > 0 && sub->columns <= MOST_COLUMNS && x.numbers.count > 0) {
+  bool is_examined = sub->loop_count > 0 && sub->columns <= MOST_COLUMNS && x.numbers.count > 0, is_exact = false;
+  if (!status && is_examined && !x.numbers.is_rounded) {
+    status = accept_exact(shared, index, &x.verdict, &is_exact, error);
+    if (is_exact)
+      record_verdict(&x.verdict, r);
+  }
+  if (!status && is_examined && !is_exact) {
     status = km_nearest_create(model, &x.options, m, shared->s, shared->written, index, x.numbers.count, &arena,
                                &x.nearest, error);
     if (!status)
