@@ -96,6 +96,9 @@ static void pictures(void **state) {
   const km_comparison alone = {&unasked, 1, false};
   expect(km_question_chart(&alone, &chart, &e), KM_USAGE, &e, "there is no answer to plot");
   expect(km_question_report(&unasked, "", true, &out, &e), KM_USAGE, &e, "there is no answer to report");
+  const km_comparison unasked_all = {&unasked, 1, false};
+  expect(km_comparison_report(&unasked_all, "all", NULL, NULL, true, &out, &e), KM_USAGE, &e,
+         "there is no answer to report");
   const km_plotted_history history = {.mechanism = f.mechanism, .table = table, .name = "a"};
   expect(km_history_chart(&history, &chart, &e), KM_USAGE, &e,
          "a table of 1 rows and 1 coordinates; expected a motion's, of 4");

@@ -140,7 +140,7 @@ static void forces_are_drawn_and_reported(void **state) {
     }
     assert_int_equal(drawn, sweep.actuator_count);
     km_document_maker *k = KM_NEW(km_document_maker, 1);
-    km_statics_report_make(k, &plotted, &statics, "gravity", "");
+    km_statics_report_make(k, &plotted, &statics, "gravity", "", false);
     char labels[8][300];
     const char *columns[9] = {NULL};
     for (int i = 0; i < sweep.actuator_count && i < 8; ++i) {
@@ -193,7 +193,7 @@ static void leverage_is_drawn_and_reported(void **state) {
     for (size_t i = 0; i < sweep.toggle_count; ++i)
       assert_true(plot.panels[0].marks[i].x == sweep.toggles[i].s);
     km_document_maker *k = KM_NEW(km_document_maker, 1);
-    km_advantage_report_make(k, &plotted, &transmission, "");
+    km_advantage_report_make(k, &plotted, &transmission, "", false);
     char ma[320], ratio[340];
     snprintf(ma, sizeof ma, "ma.%s", ends);
     snprintf(ratio, sizeof ratio, "force_ratio.%s", ends);

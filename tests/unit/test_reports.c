@@ -5,6 +5,7 @@
 #include "report/charts/sweep_plot.h"
 #include "report/document/advantage_report.h"
 #include "report/document/statics_report.h"
+#include "report/document/sweep_report.h"
 
 #include <string.h>
 
@@ -12,6 +13,12 @@
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) {
   return "leak:libfontconfig\nleak:libpango\n";
+}
+
+static void render(km_document_maker *k, const km_model *model, bool html, km_text *out) {
+  km_error error = {0};
+  if (km_report_finish(k, km_report_subject(k, "model", model), NULL, "kma", "title", html, out, &error))
+    fail_msg("%s", error.text);
 }
 
 static void leverage(const char *model, bool html, km_text *out) {
@@ -27,8 +34,9 @@ static void leverage(const char *model, bool html, km_text *out) {
   assert_int_equal(km_transmission_create(f.mechanism, &input, &output, &work, &error), KM_OK);
   km_transmission_compute(f.mechanism, f.state, work, &transmission);
   km_plotted_advantage plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep};
-  if (km_advantage_report(&plotted, &transmission, "", NULL, html, out, &error))
-    fail_msg("%s", error.text);
+  km_document_maker *k = KM_NEW(km_document_maker, 1);
+  km_advantage_report_make(k, &plotted, &transmission, "", false);
+  render(k, f.model, html, out);
   km_transmission_free(work);
   km_advantage_sweep_free(&sweep);
   fixture_close(&f);
@@ -45,8 +53,9 @@ static void holding(const char *model, bool html, km_text *out) {
   assert_int_equal(km_statics_create(f.mechanism, NULL, 0, KM_AXES_JOINT, &statics, &error), KM_OK);
   assert_int_equal(km_statics_sweep_run(f.mechanism, f.state, &plan, forces, &statics, &sweep, &error), KM_OK);
   km_plotted_statics plotted = {{f.mechanism, &plan, &sweep.motion, model}, &sweep, NULL, 0};
-  if (km_statics_report(&plotted, &statics, "gravity", "", NULL, html, out, &error))
-    fail_msg("%s", error.text);
+  km_document_maker *k = KM_NEW(km_document_maker, 1);
+  km_statics_report_make(k, &plotted, &statics, "gravity", "", false);
+  render(k, f.model, html, out);
   km_statics_sweep_free(&sweep);
   km_statics_free(&statics);
   km_forces_free(forces);

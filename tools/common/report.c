@@ -1,4 +1,4 @@
-/* Sweeps one model and writes its report. */
+/* Computes a question for one model, several or variants, and writes a report. */
 #include "common/report.h"
 
 #include "kmech/base.h"
@@ -21,12 +21,14 @@ void kt_report_head_options(kt_options *out, km_report_header *header, const cha
 }
 
 void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
+  const kt_option several[] = {KT_VARY(&o->vary)};
   kt_sweep_options_add(out, o, kind);
+  KT_OPTIONS_ADD(out, several);
   kt_report_head_options(out, &o->header, &o->format, &o->base, base_help);
-  kt_common_options(out, &o->common, KT_USES_FLOAT);
+  kt_common_options(out, &o->common, KT_USES_JOBS | KT_USES_FLOAT);
   kt_options_hide(out, "derivatives"); /* columns of tables, which a report doesn't have */
   kt_options_hide(out, "transmission");
-  out->operand = (kt_operand){"model", "MODEL", true, NULL, &o->models};
+  out->operand = (kt_operand){"model", "MODEL...", true, NULL, &o->models};
 }
 
 static bool ends_with(const char *text, const char *end) {
@@ -48,22 +50,61 @@ kt_exit kt_report_write(const kt_common *common, const char *base, const char *n
   return kt_write_file(common, base, bytes);
 }
 
-static kt_exit write_file(const kt_sweep_job *j, bool html, const km_text *bytes) {
-  char word[64];
-  snprintf(word, sizeof word, "%s-report", km_question_kind_name(j->options->asked.kind));
-  return kt_report_write(&j->options->common, j->options->base, j->base, word, html, bytes);
+static kt_exit write_file(const kt_sweep_options *o, bool html, const km_text *bytes) {
+  char word[64], base[4096];
+  snprintf(word, sizeof word, "%s-report", km_question_kind_name(o->asked.kind));
+  kt_sweep_base(o, base, sizeof base);
+  return kt_report_write(&o->common, o->base, base, word, html, bytes);
 }
 
-static kt_exit deliver(const kt_sweep_job *j, bool html) {
+/* "fourbar, brake and 2 more": the models in a title. */
+static void name_models(const kt_sweep_options *o, km_text *out) {
+  enum { MOST = 3 };
+  char name[256];
+  for (int i = 0; i < o->models.count && i < MOST; ++i) {
+    kt_base_name(o->models.items[i], name, sizeof name);
+    km_text_format(out, "%s%s", i ? ", " : "", name);
+  }
+  if (o->models.count > MOST)
+    km_text_format(out, " and %d more", o->models.count - MOST);
+}
+
+/* Makes the report of one answer, or the comparison of several. */
+static km_status make(const kt_sweep_options *o, const kt_sweep_job *jobs, int count, bool html, km_text *out,
+                      km_error *error) {
+  km_answered answers[KT_MOST_MODELS];
+  const char *stopped_by[KT_MOST_MODELS];
+  for (int i = 0; i < count; ++i) {
+    answers[i] = (km_answered){.question = jobs[i].question, .name = jobs[i].label, .header = &o->header};
+    stopped_by[i] = jobs[i].stopped_by.data ? jobs[i].stopped_by.data : "";
+  }
+  if (count == 1)
+    return km_question_report(answers, stopped_by[0], html, out, error);
+  km_text name = {0};
+  const km_comparison comparison = {.answers = answers, .count = count, .ordered = o->variants.number_count > 0};
+  name_models(o, &name);
+  km_status status = name.failed
+                         ? km_fail(error, KM_MEMORY, "out of memory for a report")
+                         : km_comparison_report(&comparison, name.data, stopped_by, &o->header, html, out, error);
+  km_text_free(&name);
+  return status;
+}
+
+static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs, int count) {
+  bool html = false, some = false;
+  kt_report_format(o->format, o->base, &html);
+  for (int i = 0; i < count; ++i)
+    some = some || kt_sweep_job_delivers(&jobs[i]);
+  if (!some)
+    return KT_DONE;
   km_text out = {0};
   km_error error;
-  km_answered answer = {.question = j->question, .name = j->label, .header = &j->options->header};
-  km_status status = km_question_report(&answer, j->stopped_by.data ? j->stopped_by.data : "", html, &out, &error);
+  km_status status = make(o, jobs, count, html, &out, &error);
   kt_exit result = kt_exit_of(status);
   if (status)
-    kt_print_message(&j->options->common, KM_ERROR, "%s: %s", j->path, error.text);
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", jobs[0].path, error.text);
   else
-    result = write_file(j, html, &out);
+    result = write_file(o, html, &out);
   km_text_free(&out);
   return result;
 }
@@ -72,23 +113,9 @@ kt_exit kt_report(kt_sweep_options *o) {
   bool html;
   if (!kt_report_format(o->format, o->base, &html))
     return kt_usage(&o->common, "--format", o->format, "pdf or html, as -o says");
-  if (o->models.count > 1)
-    return kt_usage(&o->common, "MODEL", o->models.items[1], "one model for a report");
   if (kt_is_piped(o->base))
     return kt_usage(&o->common, "-o", "-", "a file");
   kt_question_set(&o->asked, "transmission");
-  o->variants.count = 1;
-  kt_sweep_job *j = KM_NEW(kt_sweep_job, 1);
-  if (!j)
-    return KT_NO_MEMORY;
-  *j = (kt_sweep_job){.options = o, .path = o->models.items[0], .common = o->common};
-  kt_sweep_job_name(j);
-  kt_sweep_job_open(j, 0.0);
-  kt_sweep_job_run(j);
-  kt_exit result = j->result;
-  if (kt_sweep_job_delivers(j))
-    result = kt_worse(result, deliver(j, html));
-  kt_sweep_job_close(j);
-  km_free(j);
-  return result;
+  o->deliver = deliver;
+  return kt_sweep_all(o);
 }

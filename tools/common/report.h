@@ -1,4 +1,4 @@
-/* Report commands: one model, one document. */
+/* Report commands: one model, several or variants in one document. */
 #ifndef KT_REPORT_H
 #define KT_REPORT_H
 

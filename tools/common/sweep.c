@@ -215,8 +215,7 @@ static kt_exit write_plot(const kt_sweep_options *o, const kt_sweep_job *jobs, c
   return result;
 }
 
-/* BASE: what -o says, else the first model's name, with `-compared` behind it where there are several or variants. */
-static void base_of(const kt_sweep_options *o, char *out, size_t size) {
+void kt_sweep_base(const kt_sweep_options *o, char *out, size_t size) {
   char model[256];
   kt_base_name(o->models.items[0], model, sizeof model);
   if (o->base)
@@ -236,11 +235,11 @@ static double count_numbers(const kt_sweep_options *o, const kt_sweep_job *jobs)
   return numbers * (o->formats.wanted[KT_CSV] + o->formats.wanted[KT_JSON] + o->formats.wanted[KT_XLSX]);
 }
 
-static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs) {
+static kt_exit write_results(const kt_sweep_options *o, const kt_sweep_job *jobs) {
   kt_exit result = KT_DONE;
   bool some = false;
   char base[4096], own[4096 + KT_JOB_NAME];
-  base_of(o, base, sizeof base);
+  kt_sweep_base(o, base, sizeof base);
   kt_note_size(&o->common, count_numbers(o, jobs));
   for (int i = 0; i < job_count(o); ++i) {
     const kt_sweep_job *j = &jobs[i];
@@ -311,7 +310,7 @@ static kt_exit run(const kt_sweep_options *o, kt_sweep_job *jobs) {
     kt_flush(&jobs[i].common);
     result = kt_worse(result, jobs[i].result);
   }
-  result = kt_worse(result, deliver(o, jobs));
+  result = kt_worse(result, o->deliver ? o->deliver(o, jobs, count) : write_results(o, jobs));
   for (int i = 0; i < count; ++i)
     kt_sweep_job_close(&jobs[i]);
   return result;
@@ -338,7 +337,7 @@ static kt_exit name_and_run(const kt_sweep_options *o) {
 static kt_exit check(const kt_sweep_options *o) {
   bool piped = kt_is_piped(o->base);
   bool text = o->formats.wanted[KT_CSV] || o->formats.wanted[KT_JSON];
-  if (piped && (job_count(o) > 1 || kt_formats_count(&o->formats) != 1 || !text))
+  if (piped && !o->deliver && (job_count(o) > 1 || kt_formats_count(&o->formats) != 1 || !text))
     return kt_usage(&o->common, "-o", "-", "one model and --format csv or json");
   for (int i = 0; i < o->models.count && o->variants.count > 1; ++i)
     if (strcmp(o->models.items[i], "-") == 0)
@@ -352,6 +351,10 @@ kt_exit kt_sweep(kt_sweep_options *o) {
     return KT_USAGE;
   if (o->formats.wanted[KT_JSON])
     kt_question_set(&o->asked, "redundancies");
+  return kt_sweep_all(o);
+}
+
+kt_exit kt_sweep_all(kt_sweep_options *o) {
   if (o->models.count > KT_MOST_MODELS)
     return kt_usage(&o->common, "MODEL", "…", "at most 64 models");
   kt_exit result = kt_variants_read(&o->common, &o->vary, KT_MOST_MODELS / o->models.count, &o->variants);

@@ -25,6 +25,8 @@ typedef struct kt_sweep_options {
   km_report_header header; /* head of a report */
   /* Kinds without a sweep: says what a result with rows calls for; returns the exit code of the result. */
   kt_exit (*tell)(kt_sweep_job *job);
+  /* Writes what all jobs gave, instead of tables and plots; NULL: those. */
+  kt_exit (*deliver)(const struct kt_sweep_options *options, const kt_sweep_job *jobs, int count);
   /* Writes more files of a job, named after `base`; NULL: none. */
   kt_exit (*write_more)(const kt_sweep_job *job, const char *base);
 } kt_sweep_options;
@@ -59,6 +61,8 @@ struct kt_sweep_job {
 /* Computes the question for all models and variants on --jobs threads, and writes the requested files. */
 kt_exit kt_sweep(kt_sweep_options *options);
 
+/* Computes the question for all models and variants, and delivers what they give; kt_sweep without its formats. */
+kt_exit kt_sweep_all(kt_sweep_options *options);
 /* Takes the values of its variant, and names it after these and its model: name, label, base. */
 void kt_sweep_job_name(kt_sweep_job *job);
 /* Reads the model of a job that has its names and brings it to its pose; job->result says how it went. `metres`:
@@ -66,6 +70,8 @@ void kt_sweep_job_name(kt_sweep_job *job);
 void kt_sweep_job_open(kt_sweep_job *job, double metres);
 /* Computes the question of a job whose model is open; job->result is its exit code. */
 void kt_sweep_job_run(kt_sweep_job *job);
+/* BASE: what -o says, else the first model's name, with `-compared` behind it where there are several or variants. */
+void kt_sweep_base(const kt_sweep_options *options, char *out, size_t size);
 /* True if there is something to write. */
 bool kt_sweep_job_delivers(const kt_sweep_job *job);
 void kt_sweep_job_close(kt_sweep_job *job);

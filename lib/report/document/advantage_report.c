@@ -190,11 +190,13 @@ static void add_table(km_document_maker *k, const km_plotted_advantage *p) {
 }
 
 void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *p, const km_transmission *transmission,
-                              const char *stopped_by) {
+                              const char *stopped_by, bool brief) {
   km_plot plot;
   add_lead(k, p);
   add_facts(k, p, stopped_by);
   km_report_poses(k, &p->swept);
+  if (brief)
+    return;
   km_document_heading(k, "Leverage");
   if (km_advantage_plot_make(p, 1, false, false, &k->arena, &plot))
     km_report_plot(k, &plot, "mechanical advantage over the sweep", 230);
@@ -212,16 +214,4 @@ void km_advantage_report_make(km_document_maker *k, const km_plotted_advantage *
                       ? "one freedom: the ratio of the rates in the only motion there is, Z_i / Z_k"
                       : "several freedoms: the least motion that moves the input, by the orthonormal null space Z; the "
                         "other joints follow, none is locked");
-}
-
-km_status km_advantage_report(const km_plotted_advantage *p, const km_transmission *transmission,
-                              const char *stopped_by, const km_report_header *header, bool html, km_text *out,
-                              km_error *error) {
-  km_document_maker *k = KM_NEW(km_document_maker, 1);
-  if (!k)
-    return km_fail(error, KM_MEMORY, "out of memory for a report");
-  km_advantage_report_make(k, p, transmission, stopped_by);
-  const char *title =
-      km_document_format(k, "%s: leverage of %s over %s", p->swept.name, p->sweep->input.name, p->sweep->output.name);
-  return km_report_finish(k, &p->swept, header, "kma", title, html, out, error);
 }

@@ -6,13 +6,9 @@
 #include "report/charts/advantage_plot.h"
 #include "report/document/document.h"
 
-/* Report of a sweep with transmission columns; `transmission` of the last row has the reasons of undefined metrics.
- * `html`: one self-contained file instead of PDF pages. Appends the bytes. */
-km_status km_advantage_report(const km_plotted_advantage *sweep, const km_transmission *transmission,
-                              const char *stopped_by, const km_report_header *header, bool html, km_text *out,
-                              km_error *error);
-/* Its blocks, before they are rendered. */
+/* Adds the blocks of a sweep with transmission columns; `transmission` of the last row has the reasons of undefined
+ * metrics. `brief`: the answer, its facts and the mechanism only. */
 void km_advantage_report_make(km_document_maker *maker, const km_plotted_advantage *sweep,
-                              const km_transmission *transmission, const char *stopped_by);
+                              const km_transmission *transmission, const char *stopped_by, bool brief);
 
 #endif

@@ -3,14 +3,28 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 
 static void add(km_document_maker *m, km_block block) {
-  if (m->count < sizeof m->blocks / sizeof *m->blocks)
-    m->blocks[m->count++] = block;
+  if (m->count == m->capacity) {
+    size_t capacity = m->capacity ? 2 * m->capacity : 32;
+    km_block *blocks = KM_ARENA_NEW(&m->arena, km_block, capacity);
+    if (!blocks)
+      return;
+    if (m->count)
+      memcpy(blocks, m->blocks, m->count * sizeof *blocks);
+    m->blocks = blocks;
+    m->capacity = capacity;
+  }
+  m->blocks[m->count++] = block;
 }
 
 void km_document_heading(km_document_maker *m, const char *text) {
   add(m, (km_block){.kind = KM_BLOCK_HEADING, .text = text});
+}
+
+void km_document_part(km_document_maker *m, const char *text) {
+  add(m, (km_block){.kind = KM_BLOCK_PART, .text = text});
 }
 
 void km_document_lead(km_document_maker *m, const char *text) {

@@ -8,6 +8,7 @@
 
 typedef enum km_block_kind {
   KM_BLOCK_LEAD, /* the answer, before anything else */
+  KM_BLOCK_PART, /* title of a part, which begins a page */
   KM_BLOCK_HEADING,
   KM_BLOCK_TEXT,
   KM_BLOCK_FACTS, /* rows of a name and what it is */
@@ -18,7 +19,7 @@ typedef enum km_block_kind {
 /* A part of a document. Everything is borrowed. */
 typedef struct km_block {
   km_block_kind kind;
-  const char *text;         /* text of a heading or paragraph; alternative text of a picture */
+  const char *text;         /* text of a title, heading or paragraph; alternative text of a picture */
   const char *const *cells; /* [rows × columns], row by row */
   size_t rows, columns;
   double height; /* height of a picture in points; its width is that of the text */
@@ -40,10 +41,11 @@ km_status km_document_html(const km_document *document, km_text *out, km_error *
 /* Blocks in the making. */
 typedef struct km_document_maker {
   km_arena arena;
-  km_block blocks[64];
-  size_t count;
+  km_block *blocks; /* [count] in the arena */
+  size_t count, capacity;
 } km_document_maker;
 
+void km_document_part(km_document_maker *maker, const char *text);
 void km_document_lead(km_document_maker *maker, const char *text);
 void km_document_heading(km_document_maker *maker, const char *text);
 void km_document_text(km_document_maker *maker, const char *text);

@@ -12,6 +12,7 @@ static const char style[] =
     "margin:2rem auto;padding:0 1rem}"
     "h1{font-size:1.7rem;margin:0 0 .2rem;overflow-wrap:anywhere}h2{font-size:1.15rem;margin:2rem 0 .5rem}"
     ".about,footer{color:var(--soft);font-size:.85rem}.lead{font-size:1.1rem}"
+    ".part{font-size:1.4rem;border-top:2px solid var(--line);margin-top:3rem;padding-top:1rem;overflow-wrap:anywhere}"
     "footer{border-top:1px solid var(--line);margin-top:2rem;padding-top:.5rem;overflow-wrap:anywhere}"
     "table{border-collapse:collapse;font-size:.82rem;margin:.5rem 0 1rem}th,td{text-align:right;padding:.2rem .7rem}"
     "th:first-child,td:first-child{text-align:left}thead th{border-bottom:1px solid var(--ink)}"
@@ -22,7 +23,7 @@ static const char style[] =
     "@media(max-width:36rem){body{margin:1rem auto}h1{font-size:1.35rem}dl{grid-template-columns:minmax(0,1fr);gap:0}"
     "dd{margin:0 0 .5rem}th,td{padding:.2rem .4rem}}"
     "@media print{:root{--ink:#1a1a1a;--paper:#fff;--soft:#5f5f5f;--line:#ccc;--shade:#f2f2f2}body{margin:0}"
-    "h2{break-after:avoid}img{break-inside:avoid}}";
+    "h2{break-after:avoid}.part{break-before:page}img{break-inside:avoid}}";
 
 static void add_facts(const km_block *block, km_text *out) {
   km_text_add(out, "<dl>\n");
@@ -81,14 +82,19 @@ static km_status add_picture(const km_block *block, km_text *out, km_error *erro
 }
 
 static km_status add_block(const km_block *block, km_text *out, km_error *error) {
-  bool heading = block->kind == KM_BLOCK_HEADING;
+  static const char *const opening[] = {[KM_BLOCK_LEAD] = "<p class=\"lead\">",
+                                        [KM_BLOCK_PART] = "<h2 class=\"part\">",
+                                        [KM_BLOCK_HEADING] = "<h2>",
+                                        [KM_BLOCK_TEXT] = "<p>"};
+  bool title = block->kind == KM_BLOCK_HEADING || block->kind == KM_BLOCK_PART;
   switch (block->kind) {
   case KM_BLOCK_LEAD:
+  case KM_BLOCK_PART:
   case KM_BLOCK_HEADING:
   case KM_BLOCK_TEXT:
-    km_text_add(out, heading ? "<h2>" : block->kind == KM_BLOCK_LEAD ? "<p class=\"lead\">" : "<p>");
+    km_text_add(out, opening[block->kind]);
     km_html_escape(block->text, out);
-    km_text_add(out, heading ? "</h2>\n" : "</p>\n");
+    km_text_add(out, title ? "</h2>\n" : "</p>\n");
     return KM_OK;
   case KM_BLOCK_FACTS:
     add_facts(block, out);

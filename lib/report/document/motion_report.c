@@ -32,7 +32,7 @@ static const char *peak_words(km_document_maker *k, const km_table *t, size_t co
 
 /* ---- Over a driver's range. */
 
-static bool is_shown(const km_mechanism *m, const km_sweep_plan *plan, const km_swing *swing) {
+bool km_report_shows_swing(const km_mechanism *m, const km_sweep_plan *plan, const km_swing *swing) {
   int c = swing->coordinate;
   return c != plan->coordinate && m->ball_of[c] < 0 && !m->held[c] &&
          (swing->high - swing->low) * m->factor[c] * m->scale[c] > 1e-9;
@@ -46,7 +46,7 @@ static void add_motion_lead(km_document_maker *k, const km_swept *swept, const k
   int shown = 0;
   for (int i = 0; i < sweep->swing_count && shown < LEAD_JOINTS; ++i) {
     const km_swing *swing = &sweep->swings[i];
-    if (!is_shown(swept->mechanism, swept->plan, swing))
+    if (!km_report_shows_swing(swept->mechanism, swept->plan, swing))
       continue;
     km_text_format(&text, "%s %s ", shown++ ? ";" : "", km_model_coordinate_label(model, swing->coordinate));
     if (swing->goes_round)
@@ -75,7 +75,7 @@ static void add_swings(km_document_maker *k, const km_swept *swept, const km_mot
     cells[c] = heads[c];
   for (int i = 0; i < sweep->swing_count && cells; ++i) {
     const km_swing *swing = &sweep->swings[i];
-    if (!is_shown(m, swept->plan, swing))
+    if (!km_report_shows_swing(m, swept->plan, swing))
       continue;
     const char **row = cells + COLUMNS * rows++, *own = km_model_coordinate_unit(m->model, swing->coordinate);
     size_t c = (size_t)swing->coordinate;
@@ -113,28 +113,25 @@ static void add_points(km_document_maker *k, const km_swept *swept, const km_tab
   km_document_cells(k, KM_BLOCK_TABLE, cells, rows, COLUMNS);
 }
 
-km_status km_motion_report(const km_answered *a, const char *stopped_by, bool html, km_text *out, km_error *error) {
+void km_motion_report_make(km_document_maker *k, const km_answered *a, const char *stopped_by, bool brief) {
   const km_motion_sweep *sweep = km_question_velocities(a->question);
   const km_swept swept = {a->question->m, km_question_plan(a->question), &sweep->motion, a->name};
   const km_comparison one = {.answers = a, .count = 1};
-  km_document_maker *k = KM_NEW(km_document_maker, 1);
   km_report_facts facts = {.rows = 0};
   km_plot plot;
-  if (!k)
-    return km_fail(error, KM_MEMORY, "out of memory for a report");
   add_motion_lead(k, &swept, sweep);
   km_report_motion(k, &swept, stopped_by, &facts);
   km_report_close_facts(k, &facts);
   add_swings(k, &swept, sweep);
   add_points(k, &swept, sweep->motion.table);
   km_report_poses(k, &swept);
+  if (brief)
+    return;
   km_document_heading(k, "Velocities and accelerations");
   if (!km_question_plot_make(&one, &k->arena, &plot, NULL))
     add_plot(k, &plot, "velocities and accelerations over the driver");
   km_report_model(k, &swept,
                   "closed loops at every row; velocities and accelerations by the loops' first and second order");
-  return km_report_finish(k, &swept, a->header, "kmob", km_document_format(k, "%s: how it moves", a->name), html, out,
-                          error);
 }
 
 /* ---- Over time. */
@@ -188,15 +185,14 @@ static void add_history_facts(km_document_maker *k, const km_mechanism *m, const
   km_report_close_facts(k, &facts);
 }
 
-/* Largest norm √(x² + y² + z²) of three columns over the rows, and its time. */
-static double largest_norm(const km_table *t, size_t first, double *time) {
+double km_report_largest_norm(const km_table *t, size_t first, double *where) {
   double most = -1.0;
   for (size_t r = 0; r < km_table_rows(t); ++r) {
     const double *row = km_table_row(t, r);
     double norm = hypot(hypot(row[first], row[first + 1]), row[first + 2]);
     if (norm > most) {
       most = norm;
-      *time = row[0];
+      *where = row[0];
     }
   }
   return most;
@@ -214,15 +210,16 @@ static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_t
     return;
   double forces = 0.0, moments = 0.0, ignored;
   for (size_t j = 0; j < joints; ++j) {
-    forces = fmax(forces, largest_norm(t, span.first + 6 * j, &ignored));
-    moments = fmax(moments, largest_norm(t, span.first + 6 * j + 3, &ignored));
+    forces = fmax(forces, km_report_largest_norm(t, span.first + 6 * j, &ignored));
+    moments = fmax(moments, km_report_largest_norm(t, span.first + 6 * j + 3, &ignored));
   }
   for (size_t c = 0; c < COLUMNS; ++c)
     cells[c] = heads[c];
   for (size_t j = 0; j < joints; ++j) {
     double at_force = 0.0, at_moment = 0.0;
     size_t first = span.first + 6 * j;
-    double force = largest_norm(t, first, &at_force), moment = largest_norm(t, first + 3, &at_moment);
+    double force = km_report_largest_norm(t, first, &at_force),
+           moment = km_report_largest_norm(t, first + 3, &at_moment);
     const bool pushes = force > rounding * forces, twists = moment > rounding * moments;
     const char **row = cells + COLUMNS * (j + 1);
     row[0] = m->model->joints[j].label;
@@ -282,21 +279,22 @@ static void add_events(km_document_maker *k, const km_answered *a) {
   km_text_free(&text);
 }
 
-km_status km_history_report(const km_answered *a, const char *stopped_by, bool html, km_text *out, km_error *error) {
+void km_history_report_make(km_document_maker *k, const km_answered *a, const char *stopped_by, bool brief) {
   const km_mechanism *m = a->question->m;
   const km_history *h = km_question_history(a->question);
   const km_swept swept = {.mechanism = m, .name = a->name};
   const km_comparison one = {.answers = a, .count = 1};
   const bool run = km_question_run_def(a->question) != NULL;
-  km_document_maker *k = KM_NEW(km_document_maker, 1);
   km_plot plot;
-  if (!k)
-    return km_fail(error, KM_MEMORY, "out of memory for a report");
   add_history_lead(k, m, h, run);
   add_history_facts(k, m, h, run, stopped_by);
   add_peaks(k, m, h);
   add_events(k, a);
+  if (brief)
+    add_bearings(k, m, h->table);
   km_report_run_poses(k, m, h->table, a->name);
+  if (brief)
+    return;
   km_document_heading(k, "Over time");
   if (!km_question_plot_make(&one, &k->arena, &plot, NULL))
     add_plot(k, &plot, run ? "coordinates, rates and energies over time" : "forces and coordinates over time");
@@ -304,7 +302,4 @@ km_status km_history_report(const km_answered *a, const char *stopped_by, bool h
   km_report_model(k, &swept,
                   run ? "equations of motion in independent coordinates, loops closed at every evaluation"
                       : "forces of the prescribed motion by the balance of its virtual power, row by row");
-  return km_report_finish(
-      k, &swept, a->header, "ksim",
-      km_document_format(k, run ? "%s: its motion over time" : "%s: what its motion takes", a->name), html, out, error);
 }

@@ -3,11 +3,15 @@
 #define KM_REPORT_DOCUMENT_MOTION_REPORT_H
 
 #include "kmech/report.h"
+#include "report/document/document.h"
 
-/* Reports of answers of kind "motion", and of kinds "run" and "inverse". `html`: one self-contained file instead of PDF
- * pages. Append the bytes. KM_MEMORY. */
-km_status km_motion_report(const km_answered *answer, const char *stopped_by, bool html, km_text *out, km_error *error);
-km_status km_history_report(const km_answered *answer, const char *stopped_by, bool html, km_text *out,
-                            km_error *error);
+/* Add the blocks of an answer of kind "motion", and of kinds "run" and "inverse". `brief`: the answer, its tables and
+ * the mechanism only. */
+void km_motion_report_make(km_document_maker *maker, const km_answered *answer, const char *stopped_by, bool brief);
+void km_history_report_make(km_document_maker *maker, const km_answered *answer, const char *stopped_by, bool brief);
+/* True if the swing is one to report: the coordinate isn't the driver, isn't held, isn't of a ball joint, and moves. */
+bool km_report_shows_swing(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_swing *swing);
+/* Largest norm √(x² + y² + z²) of three columns over the rows, and the first column's value there. */
+double km_report_largest_norm(const km_table *table, size_t first, double *where);
 
 #endif

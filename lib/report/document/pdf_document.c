@@ -169,6 +169,15 @@ static void write_picture(writer *w, const km_block *block) {
   w->y += block->height + gap;
 }
 
+/* A part begins a page. */
+static void write_part(writer *w, const km_block *block) {
+  const km_font font = {.size = 15, .bold = true, .width = text_width(), .lines = 2};
+  if (w->y > margin)
+    turn_page(w);
+  write(w, &font, black, block->text, margin, w->y, 0);
+  w->y += height_of(w, &font, block->text) + gap;
+}
+
 /* Height of a block on a page. */
 static double block_height(const writer *w, const km_block *block) {
   const km_font paragraph = text_font(block);
@@ -192,7 +201,7 @@ static double block_height(const writer *w, const km_block *block) {
 static void write_heading(writer *w, const km_block *block, const km_block *end) {
   const km_font font = {.size = 12, .bold = true, .width = text_width()};
   double height = height_of(w, &font, block->text) + 5, section = height, first = height;
-  for (const km_block *b = block + 1; b < end && b->kind != KM_BLOCK_HEADING; ++b) {
+  for (const km_block *b = block + 1; b < end && b->kind != KM_BLOCK_HEADING && b->kind != KM_BLOCK_PART; ++b) {
     section += block_height(w, b);
     if (b == block + 1)
       first += fmin(block_height(w, b), b->kind == KM_BLOCK_PICTURE ? HUGE_VAL : 60.0);
@@ -209,6 +218,9 @@ static void lay_out(writer *w) {
   for (size_t i = 0; i < w->document->count && !w->status; ++i) {
     const km_block *block = &w->document->blocks[i];
     switch (block->kind) {
+    case KM_BLOCK_PART:
+      write_part(w, block);
+      break;
     case KM_BLOCK_HEADING:
       write_heading(w, block, w->document->blocks + w->document->count);
       break;

@@ -201,11 +201,15 @@ static void add_reactions(km_document_maker *k, const km_plotted_statics *p, con
 }
 
 void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, const km_statics *statics,
-                            const char *acting, const char *stopped_by) {
+                            const char *acting, const char *stopped_by, bool brief) {
   km_plot plot;
   add_lead(k, p);
   add_facts(k, p, acting, stopped_by);
+  if (brief)
+    add_peaks(k, p);
   km_report_poses(k, &p->swept);
+  if (brief)
+    return;
   km_document_heading(k, "What the actuators hold");
   if (p->sweep->actuator_count && km_statics_plot_make(p, 1, false, false, &k->arena, &plot))
     km_report_plot(k, &plot, "actuator forces over the sweep", 230);
@@ -216,15 +220,4 @@ void km_statics_report_make(km_document_maker *k, const km_plotted_statics *p, c
       k, &p->swept,
       "balance by the orthonormal null space Z of the loops' Jacobian; what statics leaves open is the answer "
       "of least norm");
-}
-
-km_status km_statics_report(const km_plotted_statics *p, const km_statics *statics, const char *acting,
-                            const char *stopped_by, const km_report_header *header, bool html, km_text *out,
-                            km_error *error) {
-  km_document_maker *k = KM_NEW(km_document_maker, 1);
-  if (!k)
-    return km_fail(error, KM_MEMORY, "out of memory for a report");
-  km_statics_report_make(k, p, statics, acting, stopped_by);
-  const char *title = km_document_format(k, "%s: what its actuators hold", p->swept.name);
-  return km_report_finish(k, &p->swept, header, "kstatic", title, html, out, error);
 }

@@ -5,13 +5,9 @@
 #include "report/charts/statics_plot.h"
 #include "report/document/document.h"
 
-/* `statics` is the balance of a row, for what is statically indeterminate; `acting` says in words what acts. `html`:
- * one self-contained file instead of PDF pages. Appends the bytes. */
-km_status km_statics_report(const km_plotted_statics *sweep, const km_statics *statics, const char *acting,
-                            const char *stopped_by, const km_report_header *header, bool html, km_text *out,
-                            km_error *error);
-/* Its blocks, before they are rendered. */
+/* Adds its blocks. `statics` is the balance of a row, for what is statically indeterminate; `acting` says in words what
+ * acts. `brief`: the answer, its facts, the largest forces and the mechanism only. */
 void km_statics_report_make(km_document_maker *maker, const km_plotted_statics *sweep, const km_statics *statics,
-                            const char *acting, const char *stopped_by);
+                            const char *acting, const char *stopped_by, bool brief);
 
 #endif

@@ -38,6 +38,11 @@ const char *km_report_number(km_document_maker *maker, double value) {
   return text[0] == '-' ? km_document_format(maker, "−%s", text + 1) : text;
 }
 
+const char *km_report_unit(km_document_maker *maker, const char *unit) {
+  const char *power = strstr(unit, "^2");
+  return power ? km_document_format(maker, "%.*s²%s", (int)(power - unit), unit, power + 2) : unit;
+}
+
 size_t km_report_s(const km_swept *s) {
   return (size_t)km_table_find(s->motion->table, "s");
 }
@@ -253,8 +258,12 @@ static void insert_note(km_document_maker *k, const char *note) {
   k->blocks[1] = last;
 }
 
-km_status km_report_finish(km_document_maker *k, const km_swept *swept, const km_report_header *header,
-                           const char *tool, const char *title, bool html, km_text *out, km_error *error) {
+const char *km_report_subject(km_document_maker *k, const char *name, const km_model *model) {
+  return km_document_format(k, "%s · SHA-256 %.16s…", name, model->sha256);
+}
+
+km_status km_report_finish(km_document_maker *k, const char *subject, const km_report_header *header, const char *tool,
+                           const char *title, bool html, km_text *out, km_error *error) {
   const km_report_header none = {NULL, NULL, NULL, NULL}, *h = header ? header : &none;
   if (stated(h->note))
     insert_note(k, h->note);
@@ -263,8 +272,7 @@ km_status km_report_finish(km_document_maker *k, const km_swept *swept, const km
                               km_document_format(k, "%s%s%s%sReport by %s %s", stated(h->author) ? h->author : "",
                                                  stated(h->author) ? " · " : "", stated(h->date) ? h->date : "",
                                                  stated(h->date) ? " · " : "", tool, KM_VERSION),
-                          .footer = km_document_format(k, "%s · SHA-256 %.16s… · %s %s", swept->name,
-                                                       swept->mechanism->model->sha256, tool, KM_VERSION),
+                          .footer = km_document_format(k, "%s · %s %s", subject, tool, KM_VERSION),
                           .blocks = k->blocks,
                           .count = k->count};
   km_status status = k->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for a report")

@@ -41,12 +41,16 @@ size_t km_report_s(const km_swept *swept);
 /* Selects a dozen rows: both ends, the rows nearest to the `special` values, and evenly spaced ones between. */
 void km_report_rows(km_document_maker *maker, const km_swept *swept, const km_report_column *columns, size_t count,
                     const double *special, size_t special_count);
+/* A unit with raised exponents: "rad/s²" for rad/s^2. */
+const char *km_report_unit(km_document_maker *maker, const char *unit);
 /* "1.2345", "∞", "–" where there is none. */
 const char *km_report_number(km_document_maker *maker, double value);
 
-/* Appends the document of all blocks, HTML or PDF; `header` (may be NULL) has words for its head. Frees the maker.
- * KM_MEMORY, KM_INTERNAL. */
-km_status km_report_finish(km_document_maker *maker, const km_swept *swept, const km_report_header *header,
+/* "fourbar · SHA-256 0123456789abcdef…": a model in the footer. */
+const char *km_report_subject(km_document_maker *maker, const char *name, const km_model *model);
+/* Appends the document of all blocks, HTML or PDF; `header` (may be NULL) has words for its head, `subject` opens the
+ * footer. Frees the maker. KM_MEMORY, KM_INTERNAL. */
+km_status km_report_finish(km_document_maker *maker, const char *subject, const km_report_header *header,
                            const char *tool, const char *title, bool html, km_text *out, km_error *error);
 
 #endif

@@ -266,6 +266,6 @@ km_status km_tracks_report(const km_tracks *tracks, const km_report_header *head
   }
   km_report_model(k, &swept,
                   "the effector follows the path exactly at every sample; spare freedoms as the method chooses");
-  return km_report_finish(k, &swept, header, "kredund", km_document_format(k, "%s: along its path", tracks->model),
-                          html, out, error);
+  return km_report_finish(k, km_report_subject(k, swept.name, swept.mechanism->model), header, "kredund",
+                          km_document_format(k, "%s: along its path", tracks->model), html, out, error);
 }
