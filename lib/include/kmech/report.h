@@ -220,8 +220,8 @@ KM_API km_status km_question_report(const km_answered *answer, const char *stopp
 /* Report about the answers of several models or variants: first which figures differ and by how much, with the curves
  * that differ most; then each answer briefly. `name`: name of the model, or of all. `stopped_by`[count] (may be NULL):
  * texts of km_sweep_stop_text, each may be NULL. `header` may be NULL. `html`: one self-contained file, otherwise PDF
- * pages. Answers without rows are named and left out: their question may be NULL. Appends the bytes. KM_USAGE: no answer
- * has rows, kinds differ, or a kind has no report; KM_MEMORY, KM_INTERNAL. */
+ * pages. Answers without rows are named and left out: their question may be NULL. Appends the bytes. KM_USAGE: no
+ * answer has rows, kinds differ, or a kind has no report; KM_MEMORY, KM_INTERNAL. */
 KM_API km_status km_comparison_report(const km_comparison *comparison, const char *name, const char *const *stopped_by,
                                       const km_report_header *header, bool html, km_text *out, km_error *error);
 
