@@ -57,24 +57,20 @@ static double find_change(km_simulation *run, const km_model_module *module, con
 
 double km_contacts_passed_over(km_simulation *run) {
   const km_dynamics *d = run->dynamics;
-  const km_moving_forces *moving = d->forces->moving;
   const double error = (run->def.absolute + run->def.relative) * d->mechanism->length;
   double first = HUGE_VAL;
-  bool is_moved = false;
-  for (int i = 0; i < moving->module_count; ++i) {
-    if (moving->modules[i]->type != KM_MODULE_CONTACT)
-      continue;
-    is_moved = true;
+  for (int i = 0; i < d->forces->contact_count; ++i) {
+    const km_model_module *contact = d->forces->contacts[i];
     if (!move_to(run, run->last_time))
       return HUGE_VAL;
-    const km_touch one = km_contact_touch(d->mechanism, d->forces, moving->modules[i]);
+    const km_touch one = km_contact_touch(d->mechanism, d->forces, contact);
     move_to(run, run->time);
-    const km_touch other = km_contact_touch(d->mechanism, d->forces, moving->modules[i]);
-    first = fmin(first, find_change(run, moving->modules[i], &one, &other));
+    const km_touch other = km_contact_touch(d->mechanism, d->forces, contact);
+    first = fmin(first, find_change(run, contact, &one, &other));
     if (can_have_touched(&one, &other, run->time - run->last_time))
-      first = fmin(first, find_touch(run, moving->modules[i], &one, &other, error));
+      first = fmin(first, find_touch(run, contact, &one, &other, error));
   }
-  if (is_moved)
+  if (d->forces->contact_count)
     move_to(run, run->time);
   return first;
 }

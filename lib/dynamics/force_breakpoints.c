@@ -38,11 +38,11 @@ static void add_rows(collector *c, const double *rows, int count) {
     add(c, KM_CORNER_TIME, rows[2 * i], 0.0);
 }
 
-static void add_stops(collector *c, const km_moving_forces *moving) {
+static void add_stops(collector *c, const km_forces *f) {
   const km_mechanism *m = c->mechanism;
-  for (int i = 0; i < moving->stop_count; ++i) {
-    add(c, moving->stops[i], m->low[moving->stops[i]], 0.0);
-    add(c, moving->stops[i], m->high[moving->stops[i]], 0.0);
+  for (int i = 0; i < f->stop_count; ++i) {
+    add(c, f->stops[i], m->low[f->stops[i]], 0.0);
+    add(c, f->stops[i], m->high[f->stops[i]], 0.0);
   }
 }
 
@@ -83,7 +83,7 @@ static void add_prescribed(collector *c) {
 static void collect(collector *c, const km_dynamics *d) {
   const km_model *model = d->mechanism->model;
   c->count = 0;
-  add_stops(c, d->forces->moving);
+  add_stops(c, d->forces);
   for (int i = 0; i < model->module_count; ++i)
     add_module(c, &model->modules[i]);
   add_loads(c, d->forces);

@@ -50,19 +50,25 @@ km_touch km_contact_touch(const km_mechanism *m, const km_forces *f, const km_mo
   return t;
 }
 
-void km_contact_apply(const km_mechanism *m, km_forces *f, const km_model_module *module) {
+void km_contacts_collect(const km_model *model, km_forces *f) {
+  for (int i = 0; i < model->module_count; ++i)
+    if (model->modules[i].type == KM_MODULE_CONTACT)
+      f->contacts[f->contact_count++] = &model->modules[i];
+}
+
+/* Adds the forces of one contact and its report; returns the dissipated power. */
+static double add_contact(const km_mechanism *m, km_forces *f, const km_model_module *module, bool has_friction) {
   const km_contact *contact = &module->contact;
   const km_vec3 none = {0, 0, 0};
   const km_touch t = km_contact_touch(m, f, module);
   km_module_report *report = km_module_report_of(m, f, module);
   *report = (km_module_report){.depth = t.depth, .slip = km_vec3_norm(t.slip)};
   if (!(t.depth > 0.0))
-    return;
+    return 0.0;
   const double elastic = elastic_force(contact, t.depth);
   const double normal = elastic * fmax(1.0 + contact->dissipation * t.depth_rate, 0.0);
   const double slip_speed = contact->slip_speed > 0.0 ? contact->slip_speed : km_stiction_speed(m, NULL);
-  const double friction =
-      f->moving->frictionless ? 0.0 : contact->friction * normal * km_slip_share(report->slip, slip_speed);
+  const double friction = has_friction ? contact->friction * normal * km_slip_share(report->slip, slip_speed) : 0.0;
   const km_vec3 along = report->slip > 0.0 ? km_vec3_scale(-friction / report->slip, t.slip) : none;
   const km_vec3 force = km_vec3_axpy(normal, t.normal, along);
   km_forces_add(f, m->model->frames[module->output.frame[1]].body, force, none, t.point);
@@ -70,15 +76,20 @@ void km_contact_apply(const km_mechanism *m, km_forces *f, const km_model_module
   report->force = normal;
   report->friction = friction;
   report->power = -normal * t.depth_rate - friction * report->slip;
-  f->moving->dissipation += (normal - elastic) * t.depth_rate + friction * report->slip;
+  return (normal - elastic) * t.depth_rate + friction * report->slip;
+}
+
+double km_contacts_add(const km_mechanism *m, km_forces *f, bool has_friction) {
+  double dissipation = 0.0;
+  for (int i = 0; i < f->contact_count; ++i)
+    dissipation += add_contact(m, f, f->contacts[i], has_friction);
+  return dissipation;
 }
 
 double km_contacts_energy(const km_mechanism *m, const km_forces *f) {
   double energy = 0.0;
-  for (int i = 0; i < f->moving->module_count; ++i) {
-    const km_model_module *module = f->moving->modules[i];
-    if (module->type != KM_MODULE_CONTACT)
-      continue;
+  for (int i = 0; i < f->contact_count; ++i) {
+    const km_model_module *module = f->contacts[i];
     const double depth = km_contact_touch(m, f, module).depth;
     if (depth > 0.0)
       energy += elastic_force(&module->contact, depth) * depth / (module->contact.exponent + 1.0);
@@ -106,8 +117,8 @@ km_status km_contacts_check(const km_model *model, km_error *error) {
                   {"reference_depth", c->reference_depth, c->exponent != 1.0}};
     for (size_t k = 0; k < sizeof needed / sizeof *needed; ++k)
       if (needed[k].is_needed && !(needed[k].value > 0.0))
-        return km_fail(error, KM_MODEL, "%s.contact.%s: found %g; a simulation expects a positive number",
-                       module->where, needed[k].key, needed[k].value);
+        return km_fail(error, KM_MODEL, "%s.contact.%s: found %g; expected a positive number", module->where,
+                       needed[k].key, needed[k].value);
     if (c->shape == KM_CONTACT_CIRCLE_IN_CIRCLE && !(c->parent_radius > c->radius))
       return km_fail(error, KM_MODEL, "%s.contact.parent_radius: found %g; expected more than the radius %g inside it",
                      module->where, c->parent_radius, c->radius);

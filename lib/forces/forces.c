@@ -1,4 +1,5 @@
-/* Applied forces of a static balance at a configuration: weights, loads, springs (docs/theory.md 9.1 and 11.8). */
+/* Applied forces of a static balance at a configuration: weights, loads, springs, contacts, stops (docs/theory.md 9.1,
+ * 11.8 and 11.15). */
 #include "forces/forces.h"
 
 #include "base/arguments.h"
@@ -15,6 +16,10 @@ static bool allocate(km_forces *f, const km_mechanism *m, int load_count) {
   f->body = KM_ARENA_NEW(&f->arena, km_wrench, bodies);
   f->joint = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
   f->extra = KM_ARENA_NEW(&f->arena, double, (size_t)m->coordinate_count);
+  f->report = KM_ARENA_NEW(&f->arena, km_module_report, (size_t)m->model->module_count);
+  f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)m->model->module_count);
+  f->contacts = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)m->model->module_count);
+  f->stops = KM_ARENA_NEW(&f->arena, int, (size_t)m->coordinate_count);
   f->reference = KM_ARENA_NEW(&f->arena, double, (size_t)m->model->module_count);
   for (int i = 0; f->reference && i < m->model->module_count; ++i)
     f->reference[i] = nan("");
@@ -28,8 +33,9 @@ static km_status check_loads(const km_model *model, const km_load *loads, int co
   return status;
 }
 
-km_status km_forces_create(const km_mechanism *m, const double gravity[3], const km_load *loads, int load_count,
-                           km_forces **out, km_error *error) {
+/* Creates the forces without force modules and stops. */
+static km_status create(const km_mechanism *m, const double *gravity, const km_load *loads, int load_count,
+                        km_forces **out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = NULL;
@@ -50,12 +56,32 @@ km_status km_forces_create(const km_mechanism *m, const double gravity[3], const
   f->load_count = load_count;
   if (load_count)
     memcpy(f->loads, loads, (size_t)load_count * sizeof *loads);
-  km_status status = km_springs_collect(m->model, f, error);
-  if (status)
-    km_forces_free(f);
-  else
-    *out = f;
+  *out = f;
+  return KM_OK;
+}
+
+km_status km_forces_create(const km_mechanism *m, const double gravity[3], const km_load *loads, int load_count,
+                           km_forces **out, km_error *error) {
+  km_status status = create(m, gravity, loads, load_count, out, error);
+  if (!status)
+    status = km_contacts_check(m->model, error);
+  if (!status)
+    status = km_stops_check(m, error);
+  if (!status) {
+    km_springs_collect(m->model, *out);
+    km_contacts_collect(m->model, *out);
+    km_stops_list(m, *out);
+  } else if (out) {
+    km_forces_free(*out);
+    *out = NULL;
+  }
   return status;
+}
+
+km_status km_forces_create_loads_only(const km_mechanism *m, const km_load *loads, int load_count, km_forces **out,
+                                      km_error *error) {
+  static const double weightless[3] = {0, 0, 0};
+  return create(m, weightless, loads, load_count, out, error);
 }
 
 void km_forces_free(km_forces *f) {
@@ -146,12 +172,13 @@ double km_loads_add(const km_mechanism *m, const km_state *s, km_forces *f) {
   return power;
 }
 
-/* Sums weights, loads, springs and additional joint forces at the state's configuration. */
+/* Sums weights, loads, springs, contacts, stops and additional joint forces at the state's configuration at rest. */
 void km_forces_compute(const km_mechanism *m, const km_state *s, km_forces *f) {
   if (!f || f->mechanism != m || !km_state_belongs_to(m, s))
     return;
   f->origin = km_poses_about_mechanism(m, s, f->pose);
   memset(f->body, 0, (size_t)m->topology.body_count * sizeof *f->body);
+  memset(f->twist, 0, (size_t)m->topology.body_count * sizeof *f->twist);
   memset(f->joint, 0, (size_t)m->coordinate_count * sizeof *f->joint);
   f->force_size = f->couple_size = 0.0;
   for (int c = 0; c < m->coordinate_count; ++c)
@@ -160,6 +187,8 @@ void km_forces_compute(const km_mechanism *m, const km_state *s, km_forces *f) {
   add_weights(m, f);
   km_loads_add(m, s, f);
   km_springs_add(m, s, f);
+  km_contacts_add(m, f, true);
+  km_stops_add(m, s, false, f);
 }
 
 void km_forces_on_body(const km_forces *f, int body, double wrench[6]) {

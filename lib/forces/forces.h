@@ -29,9 +29,12 @@ struct km_forces {
   km_user_forces user; /* forces of a program; compute NULL: none */
   km_load *loads;
   const km_model_module **springs; /* force modules of type stiffness */
-  km_joint_stop limit_stop;        /* stop at limits of joints without one; 0: none */
-  km_module_report *report;        /* [module of the model] */
-  struct km_moving_forces *moving; /* forces that act during a motion; NULL in statics */
+  int contact_count, stop_count;
+  const km_model_module **contacts; /* force modules of type contact */
+  int *stops;                       /* coordinates with limits and a stop */
+  km_joint_stop limit_stop;         /* stop at limits of joints without one; 0: none */
+  km_module_report *report;         /* [module of the model] */
+  struct km_moving_forces *moving;  /* forces that act during a motion; NULL in statics */
   /* Results of km_forces_compute. Wrenches are along the inertial axes, moments about `origin`. */
   km_vec3 origin;         /* point near the mechanism, because moments about a distant point lose digits */
   km_pose *pose;          /* [body] in the inertial frame moved to `origin` */
@@ -87,12 +90,44 @@ double km_module_apply(const km_mechanism *mechanism, const km_state *state, km_
                        const km_model_module *module, double force);
 
 /* Collects the model's modules of type stiffness in forces->springs. */
-km_status km_springs_collect(const km_model *model, km_forces *forces, km_error *error);
+void km_springs_collect(const km_model *model, km_forces *forces);
 /* Adds the spring forces. Returns the power of springs that are not conservative: those that act where they do not
  * measure, or on a ball's coordinate. */
 double km_springs_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 /* Energy stored in the conservative springs, 0 at displacement 0. */
 double km_springs_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
+
+/* Where the bodies of a contact module are closest, about the forces' origin (contact.c). */
+typedef struct km_touch {
+  km_vec3 normal, point, slip; /* normal from parent to child; contact point; velocity of the child along the surface */
+  double depth, depth_rate;    /* penetration δ, negative where the bodies are apart, and its rate */
+} km_touch;
+km_touch km_contact_touch(const km_mechanism *mechanism, const km_forces *forces, const km_model_module *module);
+/* KM_MODEL: a contact that doesn't act between frames, or whose numbers can't be used. */
+km_status km_contacts_check(const km_model *model, km_error *error);
+/* Collects the model's contacts in forces->contacts. */
+void km_contacts_collect(const km_model *model, km_forces *forces);
+/* Adds the forces of all contacts and their reports; returns the dissipated power. Requires poses and twists; in
+ * statics twists are 0, so that the elastic parts of the normal forces remain. */
+double km_contacts_add(const km_mechanism *mechanism, km_forces *forces, bool has_friction);
+/* Energy stored in all contacts. Requires the poses of the last update. */
+double km_contacts_energy(const km_mechanism *mechanism, const km_forces *forces);
+
+/* KM_MODEL: a stop of one component of a ball. */
+km_status km_stops_check(const km_mechanism *mechanism, km_error *error);
+/* Lists the coordinates with limits and a stop in forces->stops. */
+void km_stops_list(const km_mechanism *mechanism, km_forces *forces);
+/* Adds the forces of all stops; returns the dissipated power. `moves`: rates count; false in statics. */
+double km_stops_add(const km_mechanism *mechanism, const km_state *state, bool moves, km_forces *forces);
+/* Excess of a coordinate over its limits (of a ball's angle: at least 0), and the force of its stop at rest. */
+double km_stop_excess(const km_mechanism *mechanism, const km_state *state, int coordinate);
+double km_stop_force(const km_mechanism *mechanism, const km_state *state, const km_forces *forces, int coordinate);
+/* Energy stored in stops. */
+double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
+
+/* As km_forces_create with gravity 0 and without force modules and stops. */
+km_status km_forces_create_loads_only(const km_mechanism *mechanism, const km_load *loads, int load_count,
+                                      km_forces **out, km_error *error);
 /* Adds the loads; returns their power. */
 double km_loads_add(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 

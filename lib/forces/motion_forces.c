@@ -1,7 +1,6 @@
-/* Forces that act during a motion: dampers, stops, friction, motors, controllers, tyres, with dissipated and
- * supplied power (docs/theory.md 11.8).
+/* Forces that act during a motion: dampers, friction, motors, controllers, tyres, with dissipated and supplied power
+ * (docs/theory.md 11.8).
  *
- *   stop   : F = k x + b v beyond a limit, never pulling;   dissipates (F − k x) v
  *   friction: −F s(v),  s = 1 above the stiction speed, else x (2 − x)      PID: k_p e + k_i ∫e + k_d ė */
 #include "forces/motion_forces.h"
 
@@ -35,35 +34,14 @@ static void list_loaded_bodies(const km_model *model, const km_forces *f, bool *
   }
 }
 
-static bool acts(const km_joint_stop *stop) {
-  return stop->stiffness > 0.0 || stop->damping > 0.0;
-}
-
-static const km_joint_stop *own_stop(const km_mechanism *m, int c) {
-  return &m->model->joints[m->model->coordinates[c].joint].stop;
-}
-
-/* True if the limits are those of one component of a ball. */
-static bool limits_component(const km_mechanism *m, int c) {
-  return m->ball_of[c] >= 0 && (isfinite(m->low[c]) || isfinite(m->high[c]));
-}
-
-/* Stop of a coordinate: its joint's own, else that of km_forces_set_limit_stops. */
-static const km_joint_stop *stop_of(const km_forces *f, int c) {
-  const km_joint_stop *own = own_stop(f->mechanism, c);
-  return acts(own) || limits_component(f->mechanism, c) ? own : &f->limit_stop;
-}
-
-/* Lists coordinates with dampers, stops and constant friction. */
-static void list_coordinates(const km_mechanism *m, const km_forces *f, km_moving_forces *out) {
+/* Lists coordinates with dampers and constant friction. */
+static void list_coordinates(const km_mechanism *m, km_moving_forces *out) {
   for (int c = 0; c < m->coordinate_count; ++c) {
     const km_model_coordinate *def = &m->model->coordinates[c];
     if (m->held[c])
       continue;
     if (def->damping != 0.0)
       out->dampers[out->damper_count++] = c;
-    if (acts(stop_of(f, c)) && km_is_limited(m, c))
-      out->stops[out->stop_count++] = c;
     if (def->friction > 0.0)
       out->constant_friction[out->constant_friction_count++] = c;
   }
@@ -75,11 +53,12 @@ static bool is_implicit(const km_model_module *module) {
   return module->variable == KM_VARIABLE_ACCELERATION || (module->variable == KM_VARIABLE_VELOCITY && differentiates);
 }
 
-/* Lists the force modules except springs, and numbers their internal states. */
+/* Lists the force modules except springs and contacts, and numbers their internal states. */
 static void list_modules(const km_model *model, km_moving_forces *out) {
   for (int i = 0; i < model->module_count; ++i) {
     const km_model_module *module = &model->modules[i];
-    if (module->type == KM_MODULE_STIFFNESS && module->variable == KM_VARIABLE_DISPLACEMENT)
+    if (module->type == KM_MODULE_CONTACT ||
+        (module->type == KM_MODULE_STIFFNESS && module->variable == KM_VARIABLE_DISPLACEMENT))
       continue;
     if (is_implicit(module))
       out->implicit[out->implicit_count++] = out->module_count;
@@ -116,38 +95,11 @@ static km_status check_tires(const km_model *model, km_error *error) {
   return KM_OK;
 }
 
-/* Rejects stops of single components of a ball: a component's rate isn't conjugate to the torque about its axis, so
- * such a stop would not conserve energy. */
-static km_status check_stops(const km_mechanism *m, km_error *error) {
-  for (int c = 0; c < m->coordinate_count; ++c)
-    if (!m->held[c] && acts(own_stop(m, c)) && limits_component(m, c))
-      return km_fail(error, KM_MODEL, "joint %s: a stop of one component of a ball; expected one range of its angle",
-                     m->model->coordinates[c].label);
-  return KM_OK;
-}
-
-km_status km_forces_set_limit_stops(km_forces *f, double stiffness, double damping, km_error *error) {
-  km_status status = km_check_given(f != NULL, "forces", error);
-  if (status)
-    return status;
-  if (f->moving)
-    return km_fail(error, KM_USAGE, "equations of motion use the forces already; expected stops before these");
-  if (!(stiffness > 0.0) || !isfinite(stiffness) || !(damping >= 0.0) || !isfinite(damping))
-    return km_fail(error, KM_USAGE, "stiffness %g, damping %g; expected a positive one and one of at least 0",
-                   stiffness, damping);
-  f->limit_stop = (km_joint_stop){stiffness, damping};
-  return KM_OK;
-}
-
 km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
   if (f->moving)
     return KM_OK;
   const km_mechanism *m = f->mechanism;
   km_status status = check_tires(m->model, error);
-  if (!status)
-    status = km_contacts_check(m->model, error);
-  if (!status)
-    status = check_stops(m, error);
   if (status)
     return status;
   km_arena *arena = &f->arena, scratch = {0};
@@ -158,7 +110,6 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
   if (out)
     *out = (km_moving_forces){.loaded_bodies = KM_ARENA_NEW(arena, int, bodies),
                               .dampers = KM_ARENA_NEW(arena, int, coordinates),
-                              .stops = KM_ARENA_NEW(arena, int, coordinates),
                               .constant_friction = KM_ARENA_NEW(arena, int, coordinates),
                               .modules = KM_ARENA_NEW(arena, const km_model_module *, modules),
                               .first_state_of = KM_ARENA_NEW(arena, int, modules),
@@ -171,7 +122,7 @@ km_status km_forces_prepare_motion(km_forces *f, km_error *error) {
   if (!arena->failed && !scratch.failed) {
     f->moving = out;
     list_loaded_bodies(m->model, f, is_listed);
-    list_coordinates(m, f, out);
+    list_coordinates(m, out);
     list_modules(m->model, out);
     size_t n = (size_t)out->implicit_count;
     out->implicit_work = KM_ARENA_NEW(arena, double, n *n + 4 * n);
@@ -189,54 +140,6 @@ static void add_dampers(const km_mechanism *m, const km_state *s, km_forces *f) 
     f->joint[c] += force;
     f->moving->dissipation -= force * s->rate[c];
   }
-}
-
-/* Excess of a coordinate over its limits: above (> 0) or below (< 0). */
-static double beyond(const km_mechanism *m, const km_state *s, int c) {
-  return s->q[c] > m->high[c] ? s->q[c] - m->high[c] : s->q[c] < m->low[c] ? s->q[c] - m->low[c] : 0.0;
-}
-
-/* Stop force k x + b v, never pulling; adds the power that isn't stored to the dissipation. */
-static double stop_force(const km_joint_stop *stop, double x, double v, km_forces *f) {
-  double force = stop->stiffness * x + stop->damping * v;
-  force = force * x > 0.0 ? force : 0.0;
-  f->moving->dissipation += (force - stop->stiffness * x) * v;
-  return force;
-}
-
-/* Stop of a ball's angle |q|; its force acts along q/|q|, which is equal in both frames. */
-static void add_stop_of_ball(const km_mechanism *m, const km_state *s, int c, km_forces *f) {
-  const km_joint_stop *stop = stop_of(f, c);
-  double x = km_state_ball_excess(m, c, &s->q[c]);
-  if (!(x > 0.0))
-    return;
-  km_vec3 q = km_vec3_from_array(&s->q[c]), u = km_vec3_scale(1.0 / km_vec3_norm(q), q);
-  double force = stop_force(stop, x, km_vec3_dot(u, km_vec3_from_array(&s->rate[c])), f);
-  f->joint[c] -= force * u.x;
-  f->joint[c + 1] -= force * u.y;
-  f->joint[c + 2] -= force * u.z;
-}
-
-/* Adds the forces of all stops. */
-static void add_stops(const km_mechanism *m, const km_state *s, km_forces *f) {
-  for (int i = 0; i < f->moving->stop_count; ++i) {
-    int c = f->moving->stops[i];
-    double x = beyond(m, s, c);
-    if (x != 0.0)
-      f->joint[c] -= stop_force(stop_of(f, c), x, s->rate[c], f);
-    add_stop_of_ball(m, s, c, f);
-  }
-}
-
-double km_stops_energy(const km_mechanism *m, const km_state *s, const km_forces *f) {
-  double energy = 0.0;
-  for (int i = 0; i < f->moving->stop_count; ++i) {
-    int c = f->moving->stops[i];
-    double x = beyond(m, s, c);
-    double excess = fmax(km_state_ball_excess(m, c, &s->q[c]), 0.0);
-    energy += 0.5 * stop_of(f, c)->stiffness * (x * x + excess * excess);
-  }
-  return energy;
 }
 
 double km_stiction_speed(const km_mechanism *m, const km_joint_friction *friction) {
@@ -355,10 +258,6 @@ static void add_module(const km_mechanism *m, const km_state *s, km_forces *f, i
     km_tire_apply(m, f, index);
     return;
   }
-  if (module->type == KM_MODULE_CONTACT) {
-    km_contact_apply(m, f, module);
-    return;
-  }
   if (module->type == KM_MODULE_FRICTION && moving->frictionless)
     return;
   if (module->type == KM_MODULE_PID)
@@ -385,7 +284,7 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
   memcpy(f->joint, f->extra, (size_t)m->coordinate_count * sizeof *f->joint);
   moving->motor_power += km_springs_add(m, s, f);
   add_dampers(m, s, f);
-  add_stops(m, s, f);
+  moving->dissipation += km_stops_add(m, s, true, f);
   add_friction(m, s, f);
   add_reaction_friction(m, s, f);
   for (int i = 0; i < moving->module_count; ++i)
@@ -393,6 +292,7 @@ void km_forces_update_moving(const km_mechanism *m, const km_state *s, km_forces
       moving->drive_force[moving->modules[i]->output.coordinate] = 0.0;
   for (int i = 0; i < moving->module_count; ++i)
     add_module(m, s, f, i);
+  moving->dissipation += km_contacts_add(m, f, !moving->frictionless);
   moving->motor_power += km_loads_add(m, s, f);
   for (int c = 0; c < m->coordinate_count; ++c)
     moving->motor_power += f->extra[c] * s->rate[c];

@@ -1,4 +1,4 @@
-/* Forces that act only during a motion: damping, stops, friction, motors, controllers, tyres. */
+/* Forces that act only during a motion: damping, friction, motors, controllers, tyres. */
 #ifndef KM_FORCES_MOTION_FORCES_H
 #define KM_FORCES_MOTION_FORCES_H
 
@@ -8,9 +8,9 @@
 typedef double km_user_wrench[6];
 
 typedef struct km_moving_forces {
-  int loaded_body_count, damper_count, stop_count, constant_friction_count, module_count, state_count;
-  int *loaded_bodies;                       /* bodies with forces; their poses and twists must be set */
-  int *dampers, *stops, *constant_friction; /* coordinates with damping, stops, constant friction */
+  int loaded_body_count, damper_count, constant_friction_count, module_count, state_count;
+  int *loaded_bodies;               /* bodies with forces; their poses and twists must be set */
+  int *dampers, *constant_friction; /* coordinates with damping, constant friction */
   const km_model_module **modules;
   int *first_state_of;    /* [module] index of its first internal state */
   double *internal_state; /* [state_count] internal states: ∫e of a controller, slips of a tyre */
@@ -50,9 +50,6 @@ km_motion_sample km_user_sample(const km_mechanism *mechanism, const km_state *s
 /* Motion of a frame of a loaded body. */
 km_frame_motion km_frame_motion_of(const km_forces *forces, int frame);
 
-/* Energy stored in stops. */
-double km_stops_energy(const km_mechanism *mechanism, const km_state *state, const km_forces *forces);
-
 /* Part s of the friction that acts at a speed: 1 above the stiction speed, below it x (2 − x), x = speed/stiction
  * speed; with the sign of the speed. */
 double km_slip_share(double speed, double stiction);
@@ -63,19 +60,6 @@ double km_stiction_speed(const km_mechanism *mechanism, const km_joint_friction 
 /* Forces of the laws of the implicit modules at the state's accelerations and those of the bodies. */
 void km_implicit_forces_compute(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
                                 double *out);
-
-/* Where the bodies of a contact module are closest, about the forces' origin (contact.c). */
-typedef struct km_touch {
-  km_vec3 normal, point, slip; /* normal from parent to child; contact point; velocity of the child along the surface */
-  double depth, depth_rate;    /* penetration δ, negative where the bodies are apart, and its rate */
-} km_touch;
-km_touch km_contact_touch(const km_mechanism *mechanism, const km_forces *forces, const km_model_module *module);
-/* Adds the forces of a contact, its report and the dissipated power. */
-void km_contact_apply(const km_mechanism *mechanism, km_forces *forces, const km_model_module *module);
-/* Energy stored in all contacts. Requires the poses of the last update. */
-double km_contacts_energy(const km_mechanism *mechanism, const km_forces *forces);
-/* KM_MODEL: a contact that doesn't act between frames, or whose numbers can't be used. */
-km_status km_contacts_check(const km_model *model, km_error *error);
 
 /* Adds the forces of tyre `index` on wheel and road, and computes the rates of its slips. */
 void km_tire_apply(const km_mechanism *mechanism, km_forces *forces, int index);

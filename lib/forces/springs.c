@@ -70,13 +70,10 @@ double km_law_work(const km_law *law, double x) {
   return work;
 }
 
-km_status km_springs_collect(const km_model *model, km_forces *f, km_error *error) {
-  f->report = KM_ARENA_NEW(&f->arena, km_module_report, (size_t)model->module_count);
-  f->springs = KM_ARENA_NEW(&f->arena, const km_model_module *, (size_t)model->module_count);
-  for (int i = 0; i < model->module_count && f->springs; ++i)
+void km_springs_collect(const km_model *model, km_forces *f) {
+  for (int i = 0; i < model->module_count; ++i)
     if (model->modules[i].type == KM_MODULE_STIFFNESS && model->modules[i].variable == KM_VARIABLE_DISPLACEMENT)
       f->springs[f->spring_count++] = &model->modules[i];
-  return f->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the springs") : KM_OK;
 }
 
 double km_module_saturate(const km_model_module *module, double force) {

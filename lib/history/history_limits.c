@@ -8,9 +8,9 @@
  * the integration's error, or rounding of a prescribed motion, in radians and characteristic lengths. */
 static const double error_multiple = 100.0, rounding = 1e-9;
 
-static bool has_acting_stop(const km_moving_forces *moving, int coordinate) {
-  for (int i = 0; i < moving->stop_count; ++i)
-    if (moving->stops[i] == coordinate)
+static bool has_acting_stop(const km_forces *f, int coordinate) {
+  for (int i = 0; i < f->stop_count; ++i)
+    if (f->stops[i] == coordinate)
       return true;
   return false;
 }
@@ -28,7 +28,7 @@ km_status km_limits_monitor_begin(km_limit_monitor *w, const km_mechanism *m, co
   for (int i = 0; i < w->user_count; ++i)
     w->crossings[w->crossing_count++] = simulation->crossings[i];
   for (int c = 0; c < m->coordinate_count; ++c) {
-    if (!km_is_limited(m, c) || m->held[c] || has_acting_stop(forces->moving, c))
+    if (!km_is_limited(m, c) || m->held[c] || has_acting_stop(forces, c))
       continue;
     w->limit[w->count++] = (km_passed_limit){.coordinate = c};
     const double ends[2] = {m->low[c] - w->slack / m->scale[c], m->high[c] + w->slack / m->scale[c]};

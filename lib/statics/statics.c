@@ -61,6 +61,9 @@ static km_status allocate(const km_mechanism *m, int requested, km_statics *st, 
   w->force = KM_ARENA_NEW(&w->arena, double, coordinates);
   w->least_load = KM_ARENA_NEW(&w->arena, double, coordinates);
   st->actuator_forces = KM_ARENA_NEW(&w->arena, double, actuators);
+  st->friction = KM_ARENA_NEW(&w->arena, double, actuators);
+  st->contacts = KM_ARENA_NEW(&w->arena, km_contact_force, (size_t)m->model->module_count + coordinates);
+  w->squares = KM_ARENA_NEW(&w->arena, double, actuators);
   st->least_norm = KM_ARENA_NEW(&w->arena, double, coordinates);
   st->directions = KM_ARENA_NEW(&w->arena, double, KM_MAX_DIRECTIONS *coordinates);
   st->falls = KM_ARENA_NEW(&w->arena, bool, KM_MAX_DIRECTIONS);
@@ -222,7 +225,8 @@ static void clear_reactions(const km_mechanism *m, km_statics *st) {
 static void clear_results(const km_mechanism *m, km_statics *st) {
   const double unknown = nan("");
   for (int i = 0; i < st->actuator_count; ++i)
-    st->actuator_forces[i] = unknown;
+    st->actuator_forces[i] = st->friction[i] = unknown;
+  st->contact_count = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
     st->least_norm[c] = unknown;
   clear_reactions(m, st);
@@ -249,11 +253,15 @@ static void apply_balancing_forces(const km_mechanism *m, const km_forces *f, km
   km_pushed_points_apply(m, f, st);
 }
 
-km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
-  km_statics_workspace *w = st->work;
+void km_statics_forces_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
   compute_loads(m, s, f, st);
   compute_minimum_norm_forces(m, s, st);
   km_actuator_forces_solve(m, s, st);
+}
+
+km_status km_statics_balance(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  km_statics_workspace *w = st->work;
+  km_statics_forces_balance(m, s, f, st);
   if (!w->no_reactions) {
     apply_balancing_forces(m, f, st);
     km_reactions_compute(m, s, f, st);
@@ -268,8 +276,16 @@ void km_statics_reactions_compute(const km_mechanism *m, km_state *s, const km_f
   km_reactions_compute(m, s, f, st);
 }
 
+static bool is_for(const km_mechanism *m, const km_forces *f, const km_statics *st) {
+  return st && st->work && st->work->mechanism == m && f && f->mechanism == m;
+}
+
+static bool can_balance(const km_mechanism *m, km_state *s, const km_forces *f, const km_statics *st) {
+  return is_for(m, f, st) && km_state_mobility_is_known(m, s);
+}
+
 km_status km_statics_find(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
-  if (!st || !st->work || st->work->mechanism != m || !f || f->mechanism != m)
+  if (!is_for(m, f, st))
     return KM_USAGE;
   if (!km_state_mobility_is_known(m, s)) {
     clear_results(m, st);
@@ -280,7 +296,12 @@ km_status km_statics_find(const km_mechanism *m, km_state *s, km_forces *f, km_s
 }
 
 km_status km_statics_compute(const km_mechanism *m, km_state *s, km_forces *f, km_statics *st) {
+  const bool is_valid = can_balance(m, s, f, st);
+  if (is_valid)
+    km_statics_find_friction(m, s, f, st);
   km_status status = km_statics_find(m, s, f, st);
+  if (is_valid)
+    km_statics_list_contacts(m, s, f, st);
   if (!status)
     km_statics_mark(m, st);
   if (status != KM_USAGE)

@@ -101,6 +101,7 @@ struct km_statics_workspace {
   bool *actuated;     /* [coordinate] */
   km_twist *twist;    /* [coordinate] twist of the child relative to the parent, about the forces' origin */
   km_wrench *subtree; /* [body] applied wrenches on the body and its subtree */
+  double *squares;    /* [actuator] workspace of km_statics_find_friction */
   double *tau;        /* [coordinate] generalised forces of the loads, springs in joints included */
   double *force;      /* [coordinate] forces of the actuators, or f̄ */
   bool no_reactions;  /* see km_statics_skip_reactions */
@@ -158,6 +159,14 @@ void km_actuator_forces_solve(const km_mechanism *mechanism, const km_state *sta
 /* Does km_statics_compute without the marks of indeterminate components, which km_statics_mark adds. */
 km_status km_statics_find(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
 void km_statics_mark(const km_mechanism *mechanism, km_statics *statics);
+/* Balances given forces without reactions: minimum-norm forces and those of the actuators. */
+void km_statics_forces_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+/* Computes st->friction: the part that friction of the contacts may take of each actuator's force. The forces belong to
+ * the state afterwards; the balance doesn't. */
+void km_statics_find_friction(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
+/* Lists the contacts and the stops that act, after km_forces_compute. */
+void km_statics_list_contacts(const km_mechanism *mechanism, const km_state *state, const km_forces *forces,
+                              km_statics *statics);
 /* Balances given forces, for instance those of a motion (km_dynamics_balance). */
 km_status km_statics_balance(const km_mechanism *mechanism, km_state *state, km_forces *forces, km_statics *statics);
 /* Skips the reactions, which are NaN from then on. */

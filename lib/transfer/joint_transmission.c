@@ -41,7 +41,6 @@ static bool is_listed(const km_mechanism *m, int substructure, int joint) {
 
 static km_status create_parts(const km_mechanism *m, const km_port *input, const km_port *output,
                               km_joint_transmission *w, km_error *error) {
-  static const double weightless[3] = {0, 0, 0};
   const double *d = output->direction;
   const km_load load = {.frame = output->frame, .force = {-d[0], -d[1], -d[2]}};
   w->mechanism = m;
@@ -56,14 +55,11 @@ static km_status create_parts(const km_mechanism *m, const km_port *input, const
   for (int j = 0; j < m->model->joint_count; ++j)
     if (is_listed(m, m->substructure_of[input->coordinate], j))
       w->joint[w->count++] = j;
-  km_status status = km_forces_create(m, weightless, &load, output->kind == KM_PORT_POINT, &w->forces, error);
+  km_status status = km_forces_create_loads_only(m, &load, output->kind == KM_PORT_POINT, &w->forces, error);
   if (!status)
     status = km_statics_create(m, &input->coordinate, 1, KM_AXES_FIXED, &w->statics, error);
-  if (!status) {
-    w->forces->spring_count = 0;
-    if (output->kind == KM_PORT_JOINT)
-      w->forces->extra[output->coordinate] = -1.0;
-  }
+  if (!status && output->kind == KM_PORT_JOINT)
+    w->forces->extra[output->coordinate] = -1.0;
   return status;
 }
 

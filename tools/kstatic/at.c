@@ -74,10 +74,11 @@ static void read_options(options *o, int argc, char **argv) {
   kt_common_options(&all, &o->request.common, KT_USES_FLOAT);
   kt_options_read(
       &all,
-      "What actuators and joints must hold at a pose against gravity, loads and springs, and the reaction in every "
-      "joint. Exit status 1 if the actuators can't hold it. Forces beyond a joint's max_force are warnings."
+      "What actuators and joints must hold at a pose against gravity, loads, springs, contacts and stops, and the reaction in "
+      "every joint. Exit status 1 if the actuators can't hold it. Forces beyond a joint's max_force are warnings."
       "\vJSON keys beside those of every record: held, undetermined_directions [{falls, statement, direction}], "
-      "actuator_forces (null where they can't hold), beyond_max_force [labels], actuator_set (unique; redundant, least norm; can't hold), "
+      "actuator_forces (null where they can't hold), beyond_max_force [labels], contacts [{name, kind, penetration, normal_force, friction_limit}], "
+      "holding_range {actuator: [least, most]} with friction of the contacts, actuator_set (unique; redundant, least norm; can't hold), "
       "least_norm_forces, axes, reactions {force, torque, indeterminate}, reactions_with, reactions_note (what couplings leave out), degree_of_indeterminacy, "
       "held_joints, configuration. Forces are positive along +q, those of angles per radian; a reaction is the wrench "
       "of parent on child about the origin of the child's joint frame.",

@@ -1,4 +1,4 @@
-/* Static forces: gravity, loads and springs of a configuration, static balance, reactions. */
+/* Static forces: gravity, loads, springs and contacts of a configuration, static balance, reactions. */
 #ifndef KMECH_STATICS_H
 #define KMECH_STATICS_H
 
@@ -28,7 +28,7 @@ typedef struct km_load {
 typedef struct km_forces km_forces;
 
 /* Creates the loads: gravity (model's length/time²; NULL: the model's own), `loads` (copied) and the model's force
- * modules of type stiffness. KM_MODEL: an unusable force law; KM_MEMORY. The caller frees `*out`. */
+ * modules of types stiffness and contact, and stops of joints. KM_MODEL: an unusable force law; KM_MEMORY. The caller frees `*out`. */
 KM_API km_status km_forces_create(const km_mechanism *mechanism, const double gravity[3], const km_load *loads,
                                   int load_count, km_forces **out, km_error *error);
 /* As km_forces_create with the model's own gravity and loads. */
@@ -40,12 +40,13 @@ KM_API int km_model_load_count(const km_model *model);
 KM_API km_load km_model_load_at(const km_model *model, int index);
 KM_API const char *km_model_load_name(const km_model *model, int index);
 
-/* Computes all loads at the state's configuration: wrenches on the bodies, generalised forces of springs in joints;
- * model's force unit and force × length. Never allocates. O(bodies + springs). */
+/* Computes all loads at the state's configuration at rest: wrenches on the bodies, generalised forces of springs and
+ * stops in joints; model's force unit and force × length. Contacts act by the elastic part of their normal force,
+ * without friction (theory 9.7). Never allocates. O(bodies + springs + contacts). */
 KM_API void km_forces_compute(const km_mechanism *mechanism, const km_state *state, km_forces *forces);
 
 /* Return, after km_forces_compute, the wrench on a body about the inertial origin along the inertial axes (f; τ), and
- * the force of springs in a joint along +q, per radian for an angle. Body 0 is the inertial frame. */
+ * the force of springs and stops in a joint along +q, per radian for an angle. Body 0 is the inertial frame. */
 KM_API void km_forces_on_body(const km_forces *forces, int body, double wrench[6]);
 KM_API double km_forces_in_joint(const km_forces *forces, int coordinate);
 
@@ -65,6 +66,15 @@ typedef struct km_reaction {
   bool indeterminate[6];      /* fx fy fz tx ty tz: statically indeterminate; the minimum-norm value is given */
 } km_reaction;
 
+/* A contact, or a stop that acts, of a static balance. */
+typedef struct km_contact_force {
+  const char *name;      /* of the force module, or of the stop's joint coordinate; borrowed */
+  int coordinate;        /* coordinate of a stop; -1: a contact */
+  double penetration;    /* model's units; negative: a gap */
+  double normal;         /* normal force, of a hinge's stop a torque, >= 0 */
+  double friction_limit; /* largest friction that the contact can carry, μ N */
+} km_contact_force;
+
 /* Workspace of a balance. */
 typedef struct km_statics_workspace km_statics_workspace;
 
@@ -78,16 +88,21 @@ typedef struct km_statics {
   int actuator_count;       /* number of actuators */
   const km_port *actuators; /* joints, or points pushed along a direction */
   double *actuator_forces;  /* [actuator] NaN if they cannot hold their substructure */
-  double *least_norm;       /* [coordinate] minimum-norm joint forces f̄; 0 for held ones */
-  bool held;                /* the actuators balance the loads */
-  bool redundant;           /* more actuators than needed: forces of least norm */
-  int direction_count;      /* number of independent motions out of the actuators' reach */
-  double *directions;       /* [KM_MAX_DIRECTIONS × coordinate] rates of the first of them, the largest scaled one 1 */
-  bool *falls;              /* [KM_MAX_DIRECTIONS] a load acts on it: the configuration is not held */
-  km_reaction *reactions;   /* [joint] */
-  km_axes axes;             /* axes of the reactions */
-  int degree;               /* degree of static indeterminacy: redundant constraints */
-  double gravity[3];        /* gravity of the last balance, length / time² */
+  /* [actuator] part that friction of the contacts may take: any force within actuator_forces ± friction holds; NaN if
+   * the actuators cannot hold a contact's friction; 0 along a sweep */
+  double *friction;
+  int contact_count;
+  km_contact_force *contacts; /* [contact_count] contacts of the model and stops that act; none along a sweep */
+  double *least_norm;         /* [coordinate] minimum-norm joint forces f̄; 0 for held ones */
+  bool held;                  /* the actuators balance the loads */
+  bool redundant;             /* more actuators than needed: forces of least norm */
+  int direction_count;        /* number of independent motions out of the actuators' reach */
+  double *directions;     /* [KM_MAX_DIRECTIONS × coordinate] rates of the first of them, the largest scaled one 1 */
+  bool *falls;            /* [KM_MAX_DIRECTIONS] a load acts on it: the configuration is not held */
+  km_reaction *reactions; /* [joint] */
+  km_axes axes;           /* axes of the reactions */
+  int degree;             /* degree of static indeterminacy: redundant constraints */
+  double gravity[3];      /* gravity of the last balance, length / time² */
   km_statics_workspace *work; /* private */
 } km_statics;
 

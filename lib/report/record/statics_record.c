@@ -30,6 +30,13 @@ static void add_directions(const km_mechanism *m, const km_statics *st, km_value
   }
 }
 
+static bool has_contact_friction(const km_statics *st) {
+  bool has_friction = false;
+  for (int i = 0; i < st->contact_count; ++i)
+    has_friction = has_friction || st->contacts[i].friction_limit > 0.0;
+  return has_friction;
+}
+
 static void add_reactions(const km_mechanism *m, const km_statics *st, km_value *record, km_arena *arena) {
   km_value *list = km_value_add(arena, record, "reactions", KM_OBJECT);
   for (int j = 0; j < m->model->joint_count && !arena->failed; ++j) {
@@ -52,6 +59,27 @@ static void add_excess(const km_mechanism *m, const km_port *actuators, const do
       km_value_string(arena, list, NULL, actuators[i].name);
 }
 
+/* Forces of contacts and of stops that act, and the actuators' forces that hold with friction of the contacts. */
+static void add_contacts(const km_statics *st, km_value *record, km_arena *arena) {
+  km_value *list = st->contact_count ? km_value_add(arena, record, "contacts", KM_LIST) : NULL;
+  for (int i = 0; i < st->contact_count && !arena->failed; ++i) {
+    const km_contact_force *contact = &st->contacts[i];
+    km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
+    km_value_string(arena, item, "name", contact->name);
+    km_value_string(arena, item, "kind", contact->coordinate < 0 ? "contact" : "stop");
+    km_value_number(arena, item, "penetration", contact->penetration);
+    km_value_number(arena, item, "normal_force", contact->normal);
+    km_value_number(arena, item, "friction_limit", contact->friction_limit);
+  }
+  if (!has_contact_friction(st))
+    return;
+  km_value *ranges = km_value_add(arena, record, "holding_range", KM_OBJECT);
+  for (int i = 0; i < st->actuator_count && !arena->failed; ++i) {
+    const double force = st->actuator_forces[i], range[2] = {force - st->friction[i], force + st->friction[i]};
+    km_value_numbers(arena, ranges, st->actuators[i].name, range, 2);
+  }
+}
+
 km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_statics *st, const char *name,
                             km_arena *arena) {
   if (km_check_state(m, s, NULL) || !st || !st->work || st->work->mechanism != m || !name || !arena)
@@ -63,6 +91,7 @@ km_value *km_statics_record(const km_mechanism *m, const km_state *s, const km_s
   for (int i = 0; i < st->actuator_count && !arena->failed; ++i)
     km_value_number(arena, actuators, st->actuators[i].name, st->actuator_forces[i]);
   add_excess(m, st->actuators, st->actuator_forces, sizeof(double), st->actuator_count, record, arena);
+  add_contacts(st, record, arena);
   km_value_string(arena, record, "actuator_set",
                   !st->held       ? "can't hold"
                   : st->redundant ? "redundant, least norm"
@@ -162,6 +191,45 @@ static bool is_zero_everywhere(const km_mechanism *m, const km_statics *st, grai
   return true;
 }
 
+static void print_contact(const km_mechanism *m, const km_contact_force *contact, int width, km_text *out) {
+  const int c = contact->coordinate;
+  km_text_add(out, "  ");
+  km_text_padded(contact->name, width, out);
+  km_text_format(out, "  %14.6g ", contact->normal);
+  if (c >= 0)
+    km_force_unit(m->model, c, out);
+  else
+    km_text_add(out, m->model->units.force->suffix);
+  if (c >= 0)
+    km_text_format(out, ", %.6g %s beyond the joint's limit", contact->penetration,
+                   km_model_coordinate_unit(m->model, c));
+  else
+    km_text_format(out, ", %s %.6g %s", contact->penetration > 0.0 ? "penetration" : "gap", fabs(contact->penetration),
+                   m->model->units.length->suffix);
+  if (contact->friction_limit > 0.0)
+    km_text_format(out, ", friction up to %.6g %s", contact->friction_limit, m->model->units.force->suffix);
+  km_text_add(out, "\n");
+}
+
+static void print_contacts(const km_mechanism *m, const km_statics *st, int width, km_text *out) {
+  if (!st->contact_count)
+    return;
+  km_text_add(out, "\nnormal forces of contacts and stops\n");
+  for (int i = 0; i < st->contact_count; ++i)
+    print_contact(m, &st->contacts[i], width, out);
+  if (!has_contact_friction(st))
+    return;
+  km_text_add(out, "\nactuators with friction of the contacts: any force in the range holds\n");
+  for (int i = 0; i < st->actuator_count; ++i) {
+    km_text_add(out, "  ");
+    km_text_padded(st->actuators[i].name, width, out);
+    km_text_format(out, "  %14.6g to %.6g ", st->actuator_forces[i] - st->friction[i],
+                   st->actuator_forces[i] + st->friction[i]);
+    km_push_unit(m->model, &st->actuators[i], out);
+    km_text_add(out, "\n");
+  }
+}
+
 static void print_meshing(const km_model *model, km_text *out) {
   km_text words = {0};
   km_meshing_words(model, &words);
@@ -235,6 +303,7 @@ void km_statics_print(const km_mechanism *m, const km_statics *st, const char *n
     km_text_add(out, "\nactuators\n");
   for (int i = 0; i < st->actuator_count; ++i)
     print_force(m, &st->actuators[i], width, st->actuator_forces[i], out);
+  print_contacts(m, st, width, out);
   if (m->coordinate_count)
     km_text_add(out, "\nleast-norm forces of all joints\n");
   for (int c = 0; c < m->coordinate_count; ++c)

@@ -175,7 +175,7 @@ static const km_field joint_fields[] = {
      SHAPE(COORDINATES), BY(FORCE), UNSTATED("none")},
     {"armature", "Inertia of the drive's rotor, reflected to the joint's coordinate. Counts in a simulation.",
      SHAPE(COORDINATES), BY(INERTIA), UNSTATED("0")},
-    {"stop", "What the limits do in a simulation. A sweep ends at a limit in any case.", OBJECT(stop_format)},
+    {"stop", "What the limits do in simulations and statics. A sweep ends at a limit in any case.", OBJECT(stop_format)},
     {"prescribed", "The joint's motion over time in a simulation, by one law.", OBJECT(prescribed_format)},
     {"pitch", "Travel of a screw in one turn. A screw needs it, no other joint may have it.", NUMBER,
      UNIT(.length = 1)},
