@@ -1,7 +1,8 @@
 /* Contacts and stops of a static balance, and the part that friction of the contacts may take of each actuator's force
  * (docs/theory.md 9.7).
  *
- *   N_i normal force of contact i, given by its penetration;   |F_i| <= μ_i N_i friction, in the tangent plane (e_1, e_2)
+ *   N_i normal force of contact i, given by its penetration
+ *   F_i friction in the tangent plane (e_1, e_2),   |F_i| <= μ_i N_i
  *   f(F) = f(0) + Σ A_i F_i,   A_i = (a_i1 a_i2) the actuators' forces against unit forces along e_1, e_2
  *   f_j within f_j(0) ± Σ μ_i N_i |row j of A_i|
  *

@@ -94,7 +94,7 @@ static void friction_cone(void **state) {
   }
 }
 
-/* Without a penetration nothing is carried: the plane's joint Y bears m g cos θ. */
+/* A gap carries nothing: the plane's joint Y bears m g cos θ. */
 static void gap_carries_nothing(void **state) {
   (void)state;
   fixture f = block_on_incline(0.3, -0.01);
@@ -130,7 +130,7 @@ static double rest_of_follower(const fixture *f, double cam) {
 }
 
 /* A disc of radius R = 0.05 that turns about a point e = 0.02 from its centre lifts a follower of 3 kg with a flat
- * face. At rest N = m g and the follower's height is e sin a + R − δ. Holding torque: N e cos a on the cam, ± μ N (e sin
+ * face. Its rest is at the height e sin a + R − δ with N = m g. Holding torque: N e cos a on the cam, ± μ N (e sin
  * a + R − δ/2) with friction; the follower needs nothing. */
 static void cam_under_follower(void **state) {
   (void)state;

@@ -27,8 +27,9 @@ typedef struct km_load {
 /* The loads of one thread, and their values at the last configuration. */
 typedef struct km_forces km_forces;
 
-/* Creates the loads: gravity (model's length/time²; NULL: the model's own), `loads` (copied) and the model's force
- * modules of types stiffness and contact, and stops of joints. KM_MODEL: an unusable force law; KM_MEMORY. The caller frees `*out`. */
+/* Creates the loads: gravity (model's length/time²; NULL: the model's own), `loads` (copied), the model's force modules
+ * of types stiffness and contact, and stops of joints. KM_MODEL: an unusable force law; KM_MEMORY. The caller frees
+ * `*out`. */
 KM_API km_status km_forces_create(const km_mechanism *mechanism, const double gravity[3], const km_load *loads,
                                   int load_count, km_forces **out, km_error *error);
 /* As km_forces_create with the model's own gravity and loads. */
@@ -68,7 +69,7 @@ typedef struct km_reaction {
 
 /* A contact, or a stop that acts, of a static balance. */
 typedef struct km_contact_force {
-  const char *name;      /* of the force module, or of the stop's joint coordinate; borrowed */
+  const char *name;      /* name of the force module, or label of the stop's coordinate; borrowed */
   int coordinate;        /* coordinate of a stop; -1: a contact */
   double penetration;    /* model's units; negative: a gap */
   double normal;         /* normal force, of a hinge's stop a torque, >= 0 */

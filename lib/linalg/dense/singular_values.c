@@ -1,7 +1,8 @@
-/* Singular values and vectors by LAPACKE. */
+/* Singular values and vectors: small matrices by Jacobi's method, others by LAPACKE. */
 #include "linalg/dense/singular_values.h"
 
 #include "base/memory.h"
+#include "linalg/dense/jacobi_svd.h"
 #include "linalg/dense/lapacke_functions.h"
 
 #include <math.h>
@@ -11,6 +12,8 @@ km_status km_singular_value_decomposition(int rows, int columns, double *A, bool
   for (size_t i = 0; i < (size_t)rows * (size_t)columns; ++i)
     if (!isfinite(A[i])) /* dgesdd may not terminate */
       return km_fail(error, KM_DIVERGED, "singular values can't be computed: a number of the matrix isn't finite");
+  if (rows <= KM_SMALL_SVD && columns <= KM_SMALL_SVD)
+    return km_jacobi_svd(rows, columns, A, complete, s, U, Vt, error);
   km_lapacke_functions lapacke;
   km_status status = km_lapacke_load("singular values", &lapacke, error);
   if (status)
