@@ -164,8 +164,8 @@ static void cam_under_follower(void **state) {
   }
 }
 
-/* A ball on three slides touches a floor z = 0 (μ = 0.5) and a wall x = 0 (μ = 0.2), which push with 100 N and 40 N. Friction
- * of the floor counts in x and y, that of the wall in y and z, whatever the tangents are. */
+/* A ball on three slides touches a floor z = 0 (μ = 0.5) and a wall x = 0 (μ = 0.2), which push with 100 N and 40 N.
+ * Friction of the floor counts in x and y, that of the wall in y and z, whatever the tangents are. */
 static void ball_in_a_corner(void **state) {
   (void)state;
   fixture f = fixture_read(

@@ -1,6 +1,6 @@
 /* Singular values of a small matrix by one-sided Jacobi rotations (M. Hestenes 1958), without LAPACK's time of loading.
  *
- *   W = B V,  B [m × n], m >= n;   rotations of columns p, q of W and V until |w_p · w_q| <= ε |w_p| |w_q| for all pairs
+ *   W = B V,  B [m × n], m >= n;   rotations of columns p, q of W and V until all |w_p · w_q| <= ε |w_p| |w_q|
  *   tan 2θ = 2 w_p · w_q/(|w_p|² − |w_q|²);   s_k = |w_k|,  u_k = w_k/s_k
  *
  * Columns of U whose singular values are rounding complete the others to an orthonormal set. */

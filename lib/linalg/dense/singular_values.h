@@ -1,5 +1,5 @@
-/* Singular value decomposition A = U S Vᵀ: Jacobi's method for small matrices, else LAPACK's dgesdd, loaded at the first
- * use. */
+/* Singular value decomposition A = U S Vᵀ: Jacobi's method for small matrices, else LAPACK's dgesdd, loaded when it is
+ * used first. */
 #ifndef KM_LINALG_DENSE_SINGULAR_VALUES_H
 #define KM_LINALG_DENSE_SINGULAR_VALUES_H
 
@@ -13,8 +13,8 @@ enum {
 
 /* Decomposes A[rows × columns], column-major, which is overwritten. s[min(rows, columns)]: singular values, largest
  * first. `complete`: U[rows × rows] and Vt[columns × columns] are orthogonal; otherwise U[rows × min] and Vt[min ×
- * columns]. rows, columns > 0. KM_IO: LAPACKE is not installed, which larger matrices need; KM_DIVERGED: a number is not finite, or the iteration
- * does not converge; KM_MEMORY. O(rows · columns · max(rows, columns)). */
+ * columns]. rows, columns > 0. KM_IO: LAPACKE, which larger matrices need, is not installed; KM_DIVERGED: a number is
+ * not finite, or the iteration does not converge; KM_MEMORY. O(rows · columns · max(rows, columns)). */
 km_status km_singular_value_decomposition(int rows, int columns, double *A, bool complete, double *s, double *U,
                                           double *Vt, km_error *error);
 
