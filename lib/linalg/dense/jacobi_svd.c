@@ -1,6 +1,7 @@
 /* Singular values of a small matrix by one-sided Jacobi rotations (M. Hestenes 1958), without LAPACK's time of loading.
  *
- *   W = B V,  B [m × n], m >= n;   rotations of columns p, q of W and V until all |w_p · w_q| <= ε |w_p| |w_q|
+ *   W = B V,  B [m × n], m >= n;   rotations of columns p, q of W and V until all |w_p · w_q| <= m ε |w_p| |w_q|,
+ *            ε the rounding of a number; columns shorter than m ε |B| are rounding and aren't rotated
  *   tan 2θ = 2 w_p · w_q/(|w_p|² − |w_q|²);   s_k = |w_k|,  u_k = w_k/s_k
  *
  * Columns of U whose singular values are rounding complete the others to an orthonormal set. */
@@ -29,11 +30,12 @@ static void rotate(double *a, double *b, int count, double c, double s) {
   }
 }
 
-/* Makes two columns of W orthogonal; false if they were. */
-static bool rotate_pair(int m, int n, double *W, double *V, int p, int q) {
+/* Makes two columns of W orthogonal; false if they were, or if one is rounding: shorter than `least`. */
+static bool rotate_pair(int m, int n, double *W, double *V, int p, int q, double least) {
   double *a = W + (size_t)p * (size_t)m, *b = W + (size_t)q * (size_t)m;
   const double aa = dot(a, a, m), bb = dot(b, b, m), ab = dot(a, b, m);
-  if (!(fabs(ab) > DBL_EPSILON * sqrt(aa) * sqrt(bb)))
+  const double shorter = sqrt(fmin(aa, bb)), longer = sqrt(fmax(aa, bb));
+  if (shorter <= least || !(fabs(ab) > m * DBL_EPSILON * shorter * longer))
     return false;
   const double z = (bb - aa) / (2.0 * ab), t = copysign(1.0, z) / (fabs(z) + sqrt(1.0 + z * z));
   const double c = 1.0 / sqrt(1.0 + t * t);
@@ -44,12 +46,13 @@ static bool rotate_pair(int m, int n, double *W, double *V, int p, int q) {
 
 /* Rotates the columns of W and V until those of W are orthogonal; false if they don't become so. */
 static bool orthogonalise(int m, int n, double *W, double *V) {
+  const double least = m * DBL_EPSILON * sqrt(dot(W, W, m * n));
   bool has_rotated = true;
   for (int sweep = 0; sweep < MAX_SWEEPS && has_rotated; ++sweep) {
     has_rotated = false;
     for (int p = 0; p + 1 < n; ++p)
       for (int q = p + 1; q < n; ++q)
-        has_rotated = rotate_pair(m, n, W, V, p, q) || has_rotated;
+        has_rotated = rotate_pair(m, n, W, V, p, q, least) || has_rotated;
   }
   return !has_rotated;
 }
@@ -109,8 +112,9 @@ static void add_orthonormal(double *Q, int m, int k) {
 
 /* Makes the first `wanted` columns of W orthonormal. */
 static void normalise(int m, int n, double *W, const double *s, int wanted) {
+  const double least = 2.0 * m * DBL_EPSILON * sqrt(dot(s, s, n)); /* columns that aren't rotated are shorter */
   for (int k = 0; k < wanted; ++k) {
-    if (k >= n || !(s[k] > m * DBL_EPSILON * s[0])) {
+    if (k >= n || !(s[k] > least)) {
       add_orthonormal(W, m, k);
       continue;
     }
