@@ -62,6 +62,10 @@ int km_model_coordinate_count(const km_model *model) {
     return 0;
   return model->coordinate_count;
 }
+const char *km_model_word_text(const km_model *model, km_model_word word) {
+  return model && (int)word >= 0 && word < KM_MODEL_WORDS ? model->words[word] : NULL;
+}
+
 const char *km_model_body_name(const km_model *model, int body) {
   if (!model || body < 0 || body >= model->body_count)
     return "";

@@ -63,8 +63,8 @@ typedef struct km_joint_stop {
 /* Prescribed motion of a joint over time. Angles in the file's unit. */
 typedef struct km_joint_prescribed {
   km_motion_law law;
-  int count;      /* number of rows of the table, or of coefficients */
-  double *values; /* [2 · count] rows t, q; or [count] coefficients, lowest power first; or [4] offset, amplitude,
+  int count;          /* number of rows of the table, or of coefficients */
+  double *values;     /* [2 · count] rows t, q; or [count] coefficients, lowest power first; or [4] offset, amplitude,
                    * frequency, phase */
   km_law_curve curve; /* law of KM_MOTION_CURVE */
 } km_joint_prescribed;
@@ -155,9 +155,9 @@ typedef struct km_tire {
 
 /* Shapes that touch in a contact: the child's and the parent's. */
 typedef enum km_contact_shape {
-  KM_CONTACT_POINT_PLANE,   /* point, or ball with a radius, on the parent's plane z = 0, above it */
-  KM_CONTACT_CIRCLE_LINE,   /* circle on the parent's line y = 0, above it */
-  KM_CONTACT_CIRCLE_CIRCLE, /* circles about the z axes, outside each other */
+  KM_CONTACT_POINT_PLANE,      /* point, or ball with a radius, on the parent's plane z = 0, above it */
+  KM_CONTACT_CIRCLE_LINE,      /* circle on the parent's line y = 0, above it */
+  KM_CONTACT_CIRCLE_CIRCLE,    /* circles about the z axes, outside each other */
   KM_CONTACT_CIRCLE_IN_CIRCLE, /* the child's circle inside the parent's */
   KM_CONTACT_SHAPES
 } km_contact_shape;
@@ -185,7 +185,7 @@ typedef struct km_model_module {
   bool saturates;
   double least, most; /* bounds of the force, if it saturates */
   km_law law;
-  double kp, ki, kd;     /* gains of a controller */
+  double kp, ki, kd;      /* gains of a controller */
   km_law_curve reference; /* reference of a controller, over time */
   km_law_curve curve;     /* law of the variable, instead of `law` */
   km_tire tire;
@@ -267,7 +267,8 @@ struct km_model {
   km_arena arena;
   const struct km_origin *origin; /* data of the reader in exchange/ for writing the model; NULL: built by calls */
   char sha256[KM_SHA256_TEXT];
-  const char *source; /* origin of the model as text; NULL: not stated */
+  const char *source;                /* origin of the model as text; NULL: not stated */
+  const char *words[KM_MODEL_WORDS]; /* words for reports; NULL: not stated */
   km_folders folders;
   km_units units;
   km_vec3 gravity;
@@ -277,7 +278,7 @@ struct km_model {
   bool length_shared;           /* true: shared with models that are compared */
   double closure_tolerance;
   bool closure_tolerance_given, closure_tolerance_inferred; /* inferred by a reader from the digits of the file */
-  double rotation_misfit; /* largest entry of RᵀR − I over the stated frames */
+  double rotation_misfit;                                   /* largest entry of RᵀR − I over the stated frames */
   km_model_assembly *assemblies;
   km_model_body *bodies;
   km_model_frame *frames;

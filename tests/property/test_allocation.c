@@ -333,7 +333,7 @@ static km_status study_designs(const char *json) {
   if (!status)
     status = km_designs_csv(study, &def, &csv, &error);
   if (!status)
-    status = km_designs_report(study, &def, "study", true, &report, &error);
+    status = km_designs_report(study, &def, "study", NULL, true, &report, &error);
   const km_designs_shown shown = {.study = study, .def = &def, .name = "study", .format = KM_PICTURE_SVG};
   if (!status)
     status = km_designs_bands(&shown, 0, 0, &picture, &error);

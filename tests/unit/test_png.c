@@ -61,7 +61,29 @@ static void comes_back(void **state) {
   km_text_free(&file);
 }
 
+/* A written file has no fault; a byte that is changed, or an end that is cut off, is one at every place. */
+static void faults_are_found(void **state) {
+  (void)state;
+  static const uint32_t pixels[6] = {1, 2, 3, 4, 5, 6};
+  km_text file = {0};
+  int width, height;
+  const km_pixels picture = {(const unsigned char *)pixels, 3, 2, 12, 5669};
+  assert_true(km_png_write(&picture, &file));
+  assert_null(km_png_fault(&file, &width, &height));
+  assert_int_equal(width, 3);
+  assert_int_equal(height, 2);
+  for (size_t i = 0; i < file.size; ++i) {
+    const km_text cut = {.data = file.data, .size = i};
+    assert_non_null(km_png_fault(&cut, &width, &height));
+    file.data[i] ^= 1;
+    assert_non_null(km_png_fault(&file, &width, &height));
+    file.data[i] ^= 1;
+  }
+  assert_null(km_png_fault(&file, &width, &height));
+  km_text_free(&file);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(comes_back)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(comes_back), cmocka_unit_test(faults_are_found)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,7 +111,8 @@ static void markup_is_escaped(void **state) {
       {.kind = KM_BLOCK_TABLE, .cells = cells, .rows = 2, .columns = 2},
       {.kind = KM_BLOCK_FACTS, .cells = cells, .rows = 2, .columns = 2},
       {.kind = KM_BLOCK_PICTURE, .text = "\">", .height = 50, .draw = nothing, .context = &area}};
-  const km_document document = {"<title>", "&", "<f>", blocks, 4};
+  const km_document document = {
+      .title = "<title>", .subtitle = "&", .footer = "<f>", .blocks = blocks, .count = 4};
   km_text html = {0}, pdf = {0};
   assert_int_equal(km_document_html(&document, &html, NULL), KM_OK);
   assert_null(strstr(html.data, "<script>"));

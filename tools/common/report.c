@@ -7,24 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
-void kt_report_head_options(kt_options *out, km_report_header *header, const char **format, const char **base,
-                            const char *base_help) {
-  const kt_option table[] = {
-      {"title", 0, "TEXT", "Title in place of the report's own", KT_TEXT, &header->title, KT_ABOUT_FILES},
-      {"author", 0, "TEXT", "Author, under the title", KT_TEXT, &header->author, KT_ABOUT_FILES},
-      {"date", 0, "TEXT", "Date, under the title", KT_TEXT, &header->date, KT_ABOUT_FILES},
-      {"note", 0, "TEXT", "A paragraph behind the answer", KT_TEXT, &header->note, KT_ABOUT_FILES},
-      {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), format, KT_ABOUT_FILES},
-      KT_BASE(base, base_help),
-  };
-  KT_OPTIONS_ADD(out, table);
-}
-
 void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
   const kt_option several[] = {KT_VARY(&o->vary)};
   kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, several);
-  kt_report_head_options(out, &o->header, &o->format, &o->base, base_help);
+  kt_report_head_options(out, &o->head, &o->format, &o->base, base_help);
   kt_common_options(out, &o->common, KT_USES_JOBS | KT_USES_FLOAT);
   kt_options_hide(out, "derivatives"); /* columns of tables, which a report doesn't have */
   kt_options_hide(out, "transmission");
@@ -75,7 +62,7 @@ static km_status make(const kt_sweep_options *o, const kt_sweep_job *jobs, int c
   km_answered answers[KT_MOST_MODELS];
   const char *stopped_by[KT_MOST_MODELS];
   for (int i = 0; i < count; ++i) {
-    answers[i] = (km_answered){.question = jobs[i].question, .name = jobs[i].label, .header = &o->header};
+    answers[i] = (km_answered){.question = jobs[i].question, .name = jobs[i].label, .header = &o->head.header};
     stopped_by[i] = jobs[i].stopped_by.data ? jobs[i].stopped_by.data : "";
   }
   if (count == 1)
@@ -85,22 +72,23 @@ static km_status make(const kt_sweep_options *o, const kt_sweep_job *jobs, int c
   name_models(o, &name);
   km_status status = name.failed
                          ? km_fail(error, KM_MEMORY, "out of memory for a report")
-                         : km_comparison_report(&comparison, name.data, stopped_by, &o->header, html, out, error);
+                         : km_comparison_report(&comparison, name.data, stopped_by, &o->head.header, html, out, error);
   km_text_free(&name);
   return status;
 }
 
-static kt_exit deliver(const kt_sweep_options *o, const kt_sweep_job *jobs, int count) {
+static kt_exit deliver(kt_sweep_options *o, const kt_sweep_job *jobs, int count) {
   bool html = false, some = false;
+  kt_exit result = kt_report_head_complete(&o->common, &o->head, jobs[0].pose.model, jobs[0].path);
   kt_report_format(o->format, o->base, &html);
   for (int i = 0; i < count; ++i)
     some = some || kt_sweep_job_delivers(&jobs[i]);
-  if (!some)
-    return KT_DONE;
+  if (!some || result != KT_DONE)
+    return result;
   km_text out = {0};
   km_error error;
   km_status status = make(o, jobs, count, html, &out, &error);
-  kt_exit result = kt_exit_of(status);
+  result = kt_exit_of(status);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", jobs[0].path, error.text);
   else
@@ -117,5 +105,9 @@ kt_exit kt_report(kt_sweep_options *o) {
     return kt_usage(&o->common, "-o", "-", "a file");
   kt_question_set(&o->asked, "transmission");
   o->deliver = deliver;
-  return kt_sweep_all(o);
+  kt_exit result = kt_report_head_read(&o->common, &o->head);
+  if (result == KT_DONE)
+    result = kt_sweep_all(o);
+  kt_report_head_free(&o->head);
+  return result;
 }

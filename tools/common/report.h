@@ -6,9 +6,6 @@
 
 /* The options of a report command: those of a sweep, --format, --base and the model. */
 void kt_report_options(kt_options *out, kt_sweep_options *options, const char *kind, const char *base_help);
-/* The options of a report's head, --format and --base. */
-void kt_report_head_options(kt_options *out, km_report_header *header, const char **format, const char **base,
-                            const char *base_help);
 /* True, with `*html`, if --format fits the ending of `base` (may be NULL). False: it is invalid, or contradicts. */
 bool kt_report_format(const char *format, const char *base, bool *html);
 /* Writes `base` if it ends with .pdf or .html, else BASE.WORD.FORMAT; `name`: BASE without -o. */

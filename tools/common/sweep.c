@@ -300,7 +300,7 @@ static void report_once(kt_sweep_job *jobs, int count) {
   }
 }
 
-static kt_exit run(const kt_sweep_options *o, kt_sweep_job *jobs) {
+static kt_exit run(kt_sweep_options *o, kt_sweep_job *jobs) {
   int count = job_count(o);
   kt_exit result = KT_DONE;
   kt_sweep_job_open(&jobs[0], 0.0);
@@ -316,7 +316,7 @@ static kt_exit run(const kt_sweep_options *o, kt_sweep_job *jobs) {
   return result;
 }
 
-static kt_exit name_and_run(const kt_sweep_options *o) {
+static kt_exit name_and_run(kt_sweep_options *o) {
   int count = job_count(o);
   kt_sweep_job *jobs = KM_NEW(kt_sweep_job, (size_t)count);
   if (!jobs)

@@ -5,6 +5,7 @@
 #include "common/command_line/question_options.h"
 #include "common/command_line/vary.h"
 #include "common/pose.h"
+#include "common/report_head.h"
 
 #include "kmech/report.h"
 
@@ -22,11 +23,11 @@ typedef struct kt_sweep_options {
   const char *base;        /* -o, or NULL */
   const char *format;      /* --format, or NULL */
   kt_formats formats;      /* formats of --format, set by kt_sweep */
-  km_report_header header; /* head of a report */
+  kt_report_head head; /* head of a report */
   /* Kinds without a sweep: says what a result with rows calls for; returns the exit code of the result. */
   kt_exit (*tell)(kt_sweep_job *job);
   /* Writes what all jobs gave, instead of tables and plots; NULL: those. */
-  kt_exit (*deliver)(const struct kt_sweep_options *options, const kt_sweep_job *jobs, int count);
+  kt_exit (*deliver)(struct kt_sweep_options *options, const kt_sweep_job *jobs, int count);
   /* Writes more files of a job, named after `base`; NULL: none. */
   kt_exit (*write_more)(const kt_sweep_job *job, const char *base);
 } kt_sweep_options;

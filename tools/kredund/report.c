@@ -2,12 +2,15 @@
 #include "common/report.h"
 #include "kredund/tracks.h"
 
-static kt_exit deliver(const kredund_tracks *t, const km_report_header *header, bool html, const char *base) {
+static kt_exit deliver(const kredund_tracks *t, kt_report_head *head, bool html, const char *base) {
   const kt_common *common = &t->request->common;
   km_text out = {0};
   km_error error;
-  km_status status = km_tracks_report(&t->all, header, html, &out, &error);
-  kt_exit result = kt_exit_of(status);
+  kt_exit result = kt_report_head_complete(common, head, t->open->pose.model, t->open->model);
+  if (result != KT_DONE)
+    return result;
+  km_status status = km_tracks_report(&t->all, &head->header, html, &out, &error);
+  result = kt_exit_of(status);
   if (status)
     kt_print_message(common, KM_ERROR, "%s: %s", t->open->name, error.text);
   else
@@ -19,13 +22,13 @@ static kt_exit deliver(const kredund_tracks *t, const km_report_header *header, 
 kt_exit kredund_report(int argc, char **argv) {
   kredund_request r = {.common = KT_COMMON("kredund")};
   kt_options all = {0};
-  km_report_header header = {0};
+  kt_report_head head = {0};
   bool html;
   kredund_arm_options(&all, &r);
   kredund_method_options(&all, &r);
   const kt_option pose[] = {KT_POSE(r.common)};
   KT_OPTIONS_ADD(&all, pose);
-  kt_report_head_options(&all, &header, &r.formats, &r.base, KT_REPORT_BASE("track-report"));
+  kt_report_head_options(&all, &head, &r.formats, &r.base, KT_REPORT_BASE("track-report"));
   kt_common_options(&all, &r.common, KT_USES_JOBS | KT_USES_SEED | KT_USES_MODEL);
   kt_options_read(
       &all,
@@ -38,13 +41,17 @@ kt_exit kredund_report(int argc, char **argv) {
     return kt_usage(&r.common, "-o", "-", "a file");
   kredund_open open;
   kredund_tracks tracks = {.request = &r, .open = &open};
-  kt_exit result = kredund_bind(&r, true, &open);
+  kt_exit result = kt_report_head_read(&r.common, &head);
+  if (result != KT_DONE)
+    return result;
+  result = kredund_bind(&r, true, &open);
   if (result == KT_DONE) {
     result = kredund_tracks_run(&tracks);
     if (result == KT_DONE || result == KT_PARTIAL)
-      result = kt_worse(result, deliver(&tracks, &header, html, r.base));
+      result = kt_worse(result, deliver(&tracks, &head, html, r.base));
   }
   kredund_tracks_free(&tracks);
   kredund_close(&open);
+  kt_report_head_free(&head);
   return result;
 }

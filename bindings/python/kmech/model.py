@@ -183,6 +183,13 @@ class Model:
         return [text_of(lib.km_model_pose_name(self._c, p)) for p in range(lib.km_model_pose_count(self._c))]
 
     @property
+    def about(self) -> dict[str, str]:
+        """What the model says about itself for reports: those of title, author, date, notes and logo that it states."""
+        words = {key: lib.km_model_word_text(self._c, i)
+                 for i, key in enumerate(("title", "author", "date", "notes", "logo"))}
+        return {key: text_of(word) for key, word in words.items() if word != ffi.NULL}
+
+    @property
     def sha256(self) -> str:
         """Of the bytes that were read."""
         return text_of(lib.km_model_sha256(self._c))

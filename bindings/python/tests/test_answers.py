@@ -405,3 +405,10 @@ def test_rounded_numbers_mean_the_nearest_mechanism_that_moves():
     assert any(change.place == "axis[0] of frame three/D" for change in rounding.changes)
     exact = kmech.from_string(text, exact=True)
     assert exact.roundings == [] and exact.sha256 == model.sha256
+
+
+def test_a_model_states_its_words(source):
+    text = (source / "models/fourbar.json").read_text()
+    assert kmech.load(source / "models/fourbar.json").about == {}
+    model = kmech.from_string(text.replace("{", '{"title": "A press", "logo": "logo.png",', 1))
+    assert model.about == {"title": "A press", "logo": "logo.png"}

@@ -82,6 +82,17 @@ KM_API int km_model_body_count(const km_model *model);
 KM_API int km_model_joint_count(const km_model *model);
 KM_API int km_model_coordinate_count(const km_model *model);
 
+/* What a model says about itself for reports. */
+typedef enum km_model_word {
+  KM_WORD_TITLE,  /* title */
+  KM_WORD_AUTHOR, /* author */
+  KM_WORD_DATE,   /* date as text */
+  KM_WORD_NOTES,  /* a paragraph */
+  KM_WORD_LOGO,   /* PNG file, seen from the folder of the model's file */
+  KM_MODEL_WORDS  /* number of enumerators */
+} km_model_word;
+/* Such a text; NULL: not stated, or an invalid argument. Borrowed. */
+KM_API const char *km_model_word_text(const km_model *model, km_model_word word);
 /* Name of body 0 … number of bodies in the file; 0 is the inertial frame. Borrowed. */
 KM_API const char *km_model_body_name(const km_model *model, int body);
 /* Frames in model order: those of the inertial frame first, each body's `origin` first. Name ("" if the index is

@@ -129,11 +129,15 @@ KM_API void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_pla
 
 /* Words of a report's head in addition to its own; NULL: none. */
 typedef struct km_report_header {
-  const char *title;  /* in place of the report's own title */
-  const char *author; /* stands under the title, */
-  const char *date;   /* and the date, as text */
-  const char *note;   /* a paragraph behind the answer */
+  const char *title;   /* in place of the report's own title */
+  const char *author;  /* stands under the title, */
+  const char *date;    /* and the date, as text */
+  const char *note;    /* a paragraph behind the answer */
+  const km_text *logo; /* bytes of a PNG file that km_logo_read accepts; it stands beside the title */
 } km_report_header;
+/* Reads a logo. KM_IO: the file can't be read; KM_USAGE: it isn't a PNG picture of at most 4096 pixels a side and 4 MB,
+ * or is damaged; `out` is then empty. The caller frees it (km_text_free). O(bytes). */
+KM_API km_status km_logo_read(const char *file, km_text *out, km_error *error);
 
 /* One of the answers that share a plot. Everything is borrowed. */
 typedef struct km_answered {
@@ -429,10 +433,10 @@ enum {
 KM_API km_status km_designs_picture(km_design_study *study, const km_design_study_def *def, const char *name,
                                     km_designs_plot plot, int index, int band, km_picture_format format, km_text *out,
                                     km_error *error);
-/* Report of a study: questions, main table, outcomes of the designs. `html`: one self-contained file, otherwise PDF
- * pages. KM_INTERNAL as above. */
-KM_API km_status km_designs_report(km_design_study *study, const km_design_study_def *def, const char *name, bool html,
-                                   km_text *out, km_error *error);
+/* Report of a study: questions, main table, outcomes of the designs. `header` may be NULL. `html`: one self-contained
+ * file, otherwise PDF pages. KM_INTERNAL as above. */
+KM_API km_status km_designs_report(km_design_study *study, const km_design_study_def *def, const char *name,
+                                   const km_report_header *header, bool html, km_text *out, km_error *error);
 
 #ifdef __cplusplus
 }

@@ -12,17 +12,17 @@
 
 /* clang-format off */
 #define KM_CAIRO_FUNCTIONS(X)                                                                                          \
-  X(FT_Init_FreeType) X(FT_New_Face)                                                                                   \
-  X(cairo_clip) X(cairo_close_path) X(cairo_create) X(cairo_curve_to) X(cairo_destroy) X(cairo_fill_preserve)          \
-  X(cairo_font_options_create) X(cairo_font_options_destroy)                                \
+  X(FT_Init_FreeType) X(FT_New_Face) X(cairo_clip) X(cairo_close_path) X(cairo_create) X(cairo_curve_to)               \
+  X(cairo_destroy) X(cairo_fill_preserve) X(cairo_font_options_create) X(cairo_font_options_destroy)                   \
   X(cairo_font_options_set_antialias) X(cairo_font_options_set_hint_metrics) X(cairo_font_options_set_hint_style)      \
-  X(cairo_ft_font_face_create_for_ft_face) X(cairo_image_surface_create) X(cairo_image_surface_get_data)               \
-  X(cairo_image_surface_get_height) X(cairo_image_surface_get_stride) X(cairo_image_surface_get_width)                 \
-  X(cairo_line_to) X(cairo_move_to) X(cairo_new_path) X(cairo_paint) X(cairo_pdf_surface_create_for_stream)            \
-  X(cairo_pdf_surface_set_metadata) X(cairo_pdf_surface_set_size) X(cairo_rectangle) X(cairo_restore) X(cairo_rotate)  \
-  X(cairo_save) X(cairo_scale) X(cairo_set_dash) X(cairo_set_font_face) X(cairo_set_font_options)                      \
-  X(cairo_set_font_size) X(cairo_set_line_cap) X(cairo_set_line_join) X(cairo_set_line_width) X(cairo_set_source_rgb)  \
-  X(cairo_set_source_rgba) X(cairo_show_page) X(cairo_show_text_glyphs) X(cairo_status) X(cairo_status_to_string)      \
+  X(cairo_ft_font_face_create_for_ft_face) X(cairo_image_surface_create)                                               \
+  X(cairo_image_surface_create_from_png_stream) X(cairo_image_surface_get_data) X(cairo_image_surface_get_height)      \
+  X(cairo_image_surface_get_stride) X(cairo_image_surface_get_width) X(cairo_line_to) X(cairo_move_to)                 \
+  X(cairo_new_path) X(cairo_paint) X(cairo_pdf_surface_create_for_stream) X(cairo_pdf_surface_set_metadata)            \
+  X(cairo_pdf_surface_set_size) X(cairo_rectangle) X(cairo_restore) X(cairo_rotate) X(cairo_save) X(cairo_scale)       \
+  X(cairo_set_dash) X(cairo_set_font_face) X(cairo_set_font_options) X(cairo_set_font_size) X(cairo_set_line_cap)      \
+  X(cairo_set_line_join) X(cairo_set_line_width) X(cairo_set_source_rgb) X(cairo_set_source_rgba)                      \
+  X(cairo_set_source_surface) X(cairo_show_page) X(cairo_show_text_glyphs) X(cairo_status) X(cairo_status_to_string)   \
   X(cairo_stroke) X(cairo_surface_destroy) X(cairo_surface_finish) X(cairo_surface_flush) X(cairo_surface_status)      \
   X(cairo_translate)
 

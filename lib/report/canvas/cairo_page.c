@@ -6,6 +6,7 @@
 #include "report/canvas/png.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double png_scale = 2; /* 144 dpi, */
 static const unsigned png_per_metre = 5669;
@@ -217,6 +218,36 @@ static void draw_layout(void *context, km_pango *pango, const km_font *font, km_
   end_text(page);
 }
 
+/* The rest of a PNG file that is read. */
+typedef struct png_reader {
+  const char *data;
+  size_t size;
+} png_reader;
+
+static cairo_status_t read_png(void *closure, unsigned char *out, unsigned size) {
+  png_reader *reader = closure;
+  if (size > reader->size)
+    return CAIRO_STATUS_READ_ERROR;
+  memcpy(out, reader->data, size);
+  reader->data += size;
+  reader->size -= size;
+  return CAIRO_STATUS_SUCCESS;
+}
+
+/* A file that can't be decoded leaves cairo's context with its status, which `finish` returns. */
+static void draw_pixels(void *context, const km_text *png, double x, double y, double scale) {
+  cairo_page *page = context;
+  png_reader reader = {png->data, png->size};
+  cairo_surface_t *pixels = page->lib->cairo_image_surface_create_from_png_stream(read_png, &reader);
+  page->lib->cairo_save(page->cairo);
+  page->lib->cairo_translate(page->cairo, x, y);
+  page->lib->cairo_scale(page->cairo, scale, scale);
+  page->lib->cairo_set_source_surface(page->cairo, pixels, 0, 0);
+  page->lib->cairo_paint(page->cairo);
+  page->lib->cairo_restore(page->cairo);
+  page->lib->cairo_surface_destroy(pixels);
+}
+
 static void clip(void *context, double x, double y, double width, double height) {
   cairo_page *page = context;
   page->lib->cairo_save(page->cairo);
@@ -275,4 +306,5 @@ static void free_page(void *context) {
   km_free(page);
 }
 
-const km_device km_cairo_device = {draw_shape, draw_line, draw_layout, clip, release, next, finish, free_page};
+const km_device km_cairo_device = {draw_shape, draw_line, draw_layout, draw_pixels, clip,
+                                   release,    next,      finish,      free_page};

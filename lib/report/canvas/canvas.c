@@ -154,6 +154,11 @@ void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, 
   paint(canvas, &fill, NULL);
 }
 
+void km_canvas_pixels(km_canvas *canvas, const km_text *png, double x, double y, double scale) {
+  if (canvas->device->pixels)
+    canvas->device->pixels(canvas->page, png, canvas->origin.x + x, canvas->origin.y + y, scale);
+}
+
 void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius) {
   km_canvas_path_circle(&canvas->path, on_page(canvas, centre), radius);
   paint(canvas, &fill, pen);

@@ -70,6 +70,10 @@ void km_canvas_rectangle(km_canvas *canvas, km_colour fill, double x, double y, 
 /* A filled disc; `pen` (may be NULL) draws its rim. */
 void km_canvas_circle(km_canvas *canvas, km_colour fill, const km_pen *pen, km_canvas_point centre, double radius);
 
+/* The pixels of a PNG file, `scale` points each, their upper left corner at (x, y). Pages of PDF and PNG only; others
+ * stay as they are. */
+void km_canvas_pixels(km_canvas *canvas, const km_text *png, double x, double y, double scale);
+
 /* Clips everything until the matching release to the rectangle. Clips can be nested. */
 void km_canvas_clip(km_canvas *canvas, double x, double y, double width, double height);
 void km_canvas_release(km_canvas *canvas);

@@ -23,6 +23,8 @@ typedef struct km_device {
                const km_text_place *place);
   /* All lines that Pango set; the origin of its layout is at the place. */
   void (*layout)(void *page, km_pango *pango, const km_font *font, km_colour colour, const km_text_place *place);
+  /* Pixels of a PNG file, with their upper left corner at (x, y), `scale` points a pixel; NULL: the page takes none. */
+  void (*pixels)(void *page, const km_text *png, double x, double y, double scale);
   void (*clip)(void *page, double x, double y, double width, double height);
   void (*release)(void *page);
   bool (*next)(void *page, double width, double height); /* a new page; false: there can be no other */

@@ -105,3 +105,41 @@ bool km_png_write(const km_pixels *p, km_text *out) {
   km_free(data);
   return written && !out->failed;
 }
+
+static uint32_t get_number(const unsigned char *at) {
+  return (uint32_t)at[0] << 24 | (uint32_t)at[1] << 16 | (uint32_t)at[2] << 8 | at[3];
+}
+
+const char *km_png_fault(const km_text *png, int *width, int *height) {
+  static const unsigned char signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  const unsigned char *at = (const unsigned char *)png->data;
+  size_t left = png->size;
+  bool has_head = false, has_data = false;
+  *width = *height = 0;
+  if (left < sizeof signature || memcmp(at, signature, sizeof signature) != 0)
+    return "it isn't a PNG picture";
+  at += sizeof signature;
+  left -= sizeof signature;
+  /* A chunk: four bytes of length n, four of type, n of data, four of the check sum of type and data. */
+  while (left >= 12) {
+    const uint32_t size = get_number(at);
+    if (size > left - 12)
+      break;
+    if (get_number(at + 8 + size) != (uint32_t)~check(UINT32_MAX, at + 4, size + 4))
+      return "a part of it is damaged";
+    if (memcmp(at + 4, "IHDR", 4) == 0 && size == 13 && !has_head) {
+      const uint32_t w = get_number(at + 8), h = get_number(at + 12);
+      if (w == 0 || h == 0 || w > KM_PNG_MOST || h > KM_PNG_MOST)
+        return "it is more than 4096 pixels wide or high, or empty";
+      *width = (int)w;
+      *height = (int)h;
+      has_head = true;
+    }
+    has_data = has_data || memcmp(at + 4, "IDAT", 4) == 0;
+    if (memcmp(at + 4, "IEND", 4) == 0)
+      return has_head && has_data ? NULL : "a part of it is missing";
+    at += size + 12;
+    left -= size + 12;
+  }
+  return "its end is missing";
+}

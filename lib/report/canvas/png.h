@@ -17,6 +17,11 @@ typedef struct km_pixels {
 /* Appends the file; false when out of memory, or where zlib isn't there. O(pixels). */
 bool km_png_write(const km_pixels *pixels, km_text *out);
 
+/* Sets width and height of a PNG file and returns NULL; otherwise returns its fault: the signature, a chunk that is cut
+ * off, damaged or missing, or a side of more than KM_PNG_MOST pixels. O(bytes). */
+enum { KM_PNG_MOST = 4096 };
+const char *km_png_fault(const km_text *png, int *width, int *height);
+
 /* Four bytes, the highest first. */
 void km_png_put_number(unsigned char *at, uint32_t value);
 /* Appends a chunk whose data come in two parts. */

@@ -70,7 +70,8 @@ static km_status finish(void *page, km_error *error) {
   return KM_OK;
 }
 
-const km_device km_record_device = {record_shape, record_line, record_layout, clip, release, next, finish, km_free};
+const km_device km_record_device = {record_shape, record_line, record_layout, NULL,   clip,
+                                    release,      next,        finish,        km_free};
 
 km_status km_record_page_create(const km_canvas_recorder *recorder, void **page, km_error *error) {
   record_page *made = KM_NEW(record_page, 1);

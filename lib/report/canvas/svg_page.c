@@ -186,7 +186,7 @@ static void free_page(void *context) {
   km_free(page);
 }
 
-const km_device km_svg_device = {draw_shape, draw_line, draw_layout, clip, release, next, finish, free_page};
+const km_device km_svg_device = {draw_shape, draw_line, draw_layout, NULL, clip, release, next, finish, free_page};
 
 km_status km_svg_page_create(double width, double height, km_text *out, void **page, km_error *error) {
   const km_colour white = {1, 1, 1, 1};

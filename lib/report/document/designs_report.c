@@ -2,9 +2,8 @@
 #include "base/arguments.h"
 #include "kmech/report.h"
 
-#include "kmech/version.h"
 #include "report/charts/designs_plot.h"
-#include "report/document/document.h"
+#include "report/document/sweep_report.h"
 #include "report/record/designs_table.h"
 
 #include <math.h>
@@ -173,8 +172,8 @@ static km_status make(km_document_maker *m, km_design_study *s, const km_design_
   return m->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the report") : KM_OK;
 }
 
-km_status km_designs_report(km_design_study *s, const km_design_study_def *def, const char *name, bool html,
-                            km_text *out, km_error *error) {
+km_status km_designs_report(km_design_study *s, const km_design_study_def *def, const char *name,
+                            const km_report_header *header, bool html, km_text *out, km_error *error) {
   km_status given = km_check_given(s && def && name && out, "study, name or place for the result", error);
   if (given)
     return given;
@@ -182,19 +181,12 @@ km_status km_designs_report(km_design_study *s, const km_design_study_def *def, 
   km_designs_table *table = KM_NEW(km_designs_table, 1);
   km_status status =
       m && table ? make(m, s, def, table, name, error) : km_fail(error, KM_MEMORY, "out of memory for the report");
-  if (!status) {
-    km_document d = {.title = name,
-                     .subtitle = "study of designs",
-                     .footer = km_document_format(m, "kmech %s, kstudy", km_version()),
-                     .blocks = m->blocks,
-                     .count = m->count};
-    status = m->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the report")
-             : html          ? km_document_html(&d, out, error)
-                             : km_document_pdf(&d, out, error);
-  }
-  if (m)
+  if (!status)
+    status = km_report_finish(m, name, header, "kstudy", name, html, out, error);
+  else if (m) {
     km_arena_free(&m->arena);
-  km_free(m);
+    km_free(m);
+  }
   km_free(table);
   return status;
 }

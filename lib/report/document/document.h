@@ -29,7 +29,8 @@ typedef struct km_block {
 
 typedef struct km_document {
   const char *title, *subtitle;
-  const char *footer; /* footer of every page */
+  const km_text *logo; /* a PNG file; NULL: none */
+  const char *footer;  /* footer of every page */
   const km_block *blocks;
   size_t count;
 } km_document;

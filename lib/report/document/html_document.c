@@ -19,6 +19,7 @@ static const char style[] =
     "tbody tr:nth-child(even){background:var(--shade)}.scroll{overflow-x:auto}"
     "dl{display:grid;grid-template-columns:12rem minmax(0,1fr);gap:.2rem .5rem;font-size:.9rem}dt{color:var(--soft)}"
     "dd{margin:0;overflow-wrap:anywhere}"
+    ".logo{float:right;width:auto;height:auto;max-height:4rem;max-width:40%;margin:0 0 .5rem 1rem;border-radius:0}"
     "img{width:100%;height:auto;background:#fff;border-radius:4px}"
     "@media(max-width:36rem){body{margin:1rem auto}h1{font-size:1.35rem}dl{grid-template-columns:minmax(0,1fr);gap:0}"
     "dd{margin:0 0 .5rem}th,td{padding:.2rem .4rem}}"
@@ -107,12 +108,22 @@ static km_status add_block(const km_block *block, km_text *out, km_error *error)
   }
 }
 
+static void add_logo(const km_text *logo, km_text *out) {
+  if (!logo || logo->size == 0)
+    return;
+  km_text_add(out, "<img class=\"logo\" alt=\"logo\" src=\"data:image/png;base64,");
+  km_text_base64(out, logo->data, logo->size);
+  km_text_add(out, "\">\n");
+}
+
 km_status km_document_html(const km_document *document, km_text *out, km_error *error) {
   km_status status = KM_OK;
   km_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
                    "content=\"width=device-width, initial-scale=1\">\n<title>");
   km_html_escape(document->title, out);
-  km_text_format(out, "</title>\n<style>%s</style>\n</head>\n<body>\n<h1>", style);
+  km_text_format(out, "</title>\n<style>%s</style>\n</head>\n<body>\n", style);
+  add_logo(document->logo, out);
+  km_text_add(out, "<h1>");
   km_html_escape(document->title, out);
   km_text_add(out, "</h1>\n<p class=\"about\">");
   km_html_escape(document->subtitle, out);

@@ -1,6 +1,8 @@
 /* Documents as A4 pages. */
 #include "report/document/document.h"
 
+#include "report/canvas/png.h"
+
 #include <math.h>
 #include <stdio.h>
 
@@ -64,13 +66,27 @@ static void need(writer *w, double height) {
     turn_page(w);
 }
 
+/* Draws the logo in the upper right corner. Returns its size with the distance to the title; 0 without one. */
+static km_canvas_point write_logo(const writer *w) {
+  static const double most_width = 150, most_height = 44, distance = 14;
+  int width, height;
+  if (!w->document->logo || km_png_fault(w->document->logo, &width, &height))
+    return (km_canvas_point){0, 0};
+  const double scale = fmin(most_width / width, most_height / height);
+  if (w->drawing)
+    km_canvas_pixels(w->canvas, w->document->logo, page_width - margin - scale * width, w->y, scale);
+  return (km_canvas_point){scale * width + distance, scale * height};
+}
+
 static void write_titles(writer *w) {
-  const km_font title = {.size = 18, .bold = true, .width = text_width(), .lines = 2};
-  const km_font subtitle = {.size = 9, .width = text_width(), .lines = 3};
+  const km_canvas_point logo = write_logo(w);
+  const km_font title = {.size = 18, .bold = true, .width = text_width() - logo.x, .lines = 2};
+  const km_font subtitle = {.size = 9, .width = text_width() - logo.x, .lines = 3};
+  const double top = w->y;
   write(w, &title, black, w->document->title, margin, w->y, 0);
   w->y += height_of(w, &title, w->document->title) + 4;
   write(w, &subtitle, grey, w->document->subtitle, margin, w->y, 0);
-  w->y += height_of(w, &subtitle, w->document->subtitle) + 1.6 * gap;
+  w->y = fmax(w->y + height_of(w, &subtitle, w->document->subtitle), top + logo.y) + 1.6 * gap;
 }
 
 static km_font text_font(const km_block *block) {

@@ -264,7 +264,7 @@ const char *km_report_subject(km_document_maker *k, const char *name, const km_m
 
 km_status km_report_finish(km_document_maker *k, const char *subject, const km_report_header *header, const char *tool,
                            const char *title, bool html, km_text *out, km_error *error) {
-  const km_report_header none = {NULL, NULL, NULL, NULL}, *h = header ? header : &none;
+  const km_report_header none = {.title = NULL}, *h = header ? header : &none;
   if (stated(h->note))
     insert_note(k, h->note);
   km_document document = {.title = stated(h->title) ? h->title : title,
@@ -272,6 +272,7 @@ km_status km_report_finish(km_document_maker *k, const char *subject, const km_r
                               km_document_format(k, "%s%s%s%sReport by %s %s", stated(h->author) ? h->author : "",
                                                  stated(h->author) ? " · " : "", stated(h->date) ? h->date : "",
                                                  stated(h->date) ? " · " : "", tool, KM_VERSION),
+                          .logo = h->logo,
                           .footer = km_document_format(k, "%s · %s %s", subject, tool, KM_VERSION),
                           .blocks = k->blocks,
                           .count = k->count};

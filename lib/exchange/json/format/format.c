@@ -113,6 +113,11 @@ static const km_field model_fields[] = {
      SHAPE(POSES)},
     {"analysis", "What the tools ask by default.", OBJECT(km_format_analysis)},
     {"source", "Where the model is from.", SHAPE(ANY)},
+    {"title", "Title of reports.", STRING},
+    {"author", "Author, in reports.", STRING},
+    {"date", "Date, in reports.", STRING},
+    {"notes", "A paragraph behind the answer of reports.", STRING},
+    {"logo", "PNG file that stands beside the title of reports, seen from the model's file.", STRING},
     {"known", "Facts known about it. Kept.", SHAPE(ANY)},
     {0}};
 const km_object_format km_format_model = {"model", model_fields};

@@ -288,6 +288,12 @@ static void set_tolerance(km_value *root, double tolerance, km_arena *arena) {
   stated->number = tolerance;
 }
 
+static const char *const word_keys[KM_MODEL_WORDS] = {[KM_WORD_TITLE] = "title",
+                                                      [KM_WORD_AUTHOR] = "author",
+                                                      [KM_WORD_DATE] = "date",
+                                                      [KM_WORD_NOTES] = "notes",
+                                                      [KM_WORD_LOGO] = "logo"};
+
 static km_status read_model(km_model *model, const char *bytes, size_t size, const km_read_def *def,
                             km_messages *messages, km_error *error) {
   km_value *root;
@@ -317,6 +323,10 @@ static km_status read_model(km_model *model, const char *bytes, size_t size, con
   model->origin = reader.origin;
   source = km_value_get(root, "source");
   model->source = source && source->kind == KM_STRING ? source->string : NULL;
+  for (int i = 0; i < KM_MODEL_WORDS; ++i) {
+    const km_value *word = km_value_get(root, word_keys[i]);
+    model->words[i] = word && word->kind == KM_STRING ? word->string : NULL;
+  }
   read_parameters(&reader, root);
   read_elements(&reader, root);
   free_names(&reader);
