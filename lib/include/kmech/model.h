@@ -82,7 +82,7 @@ KM_API int km_model_body_count(const km_model *model);
 KM_API int km_model_joint_count(const km_model *model);
 KM_API int km_model_coordinate_count(const km_model *model);
 
-/* What a model says about itself for reports. */
+/* Texts of a model for the head of reports. */
 typedef enum km_model_word {
   KM_WORD_TITLE,  /* title */
   KM_WORD_AUTHOR, /* author */
