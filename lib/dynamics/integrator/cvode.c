@@ -94,8 +94,10 @@ km_status km_cvode_create(km_simulation *run, km_error *error) {
     c->y = N_VMake_Serial(run->size, run->y, c->context);
     c->at = N_VMake_Serial(run->size, run->at, c->context);
   }
-  if (c && c->y)
+  if (c && c->y && c->at) {
     km_vector_use_lanes(c->y);
+    km_vector_use_lanes(c->at);
+  }
   return c && c->y && c->at && create_integrator(run, c)
              ? KM_OK
              : km_fail(error, KM_MEMORY, "out of memory for the integrator");
