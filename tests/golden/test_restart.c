@@ -50,10 +50,10 @@ static bool counts_work(const char *name) {
 
 /* Both runs make the same errors but for the first steps of the second part: the difference is the tolerance times the
  * growth of errors over the run (at most 1000 here), accelerations have the largest. */
-static void compare_ends(const char *model, double half, double tolerance) {
-  fixture whole = fixture_open(model), parts = fixture_open(model);
+static void compare_ends(const char *model, const char *text, double half, double tolerance) {
+  fixture whole = fixture_read(text), parts = fixture_read(text);
   km_history a = run_part(&whole, NULL, 2.0 * half, tolerance), b = run_part(&parts, NULL, half, tolerance);
-  fixture again = fixture_open(model);
+  fixture again = fixture_read(text);
   km_history c = run_part(&again, b.table, 2.0 * half, tolerance);
   assert_int_equal(km_table_columns(a.table), km_table_columns(c.table));
   for (size_t k = 0; k < km_table_columns(a.table); ++k) {
@@ -74,22 +74,32 @@ static void compare_ends(const char *model, double half, double tolerance) {
   fixture_close(&again);
 }
 
-/* Tyres and controllers: slips and integrals aren't coordinates. */
+static void compare_model(const char *model, double half, double tolerance) {
+  char *text = read_model_text(model);
+  compare_ends(model, text, half, tolerance);
+  km_free(text);
+}
+
+/* Tyres and controllers: slips and integrals aren't coordinates. The rack is at 5 mm, so that no tyre slides, which
+ * would let errors grow. */
 static void test_vehicle(void **data) {
   (void)data;
-  compare_ends("vehicle_circle", 1.5, 1e-9);
+  char *text = read_model_text("vehicle_circle"), *gentle = edited(text, NULL, "\"rack\": 0.1", "\"rack\": 0.005");
+  compare_ends("vehicle_circle", gentle, 1.5, 1e-9);
+  km_free(text);
+  km_free(gentle);
 }
 
 /* Loops with balls, whose coordinates are rotation vectors. */
 static void test_balls(void **data) {
   (void)data;
-  compare_ends("stewart", 0.1, 1e-10);
+  compare_model("stewart", 0.1, 1e-10);
 }
 
 /* Springs, dampers and stops: energies continue from those of the first part. */
 static void test_energies(void **data) {
   (void)data;
-  compare_ends("excavator", 0.5, 1e-9);
+  compare_model("excavator", 0.5, 1e-9);
 }
 
 /* Internal states that are missing or in other units are refused. */
