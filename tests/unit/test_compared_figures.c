@@ -1,6 +1,6 @@
 /* Merged figures of merit: what differs, by how much, and which is best. */
-#include "report/document/compared_figures.h"
-#include "report/document/comparison_page.h"
+#include "report/document/comparison/compared_figures.h"
+#include "report/document/comparison/comparison_page.h"
 
 #include "support/shown.h"
 
@@ -64,7 +64,7 @@ static void the_best_is_marked(void **state) {
     for (int i = 0; i < count; ++i)
       km_compared_add(&figures[i], (km_compared_figure){"force", "N", 10.0 - i, KM_BETTER_LESS, NULL, false});
     const km_compared_rows rows = km_compared_merge(&k, figures, count);
-    km_comparison_page_add(&k, names, count, "variant", &rows);
+    km_comparison_page_add(&k, names, count, "variant", "variants", &rows);
     size_t marked = 0, cells = 0;
     char best[32];
     snprintf(best, sizeof best, "★ %d", 11 - count);

@@ -104,11 +104,16 @@ kt_exit kt_move_to_request(const kt_common *common, const char *path, const kt_t
   return result;
 }
 
-kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
+kt_exit kt_open_varied(const kt_common *common, const char *path, const km_assignment *values, int count,
+                       const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
   kt_exit result;
   *out = (kt_pose){0};
-  out->model = kt_load(common, path, &result);
+  out->model = kt_load_varied(common, path, values, count, &result);
   return out->model ? kt_move_to_request(common, path, holds, sets, out) : result;
+}
+
+kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out) {
+  return kt_open_varied(common, path, NULL, 0, holds, sets, out);
 }
 
 void kt_close(kt_pose *pose) {

@@ -21,7 +21,10 @@ typedef struct kredund_request {
   const char *branches, *levels, *angle, *stride, *value; /* settings of look-ahead */
   const char *pose;                                       /* ik: x,y,z,rx,ry,rz */
   const char *formats, *base;
-  int json;           /* ik: otherwise a text table */
+  int json;                    /* ik: otherwise a text table */
+  const km_assignment *values; /* report: [value_count] other numbers of the model */
+  int value_count;
+  bool animate;       /* track: a page that plays the motion */
   bool everything;    /* true: without methods, all of them are run */
   bool ignore_limits; /* selfmotion: rows outside the limits too */
 } kredund_request;

@@ -167,7 +167,7 @@ static kt_exit move_to_request(const kredund_request *r, bool needs_path, kredun
   if (result == KT_DONE)
     result = find_model(r, out);
   if (result == KT_DONE)
-    result = kt_open(&r->common, out->model, &r->holds, &r->sets, &out->pose);
+    result = kt_open_varied(&r->common, out->model, r->values, r->value_count, &r->holds, &r->sets, &out->pose);
   if (result != KT_DONE)
     return result;
   result = bind(r, out);

@@ -162,6 +162,19 @@ kt_exit kredund_tracks_picture(const kredund_tracks *t, const char *base, const 
   return result;
 }
 
+static kt_exit write_page(const kredund_tracks *t, const char *base) {
+  km_text out = {0};
+  km_error error;
+  km_status status = km_tracks_page(&t->all, &out, &error);
+  kt_exit result = kt_exit_of(status);
+  if (status)
+    kt_print_message(&t->request->common, KM_ERROR, "%s: %s", t->open->name, error.text);
+  else
+    result = kt_write(&t->request->common, base, "motion", "html", &out);
+  km_text_free(&out);
+  return result;
+}
+
 static bool anything(const kredund_tracks *t) {
   for (int i = 0; i < t->count; ++i)
     if (t->items[i] && km_table_rows(km_track_rows(t->items[i])) > 1)
@@ -208,6 +221,8 @@ kt_exit kredund_tracks_deliver(kredund_tracks *t, const char *base) {
     result = kt_worse(result, kredund_tracks_picture(t, base, map ? "selfmotion" : "motion", (kt_format)f,
                                                      map ? km_tracks_map : km_tracks_drawing));
   }
+  if (t->request->animate && anything(t))
+    result = kt_worse(result, write_page(t, piped ? t->open->base : base));
   return result;
 }
 

@@ -376,11 +376,22 @@ KM_API km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format fo
  * freedom. */
 KM_API km_status km_tracks_map(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
 
+/* Page that plays the arm along the best track beside the curves of its joints: one HTML file. Appends it. KM_USAGE: there
+ * is no track with rows; KM_MEMORY. */
+KM_API km_status km_tracks_page(const km_tracks *tracks, km_text *out, km_error *error);
 /* Report about tracks: the best one in a sentence, each joint's margin and rate against its limits, the methods side
- * by side, the arm along the path, plots. `header` may be NULL. `html`: one self-contained file, otherwise PDF pages.
+ * by side, the arm along the path (in HTML as an animation beside the curves of its joints), plots. `header` may be NULL. `html`: one self-contained file, otherwise PDF pages.
  * Appends the bytes. KM_USAGE: there is no track with rows; KM_MEMORY, KM_INTERNAL. */
 KM_API km_status km_tracks_report(const km_tracks *tracks, const km_report_header *header, bool html, km_text *out,
                                   km_error *error);
+
+/* Report about the best tracks of several studies: first which figures differ and by how much, with the curves that
+ * differ most; then each study briefly. `names`[count] of the studies or variants, `name` of all; `ordered`: variants,
+ * whose order the colours show. `header` may be NULL. `html` as above. Studies without a track are named and left out.
+ * KM_USAGE: none has a track; KM_MEMORY, KM_INTERNAL. */
+KM_API km_status km_tracks_comparison_report(const km_tracks *tracks, const char *const *names, int count,
+                                             const char *name, bool ordered, const km_report_header *header, bool html,
+                                             km_text *out, km_error *error);
 
 /* A self-motion as record, text and table. Rows are the configurations within the limits, or the whole curve with
  * `all`. `model` and `name`: those of the model. The caller frees the table; NULL when out of memory. */

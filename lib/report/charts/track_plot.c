@@ -248,13 +248,17 @@ static void pose_at(const km_track *t, km_state *state, size_t row, double *q, k
   memcpy(poses, state->pose, (size_t)m->topology.body_count * sizeof *poses);
 }
 
+size_t km_track_row(const km_track *t, size_t pose, size_t poses) {
+  return poses > 1 ? pose * (km_table_rows(t->table) - 1) / (poses - 1) : 0;
+}
+
 /* Fills in the drawing with the state as workspace. False when out of memory. */
-static bool make_drawing(const km_tracks *tracks, const km_track *t, km_arena *arena, km_state *state,
+static bool make_drawing(const km_tracks *tracks, const km_track *t, size_t most, km_arena *arena, km_state *state,
                          km_drawing_def *out) {
-  enum { SHOWN = 6, TRACED = 300 };
+  enum { TRACED = 300 };
   const km_mechanism *m = t->arm->mechanism;
   size_t rows = km_table_rows(t->table), bodies = (size_t)m->topology.body_count;
-  size_t shown = rows < SHOWN ? rows : SHOWN, traced = rows < TRACED ? rows : TRACED;
+  size_t shown = rows < most ? rows : most, traced = rows < TRACED ? rows : TRACED;
   km_pose *poses = KM_ARENA_NEW(arena, km_pose, shown * bodies), *one = KM_ARENA_NEW(arena, km_pose, bodies);
   double *q = KM_ARENA_NEW(arena, double, (size_t)m->coordinate_count);
   km_vec3 *points = KM_ARENA_NEW(arena, km_vec3, traced);
@@ -262,10 +266,10 @@ static bool make_drawing(const km_tracks *tracks, const km_track *t, km_arena *a
   if (arena->failed)
     return false;
   for (size_t i = 0; i < shown; ++i)
-    pose_at(t, state, shown > 1 ? i * (rows - 1) / (shown - 1) : 0, q, poses + i * bodies);
+    pose_at(t, state, km_track_row(t, i, shown), q, poses + i * bodies);
   for (size_t i = 0; i < traced; ++i) {
     double p[3];
-    pose_at(t, state, traced > 1 ? i * (rows - 1) / (traced - 1) : 0, q, one);
+    pose_at(t, state, km_track_row(t, i, traced), q, one);
     km_frame_position(m, state, t->arm->frame, p);
     points[i] = km_vec3_from_array(p);
   }
@@ -275,11 +279,12 @@ static bool make_drawing(const km_tracks *tracks, const km_track *t, km_arena *a
   return true;
 }
 
-km_status km_tracks_drawing_make(const km_tracks *tracks, km_arena *arena, km_drawing_def *out, km_error *error) {
+km_status km_tracks_drawing_make(const km_tracks *tracks, size_t poses, km_arena *arena, km_drawing_def *out,
+                                 km_error *error) {
   const km_track *t = tracks->items[km_tracks_best(tracks)];
   km_state *state = NULL;
   km_status status = km_state_create(t->arm->mechanism, &state, error);
-  if (!status && !make_drawing(tracks, t, arena, state, out))
+  if (!status && !make_drawing(tracks, t, poses, arena, state, out))
     status = km_fail(error, KM_MEMORY, "out of memory for a drawing");
   km_state_free(state);
   return status;
@@ -291,7 +296,7 @@ km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format format, k
     return status;
   km_arena arena = {0};
   km_drawing_def drawing = {0};
-  status = km_tracks_drawing_make(tracks, &arena, &drawing, error);
+  status = km_tracks_drawing_make(tracks, KM_TRACK_POSES, &arena, &drawing, error);
   drawing.title = "The arm along the path";
   if (!status)
     status = km_drawing_render(&drawing, format, out, error);

@@ -13,7 +13,12 @@ km_status km_check_tracks(const km_tracks *tracks, bool some, km_picture_format 
  * tracking errors. Returns their number, 0 when out of memory. */
 enum { KM_TRACK_PLOTS = 8 };
 size_t km_tracks_plots_make(const km_tracks *tracks, bool diagnostics, km_arena *arena, km_plot *out);
-/* Drawing of the arm along the best track with the effector's path, in the arena. KM_MEMORY. */
-km_status km_tracks_drawing_make(const km_tracks *tracks, km_arena *arena, km_drawing_def *out, km_error *error);
+/* Drawing of the arm along the best track with the effector's path, in the arena, in at most `poses` poses: pose i is
+ * that of row km_track_row. KM_MEMORY. */
+enum { KM_TRACK_POSES = 6 };
+km_status km_tracks_drawing_make(const km_tracks *tracks, size_t poses, km_arena *arena, km_drawing_def *out,
+                                 km_error *error);
+/* The row of one of several evenly spaced poses; the last one is the last row's. */
+size_t km_track_row(const km_track *track, size_t pose, size_t poses);
 
 #endif

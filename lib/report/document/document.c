@@ -45,6 +45,12 @@ void km_document_picture(km_document_maker *m, const char *shows, double height,
   add(m, (km_block){.kind = KM_BLOCK_PICTURE, .text = shows, .height = height, .draw = draw, .context = context});
 }
 
+void km_document_film(km_document_maker *m, const km_film_page *film, const char *shows, double height,
+                      km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context) {
+  add(m, (km_block){
+             .kind = KM_BLOCK_FILM, .text = shows, .height = height, .draw = draw, .context = context, .film = film});
+}
+
 const char *km_document_words(km_document_maker *m, km_text *text, const char *otherwise) {
   bool none = !text->failed && text->size == 0;
   const char *kept = km_text_move_to_arena(text, &m->arena);

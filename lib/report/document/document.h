@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "report/canvas/canvas.h"
+#include "report/document/film_page.h"
 
 typedef enum km_block_kind {
   KM_BLOCK_LEAD, /* the answer, before anything else */
@@ -13,7 +14,8 @@ typedef enum km_block_kind {
   KM_BLOCK_TEXT,
   KM_BLOCK_FACTS, /* rows of a name and what it is */
   KM_BLOCK_TABLE, /* the first row is the head */
-  KM_BLOCK_PICTURE
+  KM_BLOCK_PICTURE,
+  KM_BLOCK_FILM /* plays in HTML; a picture on a page */
 } km_block_kind;
 
 /* A part of a document. Everything is borrowed. */
@@ -25,6 +27,7 @@ typedef struct km_block {
   double height; /* height of a picture in points; its width is that of the text */
   km_status (*draw)(void *context, km_canvas *canvas, double width, double height, km_error *error);
   void *context;
+  const km_film_page *film; /* films and controls of a KM_BLOCK_FILM, one in a document */
 } km_block;
 
 typedef struct km_document {
@@ -54,6 +57,9 @@ void km_document_cells(km_document_maker *maker, km_block_kind kind, const char 
                        size_t columns);
 void km_document_picture(km_document_maker *maker, const char *shows, double height,
                          km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context);
+/* A film; `draw` makes the picture that stands for it on a page. */
+void km_document_film(km_document_maker *maker, const km_film_page *film, const char *shows, double height,
+                      km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context);
 /* The text's words, kept in the arena, or `otherwise` where there are none; frees the text. */
 const char *km_document_words(km_document_maker *maker, km_text *text, const char *otherwise);
 /* Text in the maker's arena. */

@@ -20,15 +20,21 @@ static void add_styles(const km_film_page *page, bool dark, km_text *out) {
                      dark ? page->films[k]->styles[i].dark : page->films[k]->styles[i].light);
 }
 
+void km_film_styles_write(const km_film_page *page, km_text *out) {
+  km_text_format(out, "%s\n", km_film_sheet);
+  add_styles(page, false, out);
+  km_text_add(out, "\n@media(prefers-color-scheme:dark){");
+  add_styles(page, true, out);
+  km_text_add(out, "}\n");
+}
+
 static void add_head(const km_film_page *page, km_text *out) {
   km_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
                    "content=\"width=device-width, initial-scale=1\">\n<title>");
   km_html_escape(page->title, out);
-  km_text_format(out, "</title>\n<style>\n%s\n", km_film_sheet);
-  add_styles(page, false, out);
-  km_text_add(out, "\n@media(prefers-color-scheme:dark){");
-  add_styles(page, true, out);
-  km_text_add(out, "}\n</style>\n</head>\n<body>\n<h1>");
+  km_text_format(out, "</title>\n<style>\n%s", km_film_page_sheet);
+  km_film_styles_write(page, out);
+  km_text_add(out, "</style>\n</head>\n<body>\n<h1>");
   km_html_escape(page->title, out);
   km_text_add(out, "</h1>\n<p class=\"about\">");
   km_html_escape(page->subtitle, out);
@@ -206,18 +212,28 @@ static void add_data(const km_film_page *page, km_text *out) {
   km_text_add(out, "]}</script>\n");
 }
 
-km_status km_film_page_write(const km_film_page *page, km_text *out, km_error *error) {
-  size_t before = out->size;
-  add_head(page, out);
-  km_text_format(out, "<main%s>\n", page->film_count > 1 ? " class=\"two\"" : "");
+void km_film_write(const km_film_page *page, km_text *out) {
+  km_text_format(out, "<div class=\"film%s\">\n", page->film_count > 1 ? " two" : "");
   for (size_t k = 0; k < page->film_count; ++k)
     add_film(page, k, out);
   add_controls(page, out);
-  km_text_add(out, "</main>\n<footer>");
+  km_text_add(out, "</div>\n");
+}
+
+void km_film_script_write(const km_film_page *page, km_text *out) {
+  add_data(page, out);
+  km_text_format(out, "<script>\n%s</script>\n", km_film_script);
+}
+
+km_status km_film_page_write(const km_film_page *page, km_text *out, km_error *error) {
+  size_t before = out->size;
+  add_head(page, out);
+  km_film_write(page, out);
+  km_text_add(out, "<footer>");
   km_html_escape(page->footer, out);
   km_text_add(out, "</footer>\n");
-  add_data(page, out);
-  km_text_format(out, "<script>\n%s</script>\n</body>\n</html>\n", km_film_script);
+  km_film_script_write(page, out);
+  km_text_add(out, "</body>\n</html>\n");
   if (!out->failed)
     return KM_OK;
   out->size = before;

@@ -22,7 +22,13 @@ typedef struct km_film_page {
 /* Appends the page. Equal films give equal bytes. KM_MEMORY. */
 km_status km_film_page_write(const km_film_page *page, km_text *out, km_error *error);
 
-/* The page's style sheet and its script, which plays what the page's data say. */
-extern const char km_film_sheet[], km_film_script[];
+/* The parts of such a page for a document with films: rules of its style sheet, the films with their controls, and
+ * behind these the data with the script. A document holds them once. */
+void km_film_styles_write(const km_film_page *page, km_text *out);
+void km_film_write(const km_film_page *page, km_text *out);
+void km_film_script_write(const km_film_page *page, km_text *out);
+
+/* Style sheets of a page and of the films on it, and the script, which plays what the data say. */
+extern const char km_film_page_sheet[], km_film_sheet[], km_film_script[];
 
 #endif

@@ -103,6 +103,9 @@ static km_status add_block(const km_block *block, km_text *out, km_error *error)
   case KM_BLOCK_TABLE:
     add_table(block, out);
     return KM_OK;
+  case KM_BLOCK_FILM:
+    km_film_write(block->film, out);
+    return KM_OK;
   default:
     return add_picture(block, out, error);
   }
@@ -116,12 +119,24 @@ static void add_logo(const km_text *logo, km_text *out) {
   km_text_add(out, "\">\n");
 }
 
+/* The document's film; NULL: none. */
+static const km_film_page *film_of(const km_document *document) {
+  for (size_t i = 0; i < document->count; ++i)
+    if (document->blocks[i].kind == KM_BLOCK_FILM)
+      return document->blocks[i].film;
+  return NULL;
+}
+
 km_status km_document_html(const km_document *document, km_text *out, km_error *error) {
+  const km_film_page *film = film_of(document);
   km_status status = KM_OK;
   km_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
                    "content=\"width=device-width, initial-scale=1\">\n<title>");
   km_html_escape(document->title, out);
-  km_text_format(out, "</title>\n<style>%s</style>\n</head>\n<body>\n", style);
+  km_text_format(out, "</title>\n<style>%s", style);
+  if (film)
+    km_film_styles_write(film, out);
+  km_text_add(out, "</style>\n</head>\n<body>\n");
   add_logo(document->logo, out);
   km_text_add(out, "<h1>");
   km_html_escape(document->title, out);
@@ -132,6 +147,9 @@ km_status km_document_html(const km_document *document, km_text *out, km_error *
     status = add_block(&document->blocks[i], out, error);
   km_text_add(out, "<footer>");
   km_html_escape(document->footer, out);
-  km_text_add(out, "</footer>\n</body>\n</html>\n");
+  km_text_add(out, "</footer>\n");
+  if (film)
+    km_film_script_write(film, out);
+  km_text_add(out, "</body>\n</html>\n");
   return status ? status : out->failed ? km_fail(error, KM_MEMORY, "out of memory for a report") : KM_OK;
 }

@@ -207,6 +207,7 @@ static double block_height(const writer *w, const km_block *block) {
     font = fit_columns(w, block, width);
     return (double)block->rows * (height_of(w, &font, "Ag") + 2 * cell_pad) + 1.4 * gap;
   case KM_BLOCK_PICTURE:
+  case KM_BLOCK_FILM:
     return block->height + gap;
   default:
     return 15.0 * (double)block->rows;
@@ -220,7 +221,7 @@ static void write_heading(writer *w, const km_block *block, const km_block *end)
   for (const km_block *b = block + 1; b < end && b->kind != KM_BLOCK_HEADING && b->kind != KM_BLOCK_PART; ++b) {
     section += block_height(w, b);
     if (b == block + 1)
-      first += fmin(block_height(w, b), b->kind == KM_BLOCK_PICTURE ? HUGE_VAL : 60.0);
+      first += fmin(block_height(w, b), b->kind == KM_BLOCK_PICTURE || b->kind == KM_BLOCK_FILM ? HUGE_VAL : 60.0);
   }
   need(w, section <= page_height - margin - foot ? section - gap : first);
   write(w, &font, black, block->text, margin, w->y, 0);
@@ -251,6 +252,7 @@ static void lay_out(writer *w) {
       write_table(w, block);
       break;
     case KM_BLOCK_PICTURE:
+    case KM_BLOCK_FILM:
       write_picture(w, block);
       break;
     }

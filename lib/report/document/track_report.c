@@ -5,77 +5,19 @@
  *
  * The joint with the least margin limits the track. */
 #include "kmech/report.h"
+#include "kmech/version.h"
 
 #include "report/charts/track_plot.h"
 #include "report/document/sweep_report.h"
+#include "report/document/track_course.h"
+#include "report/document/track_film.h"
+#include "report/document/track_report.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
+#include <stdio.h>
 
-enum { PLOT = 170, DRAWING = 205 };
-
-/* Course of one joint over the rows of a track. */
-typedef struct joint_course {
-  double least, greatest;         /* values, file's unit */
-  double margin, margin_s;        /* least margin and its place; NaN: no limits */
-  double rate, rate_s, rate_part; /* largest speed in file's units a second, its place; part of its limit or NaN */
-} joint_course;
-
-static double margin_of(const km_arm *a, int k, double value) {
-  double q = km_arm_from_units(a, k, value), half = 0.5 * (a->high[k] - a->low[k]);
-  return half < HUGE_VAL ? fmin(q - a->low[k], a->high[k] - q) / half : nan("");
-}
-
-static joint_course find_course(const km_track *t, int k) {
-  size_t q = km_table_span(t->table, "q.").first + (size_t)k, v = km_table_span(t->table, "v.").first + (size_t)k;
-  size_t s = (size_t)km_table_find(t->table, "s");
-  joint_course out = {HUGE_VAL, -HUGE_VAL, nan(""), 0.0, -1.0, 0.0, nan("")};
-  for (size_t r = 0; r < km_table_rows(t->table); ++r) {
-    const double *row = km_table_row(t->table, r);
-    double margin = margin_of(t->arm, k, row[q]);
-    out.least = fmin(out.least, row[q]);
-    out.greatest = fmax(out.greatest, row[q]);
-    if (isfinite(margin) && !(out.margin <= margin)) {
-      out.margin = margin;
-      out.margin_s = row[s];
-    }
-    if (fabs(row[v]) > out.rate) {
-      out.rate = fabs(row[v]);
-      out.rate_s = row[s];
-    }
-  }
-  if (t->arm->rate[k] < HUGE_VAL)
-    out.rate_part = out.rate / km_arm_to_units(t->arm, k, t->arm->rate[k]);
-  return out;
-}
-
-/* The joint with the least margin; −1: no joint has limits. */
-static int find_limiting(const km_track *t) {
-  int limiting = -1;
-  double least = HUGE_VAL;
-  for (int k = 0; k < t->arm->n; ++k) {
-    double margin = find_course(t, k).margin;
-    if (margin < least) {
-      least = margin;
-      limiting = k;
-    }
-  }
-  return limiting;
-}
-
-/* The joint whose rate is the largest part of its limit; −1: no joint has a limit. */
-static int find_fastest(const km_track *t) {
-  int fastest = -1;
-  double most = -1.0;
-  for (int k = 0; k < t->arm->n; ++k) {
-    double part = find_course(t, k).rate_part;
-    if (part > most) {
-      most = part;
-      fastest = k;
-    }
-  }
-  return fastest;
-}
+enum { PLOT = 170, DRAWING = 205, STRIP = 90 };
 
 static const char *length_unit(const km_track *t) {
   return t->arm->mechanism->model->units.length->suffix;
@@ -91,30 +33,26 @@ static const char *label_of(km_document_maker *k, const km_tracks *tracks, int i
   return km_document_format(k, "%s", label);
 }
 
-static double part_reached(const km_track *t) {
-  return 100.0 * t->end.s / km_path_length(t->plan.path, t->plan.path->samples - 1);
-}
-
 static void add_lead(km_document_maker *k, const km_tracks *tracks, int best) {
   const km_track *t = tracks->items[best];
   const km_path *path = t->plan.path;
-  int limiting = find_limiting(t), fastest = find_fastest(t);
+  int limiting = km_limiting_joint(t), fastest = km_fastest_joint(t);
   km_text text = {0};
   if (t->end.stop == KM_TRACK_COMPLETE) {
     km_text_format(&text, "%s follows the whole path in %.4g s", label_of(k, tracks, best),
                    km_path_time(path, path->samples - 1));
   } else {
-    km_text_format(&text, "%s follows %.1f %% of the path and ", label_of(k, tracks, best), part_reached(t));
+    km_text_format(&text, "%s follows %.1f %% of the path and ", label_of(k, tracks, best), km_track_part(t));
     km_track_end_text(t, &text);
   }
   if (limiting >= 0) {
-    joint_course course = find_course(t, limiting);
+    km_joint_course course = km_joint_course_find(t, limiting);
     km_text_format(&text, ". %s comes nearest to a limit: %.3g %% of half its range are left at s = %.4g %s",
                    km_arm_label(t->arm, limiting), fabs(100.0 * course.margin) < 1e-6 ? 0.0 : 100.0 * course.margin,
                    course.margin_s, length_unit(t));
   }
   if (fastest >= 0) {
-    joint_course course = find_course(t, fastest);
+    km_joint_course course = km_joint_course_find(t, fastest);
     km_text_format(&text, ". %s is the fastest of its drive: %.3g %% of its largest rate",
                    km_arm_label(t->arm, fastest), 100.0 * course.rate_part);
   }
@@ -155,7 +93,7 @@ static void add_joints(km_document_maker *k, const km_track *t) {
   enum { COLUMNS = 6 };
   static const char *const heads[COLUMNS] = {"joint",        "range",        "limits",
                                              "least margin", "largest rate", "of its limit"};
-  size_t joints = (size_t)t->arm->n, columns = find_fastest(t) < 0 ? COLUMNS - 1 : COLUMNS;
+  size_t joints = (size_t)t->arm->n, columns = km_fastest_joint(t) < 0 ? COLUMNS - 1 : COLUMNS;
   const char **cells = KM_ARENA_NEW(&k->arena, const char *, (joints + 1) * columns);
   if (!cells)
     return;
@@ -163,7 +101,7 @@ static void add_joints(km_document_maker *k, const km_track *t) {
     cells[c] = heads[c];
   for (int j = 0; j < t->arm->n; ++j) {
     const km_arm *a = t->arm;
-    joint_course course = find_course(t, j);
+    km_joint_course course = km_joint_course_find(t, j);
     const char **row = cells + columns * ((size_t)j + 1), *unit = unit_of(t, j);
     bool limited = isfinite(course.margin);
     row[0] = km_arm_label(a, j);
@@ -206,7 +144,7 @@ static void add_methods(km_document_maker *k, const km_tracks *tracks) {
     const km_track_summary *s = &t->summary;
     const char **row = cells + COLUMNS * rows++;
     row[0] = label_of(k, tracks, i);
-    row[1] = km_document_format(k, "%.1f %%", part_reached(t));
+    row[1] = km_document_format(k, "%.1f %%", km_track_part(t));
     row[2] = km_document_format(k, "%.4g", fabs(s->objective_min) < 1e-12 ? 0.0 : s->objective_min);
     row[3] = km_document_format(k, "%.4g", s->objective_mean);
     row[4] = km_document_format(k, "%.3g %%", fabs(s->limit_margin) < 1e-8 ? 0.0 : 100.0 * s->limit_margin);
@@ -226,21 +164,95 @@ static void add_methods(km_document_maker *k, const km_tracks *tracks) {
   }
 }
 
-static km_status add_pictures(km_document_maker *k, const km_tracks *tracks, km_error *error) {
+/* Row of a joint's least margin or largest rate. */
+static double row_at(const km_track *t, double place) {
+  const size_t s = (size_t)km_table_find(t->table, "s");
+  for (size_t r = 0; r < km_table_rows(t->table); ++r)
+    if (km_table_row(t->table, r)[s] >= place)
+      return (double)r;
+  return 0.0;
+}
+
+/* Makes the film with the limiting and the fastest joint marked on its slider. */
+static km_status make_film(const km_tracks *tracks, km_arena *arena, km_track_film *film, km_error *error) {
+  const km_track *t = tracks->items[km_tracks_best(tracks)];
+  const int limiting = km_limiting_joint(t), fastest = km_fastest_joint(t);
+  char words[2][160];
+  km_motion_stop stops[2];
+  size_t count = 0;
+  if (limiting >= 0) {
+    snprintf(words[count], sizeof words[0], "%.100s is nearest to its limit", km_arm_label(t->arm, limiting));
+    stops[count] =
+        (km_motion_stop){row_at(t, km_joint_course_find(t, limiting).margin_s), km_arena_string(arena, words[count])};
+    ++count;
+  }
+  if (fastest >= 0) {
+    snprintf(words[count], sizeof words[0], "%.100s is the fastest of its drive", km_arm_label(t->arm, fastest));
+    stops[count] =
+        (km_motion_stop){row_at(t, km_joint_course_find(t, fastest).rate_s), km_arena_string(arena, words[count])};
+    ++count;
+  }
+  return km_track_film_make(tracks, stops, count, arena, film, error);
+}
+
+km_status km_tracks_page(const km_tracks *tracks, km_text *out, km_error *error) {
+  km_status status = km_check_tracks(tracks, true, KM_PICTURE_SVG, out, error);
+  if (status)
+    return status;
+  km_arena arena = {0};
+  km_track_film film = {.films = {NULL}};
+  char label[64], subtitle[160];
+  status = make_film(tracks, &arena, &film, error);
+  km_tracks_label(tracks, km_tracks_best(tracks), ' ', label, sizeof label);
+  snprintf(subtitle, sizeof subtitle, "along its path by the method %s", label);
+  film.page.title = tracks->model;
+  film.page.subtitle = subtitle;
+  film.page.footer = "kredund " KM_VERSION;
+  if (!status)
+    status = km_film_page_write(&film.page, out, error);
+  km_track_film_close(&film);
+  km_arena_free(&arena);
+  return status;
+}
+
+static km_status add_pictures(km_document_maker *k, const km_tracks *tracks, km_track_film *film, km_error *error) {
   km_drawing_def *drawing = KM_ARENA_NEW(&k->arena, km_drawing_def, 1);
   km_plot plots[KM_TRACK_PLOTS];
   if (!drawing)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
-  km_status status = km_tracks_drawing_make(tracks, &k->arena, drawing, error);
+  km_status status = km_tracks_drawing_make(tracks, KM_TRACK_POSES, &k->arena, drawing, error);
   if (status)
     return status;
   km_document_heading(k, "The arm along the path");
+  status = make_film(tracks, &k->arena, film, error);
+  if (status)
+    return status;
+  km_document_film(k, &film->page, "six configurations of the arm along its path", STRIP, km_track_film_strip, film);
   km_report_drawing(k, drawing, "the arm in poses along the path, with the effector's path", DRAWING);
   km_document_heading(k, "Over the path");
   size_t count = km_tracks_plots_make(tracks, false, &k->arena, plots);
   for (size_t i = 0; i < count; ++i)
     km_report_plot(k, &plots[i], plots[i].title, PLOT);
   return KM_OK;
+}
+
+void km_tracks_summary_add(km_document_maker *k, const km_tracks *tracks) {
+  const int best = km_tracks_best(tracks);
+  add_lead(k, tracks, best);
+  add_facts(k, tracks, tracks->items[best]);
+  add_joints(k, tracks->items[best]);
+  add_methods(k, tracks);
+}
+
+/* Adds all blocks. */
+static km_status make(km_document_maker *k, const km_tracks *tracks, const km_swept *swept, km_track_film *film,
+                      km_error *error) {
+  km_tracks_summary_add(k, tracks);
+  const km_status status = add_pictures(k, tracks, film, error);
+  if (!status)
+    km_report_model(k, swept,
+                    "the effector follows the path exactly at every sample; spare freedoms as the method chooses");
+  return status;
 }
 
 km_status km_tracks_report(const km_tracks *tracks, const km_report_header *header, bool html, km_text *out,
@@ -251,21 +263,16 @@ km_status km_tracks_report(const km_tracks *tracks, const km_report_header *head
   km_document_maker *k = KM_NEW(km_document_maker, 1);
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
-  int best = km_tracks_best(tracks);
-  const km_track *t = tracks->items[best];
-  const km_swept swept = {.mechanism = t->arm->mechanism, .name = tracks->name};
-  add_lead(k, tracks, best);
-  add_facts(k, tracks, t);
-  add_joints(k, t);
-  add_methods(k, tracks);
-  status = add_pictures(k, tracks, error);
-  if (status) {
+  const km_swept swept = {.mechanism = tracks->items[km_tracks_best(tracks)]->arm->mechanism, .name = tracks->name};
+  km_track_film film = {.films = {NULL}};
+  status = make(k, tracks, &swept, &film, error);
+  if (!status) {
+    status = km_report_finish(k, km_report_subject(k, swept.name, swept.mechanism->model), header, "kredund",
+                              km_document_format(k, "%s: along its path", tracks->model), html, out, error);
+  } else {
     km_arena_free(&k->arena);
     km_free(k);
-    return status;
   }
-  km_report_model(k, &swept,
-                  "the effector follows the path exactly at every sample; spare freedoms as the method chooses");
-  return km_report_finish(k, km_report_subject(k, swept.name, swept.mechanism->model), header, "kredund",
-                          km_document_format(k, "%s: along its path", tracks->model), html, out, error);
+  km_track_film_close(&film);
+  return status;
 }

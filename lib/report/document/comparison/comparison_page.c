@@ -1,18 +1,21 @@
 /* The first page of a report about several models, variants or studies: which figures differ and by how much. */
-#include "report/document/comparison_page.h"
+#include "report/document/comparison/comparison_page.h"
 
+#include "report/canvas/palette.h"
 #include "report/document/sweep_report.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-  LEAD_FIGURES = 2,    /* figures that the lead names */
-  SIDE_BY_SIDE = 5,    /* as many compared things are columns, so that a page is as wide as they need */
-  MOST_ROWS = 8,       /* rows of figures that leave space for the curves on the page */
-  MOST_COLUMNS = 3,    /* columns of figures, where the compared things are rows */
-  MOST_EQUAL_NAMED = 8 /* equal figures that are named */
+  LEAD_FIGURES = 2,     /* figures that the lead names */
+  SIDE_BY_SIDE = 5,     /* as many compared things are columns, so that a page is as wide as they need */
+  MOST_ROWS = 8,        /* rows of figures that leave space for the curves on the page */
+  MOST_COLUMNS = 3,     /* columns of figures, where the compared things are rows */
+  MOST_EQUAL_NAMED = 8, /* equal figures that are named */
+  MOST_PANELS = 2
 };
+static const double panel_height = 92, plot_margin = 40; /* points */
 
 static const char *unit_words(km_document_maker *k, const km_compared_figure *figure) {
   return figure->unit[0] ? km_document_format(k, " %s", km_report_unit(k, figure->unit)) : "";
@@ -79,7 +82,7 @@ static int find_best(const km_compared_rows *rows, int count, size_t *wins, size
   return best;
 }
 
-static void add_lead(km_document_maker *k, const char *const *names, int count, const char *kind,
+static void add_lead(km_document_maker *k, const char *const *names, int count, const char *kinds,
                      const km_compared_rows *rows) {
   km_text text = {0};
   size_t wins, of, named = 0;
@@ -87,10 +90,10 @@ static void add_lead(km_document_maker *k, const char *const *names, int count, 
   if (rows->different == 0)
     km_text_format(&text, "%s",
                    rows->count
-                       ? km_document_format(k, "The %d %ss are equal in all %zu figures.", count, kind, rows->count)
-                       : km_document_format(k, "The %d %ss have no figure to compare.", count, kind));
+                       ? km_document_format(k, "The %d %s are equal in all %zu figures.", count, kinds, rows->count)
+                       : km_document_format(k, "The %d %s have no figure to compare.", count, kinds));
   else
-    km_text_format(&text, "The %d %ss differ most in the ", count, kind);
+    km_text_format(&text, "The %d %s differ most in the ", count, kinds);
   for (size_t r = 0; r < rows->different && named < LEAD_FIGURES; ++r)
     if (rows->items[r].low < rows->items[r].high && !is_repeated(rows, r)) {
       km_text_add(&text, named++ ? "; " : "");
@@ -165,13 +168,13 @@ static void add_equal(km_document_maker *k, const km_compared_rows *rows) {
 }
 
 void km_comparison_page_add(km_document_maker *k, const char *const *names, int count, const char *kind,
-                            const km_compared_rows *rows) {
+                            const char *kinds, const km_compared_rows *rows) {
   const bool side_by_side = count <= SIDE_BY_SIDE;
   const size_t most = side_by_side ? MOST_ROWS : MOST_COLUMNS;
   bool marked = false;
   for (size_t r = 0; r < rows->different && r < most; ++r)
     marked = marked || rows->items[r].best >= 0;
-  add_lead(k, names, count, kind, rows);
+  add_lead(k, names, count, kinds, rows);
   if (rows->different) {
     km_document_heading(k, "What differs");
     if (side_by_side)
@@ -199,4 +202,62 @@ size_t km_comparison_columns(const km_compared_rows *rows, const char **columns,
       columns[count++] = column;
   }
   return count;
+}
+
+/* "acceleration of C (deg/s²)" of the column a.C, "limit margin" of limit_margin, for the axis. */
+static const char *column_words(km_document_maker *k, const km_table *t, size_t column) {
+  static const char *const prefixes[][2] = {{"q.", ""},
+                                            {"v.", "velocity of "},
+                                            {"a.", "acceleration of "},
+                                            {"f.", "force of "},
+                                            {"ma.", "advantage "},
+                                            {"objective.", ""},
+                                            {"transmission.", "transmission angle at "}};
+  const char *name = km_table_name(t, column), *unit = km_report_unit(k, km_table_unit(t, column));
+  char *words = km_arena_string(&k->arena, name);
+  for (char *c = words; c && !strchr(name, '.') && *c; ++c)
+    *c = *c == '_' ? ' ' : *c;
+  for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; ++i)
+    if (strncmp(name, prefixes[i][0], strlen(prefixes[i][0])) == 0)
+      return km_document_format(k, unit[0] ? "%s%s (%s)" : "%s%s", prefixes[i][1], name + strlen(prefixes[i][0]), unit);
+  return km_document_format(k, unit[0] ? "%s (%s)" : "%s", words ? words : name, unit);
+}
+
+/* Curves of one column, a line for each table that has it. */
+static km_plot_panel make_panel(km_document_maker *k, const km_compared_table *tables, int count, bool ordered,
+                                const char *column) {
+  km_plot_panel panel = {.series_count = 0};
+  km_plot_series *series = KM_ARENA_NEW(&k->arena, km_plot_series, (size_t)count);
+  for (int i = 0; i < count && series; ++i) {
+    const km_table *t = tables[i].table;
+    const int found = km_table_find(t, column);
+    const size_t rows = km_table_rows(t);
+    double *values = KM_ARENA_NEW(&k->arena, double, 2 * rows);
+    if (found < 0 || tables[i].x < 0 || !values)
+      continue;
+    km_table_column(t, (size_t)tables[i].x, values, NULL);
+    km_table_column(t, (size_t)found, values + rows, NULL);
+    panel.y_label = panel.y_label ? panel.y_label : column_words(k, t, (size_t)found);
+    series[panel.series_count++] = (km_plot_series){.name = tables[i].name,
+                                                    .x = values,
+                                                    .y = values + rows,
+                                                    .count = rows,
+                                                    .colour = km_palette_compared(i, count, ordered)};
+  }
+  panel.series = series;
+  return panel;
+}
+
+void km_comparison_curves_add(km_document_maker *k, const km_compared_table *tables, int count, bool ordered,
+                              const km_compared_rows *rows, const char *x_label) {
+  const char *columns[MOST_PANELS];
+  const size_t shown = km_comparison_columns(rows, columns, MOST_PANELS);
+  km_plot_panel *panels = KM_ARENA_NEW(&k->arena, km_plot_panel, shown + 1);
+  if (shown == 0 || !panels)
+    return;
+  for (size_t i = 0; i < shown; ++i)
+    panels[i] = make_panel(k, tables, count, ordered, columns[i]);
+  const km_plot plot = {.x_label = x_label, .panels = panels, .panel_count = shown, .own_y = true};
+  km_document_heading(k, "Curves that differ most");
+  km_report_plot(k, &plot, "the curves that differ most, over each other", plot_margin + panel_height * (double)shown);
 }

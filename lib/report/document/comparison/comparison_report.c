@@ -3,17 +3,13 @@
 #include "base/arguments.h"
 #include "kmech/report.h"
 #include "question/question.h"
-#include "report/canvas/palette.h"
 #include "report/charts/sweep_strip.h"
-#include "report/document/comparison_page.h"
+#include "report/document/comparison/comparison_page.h"
 #include "report/document/question_report.h"
 #include "report/document/sweep_report.h"
 #include "topology/mechanism.h"
 
 #include <string.h>
-
-enum { MOST_PANELS = 2 };
-static const double panel_height = 92, plot_margin = 40; /* points */
 
 typedef struct comparison {
   const km_answered **items; /* [count] answers with rows */
@@ -23,45 +19,7 @@ typedef struct comparison {
 } comparison;
 
 static const char *kind_of(const comparison *c) {
-  return c->ordered ? "variant" : "model";
-}
-
-/* "acceleration of C (deg/s^2)" of the column a.C, for the axis. */
-static const char *column_words(km_document_maker *k, const km_table *t, size_t column) {
-  static const char *const prefixes[][2] = {
-      {"q.", ""}, {"v.", "velocity of "}, {"a.", "acceleration of "}, {"f.", "force of "}, {"ma.", "advantage "}};
-  const char *name = km_table_name(t, column), *unit = km_table_unit(t, column);
-  for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; ++i)
-    if (strncmp(name, prefixes[i][0], strlen(prefixes[i][0])) == 0) {
-      name = km_document_format(k, "%s%s", prefixes[i][1], name + strlen(prefixes[i][0]));
-      break;
-    }
-  return km_document_format(k, unit[0] ? "%s (%s)" : "%s", name, km_report_unit(k, unit));
-}
-
-/* Curves of one column, a line for each answer that has it. */
-static km_plot_panel make_panel(km_document_maker *k, const comparison *c, const char *column) {
-  km_plot_panel panel = {.series_count = 0};
-  km_plot_series *series = KM_ARENA_NEW(&k->arena, km_plot_series, (size_t)c->count);
-  for (int i = 0; i < c->count && series; ++i) {
-    const km_table *t = km_question_table(c->items[i]->question);
-    const int found = km_table_find(t, column), x = km_table_variable(t);
-    const size_t rows = km_table_rows(t);
-    double *values = KM_ARENA_NEW(&k->arena, double, 2 * rows);
-    if (found < 0 || x < 0 || !values)
-      continue;
-    km_table_column(t, (size_t)x, values, NULL);
-    km_table_column(t, (size_t)found, values + rows, NULL);
-    panel.y_label = panel.y_label ? panel.y_label : column_words(k, t, (size_t)found);
-    series[panel.series_count++] = (km_plot_series){.name = c->names[i],
-                                                    .x = values,
-                                                    .y = values + rows,
-                                                    .count = rows,
-                                                    .colour = km_palette_compared(i, c->count, c->ordered),
-                                                    .dash = 0};
-  }
-  panel.series = series;
-  return panel;
+  return c->ordered ? "variants" : "models";
 }
 
 static const char *x_label(km_document_maker *k, const km_answered *a) {
@@ -75,19 +33,14 @@ static const char *x_label(km_document_maker *k, const km_answered *a) {
   return km_question_motion(a->question) ? "arc length" : km_document_format(k, "time (%s)", unit);
 }
 
-/* The columns whose figures differ most, the answers' curves over each other. */
 static void add_curves(km_document_maker *k, const comparison *c, const km_compared_rows *rows) {
-  const char *columns[MOST_PANELS];
-  const size_t count = km_comparison_columns(rows, columns, MOST_PANELS);
-  km_plot_panel *panels = KM_ARENA_NEW(&k->arena, km_plot_panel, count + 1);
-  if (count == 0 || !panels)
-    return;
-  for (size_t i = 0; i < count; ++i)
-    panels[i] = make_panel(k, c, columns[i]);
-  const km_plot plot = {.x_label = x_label(k, c->items[0]), .panels = panels, .panel_count = count, .own_y = true};
-  km_document_heading(k, "Curves that differ most");
-  km_report_plot(k, &plot, km_document_format(k, "curves of all %ss over each other", kind_of(c)),
-                 plot_margin + panel_height * (double)count);
+  km_compared_table *tables = KM_ARENA_NEW(&k->arena, km_compared_table, (size_t)c->count);
+  for (int i = 0; i < c->count && tables; ++i) {
+    const km_table *t = km_question_table(c->items[i]->question);
+    tables[i] = (km_compared_table){c->names[i], t, km_table_variable(t)};
+  }
+  if (tables)
+    km_comparison_curves_add(k, tables, c->count, c->ordered, rows, x_label(k, c->items[0]));
 }
 
 static km_status draw_strip(void *context, km_canvas *canvas, double width, double height, km_error *error) {
@@ -113,7 +66,7 @@ static void add_poses(km_document_maker *k, const comparison *c) {
     return;
   *strip = km_comparison_strip_make(sweeps, c->count, c->ordered, &k->arena, context);
   if (strip->height > 0.0)
-    km_document_picture(k, km_document_format(k, "the %ss over each other", kind_of(c)), strip->height, draw_strip,
+    km_document_picture(k, km_document_format(k, "the %s over each other", kind_of(c)), strip->height, draw_strip,
                         strip);
 }
 
@@ -146,7 +99,7 @@ static void add_figures(km_document_maker *k, const comparison *c, const km_comp
   const km_compared_rows rows = km_compared_merge(k, figures, c->count);
   if (!rows.items)
     return;
-  km_comparison_page_add(k, c->names, c->count, kind_of(c), &rows);
+  km_comparison_page_add(k, c->names, c->count, c->ordered ? "variant" : "model", kind_of(c), &rows);
   add_shortened(k, c, all);
   add_curves(k, c, &rows);
   add_poses(k, c);
@@ -221,5 +174,5 @@ km_status km_comparison_report(const km_comparison *all, const char *name, const
     return status;
   }
   return km_report_finish(k, subject_of(k, &c, name), header, km_question_report_tool(c.items[0]->question),
-                          km_document_format(k, "%s: %d %ss compared", name, c.count, kind_of(&c)), html, out, error);
+                          km_document_format(k, "%s: %d %s compared", name, c.count, kind_of(&c)), html, out, error);
 }

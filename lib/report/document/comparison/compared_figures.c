@@ -3,7 +3,7 @@
  *   spread of a figure = (max − min) / max(|max|, |min|) over the compared things
  *
  * A figure differs if its spread is more than a unit of its fifth digit, the last one shown. */
-#include "report/document/compared_figures.h"
+#include "report/document/comparison/compared_figures.h"
 
 #include "question/question.h"
 #include "report/document/motion_report.h"

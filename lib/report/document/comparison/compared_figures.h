@@ -1,6 +1,6 @@
 /* Figures of merit that reports of several models, variants or studies compare. */
-#ifndef KM_REPORT_DOCUMENT_COMPARED_FIGURES_H
-#define KM_REPORT_DOCUMENT_COMPARED_FIGURES_H
+#ifndef KM_REPORT_DOCUMENT_COMPARISON_COMPARED_FIGURES_H
+#define KM_REPORT_DOCUMENT_COMPARISON_COMPARED_FIGURES_H
 
 #include "kmech/report.h"
 #include "report/document/document.h"
