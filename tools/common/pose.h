@@ -15,7 +15,7 @@ typedef struct kt_pose {
 /* Reads a model and brings it to the configuration of its analysis.hold, --hold, --set and --mode. Reports errors.
  * The caller closes the pose in any case. */
 kt_exit kt_open(const kt_common *common, const char *path, const kt_texts *holds, const kt_texts *sets, kt_pose *out);
-/* The same of a model with other numbers. */
+/* Opens a model whose numbers are replaced by `values`[count] in the same way. */
 kt_exit kt_open_varied(const kt_common *common, const char *path, const km_assignment *values, int count,
                        const kt_texts *holds, const kt_texts *sets, kt_pose *out);
 /* Brings a model that was read, out->model, to the configuration; mechanism and state must be NULL. */

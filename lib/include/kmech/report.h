@@ -376,12 +376,13 @@ KM_API km_status km_tracks_drawing(const km_tracks *tracks, km_picture_format fo
  * freedom. */
 KM_API km_status km_tracks_map(const km_tracks *tracks, km_picture_format format, km_text *out, km_error *error);
 
-/* Page that plays the arm along the best track beside the curves of its joints: one HTML file. Appends it. KM_USAGE: there
- * is no track with rows; KM_MEMORY. */
+/* Page that plays the arm along the best track beside the curves of its joints: one HTML file. Appends it. KM_USAGE:
+ * there is no track with rows; KM_MEMORY. */
 KM_API km_status km_tracks_page(const km_tracks *tracks, km_text *out, km_error *error);
-/* Report about tracks: the best one in a sentence, each joint's margin and rate against its limits, the methods side
- * by side, the arm along the path (in HTML as an animation beside the curves of its joints), plots. `header` may be NULL. `html`: one self-contained file, otherwise PDF pages.
- * Appends the bytes. KM_USAGE: there is no track with rows; KM_MEMORY, KM_INTERNAL. */
+/* Report about tracks: the best one in a sentence, each joint's margin and rate against its limits, the table of the
+ * methods, the arm along the path (in HTML as an animation with the curves of its joints), plots. `header` may be NULL.
+ * `html`: one self-contained file, otherwise PDF pages. Appends the bytes. KM_USAGE: there is no track with rows;
+ * KM_MEMORY, KM_INTERNAL. */
 KM_API km_status km_tracks_report(const km_tracks *tracks, const km_report_header *header, bool html, km_text *out,
                                   km_error *error);
 
