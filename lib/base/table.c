@@ -171,6 +171,10 @@ const char *km_table_unit(const km_table *table, size_t index) {
     return "";
   return table->columns[index].unit;
 }
+double *km_table_cells(km_table *table, size_t row) {
+  return table && row < table->row_count ? table->data + row * table->column_count : NULL;
+}
+
 const double *km_table_row(const km_table *table, size_t row) {
   if (!table || row >= table->row_count)
     return NULL;

@@ -13,6 +13,8 @@ km_table *km_table_restart(km_table *table);
 
 /* Appends `count` rows with undefined contents, for a caller that sets every cell. */
 double *km_table_add_raw_rows(km_table *table, size_t count);
+/* The cells of a row, to be changed; NULL if there is no such row. */
+double *km_table_cells(km_table *table, size_t row);
 /* Removes the last row. */
 void km_table_drop_row(km_table *table);
 

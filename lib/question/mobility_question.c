@@ -4,16 +4,23 @@
 
 #include <math.h>
 
-enum { SINGULARITIES, REDUNDANCIES, OPTIONS };
+enum { SINGULARITIES, REDUNDANCIES, TRANSMISSION, OUTPUT, OPTIONS };
 
 static const km_option options[OPTIONS] = {
     {"singularities", KM_OPTION_FLAG, NULL, "", NULL,
      "Add the smallest kept singular value, and locate its minima: where mobility is nearly gained", 0, 0, NULL, true},
     {"redundancies", KM_OPTION_FLAG, NULL, "", NULL,
      "Name the constraints that are redundant at every pose, as JSON always does", 0, 0, NULL, true},
+    {"transmission", KM_OPTION_FLAG, NULL, "", NULL,
+     "Add the transmission from the driver to an output as columns, as kma sweep does: angles of the hinges, indices, "
+     "joint force index; nan where undefined",
+     0, 0, NULL, true},
+    {"output", KM_OPTION_END, "JOINT", "", "the model's analysis.mechanical_advantage",
+     "Output of the transmission: a joint, or BODY/FRAME:DX,DY,DZ, a point along a direction", 0, 0, NULL, false},
 };
 
 typedef struct kind_data {
+  km_port ports[2]; /* input and output of the transmission */
   km_mobility_sweep sweep;
   km_sweep_redundancies redundancies;
 } kind_data;
@@ -23,15 +30,44 @@ static bool flag(const km_question *q, int option) {
   return v && v->flag;
 }
 
+/* The driver, or for a motion by arc length the model's own input. */
+static bool find_input(const km_question *q, km_port *out) {
+  const int driver = q->plan.coordinate;
+  if (!km_plan_is_driven(&q->plan) || driver < 0)
+    return km_port_default(q->m->model, false, out);
+  *out = (km_port){.kind = KM_PORT_JOINT, .coordinate = driver, .name = km_model_coordinate_label(q->m->model, driver)};
+  return true;
+}
+
+static bool find_output(const km_question *q, km_port *out) {
+  const km_option_value *v = km_question_own_value(q, OUTPUT);
+  if (!v)
+    return km_port_default(q->m->model, true, out);
+  *out = v->end;
+  if (out->kind == KM_PORT_JOINT)
+    out->name = km_model_coordinate_label(q->m->model, out->coordinate);
+  return true;
+}
+
 static km_status prepare(km_question *q, km_error *error) {
-  (void)q;
-  (void)error;
+  kind_data *o = q->kind_data;
+  if (!flag(q, TRANSMISSION))
+    return KM_OK;
+  if (!find_output(q, &o->ports[1]))
+    return km_fail(error, KM_USAGE,
+                   "`transmission`: the model's analysis.mechanical_advantage has no output; expected `output`");
   return KM_OK;
 }
 
 static void open_sweep(km_question *q, km_sweep_job *job) {
   q->plan.singularities = flag(q, SINGULARITIES);
-  km_mobility_sweep_open(job, &((kind_data *)q->kind_data)->sweep);
+  kind_data *o = q->kind_data;
+  const bool transmits = flag(q, TRANSMISSION);
+  const bool has_input = transmits && find_input(q, &o->ports[0]);
+  km_mobility_sweep_open(job, has_input ? o->ports : NULL, &o->sweep);
+  if (transmits && !has_input)
+    job->status = km_fail(job->error, KM_USAGE,
+                          "`transmission` along an arc: the model's analysis.mechanical_advantage has no input");
 }
 
 static km_status conclude(km_question *q, km_error *error) {

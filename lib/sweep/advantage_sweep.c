@@ -7,9 +7,8 @@
 #include "kmech/transfer.h"
 #include "sweep/event_search.h"
 #include "sweep/sweep_observer.h"
-#include "transfer/joint_transmission.h"
+#include "sweep/transmission_columns.h"
 #include "transfer/transfer.h"
-#include "transfer/transmission_metrics.h"
 
 #include <string.h>
 
@@ -21,12 +20,12 @@ typedef struct sweep_events {
   km_advantage_sweep *out;
   km_observer observer;
   km_transfer *transfer;
-  km_transmission_workspace *transmission; /* NULL: not requested */
-  km_joint_transmission *hinges;           /* NULL: not requested */
-  km_losses_workspace *losses;             /* NULL: no joint has friction */
-  bool has_rates;                          /* r->rates is the motion at the state's configuration */
-  bool is_between_rows;                    /* the configuration lies between rows */
-  bool failed;                             /* no memory for the losses or hinges of the last row */
+  bool has_transmission; /* its columns are requested: */
+  km_transmission_columns transmission;
+  km_losses_workspace *losses; /* NULL: no joint has friction */
+  bool has_rates;              /* r->rates is the motion at the state's configuration */
+  bool is_between_rows;        /* the configuration lies between rows */
+  bool failed;                 /* no memory for the losses or hinges of the last row */
   /* [coordinate] motion at the last sample, to orient the next one: the sign of a basis vector is arbitrary */
   double *reference;
   /* orientation, ±1, of the transfer's motion relative to the sweep's at the last configuration */
@@ -38,7 +37,7 @@ typedef struct sweep_events {
 } sweep_events;
 
 static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
-  const sweep_events *w = self;
+  sweep_events *w = self;
   km_text name = {0};
   const char *unit = km_advantage_unit(r->m->model, &w->out->input, &w->out->output);
   km_text_format(&name, "%s/%s", w->out->input.name, w->out->output.name);
@@ -47,11 +46,7 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   if (w->losses)
     added = added && km_table_add_joined_column(table, "force_ratio.", name.data, "", unit[0] ? unit : NULL);
   km_text_free(&name);
-  for (int i = 0; i < KM_METRIC_COLUMNS && w->transmission; ++i) {
-    unit = km_transmission_unit(r->m->model, &w->out->output, i);
-    added = added && km_table_add_joined_column(table, km_transmission_name(i), "", "", unit[0] ? unit : NULL);
-  }
-  return added && (!w->hinges || km_joint_transmission_columns(w->hinges, table));
+  return added && (!w->has_transmission || km_transmission_columns_add(&w->transmission, &w->out->output, table));
 }
 
 /* Computes the advantage in a batch from the unit direction of the single freedom. */
@@ -95,15 +90,11 @@ static double *write_value(void *self, km_sweeper *r, double *cell) {
     w->failed = km_losses_compute(r->m, r->s, w->losses, &losses) == KM_MEMORY;
     *cell++ = losses.ratio;
   }
-  if (w->transmission) {
-    km_transmission t;
-    km_transmission_compute(r->m, r->s, w->transmission, &t);
-    km_transmission_values(&t, cell);
+  if (w->has_transmission) {
+    cell = km_transmission_columns_write(&w->transmission, r->s, w->transfer->rates, cell);
     if (!w->is_between_rows)
-      w->out->last = t;
-    cell += KM_METRIC_COLUMNS;
-    w->failed = !km_joint_transmission_compute(r->s, w->hinges, w->transfer->rates, cell) || w->failed;
-    cell += 2 * w->hinges->count;
+      w->out->last = w->transmission.last;
+    w->failed = w->transmission.failed || w->failed;
   }
   return cell;
 }
@@ -281,10 +272,9 @@ static km_status create_evaluators(sweep_events *w, const km_sweep_job *job, boo
   const km_mechanism *m = job->m;
   const km_port *input = &w->out->input, *output = &w->out->output;
   km_status status = km_transfer_create(m, input, output, &w->transfer, job->error);
+  w->has_transmission = transmission;
   if (!status && transmission)
-    status = km_transmission_create(m, input, output, &w->transmission, job->error);
-  if (!status && transmission)
-    status = km_joint_transmission_create(m, input, output, &w->hinges, job->error);
+    status = km_transmission_columns_create(m, input, output, &w->transmission, job->error);
   w->out->friction = km_model_has_friction(m->model);
   if (!status && w->out->friction)
     status = km_losses_create(m, input, output, &w->losses, job->error);
@@ -293,6 +283,8 @@ static km_status create_evaluators(sweep_events *w, const km_sweep_job *job, boo
 
 static km_status finish(void *self, const km_sweep_job *job) {
   sweep_events *w = self;
+  if (w->has_transmission)
+    km_transmission_columns_finish(&w->transmission, &w->out->motion);
   if (job->table_only)
     return job->status;
   km_events_sort(&w->events, job->plan);
@@ -304,8 +296,7 @@ static km_status finish(void *self, const km_sweep_job *job) {
 static void close_observer(void *self) {
   sweep_events *w = self;
   km_losses_free(w->losses);
-  km_joint_transmission_free(w->hinges);
-  km_transmission_free(w->transmission);
+  km_transmission_columns_free(&w->transmission);
   km_transfer_free(w->transfer);
   km_event_search_free(&w->search);
   km_free(w->reference);
@@ -350,7 +341,7 @@ static km_status open_observer(km_sweep_job *job, bool transmission, km_advantag
   if (status)
     return status;
   w->observer.reads_jacobian =
-      w->transmission || w->losses || !is_in_driven_substructure(job->m, job->plan, w->transfer);
+      w->has_transmission || w->losses || !is_in_driven_substructure(job->m, job->plan, w->transfer);
   w->reference = KM_NEW(double, (size_t)job->m->coordinate_count);
   if (!w->reference || !km_event_search_reserve(&w->search, 1, job->plan))
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");

@@ -7,6 +7,7 @@
 #include "sweep/event_search.h"
 #include "sweep/singular_value_minima.h"
 #include "sweep/sweep_observer.h"
+#include "sweep/transmission_columns.h"
 
 #include <string.h>
 
@@ -29,6 +30,9 @@ typedef struct sweep_events {
   bool *unread;                    /* [coordinate] see km_observer */
   const char *const *read_columns; /* see km_sweep_job */
   km_singular_value_minima singular;
+  const km_port *ports; /* [input, output] of the transmission; NULL: not requested */
+  km_transmission_columns transmission;
+  bool failed; /* no memory for the last row */
 } sweep_events;
 
 /* True if the column of a mobility number (m) or a coordinate (q) is read. */
@@ -66,7 +70,22 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
     for (int c = joint->first_coordinate; c < joint->first_coordinate + freedom; ++c)
       added = add_column(w, model->coordinates[c].label, c, table) && added;
   }
-  return (!r->plan->singularities || km_table_add_joined_column(table, "", "singular_value", "", NULL)) && added;
+  if (r->plan->singularities)
+    added = km_table_add_joined_column(table, "", "singular_value", "", NULL) && added;
+  return added && (!w->ports || km_transmission_columns_add(&w->transmission, &w->ports[1], table));
+}
+
+/* The motion at the row, which a batch has as a unit direction. */
+static const double *rates_at_row(km_sweeper *r) {
+  const km_mechanism *m = r->m;
+  if (!r->is_batched && km_sweeper_update_rates(r))
+    return r->rates;
+  memset(r->scratch, 0, (size_t)m->coordinate_count * sizeof *r->scratch);
+  if (r->is_batched)
+    r->mover.direction(r->mover.self, r->scratch);
+  for (int c = 0; c < m->coordinate_count; ++c)
+    r->scratch[c] /= m->scale[c];
+  return r->scratch;
 }
 
 static double *write_numbers(void *self, km_sweeper *r, double *cell) {
@@ -77,6 +96,10 @@ static double *write_numbers(void *self, km_sweeper *r, double *cell) {
     *cell++ = cell_coordinate[i] < 0 ? 0.0 : numbers[cell_coordinate[i]];
   if (r->plan->singularities)
     *cell++ = km_singular_value_kept(&w->singular, r);
+  if (w->ports) {
+    cell = km_transmission_columns_write(&w->transmission, r->s, rates_at_row(r), cell);
+    w->failed = w->failed || w->transmission.failed;
+  }
   return cell;
 }
 
@@ -175,6 +198,8 @@ static void choose_candidates(sweep_events *w, const km_sweeper *r) {
 static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
   const size_t rows = km_table_rows(r->out->table);
+  if (w->failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the transmission");
   km_status status = km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
   if (status)
     return status;
@@ -257,15 +282,19 @@ static km_status collect_toggles(const sweep_events *w, const km_sweep_job *job)
 }
 
 static km_status finish(void *self, const km_sweep_job *job) {
-  km_status status = collect_toggles(self, job);
+  const sweep_events *w = self;
+  km_status status = collect_toggles(w, job);
+  if (w->ports)
+    km_transmission_columns_finish(&w->transmission, &w->out->motion);
   if (!job->table_only)
-    find_extremes(self, job->m->coordinate_count);
+    find_extremes(w, job->m->coordinate_count);
   return status ? status : job->status;
 }
 
 static void close_observer(void *self) {
   sweep_events *w = self;
   km_singular_value_minima_free(&w->singular);
+  km_transmission_columns_free(&w->transmission);
   km_event_search_free(&w->search);
   km_free(w->events.items);
   km_free(w->moved);
@@ -277,7 +306,7 @@ static void close_observer(void *self) {
 }
 
 static km_observer observer_of(sweep_events *w, bool singularities, bool table_only) {
-  const bool may_probe = singularities || !table_only;
+  const bool may_probe = singularities || !table_only, reads_rows = singularities || w->ports;
   return (km_observer){.self = w,
                        .columns = add_columns,
                        .cells = write_numbers,
@@ -290,8 +319,8 @@ static km_observer observer_of(sweep_events *w, bool singularities, bool table_o
                        .end_reached = may_probe ? handle_end : NULL,
                        .finish = finish,
                        .close = close_observer,
-                       .reads_jacobian = singularities,
-                       .number_cells = singularities ? NULL : w->cell,
+                       .reads_jacobian = reads_rows,
+                       .number_cells = reads_rows ? NULL : w->cell,
                        .unread = w->read_columns ? w->unread : NULL};
 }
 
@@ -319,7 +348,7 @@ static bool reserve(sweep_events *w, const km_mechanism *m, const km_sweep_plan 
   return true;
 }
 
-static km_status open_observer(km_sweep_job *job, km_mobility_sweep *out) {
+static km_status open_observer(km_sweep_job *job, const km_port *ports, km_mobility_sweep *out) {
   km_status fits = km_check_sweep(job->m, job->s, job->plan, job->error);
   if (fits)
     return fits;
@@ -327,19 +356,22 @@ static km_status open_observer(km_sweep_job *job, km_mobility_sweep *out) {
   bool singularities = job->plan->singularities, ready = w != NULL;
   if (ready) {
     w->out = out;
+    w->ports = ports;
     w->read_columns = job->table_only ? job->read_columns : NULL;
     ready = reserve(w, job->m, job->plan) &&
             (!singularities || km_singular_value_minima_create(&w->singular, job->m, job->plan));
     w->observer = observer_of(w, singularities, job->table_only);
     job->observer = &w->observer;
   }
-  return ready ? KM_OK : km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  if (!ready)
+    return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  return ports ? km_transmission_columns_create(job->m, &ports[0], &ports[1], &w->transmission, job->error) : KM_OK;
 }
 
-void km_mobility_sweep_open(km_sweep_job *job, km_mobility_sweep *out) {
+void km_mobility_sweep_open(km_sweep_job *job, const km_port *ports, km_mobility_sweep *out) {
   *out = (km_mobility_sweep){.motion = {.substructure = -1}, .smallest = {nan(""), nan("")}};
   job->out = &out->motion;
-  job->status = open_observer(job, out);
+  job->status = open_observer(job, ports, out);
 }
 
 km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_sweep_plan *plan, km_mobility_sweep *out,
@@ -347,7 +379,7 @@ km_status km_mobility_sweep_run(const km_mechanism *m, km_state *s, const km_swe
   if (!out)
     return km_check_given(false, "place for the result", error);
   km_sweep_job job = {.m = m, .s = s, .plan = plan, .error = error};
-  km_mobility_sweep_open(&job, out);
+  km_mobility_sweep_open(&job, NULL, out);
   km_sweeps_run(&job, 1);
   return job.status;
 }

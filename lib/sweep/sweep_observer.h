@@ -8,7 +8,8 @@
 /* Each function sets the observer that fills `out` in km_sweeps_run. The job has its mechanism, state and plan; the
  * other arguments are those of km_mobility_sweep_run, km_advantage_sweep_run and km_statics_sweep_run, and must stay
  * valid. */
-void km_mobility_sweep_open(km_sweep_job *job, km_mobility_sweep *out);
+/* `ports`: input and output of the transmission, whose columns are added; NULL: none. */
+void km_mobility_sweep_open(km_sweep_job *job, const km_port *ports, km_mobility_sweep *out);
 void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_port *output, bool transmission,
                              km_advantage_sweep *out);
 void km_statics_sweep_open(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out);

@@ -1,10 +1,13 @@
-/* Transmission and pressure angles of the hinges of a planar linkage, by the forces of a unit load at the output.
+/* Transmission and pressure angles of the hinges of a planar linkage, and the joint force index, by the forces of a
+ * unit load at the output.
  *
  *   F_j force in hinge j that balances a unit load at the output by the input;   v_j velocity of its point
+ *   joint force index : max_j |F_j| over the load, all joints of the input's substructure
  *   pressure angle α_j : cos α_j = |F_j · v_j| / (|F_j| |v_j|), 0 to 90°;   transmission angle μ_j = 90° − α_j
  *
  * The force in a link with two hinges and no load is along their line. So in a four-bar μ at the joint of coupler and
- * output link is the angle between these links, or its supplement. Source: H. Alt 1932. */
+ * output link is the angle between these links, or its supplement. Sources: H. Alt 1932; J. Holte and T. Chase 1994 (K. Wehage 2016,
+ * equation 253). */
 #include "transfer/joint_transmission.h"
 
 #include "spatial/wrench.h"
@@ -12,15 +15,15 @@
 #include "topology/mechanism.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Forces and velocities below this part of the largest one are rounding. */
 static const double relative_rounding = 1e-9;
 
-/* True if all loops of the input's substructure are planar. */
-static bool is_planar(const km_mechanism *m, const km_port *input) {
-  int index = input->kind == KM_PORT_JOINT ? m->substructure_of[input->coordinate] : -1;
-  if (index < 0 || m->substructures[index].program_count == 0)
+/* True if all loops of a substructure are planar. */
+static bool is_planar(const km_mechanism *m, int index) {
+  if (m->substructures[index].program_count == 0)
     return false;
   const km_substructure *sub = &m->substructures[index];
   for (int p = sub->program_start; p < sub->program_start + sub->program_count; ++p)
@@ -50,10 +53,12 @@ static km_status create_parts(const km_mechanism *m, const km_port *input, const
   w->motion = KM_ARENA_NEW(&w->arena, km_body_motion, (size_t)m->topology.body_count);
   if (w->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for the transmission");
-  if (!is_planar(m, input))
+  w->substructure = input->kind == KM_PORT_JOINT ? m->substructure_of[input->coordinate] : -1;
+  if (w->substructure < 0)
     return KM_OK;
-  for (int j = 0; j < m->model->joint_count; ++j)
-    if (is_listed(m, m->substructure_of[input->coordinate], j))
+  w->planar = is_planar(m, w->substructure);
+  for (int j = 0; j < m->model->joint_count && w->planar; ++j)
+    if (is_listed(m, w->substructure, j))
       w->joint[w->count++] = j;
   km_status status = km_forces_create_loads_only(m, &load, output->kind == KM_PORT_POINT, &w->forces, error);
   if (!status)
@@ -85,7 +90,17 @@ void km_joint_transmission_free(km_joint_transmission *w) {
   km_free(w);
 }
 
+/* Unit of a force over the output's load; NULL: none. */
+static const char *index_unit(const km_joint_transmission *w, char out[32]) {
+  const km_model *model = w->mechanism->model;
+  if (w->output.kind != KM_PORT_JOINT || !km_coordinate_turns(w->mechanism, w->output.coordinate))
+    return NULL;
+  snprintf(out, 32, "1/%s", model->units.length->suffix);
+  return out;
+}
+
 bool km_joint_transmission_columns(const km_joint_transmission *w, km_table *table) {
+  char per_length[32];
   const char *unit = w->mechanism->model->units.angle->suffix;
   bool added = true;
   for (int i = 0; i < w->count && added; ++i) {
@@ -93,7 +108,11 @@ bool km_joint_transmission_columns(const km_joint_transmission *w, km_table *tab
     added = km_table_add_joined_column(table, "transmission.", label, "", unit) &&
             km_table_add_joined_column(table, "pressure.", label, "", unit);
   }
-  return added;
+  return added && km_table_add_joined_column(table, "joint_force_index", "", "", index_unit(w, per_length));
+}
+
+size_t km_joint_transmission_count(const km_joint_transmission *w) {
+  return 2 * (size_t)w->count + 1;
 }
 
 /* Velocity of a hinge's point. */
@@ -107,10 +126,29 @@ static km_vec3 hinge_force(const km_joint_transmission *w, int joint) {
   return km_vec3_from_array(w->statics.reactions[joint].force);
 }
 
+/* Largest force in a joint of the substructure over the load; NaN where a component is statically indeterminate, but
+ * for those across the plane of a planar linkage, which are 0. */
+static double joint_force_index(const km_joint_transmission *w) {
+  const km_mechanism *m = w->mechanism;
+  double largest = 0.0;
+  for (int j = 0; j < m->model->joint_count; ++j) {
+    const bool *open = w->statics.reactions[j].indeterminate;
+    const int freedom = km_model_freedom(m->model, j), first = m->model->joints[j].first_coordinate;
+    if (freedom == 0 || m->substructure_of[first] != w->substructure)
+      continue;
+    if (!w->planar && (open[0] || open[1] || open[2]))
+      return nan("");
+    largest = fmax(largest, km_vec3_norm(hinge_force(w, j)));
+  }
+  return largest;
+}
+
 bool km_joint_transmission_compute(km_state *s, km_joint_transmission *w, const double *rates, double *cells) {
   const km_mechanism *m = w->mechanism;
-  if (!w->count)
+  if (w->substructure < 0) {
+    *cells = nan("");
     return true;
+  }
   km_poses_compute(m, s);
   km_body_motions(m, s, rates, w->zero, w->motion);
   km_forces_compute(m, s, w->forces);
@@ -129,5 +167,6 @@ bool km_joint_transmission_compute(km_state *s, km_joint_transmission *w, const 
     cells[2 * i] = 0.5 * M_PI / m->model->units.angle->si - pressure;
     cells[2 * i + 1] = pressure;
   }
+  cells[2 * w->count] = balanced ? joint_force_index(w) : nan("");
   return status != KM_MEMORY;
 }

@@ -294,10 +294,7 @@ static void find_condition(const km_mechanism *m, km_state *s, km_transmission_w
 static const char *no_wrench(const km_mechanism *m, const km_state *s, const km_transmission_workspace *w) {
   if (w->no_loop)
     return w->no_loop;
-  const km_partition *p = &s->partition[w->substructure];
-  if (km_partition_freedom(p) != 1)
-    return "the loop has not just one freedom";
-  if (!is_planar(m, w) && p->rank < 6)
+  if (!is_planar(m, w) && s->partition[w->substructure].rank < 6)
     return "the loop is overconstrained: the wrench isn't unique";
   return NULL;
 }
@@ -330,7 +327,9 @@ void km_transmission_compute(const km_mechanism *m, km_state *s, km_transmission
       const double values[6] = {wrench.f.x, wrench.f.y, wrench.f.z, t.x, t.y, t.z};
       memcpy(out->wrench, values, sizeof values);
     } else {
-      out->no_wrench = "the passive joints are dependent here: the wrench isn't unique";
+      out->no_wrench = km_partition_freedom(&s->partition[w->substructure]) == 1
+                           ? "the passive joints are dependent here: the wrench isn't unique"
+                           : "the loop has not just one freedom";
       for (int i = 0; i < 3; ++i)
         set_undefined(all[i], out->no_wrench);
     }

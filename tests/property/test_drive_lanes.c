@@ -456,7 +456,7 @@ static void sweeps_as_alone(void **state) {
       d[i] = open_design(models[k], 300 + (uint64_t)i, false);
       plan = plan_of(models[k], d[i].f.model);
       jobs[i] = (km_sweep_job){.m = d[i].f.mechanism, .s = d[i].f.state, .plan = &plan, .error = &errors[i]};
-      km_mobility_sweep_open(&jobs[i], &beside[i]);
+      km_mobility_sweep_open(&jobs[i], NULL, &beside[i]);
     }
     km_sweeps_run(jobs, KM_BATCH_LANES);
     for (int i = 0; i < KM_BATCH_LANES; ++i) {

@@ -34,8 +34,8 @@ kt_exit kma_sweep(int argc, char **argv) {
       "\vColumns beside those of every sweep: ma.INPUT/OUTPUT, with a unit such as _rad/mm where it mixes an angle and "
       "a length (inf, nan where infinite, undefined); force_ratio.INPUT/OUTPUT with the joints' friction, where there "
       "is some; with --transmission transmission_angle, virtual_coefficient, sutherland_roth, chen_angeles, "
-      "manipulability, condition_number, and transmission.JOINT and pressure.JOINT of each hinge between moving links "
-      "of a planar linkage. JSON adds input, output, method, toggles [{state, s}], minimum and maximum "
+      "manipulability, condition_number, transmission.JOINT and pressure.JOINT of each hinge between moving links "
+      "of a planar linkage, joint_force_index, and lee_duffy and zhang over their greatest values. JSON adds input, output, method, toggles [{state, s}], minimum and maximum "
       "{value, s, state}, held_joints.",
       argc, argv);
   return part_points(&o) ? kt_sweep(&o) : KT_USAGE;
