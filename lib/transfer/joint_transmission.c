@@ -6,8 +6,8 @@
  *   pressure angle α_j : cos α_j = |F_j · v_j| / (|F_j| |v_j|), 0 to 90°;   transmission angle μ_j = 90° − α_j
  *
  * The force in a link with two hinges and no load is along their line. So in a four-bar μ at the joint of coupler and
- * output link is the angle between these links, or its supplement. Sources: H. Alt 1932; J. Holte and T. Chase 1994 (K. Wehage 2016,
- * equation 253). */
+ * output link is the angle between these links, or its supplement. Sources: H. Alt 1932; J. Holte and T. Chase 1994
+ * (K. Wehage 2016, equation 253). */
 #include "transfer/joint_transmission.h"
 
 #include "spatial/wrench.h"
