@@ -169,6 +169,7 @@ void bench_dynamics(void) {
   for (int windows = 10; windows <= 1000; windows *= 10)
     row_of_windows(windows);
   bench_equal_accuracy();
+  bench_force_function();
   simulate("slider_crank", 20.0, 0.03, 1e-4, 0.01);
   simulate("bricard", 100.0, 0.01, 1e-11, 0.0);
   simulate("excavator_drop", 10.0, 0.03, 1e-4, 0.03);

@@ -21,6 +21,9 @@ void bench_end(bench_moving *moving);
 extern const char bench_fourbar_model[];
 bench_fourbar bench_bars(const km_state *state);
 
+/* Time of a run with a program's force function over that with a force module. */
+void bench_force_function(void);
+
 /* Time of a simulation of it by Simbody over ours where both err as much. */
 void bench_equal_accuracy(void);
 

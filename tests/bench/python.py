@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Python against C: a sweep of 10 000 rows through the package and through the library alone. python.py BUILD SOURCE
+"""Python against C: a sweep of 10 000 rows through the package and through the library alone, and a session of 10 000
+steps with inputs between them. python.py BUILD SOURCE
 
 The baseline is a program in C of the same run, which asks the same question of the same model."""
 import json
@@ -55,6 +56,19 @@ def in_python(mechanism):
     return best
 
 
+def session_time(steps, calls):
+    """Time of a session of `steps` steps, in `calls` calls with an input each."""
+    best = 1e9
+    for _ in range(ROUNDS):
+        session = kmech.Session(kmech.load(source / "models/slider_crank.json"), step=0.001)
+        start = time.perf_counter()
+        for _ in range(calls):
+            session.force("A", -10.0 * session.v("A"))
+            session.step(steps // calls)
+        best = min(best, time.perf_counter() - start)
+    return best
+
+
 with tempfile.TemporaryDirectory() as work:
     Path(work, "sweep.c").write_text(PROGRAM)
     subprocess.run([os.environ.get("CC", "cc"), "-O2", "-D_GNU_SOURCE", "sweep.c", "-o", "sweep", f"-I{source}/lib/include",
@@ -65,3 +79,7 @@ with tempfile.TemporaryDirectory() as work:
         python.append(in_python(mechanism))
 print(f"python_sweep: C {1e3 * min(c):.3f} ms, Python {1e3 * min(python):.3f} ms", file=sys.stderr)
 print(json.dumps({"bench": "python", "figure": "sweep of 10000 rows, Python/C", "value": round(min(python) / min(c), 4)}))
+calls, alone = session_time(ROWS, ROWS), session_time(ROWS, 1)
+print(f"python_session: {ROWS} calls {calls:.3f} s, one call {alone:.3f} s", file=sys.stderr)
+print(json.dumps({"bench": "python", "figure": f"session of {ROWS} steps with an input each, s beside the integration",
+                  "value": round(calls - alone, 4)}))

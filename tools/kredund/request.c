@@ -22,8 +22,8 @@ void kredund_arm_options(kt_options *out, kredund_request *r) {
       {"task", 0, "TASK", "pose (default), position, or axis (position and the z axis)",
        KT_TEXT_OF("pose or position or axis"), &r->task, KT_ABOUT_MODEL},
       {"objective", 0, "NAME",
-       "path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin, effort, "
-       "relative-effort, energy, positive-work; or NAME=WEIGHT,…",
+       "What is made large: path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin; or "
+       "small, by inverse dynamics: effort, relative-effort, energy, positive-work; or NAME=WEIGHT,…",
        KT_TEXT_OF(
            "path-control or manipulability or singular-value or limit-distance or joint-travel or rate-margin or "
            "effort or relative-effort or energy or positive-work"),
