@@ -48,10 +48,11 @@ static void run_damped(void *context) {
 /* The four-bar with a damper in its crank's joint. */
 static void write_damped(char *out, size_t size) {
   const char *end = strstr(bench_fourbar_model, "}], \"fixed\"");
-  snprintf(out, size,
-           "%.*s, \"force_modules\": [{\"name\": \"d\", \"type\": \"damping\", \"input\": {\"type\": \"joint\", \"joint\": "
-           "\"A\"}, \"knot_points\": [], \"coefficients\": [[0, %g]]}]%s",
-           (int)(end - bench_fourbar_model), bench_fourbar_model, -damping, end);
+  snprintf(
+      out, size,
+      "%.*s, \"force_modules\": [{\"name\": \"d\", \"type\": \"damping\", \"input\": {\"type\": \"joint\", \"joint\": "
+      "\"A\"}, \"knot_points\": [], \"coefficients\": [[0, %g]]}]%s",
+      (int)(end - bench_fourbar_model), bench_fourbar_model, -damping, end);
 }
 
 void bench_force_function(void) {
