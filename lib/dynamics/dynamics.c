@@ -205,16 +205,28 @@ static km_dynamics_outcome solve_forces_and_accelerations(km_dynamics *d, km_sta
                                                                               : outcome;
 }
 
-/* One evaluation: prescribed coordinates, loops, kinematics, forces, accelerations, then friction by reactions. */
-km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
+km_dynamics_outcome km_dynamics_close(km_dynamics *d, km_state *s, bool search) {
   km_dynamics_apply_prescribed(d, s, true);
-  if (!km_constraints_update(d, s, search))
-    return KM_DYNAMICS_OPEN;
+  return km_constraints_close(d, s, search) ? KM_DYNAMICS_DONE : KM_DYNAMICS_OPEN;
+}
+
+/* Velocity products, kinematics, forces, accelerations, then friction by reactions. */
+km_dynamics_outcome km_dynamics_accelerate_closed(km_dynamics *d, km_state *s, bool search) {
+  km_constraints_velocity_products(d, s);
   km_tree_update(d, s);
   if (search && update_origin(d))
     km_tree_update(d, s);
   km_dynamics_outcome outcome = solve_forces_and_accelerations(d, s);
   return outcome == KM_DYNAMICS_DONE && d->update_friction ? d->update_friction(d->friction_context, s) : outcome;
+}
+
+km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool search) {
+  km_dynamics_outcome outcome = km_dynamics_close(d, s, search);
+  return outcome == KM_DYNAMICS_DONE ? km_dynamics_accelerate_closed(d, s, search) : outcome;
+}
+
+bool km_dynamics_is_explicit(const km_dynamics *d) {
+  return d->forces->moving->implicit_count == 0 && !d->update_friction && !d->forces->user.compute;
 }
 
 km_dynamics_outcome km_dynamics_resolve(km_dynamics *d, km_state *s) {

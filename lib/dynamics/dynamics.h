@@ -89,6 +89,12 @@ struct km_dynamics {
 km_dynamics_outcome km_dynamics_evaluate(km_dynamics *dynamics, km_state *state, bool search);
 /* Sets poses and twists of the bodies on which forces act, after km_tree_update. */
 void km_dynamics_locate_bodies(const km_dynamics *dynamics);
+/* Both parts of km_dynamics_evaluate: prescribed coordinates, closed loops and rates; then the accelerations. */
+km_dynamics_outcome km_dynamics_close(km_dynamics *dynamics, km_state *state, bool search);
+km_dynamics_outcome km_dynamics_accelerate_closed(km_dynamics *dynamics, km_state *state, bool search);
+/* True if accelerations result from the state alone: no implicit modules, no friction by reactions and no program, which
+ * start from their last forces. */
+bool km_dynamics_is_explicit(const km_dynamics *dynamics);
 /* Forces and accelerations at the present forces of the implicit modules. */
 km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *dynamics, km_state *state);
 /* Finds the forces of the implicit modules with which laws and accelerations agree, after
@@ -120,9 +126,11 @@ double km_dynamics_kinetic(const km_dynamics *dynamics, const km_state *state);
 double km_dynamics_driving_power(const km_dynamics *dynamics, const km_state *state);
 
 /* Closes the loops by the dependent coordinates, renews partitions where needed (`search`: where the growth monitor
- * requests it, at an accepted configuration), computes the dependent rates, N and γ. False: out of memory, or a loop
- * can't be closed. */
-bool km_constraints_update(km_dynamics *dynamics, km_state *state, bool search);
+ * requests it, at an accepted configuration), computes the dependent rates and N. False: out of memory, or a loop can't
+ * be closed. */
+bool km_constraints_close(km_dynamics *dynamics, km_state *state, bool search);
+/* Computes γ after km_constraints_close. */
+void km_constraints_velocity_products(km_dynamics *dynamics, km_state *state);
 
 /* Computes poses, joint twists, twists, inertias and velocity products of all nodes. */
 void km_tree_update(km_dynamics *dynamics, const km_state *state);

@@ -201,7 +201,7 @@ km_status km_dynamics_project_rates(km_dynamics *d, km_state *s, double *change,
     return km_fail(error, KM_MEMORY, "out of memory for the rates");
   for (int c = 0; c < s->mechanism->coordinate_count; ++c)
     kept[c] = s->rate[c];
-  bool closed = km_constraints_update(d, s, true); /* finds the pivots; its rates aren't the closest ones */
+  bool closed = km_constraints_close(d, s, true); /* finds the pivots; its rates aren't the closest ones */
   for (int c = 0; c < s->mechanism->coordinate_count; ++c)
     s->rate[c] = kept[c];
   km_free(kept);

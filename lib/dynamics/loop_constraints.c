@@ -323,7 +323,7 @@ static void compute_gamma(km_dynamics *d, km_state *s, int index) {
   }
 }
 
-/* Closes all loops, then computes N, dependent rates and γ of all clusters. */
+/* Closes all loops, then computes N and dependent rates of all clusters. */
 static bool update_loops(km_dynamics *d, km_state *s, bool search) {
   const km_topology *t = &d->mechanism->topology;
   d->residual = 0.0;
@@ -339,14 +339,18 @@ static bool update_loops(km_dynamics *d, km_state *s, bool search) {
     compute_N(d, s, i);
     if (!d->uses_baumgarte || search)
       project_rates(d, s, i);
-    compute_gamma(d, s, i);
   }
   return true;
 }
 
-bool km_constraints_update(km_dynamics *d, km_state *s, bool search) {
+bool km_constraints_close(km_dynamics *d, km_state *s, bool search) {
   bool closed = update_loops(d, s, search);
   if (!closed)
     d->open = d->residual;
   return closed;
+}
+
+void km_constraints_velocity_products(km_dynamics *d, km_state *s) {
+  for (int i = 0; i < d->tree.cluster_count; ++i)
+    compute_gamma(d, s, i);
 }

@@ -61,7 +61,7 @@ static bool set_row(const mode_motion *s, int row) {
   km_stored_configuration_restore(&s->stored, m, s->state);
   for (int c = 0; c < n; ++c)
     km_coordinate_shift(m, s->state, c, s->amplitude * (factor[0] * mode[c] + factor[1] * mode[n + c]));
-  if (!km_constraints_update(s->dynamics, s->state, false))
+  if (!km_constraints_close(s->dynamics, s->state, false))
     return false;
   for (int c = 0; c < n; ++c) {
     double linear_tolerance = s->stored.q[c] + s->amplitude * (factor[0] * mode[c] + factor[1] * mode[n + c]);

@@ -245,9 +245,10 @@ static km_status set_state_at(km_simulation *run, double time, km_error *error) 
   bool tight = !run->dynamics->uses_baumgarte;
   double closing_tolerance = run->dynamics->closing_tolerance;
   run->dynamics->closing_tolerance = tight ? 1e-13 : closing_tolerance;
-  bool is_ok = km_simulation_derivative(run, time, run->at, run->ydot);
+  bool is_ok = run->skips_accelerations ? km_simulation_close(run, time, run->at)
+                                        : km_simulation_derivative(run, time, run->at, run->ydot);
   run->dynamics->closing_tolerance = closing_tolerance;
-  run->evaluations--;
+  run->evaluations -= !run->skips_accelerations;
   if (is_ok && km_simulation_noise(run, run->typical_step) > 1.0) { /* the vector's rates are more accurate than the
                                                              * projected ones */
     memcpy(run->state->rate, run->shifted + run->rate_start,

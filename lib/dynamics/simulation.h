@@ -63,7 +63,8 @@ struct km_simulation {
   double *side;    /* [crossing] coordinate minus value at the last step */
   double stop;     /* time of the last reported crossing if it ends the run; else infinity */
   bool halted;     /* the run has stopped there */
-  km_cvode *cvode; /* integrator; NULL: fixed steps */
+  bool skips_accelerations; /* between steps the state has coordinates and rates only */
+  km_cvode *cvode;          /* integrator; NULL: fixed steps */
 };
 
 /* Copies the vector to the state; km_simulation_pack copies back. */
@@ -75,6 +76,9 @@ void km_simulation_locate_bodies(km_simulation *run, const double *y, double tim
 void km_simulation_shift(km_simulation *run);
 /* Computes the vector's derivative. False: an evaluation failed, the step is too long. */
 bool km_simulation_derivative(km_simulation *run, double time, const double *y, double *ydot);
+/* Sets the state's coordinates and rates from a vector, and the accelerations only where constraints are weak, which
+ * km_simulation_noise examines. False: loops can't be closed. */
+bool km_simulation_close(km_simulation *run, double time, const double *y);
 /* Closes the loops of an accepted configuration tightly and renews partitions where requested. If `keep`, the closed
  * state is written back to the vector. */
 bool km_simulation_accept(km_simulation *run, double *y, double time, bool keep);

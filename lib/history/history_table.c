@@ -138,8 +138,8 @@ static km_status create_table(km_history_writer *w, km_error *error) {
   return failed ? km_fail(error, KM_MEMORY, "out of memory for the table") : KM_OK;
 }
 
-/* Cells of coordinates, rates, accelerations and driving forces. */
-static double *write_coordinates(const km_history_writer *w, double *out) {
+/* Cells of coordinates and rates. */
+static double *write_rates(const km_history_writer *w, double *out) {
   const km_mechanism *m = w->m;
   km_state *s = w->state;
   for (int b = 0; b < m->ball_count; ++b) { /* the rotation vector closest to that of the last row */
@@ -153,6 +153,14 @@ static double *write_coordinates(const km_history_writer *w, double *out) {
     *out++ = km_state_coordinate(s, c);
   for (int c = 0; c < m->coordinate_count; ++c)
     *out++ = km_state_rate(s, c);
+  return out;
+}
+
+/* Cells of coordinates, rates, accelerations and driving forces. */
+static double *write_coordinates(const km_history_writer *w, double *out) {
+  const km_mechanism *m = w->m;
+  km_state *s = w->state;
+  out = write_rates(w, out);
   for (int c = 0; c < m->coordinate_count; ++c)
     *out++ = km_state_acceleration(s, c);
   for (int c = 0; c < m->coordinate_count; ++c)
@@ -294,12 +302,26 @@ km_status km_history_monitor_limits(km_history_writer *w, km_simulation_def *sim
   return status;
 }
 
+/* Cells of coordinates and rates; NaN in all that follow. */
+static void write_kinematics(km_history_writer *w, double *out, const double *end) {
+  w->out->figures = km_simulation_figures_of(w->simulation);
+  w->out->energy_error = w->out->worst_loop = nan("");
+  km_limits_row(&w->limits, w->state);
+  for (out = write_rates(w, out); out < end; ++out)
+    *out = nan("");
+}
+
 /* Writes one row at the present state. */
 km_status km_history_row(km_history_writer *w, km_error *error) {
   double *out = km_table_add_row(w->out->table);
   if (!out)
     return km_fail(error, KM_MEMORY, "out of memory for the table");
+  const double *end = out + km_table_columns(w->out->table);
   *out++ = w->state->time;
+  if (w->kinematics_only) {
+    write_kinematics(w, out, end);
+    return KM_OK;
+  }
   monitor_drives(w);
   km_limits_row(&w->limits, w->state);
   out = write_coordinates(w, out);

@@ -14,7 +14,7 @@ typedef struct km_history_writer {
   bool frame_rotations;
   const int *modules; /* [module_count] */
   int module_count;
-  bool reactions, mobility, shaking;
+  bool reactions, mobility, shaking, kinematics_only;
   km_axes axes;
   km_forces *forces;
   km_state *state, *probe; /* `probe`: copy for analyses that change partitions */

@@ -1,5 +1,6 @@
 /* Table of a simulation: start, rows at equal intervals, crossings, changed initial rates. */
 #include "base/arguments.h"
+#include "dynamics/simulation.h"
 #include "history/history_table.h"
 #include "kmech/inspect.h"
 #include "kmech/sweep.h"
@@ -112,6 +113,8 @@ static km_status start(km_history_writer *w, const km_history_def *def, km_error
     status = km_simulation_create(w->dynamics, w->state, &simulation, &w->simulation, error);
   if (!status)
     status = km_history_begin(w, error);
+  if (!status)
+    w->simulation->skips_accelerations = w->kinematics_only && km_dynamics_is_explicit(w->dynamics);
   return status ? status : km_history_row(w, error);
 }
 
@@ -165,6 +168,7 @@ km_status km_history_run(const km_mechanism *m, km_forces *forces, km_state *sta
                          .module_count = def->module_count,
                          .reactions = def->reactions,
                          .mobility = def->mobility,
+                         .kinematics_only = def->kinematics_only,
                          .axes = def->axes,
                          .memory = def->simulation.memory,
                          .forces = forces,

@@ -8,6 +8,7 @@
 #include "kmech/report.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Options of both kinds, behind the kind's own ones. */
 enum { RATE, UNTIL, FRAME, REACTIONS, SHARED_OPTIONS };
@@ -284,11 +285,20 @@ static km_status status_of(const km_history *h, km_status status) {
   return some && status != KM_OK && status != KM_CANCELLED && status != KM_MEMORY ? KM_PARTIAL : status;
 }
 
+/* True if coordinates and rates over the time are all that is read. */
+static bool reads_kinematics_only(const km_question *q) {
+  bool reads_only = q->read_columns != NULL;
+  for (const char *const *name = q->read_columns; reads_only && *name; ++name)
+    reads_only = strcmp(*name, "t") == 0 || strncmp(*name, "q.", 2) == 0 || strncmp(*name, "v.", 2) == 0;
+  return reads_only;
+}
+
 static km_status compute_run(km_question *q, km_forces *forces, km_state *at, km_error *error) {
   kind_data *o = q->kind_data;
   km_run_memory *memory = NULL;
   o->run.progress = q->progress;
   o->run.context = q->context;
+  o->run.kinematics_only = reads_kinematics_only(q);
   km_status status = set_limit_stops(q, forces, error);
   if (!status && o->from)
     status = resume(q, o, at, &memory, error);

@@ -11,6 +11,8 @@
 
 #include <string.h>
 
+static const double loose = 10.0; /* weakness of constraints up to which rounding isn't examined */
+
 /* Sets the state from the vector plus shift. */
 void km_simulation_unpack(km_simulation *run, const double *y, double time) {
   const km_mechanism *m = run->dynamics->mechanism;
@@ -56,16 +58,30 @@ static void copy_state(km_simulation *run) {
   memcpy(run->closed + run->rate_start, s->rate, (size_t)m->coordinate_count * sizeof *s->rate);
 }
 
+/* Copies the closed state to `closed`. */
+static void keep_closed(km_simulation *run) {
+  copy_state(run);
+  if (run->dynamics->changed_pivots)
+    km_simulation_shift(run);
+}
+
 /* Evaluates the accelerations at a time; the closed state is in `closed`. */
 static km_dynamics_outcome evaluate(km_simulation *run, double time, const double *y, bool search) {
   km_simulation_unpack(run, y, time);
   run->outcome = km_dynamics_evaluate(run->dynamics, run->state, search);
-  if (run->outcome != KM_DYNAMICS_DONE)
-    return run->outcome;
-  copy_state(run);
-  if (run->dynamics->changed_pivots)
-    km_simulation_shift(run);
-  return KM_DYNAMICS_DONE;
+  if (run->outcome == KM_DYNAMICS_DONE)
+    keep_closed(run);
+  return run->outcome;
+}
+
+bool km_simulation_close(km_simulation *run, double time, const double *y) {
+  km_simulation_unpack(run, y, time);
+  run->outcome = km_dynamics_close(run->dynamics, run->state, false);
+  if (run->outcome == KM_DYNAMICS_DONE && run->dynamics->weakness > loose)
+    run->outcome = km_dynamics_accelerate_closed(run->dynamics, run->state, false);
+  if (run->outcome == KM_DYNAMICS_DONE)
+    keep_closed(run);
+  return run->outcome == KM_DYNAMICS_DONE;
 }
 
 void km_simulation_shift(km_simulation *run) {
@@ -142,7 +158,7 @@ double km_simulation_speed(const km_simulation *run) {
 }
 
 double km_simulation_noise(const km_simulation *run, double h) {
-  static const double rounding = 3e-15, loose = 10.0;
+  static const double rounding = 3e-15;
   const km_mechanism *m = run->dynamics->mechanism;
   double perturbation = 0.0, w = run->dynamics->weakness;
   if (!(w > loose))

@@ -283,6 +283,9 @@ typedef struct km_history_def {
   bool reactions; /* adds the reactions of every joint */
   km_axes axes;   /* axes of the reactions */
   bool mobility;  /* adds mobility numbers */
+  /* rows hold the time, coordinates and rates; all else in them, errors of energy and loops and exceeded drives are
+   * left out (NaN), so that rows need no accelerations */
+  bool kinematics_only;
   km_progress progress;
   void *context;
 } km_history_def;
