@@ -92,8 +92,8 @@ void km_dynamics_locate_bodies(const km_dynamics *dynamics);
 /* Both parts of km_dynamics_evaluate: prescribed coordinates, closed loops and rates; then the accelerations. */
 km_dynamics_outcome km_dynamics_close(km_dynamics *dynamics, km_state *state, bool search);
 km_dynamics_outcome km_dynamics_accelerate_closed(km_dynamics *dynamics, km_state *state, bool search);
-/* True if accelerations result from the state alone: no implicit modules, no friction by reactions and no program, which
- * start from their last forces. */
+/* True if accelerations result from the state alone: no implicit modules, no friction by reactions and no program,
+ * which start from their last forces. */
 bool km_dynamics_is_explicit(const km_dynamics *dynamics);
 /* Forces and accelerations at the present forces of the implicit modules. */
 km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *dynamics, km_state *state);

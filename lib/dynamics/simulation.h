@@ -63,7 +63,7 @@ struct km_simulation {
   double *side;    /* [crossing] coordinate minus value at the last step */
   double stop;     /* time of the last reported crossing if it ends the run; else infinity */
   bool halted;     /* the run has stopped there */
-  bool skips_accelerations; /* between steps the state has coordinates and rates only */
+  bool skips_accelerations; /* the state between steps has coordinates and rates only */
   km_cvode *cvode;          /* integrator; NULL: fixed steps */
 };
 
