@@ -480,6 +480,12 @@ KM_API km_stability km_linear_stability(const km_linear *linear);
  * installed. O(steps · (freedom · evaluation + freedom³)). */
 KM_API km_status km_equilibrium_find(km_dynamics *dynamics, km_state *state, bool settle, km_progress progress,
                                      void *context, km_error *error);
+/* Moves the joints that no actuator holds to an equilibrium near the state's configuration, by Newton's method as in
+ * km_equilibrium_find: the actuators' coordinates keep their values, `forces` are gravity, loads, springs, contacts and
+ * stops, as in a static balance (docs/theory.md 9.7). Poses and mobility must be updated afterwards. KM_USAGE: invalid
+ * index; otherwise as km_mechanism_compile, km_dynamics_create and km_equilibrium_find. */
+KM_API km_status km_equilibrium_hold(const km_mechanism *mechanism, km_state *state, const km_forces *forces,
+                                     const int *actuators, int actuator_count, km_error *error);
 
 #ifdef __cplusplus
 }
