@@ -225,10 +225,6 @@ km_dynamics_outcome km_dynamics_evaluate(km_dynamics *d, km_state *s, bool searc
   return outcome == KM_DYNAMICS_DONE ? km_dynamics_accelerate_closed(d, s, search) : outcome;
 }
 
-bool km_dynamics_is_explicit(const km_dynamics *d) {
-  return d->forces->moving->implicit_count == 0 && !d->update_friction && !d->forces->user.compute;
-}
-
 km_dynamics_outcome km_dynamics_resolve(km_dynamics *d, km_state *s) {
   km_tree_update(d, s);
   return solve_forces_and_accelerations(d, s);

@@ -92,9 +92,9 @@ void km_dynamics_locate_bodies(const km_dynamics *dynamics);
 /* Both parts of km_dynamics_evaluate: prescribed coordinates, closed loops and rates; then the accelerations. */
 km_dynamics_outcome km_dynamics_close(km_dynamics *dynamics, km_state *state, bool search);
 km_dynamics_outcome km_dynamics_accelerate_closed(km_dynamics *dynamics, km_state *state, bool search);
-/* True if accelerations result from the state alone: no implicit modules, no friction by reactions and no program,
- * which start from their last forces. */
-bool km_dynamics_is_explicit(const km_dynamics *dynamics);
+/* The state between steps has coordinates and rates only, where accelerations result from the state alone: without
+ * implicit modules, friction by reactions and a program, which start from their last forces. */
+void km_simulation_skip_accelerations(km_simulation *simulation, bool skips);
 /* Forces and accelerations at the present forces of the implicit modules. */
 km_dynamics_outcome km_dynamics_solve_explicit(km_dynamics *dynamics, km_state *state);
 /* Finds the forces of the implicit modules with which laws and accelerations agree, after

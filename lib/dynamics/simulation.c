@@ -238,6 +238,12 @@ static km_status step(km_simulation *run, km_error *error) {
   return km_crossings_find(run) ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the crossings");
 }
 
+void km_simulation_skip_accelerations(km_simulation *run, bool skips) {
+  const km_dynamics *d = run->dynamics;
+  run->skips_accelerations =
+      skips && d->forces->moving->implicit_count == 0 && !d->update_friction && !d->forces->user.compute;
+}
+
 /* Sets the state to a time within the last step. */
 static km_status set_state_at(km_simulation *run, double time, km_error *error) {
   if (!km_simulation_interpolate(run, time, run->at))

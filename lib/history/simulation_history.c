@@ -1,6 +1,5 @@
 /* Table of a simulation: start, rows at equal intervals, crossings, changed initial rates. */
 #include "base/arguments.h"
-#include "dynamics/simulation.h"
 #include "history/history_table.h"
 #include "kmech/inspect.h"
 #include "kmech/sweep.h"
@@ -114,7 +113,7 @@ static km_status start(km_history_writer *w, const km_history_def *def, km_error
   if (!status)
     status = km_history_begin(w, error);
   if (!status)
-    w->simulation->skips_accelerations = w->kinematics_only && km_dynamics_is_explicit(w->dynamics);
+    km_simulation_skip_accelerations(w->simulation, w->kinematics_only);
   return status ? status : km_history_row(w, error);
 }
 
