@@ -1,5 +1,5 @@
-/* Continuation by arc length (theory 4.9): data and operations of a followed motion. Private to continuation/ and
- * sweep/. */
+/* Continuation by arc length (theory 4.9): data and operations of a followed motion. Private to
+ * continuation/, sweep/ and space/. */
 #ifndef KM_CONTINUATION_ARC_MOTION_H
 #define KM_CONTINUATION_ARC_MOTION_H
 

@@ -1,4 +1,4 @@
-/* kspace modes: all assembly modes with their evidence. */
+/* kspace modes: all assembly modes with their evidence and circuits. */
 #include "kspace/kspace.h"
 
 #include "kmech/base.h"
@@ -29,6 +29,7 @@ typedef struct answer {
   int *locked; /* [locked_count] coordinates that keep their values */
   int locked_count;
   km_all_modes modes;
+  km_mode_circuits circuits;
 } answer;
 
 /* ---- The locked joints. */
@@ -118,6 +119,59 @@ static void print_proofs(const km_all_modes *m, km_text *out) {
     km_text_format(out, "%d mode%s outside the joint limits\n", m->outside, m->outside == 1 ? " is" : "s are");
 }
 
+/* Numbers of the modes of one circuit: "2, 4 and 7". */
+static void print_members(const answer *a, int circuit, km_text *out) {
+  int left = 0, printed = 0;
+  for (int i = 0; i < a->modes.count; ++i)
+    left += a->circuits.circuit[i] == circuit;
+  for (int i = 0; i < a->modes.count; ++i)
+    if (a->circuits.circuit[i] == circuit) {
+      km_text_format(out, "%s%d", printed == 0 ? "" : left == 1 ? " and " : ", ", i + 1);
+      ++printed;
+      --left;
+    }
+}
+
+/* Writes the modes of each circuit, or the reason why they aren't known. */
+static void print_circuits(const answer *a, km_text *out) {
+  const km_mode_circuits *c = &a->circuits;
+  switch (c->gap) {
+  case KM_CIRCUIT_GAP_NONE:
+  case KM_CIRCUIT_GAP_LOST:
+    if (c->freedom == 0) {
+      km_text_add(out,
+                  "circuits: nothing moves with the held joints free, so that each mode is a circuit of its own\n");
+      return;
+    }
+    if (a->modes.count == 1) {
+      km_text_add(out, "1 mode in 1 circuit\n");
+      return;
+    }
+    km_text_format(out, "%d modes in %s%d circuit%s: ", a->modes.count, c->gap ? "at most " : "", c->count,
+                   c->count == 1 ? "" : "s");
+    for (int k = 1; k <= c->count; ++k) {
+      km_text_add(out, k == 1 ? "" : "; ");
+      print_members(a, k, out);
+    }
+    km_text_add(out, c->count == 1 ? ". The motion connects them\n"
+                     : c->gap      ? ". A curve was not followed to its end: circuits may be connected there\n"
+                                   : ". Another circuit can't be reached without taking the mechanism apart\n");
+    return;
+  case KM_CIRCUIT_GAP_FREEDOMS:
+    km_text_format(out,
+                   "circuits: not answered, since the bodies move in %d ways with the held joints free, not in one; "
+                   "hold all joints but one rigid by --hold\n",
+                   c->freedom);
+    return;
+  case KM_CIRCUIT_GAP_SELF_MOTION:
+    km_text_add(out, "circuits: not answered, since modes are samples of self-motions\n");
+    return;
+  case KM_CIRCUIT_GAP_BALL:
+    km_text_add(out, "circuits: not answered, since nothing but ball joints is held; hold a hinge or a slide\n");
+    return;
+  }
+}
+
 static void print_modes(const answer *a, km_text *out) {
   const km_all_modes *m = &a->modes;
   int coordinates = km_model_coordinate_count(a->pose->model);
@@ -126,12 +180,15 @@ static void print_modes(const answer *a, km_text *out) {
   km_text_add(out, "\n");
   print_gap(m, out);
   print_proofs(m, out);
+  print_circuits(a, out);
   for (int i = 0; i < m->count; ++i) {
     const km_mode_evidence *e = &m->evidence[i];
     km_text_format(out, "  %d:", i + 1);
     for (int c = 0; c < coordinates; ++c)
       km_text_format(out, "%s %s %.6g %s", c ? "," : "", km_model_coordinate_label(a->pose->model, c),
                      m->coordinates[i * coordinates + c], km_model_coordinate_unit(a->pose->model, c));
+    if (a->circuits.count > 0)
+      km_text_format(out, "; circuit %d", a->circuits.circuit[i]);
     km_text_format(out, "%s%s%s\n",
                    e->moves         ? "; moves"
                    : e->is_singular ? "; singular"
@@ -147,6 +204,8 @@ static void add_mode(const answer *a, int i, km_value *list, km_arena *arena) {
   const km_mode_evidence *e = &a->modes.evidence[i];
   int coordinates = km_model_coordinate_count(a->pose->model);
   km_value *mode = km_value_add(arena, list, NULL, KM_OBJECT);
+  if (a->circuits.count > 0)
+    km_value_number(arena, mode, "circuit", a->circuits.circuit[i]);
   km_value *configuration = km_value_add(arena, mode, "configuration", KM_OBJECT);
   for (int c = 0; c < coordinates; ++c)
     km_value_number(arena, configuration, km_model_coordinate_label(a->pose->model, c),
@@ -185,6 +244,10 @@ static const km_value *record_of(const answer *a, km_arena *arena) {
   km_value_number(arena, record, "infinite", m->infinite);
   km_value_number(arena, record, "singular", m->singular);
   km_value_number(arena, record, "outside_limits", m->outside);
+  if (a->circuits.count > 0)
+    km_value_number(arena, record, "circuits", a->circuits.count);
+  if (a->circuits.gap)
+    km_value_string(arena, record, "circuits_reason", km_circuit_gap_name(a->circuits.gap));
   km_value *list = km_value_add(arena, record, "modes", KM_LIST);
   for (int i = 0; i < m->count && !arena->failed; ++i)
     add_mode(a, i, list, arena);
@@ -206,8 +269,8 @@ static kt_exit add_table(const answer *a, km_text *out) {
     is_ok = !name.failed &&
             km_table_add_column(table, name.data, is_number ? "" : km_model_coordinate_unit(a->pose->model, c)) >= 0;
   }
-  static const char *const figures[] = {"dof",      "certified", "kantorovich", "error_bound",  "radius",
-                                        "residual", "singular",  "moves",       "within_limits"};
+  static const char *const figures[] = {"dof",      "certified", "kantorovich", "error_bound",   "radius",
+                                        "residual", "singular",  "moves",       "within_limits", "circuit"};
   for (size_t k = 0; is_ok && k < sizeof figures / sizeof *figures; ++k)
     is_ok = km_table_add_column(table, figures[k], "") >= 0;
   for (int i = 0; is_ok && i < m->count; ++i) {
@@ -221,8 +284,11 @@ static kt_exit add_table(const answer *a, km_text *out) {
       *row++ = m->coordinates[i * coordinates + c];
     for (int c = 0; c < coordinates; ++c)
       *row++ = m->mobility_numbers[i * coordinates + c];
-    const double rest[] = {e->mobility, e->is_certified, e->kantorovich, e->error_bound,     e->radius,
-                           e->residual, e->is_singular,  e->moves,       e->is_within_limits};
+    const double rest[] = {e->mobility,         e->is_certified,
+                           e->kantorovich,      e->error_bound,
+                           e->radius,           e->residual,
+                           e->is_singular,      e->moves,
+                           e->is_within_limits, a->circuits.count > 0 ? a->circuits.circuit[i] : nan("")};
     for (size_t k = 0; k < sizeof rest / sizeof *rest; ++k)
       *row++ = rest[k];
   }
@@ -286,6 +352,9 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     kt_progress progress = kt_progress_start(&o->common);
     km_status status =
         km_all_modes_find(pose->mechanism, pose->state, &def, kt_progress_show, &progress, &a.modes, &error);
+    if (!status)
+      status = km_mode_circuits_find(pose->mechanism, pose->state, &def, &a.modes, kt_progress_show, &progress,
+                                     &a.circuits, &error);
     kt_progress_end(&progress);
     if (status)
       kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
@@ -297,6 +366,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   }
   if (result == KT_DONE && !a.modes.is_complete)
     result = KT_PARTIAL;
+  km_mode_circuits_free(&a.circuits);
   km_all_modes_free(&a.modes);
   km_arena_free(&arena);
   return result;
@@ -324,10 +394,12 @@ kt_exit kspace_modes(int argc, char **argv) {
       "\vThe closure errors are followed over the complex numbers until the trace test shows that no solution is "
       "missing. Each real one is a mode; a proof (Newton-Kantorovich) states within which distance there is one "
       "solution, and no other. Modes are told apart by the places of the bodies, without the halves of struts. The first "
-      "mode is the pose itself. Exit status 1: the list may lack modes, or bodies move although the joints stay. "
+      "mode is the pose itself. Modes that the mechanism's motion connects, with the joints of --set free, are one circuit; "
+      "other circuits can't be reached without taking it apart. Limits are ignored there, and with several freedoms circuits "
+      "aren't answered. Exit status 1: the list may lack modes, or bodies move although the joints stay. "
       "JSON keys beside those of every record: held, complete, reason (trace, lost, singular, self-motion, limit), "
       "complex_solutions, section_points, trace_difference, estimate, samples, found_once, infinite, singular, "
-      "outside_limits, modes (configuration, residual, certified, kantorovich, error_bound, radius, mobility, "
+      "outside_limits, circuits, circuits_reason (freedoms, self-motion, ball, lost), modes (circuit, configuration, residual, certified, kantorovich, error_bound, radius, mobility, "
       "mobility_numbers, singular, moves, within_limits).",
       argc, argv);
   kt_pose pose;

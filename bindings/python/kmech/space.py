@@ -1,4 +1,4 @@
-"""Configuration spaces: all assembly modes."""
+"""Configuration spaces: all assembly modes and their circuits."""
 from __future__ import annotations
 
 from typing import NamedTuple, Sequence
@@ -18,7 +18,9 @@ class AssemblyModes(NamedTuple):
     modes × coordinates, in the model's units. mobility_numbers: the same shape, with all coordinates free. certified: the
     proof holds, that exactly one solution lies within error_bound and no other within radius (radians, lengths over the
     substructure's size). moves: bodies move although the held joints stay. within_limits: joints within their limits.
-    complex_solutions: complex solutions over a generic closure error; estimate: their estimated number."""
+    complex_solutions: complex solutions over a generic closure error; estimate: their estimated number. circuit: number of
+    each mode's circuit, from 1; modes of one circuit are connected by the mechanism's motion, limits ignored. circuits:
+    their number, 0 if circuits_reason is "freedoms" (several), "self-motion" or "ball"; with "lost" some may be connected."""
 
     complete: bool
     reason: str
@@ -31,18 +33,25 @@ class AssemblyModes(NamedTuple):
     within_limits: numpy.ndarray
     complex_solutions: int
     estimate: int
+    circuit: numpy.ndarray
+    circuits: int
+    circuits_reason: str
 
 
 def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_limits: bool, seed: int,
               progress: Progress) -> AssemblyModes:
     """All assembly modes with the joints of `hold` at the state's values."""
     error, modes, watch = new_error(), ffi.new("km_all_modes *"), Watch(progress)
+    circuits = ffi.new("km_mode_circuits *")
     locked = ffi.new("int[]", [mechanism.model._coordinate(label) for label in hold])
     definition = ffi.new("km_all_modes_def *", {"locked": locked, "locked_count": len(locked),
                                                 "within_limits": within_limits, "seed": seed})
     try:
         with mechanism.model._reading(), state._using():
             status = lib.km_all_modes_find(mechanism._c, state._c, definition, watch.call, watch.context, modes, error)
+            if not status:
+                status = lib.km_mode_circuits_find(mechanism._c, state._c, definition, modes, watch.call, watch.context,
+                                                   circuits, error)
         watch.finish()
         check(status, error)
         count, width = modes.count, len(mechanism.model.coordinates)
@@ -56,6 +65,8 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
         return AssemblyModes(modes.is_complete, text_of(lib.km_mode_gap_name(modes.gap)), table(modes.coordinates),
                              table(modes.mobility_numbers), figures("is_certified"), figures("error_bound"),
                              figures("radius"), figures("moves"), figures("is_within_limits"), modes.complex_solutions,
-                             modes.estimate)
+                             modes.estimate, numpy.array([circuits.circuit[i] for i in range(count)]), circuits.count,
+                             text_of(lib.km_circuit_gap_name(circuits.gap)))
     finally:
+        lib.km_mode_circuits_free(circuits)
         lib.km_all_modes_free(modes)

@@ -339,6 +339,7 @@ def test_all_assembly_modes(source):
     modes = mechanism.all_modes(["A"])
     assert modes.complete and modes.reason == "complete" and modes.complex_solutions == 2
     assert modes.coordinates.shape == modes.mobility_numbers.shape == (2, 4)
+    assert modes.circuit.tolist() == [1, 2] and modes.circuits == 2 and modes.circuits_reason == "none"
     assert modes.certified.all() and (modes.error_bound < modes.radius).all() and not modes.moves.any()
     with pytest.raises(kmech.UsageError, match="can still move"):
         mechanism.all_modes()

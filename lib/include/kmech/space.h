@@ -1,4 +1,4 @@
-/* Configuration spaces: all assembly modes with a proof. */
+/* Configuration spaces: all assembly modes with a proof, and their circuits. */
 #ifndef KMECH_SPACE_H
 #define KMECH_SPACE_H
 
@@ -81,6 +81,37 @@ typedef struct km_all_modes_def {
 KM_API km_status km_all_modes_find(const km_mechanism *mechanism, const km_state *state, const km_all_modes_def *def,
                                    km_progress progress, void *context, km_all_modes *out, km_error *error);
 KM_API void km_all_modes_free(km_all_modes *modes);
+
+/* ---- Circuits: the modes that one motion connects (docs/theory.md 4.18). */
+
+/* Reason why circuits are not known, or perhaps too many. */
+typedef enum km_circuit_gap {
+  KM_CIRCUIT_GAP_NONE,        /* every curve was followed to its end */
+  KM_CIRCUIT_GAP_FREEDOMS,    /* not answered: with the locked coordinates free, bodies move in several ways */
+  KM_CIRCUIT_GAP_SELF_MOTION, /* not answered: modes are samples of self-motions */
+  KM_CIRCUIT_GAP_BALL,        /* not answered: nothing but ball joints is locked */
+  KM_CIRCUIT_GAP_LOST         /* a curve was not followed to its end: circuits may be connected there */
+} km_circuit_gap;
+/* Returns "none", "freedoms", "self-motion", "ball", "lost"; "" for another value. */
+KM_API const char *km_circuit_gap_name(km_circuit_gap gap);
+
+/* Circuits of a list of modes. */
+typedef struct km_mode_circuits {
+  int count;          /* number of circuits; 0: not answered */
+  int *circuit;       /* [number of modes] circuit of each mode, from 1 in the order of the modes; 0: not answered */
+  int freedom;        /* freedoms of the bodies with the locked coordinates free; 0: each mode is a circuit */
+  km_circuit_gap gap; /* reason for the verdict */
+} km_mode_circuits;
+
+/* Finds the circuits of the modes that km_all_modes_find found with the same mechanism, state and definition. The
+ * locked coordinates are free and limits are ignored. The curve through each mode is followed by arc length; a mode is
+ * on it if all bodies have the same poses to 1e-6 where the first locked coordinate has its value again. A curve ends
+ * where it closes, or where a slide is farther than 100 sizes; all branches of a branch point belong to one circuit.
+ * KM_USAGE, KM_MEMORY, KM_CANCELLED. Free `*out` in any case. O(length of the curves · 20 · rank³). */
+KM_API km_status km_mode_circuits_find(const km_mechanism *mechanism, const km_state *state,
+                                       const km_all_modes_def *def, const km_all_modes *modes, km_progress progress,
+                                       void *context, km_mode_circuits *out, km_error *error);
+KM_API void km_mode_circuits_free(km_mode_circuits *circuits);
 
 #ifdef __cplusplus
 }
