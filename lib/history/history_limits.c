@@ -77,6 +77,27 @@ bool km_limits_crossed(km_limit_monitor *w, const km_crossing_met *met) {
   return true;
 }
 
+int km_limits_passed_count(const km_limit_monitor *w) {
+  int passed = 0;
+  for (int i = 0; i < w->count; ++i)
+    passed += w->is_passed[i];
+  return passed;
+}
+
+const km_passed_limit *km_limits_passed(const km_limit_monitor *w, int index) {
+  int i = 0;
+  for (; !w->is_passed[i] || index > 0; ++i)
+    index -= w->is_passed[i];
+  return &w->limit[i];
+}
+
+void km_limits_monitor_free(km_limit_monitor *w) {
+  km_free(w->limit);
+  km_free(w->is_passed);
+  km_free(w->crossings);
+  *w = (km_limit_monitor){0};
+}
+
 void km_limits_report(km_limit_monitor *w, km_history *h) {
   h->limits = w->limit;
   for (int i = 0; i < w->count; ++i)

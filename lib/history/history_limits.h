@@ -23,6 +23,10 @@ km_status km_limits_monitor_begin(km_limit_monitor *watch, const km_mechanism *m
 void km_limits_row(km_limit_monitor *watch, const km_state *state);
 /* Records a crossing of a limit; false: it is a crossing of the caller. */
 bool km_limits_crossed(km_limit_monitor *watch, const km_crossing_met *met);
+/* Number of limits that were passed, and the one of an index below it. */
+int km_limits_passed_count(const km_limit_monitor *watch);
+const km_passed_limit *km_limits_passed(const km_limit_monitor *watch, int index);
+void km_limits_monitor_free(km_limit_monitor *watch);
 /* Moves the passed limits to the history and frees the monitor. */
 void km_limits_report(km_limit_monitor *watch, km_history *history);
 

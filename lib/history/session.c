@@ -3,6 +3,7 @@
 
 #include "base/arguments.h"
 #include "forces/motion_forces.h"
+#include "history/history_limits.h"
 #include "kinematics/state.h"
 #include "kmech/dynamics.h"
 
@@ -15,6 +16,7 @@ struct km_session {
   km_dynamics *dynamics;
   km_dynamic_friction *friction;
   km_simulation *run;
+  km_limit_monitor limits;
   km_load *loads; /* [frame_count] wrenches on the frames, behind the loads of the model */
   int frame_count, first_load;
   double start, step; /* time of the first step; length of a step */
@@ -50,8 +52,12 @@ static km_status create_run(km_session *s, const km_session_def *def, km_error *
   km_status status = create_forces(s, def->frames, error);
   if (!status && def->user)
     status = km_forces_set_user(s->forces, def->user, error);
+  if (!status && (def->limit_stop[0] != 0.0 || def->limit_stop[1] != 0.0))
+    status = km_forces_set_limit_stops(s->forces, def->limit_stop[0], def->limit_stop[1], error);
   if (!status)
     status = km_dynamics_create(s->m, s->forces, &s->dynamics, error);
+  if (!status)
+    status = km_limits_monitor_begin(&s->limits, s->m, s->forces, NULL, error);
   if (!status)
     status = km_dynamic_friction_create(s->dynamics, &s->friction, error);
   return status ? status : km_simulation_create(s->dynamics, s->state, &simulation, &s->run, error);
@@ -104,6 +110,7 @@ void km_session_free(km_session *s) {
   km_simulation_free(s->run);
   km_dynamic_friction_free(s->friction);
   km_dynamics_free(s->dynamics);
+  km_limits_monitor_free(&s->limits);
   km_forces_free(s->forces);
   km_state_free(s->state);
   km_free(s->loads);
@@ -157,7 +164,11 @@ static km_status make_step(km_session *s, km_error *error) {
     status = km_simulation_restart(s->run, error);
   s->changed = false;
   double to = s->start + (double)s->steps * s->step;
-  return status ? status : km_simulation_advance(s->run, to, NULL, NULL, error);
+  if (!status)
+    status = km_simulation_advance(s->run, to, NULL, NULL, error);
+  if (!status || status == KM_PARTIAL)
+    km_limits_row(&s->limits, s->state);
+  return status;
 }
 
 km_status km_session_step(km_session *s, int count, km_error *error) {
@@ -179,6 +190,16 @@ double km_session_time(const km_session *s) {
 
 const km_simulation *km_session_run(const km_session *s) {
   return s ? s->run : NULL;
+}
+
+int km_session_limit_count(const km_session *s) {
+  return s ? km_limits_passed_count(&s->limits) : 0;
+}
+
+km_passed_limit km_session_limit(const km_session *s, int index) {
+  if (index < 0 || index >= km_session_limit_count(s))
+    return (km_passed_limit){.coordinate = -1, .limit = nan(""), .time = nan(""), .beyond = nan("")};
+  return *km_limits_passed(&s->limits, index);
 }
 
 km_frame_motion km_session_frame(const km_session *s, int index) {

@@ -250,9 +250,46 @@ static void test_errors(void **data) {
   fixture_close(&f);
 }
 
+/* A slide at 2 m/s passes its limit of 1 m in the third step of 0.25 s; a stop without damping reflects it. */
+static void limits_of_a_session(void **state) {
+  (void)state;
+  fixture f =
+      fixture_read("{\"assemblies\": [{\"name\": \"a\", \"bodies\": [{\"name\": \"b\", \"mass\": 1}], \"joints\": "
+                   "[{\"name\": \"X\", \"type\": \"Tx\", \"body_frame_pairs\": [\"fixed\", \"b\"], "
+                   "\"initial_velocity\": 2, \"limits\": [-5, 1]}]}]}");
+  km_session_def def = km_session_default(f.model);
+  km_session *session;
+  def.step = 0.25;
+  assert_int_equal(km_session_create(f.mechanism, f.state, &def, &session, NULL), KM_OK);
+  assert_int_equal(km_session_step(session, 2, NULL), KM_OK);
+  assert_int_equal(km_session_limit_count(session), 0);
+  assert_int_equal(km_session_limit(session, 0).coordinate, -1);
+  assert_int_equal(km_session_step(session, 2, NULL), KM_OK);
+  assert_int_equal(km_session_limit_count(session), 1);
+  const km_passed_limit passed = km_session_limit(session, 0);
+  assert_int_equal(passed.coordinate, 0);
+  assert_true(passed.upper);
+  assert_near(passed.limit, 1.0, 0.0);
+  assert_near(passed.time, 0.75, 1e-12);
+  assert_near(passed.beyond, 1.0, 1e-12);
+  km_session_free(session);
+  def.step = 1e-3;
+  def.limit_stop[0] = 400.0;
+  assert_int_equal(km_session_create(f.mechanism, f.state, &def, &session, NULL), KM_OK);
+  assert_int_equal(km_session_step(session, 1000, NULL), KM_OK);
+  assert_int_equal(km_session_limit_count(session), 0);
+  assert_near(km_state_rate(km_session_state(session), 0), -2.0, 1e-3); /* steps don't end where the stop begins */
+  km_session_free(session);
+  def.limit_stop[0] = -1.0;
+  assert_int_equal(km_session_create(f.mechanism, f.state, &def, &session, NULL), KM_USAGE);
+  assert_null(session);
+  fixture_close(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_joint_force), cmocka_unit_test(test_wrench), cmocka_unit_test(test_same_law_built_in),
-      cmocka_unit_test(test_bounces),     cmocka_unit_test(test_inputs), cmocka_unit_test(test_errors)};
+      cmocka_unit_test(test_bounces),     cmocka_unit_test(test_inputs), cmocka_unit_test(limits_of_a_session),
+      cmocka_unit_test(test_errors)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

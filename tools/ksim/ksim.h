@@ -20,6 +20,8 @@ kt_exit ksim_serve(int argc, char **argv);
 /* Says what a motion over time calls for: hinges without friction radius, drives beyond their bounds, changed initial
  * rates, passed limits, the reason of an early end. Returns the exit code. */
 kt_exit ksim_tell(kt_sweep_job *job);
+/* Warns of a limit that a motion passes where no stop acts. */
+void ksim_report_limit(const kt_common *common, const char *name, const km_model *model, const km_passed_limit *limit);
 /* Names stated initial rates that the motion doesn't start with; KT_PARTIAL where they contradict each other. */
 kt_exit ksim_report_rates(const kt_sweep_job *job, const km_history *history);
 

@@ -209,16 +209,17 @@ static void read_options(options *o, bool linear, int argc, char **argv) {
   else
     KT_OPTIONS_ADD(&all, of_rest);
   kt_common_options(&all, &o->common, KT_USES_FLOAT);
-  kt_options_read(&all,
-                  linear
-                      ? "The equations of motion, linearised about a pose: state matrices, natural frequencies, "
-                        "damping and modes."
-                        "\vx holds the deviations of the independent coordinates and then those of their rates, f the "
-                        "forces in all coordinates: dx/dt = A x + B f, in radians and the model's length, force and "
-                        "time units. N tells how all coordinates follow the independent ones."
-                      : "A pose at rest under gravity, loads and springs, near the pose that it starts from; whether "
-                        "it is stable, and how the mechanism swings about it. Exit status 1 if none is found.",
-                  argc, argv);
+  kt_options_read(
+      &all,
+      linear
+          ? "The equations of motion, linearised about a pose: state matrices, natural frequencies, "
+            "damping and modes."
+            "\vx holds the deviations of the independent coordinates and then those of their rates, f the "
+            "forces in all coordinates: dx/dt = A x + B f, in radians and the model's length, force and "
+            "time units. N tells how all coordinates follow the independent ones."
+          : "A pose at rest under gravity, loads, springs, contacts and stops, near the pose that it "
+            "starts from; whether it is stable, and how the mechanism swings about it. Exit status 1 if none is found.",
+      argc, argv);
 }
 
 kt_exit ksim_linearise(int argc, char **argv) {

@@ -35,23 +35,23 @@ static void report_hinges(const kt_sweep_job *j) {
         j->name, km_model_joint_label(model, i));
 }
 
+void ksim_report_limit(const kt_common *common, const char *name, const km_model *model, const km_passed_limit *limit) {
+  const char *time = km_model_units(model).time->suffix, *unit = km_model_coordinate_unit(model, limit->coordinate);
+  km_text by = {0};
+  if (limit->beyond > 0.0)
+    km_text_format(&by, ", by up to %.6g %s", limit->beyond, unit);
+  kt_print_message(
+      common, KM_WARNING,
+      "%s: joint \"%s\" passes its %s limit of %.6g %s at %.6g %s%s; no stop acts there: state a stop for the joint, "
+      "or widen its limits",
+      name, km_model_coordinate_label(model, limit->coordinate), limit->upper ? "upper" : "lower", limit->limit, unit,
+      limit->time, time, by.data ? by.data : "");
+  km_text_free(&by);
+}
+
 static kt_exit report_limits(const kt_sweep_job *j, const km_history *h) {
-  const km_model *model = j->pose.model;
-  const char *time = km_model_units(model).time->suffix;
-  for (int i = 0; i < h->limit_count; ++i) {
-    const km_passed_limit *limit = &h->limits[i];
-    km_text by = {0};
-    const char *unit = km_model_coordinate_unit(model, limit->coordinate);
-    if (limit->beyond > 0.0)
-      km_text_format(&by, ", by up to %.6g %s", limit->beyond, unit);
-    kt_print_message(
-        &j->common, KM_WARNING,
-        "%s: joint \"%s\" passes its %s limit of %.6g %s at %.6g %s%s; no stop acts there: state a stop for the joint, "
-        "or widen its limits",
-        j->name, km_model_coordinate_label(model, limit->coordinate), limit->upper ? "upper" : "lower", limit->limit, unit,
-        limit->time, time, by.data ? by.data : "");
-    km_text_free(&by);
-  }
+  for (int i = 0; i < h->limit_count; ++i)
+    ksim_report_limit(&j->common, j->name, j->pose.model, &h->limits[i]);
   return h->limit_count > 0 ? KT_PARTIAL : KT_DONE;
 }
 

@@ -31,7 +31,8 @@ kt_exit ksim_report_rates(const kt_sweep_job *j, const km_history *h) {
     of_model = of_model && h->changed_rates[i].by_model;
   if (h->changed_rate_count == 0)
     return KT_DONE;
-  bool replaced = of_model && (kt_question_given(&j->options->asked, "rate") || km_table_span(h->table, "f.").count > 0);
+  bool replaced =
+      of_model && (kt_question_given(&j->options->asked, "rate") || km_table_span(h->table, "f.").count > 0);
   bool contradict = !replaced && h->rate_change > rounded;
   km_text list = {0};
   list_changed(j->pose.model, h, of_model, &list);

@@ -71,6 +71,18 @@ static void report_times(const ksim_server *server) {
                      1e3 * server->step * km_model_units(server->pose.model).time->si);
 }
 
+/* Warns of passed limits; the exit code of a session that otherwise is done. */
+static kt_exit report_limits(const serve_options *o, const ksim_server *server) {
+  const int count = km_session_limit_count(server->session);
+  if (kt_question_given(&o->asked, "ignore-limits"))
+    return server->result;
+  for (int i = 0; i < count; ++i) {
+    const km_passed_limit limit = km_session_limit(server->session, i);
+    ksim_report_limit(&o->common, o->model, server->pose.model, &limit);
+  }
+  return count > 0 && server->result == KT_DONE ? KT_PARTIAL : server->result;
+}
+
 /* Reads an option of the question "run"; what its value points to goes to the arena. */
 static kt_exit read(const serve_options *o, const km_model *model, const char *option, km_arena *arena,
                     km_option_value *out) {
@@ -107,11 +119,17 @@ static kt_exit add_crossings(const serve_options *o, const char *option, bool st
 
 static kt_exit create_session(const serve_options *o, ksim_server *server, km_arena *arena) {
   km_error error;
-  km_option_value method;
+  km_option_value method, stops;
   km_session_def def = km_session_default(server->pose.model);
   kt_exit result = read(o, server->pose.model, "integrator", arena, &method);
   if (result == KT_DONE)
     result = read_step(o, server->pose.model, &def.step);
+  if (result == KT_DONE)
+    result = read(o, server->pose.model, "limit-stops", arena, &stops);
+  if (result == KT_DONE && kt_question_given(&o->asked, "limit-stops")) {
+    def.limit_stop[0] = stops.numbers[0];
+    def.limit_stop[1] = stops.numbers[1];
+  }
   int *frames = KM_ARENA_NEW(arena, int, (size_t)server->frames.count + 1);
   if (!frames)
     return KT_NO_MEMORY;
@@ -155,7 +173,7 @@ static kt_exit open_and_serve(const serve_options *o) {
   if (result == KT_DONE) {
     serve(&server, in, out);
     report_times(&server);
-    result = server.result;
+    result = report_limits(o, &server);
   }
   if (o->socket && in && out) {
     fclose(in);
@@ -168,7 +186,8 @@ static kt_exit open_and_serve(const serve_options *o) {
 }
 
 kt_exit ksim_serve(int argc, char **argv) {
-  static const char *const of_run[] = {"rate", "event", "stop", "frame", "integrator", NULL};
+  static const char *const of_run[] = {"rate",       "event",       "stop",          "frame",
+                                       "integrator", "limit-stops", "ignore-limits", NULL};
   serve_options o = {.common = KT_COMMON("ksim")};
   kt_options all = {.operand = {"model", "MODEL", true, &o.model, NULL}};
   const kt_option table[] = {
@@ -199,7 +218,7 @@ kt_exit ksim_serve(int argc, char **argv) {
       "tz]}, \"reference\": {CONTROLLER: r}, \"rate\": {JOINT: v}, \"quit\": true}. Inputs act until they are set again; "
       "a reference of null is that of the model. Reply: t; q, v, a by joint; frames (origin, axes by rows, velocity, "
       "angular_velocity); passed, the events since the last reply; or error, and nothing has moved. Exit status 4 if the "
-      "run can't go on. At the end the tool tells how long its steps took.",
+      "run can't go on, 1 if a step passes a limit where no stop acts. At the end the tool tells how long its steps took.",
       argc, argv);
   return open_and_serve(&o);
 }

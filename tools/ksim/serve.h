@@ -15,7 +15,7 @@ typedef struct ksim_server {
   km_crossing *crossings; /* [crossing_count] those of --event and --stop */
   int crossing_count;
   km_session *session;
-  double step;       /* the model's time unit */
+  double step; /* the model's time unit */
   int crossings_told;
   long steps; /* steps made; and their clock time, seconds */
   double total, longest;

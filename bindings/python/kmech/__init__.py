@@ -22,7 +22,7 @@ from .mechanism import Mechanism, Mobility, Pose, State
 from .model import Model, from_string, load
 from .picture import Picture
 from .question import Answer, Event, kinds
-from .session import Crossing, FrameMotion, Session
+from .session import Crossing, FrameMotion, PassedLimit, Session
 from .table import Table
 
 __version__ = text_of(lib.km_version())
@@ -36,7 +36,7 @@ def documentation(function: str) -> str:
 
 
 __all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "DesignStudy", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "JointChange", "KmechError", "Linear",
-           "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "Picture", "Pose", "RemedySet", "Session",
+           "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "PassedLimit", "Picture", "Pose", "RemedySet", "Session",
            "State", "Statistics", "Study", "Summary", "Table", "Track", "UsageError", "Yield", "documentation", "ffi", "from_string", "kinds", "lib", "load",
            "load_designs", "load_study"]
 

@@ -32,6 +32,16 @@ class Crossing(NamedTuple):
     sense: int
 
 
+class PassedLimit(NamedTuple):
+    """A joint that passed a limit where no stop acts: the limit, the time at the end of that step, the largest excess."""
+
+    joint: str
+    upper: bool
+    limit: float
+    time: float
+    beyond: float
+
+
 class _Forces:
     """Forces of a function, in every evaluation of the equations of motion."""
 
@@ -67,7 +77,8 @@ class Session:
 
     step: length of a step in the model's time unit (default 1 ms). integrator: "fixed" (bounded work in every step),
     "adams" or "bdf". frames: "body/frame" on which loads act and whose motion is read. set, rate: values and rates of
-    joints at the start. stop: values of joints at which a step ends early (crossings). forces: function(time, q, v) of
+    joints at the start. stop: values of joints at which a step ends early (crossings). limit_stops: stiffness and damping
+    of stops at the limits of joints without one. forces: function(time, q, v) of
     the time and of arrays of all coordinates and rates, called in every evaluation; it returns {joint: force along +q} and
     {frame of `frames`: [force, moment], six numbers}, which are added to the model's forces; a continuous function of its
     arguments. A session is used by one thread at a time."""
@@ -75,7 +86,8 @@ class Session:
     def __init__(self, model: Model, *, step: Optional[float] = None, integrator: str = "fixed",
                  frames: Sequence[str] = (), set: Optional[Mapping[str, float]] = None,
                  rate: Optional[Mapping[str, float]] = None, hold: Optional[Mapping[str, float]] = None,
-                 stop: Optional[Mapping[str, float]] = None, forces: Optional[Callable[..., Any]] = None) -> None:
+                 stop: Optional[Mapping[str, float]] = None, limit_stops: Optional[Sequence[float]] = None,
+                 forces: Optional[Callable[..., Any]] = None) -> None:
         if integrator not in _INTEGRATORS:
             raise UsageError(f"integrator: found {integrator!r}; expected {', '.join(_INTEGRATORS)}")
         self.mechanism, self.model, self._error = Mechanism(model, set=set, hold=hold), model, new_error()
@@ -88,6 +100,8 @@ class Session:
         definition.simulation.integrator = _INTEGRATORS.index(integrator)
         definition.step = definition.step if step is None else number(step, "step")
         definition.frames, definition.frame_count = places, len(frames)
+        if limit_stops is not None:
+            definition.limit_stop = numbers(limit_stops, 2, "limit_stops")
         self._stops = [(label, number(value, f"stop {label}")) for label, value in (stop or {}).items()]
         crossings = ffi.new("km_crossing[]", [{"coordinate": model._coordinate(label), "value": value, "stops": True}
                                               for label, value in self._stops])
@@ -155,6 +169,13 @@ class Session:
         run = lib.km_session_run(self._c)
         found = [lib.km_simulation_crossing(run, i) for i in range(lib.km_simulation_crossing_count(run))]
         return [Crossing(*self._stops[c.crossing], c.time, c.sense) for c in found]
+
+    @property
+    def passed_limits(self) -> list[PassedLimit]:
+        """Limits that the steps so far have passed where no stop acts."""
+        found = [lib.km_session_limit(self._c, i) for i in range(lib.km_session_limit_count(self._c))]
+        return [PassedLimit(self.model.coordinates[p.coordinate], p.upper, p.limit, p.time, p.beyond)
+                for p in found]
 
     @property
     def time(self) -> float:

@@ -126,6 +126,23 @@ def test_a_step_ends_where_a_joint_passes_a_value(pendulum):
     assert session.crossings[0].sense == -1 and session.crossings[0].time == times[0]
 
 
+def test_limits_of_a_session(pendulum):
+    """A pendulum that falls past its limit is reported; a stop holds it near the limit."""
+    limited = kmech.from_string(pendulum.to_json().replace('"name": "A"', '"name": "A", "limits": [-0.5, 1]', 1))
+    free = kmech.Session(limited, step=0.01)
+    free.step(20)
+    assert free.passed_limits == []
+    free.step(80)
+    [passed] = free.passed_limits
+    assert (passed.joint, passed.upper, passed.limit) == ("A", False, -0.5)
+    assert 0.2 < passed.time < 1.0 and passed.beyond > 0.1
+    stopped = kmech.Session(limited, step=0.001, limit_stops=[1e4, 100])
+    stopped.step(3000)
+    assert stopped.passed_limits == [] and stopped.q("A") == pytest.approx(-0.5, abs=0.01)
+    with pytest.raises(kmech.UsageError):
+        kmech.Session(limited, limit_stops=[-1, 0])
+
+
 def test_a_function_that_fails_ends_the_step(pendulum):
     def late(time, q, v):
         if time > 0.05:

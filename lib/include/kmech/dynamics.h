@@ -228,6 +228,7 @@ typedef struct km_session_def {
   const int *frames;            /* [frame_count] frames on which wrenches act and whose motion is read */
   int frame_count;
   const km_user_forces *user; /* forces of a program in every evaluation (km_forces_set_user), borrowed; NULL: none */
+  double limit_stop[2]; /* stiffness and damping of stops at limits without one (km_forces_set_limit_stops); 0: none */
 } km_session_def;
 /* Default definition: fixed steps of 1 ms. */
 KM_API km_session_def km_session_default(const km_model *model);
@@ -314,6 +315,11 @@ typedef struct km_passed_limit {
   double time;    /* time of the first passage; located between rows in a run */
   double beyond;  /* largest excess of all rows, the coordinate's unit */
 } km_passed_limit;
+
+/* Limits without a stop that a session's steps have passed, at most one a joint: their number, and the one of an index
+ * (coordinate −1: invalid), whose `time` is the end of the first step beyond it. */
+KM_API int km_session_limit_count(const km_session *session);
+KM_API km_passed_limit km_session_limit(const km_session *session, int index);
 
 /* A stated initial rate that loops or earlier statements don't permit. */
 typedef struct km_changed_rate {

@@ -8,6 +8,7 @@
 #include "report/document/motion_report.h"
 #include "report/document/statics_report.h"
 #include "report/document/sweep_report.h"
+#include "report/record/sweep_text.h"
 
 static void load_words(const km_model *model, const km_forces *forces, int index, km_text *out) {
   const km_load *load = &forces->loads[index];
@@ -27,7 +28,9 @@ static void acting_words(const km_model *model, const km_forces *forces, km_text
   for (int i = 0; i < forces->load_count; ++i)
     load_words(model, forces, i, out);
   if (forces->spring_count)
-    km_text_format(out, "; %d spring%s", forces->spring_count, forces->spring_count == 1 ? "" : "s");
+    km_text_format(out, "; %d spring%s", forces->spring_count, km_plural(forces->spring_count));
+  if (forces->contact_count)
+    km_text_format(out, "; %d contact%s without friction", forces->contact_count, km_plural(forces->contact_count));
 }
 
 static void add_statics(km_document_maker *k, const km_answered *a, const km_swept *swept, const char *stopped_by,
