@@ -105,7 +105,7 @@ static void add_stops(animation *a, km_motion_page *page) {
   page->stops = stops;
   for (size_t i = 0; i < a->sweep->toggle_count && stops; ++i) {
     km_text what = {0};
-    km_text_format(&what, "%s loses its grip", km_model_coordinate_label(model, a->sweep->toggles[i].coordinate));
+    km_text_format(&what, "dead point of %s", km_model_coordinate_label(model, a->sweep->toggles[i].coordinate));
     a->arena.failed = a->arena.failed || what.failed;
     add_stop(a, page, stops, what.failed ? "" : what.data, a->sweep->toggles[i].s);
     km_text_free(&what);

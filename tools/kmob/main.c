@@ -18,6 +18,6 @@ static const kt_command commands[] = {
     {0}};
 
 int main(int argc, char **argv) {
-  return (int)kt_run("kmob", "Mobility of mechanisms: which joint can drive a linkage, and where it loses its grip.",
+  return (int)kt_run("kmob", "Mobility of mechanisms: which joint can drive a linkage, and where it has dead points.",
                      commands, argc, argv);
 }

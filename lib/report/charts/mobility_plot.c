@@ -226,7 +226,7 @@ static const char *subtitle(lines *l, const km_plotted_sweep *sweeps, int count)
                  model->units.angle->word, model->units.length->word, sweeps[0].mechanism->length,
                  model->units.length->suffix);
   if (some_toggle(sweeps, count))
-    km_text_add(&text, " · ▲ a joint loses its grip");
+    km_text_add(&text, " · ▲ a dead point of a joint");
   return km_text_move_to_arena(&text, l->arena);
 }
 

@@ -149,7 +149,7 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   int found = 0;
   for (int c = 0; c < m->coordinate_count; ++c)
     found += km_sweep_drives(m, sweep, c);
-  km_text_add(out, sweep->motion.freedom - sweep->motion.passive > 1 ? "  keep their grip over the whole range:"
+  km_text_add(out, sweep->motion.freedom - sweep->motion.passive > 1 ? "  without a dead point over the whole range:"
                                                                      : "  could drive the whole range:");
   if (found == 0)
     km_text_add(out, " none");
@@ -163,14 +163,16 @@ static void print_drivers(const km_mechanism *m, const km_sweep_plan *plan, cons
   km_text_add(out, "\n");
   const char *unit = km_sweep_unit(m, plan);
   for (int c = 0; c < m->coordinate_count; ++c) {
-    int count = 0;
+    int count = 0, all = 0;
+    for (size_t i = 0; i < sweep->toggle_count; ++i)
+      all += sweep->toggles[i].coordinate == c;
     for (size_t i = 0; i < sweep->toggle_count; ++i) {
       if (sweep->toggles[i].coordinate != c)
         continue;
       if (count++ == 0) {
         km_text_add(out, "  ");
         km_text_padded(m->model->coordinates[c].label, width, out);
-        km_text_add(out, " loses its grip at");
+        km_text_add(out, all > 1 ? " has dead points at" : " has a dead point at");
       }
       km_text_format(out, "%s %.6g%s", count > 1 ? "," : "", sweep->toggles[i].s, unit);
     }

@@ -217,6 +217,8 @@ km_value *km_ik_solutions_record(const km_arm *a, const km_ik_solutions *b, cons
   return arena->failed ? NULL : record;
 }
 
+static const double pose_rounding = 1e-9; /* file's units: poses are solved to about 1e-12 rad */
+
 static void print_pose(const km_arm *a, const km_ik_solutions *b, int i, km_text *out) {
   int first[KM_ARM_MAX_JOINTS], last[KM_ARM_MAX_JOINTS];
   double turns = a->freedom == 0 && b->margin[i] >= 0.0 ? turns_of(a, b->pose + i * a->n, first, last) : 1.0;
@@ -253,9 +255,11 @@ void km_ik_solutions_print(const km_arm *a, const km_ik_solutions *b, const char
     else
       print_pose(a, b, i, out);
     km_text_format(out, "     %s:", b->margin[i] >= 0.0 ? "best pose" : "never within the limits; nearest");
-    for (int k = 0; k < a->n; ++k)
-      km_text_format(out, "%s %s %.6g %s", k ? "," : "", km_arm_label(a, k), b->pose[i * a->n + k],
+    for (int k = 0; k < a->n; ++k) {
+      const double value = b->pose[i * a->n + k];
+      km_text_format(out, "%s %s %.6g %s", k ? "," : "", km_arm_label(a, k), fabs(value) < pose_rounding ? 0.0 : value,
                      km_model_coordinate_unit(a->mechanism->model, a->coordinate[k]));
+    }
     km_text_format(out, " (limit distance %.4g)\n", b->margin[i]);
   }
 }

@@ -155,7 +155,7 @@ void km_track_end_text(const km_track *t, km_text *out) {
     add_held(t, out);
     break;
   case KM_TRACK_NOT_CONVERGED:
-    km_text_add(out, "dynamic programming gives out: beyond here it takes more steps than it makes");
+    km_text_add(out, "dynamic programming stops: beyond here it takes more steps than it makes");
     break;
   case KM_TRACK_WORKSPACE_BOUNDARY:
     km_text_add(out, "workspace edge: no pose of the arm reaches what follows");
