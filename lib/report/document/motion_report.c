@@ -84,7 +84,10 @@ static void add_swings(km_document_maker *k, const km_swept *swept, const km_mot
     row[2] = swing->goes_round ? "" : km_document_format(k, "%.5g %s at %.5g%s", swing->high, own, swing->s_high, unit);
     row[3] = swing->goes_round ? "goes round" : km_document_format(k, "%.5g %s", swing->high - swing->low, own);
     row[4] = peak_words(k, t, km_table_span(t, "v.").first + c, unit);
-    row[5] = peak_words(k, t, km_table_span(t, "a.").first + c, unit);
+    double where;
+    row[5] = km_swing_acceleration(sweep, swing, &where) > 0.0
+                 ? peak_words(k, t, km_table_span(t, "a.").first + c, unit)
+                 : "–";
   }
   km_document_heading(k, "Joints");
   if (cells && rows > 1)

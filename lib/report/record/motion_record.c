@@ -5,6 +5,8 @@
 #include "report/record/record.h"
 #include "topology/mechanism.h"
 
+#include <math.h>
+
 static void add_swing(const km_model *model, const km_swing *swing, km_value *list, km_arena *arena) {
   km_value *item = km_value_add(arena, list, NULL, KM_OBJECT);
   km_value_string(arena, item, "joint", km_model_coordinate_label(model, swing->coordinate));
@@ -35,6 +37,19 @@ static void print_most(const km_table *t, int column, const char *words, const c
     km_text_format(out, "%s %.6g %s (%.6g%s)", words, value, km_table_unit(t, (size_t)column), where, s_unit);
 }
 
+double km_swing_acceleration(const km_motion_sweep *sweep, const km_swing *swing, double *where) {
+  static const double rounding = 1e-9; /* part of v²/swing, the acceleration of a motion of this speed and extent */
+  const km_table *t = sweep->motion.table;
+  const size_t c = (size_t)swing->coordinate;
+  const char *velocity = km_table_name(t, km_table_span(t, "v.").first + c);
+  const char *acceleration = km_table_name(t, km_table_span(t, "a.").first + c);
+  double v = nan(""), a = nan("");
+  *where = nan("");
+  km_table_figure(t, velocity, KM_FIGURE_PEAK, 0, &v, NULL, NULL);
+  km_table_figure(t, acceleration, KM_FIGURE_PEAK, 0, &a, where, NULL);
+  return a <= rounding * v * v / (swing->high - swing->low) ? 0.0 : a;
+}
+
 static void print_joint(const km_mechanism *m, const km_sweep_plan *plan, const km_motion_sweep *sweep,
                         const km_swing *swing, int width, km_text *out) {
   const km_table *t = sweep->motion.table;
@@ -43,7 +58,9 @@ static void print_joint(const km_mechanism *m, const km_sweep_plan *plan, const 
   if (!km_swing_print(m, plan, swing, width, out))
     return;
   print_most(t, (int)km_table_span(t, "v.").first + c, "; at most", unit, out);
-  print_most(t, (int)km_table_span(t, "a.").first + c, ",", unit, out);
+  double where;
+  if (km_swing_acceleration(sweep, swing, &where) > 0.0)
+    print_most(t, (int)km_table_span(t, "a.").first + c, ",", unit, out);
   km_text_add(out, "\n");
 }
 

@@ -28,6 +28,8 @@ enum { KM_SWINGS_SHOWN = 8 }; /* lines of a summary about swings */
 void km_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_sweep *sweep, const char *name,
                     km_text *out);
 
+/* Largest size of a swing's acceleration and the driver's value there; 0 where it is rounding, NaN where unknown. */
+double km_swing_acceleration(const km_motion_sweep *sweep, const km_swing *swing, double *where);
 /* Record of a motion: rate, swings {joint, least, least_at, greatest, greatest_at, goes_round}, columns, rows; NULL
  * without memory. And its summary. */
 km_value *km_motion_sweep_record(const km_mechanism *mechanism, const km_motion_sweep *sweep, const char *stopped_by,

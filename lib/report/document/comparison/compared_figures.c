@@ -7,6 +7,7 @@
 
 #include "question/question.h"
 #include "report/document/motion_report.h"
+#include "report/record/sweep_text.h"
 #include "sweep/sweep.h"
 
 #include <math.h>
@@ -49,8 +50,12 @@ static void list_motion(km_document_maker *k, const km_question *q, km_compared_
             km_table_unit(t, own), swing->high - swing->low, KM_BETTER_NEITHER, km_table_name(t, own), false});
     add_column(out, t, km_table_span(t, "v.").first + c, KM_FIGURE_PEAK, KM_BETTER_NEITHER,
                km_document_format(k, "largest velocity of %s", label));
-    add_column(out, t, km_table_span(t, "a.").first + c, KM_FIGURE_PEAK, KM_BETTER_LESS,
-               km_document_format(k, "largest acceleration of %s", label));
+    const size_t acceleration = km_table_span(t, "a.").first + c;
+    double where;
+    km_compared_add(out,
+                    (km_compared_figure){km_document_format(k, "largest acceleration of %s", label),
+                                         km_table_unit(t, acceleration), km_swing_acceleration(sweep, swing, &where),
+                                         KM_BETTER_LESS, km_table_name(t, acceleration), false});
   }
   for (int i = 0; i < plan->point_count; ++i) {
     const char *name = plan->points[i].name;
