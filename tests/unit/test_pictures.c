@@ -117,6 +117,35 @@ static void pages_need_a_row_for_each_pose(void **unused) {
   close_swept(&s);
 }
 
+/* A grid has a frame for each pose in its group's colour, and its captions. Groups change colours alone. */
+static void a_grid_shows_each_pose(void **unused) {
+  (void)unused;
+  swept s = sweep("fourbar", "A", 0.0, 1.5, 4);
+  km_error error;
+  km_text one_group = {0}, groups = {0}, pdf = {0}, png = {0};
+  km_gallery_caption captions[5] = {{0}};
+  assert_int_equal(km_drawing_poses(s.drawing), 5);
+  for (int i = 0; i < 5; ++i)
+    captions[i] = (km_gallery_caption){.title = "Some mode", .group = 1};
+  const km_drawing_look look = {.title = "Modes"};
+  assert_int_equal(km_drawing_gallery(s.drawing, &look, captions, KM_PICTURE_SVG, &one_group, &error), KM_OK);
+  for (int i = 0; i < 5; ++i)
+    captions[i].group = i;
+  assert_int_equal(km_drawing_gallery(s.drawing, &look, captions, KM_PICTURE_SVG, &groups, &error), KM_OK);
+  assert_true(strstr(one_group.data, "<svg") && strstr(groups.data, "<svg"));
+  assert_string_not_equal(one_group.data, groups.data);
+  assert_int_equal(km_drawing_gallery(s.drawing, &look, captions, KM_PICTURE_PDF, &pdf, &error), KM_OK);
+  assert_memory_equal(pdf.data, "%PDF", 4);
+  assert_int_equal(km_drawing_gallery(s.drawing, &look, captions, KM_PICTURE_PNG, &png, &error), KM_OK);
+  assert_memory_equal(png.data + 1, "PNG", 3);
+  assert_int_equal(km_drawing_gallery(s.drawing, &look, NULL, KM_PICTURE_SVG, &groups, &error), KM_USAGE);
+  km_text_free(&one_group);
+  km_text_free(&groups);
+  km_text_free(&pdf);
+  km_text_free(&png);
+  close_swept(&s);
+}
+
 static void assert_refused(km_status status, const km_error *error, const char *text) {
   assert_int_equal(status, KM_USAGE);
   assert_string_equal(error->text, text);
@@ -201,8 +230,9 @@ static void pages_that_cannot_be(void **unused) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(poses_are_those_of_rows),        cmocka_unit_test(turns_come_round),
-      cmocka_unit_test(pages_need_a_row_for_each_pose), cmocka_unit_test(what_cannot_be_drawn_is_told),
-      cmocka_unit_test(rotation_vectors_turn),          cmocka_unit_test(pages_that_cannot_be),
+      cmocka_unit_test(pages_need_a_row_for_each_pose), cmocka_unit_test(a_grid_shows_each_pose),
+      cmocka_unit_test(what_cannot_be_drawn_is_told),   cmocka_unit_test(rotation_vectors_turn),
+      cmocka_unit_test(pages_that_cannot_be),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

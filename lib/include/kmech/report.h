@@ -296,6 +296,17 @@ typedef struct km_drawing_look {
 /* A page with the first pose in full and the others pale, the paths, title, scale bar and axes. */
 KM_API km_status km_drawing_picture(const km_drawing *drawing, const km_drawing_look *look, km_picture_format format,
                                     km_text *out, km_error *error);
+/* Caption of one drawing of a grid. Texts are borrowed and may be NULL. */
+typedef struct km_gallery_caption {
+  const char *title, *text; /* first line, and the line below it */
+  int group;                /* number of its group, from 1, which decides the colour of the frame; 0: grey */
+} km_gallery_caption;
+/* A page with a grid of small drawings: each pose by itself, captions[poses] below. All have one view and one scale.
+ * Colours are those of Okabe and Ito, which colour-blind readers distinguish; they repeat after eight groups. At most
+ * 400 poses. View, meshes, title and name of the look are used. */
+KM_API km_status km_drawing_gallery(const km_drawing *drawing, const km_drawing_look *look,
+                                    const km_gallery_caption *captions, km_picture_format format, km_text *out,
+                                    km_error *error);
 /* An animated PNG of at most 73 of the poses: round and round where they come round, else forth and back, in
  * `seconds` from the first to the last. Names of joints are left out. */
 KM_API km_status km_drawing_apng(const km_drawing *drawing, const km_drawing_look *look, double seconds, km_text *out,
