@@ -30,29 +30,42 @@ static void rotate(double *a, double *b, int count, double c, double s) {
   }
 }
 
-/* Makes two columns of W orthogonal; false if they were, or if one is rounding: shorter than `least`. */
-static bool rotate_pair(int m, int n, double *W, double *V, int p, int q, double least) {
+/* Squared length of a column after a rotation, computed again where it lost digits. */
+static double squared_length(const double *column, int m, double before, double after) {
+  static const double lost = 0.1;
+  return after > lost * before ? after : dot(column, column, m);
+}
+
+/* Makes two columns of W orthogonal, with their squared lengths; false if they were, or if one is shorter than `least`,
+ * which is rounding. */
+static bool rotate_pair(int m, int n, double *W, double *V, double *squares, int p, int q, double least) {
+  const double aa = squares[p], bb = squares[q], shorter = sqrt(fmin(aa, bb)), longer = sqrt(fmax(aa, bb));
+  if (shorter <= least)
+    return false;
   double *a = W + (size_t)p * (size_t)m, *b = W + (size_t)q * (size_t)m;
-  const double aa = dot(a, a, m), bb = dot(b, b, m), ab = dot(a, b, m);
-  const double shorter = sqrt(fmin(aa, bb)), longer = sqrt(fmax(aa, bb));
-  if (shorter <= least || !(fabs(ab) > m * DBL_EPSILON * shorter * longer))
+  const double ab = dot(a, b, m);
+  if (!(fabs(ab) > m * DBL_EPSILON * shorter * longer))
     return false;
   const double z = (bb - aa) / (2.0 * ab), t = copysign(1.0, z) / (fabs(z) + sqrt(1.0 + z * z));
   const double c = 1.0 / sqrt(1.0 + t * t);
   rotate(a, b, m, c, c * t);
   rotate(V + (size_t)p * (size_t)n, V + (size_t)q * (size_t)n, n, c, c * t);
+  squares[p] = squared_length(a, m, aa, aa - t * ab);
+  squares[q] = squared_length(b, m, bb, bb + t * ab);
   return true;
 }
 
 /* Rotates the columns of W and V until those of W are orthogonal; false if they don't become so. */
-static bool orthogonalise(int m, int n, double *W, double *V) {
+static bool orthogonalise(int m, int n, double *W, double *V, double *squares) {
   const double least = m * DBL_EPSILON * sqrt(dot(W, W, m * n));
   bool has_rotated = true;
   for (int sweep = 0; sweep < MAX_SWEEPS && has_rotated; ++sweep) {
     has_rotated = false;
+    for (int k = 0; k < n; ++k)
+      squares[k] = dot(W + (size_t)k * (size_t)m, W + (size_t)k * (size_t)m, m);
     for (int p = 0; p + 1 < n; ++p)
       for (int q = p + 1; q < n; ++q)
-        has_rotated = rotate_pair(m, n, W, V, p, q, least) || has_rotated;
+        has_rotated = rotate_pair(m, n, W, V, squares, p, q, least) || has_rotated;
   }
   return !has_rotated;
 }
@@ -145,7 +158,7 @@ km_status km_jacobi_svd(int rows, int columns, const double *A, bool complete, d
   copy_matrix(rows, columns, A, is_wide, W);
   for (int k = 0; k < n; ++k)
     V[(size_t)k * (size_t)n + (size_t)k] = 1.0;
-  const bool has_converged = orthogonalise(m, n, W, V);
+  const bool has_converged = orthogonalise(m, n, W, V, s);
   sort_columns(m, n, W, V, s);
   normalise(m, n, W, s, complete ? m : n);
   /* A = W S Vᵀ, or A = V S Wᵀ of a wide matrix */
