@@ -53,6 +53,26 @@ static void figures_are_merged(void **state) {
   km_arena_free(&k.arena);
 }
 
+/* The greatest of each kind comes first, by spread; then the others. */
+static void kinds_lead(void **state) {
+  (void)state;
+  km_document_maker k = {.count = 0};
+  static km_compared_figures figures[2];
+  static const char *const names[] = {"speed of A", "speed of B", "swing of A", "swing of B", "energy"};
+  static const double greatest[] = {4.0, 5.0, 2.0, 3.0, 1.5}; /* over 1 */
+  static const char *const order[] = {"speed of B", "swing of B", "energy", "speed of A", "swing of A"};
+  memset(figures, 0, sizeof figures);
+  for (int f = 0; f < 5; ++f) {
+    km_compared_add(&figures[0], (km_compared_figure){names[f], "", 1.0, KM_BETTER_NEITHER, NULL, false});
+    km_compared_add(&figures[1], (km_compared_figure){names[f], "", greatest[f], KM_BETTER_NEITHER, NULL, false});
+  }
+  const km_compared_rows rows = km_compared_merge(&k, figures, 2);
+  assert_int_equal(rows.different, 5);
+  for (int f = 0; f < 5; ++f)
+    assert_string_equal(rows.items[f].figure->name, order[f]);
+  km_arena_free(&k.arena);
+}
+
 /* The table of the page marks the best, whether things are columns or rows. */
 static void the_best_is_marked(void **state) {
   (void)state;
@@ -82,6 +102,7 @@ static void the_best_is_marked(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(figures_are_merged),
+      cmocka_unit_test(kinds_lead),
       cmocka_unit_test(the_best_is_marked),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

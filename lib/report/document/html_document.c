@@ -22,7 +22,7 @@ static const char style[] =
     ".logo{float:right;width:auto;height:auto;max-height:4rem;max-width:40%;margin:0 0 .5rem 1rem;border-radius:0}"
     "img{width:100%;height:auto;background:#fff;border-radius:4px}"
     "@media(max-width:36rem){body{margin:1rem auto}h1{font-size:1.35rem}dl{grid-template-columns:minmax(0,1fr);gap:0}"
-    "dd{margin:0 0 .5rem}th,td{padding:.2rem .4rem}}"
+    "dd{margin:0 0 .5rem}th,td{padding:.2rem .4rem}td:first-child{min-width:6rem}}"
     "@media print{:root{--ink:#1a1a1a;--paper:#fff;--soft:#5f5f5f;--line:#ccc;--shade:#f2f2f2}body{margin:0}"
     "h2{break-after:avoid}.part{break-before:page}img{break-inside:avoid}}";
 

@@ -261,6 +261,38 @@ static void sort(km_compared_rows *rows) {
   }
 }
 
+/* Length of the words in front of what a figure is of: "largest force" of "largest force of A". */
+static size_t kind_length(const char *name) {
+  static const char *const joins[] = {" of ", " in ", " at "};
+  size_t length = strlen(name);
+  for (size_t i = 0; i < sizeof joins / sizeof *joins; ++i) {
+    const char *found = strstr(name, joins[i]);
+    if (found && (size_t)(found - name) < length)
+      length = (size_t)(found - name);
+  }
+  return length;
+}
+
+static bool is_of_kind(const km_compared_row *a, const km_compared_row *b) {
+  const size_t length = kind_length(a->figure->name);
+  return length == kind_length(b->figure->name) && strncmp(a->figure->name, b->figure->name, length) == 0;
+}
+
+/* Moves the first row of each kind in front of the others, among those that differ and aren't secondary. */
+static void lead_with_kinds(km_compared_rows *rows) {
+  size_t leading = 0;
+  for (size_t i = 0; i < rows->different && !rows->items[i].figure->secondary; ++i) {
+    const km_compared_row row = rows->items[i];
+    bool is_first = true;
+    for (size_t k = 0; k < leading && is_first; ++k)
+      is_first = !is_of_kind(&rows->items[k], &row);
+    for (size_t k = i; k > leading && is_first; --k)
+      rows->items[k] = rows->items[k - 1];
+    if (is_first)
+      rows->items[leading++] = row;
+  }
+}
+
 km_compared_rows km_compared_merge(km_document_maker *k, const km_compared_figures *figures, int count) {
   size_t most = 0;
   for (int i = 0; i < count; ++i)
@@ -280,5 +312,6 @@ km_compared_rows km_compared_merge(km_document_maker *k, const km_compared_figur
   sort(&rows);
   while (rows.different < rows.count && rows.items[rows.different].spread > shown_digits)
     ++rows.different;
+  lead_with_kinds(&rows);
   return rows;
 }

@@ -39,8 +39,8 @@ typedef struct km_compared_row {
   int best;                         /* thing with the best value; -1: neither side is better, or all are equal */
 } km_compared_row;
 
-/* Figures of all things by name and unit: those that differ, the primary ones among them first, by spread; then those
- * that are equal. */
+/* Figures of all things by name and unit: those that differ, then those that are equal. Those that differ stand by
+ * spread: first the greatest of each kind ("swing of …"), then the other primary ones, then the secondary ones. */
 typedef struct km_compared_rows {
   km_compared_row *items; /* [count] */
   size_t count;

@@ -185,7 +185,9 @@ void km_comparison_page_add(km_document_maker *k, const char *const *names, int 
       km_document_text(k, "★ best value: the least force, acceleration or rate, the greatest transmission angle or "
                           "margin.");
     if (rows->different > most)
-      km_document_text(k, km_document_format(k, "%zu more figures differ, by less.", rows->different - most));
+      km_document_text(k, km_document_format(
+                              k, rows->different - most == 1 ? "%zu more figure differs." : "%zu more figures differ.",
+                              rows->different - most));
   }
   if (rows->different)
     add_equal(k, rows);
