@@ -15,7 +15,7 @@ enum {
   MOST_EQUAL_NAMED = 8, /* equal figures that are named */
   MOST_PANELS = 2
 };
-static const double panel_height = 92, plot_margin = 40; /* points */
+static const double panel_height = 84, plot_margin = 40; /* points */
 
 static const char *unit_words(km_document_maker *k, const km_compared_figure *figure) {
   return figure->unit[0] ? km_document_format(k, " %s", km_report_unit(k, figure->unit)) : "";
@@ -151,46 +151,50 @@ static void add_thing_rows(km_document_maker *k, const char *const *names, int c
   km_document_cells(k, KM_BLOCK_TABLE, cells, (size_t)count + 1, columns);
 }
 
-/* Names of the figures that are equal, or their number. */
-static void add_equal(km_document_maker *k, const km_compared_rows *rows) {
-  km_text text = {0};
-  size_t equal = rows->count - rows->different;
+/* Names and values of the figures that are equal. */
+static void add_equal(km_document_maker *k, const km_compared_rows *rows, km_text *out) {
+  const size_t equal = rows->count - rows->different;
   for (size_t i = 0; i < equal && i < MOST_EQUAL_NAMED; ++i) {
     const km_compared_row *row = &rows->items[rows->different + i];
-    km_text_format(&text, "%s%s", i ? "; " : "Equal in all: ", row->figure->name);
+    km_text_format(out, "%s%s", i ? "; " : " Equal in all: ", row->figure->name);
     if (isfinite(row->low))
-      km_text_format(&text, " %s%s", number_words(k, row->low), unit_words(k, row->figure));
+      km_text_format(out, " %s%s", number_words(k, row->low), unit_words(k, row->figure));
   }
   if (equal > MOST_EQUAL_NAMED)
-    km_text_format(&text, "; and %zu more", equal - MOST_EQUAL_NAMED);
-  if (equal)
-    km_document_text(k, km_document_format(k, "%s.", km_document_words(k, &text, "")));
+    km_text_format(out, "; and %zu more", equal - MOST_EQUAL_NAMED);
+  km_text_add(out, equal ? "." : "");
+}
+
+/* The paragraph below the table: its mark, the figures that it leaves out, and those that are equal. */
+static void add_notes(km_document_maker *k, const km_compared_rows *rows, size_t shown) {
+  km_text text = {0};
+  bool marked = false;
+  for (size_t r = 0; r < rows->different && r < shown; ++r)
+    marked = marked || rows->items[r].best >= 0;
+  if (marked)
+    km_text_add(&text,
+                "★ best value: the least force, acceleration or rate, the greatest transmission angle or margin.");
+  if (rows->different > shown)
+    km_text_format(&text, " %zu more figure%s.", rows->different - shown,
+                   rows->different - shown == 1 ? " differs" : "s differ");
+  add_equal(k, rows, &text);
+  const char *words = km_document_words(k, &text, NULL);
+  if (words)
+    km_document_text(k, words[0] == ' ' ? words + 1 : words);
 }
 
 void km_comparison_page_add(km_document_maker *k, const char *const *names, int count, const char *kind,
                             const char *kinds, const km_compared_rows *rows) {
   const bool side_by_side = count <= SIDE_BY_SIDE;
-  const size_t most = side_by_side ? MOST_ROWS : MOST_COLUMNS;
-  bool marked = false;
-  for (size_t r = 0; r < rows->different && r < most; ++r)
-    marked = marked || rows->items[r].best >= 0;
   add_lead(k, names, count, kinds, rows);
-  if (rows->different) {
-    km_document_heading(k, "What differs");
-    if (side_by_side)
-      add_figure_rows(k, names, count, rows);
-    else
-      add_thing_rows(k, names, count, kind, rows);
-    if (marked)
-      km_document_text(k, "★ best value: the least force, acceleration or rate, the greatest transmission angle or "
-                          "margin.");
-    if (rows->different > most)
-      km_document_text(k, km_document_format(
-                              k, rows->different - most == 1 ? "%zu more figure differs." : "%zu more figures differ.",
-                              rows->different - most));
-  }
-  if (rows->different)
-    add_equal(k, rows);
+  if (rows->different == 0)
+    return;
+  km_document_heading(k, "What differs");
+  if (side_by_side)
+    add_figure_rows(k, names, count, rows);
+  else
+    add_thing_rows(k, names, count, kind, rows);
+  add_notes(k, rows, side_by_side ? MOST_ROWS : MOST_COLUMNS);
 }
 
 size_t km_comparison_columns(const km_compared_rows *rows, const char **columns, size_t most) {

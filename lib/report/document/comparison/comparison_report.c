@@ -65,9 +65,10 @@ static void add_poses(km_document_maker *k, const comparison *c) {
   if (!sweeps || !context || !strip)
     return;
   *strip = km_comparison_strip_make(sweeps, c->count, c->ordered, &k->arena, context);
-  if (strip->height > 0.0)
-    km_document_picture(k, km_document_format(k, "the %s over each other", kind_of(c)), strip->height, draw_strip,
-                        strip);
+  if (strip->height <= 0.0)
+    return;
+  km_document_heading(k, "Three configurations");
+  km_document_picture(k, km_document_format(k, "the %s over each other", kind_of(c)), strip->height, draw_strip, strip);
 }
 
 /* Reasons of ranges that were cut short, and answers without rows. */
