@@ -4,6 +4,7 @@
 
 #include "common/pose.h"
 
+kt_exit kspace_map(int argc, char **argv);
 kt_exit kspace_modes(int argc, char **argv);
 
 #endif

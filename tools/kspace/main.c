@@ -2,7 +2,9 @@
 #include "kspace/kspace.h"
 
 static const kt_command commands[] = {
-    {"modes", "all assembly modes: every way in which the loops close, each once and proved", kspace_modes}, {0}};
+    {"modes", "all assembly modes: every way in which the loops close, each once and proved", kspace_modes},
+    {"map", "sheets over two drivers, from each assembly mode, and their singularity curves", kspace_map},
+    {0}};
 
 int main(int argc, char **argv) {
   return (int)kt_run("kspace",

@@ -117,8 +117,7 @@ static kt_exit write_answer(const kspace_modes_answer *a, km_arena *arena) {
   if (result == KT_DONE && arena->failed)
     result = KT_NO_MEMORY;
   if (result == KT_DONE)
-    result = a->o->base ? kt_write(&a->o->common, a->o->base, "modes", endings[a->o->format], &out)
-                        : kt_write(&a->o->common, "-", "modes", endings[a->o->format], &out);
+    result = kt_write(&a->o->common, a->o->base ? a->o->base : "-", "modes", endings[a->o->format], &out);
   km_text_free(&out);
   return result;
 }

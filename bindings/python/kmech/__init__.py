@@ -17,7 +17,7 @@ from .diagnosis import JointChange, RemedySet
 from .errors import (Cancelled, Diverged, FileError, InternalError, KmechError, Message, ModelError, ModelWarning,
                      NoResult, UsageError, text_of)
 from .linear import Linear
-from .space import AssemblyModes
+from .space import AssemblyModes, SpaceMap
 from .mechanism import Mechanism, Mobility, Pose, State
 from .model import Model, from_string, load
 from .picture import Picture
@@ -37,7 +37,7 @@ def documentation(function: str) -> str:
 
 __all__ = ["Answer", "Arm", "AssemblyModes", "Builder", "Cancelled", "Crossing", "DesignStudy", "Diverged", "Event", "FileError", "FrameMotion", "InternalError", "JointChange", "KmechError", "Linear",
            "Mechanism", "Message", "Mobility", "Model", "ModelError", "ModelWarning", "NoResult", "PassedLimit", "Picture", "Pose", "RemedySet", "Session",
-           "State", "Statistics", "Study", "Summary", "Table", "Track", "UsageError", "Yield", "documentation", "ffi", "from_string", "kinds", "lib", "load",
+           "SpaceMap", "State", "Statistics", "Study", "Summary", "Table", "Track", "UsageError", "Yield", "documentation", "ffi", "from_string", "kinds", "lib", "load",
            "load_designs", "load_study"]
 
 # What the C headers say of the functions behind methods stands below each one's own words.

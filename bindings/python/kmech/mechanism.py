@@ -227,6 +227,13 @@ class Mechanism:
 
         return all_modes(self, state or self._copy(), hold, within_limits, seed, progress)
 
+    def space_map(self, over: Any, *, seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
+        """A map over two drivers, {label: (from, to, values)} (a SpaceMap): one sheet for each assembly mode at a state, and
+        the singularity curves of the drivers."""
+        from .space import space_map
+
+        return space_map(self, state or self._copy(), over, seed, progress)
+
     def diagnose(self, *, progress: Progress = None, state: Optional[State] = None) -> dict[str, Any]:
         """What kmob info --format json tells at a state: mobility, finite mobility and motions, idle freedoms, redundant
         constraints, single remedies and a set of remedies."""

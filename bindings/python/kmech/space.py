@@ -1,14 +1,15 @@
-"""Configuration spaces: all assembly modes and their circuits."""
+"""Configuration spaces: all assembly modes, their circuits, and maps over two drivers."""
 from __future__ import annotations
 
-from typing import NamedTuple, Sequence
+from typing import Mapping, NamedTuple, Sequence, Tuple
 
 import numpy
 
 from ._kmech import ffi, lib
-from .errors import check, new_error, text_of
+from .errors import UsageError, check, new_error, text_of
 from .mechanism import Mechanism, State
 from .progress import Progress, Watch
+from .table import Table, table_of
 
 
 class AssemblyModes(NamedTuple):
@@ -70,3 +71,39 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
     finally:
         lib.km_mode_circuits_free(circuits)
         lib.km_all_modes_free(modes)
+
+
+class SpaceMap(NamedTuple):
+    """A map over two drivers. cells: a row for each grid point that a sheet reaches, with the sheet's mode, q. and m. of every
+    coordinate, sigma.input and sigma.closure. curves: points of the singularity curves of the drivers. complete: the modes
+    from which the sheets were followed are all modes at the state."""
+
+    cells: Table
+    curves: Table
+    sheet_count: int
+    curve_count: int
+    complete: bool
+
+
+def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]], seed: int,
+              progress: Progress) -> SpaceMap:
+    """The map over the drivers of `over`, label: (from, to, values)."""
+    error, watch = new_error(), Watch(progress)
+    modes = ffi.gc(ffi.new("km_all_modes *"), lib.km_all_modes_free)
+    found = ffi.gc(ffi.new("km_space_map *"), lib.km_space_map_free)
+    if len(over) != 2:
+        raise UsageError(f"a map over {len(over)} drivers; expected two of them")
+    axes = [{"coordinate": mechanism.model._coordinate(label), "from": a, "to": b, "steps": values - 1}
+            for label, (a, b, values) in over.items()]
+    definition = ffi.new("km_space_map_def *", {"axis": axes})
+    locked = ffi.new("int[]", [axis["coordinate"] for axis in axes])
+    wanted = ffi.new("km_all_modes_def *", {"locked": locked, "locked_count": 2, "seed": seed})
+    with mechanism.model._reading(), state._using():
+        status = lib.km_all_modes_find(mechanism._c, state._c, wanted, watch.call, watch.context, modes, error)
+        if not status:
+            status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, watch.call, watch.context, found,
+                                              error)
+    watch.finish()
+    check(status, error)
+    return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,
+                    modes.is_complete)

@@ -347,6 +347,20 @@ def test_all_assembly_modes(source):
         mechanism.all_modes(["A"], progress=lambda done: False)
 
 
+def test_maps_over_two_drivers(source):
+    mechanism = kmech.Mechanism(kmech.load(source / "models/five_bar.json"))
+    found = mechanism.space_map({"A": (-2, 2, 21), "E": (-2, 2, 21)})
+    assert found.complete and found.sheet_count == 2 and found.curve_count >= 1
+    ends = [(0.6 * numpy.cos(found.curves[c] + numpy.pi / 2), 0.6 * numpy.sin(found.curves[c] + numpy.pi / 2)) for c in ("q.A", "q.E")]
+    apart = numpy.hypot(1 + ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
+    assert abs(apart - 1.8).max() < 1e-9  # the rods are in line
+    assert abs(sum(found.cells["m." + c] for c in "ABCDE") - 2).max() < 1e-12
+    with pytest.raises(kmech.UsageError, match="two of them"):
+        mechanism.space_map({"A": (-2, 2, 21)})
+    with pytest.raises(kmech.Cancelled):
+        mechanism.space_map({"A": (-2, 2, 21), "E": (-2, 2, 21)}, progress=lambda done: False)
+
+
 def test_remedies_end_what_is_redundant(source):
     for name, redundant in (("bennett", 3), ("sarrus3", 4), ("scissor_lift", 9), ("fourbar", 3)):
         model = kmech.load(source / f"models/{name}.json")

@@ -1,8 +1,9 @@
-/* Configuration spaces: all assembly modes with a proof, and their circuits. */
+/* Configuration spaces: all assembly modes with a proof, their circuits, maps over two drivers. */
 #ifndef KMECH_SPACE_H
 #define KMECH_SPACE_H
 
 #include "kmech/base.h"
+#include "kmech/data.h"
 #include "kmech/mechanism.h"
 
 #include <stdbool.h>
@@ -112,6 +113,46 @@ KM_API km_status km_mode_circuits_find(const km_mechanism *mechanism, const km_s
                                        const km_all_modes_def *def, const km_all_modes *modes, km_progress progress,
                                        void *context, km_mode_circuits *out, km_error *error);
 KM_API void km_mode_circuits_free(km_mode_circuits *circuits);
+
+/* ---- Maps over two drivers: sheets of configurations, and singularity curves (docs/theory.md 4.19). */
+
+enum {
+  KM_MAX_MAP_STEPS = 2000 /* most intervals of a map's axis */
+};
+
+/* One axis of a map: a driver and the grid of its values. */
+typedef struct km_space_axis {
+  int coordinate;  /* the driver: a hinge or slide of a loop */
+  double from, to; /* model's unit */
+  int steps;       /* intervals, 1 to KM_MAX_MAP_STEPS */
+} km_space_axis;
+
+/* Definition of a map. */
+typedef struct km_space_map_def {
+  km_space_axis axis[2]; /* drivers of one part of the mechanism */
+} km_space_map_def;
+
+/* A map. */
+typedef struct km_space_map {
+  km_table *cells;  /* sheet (number of its mode), q., m. of every coordinate, sigma.input, sigma.closure: a row for
+                     * each grid point that a sheet reaches */
+  km_table *curves; /* curve (number), q. of every coordinate: points of singularity curves, each curve in one row after
+                     * another; a curve that isn't closed is written from its first point to one end, then to the
+                     * other */
+  int sheet_count;  /* modes whose sheet has grid points */
+  int curve_count;  /* number of curves */
+} km_space_map;
+
+/* Follows the configurations over a grid of two drivers, from each mode (km_all_modes_find with both locked) and from
+ * grid point to grid point. A sheet ends at singular configurations of the drivers, where det A = 0, A the Jacobian's
+ * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
+ * lengths over the substructure's size. The curves det A = 0 that bound the sheets are followed by continuation, each
+ * point to 1e-11. Limits are ignored. KM_USAGE: an axis is invalid, ball joints, or the part has not two freedoms or
+ * has redundant conditions; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
+KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
+                                      const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
+                                      km_error *error);
+KM_API void km_space_map_free(km_space_map *map);
 
 #ifdef __cplusplus
 }

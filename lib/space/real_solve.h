@@ -1,0 +1,15 @@
+/* Linear equations over the real numbers: LU with row pivoting. Sizes of one closed mechanism.
+ *
+ *   P A = L U */
+#ifndef KM_SPACE_REAL_SOLVE_H
+#define KM_SPACE_REAL_SOLVE_H
+
+#include <stdbool.h>
+
+/* Factors A[n × n], by rows, in place; row[n] is the order of the rows. *sign is the sign of det A. False: a pivot is
+ * 0 or not finite. O(n³). */
+bool km_real_factor(double *A, int n, int *row, int *sign);
+/* Solves A x = b with the factors; x must not be b. O(n²). */
+void km_real_solve(const double *LU, int n, const int *row, const double *b, double *x);
+
+#endif

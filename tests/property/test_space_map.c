@@ -1,0 +1,199 @@
+/* Maps over two drivers: five-bars against closed forms. */
+#include "support/support.h"
+
+#include "base/random.h"
+#include "kmech/space.h"
+#include "model/model.h"
+
+/* A five-bar: cranks of lengths a and d on the pins (0, 0) and (1, 0), rods of lengths b and c between their ends and
+ * the point P. Joints A, E: cranks; B, D: their ends; C: P. */
+typedef struct five_bar {
+  double crank[2][2], P[2]; /* ends of the cranks, and P, as drawn */
+} five_bar;
+
+static fixture build(const five_bar *b) {
+  km_text text = {0};
+  km_text_format(
+      &text,
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"b1\"}, {\"name\": \"b2\"}, "
+      "{\"name\": \"b3\"}, {\"name\": \"b4\"}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"b1\"], \"at\": [0, 0]},"
+      "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"b1\", \"b2\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"b2\", \"b3\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"b4\", \"b3\"], \"at\": [%.17g, %.17g]},"
+      "{\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"b4\"], \"at\": [1, 0]}]}]}",
+      b->crank[0][0], b->crank[0][1], b->P[0], b->P[1], b->crank[1][0], b->crank[1][1]);
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+static five_bar random_five_bar(uint64_t *random) {
+  five_bar b = {.crank = {{-0.2, 0.6}, {1.2, 0.7}}, .P = {0.5, 1.4}};
+  for (int k = 0; k < 2; ++k) {
+    b.crank[0][k] += 0.2 * km_uniform(random);
+    b.crank[1][k] += 0.2 * km_uniform(random);
+    b.P[k] += 0.2 * km_uniform(random);
+  }
+  return b;
+}
+
+/* Distance of the cranks' ends at angles from the drawn pose, and the ends. */
+static double ends(const five_bar *b, double alpha, double epsilon, double end[2][2]) {
+  const double angle[2] = {alpha, epsilon}, pin[2] = {0.0, 1.0};
+  for (int k = 0; k < 2; ++k) {
+    double x = b->crank[k][0] - pin[k], y = b->crank[k][1];
+    end[k][0] = pin[k] + cos(angle[k]) * x - sin(angle[k]) * y;
+    end[k][1] = sin(angle[k]) * x + cos(angle[k]) * y;
+  }
+  return hypot(end[1][0] - end[0][0], end[1][1] - end[0][1]);
+}
+
+static int coordinate(const fixture *f, const char *label) {
+  int c;
+  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
+  return c;
+}
+
+static km_space_map map_of(const fixture *f, double from, double to, int steps) {
+  const int locked[2] = {coordinate(f, "A"), coordinate(f, "E")};
+  const km_space_map_def def = {.axis = {{locked[0], from, to, steps}, {locked[1], from, to, steps}}};
+  km_all_modes modes;
+  km_space_map map;
+  km_error error = {0};
+  const km_all_modes_def of_modes = {.locked = locked, .locked_count = 2, .seed = 1};
+  if (km_all_modes_find(f->mechanism, f->state, &of_modes, NULL, NULL, &modes, &error) ||
+      km_space_map_compute(f->mechanism, f->state, &def, &modes, NULL, NULL, &map, &error))
+    fail_msg("%s", error.text);
+  km_all_modes_free(&modes);
+  return map;
+}
+
+/* A grid point is reached if and only if the circles of the rods meet there and it is connected with the drawn pose;
+ * every cell closes the rods, on the side of its mode. */
+static void cells_close_the_rods(void **state) {
+  (void)state;
+  uint64_t random = 4;
+  for (int trial = 0; trial < 6; ++trial) {
+    five_bar b = random_five_bar(&random);
+    fixture f = build(&b);
+    enum { STEPS = 40 };
+    km_space_map map = map_of(&f, -1.5, 1.5, STEPS);
+    double rod[2] = {hypot(b.P[0] - b.crank[0][0], b.P[1] - b.crank[0][1]),
+                     hypot(b.P[0] - b.crank[1][0], b.P[1] - b.crank[1][1])};
+    int possible = 0, stack[(STEPS + 1) * (STEPS + 1)], size = 0;
+    bool seen[STEPS + 1][STEPS + 1] = {{false}};
+    stack[size++] = STEPS / 2 * (STEPS + 1) + STEPS / 2;
+    seen[STEPS / 2][STEPS / 2] = true;
+    while (size > 0) { /* closed form of the connected grid points */
+      int i = stack[--size] % (STEPS + 1), j = stack[size] / (STEPS + 1);
+      ++possible;
+      for (int side = 0; side < 4; ++side) {
+        int x = i + (side == 0) - (side == 1), y = j + (side == 2) - (side == 3);
+        bool is_open = false;
+        if (x < 0 || y < 0 || x > STEPS || y > STEPS || seen[y][x])
+          continue;
+        for (int part = 1; part <= 50; ++part) { /* the way from grid point to grid point */
+          double end[2][2],
+              u = part / 50.0,
+              d = ends(&b, -1.5 + 3.0 * (i + u * (x - i)) / STEPS, -1.5 + 3.0 * (j + u * (y - j)) / STEPS, end);
+          is_open = is_open || d >= rod[0] + rod[1] || d <= fabs(rod[0] - rod[1]);
+        }
+        if (is_open)
+          continue;
+        seen[y][x] = true;
+        stack[size++] = y * (STEPS + 1) + x;
+      }
+    }
+    assert_int_equal(map.sheet_count, 2);
+    assert_int_equal(km_table_rows(map.cells), 2 * possible);
+    for (size_t k = 0; k < km_table_rows(map.cells); ++k) {
+      const double *row = km_table_row(map.cells, k);
+      double end[2][2];
+      const double *q = row + 1;
+      ends(&b, q[coordinate(&f, "A")], q[coordinate(&f, "E")], end);
+      double turn = q[coordinate(&f, "A")] + q[coordinate(&f, "B")];
+      double x = b.P[0] - b.crank[0][0], y = b.P[1] - b.crank[0][1];
+      double P[2] = {end[0][0] + cos(turn) * x - sin(turn) * y, end[0][1] + sin(turn) * x + cos(turn) * y};
+      assert_near(hypot(P[0] - end[1][0], P[1] - end[1][1]), rod[1], 1e-10);
+      double side = (end[1][0] - end[0][0]) * (P[1] - end[0][1]) - (end[1][1] - end[0][1]) * (P[0] - end[0][0]);
+      double drawn = (b.crank[1][0] - b.crank[0][0]) * (b.P[1] - b.crank[0][1]) -
+                     (b.crank[1][1] - b.crank[0][1]) * (b.P[0] - b.crank[0][0]);
+      assert_true((side * drawn > 0.0) == (row[0] == 1.0));
+      double sum = 0.0;
+      for (int c = 0; c < 5; ++c)
+        sum += row[6 + c];
+      assert_near(sum, 2.0, 1e-12); /* mobility numbers add up to the freedoms */
+      assert_true(row[11] > 0.0 && row[12] >= row[11] - 1e-12);
+    }
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
+}
+
+/* The rods are in line on a singularity curve: the cranks' ends are as far apart as both rods, or their difference. */
+static void rods_are_in_line_on_the_curves(void **state) {
+  (void)state;
+  uint64_t random = 8;
+  size_t points = 0;
+  for (int trial = 0; trial < 6; ++trial) {
+    five_bar b = random_five_bar(&random);
+    fixture f = build(&b);
+    km_space_map map = map_of(&f, -2.0, 2.0, 40);
+    double rod[2] = {hypot(b.P[0] - b.crank[0][0], b.P[1] - b.crank[0][1]),
+                     hypot(b.P[0] - b.crank[1][0], b.P[1] - b.crank[1][1])};
+    assert_true(map.curve_count > 0);
+    for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
+      const double *q = km_table_row(map.curves, k) + 1;
+      double end[2][2], d = ends(&b, q[coordinate(&f, "A")], q[coordinate(&f, "E")], end);
+      assert_at_most(fmin(fabs(d - rod[0] - rod[1]), fabs(d - fabs(rod[0] - rod[1]))), 1e-9);
+      ++points;
+    }
+    km_space_map_free(&map);
+    fixture_close(&f);
+  }
+  assert_true(points > 500);
+}
+
+static bool stop_at_once(void *context, double done) {
+  (void)context;
+  (void)done;
+  return false;
+}
+
+static void refusals(void **state) {
+  (void)state;
+  uint64_t random = 4;
+  five_bar b = random_five_bar(&random);
+  fixture f = build(&b);
+  int A = coordinate(&f, "A"), E = coordinate(&f, "E");
+  double zero[5] = {0};
+  const km_all_modes modes = {.count = 1, .coordinates = zero};
+  km_space_map map;
+  km_error error;
+  const km_space_map_def good = {{{A, -1.0, 1.0, 4}, {E, -1.0, 1.0, 4}}},
+                         same = {{{A, -1.0, 1.0, 4}, {A, -1.0, 1.0, 4}}},
+                         empty = {{{A, 1.0, 1.0, 4}, {E, -1.0, 1.0, 4}}},
+                         index = {{{99, -1.0, 1.0, 4}, {E, -1.0, 1.0, 4}}};
+  assert_int_equal(km_space_map_compute(f.mechanism, f.state, &good, &modes, stop_at_once, NULL, &map, &error),
+                   KM_CANCELLED);
+  km_space_map_free(&map);
+  const km_space_map_def *bad[] = {&same, &empty, &index, NULL};
+  for (int k = 0; k < 4; ++k) {
+    assert_int_equal(km_space_map_compute(f.mechanism, f.state, bad[k], &modes, NULL, NULL, &map, &error), KM_USAGE);
+    km_space_map_free(&map);
+  }
+  fixture_close(&f);
+  f = fixture_open("fourbar");
+  const km_space_map_def one_freedom = {{{0, -1.0, 1.0, 4}, {3, -1.0, 1.0, 4}}};
+  assert_int_equal(km_space_map_compute(f.mechanism, f.state, &one_freedom, &modes, NULL, NULL, &map, &error),
+                   KM_USAGE);
+  km_space_map_free(&map);
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(cells_close_the_rods),
+                                     cmocka_unit_test(rods_are_in_line_on_the_curves), cmocka_unit_test(refusals)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
