@@ -7,15 +7,15 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "mobility/jacobian_singular_values.h"
 #include "space/driver_surface.h"
 #include "space/real_solve.h"
 
 #include <string.h>
 
-enum { MOST_NEWTON = 8 };
+enum { MOST_NEWTON = 8, MOST_SWEEPS = 30 };
 static const double closed = 1e-13;          /* largest error of a cell: radians, sizes */
 static const double most_correction = 0.3;   /* first correction over the predicted step */
+static const double orthogonal = 1e-30;      /* squared cosine of columns that are orthogonal to rounding */
 static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
 
@@ -28,8 +28,7 @@ typedef struct map_search {
   double *saved, *N; /* [cell][3 · columns], [cell][2 · rows] */
   signed char *sign; /* [cell] of det A; 0: not reached */
   int *queue;
-  km_svd_workspace svd;
-  double *values;
+  double *transposed; /* [columns × rows] Jᵀ */
   km_space_map *out;
 } map_search;
 
@@ -151,6 +150,43 @@ static bool reach(map_search *g, int from, int cell, double *N) {
   return move_to(g, target, N, g->sign[from]);
 }
 
+/* Smallest singular value of a matrix with at least as many rows as columns, whose columns lie one after another, by
+ * rotations of pairs of columns until they are orthogonal (one-sided Jacobi method, M. R. Hestenes 1958). A is
+ * destroyed. */
+static double smallest_singular_value(double *A, int rows, int columns) {
+  bool is_rotated = true;
+  for (int sweep = 0; is_rotated && sweep < MOST_SWEEPS; ++sweep) {
+    is_rotated = false;
+    for (int i = 0; i < columns; ++i)
+      for (int j = i + 1; j < columns; ++j) {
+        double *a = A + i * rows, *b = A + j * rows, aa = 0.0, bb = 0.0, ab = 0.0;
+        for (int k = 0; k < rows; ++k) {
+          aa += a[k] * a[k];
+          bb += b[k] * b[k];
+          ab += a[k] * b[k];
+        }
+        if (!(ab * ab > orthogonal * aa * bb))
+          continue;
+        is_rotated = true;
+        double zeta = (bb - aa) / (2.0 * ab), t = copysign(1.0, zeta) / (fabs(zeta) + sqrt(1.0 + zeta * zeta));
+        double c = 1.0 / sqrt(1.0 + t * t), s = c * t;
+        for (int k = 0; k < rows; ++k) {
+          double kept = a[k];
+          a[k] = c * kept - s * b[k];
+          b[k] = s * kept + c * b[k];
+        }
+      }
+  }
+  double smallest = HUGE_VAL;
+  for (int i = 0; i < columns; ++i) {
+    double square = 0.0;
+    for (int k = 0; k < rows; ++k)
+      square += A[i * rows + k] * A[i * rows + k];
+    smallest = fmin(smallest, square);
+  }
+  return sqrt(smallest);
+}
+
 /* Writes the row of the present cell. N: tangents there. */
 static bool write_cell(map_search *g, int sheet, const double *N) {
   const km_driver_surface *f = &g->f;
@@ -179,13 +215,14 @@ static bool write_cell(map_search *g, int sheet, const double *N) {
         (z[0] * z[0] * G[2] - 2.0 * z[0] * z[1] * G[1] + z[1] * z[1] * G[0]) / determinant;
   }
   row += f->m->coordinate_count;
-  int count = km_svd_values(f->J, f->rows, f->columns, &g->svd, g->values);
-  row[1] = g->values[count - 1];
   for (int j = 0; j < f->rows; ++j)
     memcpy(f->A + (size_t)j * (size_t)f->rows, f->J + (size_t)f->other[j] * (size_t)f->rows,
            (size_t)f->rows * sizeof *f->A);
-  count = km_svd_values(f->A, f->rows, f->rows, &g->svd, g->values);
-  row[0] = g->values[count - 1];
+  row[0] = smallest_singular_value(f->A, f->rows, f->rows);
+  for (int i = 0; i < f->rows; ++i)
+    for (int k = 0; k < f->columns; ++k)
+      g->transposed[i * f->columns + k] = f->J[k * f->rows + i];
+  row[1] = smallest_singular_value(g->transposed, f->columns, f->rows);
   return true;
 }
 
@@ -336,8 +373,8 @@ static km_status prepare(map_search *g, km_error *error) {
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->queue = KM_ARENA_NEW(&g->arena, int, cells);
   g->before = KM_ARENA_NEW(&g->arena, double, KM_SAVED_PER_COLUMN *n);
-  g->values = KM_ARENA_NEW(&g->arena, double, n);
-  if (g->arena.failed || !km_svd_reserve(&g->svd, f->rows, f->columns, &g->arena))
+  g->transposed = KM_ARENA_NEW(&g->arena, double, n *r + 1);
+  if (g->arena.failed)
     return no_memory(error);
   for (int d = 0; d < 2; ++d)
     f->driver[d] = f->m->column_of[def->axis[d].coordinate];
