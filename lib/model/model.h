@@ -60,6 +60,15 @@ typedef struct km_joint_stop {
   double stiffness, damping;
 } km_joint_stop;
 
+/* Tolerances of a joint's place and direction on each of its bodies, its play, and its stiffness against displacements
+ * that it constrains; in the file's units. */
+typedef struct km_joint_fit {
+  bool has_tolerance, has_clearance; /* the model states them */
+  double position, direction;        /* tolerances: a length, an angle */
+  double radial, axial, tilt;        /* play across the axis and along it, and the angle of the tilt */
+  double force_stiffness, moment_stiffness; /* force per length, moment per radian; 0: rigid */
+} km_joint_fit;
+
 /* Prescribed motion of a joint over time. Angles in the file's unit. */
 typedef struct km_joint_prescribed {
   km_motion_law law;
@@ -79,6 +88,7 @@ typedef struct km_model_joint {
   double most_turn; /* spherical joint: limit of the angle |q|, in the file's unit; 0: none */
   km_joint_friction friction;
   km_joint_stop stop;
+  km_joint_fit fit;
   km_joint_prescribed prescribed;
   const char *where;
 } km_model_joint;

@@ -81,8 +81,15 @@ static void add_joints(km_model_numbers *n, km_model *m) {
                                &at->friction.radius,
                                &at->friction.stiction_velocity,
                                &at->stop.stiffness,
-                               &at->stop.damping};
-    for (int k = 0; k < 7; ++k)
+                               &at->stop.damping,
+                               &at->fit.position,
+                               &at->fit.direction,
+                               &at->fit.radial,
+                               &at->fit.axial,
+                               &at->fit.tilt,
+                               &at->fit.force_stiffness,
+                               &at->fit.moment_stiffness};
+    for (size_t k = 0; k < sizeof checked / sizeof *checked; ++k)
       add(n, checked[k], 1, KM_NUMBER_CHECKED);
     if (at->prescribed.values)
       add(n, at->prescribed.values, law_size(&at->prescribed), KM_NUMBER_CHECKED);

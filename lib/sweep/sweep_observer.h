@@ -13,6 +13,7 @@ void km_mobility_sweep_open(km_sweep_job *job, const km_port *ports, km_mobility
 void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_port *output, bool transmission,
                              km_advantage_sweep *out);
 void km_statics_sweep_open(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out);
+void km_allowance_sweep_open(km_sweep_job *job, const km_fit_defaults *defaults, km_allowance_sweep *out);
 /* `rate` of the plan's driver, its unit per time unit, with the sense of the range. */
 void km_motion_sweep_open(km_sweep_job *job, double rate, km_motion_sweep *out);
 void km_motion_sweep_free(km_motion_sweep *sweep);

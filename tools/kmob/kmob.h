@@ -10,6 +10,7 @@ kt_exit kmob_at(int argc, char **argv);
 kt_exit kmob_frame(int argc, char **argv);
 kt_exit kmob_sweep(int argc, char **argv);
 kt_exit kmob_motion(int argc, char **argv);
+kt_exit kmob_allowance(int argc, char **argv);
 kt_exit kmob_report(int argc, char **argv);
 kt_exit kmob_graph(int argc, char **argv);
 kt_exit kmob_check(int argc, char **argv);

@@ -6,6 +6,7 @@ static const kt_command commands[] = {
     {"at", "the same at a pose: --set JOINT=VALUE", kmob_at},
     {"frame", "where a frame is and how it moves: --frame BODY/FRAME", kmob_frame},
     {"sweep", "every mobility number over a driver's range: tables and plots", kmob_sweep},
+    {"allowance", "the play that redundant constraints need for errors of the parts", kmob_allowance},
     {"motion", "how far, how fast and with which acceleration each joint and point moves", kmob_motion},
     {"report", "how the mechanism moves, as a report to hand on: PDF pages, or one HTML file", kmob_report},
     {"graph", "bodies, joints, loops and substructures as a graph for graphviz", kmob_graph},

@@ -72,8 +72,8 @@ typedef struct km_option_value {
 } km_option_value;
 
 /* Kinds of requests, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track", "run",
- * "inverse", "motion"; "" for another index) and an option: the kind's own ones first, then those of every sweep
- * ("mobility", "advantage", "forces", "motion"); NULL past the last. */
+ * "inverse", "motion", "allowance"; "" for another index) and an option: the kind's own ones first, then those of every sweep
+ * ("mobility", "advantage", "forces", "motion", "allowance"); NULL past the last. */
 KM_API int km_question_kinds(void);
 KM_API const char *km_question_kind_name(int kind);
 KM_API const km_option *km_question_option(int kind, int index);
@@ -142,6 +142,7 @@ KM_API const km_sweep_redundancies *km_question_redundancies(const km_question *
 KM_API const km_advantage_sweep *km_question_advantage(const km_question *question);
 KM_API const km_statics_sweep *km_question_statics(const km_question *question);
 KM_API const km_motion_sweep *km_question_velocities(const km_question *question); /* kind "motion" */
+KM_API const km_allowance_sweep *km_question_allowance(const km_question *question); /* kind "allowance" */
 /* Return parts of a prepared request: input and output of "advantage"; forces and balance of "forces". NULL for
  * another kind. */
 KM_API const km_port *km_question_end(const km_question *question, bool output);

@@ -232,6 +232,69 @@ KM_API km_status km_sweep_redundancies_find(const km_mechanism *mechanism, const
                                             km_sweep_redundancies *out, km_error *error);
 KM_API void km_sweep_redundancies_free(km_sweep_redundancies *redundancies);
 
+/* ---- Allowance of redundant constraints (theory 14.9) */
+
+/* Tolerances and play of joints that state none. */
+typedef struct km_fit_defaults {
+  double position;  /* tolerance of a joint's place on each of its bodies, model's length unit */
+  double direction; /* tolerance of its axes on each of its bodies, radians */
+  double play;      /* play in every direction that a joint constrains, model's length unit */
+  double tilt;      /* play of its axes, radians */
+} km_fit_defaults;
+
+/* A redundant constraint: a component of the misfit where a loop is closed last. */
+typedef struct km_allowance_constraint {
+  int joint;     /* joint that closes the loop, -1: a coupling */
+  int component; /* 0 1 2: along x y z of the joint's parent frame; 3 4 5: about them; index of the coupling */
+  /* largest misfit over the rows, in the worst case and for 99.73 % of the mechanisms: model's length unit or radians */
+  km_peak worst, statistical;
+} km_allowance_constraint;
+
+/* A joint of an overconstrained substructure. */
+typedef struct km_allowance_joint {
+  int joint; /* index in the model */
+  /* largest ratio over the rows if this joint alone has play, as km_allowance_sweep.worst; infinite: it can't take up
+   * all misfits */
+  double alone_worst, alone_statistical;
+  double play_share, error_share; /* its share of the play and of the errors where the ratio is worst, 0 to 1 */
+  /* largest force and moment in it over the rows if no joint has play and stated stiffnesses take up the misfits; in
+   * the worst case at most this, and 3 standard deviations; NaN: no stiffness is stated, or it can't take them up */
+  double force_worst, force_statistical, moment_worst, moment_statistical;
+} km_allowance_joint;
+
+/* A sweep with the play that errors of redundant dimensions need. */
+typedef struct km_allowance_sweep {
+  km_sweep motion; /* the table has play.worst, play.statistical, gap.<joint>.<component>.worst and .statistical */
+  km_fit_defaults defaults;
+  bool states_clearance; /* a joint of the model states its clearance */
+  /* largest ratio of play that is needed to play that the joints have, over the rows: above 1 the mechanism binds */
+  km_peak worst, statistical;
+  int constraint_count;
+  km_allowance_constraint *constraints; /* [constraint_count] */
+  int joint_count;
+  km_allowance_joint *joints; /* [joint_count] */
+  int set_count;
+  int *set;                          /* [set_count] few joints whose play alone suffices, indices in the model */
+  double set_worst, set_statistical; /* ratio if only these have play */
+  km_remedy_set remedies;            /* joint types that need no play */
+} km_allowance_sweep;
+
+/* Sweeps as km_mobility_sweep_run. At each row the misfits of the redundant constraints are compared with the play of
+ * the joints,
+ *
+ *   ratio = max over self-stresses a of h(a)/c(a),   h: virtual work of the errors, c: of the play
+ *
+ * worst case: all errors at their tolerances; statistical: normal errors with a third of the tolerance as standard
+ * deviation. Rows with more redundant constraints than nearby have NaN. KM_USAGE: a default is negative or not finite,
+ * or a substructure has more than KM_MAX_ALLOWANCE redundant constraints. KM_MEMORY, KM_CANCELLED, KM_PARTIAL as other
+ * sweeps. Cost: rows · (joints · redundant constraints² · steps of the ratio), some ten microseconds a row for one
+ * loop. Free `*out` in any case. */
+KM_API km_status km_allowance_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                                        const km_fit_defaults *defaults, km_allowance_sweep *out, km_error *error);
+KM_API void km_allowance_sweep_free(km_allowance_sweep *sweep);
+
+enum { KM_MAX_ALLOWANCE = 60 }; /* redundant constraints of one substructure */
+
 #ifdef __cplusplus
 }
 #endif

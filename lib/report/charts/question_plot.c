@@ -59,18 +59,42 @@ static km_plotted_table *tables_of(const km_comparison *c, const size_t *columns
   return arena->failed ? NULL : tables;
 }
 
-/* Margins of an arm along its path. */
-static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
-  static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value"};
-  enum { COLUMNS = sizeof names / sizeof *names };
-  size_t columns[COLUMNS], count = 0;
-  for (size_t k = 0; k < COLUMNS; ++k) {
+/* Columns of the given names, as far as the first table has them. `x`: as tables_of. */
+static bool plot_columns(const km_comparison *c, const char *const *names, const char *x, km_arena *arena,
+                         km_plot *out) {
+  enum { MOST_COLUMNS = 8 };
+  size_t columns[MOST_COLUMNS], count = 0;
+  for (int k = 0; names[k] && count < MOST_COLUMNS; ++k) {
     int column = km_table_find(km_question_table(c->answers[0].question), names[k]);
     if (column >= 0)
       columns[count++] = (size_t)column;
   }
-  const km_plotted_table *tables = tables_of(c, columns, count, "s", arena);
+  const km_plotted_table *tables = tables_of(c, columns, count, x, arena);
   return tables && km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out);
+}
+
+/* Margins of an arm along its path. */
+static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
+  static const char *const names[] = {"limit_margin", "objective.path-control", "objective.singular-value", NULL};
+  return plot_columns(c, names, "s", arena, out);
+}
+
+/* Play that errors need, over the driver or the arc length. */
+static bool plot_allowance(const km_comparison *c, km_arena *arena, km_plot *out) {
+  static const char *const names[] = {"play.worst", "play.statistical", NULL};
+  const km_question *first = c->answers[0].question;
+  const km_sweep_plan *plan = km_question_plan(first);
+  if (!plot_columns(c, names, "s", arena, out))
+    return false;
+  out->title = "Play that errors of the parts need, over the play of the joints";
+  km_text x = {0};
+  if (plan->arclength > 0.0)
+    km_text_add(&x, "arc length");
+  else
+    km_text_format(&x, "%s (%s)", km_model_coordinate_label(first->m->model, plan->coordinate),
+                   km_model_coordinate_unit(first->m->model, plan->coordinate));
+  out->x_label = km_text_move_to_arena(&x, arena);
+  return !arena->failed;
 }
 
 /* One motion over time, with the plot of a history. */
@@ -175,6 +199,8 @@ km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot
     made = plot_statics(c, arena, out);
   else if (km_question_velocities(first))
     made = plot_motions(c, arena, out);
+  else if (km_question_allowance(first))
+    made = plot_allowance(c, arena, out);
   else if (km_question_history(first))
     made = c->count == 1 ? plot_history(&c->answers[0], arena, out) : plot_histories(c, arena, out);
   else

@@ -202,7 +202,7 @@ static void print_change(const km_mechanism *m, const km_joint_change *change, k
   km_text_format(out, " of its frame in %s\n", m->model->bodies[m->model->frames[joint->frame[0]].body].name);
 }
 
-static void print_remedy_set(const km_mechanism *m, const km_remedy_set *set, km_text *out) {
+void km_remedy_set_print(const km_mechanism *m, const km_remedy_set *set, km_text *out) {
   enum { MOST_SHOWN = 24 };
   if (set->is_infinitesimal) {
     km_text_add(out,
@@ -233,5 +233,5 @@ void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, bool all, 
   print_idle(m, d, out);
   print_redundancies(m, &d->redundancies, all, out);
   if (d->redundancies.count > (all ? 0 : km_redundancies_out_of_plane(&d->redundancies, -1)))
-    print_remedy_set(m, &d->remedies, out);
+    km_remedy_set_print(m, &d->remedies, out);
 }

@@ -12,5 +12,7 @@ void km_redundancies_record(const km_mechanism *mechanism, const km_redundancies
                             km_arena *arena);
 /* Adds `remedy_set` to a record. */
 void km_remedy_set_record(const km_mechanism *mechanism, const km_remedy_set *set, km_value *record, km_arena *arena);
+/* The joint types that together end all redundant constraints, as text. */
+void km_remedy_set_print(const km_mechanism *mechanism, const km_remedy_set *set, km_text *out);
 
 #endif

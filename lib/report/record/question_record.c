@@ -20,6 +20,8 @@ km_value *km_question_record(const km_question *q, const km_mechanism *m, const 
     return km_statics_sweep_record(m, km_question_statics(q), stopped_by, name, arena);
   if (km_question_velocities(q))
     return km_motion_sweep_record(m, km_question_velocities(q), stopped_by, name, arena);
+  if (km_question_allowance(q))
+    return km_allowance_sweep_record(m, km_question_allowance(q), stopped_by, name, arena);
   if (km_question_run_def(q))
     return km_history_record(m, km_question_run_def(q), km_question_history(q), stopped_by, name, arena);
   if (km_question_history(q))
@@ -41,6 +43,8 @@ void km_question_print(const km_question *q, const km_mechanism *m, const char *
     km_mobility_sweep_print(m, plan, km_question_mobility(q), km_question_redundancies(q), name, out);
   if (km_question_velocities(q))
     km_motion_sweep_print(m, plan, km_question_velocities(q), name, out);
+  if (km_question_allowance(q))
+    km_allowance_sweep_print(m, plan, km_question_allowance(q), name, out);
   if (km_question_advantage(q))
     km_advantage_sweep_print(m, plan, km_question_advantage(q), name, out);
   if (km_question_statics(q))
@@ -55,6 +59,8 @@ static const char *curves_of(const km_question *q) {
     return "ma.";
   if (km_question_velocities(q))
     return "v.";
+  if (km_question_allowance(q))
+    return "play.";
   const bool forces = km_table_span(km_question_table(q), "f.").count > 0 && !km_question_run_def(q);
   return forces ? "f." : "q.";
 }

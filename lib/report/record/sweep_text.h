@@ -37,4 +37,11 @@ km_value *km_motion_sweep_record(const km_mechanism *mechanism, const km_motion_
 void km_motion_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_motion_sweep *sweep,
                            const char *name, km_text *out);
 
+/* Record of an allowance: tolerances, ratios, constraints, joints, play_in, remedy_set, columns, rows; NULL without
+ * memory. And its summary. */
+km_value *km_allowance_sweep_record(const km_mechanism *mechanism, const km_allowance_sweep *sweep,
+                                    const char *stopped_by, const char *name, km_arena *arena);
+void km_allowance_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_allowance_sweep *sweep,
+                              const char *name, km_text *out);
+
 #endif

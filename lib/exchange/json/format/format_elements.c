@@ -107,6 +107,29 @@ static const km_field stop_fields[] = {
     {0}};
 static const km_object_format stop_format = {"stop", stop_fields};
 
+static const km_field tolerance_fields[] = {
+    {"position", "How far the joint's place on each of its bodies may be off, in any direction.", NUMBER,
+     UNIT(.length = 1), UNSTATED("0")},
+    {"direction", "By which angle its axes on each of its bodies may be off, about any axis.", NUMBER,
+     UNIT(.angle = 1), UNSTATED("0")},
+    {0}};
+static const km_object_format tolerance_format = {"tolerance", tolerance_fields};
+
+static const km_field clearance_fields[] = {
+    {"radial", "Play across the axis, from the middle.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
+    {"axial", "Play along the axis, from the middle.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
+    {"tilt", "Angle by which it can tilt out of the middle.", NUMBER, UNIT(.angle = 1), UNSTATED("0")},
+    {0}};
+static const km_object_format clearance_format = {"clearance", clearance_fields};
+
+static const km_field stiffness_fields[] = {
+    {"force", "Force per displacement in the directions that the joint constrains.", NUMBER,
+     UNIT(.force = 1, .length = -1), UNSTATED("rigid")},
+    {"moment", "Moment per radian about the axes that it constrains.", NUMBER, UNIT(.force = 1, .length = 1),
+     UNSTATED("rigid")},
+    {0}};
+static const km_object_format stiffness_format = {"stiffness", stiffness_fields};
+
 static const km_field sine_fields[] = {
     {"offset", "Mean value.", NUMBER, BY(COORDINATE), UNSTATED("0")},
     {"amplitude", "Amplitude.", NUMBER, BY(COORDINATE), UNSTATED("0")},
@@ -176,6 +199,12 @@ static const km_field joint_fields[] = {
     {"armature", "Inertia of the drive's rotor, reflected to the joint's coordinate. Counts in a simulation.",
      SHAPE(COORDINATES), BY(INERTIA), UNSTATED("0")},
     {"stop", "What the limits do in simulations and statics. A sweep ends at a limit in any case.", OBJECT(stop_format)},
+    {"tolerance", "Errors of the joint's place on its bodies, for kmob allowance.", OBJECT(tolerance_format),
+     UNSTATED("the option --tolerance")},
+    {"clearance", "Play of the joint, for kmob allowance; other analyses take it as 0.", OBJECT(clearance_format),
+     UNSTATED("the option --clearance")},
+    {"stiffness", "Stiffness of the joint with its bodies against what it constrains, for kmob allowance.",
+     OBJECT(stiffness_format), UNSTATED("rigid")},
     {"prescribed", "The joint's motion over time in a simulation, by one law.", OBJECT(prescribed_format)},
     {"pitch", "Travel of a screw in one turn. A screw needs it, no other joint may have it.", NUMBER,
      UNIT(.length = 1)},

@@ -139,6 +139,29 @@ static void read_prescribed(km_reader *reader, const km_value *p, km_joint_presc
     out->values[k] = km_reader_number(sine, keys[k], 0.0);
 }
 
+/* Numbers of an object of a joint, none of them negative; 0 without it. */
+static void read_parts(km_reader *reader, const km_value *joint, const km_place *place, const char *key,
+                       const char *const *names, double *const *out) {
+  const km_value *object = km_value_get(joint, key);
+  km_place at = {place, key, 0};
+  for (int i = 0; names[i]; ++i) {
+    *out[i] = km_reader_number(object, names[i], 0.0);
+    km_reader_not_negative(reader, object, names[i], &at);
+  }
+}
+
+/* Tolerance, clearance and stiffness, for the allowance of redundant constraints. */
+static void read_fit(km_reader *reader, const km_value *joint, const km_place *place, km_joint_fit *out) {
+  out->has_tolerance = km_value_get(joint, "tolerance") != NULL;
+  out->has_clearance = km_value_get(joint, "clearance") != NULL;
+  read_parts(reader, joint, place, "tolerance", (const char *const[]){"position", "direction", NULL},
+             (double *const[]){&out->position, &out->direction});
+  read_parts(reader, joint, place, "clearance", (const char *const[]){"radial", "axial", "tilt", NULL},
+             (double *const[]){&out->radial, &out->axial, &out->tilt});
+  read_parts(reader, joint, place, "stiffness", (const char *const[]){"force", "moment", NULL},
+             (double *const[]){&out->force_stiffness, &out->moment_stiffness});
+}
+
 static void read_options(km_reader *reader, const km_value *joint, const km_place *place, km_model_joint *out) {
   km_place friction = {place, "friction", 0}, stop = {place, "stop", 0}, prescribed = {place, "prescribed", 0};
   const km_value *f = km_value_get(joint, "friction"), *s = km_value_get(joint, "stop");
@@ -151,6 +174,7 @@ static void read_options(km_reader *reader, const km_value *joint, const km_plac
   km_reader_not_negative(reader, f, "stiction_velocity", &friction);
   km_reader_not_negative(reader, s, "stiffness", &stop);
   km_reader_not_negative(reader, s, "damping", &stop);
+  read_fit(reader, joint, place, &out->fit);
   const km_value *p = km_value_get(joint, "prescribed");
   if (!p)
     return;

@@ -1,0 +1,240 @@
+/* Self-stresses as wrenches in the joints (docs/theory.md 14.9): the wrench of joint j is the sum over its loops of
+ * ± w_loop, since a displacement of its child against its parent opens these loops by ± that displacement. */
+#include "allowance/self_stress.h"
+
+#include "kinematics/body_poses.h"
+#include "mobility/left_null_space.h"
+#include "spatial/wrench.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A pivot of N_piv below this part of the largest one: the misfit has no such component there. */
+static const double vanishing = 1e-6;
+
+/* Basis N[rows × count], column-major, with the loops' rows turned into the axes of their closing joints. */
+typedef struct basis {
+  km_left_space space;
+  int rows, count;
+  double *N;
+} basis;
+
+int km_self_stress_count(const km_state *s, int substructure) {
+  const km_substructure *sub = &s->mechanism->substructures[substructure];
+  return 6 * sub->loop_count + sub->coupling_count - s->partition[substructure].rank;
+}
+
+static km_pose closing_pose(const km_left_space *a, int loop) {
+  const km_topology *t = &a->m->topology;
+  return km_joint_pose(a->m, a->s, t->chord[t->loop[t->loop_start[a->index] + loop]]);
+}
+
+/* Wrench of a loop's rows in a column, about `about` of the loop, inertial axes; lengths in the model's unit. */
+static km_wrench loop_wrench(const basis *b, int loop, int column) {
+  const double *w = b->N + (size_t)column * (size_t)b->rows + km_left_row(&b->space, loop);
+  double scale = 1.0 / b->space.sub->size;
+  return (km_wrench){km_vec3_scale(scale, km_vec3_from_array(w)), km_vec3_from_array(w + 3)};
+}
+
+static bool find_basis(const km_mechanism *m, km_state *s, int index, km_arena *arena, basis *out) {
+  km_left_null null;
+  if (!km_left_space_create(m, s, index, arena, &out->space) || !km_left_null_find(&out->space, arena, &null))
+    return false;
+  const km_left_space *a = &out->space;
+  out->rows = a->rows;
+  out->count = km_left_null_count(&null);
+  out->N = KM_ARENA_NEW(arena, double, (size_t)out->rows *(size_t)out->count + 1);
+  if (arena->failed)
+    return false;
+  for (int i = 0; i < a->sub->loop_count; ++i)
+    for (int k = null.first[i]; k < null.first[i + 1]; ++k)
+      memcpy(out->N + (size_t)k * (size_t)out->rows + 6 * i, null.local + 6 * k, 6 * sizeof *out->N);
+  for (int n = 0; n < null.spanning_count; ++n)
+    for (int i = null.part_start[n]; i < null.part_start[n + 1]; ++i)
+      memcpy(out->N + (size_t)(null.local_count + n) * (size_t)out->rows + km_left_row(a, null.part[i].block),
+             null.part[i].w, (size_t)km_left_rows(a, null.part[i].block) * sizeof *out->N);
+  return true;
+}
+
+/* Component of a self-stress that works against a misfit component, per length or radian. */
+static double component_of(const basis *b, const km_misfit_component *c, int column) {
+  const km_left_space *a = &b->space;
+  if (c->loop >= a->sub->loop_count)
+    return b->N[(size_t)column * (size_t)b->rows + (size_t)km_left_row(a, c->loop)];
+  km_pose pose = closing_pose(a, c->loop);
+  km_wrench w = km_wrench_rotate_back(&pose.R, loop_wrench(b, c->loop, column));
+  const double entry[6] = {w.f.x, w.f.y, w.f.z, w.t.x, w.t.y, w.t.z};
+  return entry[c->component];
+}
+
+static km_misfit_component component_at(const basis *b, int row) {
+  int loops = b->space.sub->loop_count;
+  return row < 6 * loops ? (km_misfit_component){row / 6, row % 6} : (km_misfit_component){row - 6 * loops + loops, 0};
+}
+
+/* Picks the largest entry of T[rows × count] outside of used columns; eliminates it from the other columns. Forces count
+ * per size of the substructure, and couplings last. */
+static int eliminate_largest(const basis *b, double *T, bool *used) {
+  int row = 0, column = -1, loops = 6 * b->space.sub->loop_count;
+  double largest = -1.0;
+  for (int k = 0; k < b->count; ++k)
+    for (int r = 0; r < b->rows && !used[k]; ++r) {
+      double size = fabs(T[(size_t)k * (size_t)b->rows + (size_t)r]);
+      if (r < loops && r % 6 < 3)
+        size *= b->space.sub->size;
+      if (r >= loops)
+        size *= 1e-6;
+      if (size > largest * (1.0 + 1e-6)) { /* ties are broken by the order, not by rounding */
+        largest = size;
+        row = r;
+        column = k;
+      }
+    }
+  used[column] = true;
+  const double *pivot = T + (size_t)column * (size_t)b->rows;
+  for (int k = 0; k < b->count; ++k) {
+    double *other = T + (size_t)k * (size_t)b->rows, factor = other[row] / pivot[row];
+    for (int r = 0; r < b->rows && !used[k]; ++r)
+      other[r] -= factor * pivot[r];
+  }
+  return row;
+}
+
+bool km_misfit_components_choose(const km_mechanism *m, km_state *s, int index, km_misfit_component *component) {
+  km_arena scratch = {0};
+  basis b;
+  bool found = find_basis(m, s, index, &scratch, &b);
+  double *T = found ? KM_ARENA_NEW(&scratch, double, (size_t)b.rows *(size_t)b.count + 1) : NULL;
+  bool *used = found ? KM_ARENA_NEW(&scratch, bool, (size_t)b.count + 1) : NULL;
+  found = found && !scratch.failed;
+  for (int k = 0; found && k < b.count; ++k)
+    for (int r = 0; r < b.rows; ++r) {
+      km_misfit_component c = component_at(&b, r);
+      T[(size_t)k * (size_t)b.rows + (size_t)r] = component_of(&b, &c, k);
+    }
+  for (int k = 0; found && k < b.count; ++k)
+    component[k] = component_at(&b, eliminate_largest(&b, T, used));
+  km_arena_free(&scratch);
+  return found;
+}
+
+/* Inverts A[n × n], row-major, into X by Gauss-Jordan elimination with partial pivoting. False if A is singular. */
+static bool invert(double *A, int n, double *X) {
+  double largest = 0.0;
+  for (int i = 0; i < n * n; ++i)
+    largest = fmax(largest, fabs(A[i]));
+  for (int i = 0; i < n * n; ++i)
+    X[i] = i % (n + 1) == 0 ? 1.0 : 0.0;
+  for (int c = 0; c < n; ++c) {
+    int p = c;
+    for (int r = c + 1; r < n; ++r)
+      p = fabs(A[r * n + c]) > fabs(A[p * n + c]) ? r : p;
+    if (!(fabs(A[p * n + c]) > vanishing * largest))
+      return false;
+    for (int k = 0; k < n; ++k) {
+      double a = A[c * n + k], x = X[c * n + k];
+      A[c * n + k] = A[p * n + k];
+      X[c * n + k] = X[p * n + k];
+      A[p * n + k] = a;
+      X[p * n + k] = x;
+    }
+    for (int r = 0; r < n; ++r) {
+      double factor = r == c ? 1.0 - 1.0 / A[c * n + c] : A[r * n + c] / A[c * n + c];
+      for (int k = 0; k < n; ++k) {
+        A[r * n + k] -= factor * A[c * n + k];
+        X[r * n + k] -= factor * X[c * n + k];
+      }
+    }
+  }
+  return true;
+}
+
+/* Replaces N by N (N_piv)⁻¹, and sets *measures, unless N_piv is singular. False without memory. */
+static bool measure_components(basis *b, const km_misfit_component *component, km_arena *scratch, bool *measures) {
+  const int n = b->count, rows = b->rows;
+  double *A = KM_ARENA_NEW(scratch, double, 2 * (size_t)n * (size_t)n + 1);
+  double *N = KM_ARENA_NEW(scratch, double, (size_t)rows *(size_t)n + 1);
+  if (scratch->failed)
+    return false;
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < n; ++k)
+      A[i * n + k] = component_of(b, &component[i], k);
+  double *inverse = A + n * n;
+  *measures = invert(A, n, inverse);
+  for (int i = 0; *measures && i < n; ++i)
+    for (int k = 0; k < n; ++k)
+      for (int r = 0; r < rows; ++r)
+        N[i * rows + r] += b->N[k * rows + r] * inverse[k * n + i];
+  if (*measures)
+    b->N = N;
+  return true;
+}
+
+/* Direction along which a joint's play is axial: the axis of its first hinge or screw, else of its first slide. */
+static int axis_of(km_joint_type type) {
+  const km_joint_kind *kind = km_joint_kind_of(type);
+  int axis = -1;
+  for (int k = kind->motion_count - 1; k >= 0; --k)
+    if (kind->motions[k].primitive == KM_PRISMATIC)
+      axis = kind->motions[k].axis;
+  for (int k = kind->motion_count - 1; k >= 0; --k)
+    if (kind->motions[k].primitive == KM_REVOLUTE || kind->motions[k].primitive == KM_HELICAL)
+      axis = kind->motions[k].axis;
+  return axis < 0 ? 2 : axis;
+}
+
+/* Origin of the joint's child frame in the inertial frame. */
+static km_vec3 child_origin(const km_left_space *a, int joint) {
+  const km_model_frame *frame = &a->m->model->frames[a->m->model->joints[joint].frame[1]];
+  return km_pose_point(&a->s->pose[frame->body], frame->pose.p);
+}
+
+/* Wrench that joint j carries in one self-stress, about the inertial origin. */
+static km_wrench joint_wrench(const basis *b, int joint, int column) {
+  const km_left_space *a = &b->space;
+  km_wrench sum = {{0, 0, 0}, {0, 0, 0}};
+  for (int i = a->joint_loop_start[joint]; i < a->joint_loop_start[joint + 1]; ++i) {
+    const km_joint_in_loop *in = &a->joint_loop[i];
+    km_wrench w = loop_wrench(b, in->loop, column);
+    sum = km_wrench_axpy(km_member_sign(&a->m->topology.member[in->member]), km_wrench_at(w.f, w.t, a->about[in->loop]),
+                         sum);
+  }
+  return sum;
+}
+
+static void write_column(const basis *b, int joint, int column, double *wrench) {
+  const km_left_space *a = &b->space;
+  km_pose pose = km_joint_pose(a->m, a->s, joint);
+  km_wrench w = joint_wrench(b, joint, column);
+  km_wrench child = km_wrench_rotate_back(&pose.R, km_wrench_about(w, child_origin(a, joint)));
+  km_wrench parent = km_wrench_rotate_back(&pose.R, km_wrench_about(w, pose.p));
+  const double f[3] = {child.f.x, child.f.y, child.f.z};
+  int axis = axis_of(a->m->model->joints[joint].type);
+  const double entry[KM_STRESS_ROWS] = {f[(axis + 1) % 3], f[(axis + 2) % 3], f[axis],    child.t.x, child.t.y,
+                                        child.t.z,         parent.t.x,        parent.t.y, parent.t.z};
+  for (int r = 0; r < KM_STRESS_ROWS; ++r)
+    wrench[r * b->count + column] = entry[r];
+}
+
+bool km_self_stress_compute(const km_mechanism *m, km_state *s, int index, const km_misfit_component *component,
+                            km_arena *arena, km_self_stress *out) {
+  km_arena scratch = {0};
+  basis b;
+  const km_topology *t = &m->topology;
+  int first = t->joint_start[index], joints = t->joint_start[index + 1] - first;
+  bool found = find_basis(m, s, index, &scratch, &b);
+  if (found) {
+    size_t n = (size_t)b.count;
+    *out = (km_self_stress){.index = index,
+                            .count = b.count,
+                            .joint_count = joints,
+                            .joint = t->joint + first,
+                            .wrench = KM_ARENA_NEW(arena, double, (size_t)joints *KM_STRESS_ROWS *n + 1)};
+    found = !arena->failed && measure_components(&b, component, &scratch, &out->measures);
+  }
+  for (int j = 0; found && j < joints; ++j)
+    for (int k = 0; k < b.count; ++k)
+      write_column(&b, out->joint[j], k, out->wrench + (size_t)j * KM_STRESS_ROWS * (size_t)b.count);
+  km_arena_free(&scratch);
+  return found;
+}
