@@ -32,7 +32,7 @@ bool km_fit_terms_create(const km_mechanism *m, const km_self_stress *stress, co
   *out = (km_support_terms){.rows = stress->joint_count * KM_STRESS_ROWS,
                             .dimension = stress->count,
                             .W = stress->wrench,
-                            .length = KM_ARENA_NEW(arena, double, KM_STRESS_ROWS * joints + 1),
+                            .length = KM_ARENA_NEW(arena, double, KM_STRESS_ROWS *joints + 1),
                             .error = KM_ARENA_NEW(arena, km_support_term, 4 * joints + 1),
                             .play = KM_ARENA_NEW(arena, km_support_term, 3 * joints + 1)};
   if (arena->failed)
@@ -52,7 +52,7 @@ bool km_fit_terms_create(const km_mechanism *m, const km_self_stress *stress, co
     add_term(out->play, &out->play_count, first + ACROSS, 2, joint, fit->has_clearance ? fit->radial : defaults->play);
     add_term(out->play, &out->play_count, first + ALONG, 1, joint, fit->has_clearance ? fit->axial : defaults->play);
     add_term(out->play, &out->play_count, first + AT_CHILD, 3, joint,
-             fit->has_clearance ? fit->tilt * radian : defaults->tilt);
+             fit->has_clearance ? fit->angular * radian : defaults->angle);
   }
   return true;
 }

@@ -1,7 +1,7 @@
 /* Tolerances and plays of joints as terms of support functions (docs/theory.md 14.9).
  *
  *   h(a) = Σ_j (t_p |f| + t_d |m|) at both frames of joint j       t: tolerance of its place and of its direction
- *   c(a) = Σ_j (c_r |f across the axis| + c_a |f along it| + c_t |m|)    c: radial and axial play, tilt
+ *   c(a) = Σ_j (c_r |f across the axis| + c_a |f along it| + c_t |m|)    c: radial, axial and angular play
  *
  * f, m: force and moment that joint j carries in the self-stress a. */
 #ifndef KM_ALLOWANCE_JOINT_FITS_H

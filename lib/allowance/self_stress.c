@@ -72,8 +72,8 @@ static km_misfit_component component_at(const basis *b, int row) {
   return row < 6 * loops ? (km_misfit_component){row / 6, row % 6} : (km_misfit_component){row - 6 * loops + loops, 0};
 }
 
-/* Picks the largest entry of T[rows × count] outside of used columns; eliminates it from the other columns. Forces count
- * per size of the substructure, and couplings last. */
+/* Picks the largest entry of T[rows × count] outside of used columns; eliminates it from the other columns. Forces
+ * count per size of the substructure, and couplings last. */
 static int eliminate_largest(const basis *b, double *T, bool *used) {
   int row = 0, column = -1, loops = 6 * b->space.sub->loop_count;
   double largest = -1.0;

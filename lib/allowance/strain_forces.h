@@ -2,7 +2,8 @@
  *
  *   C = Σ_j (F_jᵀ F_j / k_f + M_jᵀ M_j / k_m)      F_j, M_j: force and moment of joint j per self-stress
  *   a = −C⁻¹ Wᵀ Δ                                  least elastic energy for the errors Δ
- *   |F_j a| ≤ Σ_k h_k ‖F_j C⁻¹ W_kᵀ‖               worst case;  statistical: 3 √λ_max(F_j C⁻¹ (Σ W_kᵀW_k h_k²/9) C⁻¹ F_jᵀ) */
+ *   worst case  : |F_j a| ≤ Σ_k h_k ‖F_j C⁻¹ W_kᵀ‖
+ *   statistical : 3 √λ_max(F_j C⁻¹ (Σ W_kᵀW_k h_k²/9) C⁻¹ F_jᵀ) */
 #ifndef KM_ALLOWANCE_STRAIN_FORCES_H
 #define KM_ALLOWANCE_STRAIN_FORCES_H
 

@@ -3,8 +3,8 @@
  *   g = ∇h(a)                       h(x) ≥ gᵀ x        h is convex, h(s x) = s h(x) for s > 0
  *   H = Σ c_k W_kᵀ W_k / |W_k a|    c(x) ≤ ½ (xᵀ H x + c(a)),   equal at x = a
  *
- * doesn't lower h/c: H⁻¹ g minimises the bound of c among the x with gᵀ x = h(a). A step is prolonged, twice as far each
- * time, as long as that raises the ratio further. */
+ * doesn't lower h/c: H⁻¹ g minimises the bound of c among the x with gᵀ x = h(a). A step is prolonged, twice as far
+ * each time, as long as that raises the ratio further. */
 #include "allowance/support_ratio.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ static const double singular = 1e-12;
 /* Local maxima whose ratios agree to this part are one. */
 static const double same = 1e-6;
 enum { MOST_STEPS = 300 };
-/* Random starts: of 1 000 at each row of twelve sweeps, 60 found the largest maximum everywhere, 20 all but one (1.4 %). */
+/* Random starts: 60 found the largest maximum of 1 000 starts at each row of twelve sweeps, 20 all but one (1.4 %). */
 enum { FIRST_STARTS = 60, LATER_STARTS = 2 };
 
 static double norm(const double *v, int count) {
@@ -202,8 +202,8 @@ static double draw(uint64_t *state) {
   return (double)(z ^ (z >> 31)) * 0x1p-63 - 1.0;
 }
 
-/* Random start a = H⁻¹ Σ c_k W_kᵀ z_k, H = Σ c_k² W_kᵀ W_k: as likely in every direction in which play is alike. False if
- * H is singular. */
+/* Random start a = H⁻¹ Σ c_k W_kᵀ z_k, H = Σ c_k² W_kᵀ W_k: as likely in every direction in which play is alike. False
+ * if H is singular. */
 static bool random_start(const ascent *q, uint64_t *state, double *a) {
   const int n = q->t->dimension;
   memset(a, 0, (size_t)n * sizeof *a);

@@ -63,9 +63,9 @@ typedef struct km_joint_stop {
 /* Tolerances of a joint's place and direction on each of its bodies, its play, and its stiffness against displacements
  * that it constrains; in the file's units. */
 typedef struct km_joint_fit {
-  bool has_tolerance, has_clearance; /* the model states them */
-  double position, direction;        /* tolerances: a length, an angle */
-  double radial, axial, tilt;        /* play across the axis and along it, and the angle of the tilt */
+  bool has_tolerance, has_clearance;        /* the model states them */
+  double position, direction;               /* tolerances: a length, an angle */
+  double radial, axial, angular;            /* play across the axis, along it, and of its direction */
   double force_stiffness, moment_stiffness; /* force per length, moment per radian; 0: rigid */
 } km_joint_fit;
 

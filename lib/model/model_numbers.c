@@ -86,7 +86,7 @@ static void add_joints(km_model_numbers *n, km_model *m) {
                                &at->fit.direction,
                                &at->fit.radial,
                                &at->fit.axial,
-                               &at->fit.tilt,
+                               &at->fit.angular,
                                &at->fit.force_stiffness,
                                &at->fit.moment_stiffness};
     for (size_t k = 0; k < sizeof checked / sizeof *checked; ++k)

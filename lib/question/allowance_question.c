@@ -4,7 +4,7 @@
 
 enum { TOLERANCE, CLEARANCE, OPTIONS };
 
-/* Tolerance of joints without one: general tolerances of small machined parts are of this size (ISO 2768-1, class m). */
+/* Tolerance of joints without one: round numbers, to be replaced by those of the drawing. */
 static const double default_position = 1e-4 /* m */, default_direction = 0.1 /* degrees */;
 
 static const km_option options[OPTIONS] = {
@@ -12,9 +12,9 @@ static const km_option options[OPTIONS] = {
      "How far the place of a joint on each of its bodies may be off, and the angle of its axes, where the joint states no "
      "tolerance",
      0, 0, NULL, false},
-    {"clearance", KM_OPTION_PAIR, "PLAY[,TILT]", "length, angle", "as large as the tolerance",
-     "Play of joints that state no clearance, in every direction that they constrain, and the angle of their tilt", 0,
-     0, NULL, false},
+    {"clearance", KM_OPTION_PAIR, "PLAY[,ANGLE]", "length, angle", "as large as the tolerance",
+     "Play of joints that state no clearance, in every direction and about every axis that they constrain", 0, 0, NULL,
+     false},
 };
 
 typedef struct kind_data {
@@ -31,8 +31,9 @@ static km_status prepare(km_question *q, km_error *error) {
   o->defaults.position = tolerance ? tolerance->numbers[0] : default_position / km_model_length_unit(model);
   o->defaults.direction = tolerance ? tolerance->numbers[1] * radian : default_direction * M_PI / 180.0;
   o->defaults.play = clearance ? clearance->numbers[0] : o->defaults.position;
-  o->defaults.tilt = clearance ? clearance->numbers[1] * radian : o->defaults.direction;
-  const double number[4] = {o->defaults.position, o->defaults.direction, o->defaults.play, o->defaults.tilt};
+  o->defaults.angle = clearance ? clearance->numbers[1] * radian : o->defaults.direction;
+  o->defaults.states_play = clearance != NULL;
+  const double number[4] = {o->defaults.position, o->defaults.direction, o->defaults.play, o->defaults.angle};
   for (int k = 0; k < 4; ++k)
     if (number[k] < 0.0)
       return km_fail(error, KM_USAGE, "`%s` %g is negative; expected numbers of at least 0",

@@ -16,7 +16,7 @@
 typedef struct part {
   int index, count;
   km_misfit_component *component; /* [count] */
-  int first_constraint;           /* of the result */
+  int first_constraint;           /* index of its first one in the result */
   km_ratio_search search[2];      /* worst case, statistical */
 } part;
 
@@ -384,7 +384,7 @@ static km_status check_defaults(const km_fit_defaults *d, km_error *error) {
   km_status status = km_check_given(d != NULL, "tolerances and play", error);
   if (status)
     return status;
-  const double number[4] = {d->position, d->direction, d->play, d->tilt};
+  const double number[4] = {d->position, d->direction, d->play, d->angle};
   for (int k = 0; k < 4; ++k)
     if (!isfinite(number[k]) || number[k] < 0.0)
       return km_fail(error, KM_USAGE, "tolerance or play %g; expected a number of at least 0", number[k]);
@@ -406,7 +406,7 @@ void km_allowance_sweep_open(km_sweep_job *job, const km_fit_defaults *defaults,
     return;
   }
   out->defaults = *defaults;
-  out->states_clearance = km_model_states_clearance(job->m->model);
+  out->states_clearance = defaults->states_play || km_model_states_clearance(job->m->model);
   w->out = out;
   w->m = job->m;
   w->observer = (km_observer){.self = w,

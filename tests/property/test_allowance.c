@@ -2,8 +2,8 @@
  * ratios against mechanisms that are assembled with errors and play by their full kinematics; the statistical bound
  * against samples; other frames, units and orders of joints; no redundant constraint, no play.
  *
- *   assembled: λ* = min over δ, q of max_j |δ_j|/c_j   subject to the closure of the loops, found by weights that grow with
- *              |δ_j|/c_j, an upper bound of λ* that the support ratio, a lower one, must meet */
+ *   assembled: λ* = min over δ, q of max_j |δ_j|/c_j subject to the closure of the loops, found by weights that grow
+ *              with |δ_j|/c_j: an upper bound of λ* that the support ratio, a lower one, must meet */
 #include "support/support.h"
 
 #include "allowance/strain_forces.h"
@@ -83,7 +83,7 @@ static void test_ratio_by_search(void **state) {
 
 /* ---- Mechanisms assembled with errors and play */
 
-enum { PLAYS = 3 }; /* across the axis, along it, tilt */
+enum { PLAYS = 3 }; /* parts of a play: across the axis, along it, angular */
 enum { MOST_JOINTS = 24, MOST_ROWS = 60 };
 
 /* A configuration of a mechanism, with its self-stresses and loop equations. */
@@ -210,7 +210,7 @@ static double solve_weighted(const assembled *a, closing *l, double *used) {
   memset(S, 0, sizeof S);
   double scale[6 * MOST_JOINTS];
   for (int k = 0; k < 6 * l->joints; ++k) {
-    const double play = k % 6 < 3 ? a->fits.play : a->fits.tilt;
+    const double play = k % 6 < 3 ? a->fits.play : a->fits.angle;
     scale[k] = play * play / l->weight[PLAYS * (k / 6) + part_of(a, a->stress.joint[k / 6], k % 6)];
   }
   for (int r = 0; r < rows; ++r) {
@@ -230,7 +230,7 @@ static double solve_weighted(const assembled *a, closing *l, double *used) {
   }
   double square[PLAYS * MOST_JOINTS] = {0}, most = 0.0;
   for (int k = 0; k < 6 * l->joints; ++k) {
-    double delta = 0.0, play = k % 6 < 3 ? a->fits.play : a->fits.tilt;
+    double delta = 0.0, play = k % 6 < 3 ? a->fits.play : a->fits.angle;
     for (int r = 0; r < rows; ++r)
       delta += scale[k] * l->P[k * rows + r] * y[r];
     l->delta[k / 6][k % 6] = delta;
@@ -359,7 +359,7 @@ static void test_assembled_with_play(void **state) {
   (void)state;
   randomness r = {11};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    const km_fit_defaults fits = {1e-6, 2e-6, 3e-6, 2e-6};
+    const km_fit_defaults fits = {1e-6, 2e-6, 3e-6, 2e-6, false};
     static double W[(MOST_JOINTS * KM_STRESS_ROWS + 1) * KM_MAX_ALLOWANCE], length[MOST_JOINTS * KM_STRESS_ROWS + 1];
     for (int k = 0; k < KNOWN; ++k) {
       assembled a = assemble_at(cases[i].model, cases[i].moves, &fits);
@@ -382,13 +382,13 @@ static double largest_ratio(const assembled *a, bool statistical) {
   return statistical ? km_statistical_factor(a->stress.count) * ratio : ratio;
 }
 
-/* Samples stay below both bounds: all errors within their tolerances below the worst case, 99.73 % of normal errors below
- * the statistical one. */
+/* Samples stay below both bounds: all errors within their tolerances below the worst case, 99.73 % of normal errors
+ * below the statistical one. */
 static void test_samples_stay_below(void **state) {
   (void)state;
   randomness r = {13};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-    const km_fit_defaults fits = {1e-4, 2e-3, 3e-4, 2e-3};
+    const km_fit_defaults fits = {1e-4, 2e-3, 3e-4, 2e-3, false};
     static double W[(MOST_JOINTS * KM_STRESS_ROWS + 1) * KM_MAX_ALLOWANCE], length[MOST_JOINTS * KM_STRESS_ROWS + 1];
     assembled a = assemble_at(cases[i].model, cases[i].moves, &fits);
     double worst = largest_ratio(&a, false), statistical = largest_ratio(&a, true);
@@ -397,7 +397,7 @@ static void test_samples_stay_below(void **state) {
       draw_errors(&a, &r);
       double ratio = ratio_of_errors(&a, W, length);
       beyond += ratio > statistical;
-      for (int j = 0; j < a.stress.joint_count; ++j) /* to the surface of the tolerances */
+      for (int j = 0; j < a.stress.joint_count; ++j) /* errors at the surface of the tolerances */
         for (int part = 0; part < 4; ++part) {
           double *error = a.error[a.stress.joint[j]] + 3 * part,
                  size = sqrt(error[0] * error[0] + error[1] * error[1] + error[2] * error[2]);
@@ -425,7 +425,7 @@ static void test_forces_by_least_energy(void **state) {
   randomness r = {17};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     /* equal weights of the parts, |δ|²/c² with c² = 1/k, are the elastic energy */
-    const km_fit_defaults fits = {1e-7, 1e-7, 1.0 / sqrt(force_stiffness), 1.0 / sqrt(moment_stiffness)};
+    const km_fit_defaults fits = {1e-7, 1e-7, 1.0 / sqrt(force_stiffness), 1.0 / sqrt(moment_stiffness), false};
     assembled a = assemble_at(cases[i].model, cases[i].moves, &fits);
     draw_errors(&a, &r);
     ratio_of_errors(&a, W, length);
@@ -488,7 +488,7 @@ static double cell(const km_allowance_sweep *a, size_t row, const char *column) 
  * places, and those of the axes times their distance to C. */
 static void test_four_bar_in_closed_form(void **state) {
   (void)state;
-  const km_fit_defaults fits = {1e-4, 2e-3, 1e-4, 2e-3};
+  const km_fit_defaults fits = {1e-4, 2e-3, 1e-4, 2e-3, false};
   fixture f = fixture_open("fourbar");
   km_allowance_sweep a = sweep_of(&f, &fits, "A");
   assert_int_equal(a.constraint_count, 3);
@@ -523,8 +523,8 @@ static void test_units_and_scale(void **state) {
   static const char *const names[] = {"bennett", "sarrus3", "klann"};
   for (int i = 0; i < 3; ++i) {
     const char *driver = i == 1 ? "B" : "A";
-    const km_fit_defaults fits = {1e-4, 2e-3, 3e-4, 1e-3}, in_mm = {0.1, 2e-3, 0.3, 1e-3},
-                          twice = {1e-4, 2e-3, 6e-4, 2e-3};
+    const km_fit_defaults fits = {1e-4, 2e-3, 3e-4, 1e-3, false}, in_mm = {0.1, 2e-3, 0.3, 1e-3, false},
+                          twice = {1e-4, 2e-3, 6e-4, 2e-3, false};
     fixture f = fixture_open(names[i]), mm = fixture_in_units(&f, "degrees", "millimeters", "kilograms", "seconds"),
             g = fixture_open(names[i]);
     km_allowance_sweep a = sweep_of(&f, &fits, driver), b = sweep_of(&mm, &in_mm, driver),
@@ -550,17 +550,17 @@ static void test_units_and_scale(void **state) {
 /* Clearances that joints state count in place of the defaults; without redundant constraints nothing is needed. */
 static void test_stated_fits(void **state) {
   (void)state;
-  const km_fit_defaults none = {1e-4, 2e-3, 0.0, 0.0}, fits = {1e-4, 2e-3, 3e-4, 1e-3};
+  const km_fit_defaults none = {1e-4, 2e-3, 0.0, 0.0, false}, fits = {1e-4, 2e-3, 3e-4, 1e-3, false};
   fixture f = fixture_open("bennett"), g = fixture_open("bennett"), h = fixture_open("rssr");
   for (int j = 0; j < 4; ++j)
-    f.model->joints[j].fit = (km_joint_fit){.has_clearance = true, .radial = 3e-4, .axial = 3e-4, .tilt = 1e-3};
+    f.model->joints[j].fit = (km_joint_fit){.has_clearance = true, .radial = 3e-4, .axial = 3e-4, .angular = 1e-3};
   km_allowance_sweep a = sweep_of(&f, &none, "A"), b = sweep_of(&g, &fits, "A");
   assert_true(a.states_clearance && !b.states_clearance);
   assert_near(a.worst.value, b.worst.value, 0.0);
   km_allowance_sweep c = sweep_of(&h, &fits, km_model_coordinate_label(h.model, 0));
   assert_int_equal(c.constraint_count, 0);
   assert_near(cell(&c, 0, "play.worst"), 0.0, 0.0);
-  const km_fit_defaults wrong = {1e-4, -1.0, 0.0, 0.0};
+  const km_fit_defaults wrong = {1e-4, -1.0, 0.0, 0.0, false};
   km_sweep_plan plan = {.coordinate = 0, .from = 0.0, .to = 1.0, .steps = 2};
   km_allowance_sweep d;
   km_error error;

@@ -239,14 +239,15 @@ typedef struct km_fit_defaults {
   double position;  /* tolerance of a joint's place on each of its bodies, model's length unit */
   double direction; /* tolerance of its axes on each of its bodies, radians */
   double play;      /* play in every direction that a joint constrains, model's length unit */
-  double tilt;      /* play of its axes, radians */
+  double angle;     /* angular play about every axis that a joint constrains, radians */
+  bool states_play; /* the play is that of the parts; else a scale of the ratio */
 } km_fit_defaults;
 
 /* A redundant constraint: a component of the misfit where a loop is closed last. */
 typedef struct km_allowance_constraint {
   int joint;     /* joint that closes the loop, -1: a coupling */
   int component; /* 0 1 2: along x y z of the joint's parent frame; 3 4 5: about them; index of the coupling */
-  /* largest misfit over the rows, in the worst case and for 99.73 % of the mechanisms: model's length unit or radians */
+  /* largest misfit over the rows, in the worst case and for 99.73 % of the mechanisms: length unit, or radians */
   km_peak worst, statistical;
 } km_allowance_constraint;
 
@@ -265,8 +266,8 @@ typedef struct km_allowance_joint {
 /* A sweep with the play that errors of redundant dimensions need. */
 typedef struct km_allowance_sweep {
   km_sweep motion; /* the table has play.worst, play.statistical, gap.<joint>.<component>.worst and .statistical */
-  km_fit_defaults defaults;
-  bool states_clearance; /* a joint of the model states its clearance */
+  km_fit_defaults defaults; /* as given */
+  bool states_clearance;    /* the defaults or a joint of the model state the play */
   /* largest ratio of play that is needed to play that the joints have, over the rows: above 1 the mechanism binds */
   km_peak worst, statistical;
   int constraint_count;

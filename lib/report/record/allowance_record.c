@@ -60,7 +60,7 @@ km_value *km_allowance_sweep_record(const km_mechanism *m, const km_allowance_sw
   km_value *record = km_record_head(m, "kmob allowance", name, arena);
   km_table_record(sweep->motion.table, record, arena);
   const km_fit_defaults *d = &sweep->defaults;
-  const double tolerance[2] = {d->position, angle_of(m, d->direction)}, play[2] = {d->play, angle_of(m, d->tilt)};
+  const double tolerance[2] = {d->position, angle_of(m, d->direction)}, play[2] = {d->play, angle_of(m, d->angle)};
   km_value_numbers(arena, record, "tolerance", tolerance, 2);
   km_value_numbers(arena, record, "clearance", play, 2);
   km_value_boolean(arena, record, "states_clearance", sweep->states_clearance);
@@ -94,7 +94,7 @@ static void play_words(const km_mechanism *m, const km_allowance_sweep *sweep, d
     km_text_format(out, "%.3g times the play", ratio);
   else
     km_text_format(out, "%.3g %s and %.3g %s", ratio * sweep->defaults.play, m->model->units.length->suffix,
-                   angle_of(m, ratio * sweep->defaults.tilt), m->model->units.angle->suffix);
+                   angle_of(m, ratio * sweep->defaults.angle), m->model->units.angle->suffix);
 }
 
 static void print_need(const km_mechanism *m, const km_sweep_plan *plan, const km_allowance_sweep *sweep,
@@ -105,7 +105,7 @@ static void print_need(const km_mechanism *m, const km_sweep_plan *plan, const k
     km_text_format(out, "%s (%.6g%s)", sweep->states_clearance ? "" : " in the worst case", sweep->worst.s,
                    km_sweep_unit(m, plan));
   if (sweep->states_clearance && isfinite(sweep->worst.value))
-    km_text_add(out, sweep->worst.value > 1.0 ? ": it can bind" : ": it never binds");
+    km_text_add(out, sweep->worst.value > 1.0 ? ": it can bind" : ": it can't bind");
   if (isfinite(sweep->statistical.value)) {
     km_text_add(out, sweep->states_clearance ? "\n  99.73 % of the mechanisms: at most " : ", ");
     play_words(m, sweep, sweep->statistical.value, out);
@@ -163,6 +163,13 @@ static void print_joint(const km_mechanism *m, const km_allowance_sweep *sweep, 
   km_text_add(out, "\n");
 }
 
+static bool states_tolerance(const km_model *model) {
+  for (int j = 0; j < model->joint_count; ++j)
+    if (model->joints[j].fit.has_tolerance)
+      return true;
+  return false;
+}
+
 void km_allowance_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_allowance_sweep *sweep,
                               const char *name, km_text *out) {
   enum { MOST_SHOWN = 12 };
@@ -177,7 +184,7 @@ void km_allowance_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, 
   km_text_format(out, "  %d redundant constraint%s; errors of %.3g %s and %.3g %s of each joint on both bodies%s\n",
                  sweep->constraint_count, km_plural(sweep->constraint_count), d->position,
                  m->model->units.length->suffix, angle_of(m, d->direction), m->model->units.angle->suffix,
-                 sweep->states_clearance ? ", or as stated" : "");
+                 states_tolerance(m->model) ? ", or as stated" : "");
   print_need(m, plan, sweep, out);
   print_set(m, sweep, out);
   km_text_add(out, "  gaps where the loops are closed last: worst case; 99.73 % of the mechanisms\n");

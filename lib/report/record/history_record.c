@@ -70,7 +70,7 @@ static void add_note(const km_model *model, const km_table *table, km_value *rec
 }
 
 km_value *km_history_record(const km_mechanism *m, const km_history_def *def, const km_history *h,
-                                  const char *stopped_by, const char *name, km_arena *arena) {
+                            const char *stopped_by, const char *name, km_arena *arena) {
   if (!m || !def || !h || !stopped_by || !name || !arena)
     return NULL;
   km_value *record = km_record_head(m, "ksim run", name, arena);
@@ -95,7 +95,7 @@ km_value *km_history_record(const km_mechanism *m, const km_history_def *def, co
 }
 
 km_value *km_inverse_record(const km_mechanism *m, const km_history *h, const char *stopped_by, const char *name,
-                                  km_arena *arena) {
+                            km_arena *arena) {
   if (!m || !h || !stopped_by || !name || !arena)
     return NULL;
   km_value *record = km_record_head(m, "ksim inverse", name, arena);

@@ -110,24 +110,25 @@ static const km_object_format stop_format = {"stop", stop_fields};
 static const km_field tolerance_fields[] = {
     {"position", "How far the joint's place on each of its bodies may be off, in any direction.", NUMBER,
      UNIT(.length = 1), UNSTATED("0")},
-    {"direction", "By which angle its axes on each of its bodies may be off, about any axis.", NUMBER,
-     UNIT(.angle = 1), UNSTATED("0")},
+    {"direction", "By which angle its axes on each of its bodies may be off, about any axis.", NUMBER, UNIT(.angle = 1),
+     UNSTATED("0")},
     {0}};
 static const km_object_format tolerance_format = {"tolerance", tolerance_fields};
 
 static const km_field clearance_fields[] = {
     {"radial", "Play across the axis, from the middle.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
     {"axial", "Play along the axis, from the middle.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
-    {"tilt", "Angle by which it can tilt out of the middle.", NUMBER, UNIT(.angle = 1), UNSTATED("0")},
+    {"angular", "Angle by which its axes can turn out of the middle, in directions that it constrains.", NUMBER,
+     UNIT(.angle = 1), UNSTATED("0")},
     {0}};
 static const km_object_format clearance_format = {"clearance", clearance_fields};
 
-static const km_field stiffness_fields[] = {
-    {"force", "Force per displacement in the directions that the joint constrains.", NUMBER,
-     UNIT(.force = 1, .length = -1), UNSTATED("rigid")},
-    {"moment", "Moment per radian about the axes that it constrains.", NUMBER, UNIT(.force = 1, .length = 1),
-     UNSTATED("rigid")},
-    {0}};
+static const km_field stiffness_fields[] = {{"force",
+                                             "Force per displacement in the directions that the joint constrains.",
+                                             NUMBER, UNIT(.force = 1, .length = -1), UNSTATED("rigid")},
+                                            {"moment", "Moment per radian about the axes that it constrains.", NUMBER,
+                                             UNIT(.force = 1, .length = 1), UNSTATED("rigid")},
+                                            {0}};
 static const km_object_format stiffness_format = {"stiffness", stiffness_fields};
 
 static const km_field sine_fields[] = {

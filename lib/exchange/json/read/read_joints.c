@@ -156,8 +156,8 @@ static void read_fit(km_reader *reader, const km_value *joint, const km_place *p
   out->has_clearance = km_value_get(joint, "clearance") != NULL;
   read_parts(reader, joint, place, "tolerance", (const char *const[]){"position", "direction", NULL},
              (double *const[]){&out->position, &out->direction});
-  read_parts(reader, joint, place, "clearance", (const char *const[]){"radial", "axial", "tilt", NULL},
-             (double *const[]){&out->radial, &out->axial, &out->tilt});
+  read_parts(reader, joint, place, "clearance", (const char *const[]){"radial", "axial", "angular", NULL},
+             (double *const[]){&out->radial, &out->axial, &out->angular});
   read_parts(reader, joint, place, "stiffness", (const char *const[]){"force", "moment", NULL},
              (double *const[]){&out->force_stiffness, &out->moment_stiffness});
 }
