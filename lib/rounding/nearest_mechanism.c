@@ -19,6 +19,7 @@ static const double most_newton_step = 0.3;
 static const double closed_gap = 2e-14;   /* scaled: the rounding error of a product of about ten poses */
 static const double checked_gap = 2e-13;  /* gap of configurations between, where errors of x are a few times larger */
 static const double checked_rank = 1e-12; /* relative singular value that is to be 0 there */
+static const double polished = 0.25;      /* part of these bounds that is tried afterwards: as exact files give */
 static const double least_conditioning = 0.02; /* smallest singular value kept, relative to that at the start */
 static const double hopeless_change = 30.0;    /* halves: change of a number at which the search ends */
 static const double within_rounding = 1.05;    /* largest |x|: a half, and 5 % for the linear effect of a number on R */
@@ -329,8 +330,9 @@ static km_status iterate(km_nearest_mechanism *n, conditions *c, bool *closed, k
 
 /* True if the loops are closed, and J has its rank, at the state's configuration. */
 static bool is_exact_here(const km_nearest_mechanism *n) {
-  bool has_rank = n->rank == n->columns || n->rank == n->rows || n->S[n->rank] <= checked_rank * n->S[0];
-  return has_rank && largest(n->e, n->rows) <= checked_gap;
+  bool has_rank =
+      n->rank == n->columns || n->rank == n->rows || n->S[n->rank] <= n->strictness * checked_rank * n->S[0];
+  return has_rank && largest(n->e, n->rows) <= n->strictness * checked_gap;
 }
 
 /* Adds the state's configuration, reached along `heading`, to those of the search. */
@@ -412,6 +414,31 @@ static km_status begin(km_nearest_mechanism *n, double *conditioning, bool *conv
   return KM_OK;
 }
 
+/* Closes the loops of a mechanism that was found still better, at the configurations where they are open most. Its
+ * numbers stay if that leads nowhere. */
+static km_status polish(km_nearest_mechanism *n, conditions *c, double conditioning, uint64_t *random,
+                        km_error *error) {
+  enum { MOST_POLISHING = 6 };
+  double *x = KM_ARENA_NEW(n->arena, double, (size_t)n->count);
+  if (!x)
+    return km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism");
+  memcpy(x, n->x, (size_t)n->count * sizeof *x);
+  n->strictness = polished;
+  bool closed = true, improved = false;
+  km_status status = KM_OK;
+  for (int i = 0; i < MOST_POLISHING && closed && !improved && !status; ++i) {
+    status = check_elsewhere(n, conditioning, random, &improved, error);
+    if (!status && !improved)
+      status = iterate(n, c, &closed, error);
+    closed = closed && largest(n->x, n->count) <= within_rounding;
+  }
+  n->strictness = 1.0;
+  if (status || improved)
+    return status;
+  memcpy(n->x, x, (size_t)n->count * sizeof *x);
+  return km_nearest_apply(n, error);
+}
+
 km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error) {
   enum { MOST_ROUNDS = 60 };
   int redundant = n->rows - n->rank, target = 2 * redundant + 2;
@@ -432,6 +459,7 @@ km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error)
   double conditioning;
   uint64_t random = 1;
   bool closed;
+  n->strictness = 1.0;
   km_status status = begin(n, &conditioning, &closed, error);
   if (status || !closed)
     return status;
@@ -457,6 +485,8 @@ km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error)
     status = check_elsewhere(n, conditioning, &random, &closed, error);
     if (!status && closed)
       status = is_plausible(n, &c, found, error);
+    if (!status && *found)
+      status = polish(n, &c, conditioning, &random, error);
     if (status || closed)
       return status;
   }

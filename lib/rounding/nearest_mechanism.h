@@ -25,6 +25,7 @@ typedef struct km_nearest_mechanism {
   const km_pose *written;         /* [frame] poses as written */
   double *e, *J, *E, *S, *U, *Vt; /* gaps, J and its singular values and vectors, at the last configuration */
   int rank;                       /* that the nearest mechanism is to have */
+  double strictness;              /* factor of the bounds of the present check */
   int configuration_count;
   double *configuration, *heading; /* [most configurations × (3 · columns, columns)] saved coordinates, and the steps
                                     * that led there */
