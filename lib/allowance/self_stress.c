@@ -170,19 +170,6 @@ static bool measure_components(basis *b, const km_misfit_component *component, k
   return true;
 }
 
-/* Direction along which a joint's play is axial: the axis of its first hinge or screw, else of its first slide. */
-static int axis_of(km_joint_type type) {
-  const km_joint_kind *kind = km_joint_kind_of(type);
-  int axis = -1;
-  for (int k = kind->motion_count - 1; k >= 0; --k)
-    if (kind->motions[k].primitive == KM_PRISMATIC)
-      axis = kind->motions[k].axis;
-  for (int k = kind->motion_count - 1; k >= 0; --k)
-    if (kind->motions[k].primitive == KM_REVOLUTE || kind->motions[k].primitive == KM_HELICAL)
-      axis = kind->motions[k].axis;
-  return axis < 0 ? 2 : axis;
-}
-
 /* Origin of the joint's child frame in the inertial frame. */
 static km_vec3 child_origin(const km_left_space *a, int joint) {
   const km_model_frame *frame = &a->m->model->frames[a->m->model->joints[joint].frame[1]];
@@ -209,7 +196,7 @@ static void write_column(const basis *b, int joint, int column, double *wrench) 
   km_wrench child = km_wrench_rotate_back(&pose.R, km_wrench_about(w, child_origin(a, joint)));
   km_wrench parent = km_wrench_rotate_back(&pose.R, km_wrench_about(w, pose.p));
   const double f[3] = {child.f.x, child.f.y, child.f.z};
-  int axis = axis_of(a->m->model->joints[joint].type);
+  int own_axis = km_joint_axis(a->m->model->joints[joint].type), axis = own_axis < 0 ? 2 : own_axis;
   const double entry[KM_STRESS_ROWS] = {f[(axis + 1) % 3], f[(axis + 2) % 3], f[axis],    child.t.x, child.t.y,
                                         child.t.z,         parent.t.x,        parent.t.y, parent.t.z};
   for (int r = 0; r < KM_STRESS_ROWS; ++r)

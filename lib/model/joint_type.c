@@ -73,3 +73,15 @@ km_pose km_motion_pose(km_motion motion, double pitch, const double *value) {
   }
   return x;
 }
+
+int km_joint_axis(km_joint_type type) {
+  const km_joint_kind *kind = km_joint_kind_of(type);
+  int axis = -1;
+  for (int k = kind->motion_count - 1; k >= 0; --k)
+    if (kind->motions[k].primitive == KM_PRISMATIC)
+      axis = kind->motions[k].axis;
+  for (int k = kind->motion_count - 1; k >= 0; --k)
+    if (kind->motions[k].primitive == KM_REVOLUTE || kind->motions[k].primitive == KM_HELICAL)
+      axis = kind->motions[k].axis;
+  return axis;
+}

@@ -38,6 +38,8 @@ int km_primitive_freedom(km_primitive primitive);
 
 /* True if coordinate k of the joint is a length (Tx, Ty, Tz); rotations and screws are angles. */
 bool km_joint_is_length(km_joint_type type, int k);
+/* Axis of the joint's first hinge or screw, else of its first slide: 0 x, 1 y, 2 z; -1: it has none. */
+int km_joint_axis(km_joint_type type);
 /* Unit of coordinate k in a file. */
 km_dimension km_joint_dimension(km_joint_type type, int k);
 

@@ -36,6 +36,7 @@ typedef struct shared_data {
   km_state *s;
   const km_pose *written; /* [frame] */
   const int *owner;       /* [frame] substructure of its joints */
+  bool regular;           /* relations are made exact too */
   const km_compiling *options;
 } shared_data;
 
@@ -45,26 +46,29 @@ typedef struct examination {
   km_compiling options;
   km_nearest_mechanism nearest;
   km_rounded_numbers numbers;
-  int lowest, highest; /* rank without and with the singular values that may be rounding */
-  double gap;          /* the largest gap at the lowest rank */
+  km_relations relations; /* none unless they are requested */
+  int lowest, highest;    /* rank without and with the singular values that may be rounding */
+  double gap;             /* the largest gap at the lowest rank */
   km_rounding verdict;
 } examination;
 
-/* Numbers that may change: those that are known to be rounded, in their planes; all, in their planes; all. */
-typedef enum freedom_of_numbers { LONG_IN_PLANES, ALL_IN_PLANES, ALL, FREEDOMS_OF_NUMBERS } freedom_of_numbers;
+/* Numbers that may change: those that are known to be rounded, in their planes; all, in their planes; all. Relations
+ * begin with those that are known to be rounded, in any direction. */
+typedef enum freedom_of_numbers { LONG_IN_PLANES, ALL_IN_PLANES, ALL, FREEDOMS_OF_NUMBERS, LONG } freedom_of_numbers;
 
 static void choose_numbers(examination *x, freedom_of_numbers freedom) {
   km_nearest_mechanism *n = &x->nearest;
   double size = n->m->substructures[n->index].size;
   n->count = 0;
-  n->gaps.keeps_planes = freedom != ALL;
+  const bool in_planes = freedom == LONG_IN_PLANES || freedom == ALL_IN_PLANES,
+             long_only = freedom == LONG_IN_PLANES || freedom == LONG;
+  n->gaps.keeps_planes = in_planes;
   for (int k = 0; k < x->numbers.count; ++k) {
     km_written_number number = *x->numbers.number[k];
-    if (freedom != ALL)
+    if (in_planes)
       number = km_loop_gaps_keep_plane(&n->gaps, &number);
     double unit = x->numbers.half[k], moves = km_vec3_norm(number.move) / size, turns = km_vec3_norm(number.turn);
-    if ((freedom == LONG_IN_PLANES && !x->numbers.is_long[k]) || unit == 0.0 ||
-        unit * fmax(moves, turns) > largest_unit)
+    if ((long_only && !x->numbers.is_long[k]) || unit == 0.0 || unit * fmax(moves, turns) > largest_unit)
       continue;
     n->number[n->count] = number;
     n->half[n->count] = unit;
@@ -152,6 +156,48 @@ static km_status find_rank(examination *x, bool *found, km_error *error) {
         return status;
     }
   return status;
+}
+
+/* Drops the relations of the frames that a number places. */
+static void drop_relations(km_relations *relations, const km_written_number *number) {
+  int kept = 0;
+  for (int i = 0; i < relations->count; ++i)
+    if (!km_relation_is_placed(&relations->relation[i], number))
+      relations->relation[kept++] = relations->relation[i];
+  relations->count = kept;
+}
+
+/* Makes the relations alone exact; those that need more than rounding are dropped. */
+static km_status make_regular(examination *x, bool *made, km_error *error) {
+  km_nearest_mechanism *n = &x->nearest;
+  km_status status = KM_OK;
+  *made = false;
+  while (x->relations.count > 0 && !*made && !status) {
+    int most = 0;
+    for (int i = 0; i < 2 && !*made && !status; ++i) {
+      status = restore(x, error);
+      choose_numbers(x, i == 0 ? LONG : ALL);
+      status = status ? status : km_nearest_regular(n, made, &most, error);
+      if (!status && *made)
+        status = check_assembly(n, made, error);
+    }
+    if (!*made && n->count == 0)
+      return status;
+    if (!*made && !status)
+      drop_relations(&x->relations, &n->number[most]);
+  }
+  return status;
+}
+
+/* Finds the rank with the relations; without them if no mechanism has them. */
+static km_status find_regular_rank(examination *x, bool *found, km_error *error) {
+  x->nearest.relations = x->relations.count > 0 ? &x->relations : NULL;
+  km_status status = find_rank(x, found, error);
+  if (status || *found || !x->nearest.relations)
+    return status;
+  x->nearest.relations = NULL;
+  x->relations.count = 0;
+  return find_rank(x, found, error);
 }
 
 /* Writes "R[5] of frame link/B". */
@@ -248,6 +294,23 @@ static km_status accept_exact(const shared_data *shared, int index, km_rounding 
   return status ? km_fail(error, status, "out of memory for the digits of a model") : KM_OK;
 }
 
+static km_status find_relations(examination *x, km_arena *arena, km_error *error) {
+  km_nearest_mechanism *n = &x->nearest;
+  choose_numbers(x, ALL);
+  return km_relations_find(n->m, n->index, n->number, n->half, n->count, arena, &x->relations)
+             ? KM_OK
+             : km_fail(error, KM_MEMORY, "out of memory for the relations of a model");
+}
+
+static void count_relations(const km_relations *relations, km_idealisation *out) {
+  for (int i = 0; i < relations->count; ++i) {
+    const km_relation_kind kind = relations->relation[i].kind;
+    out->parallel_axes += kind == KM_PARALLEL_AXES;
+    out->right_angles += kind == KM_RIGHT_ANGLE;
+    out->equal_lengths += kind == KM_EQUAL_LENGTHS;
+  }
+}
+
 static km_status examine(km_model *model, int index, const shared_data *shared, result *r, km_messages *messages,
                          km_error *error) {
   const km_mechanism *m = shared->m;
@@ -255,11 +318,11 @@ static km_status examine(km_model *model, int index, const shared_data *shared, 
   examination x = {.model = model, .options = *shared->options, .verdict = {.substructure = index}};
   km_arena arena = {0};
   km_status status = KM_OK;
-  bool converged = false, found = false;
+  bool converged = false, found = false, regular = false;
   if (!km_rounded_numbers_find(m, index, shared->owner, &arena, &x.numbers))
     status = km_fail(error, KM_MEMORY, "out of memory for the digits of a model");
   bool is_examined = sub->loop_count > 0 && sub->columns <= MOST_COLUMNS && x.numbers.count > 0, is_exact = false;
-  if (!status && is_examined && !x.numbers.is_rounded) {
+  if (!status && is_examined && !x.numbers.is_rounded && !shared->regular) {
     status = accept_exact(shared, index, &x.verdict, &is_exact, error);
     if (is_exact)
       record_verdict(&x.verdict, r);
@@ -270,16 +333,25 @@ static km_status examine(km_model *model, int index, const shared_data *shared, 
     if (!status)
       status = examine_as_written(&x, &converged, error);
     bool is_suspect = converged && ((x.lowest < x.highest && x.numbers.is_rounded) || x.gap > closes_as_written);
+    if (!status && shared->regular)
+      status = find_relations(&x, &arena, error);
     if (!status && is_suspect)
-      status = find_rank(&x, &found, error);
+      status = find_regular_rank(&x, &found, error);
     x.verdict.verdict = found ? KM_ROUNDING_FOUND : is_suspect ? KM_ROUNDING_BEYOND : KM_ROUNDING_EXACT;
     if (found) {
       x.verdict.mobility = x.nearest.columns - x.nearest.rank;
       record_changes(&x, r);
       add_note(&x, m, messages);
-    } else if (!status && is_suspect) {
-      status = restore(&x, error);
+    } else if (!status && converged && x.relations.count > 0) {
+      x.nearest.relations = &x.relations;
+      status = make_regular(&x, &regular, error);
     }
+    if (regular)
+      record_changes(&x, r);
+    else if (!status && !found && (is_suspect || shared->regular))
+      status = restore(&x, error);
+    if (found || regular)
+      count_relations(&x.relations, r->out);
     km_nearest_release(&x.nearest);
     if (!status)
       record_verdict(&x.verdict, r);
@@ -328,14 +400,14 @@ static km_status prepare(km_model *model, km_arena *arena, shared_data *out, km_
   return arena->failed ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : KM_OK;
 }
 
-static km_status examine_all(km_model *model, result *r, km_messages *messages, km_error *error) {
+static km_status examine_all(km_model *model, bool regular, result *r, km_messages *messages, km_error *error) {
   km_arena arena = {0};
   km_hold *holds = list_holds(model);
   double inferred = model->closure_tolerance;
   if (model->closure_tolerance_inferred)
     set_tolerance(model, closes_as_written, false);
   const km_compiling options = {.holds = holds, .hold_count = model->hold_count};
-  shared_data shared = {.options = &options};
+  shared_data shared = {.options = &options, .regular = regular};
   km_status status = holds ? prepare(model, &arena, &shared, error) : KM_MEMORY;
   for (int i = 0; !status && i < shared.m->topology.substructure_count; ++i)
     status = examine(model, i, &shared, r, messages, error);
@@ -347,7 +419,8 @@ static km_status examine_all(km_model *model, result *r, km_messages *messages, 
   return r->failed || !holds ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : status;
 }
 
-km_status km_model_idealise(km_model *model, km_messages *messages, km_idealisation *found, km_error *error) {
+km_status km_model_idealise(km_model *model, bool regular, km_messages *messages, km_idealisation *found,
+                            km_error *error) {
   km_idealisation own = {0};
   result r = {.out = found ? found : &own};
   *r.out = (km_idealisation){0};
@@ -355,7 +428,7 @@ km_status km_model_idealise(km_model *model, km_messages *messages, km_idealisat
     return km_fail(error, KM_USAGE, "found no model");
   km_status status = KM_OK;
   if (model->written_count > 0 && (!model->closure_tolerance_given || model->closure_tolerance_inferred))
-    status = examine_all(model, &r, messages, error);
+    status = examine_all(model, regular, &r, messages, error);
   km_idealisation_free(&own);
   return status;
 }

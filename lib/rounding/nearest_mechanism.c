@@ -225,6 +225,22 @@ typedef struct conditions {
   double gap;     /* largest |e| */
 } conditions;
 
+/* Adds the relations and what they lack. */
+static void add_relations(const km_nearest_mechanism *n, conditions *c) {
+  if (!n->relations)
+    return;
+  double *b = c->b + c->rows;
+  int rows = km_relations_rows(n->relations);
+  km_relations_compute(n->relations, n->model, n->number, n->half, n->count, b, c->A + c->rows, (size_t)c->most_rows);
+  c->gap = fmax(c->gap, largest(b, rows));
+  for (int r = 0; r < rows; ++r) {
+    b[r] = -b[r];
+    for (int k = 0; k < n->count; ++k)
+      c->A[(size_t)k * (size_t)c->most_rows + (size_t)(c->rows + r)] *= c->weight[k];
+  }
+  c->rows += rows;
+}
+
 static km_status gather(km_nearest_mechanism *n, conditions *c, km_error *error) {
   int redundant = n->rows - n->rank;
   c->rows = 0;
@@ -250,6 +266,7 @@ static km_status gather(km_nearest_mechanism *n, conditions *c, km_error *error)
       c->b[c->rows++] = -dot(w, n->e, n->rows);
     }
   }
+  add_relations(n, c);
   return KM_OK;
 }
 
@@ -414,8 +431,35 @@ static km_status begin(km_nearest_mechanism *n, double *conditioning, bool *conv
   return KM_OK;
 }
 
+static km_status reserve_conditions(const km_nearest_mechanism *n, int rows, conditions *out, km_error *error) {
+  *out = (conditions){.most_rows = rows + (n->relations ? km_relations_rows(n->relations) : 0)};
+  out->A = KM_ARENA_NEW(n->arena, double, (size_t)out->most_rows *(size_t)(n->count + 1));
+  out->b = KM_ARENA_NEW(n->arena, double, (size_t)out->most_rows);
+  out->weight = KM_ARENA_NEW(n->arena, double, (size_t)n->count + 1);
+  if (n->arena->failed)
+    return km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism");
+  for (int k = 0; k < n->count; ++k)
+    out->weight[k] = 1.0;
+  return KM_OK;
+}
+
+km_status km_nearest_regular(km_nearest_mechanism *n, bool *found, int *most, km_error *error) {
+  conditions c;
+  km_status status = reserve_conditions(n, 0, &c, error);
+  *found = false;
+  n->configuration_count = 0;
+  memset(n->x, 0, (size_t)n->count * sizeof *n->x);
+  if (!status && n->count > 0 && c.most_rows > 0)
+    status = iterate(n, &c, found, error);
+  *most = 0;
+  for (int k = 1; k < n->count; ++k)
+    *most = fabs(n->x[k]) > fabs(n->x[*most]) ? k : *most;
+  *found = *found && largest(n->x, n->count) <= within_rounding;
+  return status;
+}
+
 /* Closes the loops of a mechanism that was found still better, at the configurations where they are open most. Its
- * numbers stay if that leads nowhere. */
+ * numbers stay if that fails. */
 static km_status polish(km_nearest_mechanism *n, conditions *c, double conditioning, uint64_t *random,
                         km_error *error) {
   enum { MOST_POLISHING = 6 };
@@ -445,17 +489,13 @@ km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error)
   target = target < LEAST_CONFIGURATIONS   ? LEAST_CONFIGURATIONS
            : target > FIRST_CONFIGURATIONS ? FIRST_CONFIGURATIONS
                                            : target;
-  conditions c = {.most_rows = MOST_CONFIGURATIONS * (redundant > 0 ? redundant : 1)};
-  c.A = KM_ARENA_NEW(n->arena, double, (size_t)c.most_rows *(size_t)(n->count + 1));
-  c.b = KM_ARENA_NEW(n->arena, double, (size_t)c.most_rows);
-  c.weight = KM_ARENA_NEW(n->arena, double, (size_t)n->count + 1);
+  conditions c;
+  km_status reserved = reserve_conditions(n, MOST_CONFIGURATIONS * (redundant > 0 ? redundant : 1), &c, error);
   *found = false;
-  if (n->arena->failed)
-    return km_fail(error, KM_MEMORY, "out of memory for the nearest mechanism");
+  if (reserved)
+    return reserved;
   if (n->count == 0 || n->rank == 0 || redundant == 0)
     return KM_OK;
-  for (int k = 0; k < n->count; ++k)
-    c.weight[k] = 1.0;
   double conditioning;
   uint64_t random = 1;
   bool closed;

@@ -8,6 +8,7 @@
 #define KM_ROUNDING_NEAREST_MECHANISM_H
 
 #include "rounding/loop_gaps.h"
+#include "rounding/regular_shapes.h"
 
 /* A substructure of a model whose numbers change. */
 typedef struct km_nearest_mechanism {
@@ -22,6 +23,7 @@ typedef struct km_nearest_mechanism {
   int count;                      /* numbers that may change */
   km_written_number *number;      /* [count] */
   double *half, *x;               /* [count] x: changes in units of `half` */
+  const km_relations *relations;  /* further conditions; NULL: none */
   const km_pose *written;         /* [frame] poses as written */
   double *e, *J, *E, *S, *U, *Vt; /* gaps, J and its singular values and vectors, at the last configuration */
   int rank;                       /* that the nearest mechanism is to have */
@@ -45,6 +47,9 @@ km_status km_nearest_decompose(km_nearest_mechanism *nearest, km_error *error);
 /* Moves the state to the nearest configuration without gaps in the first `rank` left singular directions. *converged is
  * false if the steps don't end. */
 km_status km_nearest_correct(km_nearest_mechanism *nearest, bool *converged, km_error *error);
+/* Finds x for the relations alone. *found is false if they need changes beyond rounding; *most is the number with the
+ * largest change. */
+km_status km_nearest_regular(km_nearest_mechanism *nearest, bool *found, int *most, km_error *error);
 /* Finds x for nearest->rank, from nearest->start. *found is false if
  * no mechanism within about one unit of the written numbers moves with that rank. */
 km_status km_nearest_find(km_nearest_mechanism *nearest, bool *found, km_error *error);

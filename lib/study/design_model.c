@@ -33,7 +33,7 @@ km_status km_design_read_model(const km_design_study *s, const double *values, k
       .file = s->def->model, .assignments = assignments, .assignment_count = assignments_of(s, values, assignments)};
   km_status status = km_model_read_as(s->bytes, s->size, &definition, NULL, out, error);
   if (!status)
-    status = km_model_idealise(*out, NULL, NULL, error);
+    status = km_model_idealise(*out, false, NULL, NULL, error);
   if (!status && s->length > 0.0 && !km_design_is_reference(s, values)) {
     double unit = km_model_length_unit(*out);
     km_model_share_length(*out, s->length * unit / unit);

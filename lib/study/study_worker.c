@@ -67,7 +67,7 @@ static km_status open_slot(const km_design_study *s, model_slot *at, km_error *e
   km_read_def definition = {.file = s->def->model};
   km_status status = km_model_read_as(s->bytes, s->size, &definition, NULL, &at->model, error);
   if (!status)
-    status = km_model_idealise(at->model, NULL, NULL, error);
+    status = km_model_idealise(at->model, false, NULL, NULL, error);
   if (status)
     return status;
   double unit = km_model_length_unit(at->model);

@@ -280,7 +280,7 @@ static km_rounding idealise(const hinges *h, writer write, int digits, km_model 
   km_error error;
   write(h, digits, text, sizeof text);
   *model = read_text(text);
-  if (km_model_idealise(*model, NULL, &found, &error))
+  if (km_model_idealise(*model, false, NULL, &found, &error))
     fail_msg("%s", error.text);
   assert_int_equal(found.count, 1);
   km_rounding verdict = found.verdict[0];
@@ -379,7 +379,7 @@ static void trusses_stay(void **unused) {
     append(text, sizeof text, "]}]}");
     km_model *model = read_text(text);
     km_idealisation found;
-    assert_int_equal(km_model_idealise(model, NULL, &found, NULL), KM_OK);
+    assert_int_equal(km_model_idealise(model, false, NULL, &found, NULL), KM_OK);
     assert_int_equal(found.count, 1);
     assert_int_equal(found.verdict[0].verdict, KM_ROUNDING_EXACT);
     assert_int_equal(found.change_count, 0);
@@ -449,12 +449,51 @@ static void derivatives_by_numbers(void **unused) {
   }
 }
 
+/* Largest sine between two axes of one body, of hinges about z of their frames. */
+static double largest_sine(const km_model *model) {
+  double most = 0.0;
+  for (int i = 0; i < model->frame_count; ++i)
+    for (int k = 0; k < i; ++k)
+      if (model->frames[i].body == model->frames[k].body && model->frames[i].name[0] == 'J' &&
+          model->frames[k].name[0] == 'J')
+        most =
+            fmax(most, km_vec3_norm(km_vec3_cross(model->frames[i].pose.R.axis[2], model->frames[k].pose.R.axis[2])));
+  return most;
+}
+
+/* On request three parallel cranks have exactly parallel axes and equal lengths, and a Bennett linkage equal links. */
+static void regular_shapes(void **state) {
+  (void)state;
+  static char text[20000];
+  randomness r = {23};
+  for (int i = 0; i < 12; ++i) {
+    const bool planar = i % 2 == 0;
+    const hinges h = planar ? parallelograms(&r) : bennett(&r);
+    const int digits = 3 + i % 4;
+    (i % 3 == 0 ? write_drawn : write_local)(&h, digits, text, sizeof text);
+    km_model *model = read_text(text);
+    km_idealisation found;
+    double residual;
+    assert_int_equal(km_model_idealise(model, true, NULL, &found, NULL), KM_OK);
+    assert_int_equal(finite_mobility(model, &residual), 1);
+    assert_at_most(residual, 1e-12);
+    if (planar) {
+      assert_at_most(largest_sine(model), 1e-13);
+      assert_true(found.parallel_axes >= 9 && found.equal_lengths >= 3);
+    } else {
+      assert_true(found.equal_lengths >= 2 && found.parallel_axes == 0);
+    }
+    for (int k = 0; k < found.change_count; ++k)
+      assert_at_most(found.change[k].digits, 0.6); /* within half a digit, to first order */
+    km_idealisation_free(&found);
+    km_model_free(model);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rounded_families),
-      cmocka_unit_test(off_by_thirty_digits),
-      cmocka_unit_test(trusses_stay),
-      cmocka_unit_test(derivatives_by_numbers),
+      cmocka_unit_test(rounded_families),       cmocka_unit_test(off_by_thirty_digits), cmocka_unit_test(trusses_stay),
+      cmocka_unit_test(derivatives_by_numbers), cmocka_unit_test(regular_shapes),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -153,7 +153,7 @@ km_model *kt_load_varied(const kt_common *common, const char *path, const km_ass
                      .closure_tolerance = common->closure_tolerance};
   km_status status = km_model_read_file_as(path, &def, messages, &model, &error);
   if (!status && !common->exact)
-    status = km_model_idealise(model, messages, common->idealised, &error);
+    status = km_model_idealise(model, common->regular, messages, common->idealised, &error);
   if (status) {
     km_model_free(model);
     model = NULL;

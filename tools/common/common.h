@@ -33,6 +33,7 @@ typedef struct kt_common {
   bool exact;               /* --exact: rounded numbers are taken as written */
   int jobs;
   unsigned long seed;
+  bool regular;               /* --regular of kmob convert */
   km_idealisation *idealised; /* receives the changes of rounded numbers; NULL: doesn't */
   int mode;                   /* --mode: assembly mode; 0: the file's own */
   const char *pose;           /* --pose: named pose of the model to start from; NULL: its own */

@@ -11,7 +11,7 @@ typedef struct options {
   kt_common common;
   kt_texts holds, sets;
   const char *model, *file, *units;
-  bool frames, drawn, idealise;
+  bool frames, drawn, idealise, regular;
 } options;
 
 /* Notes on the numbers that a movable mechanism needs. */
@@ -24,6 +24,9 @@ static void report_of_changes(const options *o, const km_idealisation *found) {
       kt_print_message(&o->common, KM_NOTE, "%s: %s is %.10g instead of %.10g (%.2g of a last digit)", o->model,
                        c->place, c->nearest, c->written, c->digits);
   }
+  if (o->regular)
+    kt_print_message(&o->common, KM_NOTE, "%s: exact now: %d pairs of parallel axes, %d right angles, %d equal lengths",
+                     o->model, found->parallel_axes, found->right_angles, found->equal_lengths);
   for (int i = 0; i < found->count; ++i)
     if (found->verdict[i].verdict == KM_ROUNDING_BEYOND)
       kt_print_message(
@@ -124,6 +127,9 @@ kt_exit kmob_convert(int argc, char **argv) {
       {"idealise", 0, NULL,
        "Replace rounded numbers by the nearest ones for which the loops close and move, and list them", KT_FLAG,
        &o.idealise, KT_ABOUT_MODEL},
+      {"regular", 0, NULL,
+       "The same; and where rounding allows it, make axes of a body in a loop parallel or orthogonal, and lengths equal",
+       KT_FLAG, &o.regular, KT_ABOUT_MODEL},
       {"drawn", 0, NULL, "Write assemblies by points and axes in the pose, all bodies in one frame", KT_FLAG, &o.drawn,
        KT_ABOUT_MODEL},
       KT_MODE(o.common),
@@ -152,7 +158,8 @@ kt_exit kmob_convert(int argc, char **argv) {
     return KT_USAGE;
   kt_pose pose;
   km_idealisation found = {0};
-  o.common.exact = !o.idealise;
+  o.common.exact = !o.idealise && !o.regular;
+  o.common.regular = o.regular;
   o.common.idealised = &found;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE) {

@@ -74,7 +74,7 @@ static km_status load(const kv_session *s, const double *values, km_model **out,
     }
   km_status status = km_model_read_file_as(s->opening.path, &def, NULL, out, error);
   if (!status && !s->opening.exact)
-    status = km_model_idealise(*out, NULL, NULL, error);
+    status = km_model_idealise(*out, false, NULL, NULL, error);
   free(items);
   return status;
 }

@@ -101,7 +101,7 @@ static km_status make_model(kv_session *s, const km_text *file, km_messages *mes
   km_status status = km_model_read_as(file->data ? file->data : "", file->size, &def, messages, out, error);
   int pose;
   if (!status && !s->opening.exact)
-    status = km_model_idealise(*out, messages, NULL, error);
+    status = km_model_idealise(*out, false, messages, NULL, error);
   if (!status && s->opening.pose) {
     status = km_model_find_pose(*out, s->opening.pose, &pose, error);
     if (!status)

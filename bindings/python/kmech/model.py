@@ -89,7 +89,7 @@ class Model:
         self.roundings: list[Rounding] = []
         if status == lib.KM_OK and not exact:
             found = ffi.gc(ffi.new("km_idealisation *"), lib.km_idealisation_free)
-            status = lib.km_model_idealise(out[0], messages, found, error)
+            status = lib.km_model_idealise(out[0], False, messages, found, error)
             self.roundings = [Rounding._of(found.verdict[i], found) for i in range(found.count)]
         self.messages: list[Message] = messages_of(messages)
         try:

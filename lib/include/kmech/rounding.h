@@ -45,6 +45,9 @@ typedef struct km_idealisation {
   km_rounding *verdict;     /* [count] */
   int change_count;         /* number of changed numbers */
   km_number_change *change; /* [change_count] by substructure */
+  int parallel_axes;        /* relations that were made exact: pairs of parallel axes on one body */
+  int right_angles;         /* pairs of orthogonal axes on one body */
+  int equal_lengths;        /* pairs of equal distances of two joints on a body */
 } km_idealisation;
 
 /* Replaces the numbers of each substructure by the nearest ones for which its loops close and move, if these are within
@@ -53,10 +56,13 @@ typedef struct km_idealisation {
  *   min |x|²   subject to   e(q_i, p + h x) = 0,   rank J(q_i) = r,   |x_k| <= 1
  *
  * at configurations q_i along the motion; h: half a unit of the last digit. Other substructures are unchanged, and so
- * is a model whose file states a closure tolerance. Each substructure that is changed adds a note to `messages` (may be
+ * is a model whose file states a closure tolerance. `regular`: in substructures with loops also axes on one body that
+ * are parallel or orthogonal within rounding become so, and distances of joints that are equal within it; those that
+ * would need more are left out. Each substructure that is changed adds a note to `messages` (may be
  * NULL). `found` (may be NULL): verdicts and changes; free it in any case. KM_MEMORY; KM_IO: LAPACKE is not installed.
  * Cost: O(rows · columns²) for a substructure without small singular values; about 100 times that for others. */
-KM_API km_status km_model_idealise(km_model *model, km_messages *messages, km_idealisation *found, km_error *error);
+KM_API km_status km_model_idealise(km_model *model, bool regular, km_messages *messages, km_idealisation *found,
+                                   km_error *error);
 KM_API void km_idealisation_free(km_idealisation *idealisation);
 
 #ifdef __cplusplus
