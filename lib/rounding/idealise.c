@@ -158,13 +158,22 @@ static km_status find_rank(examination *x, bool *found, km_error *error) {
   return status;
 }
 
-/* Drops the relations of the frames that a number places. */
-static void drop_relations(km_relations *relations, const km_written_number *number) {
+/* Drops the relations of the frames that numbers place whose changes are at least half as large as the largest one; all
+ * if there are none. */
+static void drop_relations(km_relations *relations, const km_nearest_mechanism *n) {
+  double most = 0.0;
   int kept = 0;
-  for (int i = 0; i < relations->count; ++i)
-    if (!km_relation_is_placed(&relations->relation[i], number))
+  for (int k = 0; k < n->count; ++k)
+    most = fmax(most, fabs(n->x[k]));
+  for (int i = 0; i < relations->count; ++i) {
+    bool is_placed = false;
+    for (int k = 0; k < n->count; ++k)
+      is_placed =
+          is_placed || (fabs(n->x[k]) >= 0.5 * most && km_relation_is_placed(&relations->relation[i], &n->number[k]));
+    if (!is_placed)
       relations->relation[kept++] = relations->relation[i];
-  relations->count = kept;
+  }
+  relations->count = kept < relations->count ? kept : 0;
 }
 
 /* Makes the relations alone exact; those that need more than rounding are dropped. */
@@ -173,18 +182,15 @@ static km_status make_regular(examination *x, bool *made, km_error *error) {
   km_status status = KM_OK;
   *made = false;
   while (x->relations.count > 0 && !*made && !status) {
-    int most = 0;
     for (int i = 0; i < 2 && !*made && !status; ++i) {
       status = restore(x, error);
       choose_numbers(x, i == 0 ? LONG : ALL);
-      status = status ? status : km_nearest_regular(n, made, &most, error);
+      status = status ? status : km_nearest_regular(n, made, error);
       if (!status && *made)
         status = check_assembly(n, made, error);
     }
-    if (!*made && n->count == 0)
-      return status;
     if (!*made && !status)
-      drop_relations(&x->relations, &n->number[most]);
+      drop_relations(&x->relations, n);
   }
   return status;
 }

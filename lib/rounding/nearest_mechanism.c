@@ -443,7 +443,7 @@ static km_status reserve_conditions(const km_nearest_mechanism *n, int rows, con
   return KM_OK;
 }
 
-km_status km_nearest_regular(km_nearest_mechanism *n, bool *found, int *most, km_error *error) {
+km_status km_nearest_regular(km_nearest_mechanism *n, bool *found, km_error *error) {
   conditions c;
   km_status status = reserve_conditions(n, 0, &c, error);
   *found = false;
@@ -451,9 +451,6 @@ km_status km_nearest_regular(km_nearest_mechanism *n, bool *found, int *most, km
   memset(n->x, 0, (size_t)n->count * sizeof *n->x);
   if (!status && n->count > 0 && c.most_rows > 0)
     status = iterate(n, &c, found, error);
-  *most = 0;
-  for (int k = 1; k < n->count; ++k)
-    *most = fabs(n->x[k]) > fabs(n->x[*most]) ? k : *most;
   *found = *found && largest(n->x, n->count) <= within_rounding;
   return status;
 }

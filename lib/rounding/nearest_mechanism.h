@@ -47,9 +47,8 @@ km_status km_nearest_decompose(km_nearest_mechanism *nearest, km_error *error);
 /* Moves the state to the nearest configuration without gaps in the first `rank` left singular directions. *converged is
  * false if the steps don't end. */
 km_status km_nearest_correct(km_nearest_mechanism *nearest, bool *converged, km_error *error);
-/* Finds x for the relations alone. *found is false if they need changes beyond rounding; *most is the number with the
- * largest change. */
-km_status km_nearest_regular(km_nearest_mechanism *nearest, bool *found, int *most, km_error *error);
+/* Finds x for the relations alone. *found is false if they need changes beyond rounding. */
+km_status km_nearest_regular(km_nearest_mechanism *nearest, bool *found, km_error *error);
 /* Finds x for nearest->rank, from nearest->start. *found is false if
  * no mechanism within about one unit of the written numbers moves with that rank. */
 km_status km_nearest_find(km_nearest_mechanism *nearest, bool *found, km_error *error);

@@ -5,7 +5,7 @@
 #include "base/table.h"
 #include "base/text.h"
 #include "kmech/transfer.h"
-#include "sweep/event_search.h"
+#include "sweep/events/event_search.h"
 #include "sweep/sweep_observer.h"
 #include "sweep/transmission_columns.h"
 #include "transfer/transfer.h"

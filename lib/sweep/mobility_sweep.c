@@ -4,7 +4,7 @@
  *   sign change between rows, several sign changes between steps, or a minimum of |z_j| near 0 */
 #include "base/arguments.h"
 #include "base/table.h"
-#include "sweep/event_search.h"
+#include "sweep/events/event_search.h"
 #include "sweep/singular_value_minima.h"
 #include "sweep/sweep_observer.h"
 #include "sweep/transmission_columns.h"

@@ -4,7 +4,7 @@
 
 #include "kmech/sweep.h"
 #include "mobility/jacobian_singular_values.h"
-#include "sweep/event_search.h"
+#include "sweep/events/event_search.h"
 
 /* Search for the minima over a sweep. */
 typedef struct km_singular_value_minima {

@@ -4,7 +4,7 @@
 #include "support/support.h"
 
 #include "kmech/sweep.h"
-#include "sweep/event_location.h"
+#include "sweep/events/event_location.h"
 
 #include <stdio.h>
 

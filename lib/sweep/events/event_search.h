@@ -3,7 +3,7 @@
 #define KM_SWEEP_EVENT_SEARCH_H
 
 #include "base/event_locator.h"
-#include "sweep/sample_window.h"
+#include "sweep/events/sample_window.h"
 #include "sweep/sweep.h"
 
 typedef enum km_event_kind {

@@ -3,7 +3,7 @@
  *   x(s') = x_0 + c sqrt(s'), s' the driver's distance to its end; samples x_1, x_2, x_4 at s', 4 s', 16 s'
  *   x_0 = (8 x_1 - 6 x_2 + x_4) / 3  (parabola in sqrt(s')),  or  (x_1 x_4 - x_2^2) / (x_1 + x_4 - 2 x_2)  (Aitken)
  *   x vanishes at the end if |x_0| is below the change that an end located to 5e-9 explains */
-#include "sweep/event_search.h"
+#include "sweep/events/event_search.h"
 
 #include <math.h>
 #include <string.h>

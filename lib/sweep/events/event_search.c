@@ -4,9 +4,9 @@
  *   extremum of f      : middle one of three samples            to 4 sqrt(eps)
  *   near a pole        : 16 samples at halved distances, for extrema next to it and for pictures
  *   between samples    : event_location.c */
-#include "sweep/event_search.h"
+#include "sweep/events/event_search.h"
 
-#include "sweep/event_location.h"
+#include "sweep/events/event_location.h"
 
 #include <math.h>
 #include <string.h>

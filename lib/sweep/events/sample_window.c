@@ -1,5 +1,5 @@
 /* The last samples along a sweep: rows and intermediate steps, kept for the last two rows. */
-#include "sweep/sample_window.h"
+#include "sweep/events/sample_window.h"
 
 #include "base/memory.h"
 

@@ -2,7 +2,7 @@
  *
  *   dip: n_0, n_1, n_2 of one sign, and the minimum of the parabola through |n| is below half of the least of them;
  *        then the minimum of |n| is located: below 0 there are two zeros beside it, at 0 n touches 0 */
-#include "sweep/event_location.h"
+#include "sweep/events/event_location.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 #ifndef KM_SWEEP_EVENT_LOCATION_H
 #define KM_SWEEP_EVENT_LOCATION_H
 
-#include "sweep/event_search.h"
+#include "sweep/events/event_search.h"
 
 typedef enum km_event_part { KM_NUMERATOR, KM_DENOMINATOR, KM_QUOTIENT } km_event_part;
 
