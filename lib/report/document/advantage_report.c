@@ -64,8 +64,32 @@ static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
                             sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
 }
 
+/* "37.6 deg in hinge C at 0 deg", the least over all hinges and rows; NULL: no hinge has one. */
+static const char *least_angle_words(km_document_maker *k, const km_plotted_advantage *p) {
+  static const char prefix[] = "transmission.";
+  const km_table *table = p->swept.motion->table;
+  const km_span span = km_table_span(table, prefix);
+  double least = HUGE_VAL, at = 0.0;
+  size_t hinge = 0;
+  for (size_t c = span.first; c < span.first + span.count; ++c)
+    for (size_t r = 0; r < km_table_rows(table); ++r)
+      if (km_table_row(table, r)[c] < least) {
+        least = km_table_row(table, r)[c];
+        at = km_table_row(table, r)[1];
+        hinge = c;
+      }
+  if (!isfinite(least))
+    return NULL;
+  return km_document_format(k, "at least %.3g %s, in hinge %s at %.6g%s", least, km_table_unit(table, hinge),
+                            km_table_name(table, hinge) + strlen(prefix), at,
+                            km_sweep_unit(p->swept.mechanism, p->swept.plan));
+}
+
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
   km_report_facts facts = {.rows = 0};
+  const char *angle = least_angle_words(k, p);
+  if (angle)
+    km_report_fact(&facts, "Transmission angle", angle);
   km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
   km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
   km_report_fact(&facts, "Least size", peak_words(k, p, &p->sweep->least));
