@@ -5,6 +5,7 @@
 #include "report/record/sweep_text.h"
 #include "report/record/transmission_record.h"
 #include "topology/mechanism.h"
+#include "transfer/transmission_metrics.h"
 
 #include <math.h>
 #include <string.h>
@@ -64,25 +65,21 @@ static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
                             sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
 }
 
-/* "37.6 deg in hinge C at 0 deg", the least over all hinges and rows; NULL: no hinge has one. */
+/* "at least 37.6 deg, at 90 deg": the least of the transmission angle and its supplement; NULL: no row has one. */
 static const char *least_angle_words(km_document_maker *k, const km_plotted_advantage *p) {
-  static const char prefix[] = "transmission.";
   const km_table *table = p->swept.motion->table;
-  const km_span span = km_table_span(table, prefix);
-  double least = HUGE_VAL, at = 0.0;
-  size_t hinge = 0;
-  for (size_t c = span.first; c < span.first + span.count; ++c)
-    for (size_t r = 0; r < km_table_rows(table); ++r)
-      if (km_table_row(table, r)[c] < least) {
-        least = km_table_row(table, r)[c];
-        at = km_table_row(table, r)[1];
-        hinge = c;
-      }
-  if (!isfinite(least))
-    return NULL;
-  return km_document_format(k, "at least %.3g %s, in hinge %s at %.6g%s", least, km_table_unit(table, hinge),
-                            km_table_name(table, hinge) + strlen(prefix), at,
-                            km_sweep_unit(p->swept.mechanism, p->swept.plan));
+  const int column = km_table_find(table, km_transmission_name(0));
+  const double half_turn = M_PI / p->swept.mechanism->model->units.angle->si;
+  km_peak least = {HUGE_VAL, 0.0};
+  for (size_t r = 0; r < km_table_rows(table) && column >= 0; ++r) {
+    const double *row = km_table_row(table, r), angle = fmin(row[column], half_turn - row[column]);
+    if (angle < least.value)
+      least = (km_peak){angle, row[1]};
+  }
+  return isfinite(least.value)
+             ? km_document_format(k, "at least %.3g %s, at %.6g%s", least.value, km_table_unit(table, (size_t)column),
+                                  least.s, km_sweep_unit(p->swept.mechanism, p->swept.plan))
+             : NULL;
 }
 
 static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const char *stopped_by) {
