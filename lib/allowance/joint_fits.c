@@ -49,8 +49,11 @@ bool km_fit_terms_create(const km_mechanism *m, const km_self_stress *stress, co
       add_term(out->error, &out->error_count, first + ACROSS, 3, joint, position);
     add_term(out->error, &out->error_count, first + AT_CHILD, 3, joint, direction);
     add_term(out->error, &out->error_count, first + AT_PARENT, 3, joint, direction);
-    add_term(out->play, &out->play_count, first + ACROSS, 2, joint, fit->has_clearance ? fit->radial : defaults->play);
-    add_term(out->play, &out->play_count, first + ALONG, 1, joint, fit->has_clearance ? fit->axial : defaults->play);
+    const bool has_axis = km_joint_axis(m->model->joints[joint].type) >= 0; /* else its play is radial alone */
+    add_term(out->play, &out->play_count, first + ACROSS, has_axis ? 2 : 3, joint,
+             fit->has_clearance ? fit->radial : defaults->play);
+    if (has_axis)
+      add_term(out->play, &out->play_count, first + ALONG, 1, joint, fit->has_clearance ? fit->axial : defaults->play);
     add_term(out->play, &out->play_count, first + AT_CHILD, 3, joint,
              fit->has_clearance ? fit->angular * radian : defaults->angle);
   }

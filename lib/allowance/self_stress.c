@@ -9,8 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/* A pivot of N_piv below this part of the largest one: the misfit has no such component there. */
-static const double vanishing = 1e-6;
+/* A pivot of N_piv, forces per size, below this part of the largest one: the misfit's component is 50 times as large as
+ * elsewhere, and the first order doesn't hold. */
+static const double vanishing = 0.02;
 
 /* Basis N[rows × count], column-major, with the loops' rows turned into the axes of their closing joints. */
 typedef struct basis {
@@ -149,6 +150,11 @@ static bool invert(double *A, int n, double *X) {
   return true;
 }
 
+/* Forces count per size of the substructure. */
+static double scale_of(const basis *b, const km_misfit_component *c) {
+  return c->loop < b->space.sub->loop_count && c->component < 3 ? b->space.sub->size : 1.0;
+}
+
 /* Replaces N by N (N_piv)⁻¹, and sets *measures, unless N_piv is singular. False without memory. */
 static bool measure_components(basis *b, const km_misfit_component *component, km_arena *scratch, bool *measures) {
   const int n = b->count, rows = b->rows;
@@ -158,13 +164,13 @@ static bool measure_components(basis *b, const km_misfit_component *component, k
     return false;
   for (int i = 0; i < n; ++i)
     for (int k = 0; k < n; ++k)
-      A[i * n + k] = component_of(b, &component[i], k);
+      A[i * n + k] = component_of(b, &component[i], k) * scale_of(b, &component[i]);
   double *inverse = A + n * n;
   *measures = invert(A, n, inverse);
   for (int i = 0; *measures && i < n; ++i)
     for (int k = 0; k < n; ++k)
       for (int r = 0; r < rows; ++r)
-        N[i * rows + r] += b->N[k * rows + r] * inverse[k * n + i];
+        N[i * rows + r] += b->N[k * rows + r] * inverse[k * n + i] * scale_of(b, &component[i]);
   if (*measures)
     b->N = N;
   return true;
@@ -189,12 +195,33 @@ static km_wrench joint_wrench(const basis *b, int joint, int column) {
   return sum;
 }
 
+static void remove_along(km_vec3 direction, km_vec3 *v) {
+  double square = km_vec3_dot(direction, direction);
+  if (square > 0.0)
+    *v = km_vec3_axpy(-km_vec3_dot(direction, *v) / square, direction, *v);
+}
+
+/* Removes what works along the joint's own motions: the force of a coupling balances it, no bearing carries it. */
+static void remove_free_components(const km_left_space *a, int joint, km_wrench *at_point) {
+  const int first = a->m->model->joints[joint].first_coordinate;
+  for (int c = first; c < first + km_model_freedom(a->m->model, joint); ++c) {
+    km_twist h = km_coordinate_twist(a->m, a->s, c);
+    if (km_vec3_dot(h.w, h.w) > 0.0)
+      remove_along(h.w, &at_point->t);
+    else
+      remove_along(h.v, &at_point->f);
+  }
+}
+
 static void write_column(const basis *b, int joint, int column, double *wrench) {
   const km_left_space *a = &b->space;
   km_pose pose = km_joint_pose(a->m, a->s, joint);
   km_wrench w = joint_wrench(b, joint, column);
-  km_wrench child = km_wrench_rotate_back(&pose.R, km_wrench_about(w, child_origin(a, joint)));
-  km_wrench parent = km_wrench_rotate_back(&pose.R, km_wrench_about(w, pose.p));
+  km_wrench child = km_wrench_about(w, child_origin(a, joint)), parent = km_wrench_about(w, pose.p);
+  remove_free_components(a, joint, &child);
+  remove_free_components(a, joint, &parent);
+  child = km_wrench_rotate_back(&pose.R, child);
+  parent = km_wrench_rotate_back(&pose.R, parent);
   const double f[3] = {child.f.x, child.f.y, child.f.z};
   int own_axis = km_joint_axis(a->m->model->joints[joint].type), axis = own_axis < 0 ? 2 : own_axis;
   const double entry[KM_STRESS_ROWS] = {f[(axis + 1) % 3], f[(axis + 2) % 3], f[axis],    child.t.x, child.t.y,

@@ -26,7 +26,7 @@ typedef struct km_self_stress {
   /* [joint_count × KM_STRESS_ROWS × count] per unit of each self-stress, in the axes of the joint's parent frame: force
    * across the axis (2), along it (1), moment about the origin of the child's frame (3) and of the parent's (3) */
   double *wrench;
-  bool measures; /* self-stress i measures misfit i: N = N (N_piv)⁻¹. False where N_piv is singular: another basis */
+  bool measures; /* self-stress i measures misfit i: N ← N N_piv⁻¹. False where N_piv is nearly singular */
 } km_self_stress;
 
 /* Number of self-stresses of a substructure at the state's configuration, whose partition is current. */

@@ -16,7 +16,9 @@ static const double least_gain = 1e-6;
 static const double shortest = 1e-7;
 /* Pivots of H below this part of its diagonal count as 0: c has a null vector. */
 static const double singular = 1e-12;
-/* Local maxima whose ratios agree to this part are one. */
+/* A component of ∇h beside the range of H above this part of it isn't rounding. */
+static const double out_of_range = 1e-7;
+/* Relative difference below which two local maxima are one. */
 static const double same = 1e-6;
 enum { MOST_STEPS = 300 };
 /* Random starts: 60 found the largest maximum of 1 000 starts at each row of twelve sweeps, 20 all but one (1.4 %). */
@@ -126,25 +128,30 @@ static void bound_of(const ascent *q, const double *a) {
   weighted_squares(q);
 }
 
-/* Solves H x = g by LDLᵀ; the lower half of H is replaced. False if H is singular. */
+/* Solves H x = g, H semidefinite, by LDLᵀ; the lower half of H is replaced. Components of x that H doesn't determine
+ * are 0. False if g isn't in the range of H. */
 static bool solve(double *H, int n, double *x) {
+  double size = norm(x, n);
   for (int i = 0; i < n; ++i) {
     double diagonal = H[i * n + i];
     for (int j = 0; j < i; ++j) {
       for (int k = 0; k < j; ++k)
         H[i * n + j] -= H[i * n + k] * H[j * n + k] * H[k * n + k];
-      H[i * n + j] /= H[j * n + j];
+      H[i * n + j] = H[j * n + j] > 0.0 ? H[i * n + j] / H[j * n + j] : 0.0;
     }
     for (int j = 0; j < i; ++j)
       H[i * n + i] -= H[i * n + j] * H[i * n + j] * H[j * n + j];
     if (!(H[i * n + i] > singular * diagonal))
+      H[i * n + i] = 0.0;
+  }
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < i; ++j)
+      x[i] -= H[i * n + j] * x[j];
+    if (H[i * n + i] == 0.0 && fabs(x[i]) > out_of_range * size)
       return false;
   }
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j < i; ++j)
-      x[i] -= H[i * n + j] * x[j];
-  for (int i = 0; i < n; ++i)
-    x[i] /= H[i * n + i];
+    x[i] = H[i * n + i] > 0.0 ? x[i] / H[i * n + i] : 0.0;
   for (int i = n - 1; i >= 0; --i)
     for (int j = i + 1; j < n; ++j)
       x[i] -= H[j * n + i] * x[j];
@@ -173,7 +180,7 @@ static double prolong(const ascent *q, const double *a, double value, double *re
   return far;
 }
 
-/* Ascends from a; the ratio at the end, infinite if H is singular. */
+/* Ascends from a; the ratio at the end, infinite if c vanishes in a direction in which h doesn't. */
 static double ascend(const ascent *q, double *a) {
   const int n = q->t->dimension;
   normalise(a, n);
@@ -202,9 +209,9 @@ static double draw(uint64_t *state) {
   return (double)(z ^ (z >> 31)) * 0x1p-63 - 1.0;
 }
 
-/* Random start a = H⁻¹ Σ c_k W_kᵀ z_k, H = Σ c_k² W_kᵀ W_k: as likely in every direction in which play is alike. False
- * if H is singular. */
-static bool random_start(const ascent *q, uint64_t *state, double *a) {
+/* Random start a = H⁻¹ Σ c_k W_kᵀ z_k, H = Σ c_k² W_kᵀ W_k: nearly isotropic in the metric H. Where H is singular, any
+ * random vector, so that it has a part in the null space. */
+static void random_start(const ascent *q, uint64_t *state, double *a) {
   const int n = q->t->dimension;
   memset(a, 0, (size_t)n * sizeof *a);
   memset(q->weight, 0, (size_t)q->t->rows * sizeof *q->weight);
@@ -218,7 +225,11 @@ static bool random_start(const ascent *q, uint64_t *state, double *a) {
     }
   }
   weighted_squares(q);
-  return solve(q->H, n, a);
+  bool is_regular = solve(q->H, n, a);
+  for (int i = 0; i < n; ++i)
+    is_regular = is_regular && q->H[i * n + i] > 0.0;
+  for (int i = 0; i < n && !is_regular; ++i)
+    a[i] = draw(state);
 }
 
 bool km_ratio_search_create(int dimension, int most, km_arena *arena, km_ratio_search *out) {
@@ -257,12 +268,11 @@ double km_ratio_search_next(km_ratio_search *s, const km_support_terms *t, bool 
   memcpy(old, s->track, (size_t)followed * n * sizeof *old);
   s->count = 0;
   for (int i = 0; i < starts && best < HUGE_VAL; ++i) {
-    bool is_regular = true;
     if (i < followed)
       memcpy(a, old + (size_t)i * n, n * sizeof *a);
     else
-      is_regular = random_start(&q, &s->draw, a);
-    double value = is_regular ? ascend(&q, a) : HUGE_VAL;
+      random_start(&q, &s->draw, a);
+    double value = ascend(&q, a);
     best = fmax(best, value);
     keep(s, values, value, a);
   }

@@ -42,8 +42,8 @@ typedef struct km_ratio_search {
 bool km_ratio_search_create(int dimension, int most, km_arena *arena, km_ratio_search *out);
 /* Returns ρ of errors over play at the next configuration: the largest of the local maxima that ascents find from the
  * followed ones and from random starts, many at the first configuration, few at the others. search->track[0 …] is its
- * self-stress. counts[owner]: joints whose play counts, NULL: all. Infinite if c vanishes in a direction; NaN without
- * memory. O(starts · steps · rows · dimension²), about 15 steps. */
+ * self-stress. counts[owner]: joints whose play counts, NULL: all. Infinite if c vanishes in a direction in which h
+ * doesn't; NaN without memory. O(starts · steps · rows · dimension²), about 15 steps. */
 double km_ratio_search_next(km_ratio_search *search, const km_support_terms *terms, bool squared, const bool *counts);
 
 #endif

@@ -1,4 +1,4 @@
-/* Request of kind "allowance": play that the errors of redundant dimensions need, over a sweep. */
+/* Request of kind "allowance": play that redundant constraints need for errors of the parts, over a sweep. */
 #include "question/question.h"
 #include "sweep/sweep_observer.h"
 
@@ -9,12 +9,13 @@ static const double default_position = 1e-4 /* m */, default_direction = 0.1 /* 
 
 static const km_option options[OPTIONS] = {
     {"tolerance", KM_OPTION_PAIR, "PLACE[,ANGLE]", "length, angle", "0.1 mm,0.1 deg",
-     "How far the place of a joint on each of its bodies may be off, and the angle of its axes, where the joint states no "
-     "tolerance",
+     "How far the place of a joint on each of its bodies may be off, and the angle of its axes (without it 0), in the "
+     "model's units, where the joint states no tolerance",
      0, 0, NULL, false},
     {"clearance", KM_OPTION_PAIR, "PLAY[,ANGLE]", "length, angle", "as large as the tolerance",
-     "Play of joints that state no clearance, in every direction and about every axis that they constrain", 0, 0, NULL,
-     false},
+     "Play of joints that state no clearance, in every direction and (without it 0) about every axis that they "
+     "constrain, in the model's units",
+     0, 0, NULL, false},
 };
 
 typedef struct kind_data {

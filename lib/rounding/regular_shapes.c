@@ -6,8 +6,8 @@
 
 /* Lengths below this part of the substructure's size are no links. */
 static const double least_length = 1e-3;
-/* Sine below which two axes are parallel, so that their distance is across them. */
-static const double parallel_sine = 1e-3;
+/* Sine below which two axes count as parallel, so that their distance is across them: above that of three digits. */
+static const double parallel_sine = 0.03;
 /* Rounding errors of the arithmetic: residuals below need no rounded number. */
 static const double rounding = 1e-12;
 /* Step of the differences, relative to the size or in radians. */

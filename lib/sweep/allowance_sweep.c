@@ -49,14 +49,17 @@ enum { FOLLOWED = 4, FEW_FOLLOWED = 1 };
 
 /* Ratio of a station, where only some joints have play (NULL: all); `search` has followed it up to there. */
 static double ratio_of(const station *at, int kind, const bool *counts, km_ratio_search *search) {
+  if (!at->stress.measures) /* this row has another basis than the last one, */
+    search->count = 0;
   double ratio = km_ratio_search_next(search, &at->terms, kind == STATISTICAL, counts);
-  if (!at->stress.measures) /* the next row has another basis */
+  if (!at->stress.measures) /* and than the next one */
     search->count = 0;
   return kind == STATISTICAL ? km_statistical_factor(at->of->count) * ratio : ratio;
 }
 
 static void take(km_peak *peak, double value, double s) {
-  if (!(peak->value >= value) && !isnan(value))
+  static const double tie = 1.0 + 1e-6; /* the first of equal values, whatever their rounding */
+  if (!isnan(value) && !(peak->value * tie >= value))
     *peak = (km_peak){value, s};
 }
 

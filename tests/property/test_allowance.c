@@ -1,6 +1,6 @@
 /* Allowance of redundant constraints: the ratio of support functions against a search over all directions; misfits and
  * ratios against mechanisms that are assembled with errors and play by their full kinematics; the statistical bound
- * against samples; other frames, units and orders of joints; no redundant constraint, no play.
+ * against samples; other units; couplings; no redundant constraint, no play.
  *
  *   assembled: λ* = min over δ, q of max_j |δ_j|/c_j subject to the closure of the loops, found by weights that grow
  *              with |δ_j|/c_j: an upper bound of λ* that the support ratio, a lower one, must meet */
@@ -574,13 +574,41 @@ static void test_stated_fits(void **state) {
   fixture_close(&h);
 }
 
+/* A belt between two hinges of a parallelogram: no play of hinges takes up what it makes redundant in the plane, unless
+ * they have radial play. Exact axes need no angular play. */
+static void test_couplings_and_zero_errors(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"p\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"a\"}, {\"name\": \"b\"}, {\"name\": "
+      "\"c\"}], \"joints\": [{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"a\"], \"at\": [0, 0]}, {\"name\": \"B\", "
+      "\"type\": \"revolute\", \"bodies\": [\"a\", \"b\"], \"at\": [0.5, 1]}, {\"name\": \"C\", \"type\": \"revolute\", \"bodies\": "
+      "[\"b\", \"c\"], \"at\": [2.5, 1]}, {\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"c\"], \"at\": [2, 0]}], "
+      "\"couplings\": [{\"name\": \"belt\", \"joints\": [\"A\", \"D\"], \"ratios\": [1, -1]}]}]}");
+  const km_fit_defaults angular = {1e-4, 0.0, 0.0, 0.3, true}, radial = {1e-4, 0.0, 1e-3, 0.3, true},
+                        exact = {0.0, 0.0, 1e-3, 0.0, true}, places = {1e-4, 0.0, 1e-4, 0.0, true};
+  km_allowance_sweep a = sweep_of(&f, &angular, "A");
+  assert_int_equal(a.constraint_count, 4);
+  assert_true(a.worst.value == HUGE_VAL);
+  km_allowance_sweep_free(&a);
+  a = sweep_of(&f, &radial, "A");
+  assert_true(isfinite(a.worst.value) && a.worst.value > 0.0);
+  km_allowance_sweep_free(&a);
+  a = sweep_of(&f, &exact, "A");
+  assert_near(a.worst.value, 0.0, 0.0);
+  km_allowance_sweep_free(&a);
+  fixture_close(&f);
+  f = fixture_open("fourbar");
+  a = sweep_of(&f, &places, "A");
+  assert_near(a.worst.value, 2.0, 1e-5); /* both errors of each joint add up along the normal */
+  km_allowance_sweep_free(&a);
+  fixture_close(&f);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_ratio_by_search),
-                                     cmocka_unit_test(test_assembled_with_play),
-                                     cmocka_unit_test(test_samples_stay_below),
-                                     cmocka_unit_test(test_forces_by_least_energy),
-                                     cmocka_unit_test(test_four_bar_in_closed_form),
-                                     cmocka_unit_test(test_units_and_scale),
-                                     cmocka_unit_test(test_stated_fits)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_couplings_and_zero_errors), cmocka_unit_test(test_ratio_by_search),
+      cmocka_unit_test(test_assembled_with_play),       cmocka_unit_test(test_samples_stay_below),
+      cmocka_unit_test(test_forces_by_least_energy),    cmocka_unit_test(test_four_bar_in_closed_form),
+      cmocka_unit_test(test_units_and_scale),           cmocka_unit_test(test_stated_fits)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -24,7 +24,12 @@ static void report_of_changes(const options *o, const km_idealisation *found) {
       kt_print_message(&o->common, KM_NOTE, "%s: %s is %.10g instead of %.10g (%.2g of a last digit)", o->model,
                        c->place, c->nearest, c->written, c->digits);
   }
-  if (o->regular)
+  if (o->regular && found->parallel_axes + found->right_angles + found->equal_lengths == 0)
+    kt_print_message(&o->common, KM_NOTE,
+                     "%s: no axes that are nearly parallel or at right angles, and no nearly equal "
+                     "lengths, can be made exact within rounding",
+                     o->model);
+  else if (o->regular)
     kt_print_message(&o->common, KM_NOTE, "%s: exact now: %d pairs of parallel axes, %d right angles, %d equal lengths",
                      o->model, found->parallel_axes, found->right_angles, found->equal_lengths);
   for (int i = 0; i < found->count; ++i)

@@ -247,7 +247,8 @@ typedef struct km_fit_defaults {
 typedef struct km_allowance_constraint {
   int joint;     /* joint that closes the loop, -1: a coupling */
   int component; /* 0 1 2: along x y z of the joint's parent frame; 3 4 5: about them; index of the coupling */
-  /* largest misfit over the rows, in the worst case and for 99.73 % of the mechanisms: length unit, or radians */
+  /* largest misfit over the rows, in the worst case and for 99.73 % of the mechanisms at one position: length unit,
+   * or radians */
   km_peak worst, statistical;
 } km_allowance_constraint;
 
@@ -268,7 +269,7 @@ typedef struct km_allowance_sweep {
   km_sweep motion; /* the table has play.worst, play.statistical, gap.<joint>.<component>.worst and .statistical */
   km_fit_defaults defaults; /* as given */
   bool states_clearance;    /* the defaults or a joint of the model state the play */
-  /* largest ratio of play that is needed to play that the joints have, over the rows: above 1 the mechanism binds */
+  /* largest ratio of play that is needed to play that the joints have, over the rows: above 1 the mechanism can bind */
   km_peak worst, statistical;
   int constraint_count;
   km_allowance_constraint *constraints; /* [constraint_count] */

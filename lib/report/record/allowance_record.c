@@ -1,6 +1,7 @@
 /* Record and summary of an allowance: misfits of redundant constraints, and the play that they need. */
 #include "report/record/sweep_text.h"
 
+#include "allowance/joint_fits.h"
 #include "base/table.h"
 #include "report/record/diagnosis_record.h"
 #include "report/record/record.h"
@@ -86,7 +87,7 @@ km_value *km_allowance_sweep_record(const km_mechanism *m, const km_allowance_sw
   return arena->failed ? NULL : record;
 }
 
-/* "0.24 mm and 0.24 deg": a multiple of the play that every joint has. */
+/* "0.24 mm and 0.24 deg", or "2.4 times the play": a multiple of the play that the joints have. */
 static void play_words(const km_mechanism *m, const km_allowance_sweep *sweep, double ratio, km_text *out) {
   if (!isfinite(ratio))
     km_text_add(out, "no play is enough");
@@ -97,19 +98,27 @@ static void play_words(const km_mechanism *m, const km_allowance_sweep *sweep, d
                    angle_of(m, ratio * sweep->defaults.angle), m->model->units.angle->suffix);
 }
 
+/* Ratio from which the search for the largest one, right to 6 %, can't exclude 1. */
+static const double nearly_used = 0.94;
+
 static void print_need(const km_mechanism *m, const km_sweep_plan *plan, const km_allowance_sweep *sweep,
                        km_text *out) {
+  if (!isfinite(sweep->worst.value)) {
+    km_text_add(out, isnan(sweep->worst.value) ? "" : "  no play in these joints takes up the errors: it can bind\n");
+    return;
+  }
   km_text_add(out, sweep->states_clearance ? "  worst case: errors need " : "  every joint needs a play of ");
   play_words(m, sweep, sweep->worst.value, out);
-  if (isfinite(sweep->worst.value))
-    km_text_format(out, "%s (%.6g%s)", sweep->states_clearance ? "" : " in the worst case", sweep->worst.s,
-                   km_sweep_unit(m, plan));
-  if (sweep->states_clearance && isfinite(sweep->worst.value))
-    km_text_add(out, sweep->worst.value > 1.0 ? ": it can bind" : ": it can't bind");
+  km_text_format(out, "%s (%.6g%s)", sweep->states_clearance ? "" : " in the worst case", sweep->worst.s,
+                 km_sweep_unit(m, plan));
+  if (sweep->states_clearance)
+    km_text_add(out, sweep->worst.value > 1.0           ? ": it can bind"
+                     : sweep->worst.value > nearly_used ? ": hardly any play is left"
+                                                        : ": it can't bind");
   if (isfinite(sweep->statistical.value)) {
-    km_text_add(out, sweep->states_clearance ? "\n  99.73 % of the mechanisms: at most " : ", ");
+    km_text_add(out, sweep->states_clearance ? "\n  99.73 % of the mechanisms, at one position: at most " : ", ");
     play_words(m, sweep, sweep->statistical.value, out);
-    km_text_add(out, sweep->states_clearance ? "" : " for 99.73 % of the mechanisms");
+    km_text_add(out, sweep->states_clearance ? "" : " for 99.73 % of the mechanisms at one position");
   }
   km_text_add(out, "\n");
 }
@@ -150,16 +159,18 @@ static void print_joint(const km_mechanism *m, const km_allowance_sweep *sweep, 
                         km_text *out) {
   km_text_add(out, "    ");
   km_text_padded(m->model->joints[j->joint].label, width, out);
-  km_text_format(out, "  %3.0f %% of the play, %3.0f %% of the errors", 100.0 * j->play_share, 100.0 * j->error_share);
+  if (isfinite(j->play_share) && isfinite(j->error_share))
+    km_text_format(out, "  %3.0f %% of the play, %3.0f %% of the errors", 100.0 * j->play_share,
+                   100.0 * j->error_share);
   if (isfinite(j->alone_worst)) {
     km_text_add(out, "; alone ");
     play_words(m, sweep, j->alone_worst, out);
   }
   const char *force = m->model->units.force->suffix, *length = m->model->units.length->suffix;
   if (!isnan(j->force_worst))
-    km_text_format(out, "; without play at most %.3g %s and %.3g %s %s, 3 sigma %.3g %s and %.3g %s %s", j->force_worst,
-                   force, j->moment_worst, force, length, j->force_statistical, force, j->moment_statistical, force,
-                   length);
+    km_text_format(out, "; without play at most %.3g %s and %.3g %s %s, statistically %.3g %s and %.3g %s %s",
+                   j->force_worst, force, j->moment_worst, force, length, j->force_statistical, force,
+                   j->moment_statistical, force, length);
   km_text_add(out, "\n");
 }
 
@@ -185,14 +196,19 @@ void km_allowance_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, 
                  sweep->constraint_count, km_plural(sweep->constraint_count), d->position,
                  m->model->units.length->suffix, angle_of(m, d->direction), m->model->units.angle->suffix,
                  states_tolerance(m->model) ? ", or as stated" : "");
+  if (sweep->defaults.states_play)
+    km_text_format(out, "  play of %.3g %s and %.3g %s%s\n", d->play, m->model->units.length->suffix,
+                   angle_of(m, d->angle), m->model->units.angle->suffix,
+                   km_model_states_clearance(m->model) ? ", or as stated" : "");
   print_need(m, plan, sweep, out);
   print_set(m, sweep, out);
-  km_text_add(out, "  gaps where the loops are closed last: worst case; 99.73 % of the mechanisms\n");
+  km_text_add(out,
+              "  gap at the joint that is assembled last: worst case; 99.73 % of the mechanisms at one position\n");
   for (int i = 0; i < sweep->constraint_count && i < MOST_SHOWN; ++i)
     print_gap(m, plan, &sweep->constraints[i], width, out);
   if (sweep->constraint_count > MOST_SHOWN)
     km_text_format(out, "    and %d more (--format json lists all)\n", sweep->constraint_count - MOST_SHOWN);
-  km_text_add(out, "  where the joints count at the worst place\n");
+  km_text_add(out, "  shares of the joints at the most critical position\n");
   for (int i = 0; i < sweep->joint_count && i < MOST_SHOWN; ++i)
     print_joint(m, sweep, &sweep->joints[i], width, out);
   if (sweep->joint_count > MOST_SHOWN)
