@@ -71,6 +71,9 @@ static double misfit_of(const station *at, const double *a, bool squared) {
   return km_support(&at->terms, at->terms.error, at->terms.error_count, a, squared, -1);
 }
 
+/* A gap above this part of the size, or angle in radians, is beyond the first order. */
+static const double largest_gap = 0.1;
+
 /* Misfits of a station's constraints into cells (NaN where they aren't measured) and peaks. */
 static void write_misfits(allowance *w, const station *at, double *cells) {
   const part *p = at->of;
@@ -80,10 +83,12 @@ static void write_misfits(allowance *w, const station *at, double *cells) {
     unit[i] = 1.0;
     double worst = misfit_of(at, unit, false), statistical = km_statistical_factor(1) * misfit_of(at, unit, true);
     unit[i] = 0.0;
-    cells[2 * i] = !at->stress.measures ? nan("") : worst / (is_angle(c) ? radian : 1.0);
-    cells[2 * i + 1] = !at->stress.measures ? nan("") : statistical / (is_angle(c) ? radian : 1.0);
-    take(&c->worst, at->stress.measures ? worst : nan(""), at->s);
-    take(&c->statistical, at->stress.measures ? statistical : nan(""), at->s);
+    const double bound = largest_gap * (is_angle(c) ? 1.0 : w->m->substructures[p->index].size);
+    const bool is_small = at->stress.measures && worst <= bound;
+    cells[2 * i] = !is_small ? nan("") : worst / (is_angle(c) ? radian : 1.0);
+    cells[2 * i + 1] = !is_small ? nan("") : statistical / (is_angle(c) ? radian : 1.0);
+    take(&c->worst, is_small ? worst : nan(""), at->s);
+    take(&c->statistical, is_small ? statistical : nan(""), at->s);
   }
 }
 

@@ -195,6 +195,20 @@ static bool convert_event(const km_statics_sweep *out, const km_event *e, km_for
   return e->kind == KM_EVENT_POLE || is_peak;
 }
 
+/* True if a zero of the same actuator lies at a pole, or a pole at a zero: neither actuator nor load moves there, and
+ * the force is continuous. */
+static bool is_undefined(const km_events *events, const km_event *e) {
+  static const double same_position = 1e-8; /* relative: roots are located to 1e-9 */
+  const km_event_kind other = e->kind == KM_EVENT_POLE   ? KM_EVENT_ZERO
+                              : e->kind == KM_EVENT_ZERO ? KM_EVENT_POLE
+                                                         : KM_EVENT_UNDEFINED;
+  for (size_t i = 0; i < events->count; ++i)
+    if (events->items[i].kind == other && events->items[i].function == e->function &&
+        fabs(events->items[i].s - e->s) <= same_position * (1.0 + fabs(e->s)))
+      return true;
+  return false;
+}
+
 static km_status collect_events(sweep_events *w, const km_sweep_plan *plan, km_error *error) {
   km_statics_sweep *out = w->out;
   km_events_sort(&w->events, plan);
@@ -203,7 +217,7 @@ static km_status collect_events(sweep_events *w, const km_sweep_plan *plan, km_e
     return km_fail(error, KM_MEMORY, "out of memory for a sweep");
   for (size_t i = 0; i < w->events.count; ++i) {
     km_force_event event;
-    if (!convert_event(out, &w->events.items[i], &event))
+    if (is_undefined(&w->events, &w->events.items[i]) || !convert_event(out, &w->events.items[i], &event))
       continue;
     out->events[out->event_count++] = event;
     km_force_event *largest = &out->largest[event.actuator];

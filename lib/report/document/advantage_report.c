@@ -60,7 +60,7 @@ static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
                                            in, out, peak_words(k, p, &size), count > 1 ? "s" : "", poles, stroke));
   else
     km_document_lead(k, km_document_format(
-                            k, "The mechanical advantage of %s over %s goes from %s to %s, %s. %s", in, out,
+                            k, "The mechanical advantage of %s over %s lies between %s and %s, %s. %s", in, out,
                             peak_words(k, p, &sweep->lowest), peak_words(k, p, &sweep->highest), stroke,
                             sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
 }
@@ -87,6 +87,11 @@ static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const
   const char *angle = least_angle_words(k, p);
   if (angle)
     km_report_fact(&facts, "Transmission angle", angle);
+  const km_table *table = p->swept.motion->table;
+  const double *first = km_table_row(table, 0), *last = km_table_row(table, km_table_rows(table) - 1);
+  km_report_fact(&facts, "Start, end",
+                 km_document_format(k, "%s, %s", km_report_number(k, first[p->sweep->column]),
+                                    km_report_number(k, last[p->sweep->column])));
   km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
   km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
   km_report_fact(&facts, "Least size", peak_words(k, p, &p->sweep->least));

@@ -157,8 +157,10 @@ static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_
   if (isnan(low->s)) {
     km_text_add(out, " nowhere finite");
   } else if (!poles) {
-    km_text_format(out, " from %.6g at %.6g%s to %.6g at %.6g%s\n", low->value, low->s, s_unit, high->value, high->s,
-                   s_unit);
+    const km_table *t = sweep->motion.table;
+    km_text_format(out, " %.6g at the start, %.6g at the end; least %.6g at %.6g%s, greatest %.6g at %.6g%s\n",
+                   km_table_row(t, 0)[sweep->column], km_table_row(t, km_table_rows(t) - 1)[sweep->column], low->value,
+                   low->s, s_unit, high->value, high->s, s_unit);
     return;
   } else {
     km_text_format(out, " its size is at least %.6g at %.6g%s and", fabs(least->value), least->s, s_unit);

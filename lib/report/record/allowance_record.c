@@ -149,6 +149,10 @@ static void print_gap(const km_mechanism *m, const km_sweep_plan *plan, const km
   } else {
     km_text_format(out, "coupling %d", c->component + 1);
   }
+  if (isnan(c->worst.value)) {
+    km_text_add(out, "  above a tenth of the size everywhere\n");
+    return;
+  }
   const char *unit = c->joint < 0 ? "" : is_angle(c) ? m->model->units.angle->suffix : m->model->units.length->suffix;
   km_text_format(out, "  %.3g %s (%.6g%s); %.3g %s\n", c->worst.value / unit_of(m, c), unit, c->worst.s,
                  km_sweep_unit(m, plan), c->statistical.value / unit_of(m, c), unit);
