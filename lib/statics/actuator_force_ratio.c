@@ -182,7 +182,8 @@ bool km_statics_ratios(const km_mechanism *m, km_statics *st, const double *moti
   bool comparable = true;
   for (int a = 0; a < st->actuator_count; ++a) {
     int c = st->work->tree_joint[a];
-    n[a] = c >= 0 ? 0.0 - clear_rounding(st->work->tau[c], clears ? rounding * st->work->least_load[c] : 0.0) : 0.0;
+    n[a] =
+        c >= 0 ? 0.0 - clear_rounding(st->work->tree_load[a], clears ? rounding * st->work->least_load[c] : 0.0) : 0.0;
     d[a] = c >= 0 && st->work->row[a] ? st->work->row[a][c] : 1.0;
   }
   for (int i = 0; i < st->work->block_count; ++i)

@@ -235,6 +235,7 @@ static void solve_block(const km_mechanism *m, const km_state *s, int index, km_
 static double solve_tree_joint(const km_mechanism *m, km_statics *st, int actuator) {
   const km_statics_workspace *w = st->work;
   int c = w->tree_joint[actuator];
+  w->tree_load[actuator] = w->tau[c];
   if (!w->row[actuator])
     return 0.0 - w->tau[c];
   double rate = w->row[actuator][c];

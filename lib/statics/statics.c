@@ -52,6 +52,7 @@ static km_status allocate(const km_mechanism *m, int requested, km_statics *st, 
   w->actuators = KM_ARENA_NEW(&w->arena, km_port, actuators);
   w->part = KM_ARENA_NEW(&w->arena, int, actuators);
   w->tree_joint = KM_ARENA_NEW(&w->arena, int, actuators);
+  w->tree_load = KM_ARENA_NEW(&w->arena, double, actuators);
   w->column = KM_ARENA_NEW(&w->arena, int, actuators);
   w->row = KM_ARENA_NEW(&w->arena, double *, actuators);
   w->actuated = KM_ARENA_NEW(&w->arena, bool, coordinates);

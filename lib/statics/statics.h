@@ -96,6 +96,7 @@ struct km_statics_workspace {
   km_port *actuators;
   int *part;          /* [actuator] its block, -1: a single tree joint */
   int *tree_joint;    /* [actuator] coordinate of that tree joint; -1 */
+  double *tree_load;  /* [actuator] its generalised force, to which pushes are added later */
   int *column;        /* [actuator] column of a joint in its block */
   double **row;       /* [actuator] points: rate along the direction per unit rate of each coordinate; joints: NULL */
   bool *actuated;     /* [coordinate] */
