@@ -293,15 +293,13 @@ void km_history_report_make(km_document_maker *k, const km_answered *a, const ch
   add_history_facts(k, m, h, run, stopped_by);
   add_peaks(k, m, h);
   add_events(k, a);
-  if (brief)
-    add_bearings(k, m, h->table);
+  add_bearings(k, m, h->table);
   km_report_run_poses(k, m, h->table, a->name);
   if (brief)
     return;
   km_document_heading(k, "Over time");
   if (!km_question_plot_make(&one, &k->arena, &plot, NULL))
     add_plot(k, &plot, run ? "coordinates, rates and energies over time" : "forces and coordinates over time");
-  add_bearings(k, m, h->table);
   km_report_model(k, &swept,
                   run ? "equations of motion in independent coordinates, loops closed at every evaluation"
                       : "forces of the prescribed motion by the balance of its virtual power, row by row");

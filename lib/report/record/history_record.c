@@ -153,6 +153,47 @@ static void print_peak(const km_model *model, const km_table *table, const km_fo
                    peak->rms);
 }
 
+/* Largest force of parent on child in joint `joint` over the rows, and when; the columns are r.<joint>.fx … tz. */
+static double largest_reaction(const km_table *table, size_t first, double *when) {
+  double most = 0.0;
+  for (size_t r = 0; r < km_table_rows(table); ++r) {
+    const double *row = km_table_row(table, r), size = hypot(hypot(row[first], row[first + 1]), row[first + 2]);
+    if (size > most) {
+      most = size;
+      *when = row[0];
+    }
+  }
+  return most;
+}
+
+/* "  bearings: C 23478 N at 0.0016 s, A …": the largest reactions, if they are in the table. */
+static void print_bearings(const km_model *model, const km_table *table, km_text *out) {
+  enum { MOST_SHOWN = 4 };
+  const km_span span = km_table_span(table, "r.");
+  double last = HUGE_VAL;
+  size_t last_joint = 0;
+  for (int shown = 0; shown < MOST_SHOWN; ++shown) {
+    double most = 0.0, when = 0.0;
+    size_t joint = 0;
+    for (size_t j = 0; j < span.count / 6; ++j) {
+      double at = 0.0, size = largest_reaction(table, span.first + 6 * j, &at);
+      bool is_after = size < last || (size == last && j > last_joint);
+      if (is_after && size > most) {
+        most = size;
+        when = at;
+        joint = j;
+      }
+    }
+    if (most == 0.0)
+      break;
+    km_text_format(out, "%s %s %.6g %s at %.6g %s", shown ? "," : "  bearings:", model->joints[joint].label, most,
+                   km_table_unit(table, span.first + 6 * joint), when, model->units.time->suffix);
+    last = most;
+    last_joint = joint;
+  }
+  km_text_add(out, last < HUGE_VAL ? "\n" : "");
+}
+
 void km_history_print(const km_mechanism *m, const km_history_def *def, const km_history *h, const char *name,
                       km_text *out) {
   if (!m || !h || !h->table || km_table_rows(h->table) == 0 || !name || !out)
@@ -170,4 +211,5 @@ void km_history_print(const km_mechanism *m, const km_history_def *def, const km
     print_run(model, def, h, out);
   for (int i = 0; i < h->peak_count; ++i)
     print_peak(model, h->table, &h->peaks[i], out);
+  print_bearings(model, h->table, out);
 }
