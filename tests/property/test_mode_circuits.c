@@ -171,7 +171,7 @@ static int mode_at(const fixture *f, const found *r, const closed_form *c, int n
   for (int i = 0; i < r->modes.count; ++i) {
     double worst = 0.0;
     for (int j = 0; j < JOINTS; ++j) {
-      char label[8];
+      char label[16];
       snprintf(label, sizeof label, "J%d", j);
       double q = r->modes.coordinates[i * f->model->coordinate_count + coordinate(f, label)];
       worst = fmax(worst, fabs(remainder(q - c->angle[node][j], 2.0 * M_PI)));
