@@ -17,7 +17,7 @@ bool km_model_states_clearance(const km_model *model) {
 }
 
 double km_statistical_factor(int count) {
-  return count > 0 ? sqrt(gsl_cdf_chisq_Pinv(three_sigma, count)) / 3.0 : 1.0;
+  return sqrt(gsl_cdf_chisq_Pinv(three_sigma, count)) / 3.0;
 }
 
 static void add_term(km_support_term *terms, int *count, int first, int rows, int owner, double size) {

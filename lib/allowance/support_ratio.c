@@ -44,11 +44,10 @@ static void multiply(const km_support_terms *t, const double *a, double *Wa) {
     Wa[r] = t->length[r] > 0.0 ? dot(t->W + r * t->dimension, a, t->dimension) : 0.0;
 }
 
-static double support_of(const km_support_term *list, int count, const double *Wa, bool squared, int owner,
-                         const bool *counts) {
+static double support_of(const km_support_term *list, int count, const double *Wa, bool squared, const bool *counts) {
   double sum = 0.0;
   for (int k = 0; k < count; ++k) {
-    if ((owner >= 0 && list[k].owner != owner) || (counts && !counts[list[k].owner]))
+    if (counts && !counts[list[k].owner])
       continue;
     double part = list[k].size * norm(Wa + list[k].first, list[k].rows);
     sum += squared ? part * part : part;
@@ -78,8 +77,8 @@ typedef struct ascent {
 
 static double ratio_at(const ascent *q, const double *a) {
   multiply(q->t, a, q->Wa);
-  double h = support_of(q->t->error, q->t->error_count, q->Wa, q->squared, -1, NULL);
-  return h == 0.0 ? 0.0 : h / support_of(q->t->play, q->t->play_count, q->Wa, false, -1, q->counts);
+  double h = support_of(q->t->error, q->t->error_count, q->Wa, q->squared, NULL);
+  return h == 0.0 ? 0.0 : h / support_of(q->t->play, q->t->play_count, q->Wa, false, q->counts);
 }
 
 /* Gradient of h at a, up to a positive factor, from W a. */

@@ -100,7 +100,6 @@ void km_relations_compute(const km_relations *relations, km_model *model, const 
         residual_of(model, r, relations->size, ahead);
         displace(model, &number[k], -by, kept);
         residual_of(model, r, relations->size, back);
-        displace(model, &number[k], 0.0, kept);
       }
       for (int j = 0; j < rows_of(r); ++j)
         A[(size_t)k * stride + row + (size_t)j] = by > 0.0 ? half[k] * (ahead[j] - back[j]) / (2.0 * by) : 0.0;

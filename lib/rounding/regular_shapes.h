@@ -12,12 +12,7 @@
 #include "model/written_numbers.h"
 #include "topology/mechanism.h"
 
-typedef enum km_relation_kind {
-  KM_PARALLEL_AXES,
-  KM_RIGHT_ANGLE,
-  KM_EQUAL_LENGTHS,
-  KM_RELATION_KINDS
-} km_relation_kind;
+typedef enum km_relation_kind { KM_PARALLEL_AXES, KM_RIGHT_ANGLE, KM_EQUAL_LENGTHS } km_relation_kind;
 
 /* A joint's frame on a body; axis: 0 1 2, −1: a point alone. */
 typedef struct km_joint_end {

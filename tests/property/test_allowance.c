@@ -415,8 +415,8 @@ static void test_samples_stay_below(void **state) {
 
 /* ---- Forces without play */
 
-/* Without play, elastic joints share the misfits of known errors with the least energy: the same forces as by the full
- * six-row system, whose displacements weigh as the stiffnesses. */
+/* The forces of known errors without play are those of least elastic energy: they equal the minimum-norm solution of
+ * the six-row system, with the stiffnesses as weights. */
 static void test_forces_by_least_energy(void **state) {
   (void)state;
   static const double force_stiffness = 3e4, moment_stiffness = 7e2;

@@ -461,7 +461,7 @@ static double largest_sine(const km_model *model) {
   return most;
 }
 
-/* On request three parallel cranks have exactly parallel axes and equal lengths, and a Bennett linkage equal links. */
+/* Regular shapes: three parallel cranks get parallel axes and equal lengths, a Bennett linkage gets equal links. */
 static void regular_shapes(void **state) {
   (void)state;
   static char text[20000];

@@ -130,10 +130,10 @@ KM_API void km_sweep_stop_text(const km_mechanism *mechanism, const km_sweep_pla
 /* Words of a report's head in addition to its own; NULL: none. */
 typedef struct km_report_header {
   const char *title;   /* in place of the report's own title */
-  const char *author;  /* stands under the title, */
+  const char *author;  /* shown below the title, */
   const char *date;    /* and the date, as text */
   const char *note;    /* a paragraph behind the answer */
-  const km_text *logo; /* bytes of a PNG file that km_logo_read accepts; it stands beside the title */
+  const km_text *logo; /* bytes of a PNG file that km_logo_read accepts; shown beside the title */
 } km_report_header;
 /* Reads a logo. KM_IO: the file can't be read; KM_USAGE: it isn't a PNG picture of at most 4096 pixels a side and 4 MB,
  * or is damaged; `out` is then empty. The caller frees it (km_text_free). O(bytes). */

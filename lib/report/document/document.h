@@ -57,7 +57,7 @@ void km_document_cells(km_document_maker *maker, km_block_kind kind, const char 
                        size_t columns);
 void km_document_picture(km_document_maker *maker, const char *shows, double height,
                          km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context);
-/* A film; `draw` makes the picture that stands for it on a page. */
+/* A film; `draw` makes its picture on a page. */
 void km_document_film(km_document_maker *maker, const km_film_page *film, const char *shows, double height,
                       km_status (*draw)(void *, km_canvas *, double, double, km_error *), void *context);
 /* The text's words, kept in the arena, or `otherwise` where there are none; frees the text. */

@@ -188,19 +188,6 @@ static void add_history_facts(km_document_maker *k, const km_mechanism *m, const
   km_report_close_facts(k, &facts);
 }
 
-double km_report_largest_norm(const km_table *t, size_t first, double *where) {
-  double most = -1.0;
-  for (size_t r = 0; r < km_table_rows(t); ++r) {
-    const double *row = km_table_row(t, r);
-    double norm = hypot(hypot(row[first], row[first + 1]), row[first + 2]);
-    if (norm > most) {
-      most = norm;
-      *where = row[0];
-    }
-  }
-  return most;
-}
-
 /* Bearing loads: largest reaction of each joint. */
 static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_table *t) {
   enum { COLUMNS = 5 };
@@ -213,16 +200,15 @@ static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_t
     return;
   double forces = 0.0, moments = 0.0, ignored;
   for (size_t j = 0; j < joints; ++j) {
-    forces = fmax(forces, km_report_largest_norm(t, span.first + 6 * j, &ignored));
-    moments = fmax(moments, km_report_largest_norm(t, span.first + 6 * j + 3, &ignored));
+    forces = fmax(forces, km_largest_norm(t, span.first + 6 * j, &ignored));
+    moments = fmax(moments, km_largest_norm(t, span.first + 6 * j + 3, &ignored));
   }
   for (size_t c = 0; c < COLUMNS; ++c)
     cells[c] = heads[c];
   for (size_t j = 0; j < joints; ++j) {
     double at_force = 0.0, at_moment = 0.0;
     size_t first = span.first + 6 * j;
-    double force = km_report_largest_norm(t, first, &at_force),
-           moment = km_report_largest_norm(t, first + 3, &at_moment);
+    double force = km_largest_norm(t, first, &at_force), moment = km_largest_norm(t, first + 3, &at_moment);
     const bool pushes = force > rounding * forces, twists = moment > rounding * moments;
     const char **row = cells + COLUMNS * (j + 1);
     row[0] = m->model->joints[j].label;

@@ -11,7 +11,5 @@ void km_motion_report_make(km_document_maker *maker, const km_answered *answer, 
 void km_history_report_make(km_document_maker *maker, const km_answered *answer, const char *stopped_by, bool brief);
 /* True if the swing is one to report: the coordinate isn't the driver, isn't held, isn't of a ball joint, and moves. */
 bool km_report_shows_swing(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_swing *swing);
-/* Largest norm √(x² + y² + z²) of three columns over the rows, and the first column's value there. */
-double km_report_largest_norm(const km_table *table, size_t first, double *where);
 
 #endif

@@ -2,6 +2,7 @@
 #include "kmech/report.h"
 
 #include "report/record/record.h"
+#include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 
 static void add_events(const km_model *model, const km_history_def *def, const km_history *h, km_value *record,
@@ -153,14 +154,14 @@ static void print_peak(const km_model *model, const km_table *table, const km_fo
                    peak->rms);
 }
 
-/* Largest force of parent on child in joint `joint` over the rows, and when; the columns are r.<joint>.fx … tz. */
-static double largest_reaction(const km_table *table, size_t first, double *when) {
-  double most = 0.0;
-  for (size_t r = 0; r < km_table_rows(table); ++r) {
-    const double *row = km_table_row(table, r), size = hypot(hypot(row[first], row[first + 1]), row[first + 2]);
-    if (size > most) {
-      most = size;
-      *when = row[0];
+double km_largest_norm(const km_table *t, size_t first, double *where) {
+  double most = -1.0;
+  for (size_t r = 0; r < km_table_rows(t); ++r) {
+    const double *row = km_table_row(t, r);
+    double norm = hypot(hypot(row[first], row[first + 1]), row[first + 2]);
+    if (norm > most) {
+      most = norm;
+      *where = row[0];
     }
   }
   return most;
@@ -176,7 +177,7 @@ static void print_bearings(const km_model *model, const km_table *table, km_text
     double most = 0.0, when = 0.0;
     size_t joint = 0;
     for (size_t j = 0; j < span.count / 6; ++j) {
-      double at = 0.0, size = largest_reaction(table, span.first + 6 * j, &at);
+      double at = 0.0, size = km_largest_norm(table, span.first + 6 * j, &at);
       bool is_after = size < last || (size == last && j > last_joint);
       if (is_after && size > most) {
         most = size;

@@ -37,6 +37,9 @@ km_value *km_motion_sweep_record(const km_mechanism *mechanism, const km_motion_
 void km_motion_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_motion_sweep *sweep,
                            const char *name, km_text *out);
 
+/* Largest norm √(x² + y² + z²) of three columns over the rows, and the first column's value there. */
+double km_largest_norm(const km_table *table, size_t first, double *where);
+
 /* Record of an allowance: tolerances, ratios, constraints, joints, play_in, remedy_set, columns, rows; NULL without
  * memory. And its summary. */
 km_value *km_allowance_sweep_record(const km_mechanism *mechanism, const km_allowance_sweep *sweep,

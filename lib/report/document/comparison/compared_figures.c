@@ -107,11 +107,11 @@ static void list_reactions(km_document_maker *k, const km_question *q, km_compar
     const size_t force = span.first + 6 * j;
     const char *label = km_model_joint_label(q->m->model, (int)j);
     km_compared_add(out, (km_compared_figure){km_document_format(k, "largest reaction force in %s", label),
-                                              km_table_unit(t, force), km_report_largest_norm(t, force, &ignored),
+                                              km_table_unit(t, force), km_largest_norm(t, force, &ignored),
                                               KM_BETTER_LESS, NULL, true});
-    km_compared_add(out, (km_compared_figure){
-                             km_document_format(k, "largest reaction moment in %s", label), km_table_unit(t, force + 3),
-                             km_report_largest_norm(t, force + 3, &ignored), KM_BETTER_LESS, NULL, true});
+    km_compared_add(out, (km_compared_figure){km_document_format(k, "largest reaction moment in %s", label),
+                                              km_table_unit(t, force + 3), km_largest_norm(t, force + 3, &ignored),
+                                              KM_BETTER_LESS, NULL, true});
   }
 }
 
@@ -240,7 +240,7 @@ static void drop_rounding(km_document_maker *k, km_compared_rows *rows) {
   rows->count = least ? kept : rows->count;
 }
 
-/* True if row a stands before row b. */
+/* True if row a precedes row b. */
 static bool precedes(const km_compared_row *a, const km_compared_row *b) {
   const bool a_differs = a->spread > shown_digits, b_differs = b->spread > shown_digits;
   if (a_differs != b_differs)

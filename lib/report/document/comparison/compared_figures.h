@@ -15,7 +15,7 @@ typedef struct km_compared_figure {
   double value;     /* NaN: none */
   km_better better;
   const char *column; /* column of the table whose curve it belongs to; NULL: none */
-  bool secondary;     /* stands behind the others: a reaction of one of many joints */
+  bool secondary;     /* listed after the others: a reaction of one of many joints */
 } km_compared_figure;
 
 enum { KM_MOST_COMPARED = 96 };
@@ -39,8 +39,8 @@ typedef struct km_compared_row {
   int best;                         /* thing with the best value; -1: neither side is better, or all are equal */
 } km_compared_row;
 
-/* Figures of all things by name and unit: those that differ, then those that are equal. Those that differ stand by
- * spread: first the greatest of each kind ("swing of …"), then the other primary ones, then the secondary ones. */
+/* Figures of all things by name and unit: those that differ, then those that are equal. Those that differ are
+ * ordered by spread: first the greatest of each kind ("swing of …"), then the other primary ones, then the secondary ones. */
 typedef struct km_compared_rows {
   km_compared_row *items; /* [count] */
   size_t count;
