@@ -80,6 +80,9 @@ static void open_handles(world *w) {
   km_question_create(w->mechanism, "mobility", &w->question, NULL);
   km_arc_motion_create(w->mechanism, w->state, -1, 1.0, false, &w->follow, NULL);
   km_manipulation_create(w->mechanism, w->state, &w->hand, NULL);
+  w->body_pairs[0] = (km_body_pair){.body = {1, 3}};
+  km_poses_compute(w->mechanism, w->state);
+  km_clearance_create(w->mechanism, w->state, w->body_pairs, 1, &w->clearance, NULL);
   w->grip = (km_manipulation_point){.body = 1};
 }
 
@@ -206,6 +209,7 @@ void world_close(world *w) {
   km_driver_motion_free(w->drive);
   km_arc_motion_free(w->follow);
   km_manipulation_free(w->hand);
+  km_clearance_free(w->clearance);
   km_transfer_free(w->lever);
   km_losses_free(w->losses);
   km_transmission_free(w->transmission);

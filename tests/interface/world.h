@@ -91,6 +91,9 @@ typedef struct world {
   km_motion_page page;
   km_tracks tracks;
   km_selfmotion selfmotion;
+  km_clearance *clearance;
+  km_body_pair body_pairs[1];
+  km_pair_clearance pair_clearance, pair_clearances[WORLD_NUMBERS];
   km_ik_solutions solutions;
   km_error error;
   const char *names[2];

@@ -5,6 +5,7 @@
 #include "kmech/arm.h"
 #include "kmech/base.h"
 #include "kmech/build.h"
+#include "kmech/clearance.h"
 #include "kmech/continuation.h"
 #include "kmech/data.h"
 #include "kmech/dynamics.h"
