@@ -88,7 +88,7 @@ static bool project_driver(const km_mechanism *m, km_state *s, int index, int dr
 /* Rates t with t_driver = 1, J t = 0, |D t| minimal. */
 void km_minimum_norm_rates(const km_mechanism *m, km_state *s, int index, int driver, double *t) {
   const km_partition *p = &s->partition[index];
-  if (p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS && project_driver(m, s, index, driver, t))
+  if (km_partition_avoids_basis(p) && project_driver(m, s, index, driver, t))
     return;
   km_partition_null_vector(p, driver, t);
   km_minimum_norm_step(m, s, index, driver, t);

@@ -205,7 +205,7 @@ bool km_state_project_onto_motions(const km_mechanism *m, km_state *s, int index
   const km_substructure *sub = &m->substructures[index];
   const int *coordinate = m->column_coordinate + sub->column_start;
   const km_partition *p = &s->partition[index];
-  if (!p->sparse || km_partition_freedom(p) <= KM_MANY_VECTORS)
+  if (!km_partition_avoids_basis(p))
     return false;
   for (int j = 0; j < sub->columns; ++j)
     y[j] = row[coordinate[j]] / m->scale[coordinate[j]];

@@ -148,6 +148,11 @@ void km_partition_row_space(const km_partition *partition, const double *weight,
 /* Number of vectors from which sums run in SIMD lanes and sparse QR is cheaper than dense bases. */
 enum { KM_MANY_VECTORS = 48 };
 
+/* True if projections by sparse equations are cheaper than a basis: a sparse factor with many freedoms. */
+static inline bool km_partition_avoids_basis(const km_partition *p) {
+  return p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS;
+}
+
 /* Removes from x its projection onto the null space of the first `count` independent columns, in the norm |D x|, by the
  * matrix factored last with the sparse factor. work[columns]. False, and x unchanged, without SuiteSparse or memory.
  * O(entries of a factor of the primary rows), instead of O(columns · count²) by km_partition_null_space. */

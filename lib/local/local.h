@@ -16,6 +16,9 @@
 
 typedef struct km_local km_local;
 
+/* Length that remains of a unit vector which the others don't span: spanned ones leave rounding, others far more. */
+#define KM_INDEPENDENT 1e-3
+
 /* Creates the analysis at the state's closed configuration, in the arena. `passive`: known passive freedoms of the
  * mechanism, which are separated from the others; NULL: none are known. The queries move the state. NULL when out of
  * memory. */
@@ -37,9 +40,9 @@ int km_local_count_passive(km_local *local, const km_passive_freedom *group);
  * their sense, as scaled unit directions[KM_MAX_BRANCHES × columns]. 0 at a regular configuration. */
 int km_local_find_branches(km_local *local, double *directions);
 
-/* Makes v a unit vector orthogonal to the `count` orthonormal rows of basis[count × size]; false if nearly nothing
- * remains. */
-bool km_orthonormalise(const double *basis, int count, int size, double *v);
+/* Makes v a unit vector orthogonal to the `count` orthonormal rows of basis[count × size]. Returns the length that
+ * remained before. */
+double km_orthonormalise(const double *basis, int count, int size, double *v);
 /* Orthonormal basis of the null space of A[rows × columns], to the relative pivot `tolerance`: (*N)[dimension ×
  * columns]. Returns the dimension; -1 when out of memory. */
 int km_dense_null_space(const double *A, int rows, int columns, double tolerance, km_arena *arena, double **N);

@@ -25,7 +25,7 @@ int km_dense_null_space(const double *A, int rows, int columns, double tolerance
 }
 
 /* One Gram-Schmidt step: v minus its projection onto the basis, normalised. */
-bool km_orthonormalise(const double *basis, int count, int size, double *v) {
+double km_orthonormalise(const double *basis, int count, int size, double *v) {
   double square = 0.0;
   for (int i = 0; i < count; ++i) {
     double dot = 0.0;
@@ -38,15 +38,14 @@ bool km_orthonormalise(const double *basis, int count, int size, double *v) {
     square += v[k] * v[k];
   for (int k = 0; k < size; ++k)
     v[k] /= sqrt(square);
-  return square > 1e-6; /* squared length that remains of a unit vector: spanned vectors leave rounding, others far
-                         * more */
+  return sqrt(square);
 }
 
 /* Gram-Schmidt, twice: the second pass removes the rounding of the first. */
 bool km_append_orthonormal(double *V, int count, int size, const double *a) {
   double *v = V + (size_t)count * (size_t)size;
   memcpy(v, a, (size_t)size * sizeof *v);
-  return km_orthonormalise(V, count, size, v) && km_orthonormalise(V, count, size, v);
+  return km_orthonormalise(V, count, size, v) > KM_INDEPENDENT && km_orthonormalise(V, count, size, v) > KM_INDEPENDENT;
 }
 
 /* Completes orthonormal rows by orthonormalised unit vectors. */

@@ -17,7 +17,7 @@ void km_motions_update(const km_mechanism *m, km_state *s, int index) {
   const km_substructure *sub = &m->substructures[index];
   const km_partition *p = &s->partition[index];
   /* computed from the row space, independent of B */
-  bool uses_row_space = p->sparse && km_partition_freedom(p) > KM_MANY_VECTORS;
+  bool uses_row_space = km_partition_avoids_basis(p);
   if (s->pivot_driver[index] == KM_NEVER || (!uses_row_space && !(p->max_b <= km_max_good_b))) {
     int worst;
     km_search_pivots(m, s, index, KM_NO_DRIVER, km_rank_tolerance(m, sub, km_loops_residual(m, s, sub, &worst)));

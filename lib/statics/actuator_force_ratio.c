@@ -26,7 +26,7 @@ static double determinant_sign(km_actuator_workspace *h, int rank) {
 /* Returns component j of the motion Z v_k. */
 static double motion_component(const km_actuator_workspace *h, int k, int j) {
   double sum = 0.0;
-  for (int i = 0; i < h->freedom; ++i)
+  for (int i = 0; i < h->size; ++i)
     sum += h->Z[(size_t)i * (size_t)h->columns + (size_t)j] * gsl_matrix_get(h->V, (size_t)i, (size_t)k);
   return sum;
 }
@@ -144,7 +144,7 @@ static double product(const km_actuator_workspace *h, int rank, int excluded) {
 /* True if loads act on motions that the actuators never reach. */
 static bool is_loaded_out_of_reach(const km_actuator_workspace *h) {
   double size = 0.0;
-  for (int k = h->regular_rank; k < h->freedom; ++k)
+  for (int k = h->regular_rank; k < h->size; ++k)
     size = hypot(size, gsl_vector_get(h->load, (size_t)k));
   return size > h->noise;
 }

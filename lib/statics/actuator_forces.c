@@ -38,7 +38,7 @@ static void add_direction(const km_mechanism *m, const km_actuator_workspace *h,
                           km_statics *st) {
   double *rates = km_direction_begin(m, is_loaded, st);
   for (int j = 0; j < h->columns && rates; ++j)
-    for (int k = 0; k < h->freedom; ++k)
+    for (int k = 0; k < h->size; ++k)
       rates[h->coordinate[j]] += h->Z[(size_t)k * (size_t)h->columns + (size_t)j] * x[k] / m->scale[h->coordinate[j]];
   if (rates)
     km_direction_end(m, h, rates);
@@ -83,6 +83,15 @@ static double scaled_rate(const km_mechanism *m, const km_statics *st, const km_
   return sum * km_actuator_scale(m, st, actuator);
 }
 
+void km_actuator_row(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h, int actuator,
+                     double *row) {
+  const double *rate = st->work->row[actuator], scale = km_actuator_scale(m, st, actuator);
+  for (int j = 0; j < h->columns; ++j) {
+    int c = h->coordinate[j];
+    row[j] = rate ? scale * rate[c] / m->scale[c] : j == st->work->column[actuator];
+  }
+}
+
 /* Fills Z_A, one scaled row per actuator: f_A = D F gives Z_Aᵀ F = −g. Rates at rounding level are 0, since near a
  * pole of the others they would count as motions. */
 static void fill_actuator_rows(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h,
@@ -98,30 +107,27 @@ static void fill_actuator_rows(const km_mechanism *m, const km_statics *st, cons
 /* Adds the motions out of reach: first the one in which the loads move the mechanism, then others orthogonal to it.
  * Returns true if no load acts on them. */
 static bool add_unreached_motions(const km_mechanism *m, const km_actuator_workspace *h, km_statics *st) {
-  int freedom = h->freedom, rank = h->rank;
-  double size = 0.0, *basis = h->basis;
-  int count = 0;
-  for (int i = rank; i < freedom; ++i)
-    size = hypot(size, h->load->data[i]);
-  bool is_loaded = size > h->noise;
-  for (int i = is_loaded ? rank - 1 : rank; i < freedom && count < freedom - rank; ++i) {
-    if (st->direction_count >= KM_MAX_DIRECTIONS) { /* the others are counted */
-      st->direction_count += freedom - rank - count;
-      break;
-    }
-    double *x = basis + (size_t)count * (size_t)freedom;
-    memset(x, 0, (size_t)freedom * sizeof *x);
-    for (int k = 0; k < freedom; ++k) {
+  int size = h->size, rank = h->rank, unreached = h->freedom - rank, count = 0;
+  double load = 0.0, *basis = h->basis;
+  for (int i = rank; i < size; ++i)
+    load = hypot(load, h->load->data[i]);
+  bool is_loaded = load > h->noise;
+  for (int i = is_loaded ? rank - 1 : rank; i < size && count < unreached && st->direction_count < KM_MAX_DIRECTIONS;
+       ++i) {
+    double *x = basis + (size_t)count * (size_t)size;
+    memset(x, 0, (size_t)size * sizeof *x);
+    for (int k = 0; k < size; ++k) {
       if (i >= rank)
         x[k] = *entry(h->V, (size_t)k, (size_t)i);
-      for (int n = rank; n < freedom && i < rank; ++n)
-        x[k] += *entry(h->V, (size_t)k, (size_t)n) * h->load->data[n] / size;
+      for (int n = rank; n < size && i < rank; ++n)
+        x[k] += *entry(h->V, (size_t)k, (size_t)n) * h->load->data[n] / load;
     }
-    if (km_orthonormalise(basis, count, freedom, x)) {
+    if (km_orthonormalise(basis, count, size, x) > KM_INDEPENDENT) {
       add_direction(m, h, x, i < rank, st);
       ++count;
     }
   }
+  st->direction_count += unreached - count; /* the others are counted only */
   return !is_loaded;
 }
 
@@ -132,46 +138,66 @@ static int count_freedom(const km_state *s, const km_actuator_workspace *h) {
   return freedom;
 }
 
-/* Composes Z of the block: that of its only substructure, or the block-diagonal basis of all its parts, 1 for a tree
- * joint. */
+/* Block-diagonal basis of all parts of the block, 1 for a tree joint. */
 static void compose_basis(const km_mechanism *m, const km_state *s, km_actuator_workspace *h) {
-  if (!h->is_composed) {
-    h->Z = km_state_basis(s, h->part[0]);
-    h->freedom = km_partition_freedom(&s->partition[h->part[0]]);
-    return;
-  }
-  h->Z = h->composed_Z;
-  h->freedom = 0;
-  if (!h->composed_Z) /* nothing is free */
-    return;
-  memset(h->composed_Z, 0, (size_t)h->columns * (size_t)h->capacity * sizeof *h->composed_Z);
-  int column = 0;
+  int column = 0, size = 0;
+  if (h->size > 0)
+    memset(h->own_Z, 0, (size_t)h->columns * (size_t)h->size * sizeof *h->own_Z);
   for (int i = 0; i < h->part_count; ++i) {
     int columns = m->substructures[h->part[i]].columns, freedom = km_partition_freedom(&s->partition[h->part[i]]);
     const double *Z = km_state_basis(s, h->part[i]);
     for (int k = 0; k < freedom; ++k)
-      memcpy(h->composed_Z + (size_t)(h->freedom + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
+      memcpy(h->own_Z + (size_t)(size + k) * (size_t)h->columns + column, Z + (size_t)k * (size_t)columns,
              (size_t)columns * sizeof *Z);
-    h->freedom += freedom;
+    size += freedom;
     column += columns;
   }
   for (int i = 0; i < h->tree_joint_count; ++i)
-    h->composed_Z[(size_t)h->freedom++ * (size_t)h->columns + (size_t)column++] = 1.0;
+    h->own_Z[(size_t)size++ * (size_t)h->columns + (size_t)column++] = 1.0;
 }
 
-static bool are_joints(const km_statics *st, const km_actuator_workspace *h) {
-  bool all = true;
+/* Sets Z: the basis of the only substructure, or of all parts, or the vectors that the balance needs. False without
+ * memory. */
+static bool set_basis(const km_mechanism *m, const km_state *s, km_statics *st, km_actuator_workspace *h) {
+  h->freedom = count_freedom(s, h);
+  h->size = km_actuator_subspace_size(h, s, h->freedom);
+  if (!km_actuator_workspace_fit(h, h->size, &st->work->arena))
+    return false;
+  h->Z = h->own_Z;
+  if (h->size < h->freedom)
+    return km_actuator_subspace_compute(m, s, st, h);
+  if (h->is_composed)
+    compose_basis(m, s, h);
+  else
+    h->Z = km_state_basis(s, h->part[0]);
+  return true;
+}
+
+/* True if every free coordinate has an actuator: they hold everything, with the minimum-norm forces f̄. */
+static bool are_all_actuated(const km_state *s, const km_statics *st, const km_actuator_workspace *h) {
+  int joints = 0, free = h->columns;
   for (int a = 0; a < h->count; ++a)
-    all = all && st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
-  return all;
+    joints += st->actuators[h->actuator[a]].kind == KM_PORT_JOINT;
+  for (int i = 0; i < h->part_count; ++i)
+    free -= s->partition[h->part[i]].locked_count;
+  return joints == free && h->count == free;
 }
 
-/* Computes U S Vᵀ of the actuators' rows in place. */
-static void decompose(const km_statics *st, const km_actuator_workspace *h, gsl_matrix *U, gsl_matrix *V,
-                      gsl_vector *S) {
-  bool many = U->size2 > KM_MANY_VECTORS, wide = (size_t)h->count < U->size2;
-  if (many && (wide ? km_decompose_wide(U, V, S, h->count) : are_joints(st, h) && km_decompose_orthonormal(U, V, S)))
+/* Copies the minimum-norm forces. */
+static void copy_minimum_norm(const km_state *s, km_actuator_workspace *h, km_statics *st) {
+  for (int a = 0; a < h->count; ++a)
+    st->actuator_forces[h->actuator[a]] = st->least_norm[st->actuators[h->actuator[a]].coordinate];
+  h->freedom = h->rank = count_freedom(s, h);
+  st->redundant = st->redundant || h->count > h->rank;
+}
+
+/* Computes U S Vᵀ of the actuators' rows in place. The rows of all coordinates are those of Z: S = V = 1. */
+static void decompose(bool are_all_actuated, gsl_matrix *U, gsl_matrix *V, gsl_vector *S) {
+  if (are_all_actuated) {
+    gsl_matrix_set_identity(V);
+    gsl_vector_set_all(S, 1.0);
     return;
+  }
   if (U->size2 > 1) {
     gsl_linalg_SV_decomp_jacobi(U, V, S);
     return;
@@ -187,33 +213,33 @@ static void decompose(const km_statics *st, const km_actuator_workspace *h, gsl_
 
 static void solve_block(const km_mechanism *m, const km_state *s, int index, km_statics *st) {
   km_actuator_workspace *h = &st->work->blocks[index];
-  if (km_actuator_forces_solve_columns(m, s, index, st))
+  bool many = count_freedom(s, h) > KM_MANY_VECTORS, all_actuated = many && are_all_actuated(s, st, h);
+  if (all_actuated && !st->work->keeps_factors) {
+    copy_minimum_norm(s, h, st);
     return;
-  if (!km_actuator_workspace_fit(h, count_freedom(s, h), &st->work->arena)) {
+  }
+  if (!set_basis(m, s, st, h)) {
     for (int a = 0; a < h->count; ++a)
       st->actuator_forces[h->actuator[a]] = nan("");
     h->freedom = h->rank = 0;
     st->held = false;
     return;
   }
-  compose_basis(m, s, h);
-  int freedom = h->freedom, rank = 0;
+  int size = h->size, rank = 0;
   h->rank = 0;
-  if (freedom == 0)
+  if (size == 0)
     return; /* nothing moves: all forces are 0 */
-  gsl_matrix U = leading_block(h->U, h->count > freedom ? h->count : freedom, freedom),
-             V = leading_block(h->V, freedom, freedom);
-  gsl_vector S = leading_part(h->S, freedom), g = leading_part(h->answer, freedom),
-             load = leading_part(h->load, freedom);
+  gsl_matrix U = leading_block(h->U, h->count > size ? h->count : size, size), V = leading_block(h->V, size, size);
+  gsl_vector S = leading_part(h->S, size), g = leading_part(h->answer, size), load = leading_part(h->load, size);
   double noise = compute_loads(m, h, st->work, &g);
   fill_actuator_rows(m, st, h, &U);
-  decompose(st, h, &U, &V, &S);
+  decompose(all_actuated, &U, &V, &S);
   for (size_t i = 0; i < load.size; ++i) { /* Vᵀ g */
     load.data[i] = 0.0;
     for (size_t k = 0; k < g.size; ++k)
       load.data[i] += *entry(&V, k, i) * g.data[k];
   }
-  while (rank < freedom && S.data[rank] > km_actuator_rank_tolerance)
+  while (rank < size && S.data[rank] > km_actuator_rank_tolerance)
     ++rank;
   h->rank = rank;
   h->noise = noise;

@@ -38,24 +38,23 @@ static void copy_reference(km_actuator_workspace *to, const km_actuator_workspac
            (size_t)from->regular_rank * (size_t)from->columns * sizeof *to->reference_ZV);
 }
 
-bool km_actuator_workspace_fit(km_actuator_workspace *h, int freedom, km_arena *arena) {
-  if (freedom <= h->capacity)
+bool km_actuator_workspace_fit(km_actuator_workspace *h, int size, km_arena *arena) {
+  if (size <= h->capacity)
     return true;
-  int rows = h->count > freedom ? h->count : freedom; /* pushed points can outnumber the freedoms */
+  int rows = h->count > size ? h->count : size; /* pushed points can outnumber the freedoms */
   km_actuator_workspace grown = *h;
-  grown.capacity = freedom;
-  grown.U = matrix(arena, rows, freedom);
-  grown.V = matrix(arena, freedom, freedom);
-  grown.S = vector(arena, freedom);
-  grown.load = vector(arena, freedom);
-  grown.answer = vector(arena, freedom);
-  grown.basis = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)freedom);
-  grown.reference_U = matrix(arena, rows, freedom);
-  grown.rotation = matrix(arena, freedom, freedom);
-  grown.pivots = permutation(arena, freedom);
-  grown.reference_ZV = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)h->columns);
-  if (h->is_composed)
-    grown.composed_Z = KM_ARENA_NEW(arena, double, (size_t)freedom *(size_t)h->columns);
+  grown.capacity = size;
+  grown.U = matrix(arena, rows, size);
+  grown.V = matrix(arena, size, size);
+  grown.S = vector(arena, size);
+  grown.load = vector(arena, size);
+  grown.answer = vector(arena, size);
+  grown.basis = KM_ARENA_NEW(arena, double, (size_t)size *(size_t)size);
+  grown.reference_U = matrix(arena, rows, size);
+  grown.rotation = matrix(arena, size, size);
+  grown.pivots = permutation(arena, size);
+  grown.reference_ZV = KM_ARENA_NEW(arena, double, (size_t)size *(size_t)h->columns);
+  grown.own_Z = KM_ARENA_NEW(arena, double, (size_t)size *(size_t)h->columns);
   if (arena->failed)
     return false;
   copy_reference(&grown, h);

@@ -9,8 +9,6 @@
 
 #include <string.h>
 
-static const double rounding = 1e-10; /* relative to all applied forces: smaller generalised forces are 0 */
-
 static km_status add_joint_actuator(const km_mechanism *m, int coordinate, km_statics *st, km_error *error) {
   km_statics_workspace *w = st->work;
   const char *label = m->model->coordinates[coordinate].label;
@@ -168,7 +166,7 @@ static void compute_generalised_forces(const km_mechanism *m, const km_state *s,
     const km_model_coordinate *def = &m->model->coordinates[c];
     bool length = km_joint_is_length(m->model->joints[def->joint].type, def->index);
     w->least_load[c] =
-        rounding * (length ? f->force_size + f->couple_size / size : f->force_size * size + f->couple_size);
+        km_load_rounding * (length ? f->force_size + f->couple_size / size : f->force_size * size + f->couple_size);
   }
   for (int i = t->body_count - 2; i >= 0; --i) {
     const km_arc *arc = &m->arcs[i];

@@ -16,14 +16,14 @@ typedef struct km_actuator_workspace {
   int part_count, tree_joint_count;
   int *part, *tree_joint; /* its substructures; coordinates of its tree joints */
   int columns;
-  const int *coordinate;         /* [columns] */
-  const double *Z;               /* [freedom × columns] basis of D · range(N) at the present configuration */
-  bool is_composed;              /* Z is composed of several bases; else it is that of the only substructure */
-  double *composed_Z;            /* [capacity × columns] composed Z */
-  int capacity;                  /* freedoms that the arrays hold */
-  int count;                     /* actuators in this block */
-  int *actuator;                 /* [count] indices of the actuators */
-  gsl_matrix *U, *V;             /* Z_A = U S Vᵀ, padded with zero rows to at least as many as columns */
+  const int *coordinate; /* [columns] */
+  const double *Z;       /* [size × columns] basis of D · range(N) at the present configuration, or its part Z' */
+  bool is_composed;      /* Z is composed of several bases; else it is that of the only substructure, or Z' */
+  double *own_Z;         /* [capacity × columns] composed Z, or Z' */
+  int size, capacity;    /* vectors of Z; most that the arrays hold */
+  int count;             /* actuators in this block */
+  int *actuator;         /* [count] indices of the actuators */
+  gsl_matrix *U, *V;     /* Z_A = U S Vᵀ, padded with zero rows to at least as many as columns */
   gsl_vector *S, *load, *answer; /* load: Vᵀ g */
   double *basis;                 /* basis of the motions out of reach */
   int freedom, rank;             /* values at the last configuration */
@@ -38,6 +38,8 @@ typedef struct km_actuator_workspace {
 
 /* Relative singular value below which a motion is out of the actuators' reach. */
 static const double km_actuator_rank_tolerance = 1e-9;
+/* Relative to all applied forces: smaller generalised forces are 0. */
+static const double km_load_rounding = 1e-10;
 /* Relative component of a self-stress below which it is rounding. */
 static const double km_zero_component = 1e-9;
 
@@ -134,26 +136,26 @@ void km_pushed_points_apply(const km_mechanism *mechanism, const km_forces *forc
 bool km_actuator_has_force(const km_model *model, const km_port *actuator);
 /* Allocates the blocks' arrays; false without memory. */
 bool km_actuator_workspace_reserve(km_statics *statics);
-/* Extends a block's arrays to a number of freedoms; false without memory. */
-bool km_actuator_workspace_fit(km_actuator_workspace *blocks, int freedom, km_arena *arena);
+/* Extends a block's arrays to a number of vectors of Z; false without memory. */
+bool km_actuator_workspace_fit(km_actuator_workspace *blocks, int size, km_arena *arena);
+/* Number of vectors of Z: the freedom, or with many freedoms those of Z' (actuator_subspace.c), which
+ * km_actuator_subspace_compute forms in own_Z and size; false without memory. */
+int km_actuator_subspace_size(const km_actuator_workspace *blocks, const km_state *state, int freedom);
+bool km_actuator_subspace_compute(const km_mechanism *mechanism, const km_state *state, const km_statics *statics,
+                                  km_actuator_workspace *blocks);
+/* Scaled rates of an actuator per unit of the block's scaled coordinates: row[columns]. */
+void km_actuator_row(const km_mechanism *mechanism, const km_statics *statics, const km_actuator_workspace *blocks,
+                     int actuator, double *row);
 km_status km_reaction_workspace_reserve(const km_mechanism *mechanism, km_statics_workspace *work, km_error *error);
 /* Switches a substructure to the method of large ones. */
 km_status km_reaction_workspace_make_large(const km_mechanism *mechanism, km_statics_workspace *work, int substructure,
                                            km_error *error);
 void km_reaction_workspace_free(km_statics_workspace *work);
 
-/* Computes U S Vᵀ in place of a matrix whose first `rows` rows, fewer than its columns, are not 0; V is complete.
- * False without memory. O(columns² · rows), where Jacobi's method takes O(columns³) a sweep. */
-bool km_decompose_wide(gsl_matrix *U, gsl_matrix *V, gsl_vector *S, int rows);
-/* Computes U S Vᵀ of rows of an orthonormal basis whose columns keep their length: S = V = 1. False if they do not. */
-bool km_decompose_orthonormal(const gsl_matrix *U, gsl_matrix *V, gsl_vector *S);
 /* Starts a direction out of reach: returns its rates, all 0; NULL: it is counted only. The second function scales the
  * largest rate to 1. */
 double *km_direction_begin(const km_mechanism *mechanism, bool falls, km_statics *statics);
 void km_direction_end(const km_mechanism *mechanism, const km_actuator_workspace *blocks, double *rates);
-/* Solves a block of many freedoms with few actuators, or all, from st->least_norm; false: its basis is required. */
-bool km_actuator_forces_solve_columns(const km_mechanism *mechanism, const km_state *state, int block,
-                                      km_statics *statics);
 /* Computes actuator forces, directions out of their reach, and whether they hold, from work->tau and, without
  * keeps_factors, from st->least_norm. */
 void km_actuator_forces_solve(const km_mechanism *mechanism, const km_state *state, km_statics *statics);
