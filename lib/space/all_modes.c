@@ -8,7 +8,7 @@
 #include "kinematics/modes/mode_identity.h"
 #include "kmech/mobility.h"
 #include "space/mode_proof.h"
-#include "space/real_endpoints.h"
+#include "space/complex/real_endpoints.h"
 
 #include <stdlib.h>
 #include <string.h>

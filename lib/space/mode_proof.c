@@ -1,8 +1,8 @@
 /* Newton-Kantorovich proof of one closed configuration (mode_proof.h). */
 #include "space/mode_proof.h"
 
-#include "space/complex_loops.h"
-#include "space/complex_solve.h"
+#include "space/complex/complex_loops.h"
+#include "space/complex/complex_solve.h"
 
 #include <float.h>
 

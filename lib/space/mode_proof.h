@@ -11,7 +11,7 @@
 #ifndef KM_SPACE_MODE_PROOF_H
 #define KM_SPACE_MODE_PROOF_H
 
-#include "space/complex_closure.h"
+#include "space/complex/complex_closure.h"
 
 typedef struct km_mode_proof {
   bool is_proved;     /* h <= 1/2, and no equation was left out */

@@ -1,58 +1,76 @@
-/* Singularity curves of the drivers (docs/theory.md 4.19): continuation of the augmented system.
+/* Singularity curves (docs/theory.md 4.19): continuation of the augmented system.
  *
  *   R(q, z) = (e(q); A(q) z; cᵀ z − 1) = 0,   2 r + 1 equations in 2 r + 2 unknowns, c = z at the last point
- *   M = dR = (J 0; (dA/dq) z A; 0 cᵀ),   dA/dq by central differences of J
+ *   M = dR = (J 0; (dA/dq) z A; 0 cᵀ),   dA/dq by central differences of J, and so the number's column of J
  *   M t = 0, |t| = 1;   predictor (q, z) + h t;   corrector: Newton's method with tᵀ x = 0
  *
  * It is regular at folds, where A alone is singular (A. Griewank, G. W. Reddien 1984). A curve ends where it closes,
- * and outside the range of a driver. */
-#include "kinematics/loop_equations.h"
-#include "space/driver_surface.h"
-#include "space/real_solve.h"
+ * and outside the range of a control. Where a number of the design is a control, extrema of the number are located:
+ * roots of its component of t. */
+#include "space/singularity_curves.h"
 
 #include "base/random.h"
+#include "space/critical_kind.h"
+#include "space/real_solve.h"
 
 #include <string.h>
 
-enum { MOST_NEWTON = 12, MOST_POINTS = 20000 };
+enum { MOST_NEWTON = 12, MOST_POINTS = 20000, MOST_BISECTIONS = 60 };
 static const double difference = 1e-6;   /* step of the central differences: rounding 1e-10, their error 1e-12 */
 static const double longest_step = 0.02; /* step of (q, z) */
 static const double shortest_step = 1e-7;
-static const double converged = 1e-11; /* last correction */
+static const double converged = 3e-7;          /* last correction: the one after it, about its square, is rounding */
+static const double longest_correction = 0.02; /* a longer one, of (q, z), leads to another curve */
+static const double longest_start_step = 1.0;  /* step to a curve: radians, sizes, ranges of the number */
+static const double shortest_bracket = 1e-11;  /* bracket of an extremum */
+static const double extremum = 1e-10; /* component of t at an extremum of the number: the error of the differences */
+
+/* A point of a curve: configuration, null vector and tangent. */
+typedef struct curve_point {
+  double *saved, *z, *t; /* [saved_size], [rows], [unknowns] */
+} curve_point;
 
 struct km_singularity_curves {
   km_driver_surface *f;
-  const km_space_map_def *def;
   km_table *table;
   km_arena arena;
   int count, unknowns;
-  double *M, *R, *x, *t, *z, *c; /* [unknowns²], [unknowns] …, [rows] */
-  double *forward, *from, *start, *z_from, *z_start, *t_start;
+  double *M, *R, *x, *c, *forward, *backward; /* [unknowns²], [unknowns] …, [rows], [rows × columns], [rows] */
+  double *z, *t;                              /* null vector and tangent of the present configuration */
+  curve_point from, start;
   int *row;
-  double **points; /* [point] as km_state_save */
+  double **points; /* [point] saved configurations */
   size_t point_count, capacity;
+  double *rows; /* [row_count × columns of the table] of the present curve */
+  size_t row_count, row_capacity;
+  km_turning_point *critical; /* extrema of the number */
+  size_t critical_capacity;
+  int critical_count;
 };
 
-km_singularity_curves *km_singularity_curves_create(km_driver_surface *surface, const km_space_map_def *def,
-                                                    km_table *table) {
+static curve_point new_point(km_arena *a, const km_driver_surface *f, size_t unknowns) {
+  return (curve_point){.saved = KM_ARENA_NEW(a, double, f->saved_size),
+                       .z = KM_ARENA_NEW(a, double, (size_t)f->rows + 1),
+                       .t = KM_ARENA_NEW(a, double, unknowns)};
+}
+
+km_singularity_curves *km_singularity_curves_create(km_driver_surface *surface, km_table *table) {
   km_singularity_curves *v = KM_NEW(km_singularity_curves, 1);
   if (!v)
     return NULL;
-  size_t n = (size_t)surface->columns, r = (size_t)surface->rows, u = n + r, saved = KM_SAVED_PER_COLUMN * n;
-  *v = (km_singularity_curves){.f = surface, .def = def, .table = table, .unknowns = (int)u};
+  size_t n = (size_t)surface->columns, r = (size_t)surface->rows, u = n + r;
+  *v = (km_singularity_curves){.f = surface, .table = table, .unknowns = (int)u};
   km_arena *a = &v->arena;
   v->M = KM_ARENA_NEW(a, double, u *u);
   v->R = KM_ARENA_NEW(a, double, u);
   v->x = KM_ARENA_NEW(a, double, u);
-  v->t = KM_ARENA_NEW(a, double, u);
-  v->t_start = KM_ARENA_NEW(a, double, u);
-  v->z = KM_ARENA_NEW(a, double, r + 1);
   v->c = KM_ARENA_NEW(a, double, r + 1);
-  v->z_from = KM_ARENA_NEW(a, double, r + 1);
-  v->z_start = KM_ARENA_NEW(a, double, r + 1);
   v->forward = KM_ARENA_NEW(a, double, n *r + 1);
-  v->from = KM_ARENA_NEW(a, double, saved);
-  v->start = KM_ARENA_NEW(a, double, saved);
+  v->backward = KM_ARENA_NEW(a, double, r + 1);
+  v->z = KM_ARENA_NEW(a, double, r + 1);
+  v->t = KM_ARENA_NEW(a, double, u);
+  v->from = new_point(a, surface, u);
+  v->start = new_point(a, surface, u);
   v->row = KM_ARENA_NEW(a, int, u);
   if (a->failed) {
     km_singularity_curves_free(v);
@@ -65,12 +83,19 @@ void km_singularity_curves_free(km_singularity_curves *v) {
   if (!v)
     return;
   km_free(v->points);
+  km_free(v->critical);
+  km_free(v->rows);
   km_arena_free(&v->arena);
   km_free(v);
 }
 
 int km_singularity_curves_count(const km_singularity_curves *v) {
   return v ? v->count : 0;
+}
+
+const km_turning_point *km_singularity_curves_critical(const km_singularity_curves *v, int *count) {
+  *count = v->critical_count;
+  return v->critical;
 }
 
 static double size_of(const double *x, int n) {
@@ -80,31 +105,46 @@ static double size_of(const double *x, int n) {
   return sqrt(sum);
 }
 
+/* Fills column k of (dA/dq) z, and the number's column of J. False where the number can't have a value. */
+static bool fill_differences(km_singularity_curves *v, int k) {
+  km_driver_surface *f = v->f;
+  int n = f->columns, r = f->rows, u = v->unknowns;
+  const double *e = km_state_error(f->s, km_driver_surface_part(f));
+  memset(f->step, 0, (size_t)n * sizeof *f->step);
+  f->step[k] = difference;
+  bool is_ok = km_driver_surface_move(f, f->step);
+  km_driver_surface_update(f);
+  memcpy(v->forward, f->J, (size_t)(n * r) * sizeof *v->forward);
+  for (int i = 0; i < r; ++i)
+    v->x[i] = e[i];
+  f->step[k] = -2.0 * difference;
+  is_ok = is_ok && km_driver_surface_move(f, f->step);
+  km_driver_surface_update(f);
+  for (int i = 0; i < r; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < r; ++j)
+      sum += (v->forward[f->other[j] * r + i] - f->J[f->other[j] * r + i]) * v->z[j];
+    v->M[(r + i) * u + k] = sum / (2.0 * difference);
+    if (f->number && k == n - 1)
+      v->backward[i] = (v->x[i] - e[i]) / (2.0 * difference);
+  }
+  f->step[k] = difference;
+  return is_ok && km_driver_surface_move(f, f->step);
+}
+
 /* Fills M and R at the state's configuration and z; the last row of M is `last`. */
-static void fill(km_singularity_curves *v, const double *last) {
+static bool fill(km_singularity_curves *v, const double *last) {
   km_driver_surface *f = v->f;
   int n = f->columns, r = f->rows, u = v->unknowns;
   memset(v->M, 0, (size_t)u * (size_t)u * sizeof *v->M);
-  memset(f->step, 0, (size_t)n * sizeof *f->step);
-  for (int k = 0; k < n; ++k) {
-    for (int side = 0; side < 2; ++side) {
-      f->step[k] = side ? -2.0 * difference : difference;
-      km_state_move(f->m, f->s, f->sub, f->step);
-      km_driver_surface_update(f);
-      if (side == 0)
-        memcpy(v->forward, f->J, (size_t)(n * r) * sizeof *v->forward);
-    }
-    f->step[k] = difference;
-    km_state_move(f->m, f->s, f->sub, f->step);
-    f->step[k] = 0.0;
-    for (int i = 0; i < r; ++i)
-      for (int j = 0; j < r; ++j)
-        v->M[(r + i) * u + k] +=
-            (v->forward[f->other[j] * r + i] - f->J[f->other[j] * r + i]) / (2.0 * difference) * v->z[j];
-  }
+  for (int k = 0; k < n; ++k)
+    if (!fill_differences(v, k))
+      return false;
   km_driver_surface_update(f);
+  if (f->number)
+    memcpy(f->J + (size_t)((n - 1) * r), v->backward, (size_t)r * sizeof *f->J);
   double product = -1.0;
-  const double *e = km_state_error(f->s, f->sub);
+  const double *e = km_state_error(f->s, km_driver_surface_part(f));
   for (int i = 0; i < r; ++i) {
     double sum = 0.0;
     for (int k = 0; k < n; ++k)
@@ -121,28 +161,37 @@ static void fill(km_singularity_curves *v, const double *last) {
   v->R[2 * r] = -product;
   v->R[u - 1] = 0.0;
   memcpy(v->M + (size_t)(u - 1) * (size_t)u, last, (size_t)u * sizeof *last);
+  return true;
 }
 
-/* Newton's method with tᵀ x = 0. `*first`: the first correction. */
-static bool correct(km_singularity_curves *v, double *first) {
+/* One step x of Newton's method with tᵀ x = 0. */
+static bool newton_step(km_singularity_curves *v, double *correction) {
   km_driver_surface *f = v->f;
+  int sign;
+  if (!fill(v, v->t) || !km_real_factor(v->M, v->unknowns, v->row, &sign))
+    return false;
+  km_real_solve(v->M, v->unknowns, v->row, v->R, v->x);
+  *correction = size_of(v->x, v->unknowns);
+  memcpy(f->step, v->x, (size_t)f->columns * sizeof *f->step);
+  if (!isfinite(*correction) || !km_driver_surface_move(f, f->step))
+    return false;
+  for (int j = 0; j < f->rows; ++j)
+    v->z[j] += v->x[f->columns + j];
+  return true;
+}
+
+/* Newton's method. `*first`: the first correction. */
+static bool correct(km_singularity_curves *v, double *first) {
   for (int i = 0; i < MOST_NEWTON; ++i) {
-    int sign;
-    fill(v, v->t);
-    if (!km_real_factor(v->M, v->unknowns, v->row, &sign))
+    double correction;
+    if (!newton_step(v, &correction))
       return false;
-    km_real_solve(v->M, v->unknowns, v->row, v->R, v->x);
-    double correction = size_of(v->x, v->unknowns);
     if (i == 0)
       *first = correction;
-    if (!(correction < 1.0))
-      return false;
-    memcpy(f->step, v->x, (size_t)f->columns * sizeof *f->step);
-    km_state_move(f->m, f->s, f->sub, f->step);
-    for (int j = 0; j < f->rows; ++j)
-      v->z[j] += v->x[f->columns + j];
     if (correction <= converged)
       return true;
+    if (correction > longest_correction)
+      return false;
   }
   return false;
 }
@@ -150,8 +199,7 @@ static bool correct(km_singularity_curves *v, double *first) {
 /* Computes t at the present point, in the sense of the last one. */
 static bool update_tangent(km_singularity_curves *v) {
   int sign, u = v->unknowns;
-  fill(v, v->t);
-  if (!km_real_factor(v->M, u, v->row, &sign))
+  if (!fill(v, v->t) || !km_real_factor(v->M, u, v->row, &sign))
     return false;
   memset(v->R, 0, (size_t)u * sizeof *v->R);
   v->R[u - 1] = 1.0;
@@ -162,83 +210,126 @@ static bool update_tangent(km_singularity_curves *v) {
   return isfinite(size);
 }
 
-/* Distance of the state from a saved configuration, full turns of hinges left out. */
-static double distance(const km_singularity_curves *v, const double *saved) {
-  km_driver_surface *f = v->f;
-  double sum = 0.0;
-  km_state_difference(f->s, f->sub, saved, f->step);
-  for (int k = 0; k < f->columns; ++k) {
-    double d = f->step[k];
-    if (km_coordinate_turns(f->m, f->m->column_coordinate[f->sub->column_start + k]))
-      d = remainder(d, 2.0 * M_PI);
-    sum += d * d;
-  }
-  return sqrt(sum);
+static void save_point(km_singularity_curves *v, curve_point *to) {
+  km_driver_surface_save(v->f, to->saved);
+  memcpy(to->z, v->z, (size_t)v->f->rows * sizeof *v->z);
+  memcpy(to->t, v->t, (size_t)v->unknowns * sizeof *v->t);
 }
 
-static bool add_point(km_singularity_curves *v) {
-  const km_driver_surface *f = v->f;
-  void *points = v->points;
-  double *saved = KM_ARENA_NEW(&v->arena, double, (size_t)(KM_SAVED_PER_COLUMN * f->columns));
-  double *row = km_table_add_row(v->table);
-  if (!saved || !row || !km_reserve(&points, &v->capacity, v->point_count + 1, sizeof *v->points))
+static void restore_point(km_singularity_curves *v, const curve_point *from) {
+  km_driver_surface_restore(v->f, from->saved);
+  memcpy(v->z, from->z, (size_t)v->f->rows * sizeof *v->z);
+  memcpy(v->t, from->t, (size_t)v->unknowns * sizeof *v->t);
+}
+
+/* Moves by h along the curve from v->from. False: the curve isn't met; the state is then anywhere. */
+static bool step(km_singularity_curves *v, double h, double *first) {
+  km_driver_surface *f = v->f;
+  restore_point(v, &v->from);
+  double size = size_of(v->z, f->rows);
+  for (int j = 0; j < f->rows; ++j)
+    v->c[j] = v->z[j] / (size * size);
+  for (int k = 0; k < f->columns; ++k)
+    f->step[k] = h * v->t[k];
+  if (!km_driver_surface_move(f, f->step))
     return false;
-  v->points = points;
-  v->points[v->point_count++] = saved;
-  km_state_save(f->s, f->sub, saved);
+  for (int j = 0; j < f->rows; ++j)
+    v->z[j] += h * v->t[f->columns + j];
+  return correct(v, first) && update_tangent(v);
+}
+
+/* Notes the row of the present point. False when out of memory. */
+static bool note_row(km_singularity_curves *v, km_turning_kind kind) {
+  const km_driver_surface *f = v->f;
+  size_t width = km_table_columns(v->table);
+  void *rows = v->rows;
+  if (!km_reserve(&rows, &v->row_capacity, (v->row_count + 1) * width, sizeof *v->rows))
+    return false;
+  v->rows = rows;
+  double *row = v->rows + v->row_count++ * width;
   *row++ = v->count;
+  if (f->number) {
+    *row++ = f->number->value;
+    *row++ = kind;
+  }
   for (int c = 0; c < f->m->coordinate_count; ++c)
     row[c] = km_state_value(f->s, c);
   return true;
 }
 
-/* True within the ranges of both drivers. */
-static bool is_inside(const km_singularity_curves *v) {
-  for (int d = 0; d < 2; ++d) {
-    const km_space_axis *a = &v->def->axis[d];
-    double value = km_state_value(v->f->s, a->coordinate);
-    if (value < fmin(a->from, a->to) || value > fmax(a->from, a->to))
-      return false;
-  }
-  return true;
+static bool add_point(km_singularity_curves *v) {
+  void *points = v->points;
+  double *saved = KM_ARENA_NEW(&v->arena, double, v->f->saved_size);
+  if (!saved || !km_reserve(&points, &v->capacity, v->point_count + 1, sizeof *v->points))
+    return false;
+  v->points = points;
+  v->points[v->point_count++] = saved;
+  km_driver_surface_save(v->f, saved);
+  return note_row(v, KM_TURNING_NONE);
 }
 
-/* Follows the curve from its start in the sense of t. Points before the start are written in the second sense only:
- * each sense is a part of the curve. False when out of memory; *is_closed: the curve has returned. */
+/* Locates the extremum of the number between v->from and the point at h by regula falsi with halved ends (Illinois
+ * method), and notes it. `last`: the number's component of t there. The state stays at the extremum. */
+static bool add_extremum(km_singularity_curves *v, double h, double last) {
+  int at = v->f->columns - 1;
+  double low = 0.0, high = h, a = v->from.t[at], b = last, first;
+  for (int i = 0; i < MOST_BISECTIONS; ++i) {
+    double middle = (low * b - high * a) / (b - a);
+    if (!step(v, middle, &first))
+      return true;
+    double now = v->t[at];
+    if (fabs(now) <= extremum || high - low <= shortest_bracket)
+      break;
+    if ((now < 0.0) == (a < 0.0)) {
+      low = middle;
+      a = now;
+      b *= 0.5;
+    } else {
+      high = middle;
+      b = now;
+      a *= 0.5;
+    }
+  }
+  const km_mechanism *m = v->f->m;
+  int c = m->column_coordinate[km_driver_surface_part(v->f)->column_start + v->f->control[0]];
+  double driver = v->f->s->q[c];
+  void *points = v->critical;
+  if (!km_reserve(&points, &v->critical_capacity, (size_t)v->critical_count + 1, sizeof *v->critical))
+    return false;
+  v->critical = points;
+  km_turning_point *point = &v->critical[v->critical_count++];
+  *point =
+      (km_turning_point){.number = v->f->number->value,
+                         .driver = (km_coordinate_turns(m, c) ? remainder(driver, 2.0 * M_PI) : driver) / m->factor[c],
+                         .curve = v->count};
+  return km_critical_kind(v->f, &point->kind) && note_row(v, point->kind);
+}
+
+/* Follows the curve from its start in the sense of t. False when out of memory; *is_closed: the curve has returned. */
 static bool follow(km_singularity_curves *v, bool *is_closed) {
   km_driver_surface *f = v->f;
+  int at = f->columns - 1;
   double h = longest_step, travelled = 0.0;
   *is_closed = false;
+  save_point(v, &v->from);
   for (int i = 0; i < MOST_POINTS && h >= shortest_step;) {
     double first = 0.0;
-    km_state_save(f->s, f->sub, v->from);
-    memcpy(v->z_from, v->z, (size_t)f->rows * sizeof *v->z);
-    memcpy(v->c, v->z, (size_t)f->rows * sizeof *v->z);
-    double square = size_of(v->c, f->rows) * size_of(v->c, f->rows);
-    for (int j = 0; j < f->rows; ++j)
-      v->c[j] /= square;
-    for (int k = 0; k < f->columns; ++k)
-      f->step[k] = h * v->t[k];
-    km_state_move(f->m, f->s, f->sub, f->step);
-    for (int j = 0; j < f->rows; ++j)
-      v->z[j] += h * v->t[f->columns + j];
-    bool is_ok = correct(v, &first) && first <= 0.3 * h && update_tangent(v);
-    if (!is_ok) {
-      km_state_restore(f->s, f->sub, v->from);
-      memcpy(v->z, v->z_from, (size_t)f->rows * sizeof *v->z);
+    if (!step(v, h, &first) || first > 0.3 * h) {
       h *= 0.5;
       continue;
     }
     travelled += h;
     ++i;
-    if (!is_inside(v))
+    if (f->number && v->t[at] * v->from.t[at] < 0.0 && (!add_extremum(v, h, v->t[at]) || !step(v, h, &first)))
+      return !v->arena.failed;
+    if (!km_driver_surface_is_inside(f))
       return true;
-    if (travelled > 5.0 * longest_step && distance(v, v->start) < h) {
-      *is_closed = true;
+    *is_closed = travelled > 5.0 * longest_step && km_driver_surface_difference(f, v->start.saved, f->step) < h;
+    if (*is_closed)
       return true;
-    }
     if (!add_point(v))
       return false;
+    save_point(v, &v->from);
     h = first < 0.05 * h ? fmin(2.0 * h, longest_step) : h;
   }
   return true;
@@ -271,43 +362,61 @@ static bool start_vector(km_singularity_curves *v) {
   return true;
 }
 
-/* Moves the state to a point of a curve, and computes t. */
+/* Moves the state to the nearest point of a curve by minimum-norm steps, Newton's method with the last row of M in its
+ * null space, and computes t. */
 static bool move_to_curve(km_singularity_curves *v) {
   uint64_t random = 5;
-  double first;
-  for (int attempt = 0; attempt < 4; ++attempt) {
-    for (int i = 0; i < v->unknowns; ++i)
-      v->t[i] = km_uniform(&random);
-    if (!start_vector(v))
+  for (int i = 0; i < v->unknowns; ++i)
+    v->t[i] = km_uniform(&random);
+  if (!start_vector(v))
+    return false;
+  for (int i = 0; i < MOST_NEWTON; ++i) {
+    double correction;
+    if (!update_tangent(v) || !newton_step(v, &correction) || correction > longest_start_step)
       return false;
-    if (correct(v, &first))
-      return update_tangent(v) && update_tangent(v);
+    if (correction <= converged)
+      return update_tangent(v);
   }
   return false;
 }
 
+/* True if a point of a known curve is nearer to the state than `reach`. */
+static bool is_known(const km_singularity_curves *v, double reach) {
+  for (size_t i = 0; i < v->point_count; ++i)
+    if (km_driver_surface_difference(v->f, v->points[i], v->f->step) < reach)
+      return true;
+  return false;
+}
+
+/* Writes the noted rows from `first` in steps of ±1 until `end`. False when out of memory. */
+static bool write_rows(km_singularity_curves *v, size_t first, size_t end, int by) {
+  size_t width = km_table_columns(v->table);
+  for (size_t i = first; i != end; i += (size_t)by) {
+    double *row = km_table_add_row(v->table);
+    if (!row)
+      return false;
+    memcpy(row, v->rows + i * width, width * sizeof *row);
+  }
+  return true;
+}
+
 bool km_singularity_curves_add(km_singularity_curves *v, const double *saved, double reach) {
   km_driver_surface *f = v->f;
-  km_state_restore(f->s, f->sub, saved);
-  for (size_t i = 0; i < v->point_count; ++i)
-    if (distance(v, v->points[i]) < reach + longest_step)
-      return true;
-  if (!move_to_curve(v) || !is_inside(v))
+  km_driver_surface_restore(f, saved);
+  if (is_known(v, reach + longest_step) || !move_to_curve(v) || !km_driver_surface_is_inside(f) ||
+      is_known(v, 1.5 * longest_step))
     return true;
-  for (size_t i = 0; i < v->point_count; ++i)
-    if (distance(v, v->points[i]) < 1.5 * longest_step)
-      return true;
   ++v->count;
-  km_state_save(f->s, f->sub, v->start);
-  memcpy(v->z_start, v->z, (size_t)f->rows * sizeof *v->z);
-  memcpy(v->t_start, v->t, (size_t)v->unknowns * sizeof *v->t);
-  bool is_closed = false, is_ok = add_point(v) && follow(v, &is_closed);
-  if (is_ok && !is_closed) {
-    km_state_restore(f->s, f->sub, v->start);
-    memcpy(v->z, v->z_start, (size_t)f->rows * sizeof *v->z);
-    for (int i = 0; i < v->unknowns; ++i)
-      v->t[i] = -v->t_start[i];
-    is_ok = follow(v, &is_closed);
-  }
-  return is_ok;
+  v->row_count = 0;
+  save_point(v, &v->start);
+  bool is_closed = false;
+  if (!add_point(v) || !follow(v, &is_closed))
+    return false;
+  size_t first = v->row_count;
+  if (is_closed)
+    return write_rows(v, 0, first, 1) && write_rows(v, 0, 1, 1);
+  restore_point(v, &v->start);
+  for (int i = 0; i < v->unknowns; ++i)
+    v->t[i] = -v->t[i];
+  return follow(v, &is_closed) && write_rows(v, first - 1, (size_t)-1, -1) && write_rows(v, first, v->row_count, 1);
 }

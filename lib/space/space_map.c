@@ -7,8 +7,8 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "space/driver_surface.h"
 #include "space/real_solve.h"
+#include "space/singularity_curves.h"
 
 #include <string.h>
 
@@ -32,18 +32,6 @@ typedef struct map_search {
   km_space_map *out;
 } map_search;
 
-void km_driver_surface_update(km_driver_surface *f) {
-  km_loops_recompute(f->m, f->s, f->sub);
-  km_state_jacobian_dense(f->s, f->sub, f->J);
-}
-
-bool km_driver_surface_factor(km_driver_surface *f, int *sign) {
-  for (int i = 0; i < f->rows; ++i)
-    for (int j = 0; j < f->rows; ++j)
-      f->A[i * f->rows + j] = f->J[f->other[j] * f->rows + i];
-  return km_real_factor(f->A, f->rows, f->row, sign);
-}
-
 /* Value of an axis at a grid point, scaled. */
 static double axis_value(const map_search *g, int axis, int i) {
   const km_space_axis *a = &g->def->axis[axis];
@@ -65,7 +53,7 @@ static bool close_cell(map_search *g, double predicted, int *sign) {
     km_driver_surface_update(f);
     if (!km_driver_surface_factor(f, sign))
       return false;
-    const double *e = km_state_error(f->s, f->sub);
+    const double *e = km_state_error(f->s, km_driver_surface_part(f));
     for (int k = 0; k < f->rows; ++k) {
       error = fmax(error, fabs(e[k]));
       f->b[k] = -e[k];
@@ -84,7 +72,7 @@ static bool close_cell(map_search *g, double predicted, int *sign) {
       return false;
     if (i > 1 && correction < 1e-13) /* the error is rounding */
       return true;
-    km_state_move(f->m, f->s, f->sub, f->step);
+    km_driver_surface_move(f, f->step);
   }
   return false;
 }
@@ -94,7 +82,7 @@ static void tangents(map_search *g, double *N) {
   km_driver_surface *f = &g->f;
   for (int d = 0; d < 2; ++d) {
     for (int k = 0; k < f->rows; ++k)
-      f->b[k] = -f->J[f->driver[d] * f->rows + k];
+      f->b[k] = -f->J[f->control[d] * f->rows + k];
     km_real_solve(f->A, f->rows, f->row, f->b, N + d * f->rows);
   }
 }
@@ -111,10 +99,10 @@ static bool advance(map_search *g, const double *target, const double *N, int si
     largest = fmax(largest, fabs(f->step[f->other[k]]));
   }
   for (int d = 0; d < 2; ++d) {
-    f->step[f->driver[d]] = du[d];
+    f->step[f->control[d]] = du[d];
     largest = fmax(largest, fabs(du[d]));
   }
-  km_state_move(f->m, f->s, f->sub, f->step);
+  km_driver_surface_move(f, f->step);
   return close_cell(g, largest, &reached) && reached == sign;
 }
 
@@ -123,13 +111,13 @@ static bool move_to(map_search *g, const double *target, double *N, int sign) {
   km_driver_surface *f = &g->f;
   double left = 1.0, step = 1.0; /* parts of the whole way */
   while (left > 0.0) {
-    km_state_restore(f->s, f->sub, g->before);
+    km_driver_surface_restore(f, g->before);
     step = fmin(step, left);
     if (advance(g, target, N, sign, step / left)) {
       left = step == left ? 0.0 : left - step;
       step *= 2.0;
       if (left > 0.0) {
-        km_state_save(f->s, f->sub, g->before);
+        km_driver_surface_save(f, g->before);
         tangents(g, N);
       }
     } else {
@@ -144,7 +132,7 @@ static bool move_to(map_search *g, const double *target, double *N, int sign) {
 /* Tries a cell from its neighbour. */
 static bool reach(map_search *g, int from, int cell, double *N) {
   const double target[2] = {axis_value(g, 0, cell % g->across), axis_value(g, 1, cell / g->across)};
-  size_t saved = (size_t)(KM_SAVED_PER_COLUMN * g->f.columns), size = 2 * (size_t)g->f.rows;
+  size_t saved = g->f.saved_size, size = 2 * (size_t)g->f.rows;
   memcpy(g->before, g->saved + (size_t)from * saved, saved * sizeof *g->before);
   memcpy(N, g->N + (size_t)from * size, size * sizeof *N);
   return move_to(g, target, N, g->sign[from]);
@@ -205,13 +193,13 @@ static bool write_cell(map_search *g, int sheet, const double *N) {
   }
   double determinant = G[0] * G[2] - G[1] * G[1];
   for (int k = 0; k < f->columns; ++k) {
-    double z[2] = {f->driver[0] == k, f->driver[1] == k};
+    double z[2] = {f->control[0] == k, f->control[1] == k};
     for (int i = 0; i < f->rows; ++i)
       if (f->other[i] == k) {
         z[0] = N[i];
         z[1] = N[f->rows + i];
       }
-    row[f->m->column_coordinate[f->sub->column_start + k]] =
+    row[f->m->column_coordinate[km_driver_surface_part(f)->column_start + k]] =
         (z[0] * z[0] * G[2] - 2.0 * z[0] * z[1] * G[1] + z[1] * z[1] * G[0]) / determinant;
   }
   row += f->m->coordinate_count;
@@ -231,7 +219,7 @@ static bool record(map_search *g, int sheet, int cell, int sign, int *tail) {
   km_driver_surface *f = &g->f;
   double *N = g->N + (size_t)cell * 2 * (size_t)f->rows;
   tangents(g, N);
-  km_state_save(f->s, f->sub, g->saved + (size_t)cell * (size_t)(KM_SAVED_PER_COLUMN * f->columns));
+  km_driver_surface_save(f, g->saved + (size_t)cell * f->saved_size);
   g->sign[cell] = (signed char)sign;
   g->queue[(*tail)++] = cell;
   return write_cell(g, sheet, N);
@@ -248,7 +236,7 @@ static int enter_grid(map_search *g, int *sign, double *N) {
   const double target[2] = {axis_value(g, 0, at[0]), axis_value(g, 1, at[1])};
   if (!close_cell(g, 1.0, sign))
     return -1;
-  km_state_save(g->f.s, g->f.sub, g->before);
+  km_driver_surface_save(&g->f, g->before);
   tangents(g, N);
   return move_to(g, target, N, *sign) ? at[1] * g->across + at[0] : -1;
 }
@@ -292,7 +280,7 @@ static km_status follow_sheet(map_search *g, int sheet, km_singularity_curves *c
       return km_fail(error, KM_CANCELLED, "stopped while the map was followed");
     if (!visit_neighbours(g, sheet, cell, N, &tail, &is_edge))
       return no_memory(error);
-    const double *saved = g->saved + (size_t)cell * (size_t)(KM_SAVED_PER_COLUMN * g->f.columns);
+    const double *saved = g->saved + (size_t)cell * g->f.saved_size;
     if (is_edge && !km_singularity_curves_add(curves, saved, 3.0 * reach_of_curve))
       return no_memory(error);
   }
@@ -325,62 +313,41 @@ static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, 
     km_status status = km_check_index(a->coordinate, m->coordinate_count, "coordinate", error);
     if (status)
       return status;
-    const char *label = m->model->coordinates[a->coordinate].label;
-    int own = m->substructure_of[a->coordinate];
-    if (m->held[a->coordinate] || own < 0 || m->substructures[own].loop_count == 0 || m->ball_of[a->coordinate] >= 0)
-      return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a map; expected a free hinge or slide of a loop",
-                     label);
     if (!isfinite(a->from) || !isfinite(a->to) || a->from == a->to || a->steps < 1 || a->steps > KM_MAX_MAP_STEPS)
       return km_fail(
           error, KM_USAGE,
-          "the range of joint \"%s\" is %g to %g in %d steps; expected two different numbers and 1 to %d steps", label,
-          a->from, a->to, a->steps, KM_MAX_MAP_STEPS);
+          "the range of joint \"%s\" is %g to %g in %d steps; expected two different numbers and 1 to %d steps",
+          m->model->coordinates[a->coordinate].label, a->from, a->to, a->steps, KM_MAX_MAP_STEPS);
   }
-  int first = def->axis[0].coordinate, second = def->axis[1].coordinate;
-  if (first == second || m->substructure_of[first] != m->substructure_of[second])
-    return km_fail(error, KM_USAGE, "both drivers of a map must be different joints of one part of the mechanism");
-  return KM_OK;
+  return def->axis[0].coordinate != def->axis[1].coordinate
+             ? KM_OK
+             : km_fail(error, KM_USAGE, "both drivers of a map must be different joints of one part of the mechanism");
 }
 
-/* Prepares the surface. The mechanism must have as many conditions as other coordinates. */
+/* Prepares the surface and the grid. */
 static km_status prepare(map_search *g, km_error *error) {
   km_driver_surface *f = &g->f;
   const km_space_map_def *def = g->def;
-  f->sub = &f->m->substructures[f->m->substructure_of[def->axis[0].coordinate]];
-  f->columns = f->sub->columns;
-  f->rows = km_substructure_rows(f->m, (int)(f->sub - f->m->substructures));
-  for (int k = 0; k < f->columns; ++k)
-    if (f->m->ball_of[f->m->column_coordinate[f->sub->column_start + k]] >= 0)
-      return km_fail(error, KM_USAGE, "maps don't cover ball joints; expected hinges and slides");
-  if (f->rows != f->columns - 2)
-    return km_fail(error, KM_USAGE,
-                   "the part of the mechanism has %d coordinates and %d conditions; a map needs two freedoms and no "
-                   "redundant conditions",
-                   f->columns, f->rows);
+  const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
+  for (int d = 0; d < 2; ++d) {
+    f->low[d] = fmin(def->axis[d].from, def->axis[d].to);
+    f->high[d] = fmax(def->axis[d].from, def->axis[d].to);
+  }
+  km_status status = km_driver_surface_create(f, drivers, &g->arena, error);
+  if (status)
+    return status;
   size_t n = (size_t)f->columns, r = (size_t)f->rows;
   g->across = def->axis[0].steps + 1;
   g->down = def->axis[1].steps + 1;
   size_t cells = (size_t)g->across * (size_t)g->down;
-  f->other = KM_ARENA_NEW(&g->arena, int, r + 1);
-  f->J = KM_ARENA_NEW(&g->arena, double, n *r + 1);
-  f->A = KM_ARENA_NEW(&g->arena, double, r *r + 1);
-  f->row = KM_ARENA_NEW(&g->arena, int, r + 1);
-  f->step = KM_ARENA_NEW(&g->arena, double, n);
-  f->x = KM_ARENA_NEW(&g->arena, double, r + 1);
-  f->b = KM_ARENA_NEW(&g->arena, double, r + 1);
-  g->saved = KM_ARENA_NEW(&g->arena, double, cells *KM_SAVED_PER_COLUMN *n);
+  g->saved = KM_ARENA_NEW(&g->arena, double, cells * f->saved_size);
   g->N = KM_ARENA_NEW(&g->arena, double, cells * 2 * r + 1);
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->queue = KM_ARENA_NEW(&g->arena, int, cells);
-  g->before = KM_ARENA_NEW(&g->arena, double, KM_SAVED_PER_COLUMN *n);
+  g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   g->transposed = KM_ARENA_NEW(&g->arena, double, n *r + 1);
   if (g->arena.failed)
     return no_memory(error);
-  for (int d = 0; d < 2; ++d)
-    f->driver[d] = f->m->column_of[def->axis[d].coordinate];
-  for (int k = 0, count = 0; k < f->columns; ++k)
-    if (k != f->driver[0] && k != f->driver[1])
-      f->other[count++] = k;
   g->out->cells = km_table_create();
   g->out->curves = km_table_create();
   return add_columns(f->m, g->out->cells, "sheet", true) && add_columns(f->m, g->out->curves, "curve", false)
@@ -391,7 +358,7 @@ static km_status prepare(map_search *g, km_error *error) {
 static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_progress progress, void *context,
                                km_error *error) {
   km_driver_surface *f = &g->f;
-  km_singularity_curves *curves = km_singularity_curves_create(f, g->def, g->out->curves);
+  km_singularity_curves *curves = km_singularity_curves_create(f, g->out->curves);
   double *N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->rows + 1);
   km_status status = curves && N ? KM_OK : no_memory(error);
   for (int i = 0; !status && i < modes->count; ++i) {

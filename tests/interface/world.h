@@ -33,6 +33,7 @@ typedef struct world {
   km_all_modes_def all_modes_def;
   km_all_modes one_mode;
   km_space_map_def map_def;
+  km_turning_def turning_def;
   km_gallery_caption captions[400]; /* the most poses of a grid */
   km_statics statics;
   km_study_def study_def, other_study_def;

@@ -35,20 +35,6 @@ static kt_exit read_axis(const options *o, const km_model *model, const char *te
   return result != KT_DONE || is_ok ? result : bad_axis(o, text);
 }
 
-static kt_exit write_table(const options *o, const km_table *table, const char *result) {
-  size_t size = km_table_csv(table, NULL, 0);
-  char *bytes = size > 0 ? KM_NEW(char, size + 1) : NULL;
-  km_text out = {0};
-  kt_exit written = KT_NO_MEMORY;
-  if (bytes && km_table_csv(table, bytes, size + 1) == size) {
-    km_text_add(&out, bytes);
-    written = out.failed ? KT_NO_MEMORY : kt_write(&o->common, o->base, result, "csv", &out);
-  }
-  km_free(bytes);
-  km_text_free(&out);
-  return written;
-}
-
 /* Least and largest value of a column over the rows of a sheet. */
 static void range_of(const km_table *table, double sheet, size_t column, double *low, double *high, size_t *rows) {
   *low = *high = 0.0;
@@ -110,9 +96,9 @@ static kt_exit run(const options *o, const kt_pose *pose) {
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
   result = kt_exit_of(status);
   if (result == KT_DONE && o->base)
-    result = write_table(o, map.cells, "map");
+    result = kspace_write_csv(&o->common, o->base, map.cells, "map");
   if (result == KT_DONE && o->base)
-    result = write_table(o, map.curves, "curves");
+    result = kspace_write_csv(&o->common, o->base, map.curves, "curves");
   if (result == KT_DONE) {
     print_map(o, pose->model, &def, &modes, &map, &out);
     result = kt_print(&o->common, &out);

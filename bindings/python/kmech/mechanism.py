@@ -234,6 +234,14 @@ class Mechanism:
 
         return space_map(self, state or self._copy(), over, seed, progress)
 
+    def turning(self, driver: str, path: str, low: float, high: float, *, steps: int = 20, seed: int = 1,
+                progress: Progress = None, state: Optional[State] = None) -> Any:
+        """Where the driver goes fully round, over a number of the model's file from low to high: km_turning_find. path: a
+        parameter, or a number such as "crank.tip.x". Circuits are followed at steps + 1 values of it."""
+        from .space import turning
+
+        return turning(self, state or self._copy(), driver, path, low, high, steps, seed, progress)
+
     def diagnose(self, *, progress: Progress = None, state: Optional[State] = None) -> dict[str, Any]:
         """What kmob info --format json tells at a state: mobility, finite mobility and motions, idle freedoms, redundant
         constraints, single remedies and a set of remedies."""

@@ -1,4 +1,4 @@
-"""Configuration spaces: all assembly modes, their circuits, and maps over two drivers."""
+"""Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves."""
 from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Sequence, Tuple
@@ -107,3 +107,61 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
     check(status, error)
     return SpaceMap(table_of(found.cells, found), table_of(found.curves, found), found.sheet_count, found.curve_count,
                     modes.is_complete)
+
+
+class TurningPoint(NamedTuple):
+    """A critical value of a design's number. kind: "crossing" (circuits join or part), "isolated" (a circuit appears or
+    vanishes) or "cusp" (two dead points meet). driver: its value there, in the model's unit."""
+
+    number: float
+    driver: float
+    kind: str
+    curve: int
+
+
+class TurningInterval(NamedTuple):
+    """What holds between two critical values, found in the middle. defined: the file can be read with the number.
+    assembled: the model's circuit is there. turns: the driver goes fully round on it; else it swings from low to high.
+    dead_points: their number in all circuits."""
+
+    start: float
+    end: float
+    defined: bool
+    assembled: bool
+    turns: bool
+    low: float
+    high: float
+    dead_points: int
+
+
+class Turning(NamedTuple):
+    """Dead points of a driver over a number of the design. curves: points of the curves of dead points. complete: circuits
+    were followed from all assembly modes of the model."""
+
+    intervals: Tuple[TurningInterval, ...]
+    points: Tuple[TurningPoint, ...]
+    curves: Table
+    curve_count: int
+    complete: bool
+
+
+def turning(mechanism: Mechanism, state: State, driver: str, path: str, low: float, high: float, steps: int, seed: int,
+            progress: Progress) -> Turning:
+    """Dead points of the driver over the number at `path` of the model's file."""
+    error, watch = new_error(), Watch(progress)
+    found = ffi.gc(ffi.new("km_turning *"), lib.km_turning_free)
+    if not mechanism.model.file:
+        raise UsageError("the model has no file, from which its number could be varied; expected one that was loaded")
+    file, number = ffi.new("char[]", mechanism.model.file.encode()), ffi.new("char[]", path.encode())
+    definition = ffi.new("km_turning_def *", {"driver": mechanism.model._coordinate(driver), "file": file, "path": number,
+                                              "from": low, "to": high, "steps": steps, "seed": seed})
+    with mechanism.model._reading(), state._using():
+        status = lib.km_turning_find(mechanism._c, state._c, definition, watch.call, watch.context, found, error)
+    watch.finish()
+    check(status, error)
+    intervals = tuple(TurningInterval(getattr(at, "from"), at.to, at.is_defined, at.is_assembled, at.turns, at.low, at.high,
+                                      at.dead_points)
+                      for at in (found.intervals[i] for i in range(found.interval_count)))
+    points = tuple(TurningPoint(at.number, at.driver, text_of(lib.km_turning_kind_name(at.kind)), at.curve)
+                   for at in (found.points[i] for i in range(found.point_count)))
+    return Turning(intervals, points, table_of(found.curves, found), found.curve_count, found.is_complete)

@@ -335,6 +335,17 @@ def test_arms_and_studies_of_a_model_that_has_changed(source):
     assert model.mechanism().arm("flange/tool").place(q).p != pytest.approx(before)
 
 
+def test_turning(source):
+    mechanism = kmech.Mechanism(kmech.load(source / "models/fourbar.json"))
+    found = mechanism.turning("A", "crank.end.x", 0.05, 0.6)
+    assert [point.number for point in found.points] == pytest.approx([0.35, 0.45, 0.55], abs=1e-9)
+    assert {point.kind for point in found.points} == {"crossing"} and found.complete
+    assert [interval.turns for interval in found.intervals] == [True, False, True, False]
+    assert set(found.curves["critical"]) == {0.0, 1.0}
+    with pytest.raises(kmech.UsageError, match="no file"):
+        kmech.Mechanism(kmech.from_string((source / "models/fourbar.json").read_text())).turning("A", "crank.end.x", 0.05, 0.6)
+
+
 def test_all_assembly_modes(source):
     mechanism = kmech.Mechanism(kmech.load(source / "models/fourbar.json"))
     modes = mechanism.all_modes(["A"])

@@ -1,4 +1,4 @@
-/* Configuration spaces: all assembly modes with a proof, their circuits, maps over two drivers. */
+/* Configuration spaces: all assembly modes with a proof, their circuits, maps over two drivers, turning curves. */
 #ifndef KMECH_SPACE_H
 #define KMECH_SPACE_H
 
@@ -136,9 +136,8 @@ typedef struct km_space_map_def {
 typedef struct km_space_map {
   km_table *cells;  /* sheet (number of its mode), q., m. of every coordinate, sigma.input, sigma.closure: a row for
                      * each grid point that a sheet reaches */
-  km_table *curves; /* curve (number), q. of every coordinate: points of singularity curves, each curve in one row after
-                     * another; a curve that isn't closed is written from its first point to one end, then to the
-                     * other */
+  km_table *curves; /* curve (number), q. of every coordinate: points of singularity curves from end to end, or around
+                     * a closed curve to its first point */
   int sheet_count;  /* modes whose sheet has grid points */
   int curve_count;  /* number of curves */
 } km_space_map;
@@ -153,6 +152,75 @@ KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_st
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
                                       km_error *error);
 KM_API void km_space_map_free(km_space_map *map);
+
+/* ---- Turning: dead points of a driver over one number of the design (docs/theory.md 4.20). */
+
+/* Kind of a critical value of the number: an extremum of the number on a curve of dead points. */
+typedef enum km_turning_kind {
+  KM_TURNING_NONE,     /* a point of the curve, no critical value */
+  KM_TURNING_CROSSING, /* two motions cross: circuits join or part there */
+  KM_TURNING_ISOLATED, /* an isolated configuration: a circuit appears or vanishes there */
+  KM_TURNING_CUSP      /* two dead points meet; the circuits stay */
+} km_turning_kind;
+/* Returns "none", "crossing", "isolated", "cusp"; "" for another value. */
+KM_API const char *km_turning_kind_name(km_turning_kind kind);
+
+/* A critical value. */
+typedef struct km_turning_point {
+  double number;        /* value of the number, in the file's unit */
+  double driver;        /* value of the driver, in the model's unit; a hinge's within half a turn of 0 */
+  km_turning_kind kind; /* never KM_TURNING_NONE */
+  int curve;            /* number of its curve, from 1 */
+} km_turning_point;
+
+/* Motion of the driver between two neighbouring critical values, found in the middle. */
+typedef struct km_turning_interval {
+  double from, to;   /* range of the number */
+  bool is_defined;   /* the model's file can be read with the number */
+  bool is_assembled; /* the model's circuit is there */
+  bool turns;        /* the driver goes fully round on it */
+  double low, high;  /* else its swing: the driver's unit; -infinity, infinity: without end; NaN: not found */
+  int dead_points;   /* dead points of all circuits */
+} km_turning_interval;
+
+/* Definition of a turning search. */
+typedef struct km_turning_def {
+  int driver;         /* coordinate: a hinge or slide of a loop */
+  const char *file;   /* the model's file */
+  const char *path;   /* a number of it, as in km_model_read_varied */
+  double from, to;    /* range of the number, from < to */
+  int steps;          /* circuits are followed at steps + 1 values of the number; 0: KM_DEFAULT_TURNING_STEPS */
+  unsigned long seed; /* start of the random numbers; the result doesn't depend on it */
+} km_turning_def;
+
+enum {
+  KM_DEFAULT_TURNING_STEPS = 20, /* steps, unless stated */
+  KM_MAX_TURNING_STEPS = 1000    /* most steps */
+};
+
+/* Dead points over a number of the design. */
+typedef struct km_turning {
+  km_table *curves; /* curve (number), number, critical (km_turning_kind), q. of every coordinate: points of the curves
+                      * of dead points from end to end, or around a closed curve to its first point */
+  int curve_count;  /* number of curves */
+  int point_count;  /* number of critical values */
+  int interval_count;             /* number of intervals */
+  km_turning_point *points;       /* [point_count] by their number */
+  km_turning_interval *intervals; /* [interval_count] from `from` to `to` */
+  int modes;                      /* assembly modes from which circuits were followed */
+  bool is_complete;               /* these are all modes of the model at its own number */
+} km_turning;
+
+/* Follows the dead points of a driver, det A = 0, over the configurations and one number of the design: curves of
+ * (q, p) with e(q, p) = 0, A: the Jacobian's columns of the other coordinates. Starts are the dead points of each
+ * circuit at each step of the number, found by arc length. Critical values, where p is an extremum on a curve, are
+ * located to 1e-9 of the range. Circuits that are at no step are not found, nor are their curves. Limits are ignored.
+ * KM_USAGE: the driver can't move or is a ball joint, the part of the mechanism has not one freedom or has redundant
+ * conditions, the path is no number, or the range is invalid; KM_IO, KM_MODEL: the file; KM_MEMORY; KM_CANCELLED. Free
+ * `*out` in any case. O((circuits · steps · length + curve points) · (rank³ + reading the file)). */
+KM_API km_status km_turning_find(const km_mechanism *mechanism, const km_state *state, const km_turning_def *def,
+                                 km_progress progress, void *context, km_turning *out, km_error *error);
+KM_API void km_turning_free(km_turning *turning);
 
 #ifdef __cplusplus
 }

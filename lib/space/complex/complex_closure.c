@@ -1,0 +1,189 @@
+/* Configurations and evaluation of the complex closure system (complex_closure.h). */
+#include "space/complex/complex_closure.h"
+
+#include "space/complex/complex_loops.h"
+
+#include <string.h>
+
+/* Relative difference of the fingerprints of one mode. */
+static const double same_mode_tolerance = 1e-7;
+
+/* ---- Configurations. */
+
+void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_complex *x) {
+  for (int k = 0; k < c->sub->columns; ++k) {
+    int coordinate = c->m->column_coordinate[c->sub->column_start + k];
+    if (km_complex_begins_ball(c, k)) {
+      const km_quaternion *Q = &s->ball[c->m->ball_of[coordinate]];
+      const km_complex numbers[4] = {Q->w, Q->x, Q->y, Q->z};
+      memcpy(&x[c->start_of[k]], numbers, sizeof numbers);
+    } else if (!km_complex_is_ball(c, k)) {
+      x[c->start_of[k]] = s->q[coordinate] / c->m->unit[coordinate];
+    }
+  }
+}
+
+/* Sets the joints that close loops. */
+static void set_closing_joints(const km_complex_closure *c, km_complex *x) {
+  for (int i = 0; i < c->sub->program_count; ++i) {
+    const km_program *program = &c->m->programs[c->sub->program_start + i];
+    for (int j = 0; j < program->loop_count; ++j) {
+      int place = program->loop_start + j, step = c->closing_step[place - c->sub->loop_start];
+      const km_loop *loop = &c->m->loops[c->m->loop_order[place]];
+      if (step >= 0)
+        (program->planar ? km_complex_close_planar : km_complex_close_spatial)(c, program, loop, step, x);
+    }
+  }
+}
+
+void km_complex_to_state(const km_complex_closure *c, km_complex *x, km_state *s) {
+  set_closing_joints(c, x);
+  for (int k = 0; k < c->sub->columns; ++k) {
+    int coordinate = c->m->column_coordinate[c->sub->column_start + k];
+    const km_complex *number = &x[c->start_of[k]];
+    if (s->locked[coordinate])
+      continue;
+    if (km_complex_begins_ball(c, k))
+      km_state_set_ball(c->m, s, c->m->ball_of[coordinate],
+                        (km_quaternion){creal(number[0]), creal(number[1]), creal(number[2]), creal(number[3])});
+    else if (!km_complex_is_ball(c, k))
+      s->q[coordinate] =
+          c->m->unit[coordinate] *
+          (km_coordinate_turns(c->m, coordinate) ? remainder(creal(*number), 2.0 * M_PI) : creal(*number));
+  }
+}
+
+void km_complex_normalise(const km_complex_closure *c, km_complex *x) {
+  for (int k = 0; k < c->sub->columns; ++k)
+    if (km_complex_begins_ball(c, k)) {
+      km_complex *Q = &x[c->start_of[k]];
+      km_complex share = 1.0 / csqrt(Q[0] * Q[0] + Q[1] * Q[1] + Q[2] * Q[2] + Q[3] * Q[3]);
+      for (int i = 0; i < 4; ++i)
+        Q[i] *= share;
+    }
+}
+
+/* Q̇ = ½ ω Q of the ball at a configuration's numbers Q, ω along the parent frame's axes. */
+static void quaternion_rate(const km_complex *Q, const km_complex *w, km_complex *out) {
+  km_complex r[4] = {-w[0] * Q[1] - w[1] * Q[2] - w[2] * Q[3], w[0] * Q[0] + w[1] * Q[3] - w[2] * Q[2],
+                     w[1] * Q[0] + w[2] * Q[1] - w[0] * Q[3], w[2] * Q[0] + w[0] * Q[2] - w[1] * Q[1]};
+  for (int i = 0; i < 4; ++i)
+    out[i] = 0.5 * r[i];
+}
+
+void km_complex_rate(const km_complex_closure *c, const km_complex *x, const km_complex *rates, km_complex *out) {
+  for (int k = 0; k < c->sub->columns; ++k) {
+    km_complex w[3] = {0.0, 0.0, 0.0};
+    int count = km_complex_begins_ball(c, k) ? 3 : 1;
+    for (int i = 0; i < count; ++i)
+      w[i] = c->unknown_of[k + i] >= 0 ? rates[c->unknown_of[k + i]] : 0.0;
+    if (count == 3)
+      quaternion_rate(&x[c->start_of[k]], w, &out[c->start_of[k]]);
+    else if (!km_complex_is_ball(c, k))
+      out[c->start_of[k]] = w[0];
+  }
+}
+
+void km_complex_move(const km_complex_closure *c, const km_complex *step, km_complex *x) {
+  for (int k = 0; k < c->sub->columns; ++k) {
+    km_complex w[3] = {0.0, 0.0, 0.0}, rate[4];
+    int count = km_complex_begins_ball(c, k) ? 3 : 1;
+    for (int i = 0; i < count; ++i)
+      w[i] = c->unknown_of[k + i] >= 0 ? step[c->unknown_of[k + i]] : 0.0;
+    if (count == 3) {
+      quaternion_rate(&x[c->start_of[k]], w, rate);
+      for (int i = 0; i < 4; ++i)
+        x[c->start_of[k] + i] += rate[i];
+    } else if (!km_complex_is_ball(c, k)) {
+      x[c->start_of[k]] += w[0];
+    }
+  }
+  km_complex_normalise(c, x);
+}
+
+void km_complex_randomise(const km_complex_closure *c, const km_complex *centre, double distance, uint64_t *random,
+                          km_complex *x) {
+  memcpy(x, centre, (size_t)c->length * sizeof *x);
+  for (int k = 0; k < c->sub->columns; ++k) {
+    km_complex w[3], rate[4];
+    int count = km_complex_begins_ball(c, k) ? 3 : 1;
+    for (int i = 0; i < count; ++i)
+      w[i] = c->unknown_of[k + i] >= 0 ? distance * km_complex_random(random) : 0.0;
+    if (count == 3) {
+      quaternion_rate(&x[c->start_of[k]], w, rate);
+      for (int i = 0; i < 4; ++i)
+        x[c->start_of[k] + i] += rate[i];
+    } else if (!km_complex_is_ball(c, k)) {
+      x[c->start_of[k]] += w[0];
+    }
+  }
+  km_complex_normalise(c, x);
+}
+
+/* ---- Evaluation. */
+
+/* Coefficients of one program, whose first step is the `step`-th one of all. */
+static km_program_weight weight_of_program(const km_complex_closure *c, int functional, const km_program *program,
+                                           int step) {
+  const km_slot_weight *all = c->weight[functional];
+  return (km_program_weight){all + step, all + c->end_start + 2 * (program->loop_start - c->sub->loop_start)};
+}
+
+void km_complex_evaluate(const km_complex_closure *c, const km_complex *x, km_complex_values *out) {
+  bool has_functional = out->functional >= 0;
+  int rows = 0, columns = 0;
+  for (int k = 0; k < c->sub->columns; ++k)
+    columns += c->unknown_of[k] >= 0;
+  for (int r = 0; r < c->sub->rows; ++r)
+    rows += c->equation_of[r] >= 0;
+  for (int r = 0; out->J && r < rows; ++r)
+    memset(out->J + r * out->stride, 0, (size_t)columns * sizeof *out->J);
+  out->value = 0.0;
+  if (has_functional && out->gradient)
+    memset(out->gradient, 0, (size_t)columns * sizeof *out->gradient);
+  for (int i = 0, step = 0; i < c->sub->program_count; ++i) {
+    const km_program *program = &c->m->programs[c->sub->program_start + i];
+    km_program_weight weight =
+        has_functional ? weight_of_program(c, out->functional, program, step) : (km_program_weight){NULL, NULL};
+    if (program->planar)
+      km_complex_planar(c, program, x, weight, out);
+    else
+      km_complex_spatial(c, program, x, weight, out);
+    step += program->step_count;
+  }
+}
+
+void km_complex_fingerprint(const km_complex_closure *c, const km_complex *x, km_complex *y) {
+  for (int k = 0; k < KM_FINGERPRINT; ++k) {
+    km_complex_values values = {.functional = k};
+    km_complex_evaluate(c, x, &values);
+    y[k] = values.value;
+  }
+}
+
+km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x) {
+  km_complex_extent extent = {0.0, 0.0};
+  for (int i = 0, step = 0; i < c->sub->program_count; ++i) {
+    const km_program *program = &c->m->programs[c->sub->program_start + i];
+    (program->planar ? km_complex_planar_extent
+                     : km_complex_spatial_extent)(c, program, x, weight_of_program(c, 0, program, step), &extent);
+    step += program->step_count;
+  }
+  return extent;
+}
+
+km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x) {
+  km_complex_values values = {.functional = KM_TRACE};
+  km_complex_evaluate(c, x, &values);
+  return values.value;
+}
+
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other) {
+  km_complex y[2][KM_FINGERPRINT];
+  km_complex_fingerprint(c, x, y[0]);
+  km_complex_fingerprint(c, other, y[1]);
+  for (int k = 0; k < KM_FINGERPRINT; ++k)
+    if (!(cabs(y[0][k] - y[1][k]) <= same_mode_tolerance * (1.0 + cabs(y[0][k]))))
+      return false;
+  return true;
+}

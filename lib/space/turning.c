@@ -1,0 +1,407 @@
+/* Dead points of a driver over one number of the design (docs/theory.md 4.20; D. H. Myszka, A. P. Murray, C. W. Wampler
+ * 2012).
+ *
+ *   e(q, p) = 0,  A(q, p) z = 0            curve of dead points; A: J without the driver's column
+ *   dp/ds = 0                              critical value: circuits join, part, appear or vanish, or dead points meet
+ *   between critical values                the number of dead points and the driver's swing keep their kind
+ *
+ * Starts: at each step of p the circuit of each assembly mode is followed by arc length. Roots of the driver's rate are
+ * dead points; from a minimum of its magnitude Newton's method leads to dead points at another p. A mode is carried
+ * from step to step by minimum-norm closing with all coordinates free. */
+#include "base/arguments.h"
+#include "continuation/arc_motion.h"
+#include "kinematics/loop_closing.h"
+#include "kmech/continuation.h"
+#include "space/singularity_curves.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_STARTS = 256, MOST_SECANTS = 40 };
+static const double far_slide = 100.0;        /* displacement of a slide at infinity, sizes of the part */
+static const double longest_circuit = 2000.0; /* arc length in one sense */
+static const double most_correction = 0.3;    /* |D δ| of one step of the number: radians, sizes */
+static const double shortest_step = 1e-4;     /* shortest step of the number, a part of the range */
+static const double dead_rate = 1e-12;        /* rate of the driver at a dead point, per arc length */
+static const double same_number = 1e-9;       /* distance of equal critical values, a part of the range */
+
+/* Motion of the driver on one circuit. */
+typedef struct driver_swing {
+  double low, high; /* radians or the model's length */
+  bool turns;
+} driver_swing;
+
+typedef struct turning_search {
+  km_driver_surface f;
+  km_design_number number;
+  const km_turning_def *def;
+  km_arena arena;
+  km_singularity_curves *curves;
+  double *starts; /* [MOST_STARTS × saved_size] dead points of the present circuit, and configurations near others */
+  int start_count;
+  double *rates;                   /* [coordinate] */
+  double *place, *before, *sample; /* [saved_size] */
+} turning_search;
+
+const char *km_turning_kind_name(km_turning_kind kind) {
+  static const char *const names[] = {"none", "crossing", "isolated", "cusp"};
+  return kind >= KM_TURNING_NONE && kind <= KM_TURNING_CUSP ? names[kind] : "";
+}
+
+/* ---- The circuit at one value of the number. */
+
+/* Moves to the dead point between the present configuration, where the driver's rate is `after`, and the one `length`
+ * before it, by regula falsi with halved ends on the arc length. */
+static bool move_to_dead_point(turning_search *g, km_arc_motion *motion, double length, double before, double after) {
+  double low = -length, high = 0.0, a = before, b = after;
+  for (int i = 0; i < MOST_SECANTS; ++i) {
+    double middle = (low * b - high * a) / (b - a);
+    if (!km_arc_motion_sample(motion, middle, g->rates))
+      return false;
+    double now = g->rates[g->def->driver];
+    if (fabs(now) <= dead_rate || high - low <= KM_SHORTEST_ARC)
+      return true;
+    km_arc_motion_restore(motion);
+    if ((now < 0.0) == (a < 0.0)) {
+      low = middle;
+      a = now;
+      b *= 0.5;
+    } else {
+      high = middle;
+      b = now;
+      a *= 0.5;
+    }
+  }
+  return km_arc_motion_sample(motion, 0.5 * (low + high), g->rates);
+}
+
+static void note_start(turning_search *g, const double *saved) {
+  if (g->start_count < MOST_STARTS)
+    memcpy(g->starts + (size_t)g->start_count++ * g->f.saved_size, saved, g->f.saved_size * sizeof *saved);
+}
+
+/* Notes the dead point of the last step. */
+static void note_dead_point(turning_search *g, km_arc_motion *motion, double length, double before, double after,
+                            driver_swing *swing) {
+  if (move_to_dead_point(g, motion, length, before, after)) {
+    double q = g->f.s->q[g->def->driver];
+    km_driver_surface_save(&g->f, g->sample);
+    note_start(g, g->sample);
+    swing->low = fmin(swing->low, q);
+    swing->high = fmax(swing->high, q);
+  }
+  km_arc_motion_restore(motion);
+}
+
+/* True if a slide of the part is so far that the motion goes to infinity. */
+static bool is_far(const turning_search *g) {
+  const km_substructure *sub = km_driver_surface_part(&g->f);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = g->f.m->column_coordinate[sub->column_start + k];
+    if (km_model_coordinate_is_length(g->f.m->model, c) && fabs(g->f.s->q[c]) > far_slide * sub->size)
+      return true;
+  }
+  return false;
+}
+
+/* Follows a motion until it closes or ends. *is_closed: it closed. */
+static void follow_motion(turning_search *g, km_arc_motion *motion, driver_swing *swing, bool *is_closed) {
+  int d = g->def->driver;
+  double start = g->f.s->q[d], last = km_arc_motion_length(motion);
+  km_arc_motion_tangent(motion, g->rates);
+  double before = g->rates[d], earlier = before;
+  for (bool is_moving = true; is_moving && !*is_closed;) {
+    km_driver_surface_save(&g->f, g->sample);
+    is_moving = !km_arc_motion_advance(motion, km_longest_arc_step) && !is_far(g) &&
+                km_arc_motion_length(motion) < longest_circuit;
+    km_arc_motion_tangent(motion, g->rates);
+    double now = km_arc_motion_length(motion), after = g->rates[d];
+    if (before * after < 0.0)
+      note_dead_point(g, motion, now - last, before, after, swing);
+    else if (fabs(before) < fabs(after) && fabs(before) <= fabs(earlier) && before * earlier > 0.0)
+      note_start(g, g->sample);
+    *is_closed = km_arc_motion_closed(motion);
+    earlier = before;
+    before = after;
+    last = now;
+  }
+  double end = g->f.s->q[d];
+  if (is_far(g) || !*is_closed) {
+    swing->low = fmin(swing->low, end);
+    swing->high = fmax(swing->high, end);
+  }
+  swing->turns = *is_closed && km_coordinate_turns(g->f.m, d) && fabs(end - start) > M_PI;
+}
+
+/* Follows the circuit of the state; g->starts are then those on it. The state returns. */
+static km_status follow_circuit(turning_search *g, driver_swing *swing, km_error *error) {
+  bool is_closed = false;
+  km_status status = KM_OK;
+  *swing = (driver_swing){.low = HUGE_VAL, .high = -HUGE_VAL};
+  g->start_count = 0;
+  km_driver_surface_save(&g->f, g->place);
+  for (double sense = 1.0; !status && !is_closed && sense >= -1.0; sense -= 2.0) {
+    km_arc_motion *motion = NULL;
+    km_driver_surface_restore(&g->f, g->place);
+    km_state_invalidate_pivots(g->f.s, g->f.substructure);
+    status = km_arc_motion_create(g->f.m, g->f.s, -1, sense, true, &motion, error);
+    if (!status)
+      follow_motion(g, motion, swing, &is_closed);
+    km_arc_motion_free(motion);
+  }
+  km_driver_surface_restore(&g->f, g->place);
+  return status == KM_NO_RESULT ? KM_OK : status;
+}
+
+/* ---- The number. */
+
+/* Carries the closed configuration to another value of the number. False where it is lost; the state is then at the
+ * last value. */
+static bool walk(turning_search *g, double value) {
+  double width = g->def->to - g->def->from, step = value - g->number.value;
+  while (g->number.value != value) {
+    km_closure closure;
+    double left = value - g->number.value;
+    step = fabs(step) < fabs(left) ? step : left;
+    km_driver_surface_save(&g->f, g->before);
+    bool is_ok = km_design_number_set(&g->number, step == left ? value : g->number.value + step);
+    km_state_invalidate_pivots(g->f.s, g->f.substructure);
+    is_ok = is_ok && km_loops_close(g->f.m, g->f.s, g->f.substructure, KM_NO_DRIVER, &closure) == KM_CLOSED &&
+            closure.correction <= most_correction;
+    if (is_ok) {
+      step *= 2.0;
+      continue;
+    }
+    km_driver_surface_restore(&g->f, g->before);
+    step *= 0.5;
+    if (fabs(step) < shortest_step * width)
+      return false;
+  }
+  return true;
+}
+
+/* Adds the curves at the state's circuit. The state returns. */
+static km_status add_curves(turning_search *g, km_error *error) {
+  driver_swing swing;
+  km_status status = follow_circuit(g, &swing, error);
+  for (int i = 0; !status && i < g->start_count; ++i)
+    if (!km_singularity_curves_add(g->curves, g->starts + (size_t)i * g->f.saved_size, 0.0))
+      status = km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
+  km_driver_surface_restore(&g->f, g->place);
+  return status;
+}
+
+/* Adds the curves that meet the circuit of one mode at the steps of the number. start: its saved configuration. */
+static km_status search_from(turning_search *g, const double *start, km_progress progress, void *context,
+                             km_error *error) {
+  int steps = g->def->steps > 0 ? g->def->steps : KM_DEFAULT_TURNING_STEPS;
+  km_status status = KM_OK;
+  double own = start[g->f.saved_size - 1];
+  for (int sense = 1; !status && sense >= -1; sense -= 2) {
+    bool is_there = true;
+    km_driver_surface_restore(&g->f, start);
+    for (int k = 0; !status && is_there && k <= steps; ++k) {
+      int at = sense > 0 ? k : steps - k;
+      double value = at == steps ? g->def->to : g->def->from + (g->def->to - g->def->from) * at / steps;
+      if ((value - own) * sense < 0.0)
+        continue;
+      is_there = walk(g, value);
+      if (is_there)
+        status = add_curves(g, error);
+      if (!status && progress && !progress(context, (double)k / steps))
+        status = km_fail(error, KM_CANCELLED, "stopped while dead points were followed");
+    }
+  }
+  return status;
+}
+
+/* ---- Critical values and what holds between them. */
+
+static int by_number(const void *a, const void *b) {
+  double x = ((const km_turning_point *)a)->number, y = ((const km_turning_point *)b)->number;
+  return (x > y) - (x < y);
+}
+
+static bool copy_points(turning_search *g, km_turning *out) {
+  const km_turning_point *points = km_singularity_curves_critical(g->curves, &out->point_count);
+  out->points = KM_NEW(km_turning_point, (size_t)out->point_count + 1);
+  out->intervals = KM_NEW(km_turning_interval, (size_t)out->point_count + 1);
+  if (!out->points || !out->intervals)
+    return false;
+  if (out->point_count > 0)
+    memcpy(out->points, points, (size_t)out->point_count * sizeof *points);
+  qsort(out->points, (size_t)out->point_count, sizeof *out->points, by_number);
+  double from = g->def->from, least = same_number * (g->def->to - g->def->from);
+  for (int i = 0; i <= out->point_count; ++i) {
+    double to = i < out->point_count ? out->points[i].number : g->def->to;
+    if (to - from <= least)
+      continue;
+    out->intervals[out->interval_count++] = (km_turning_interval){.from = from, .to = to};
+    from = to;
+  }
+  return true;
+}
+
+/* Number of points of the curves with this number. */
+static int count_dead_points(const km_table *curves, double number) {
+  int count = 0;
+  for (size_t i = 1; i < km_table_rows(curves); ++i) {
+    const double *a = km_table_row(curves, i - 1), *b = km_table_row(curves, i);
+    count += a[0] == b[0] && (a[1] < number) != (b[1] < number);
+  }
+  return count;
+}
+
+/* Examines the model's circuit in the middle of an interval. */
+static km_status examine(turning_search *g, km_turning_interval *at, km_error *error) {
+  driver_swing swing;
+  double unit = g->f.m->factor[g->def->driver];
+  at->low = at->high = nan("");
+  at->is_assembled = walk(g, 0.5 * (at->from + at->to));
+  km_driver_surface_save(&g->f, g->place);
+  at->is_defined = at->is_assembled || km_design_number_set(&g->number, 0.5 * (at->from + at->to));
+  km_driver_surface_restore(&g->f, g->place);
+  km_status status = at->is_assembled ? follow_circuit(g, &swing, error) : KM_OK;
+  if (!status && at->is_assembled) {
+    at->turns = swing.turns;
+    at->low = swing.low / unit;
+    at->high = swing.high / unit;
+  }
+  return status;
+}
+
+/* Examines all intervals, outwards from the model's own number. */
+static km_status examine_intervals(turning_search *g, const double *start, km_turning *out, km_error *error) {
+  km_status status = KM_OK;
+  double own = start[g->f.saved_size - 1];
+  for (int sense = 1; !status && sense >= -1; sense -= 2) {
+    km_driver_surface_restore(&g->f, start);
+    for (int k = 0; !status && k < out->interval_count; ++k) {
+      km_turning_interval *at = &out->intervals[sense > 0 ? k : out->interval_count - 1 - k];
+      if ((0.5 * (at->from + at->to) - own) * sense < 0.0)
+        continue;
+      at->dead_points = count_dead_points(out->curves, 0.5 * (at->from + at->to));
+      status = examine(g, at, error);
+    }
+  }
+  return status;
+}
+
+/* ---- Preparation. */
+
+static bool add_columns(const km_mechanism *m, km_table *table) {
+  static const char *const first[] = {"curve", "number", "critical"};
+  km_text name = {0};
+  bool is_ok = table != NULL;
+  for (int i = 0; is_ok && i < 3; ++i)
+    is_ok = km_table_add_column(table, first[i], "") >= 0;
+  for (int c = 0; is_ok && c < m->coordinate_count; ++c) {
+    name.size = 0;
+    km_text_format(&name, "q.%s", m->model->coordinates[c].label);
+    is_ok = !name.failed && km_table_add_column(table, name.data, km_model_coordinate_unit(m->model, c)) >= 0;
+  }
+  km_text_free(&name);
+  return is_ok;
+}
+
+static km_status check_definition(const km_mechanism *m, const km_turning_def *def, km_error *error) {
+  km_status status = km_check_given(def && def->file && def->path, "definition, file or number of the design", error);
+  if (!status)
+    status = km_check_index(def->driver, m->coordinate_count, "coordinate", error);
+  if (!status && !(isfinite(def->from) && isfinite(def->to) && def->from < def->to && def->steps >= 0 &&
+                   def->steps <= KM_MAX_TURNING_STEPS))
+    status = km_fail(error, KM_USAGE,
+                     "%s from %g to %g in %d steps; expected a range from low to high, and at most %d "
+                     "steps",
+                     def->path, def->from, def->to, def->steps, KM_MAX_TURNING_STEPS);
+  return status;
+}
+
+static km_status prepare(turning_search *g, const km_mechanism *m, const km_state *s, km_turning *out,
+                         km_error *error) {
+  const km_turning_def *def = g->def;
+  km_driver_surface *f = &g->f;
+  *f = (km_driver_surface){.m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number};
+  km_status status = km_driver_surface_create(f, &def->driver, &g->arena, error);
+  if (!status)
+    status = km_design_number_open(m, s, f->substructure, def->file, def->path, &g->number, error);
+  if (status)
+    return status;
+  f->m = g->number.m;
+  f->s = g->number.s;
+  out->curves = km_table_create();
+  g->starts = KM_ARENA_NEW(&g->arena, double, MOST_STARTS * f->saved_size);
+  g->rates = KM_ARENA_NEW(&g->arena, double, (size_t)m->coordinate_count);
+  g->place = KM_ARENA_NEW(&g->arena, double, f->saved_size);
+  g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
+  g->sample = KM_ARENA_NEW(&g->arena, double, f->saved_size);
+  if (!g->arena.failed && add_columns(m, out->curves))
+    g->curves = km_singularity_curves_create(f, out->curves);
+  return g->curves ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
+}
+
+/* The modes with the driver locked; the state's own alone where they can't be listed. */
+static km_status find_modes(const km_mechanism *m, const km_state *s, const km_turning_def *def, km_progress progress,
+                            void *context, km_all_modes *modes, km_error *error) {
+  const km_all_modes_def all = {.locked = &def->driver, .locked_count = 1, .seed = def->seed};
+  km_status status = km_all_modes_find(m, s, &all, progress, context, modes, error);
+  return status == KM_USAGE ? KM_OK : status;
+}
+
+static km_status search(turning_search *g, const km_all_modes *modes, km_progress progress, void *context,
+                        km_turning *out, km_error *error) {
+  const km_mechanism *m = g->f.m;
+  double *start = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
+  double *own = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
+  km_status status = start && own ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
+  if (status)
+    return status;
+  km_driver_surface_save(&g->f, own);
+  status = search_from(g, own, progress, context, error);
+  for (int i = 1; !status && i < modes->count; ++i) {
+    km_driver_surface_restore(&g->f, own);
+    status = km_state_set_coordinates(m, g->f.s, modes->coordinates + (size_t)i * (size_t)m->coordinate_count, error);
+    km_driver_surface_save(&g->f, start);
+    if (!status)
+      status = search_from(g, start, progress, context, error);
+  }
+  out->curve_count = km_singularity_curves_count(g->curves);
+  out->modes = modes->count > 0 ? modes->count : 1;
+  out->is_complete = modes->is_complete;
+  if (!status && !copy_points(g, out))
+    status = km_fail(error, KM_MEMORY, "out of memory for the critical values");
+  return status ? status : examine_intervals(g, own, out, error);
+}
+
+km_status km_turning_find(const km_mechanism *m, const km_state *s, const km_turning_def *def, km_progress progress,
+                          void *context, km_turning *out, km_error *error) {
+  if (!out)
+    return km_check_given(false, "place for the result", error);
+  *out = (km_turning){0};
+  km_status status = km_check_state(m, s, error);
+  if (!status)
+    status = check_definition(m, def, error);
+  if (status)
+    return status;
+  turning_search g = {.def = def};
+  km_all_modes modes = {0};
+  status = prepare(&g, m, s, out, error);
+  if (!status)
+    status = find_modes(m, s, def, progress, context, &modes, error);
+  if (!status)
+    status = search(&g, &modes, progress, context, out, error);
+  km_all_modes_free(&modes);
+  km_singularity_curves_free(g.curves);
+  km_design_number_close(&g.number);
+  km_arena_free(&g.arena);
+  return status;
+}
+
+void km_turning_free(km_turning *turning) {
+  if (!turning)
+    return;
+  km_table_free(turning->curves);
+  km_free(turning->points);
+  km_free(turning->intervals);
+  *turning = (km_turning){0};
+}

@@ -1,0 +1,184 @@
+/* Turning: four-bars and slider-cranks against the conditions of F. Grashof (1883) and of the offset slider-crank. */
+#include "support/support.h"
+
+#include "base/random.h"
+#include "kmech/space.h"
+#include "model/model.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+enum { TRIALS = 7 };
+
+/* A model in a file, as the search reads it again. */
+typedef struct written_model {
+  char file[64];
+  fixture f;
+} written_model;
+
+static written_model write_model(const km_text *text) {
+  written_model w = {.file = "turning-XXXXXX", .f = fixture_read(text->data)};
+  int descriptor = mkstemp(w.file);
+  assert_true(descriptor >= 0);
+  FILE *stream = fdopen(descriptor, "w");
+  assert_non_null(stream);
+  assert_int_equal(fwrite(text->data, 1, text->size, stream), text->size);
+  assert_int_equal(fclose(stream), 0);
+  return w;
+}
+
+static void close_model(written_model *w) {
+  fixture_close(&w->f);
+  remove(w->file);
+}
+
+/* A four-bar of crank, coupler, rocker and ground, with the crank at an angle and the joint C above the diagonal. */
+static written_model four_bar(const double length[4], double angle) {
+  double B[2] = {length[0] * cos(angle), length[0] * sin(angle)}, ground = length[3];
+  double x = ground - B[0], y = -B[1], d = hypot(x, y);
+  double along = (length[1] * length[1] - length[2] * length[2] + d * d) / (2.0 * d);
+  double across = sqrt(length[1] * length[1] - along * along);
+  double C[2] = {B[0] + (along * x - across * y) / d, B[1] + (along * y + across * x) / d};
+  double coupler = atan2(C[1] - B[1], C[0] - B[0]), rocker = atan2(C[1], C[0] - ground);
+  km_text text = {0};
+  assert_true(isfinite(across));
+  km_text_format(
+      &text,
+      "{\"assemblies\": [{\"name\": \"a\", \"bodies\": ["
+      "{\"name\": \"crank\", \"frames\": [{\"name\": \"end\", \"T\": [%.17g, 0, 0]}]},"
+      "{\"name\": \"coupler\", \"frames\": [{\"name\": \"end\", \"T\": [%.17g, 0, 0]}]},"
+      "{\"name\": \"rocker\", \"frames\": [{\"name\": \"end\", \"T\": [%.17g, 0, 0]}]}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"origin\"], [\"crank\", \"origin\"]], "
+      "\"initial_displacement\": %.17g},"
+      "{\"name\": \"B\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"crank\", \"end\"], [\"coupler\", \"origin\"]], "
+      "\"initial_displacement\": %.17g},"
+      "{\"name\": \"C\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"coupler\", \"end\"], [\"rocker\", \"end\"]], "
+      "\"initial_displacement\": %.17g},"
+      "{\"name\": \"D\", \"type\": \"Rz\", \"body_frame_pairs\": [[\"fixed\", \"pin\"], [\"rocker\", \"origin\"]], "
+      "\"initial_displacement\": %.17g}]}],"
+      "\"fixed\": {\"frames\": [{\"name\": \"pin\", \"T\": [%.17g, 0, 0]}]}}",
+      length[0], length[1], length[2], angle, coupler - angle, rocker - coupler, rocker, ground);
+  written_model w = write_model(&text);
+  km_text_free(&text);
+  return w;
+}
+
+static km_turning turning_of(const written_model *w, const char *path, double from, double to) {
+  km_turning_def def = {.file = w->file, .path = path, .from = from, .to = to, .seed = 1};
+  km_turning turning;
+  km_error error = {0};
+  if (km_turning_find(w->f.mechanism, w->f.state, &def, NULL, NULL, &turning, &error))
+    fail_msg("%s", error.text);
+  return turning;
+}
+
+/* The crank goes round if the shortest and the longest link are together shorter than the others, and the shortest is
+ * the crank or the ground. */
+static bool crank_turns(const double length[4]) {
+  int shortest = 0, longest = 0;
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    shortest = length[k] < length[shortest] ? k : shortest;
+    longest = length[k] > length[longest] ? k : longest;
+    sum += length[k];
+  }
+  return 2.0 * (length[shortest] + length[longest]) < sum && (shortest == 0 || shortest == 3);
+}
+
+static int compare(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Crank lengths at which all links are in line and dead points begin or end: a = |±b ± c ± d| within the range. */
+static int change_points(const double length[4], double from, double to, double *out) {
+  int count = 0;
+  for (int signs = 0; signs < 4; ++signs) {
+    double a = fabs(length[1] + (signs & 1 ? -1.0 : 1.0) * length[2] + (signs & 2 ? -1.0 : 1.0) * length[3]);
+    if (a > from && a < to)
+      out[count++] = a;
+  }
+  qsort(out, (size_t)count, sizeof *out, compare);
+  return count;
+}
+
+static void four_bars_turn_as_grashof_says(void **state) {
+  (void)state;
+  uint64_t random = 3;
+  int values = 0;
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    double length[4], expected[4], from = 0.1, to = 2.5;
+    for (int k = 0; k < 4; ++k)
+      length[k] = 0.8 + 0.35 * km_uniform(&random);
+    length[0] = 0.45;
+    written_model w = four_bar(length, 1.2);
+    km_turning t = turning_of(&w, "crank.end.x", from, to);
+    double links = length[1] + length[2] + length[3];
+    int count = change_points(length, from, to, expected);
+    assert_int_equal(t.point_count, count);
+    for (int i = 0; i < count; ++i) {
+      assert_near(t.points[i].number, expected[i], 1e-9 * (to - from));
+      assert_near(sin(t.points[i].driver), 0.0, 1e-6);
+      bool is_stretched = fabs(expected[i] - links) < 1e-12; /* the other links can just reach round the crank */
+      assert_int_equal(t.points[i].kind, is_stretched ? KM_TURNING_ISOLATED : KM_TURNING_CROSSING);
+      ++values;
+    }
+    for (int i = 0; i < t.interval_count; ++i) {
+      double at[4] = {0.5 * (t.intervals[i].from + t.intervals[i].to), length[1], length[2], length[3]};
+      if (!t.intervals[i].is_assembled)
+        continue;
+      assert_true(t.intervals[i].turns == crank_turns(at));
+      assert_int_equal(t.intervals[i].dead_points > 0, !crank_turns(at));
+    }
+    for (size_t k = 0; k < km_table_rows(t.curves); ++k) { /* coupler and rocker are in line */
+      const double *row = km_table_row(t.curves, k);
+      double a = row[1], angle = row[3];
+      double diagonal = sqrt(a * a + length[3] * length[3] - 2.0 * a * length[3] * cos(angle));
+      assert_at_most(fmin(fabs(diagonal - length[1] - length[2]), fabs(diagonal - fabs(length[1] - length[2]))), 1e-9);
+    }
+    km_turning_free(&t);
+    close_model(&w);
+  }
+  assert_true(values >= TRIALS);
+}
+
+static bool stop_at_once(void *context, double done) {
+  (void)context;
+  (void)done;
+  return false;
+}
+
+static void refusals(void **state) {
+  (void)state;
+  const double length[4] = {0.45, 1.0, 0.9, 0.8};
+  written_model w = four_bar(length, 1.2);
+  const km_turning_def good = {.file = w.file, .path = "crank.end.x", .from = 0.1, .to = 1.0};
+  km_turning_def bad[] = {good, good, good, good, good, good};
+  km_turning t;
+  km_error error;
+  bad[0].driver = 99;
+  bad[1].path = "crank.end.r";
+  bad[2].from = 1.0;
+  bad[3].steps = -1;
+  bad[4].to = HUGE_VAL;
+  bad[5].file = NULL;
+  for (int k = 0; k < 6; ++k) {
+    assert_int_equal(km_turning_find(w.f.mechanism, w.f.state, &bad[k], NULL, NULL, &t, &error), KM_USAGE);
+    km_turning_free(&t);
+  }
+  km_turning_def missing = good;
+  missing.file = "there-is-no-such-file.json";
+  assert_int_equal(km_turning_find(w.f.mechanism, w.f.state, &missing, NULL, NULL, &t, &error), KM_IO);
+  km_turning_free(&t);
+  assert_int_equal(km_turning_find(w.f.mechanism, w.f.state, &good, stop_at_once, NULL, &t, &error), KM_CANCELLED);
+  km_turning_free(&t);
+  assert_string_equal(km_turning_kind_name(KM_TURNING_CUSP), "cusp");
+  assert_string_equal(km_turning_kind_name((km_turning_kind)9), "");
+  close_model(&w);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(four_bars_turn_as_grashof_says), cmocka_unit_test(refusals)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
