@@ -5,6 +5,7 @@
 #include "diagnosis/finding_texts.h"
 #include "kinematics/body_poses.h"
 #include "kmech/inspect.h"
+#include "mobility/geometry_notes.h"
 #include "mobility/massless_motions.h"
 #include "mobility/mobility_numbers.h"
 
@@ -43,21 +44,30 @@ static void add_finding(km_findings *f, km_finding_severity severity, const char
   f->items[f->count++] = (km_finding){severity, kind, statement ? statement : "", stored_advice ? stored_advice : ""};
 }
 
-static void check_reader(const km_messages *messages, km_findings *f) {
-  for (size_t i = 0; i < km_messages_count(messages); ++i)
+static void check_reader(const km_model *model, const km_messages *messages, km_findings *f) {
+  for (size_t i = 0; i < km_messages_count(messages); ++i) {
+    const char *text = km_messages_text(messages, i);
+    const bool is_rounding = strstr(text, "--idealise") != NULL && model->digits && model->digits[0];
     add_finding(f, km_messages_severity(messages, i) == KM_NOTE ? KM_FINDING_HINT : KM_FINDING_WARNING, "reader",
-                "correct the file, or remove what it doesn't need", "%s", km_messages_text(messages, i));
+                is_rounding ? "write the numbers that are used into a file: kmob convert MODEL --idealise -o FILE"
+                            : "correct the file, or remove what it doesn't need",
+                "%s", text);
+  }
+}
+
+static void add_notes(km_messages *notes, const char *advice, km_findings *f) {
+  for (size_t i = 0; i < km_messages_count(notes); ++i)
+    add_finding(f, KM_FINDING_HINT, "geometry", advice, "%s", km_messages_text(notes, i));
+  f->store->failed = f->store->failed || !notes;
+  km_messages_free(notes);
 }
 
 static void check_geometry(const km_mechanism *m, km_state *s, km_findings *f) {
-  km_messages *notes = km_messages_create();
-  f->store->failed = f->store->failed || !notes;
-  km_geometry_notes(m, s, notes);
-  for (size_t i = 0; i < km_messages_count(notes); ++i)
-    add_finding(f, KM_FINDING_HINT, "geometry",
-                "harmless for the motion; move a frame along its axis to state one point", "%s",
-                km_messages_text(notes, i));
-  km_messages_free(notes);
+  km_messages *offsets = km_messages_create(), *rigid = km_messages_create();
+  km_pin_offset_notes(m, offsets);
+  km_nearly_movable_notes(m, s, rigid);
+  add_notes(offsets, "harmless for the motion; move a frame along its axis to state one point", f);
+  add_notes(rigid, "compare its numbers with the drawing; kmob info MODEL --closure-tolerance X shows how it moves", f);
 }
 
 /* Moves a text into the findings' arena; "" without memory. */
@@ -116,7 +126,7 @@ static void check_finite(const km_mobility *mobility, const km_finite_mobility *
   else if (finite->undecided)
     add_finding(
         f, KM_FINDING_WARNING, "undecided",
-        "try a pose nearby (kmob at --set), or state a closure_tolerance for rounded data",
+        "try a pose nearby (kmob at --set); for rounded data kmob convert --idealise, or a closure_tolerance",
         "the finite mobility is undecided: first order allows %d, and of some directions only a short way is confirmed",
         mobility->mobility);
   branches = branches ? km_finite_mobility_branches(finite) : 0;
@@ -144,8 +154,9 @@ static km_status check_ranks(const km_mechanism *m, km_state *s, km_findings *f,
   f->store->failed = f->store->failed || !doubts;
   for (size_t i = 0; i < km_messages_count(doubts); ++i)
     add_finding(f, KM_FINDING_WARNING, "doubtful-rank",
-                "compare with a pose nearby (kmob at --set); for rounded data state a closure_tolerance", "%s",
-                km_messages_text(doubts, i));
+                "compare with a pose nearby (kmob at --set); for rounded data try kmob convert --idealise, or state a "
+                "closure_tolerance",
+                "%s", km_messages_text(doubts, i));
   km_messages_free(doubts);
   return status;
 }
@@ -387,7 +398,7 @@ static km_status run_checks(const km_mechanism *m, km_state *s, const km_message
                             const km_diagnosis *diagnosis, km_findings *out, km_error *error) {
   km_mobility mobility;
   km_ranks_update(m, s, &mobility);
-  check_reader(messages, out);
+  check_reader(m->model, messages, out);
   check_start(m, s, out);
   check_geometry(m, s, out);
   check_finite(&mobility, &diagnosis->finite, out);

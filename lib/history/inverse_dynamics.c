@@ -4,6 +4,7 @@
 
 #include "base/arguments.h"
 #include "history/inverse_peaks.h"
+#include "history/motion_cycle.h"
 #include "kmech/inspect.h"
 
 #include <math.h>
@@ -18,11 +19,15 @@ km_inverse_def km_inverse_default(const km_mechanism *m, const km_constant_rate 
   km_inverse_def def = {.rates = rates, .rate_count = rate_count, .steps = DEFAULT_STEPS};
   if (!m)
     return def;
-  bool rated = rates && rate_count > 0;
+  const bool rated = rates && rate_count > 0 && rate_count <= m->coordinate_count;
+  bool over_joint;
+  const double period = km_longest_period(m->model, rates, rated ? rate_count : 0, &over_joint);
   if (!rated)
     km_model_simulated(m->model, &def.until, NULL);
   else if (km_coordinate_turns(m, rates[0].coordinate))
     def.until = 2.0 * M_PI / km_model_coordinate_factor(m->model, rates[0].coordinate) / fabs(rates[0].rate);
+  if (rated || !(def.until > 0.0))
+    def.until = fmax(def.until, period);
   return def;
 }
 

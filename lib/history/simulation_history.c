@@ -1,6 +1,7 @@
 /* Table of a simulation: start, rows at equal intervals, crossings, changed initial rates. */
 #include "base/arguments.h"
 #include "history/history_table.h"
+#include "history/motion_cycle.h"
 #include "kmech/inspect.h"
 #include "kmech/sweep.h"
 
@@ -28,12 +29,19 @@ bool km_model_integrator(const km_model *model, km_integrator *out) {
   return false;
 }
 
-km_history_def km_history_default(const km_model *model) {
+/* One period of the loads over a coordinate that starts with a rate, else at least 10 s and one period of all. */
+static double default_end(const km_model *model, const km_constant_rate *rates, int rate_count) {
+  bool over_joint;
+  const double period = km_longest_period(model, rates, rate_count, &over_joint);
+  return over_joint ? period : fmax(period, default_span / model->units.time->si);
+}
+
+km_history_def km_history_default_at(const km_model *model, const km_constant_rate *rates, int rate_count) {
   km_history_def def = {.simulation = km_simulation_default()};
   if (!model)
     return def;
   const km_simulation_settings *settings = &model->simulation;
-  def.until = settings->span > 0.0 ? settings->span : default_span / model->units.time->si;
+  def.until = settings->span > 0.0 ? settings->span : default_end(model, rates, rate_count);
   def.every = settings->step > 0.0 ? settings->step : def.until / KM_HISTORY_ROWS;
   km_model_integrator(model, &def.simulation.integrator);
   if (settings->relative > 0.0)
@@ -41,6 +49,10 @@ km_history_def km_history_default(const km_model *model) {
   if (settings->absolute > 0.0)
     def.simulation.absolute = settings->absolute;
   return def;
+}
+
+km_history_def km_history_default(const km_model *model) {
+  return km_history_default_at(model, NULL, 0);
 }
 
 /* Checks times and frames of a simulation. */

@@ -1,5 +1,5 @@
 /* Notes about geometry: offsets along hinge axes, substructures that are rigid by rounding, doubtful ranks. */
-#include "kmech/mobility.h"
+#include "mobility/geometry_notes.h"
 
 #include "kinematics/assembly.h"
 #include "kinematics/body_poses.h"
@@ -72,19 +72,27 @@ static void note_rigid_by_rounding(const km_mechanism *m, km_state *s, int index
     return;
   km_messages_add(messages, KM_NOTE,
                   "substructure %d (joint %.80s and others) is rigid as written, but within %.1g of its size of one of "
-                  "mobility %d; if its numbers are rounded, state \"closure_tolerance\": %g or give "
-                  "--closure-tolerance %g",
+                  "mobility %d: look for a wrong digit; if its numbers are rounded, state \"closure_tolerance\": %g or "
+                  "give --closure-tolerance %g",
                   index + 1, m->model->joints[m->topology.joint[m->topology.joint_start[index]]].label, pivot,
                   suggestion.mobility, suggestion.tolerance, suggestion.tolerance);
+}
+
+void km_pin_offset_notes(const km_mechanism *m, km_messages *messages) {
+  for (int l = 0; l < m->topology.loop_count; ++l)
+    note_pin_offset(m, l, messages);
+}
+
+void km_nearly_movable_notes(const km_mechanism *m, km_state *s, km_messages *messages) {
+  for (int i = 0; i < m->topology.substructure_count; ++i)
+    note_rigid_by_rounding(m, s, i, messages);
 }
 
 void km_geometry_notes(const km_mechanism *m, km_state *s, km_messages *messages) {
   if (!km_state_belongs_to(m, s) || !messages)
     return;
-  for (int l = 0; l < m->topology.loop_count; ++l)
-    note_pin_offset(m, l, messages);
-  for (int i = 0; i < m->topology.substructure_count; ++i)
-    note_rigid_by_rounding(m, s, i, messages);
+  km_pin_offset_notes(m, messages);
+  km_nearly_movable_notes(m, s, messages);
 }
 
 km_status km_rank_doubts(const km_mechanism *m, km_state *s, km_messages *messages, km_error *error) {

@@ -288,7 +288,8 @@ struct km_model {
   bool length_shared;           /* true: shared with models that are compared */
   double closure_tolerance;
   bool closure_tolerance_given, closure_tolerance_inferred; /* inferred by a reader from the digits of the file */
-  double rotation_misfit;                                   /* largest entry of RᵀR − I over the stated frames */
+  const char *digits;     /* verdict of km_model_idealise in words; NULL: not examined */
+  double rotation_misfit; /* largest entry of RᵀR − I over the stated frames */
   km_model_assembly *assemblies;
   km_model_body *bodies;
   km_model_frame *frames;

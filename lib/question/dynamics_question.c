@@ -3,6 +3,7 @@
 #include "question/question.h"
 
 #include "base/file.h"
+#include "history/motion_cycle.h"
 #include "kinematics/state.h"
 #include "kmech/inspect.h"
 #include "kmech/report.h"
@@ -19,8 +20,8 @@ static const km_option shared[SHARED_OPTIONS] = {
      "Rate at the start of a run, instead of the model's (joints without a stated rate follow); constant rate of an inverse "
      "motion, beside the model's prescribed motions (repeatable)",
      0, 0, NULL, true},
-    {"until", KM_OPTION_NUMBER, "T", "time", "the model's, else 10 s; of a rate of a hinge one turn", "End", 0, MOST,
-     NULL, true},
+    {"until", KM_OPTION_NUMBER, "T", "time",
+     "the model's, else 10 s; of a rate of a hinge one turn, or a period of its loads", "End", 0, MOST, NULL, true},
     {"frame", KM_OPTION_POINTS, "BODY/FRAME", "", NULL,
      "Add position, velocity and acceleration of a frame's origin (repeatable)", 0, 0, NULL, true},
     {"reactions", KM_OPTION_FLAG, NULL, "", NULL, "Add the reaction in every joint", 0, 0, NULL, true},
@@ -194,14 +195,23 @@ static void take_crossings(const km_question *q, kind_data *o) {
   o->run.simulation.crossings = o->crossings;
 }
 
+static void copy_rates(const km_option_value *rates, kind_data *o) {
+  o->rates = KM_ARENA_NEW(&o->arena, km_constant_rate, (size_t)(rates ? rates->count : 0) + 1);
+  for (int i = 0; rates && o->rates && i < rates->count; ++i)
+    o->rates[i] = (km_constant_rate){rates->coordinates[i], rates->settings[i]};
+}
+
 static km_status prepare_run(km_question *q, km_error *error) {
   kind_data *o = q->kind_data;
-  const km_option_value *from = km_question_own_value(q, FROM);
-  o->run = km_history_default(q->m->model);
+  const km_option_value *from = km_question_own_value(q, FROM), *rates = shared_value(q, RATE);
+  copy_rates(rates, o);
+  if (o->arena.failed)
+    return no_memory(error);
+  o->run = km_history_default_at(q->m->model, o->rates, rates ? rates->count : 0);
   take_method(q, &o->run);
   if (o->run.simulation.integrator == KM_INTEGRATOR_FIXED && !(o->run.simulation.max_step > 0.0))
     return km_fail(error, KM_USAGE, "`integrator` fixed: expected `max-step` with it, the length of its steps");
-  if (from && shared_value(q, RATE))
+  if (from && rates)
     return km_fail(error, KM_USAGE, "`from`: a table beside `rate`; expected one of them: both give the rates");
   take_columns(q, o);
   take_crossings(q, o);
@@ -210,11 +220,10 @@ static km_status prepare_run(km_question *q, km_error *error) {
   return from ? read_table(from->text, &o->from, error) : KM_OK;
 }
 
-/* Copies the rates of an inverse motion: other than 0, one for each joint. */
-static km_status take_rates(const km_question *q, const km_option_value *rates, kind_data *o, km_error *error) {
+/* Checks the rates of an inverse motion: other than 0, one for each joint. */
+static km_status check_rates(const km_question *q, const km_option_value *rates, kind_data *o, km_error *error) {
   for (int i = 0; rates && i < rates->count; ++i) {
     const char *label = km_model_coordinate_label(q->m->model, rates->coordinates[i]);
-    o->rates[i] = (km_constant_rate){rates->coordinates[i], rates->settings[i]};
     if (o->rates[i].rate == 0.0)
       return km_fail(error, KM_USAGE, "`rate` %s=0: expected a rate other than 0", label);
     for (int k = 0; k < i; ++k)
@@ -228,11 +237,11 @@ static km_status prepare_inverse(km_question *q, km_error *error) {
   kind_data *o = q->kind_data;
   const km_option_value *rates = shared_value(q, RATE), *steps = km_question_own_value(q, STEPS);
   int count = rates ? rates->count : 0, frame_count;
-  o->rates = KM_ARENA_NEW(&o->arena, km_constant_rate, (size_t)count + 1);
+  copy_rates(rates, o);
   const km_traced_frame *frames = frames_of(q, o, &frame_count);
   if (o->arena.failed)
     return no_memory(error);
-  km_status status = take_rates(q, rates, o, error);
+  km_status status = check_rates(q, rates, o, error);
   if (status)
     return status;
   o->inverse = km_inverse_default(q->m, o->rates, count);

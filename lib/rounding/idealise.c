@@ -27,7 +27,8 @@ typedef struct result {
   km_idealisation *out;
   void *verdict, *change; /* the arrays of `out` */
   size_t verdict_room, change_room;
-  bool failed; /* out of memory */
+  km_text words; /* verdicts on the substructures whose numbers aren't exact */
+  bool failed;   /* out of memory */
 } result;
 
 /* Data that the examinations of all substructures share. */
@@ -262,17 +263,32 @@ static void record_verdict(const km_rounding *verdict, result *r) {
     r->out->verdict[r->out->count++] = *verdict;
 }
 
-static void add_note(const examination *x, const km_mechanism *m, km_messages *messages) {
+/* Adds the verdict on a substructure to the words about the model: the nearest mechanism, or that there is none. */
+static void add_words(const examination *x, const km_mechanism *m, km_text *out) {
   const km_rounding *v = &x->verdict;
-  char written[40] = "doesn't close as written";
+  if (v->verdict == KM_ROUNDING_EXACT)
+    return;
+  km_text_format(out, "%ssubstructure %d (joint %.80s and others): ", out->size ? "; " : "", v->substructure + 1,
+                 m->model->joints[m->topology.joint[m->topology.joint_start[v->substructure]]].label);
   if (v->closes)
-    snprintf(written, sizeof written, "mobility %d as written", v->mobility_as_written);
+    km_text_format(out, "mobility %d as written", v->mobility_as_written);
+  else
+    km_text_add(out, "doesn't close as written");
+  if (v->verdict == KM_ROUNDING_FOUND)
+    km_text_format(out, "; mobility %d within rounding, which is used (largest change %.2g of a last digit, %s)",
+                   v->mobility, v->largest_change, v->place[0] ? v->place : "none");
+  else
+    km_text_add(out, "; doubtful, since no numbers within half a last digit explain the gap or the small singular "
+                     "value: look for a wrong digit");
+}
+
+static void add_note(const examination *x, const km_mechanism *m, km_messages *messages) {
+  km_text words = {0};
+  add_words(x, m, &words);
   km_messages_add(messages, KM_NOTE,
-                  "substructure %d (joint %.80s and others): %s; mobility %d within rounding, which is used (largest "
-                  "change %.2g of a last digit, %s); --exact takes the numbers as written",
-                  v->substructure + 1,
-                  m->model->joints[m->topology.joint[m->topology.joint_start[v->substructure]]].label, written,
-                  v->mobility, v->largest_change, v->place[0] ? v->place : "none");
+                  "%s; kmob convert --idealise writes these numbers, --exact takes the numbers as written",
+                  words.data ? words.data : "");
+  km_text_free(&words);
 }
 
 /* Enters the verdict of loops of exact numbers that close. *closed is false for other ones,
@@ -356,6 +372,8 @@ static km_status examine(km_model *model, int index, const shared_data *shared, 
       record_changes(&x, r);
     else if (!status && !found && (is_suspect || shared->regular))
       status = restore(&x, error);
+    if (!status)
+      add_words(&x, m, &r->words);
     if (found || regular)
       count_relations(&x.relations, r->out);
     km_nearest_release(&x.nearest);
@@ -422,6 +440,7 @@ static km_status examine_all(km_model *model, bool regular, result *r, km_messag
   km_free(holds);
   km_arena_free(&arena);
   settle_tolerance(model, r->out, inferred);
+  model->digits = km_text_move_to_arena(&r->words, &model->arena);
   return r->failed || !holds ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : status;
 }
 

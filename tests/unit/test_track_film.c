@@ -1,7 +1,7 @@
 /* The film of a track: its frames are rows of the track, its stops are at the rows that they name. */
 #include "report/document/track_film.h"
 
-#include "report/document/track_course.h"
+#include "arm/tracking/joint_course.h"
 #include "support/arms.h"
 #include "support/shown.h"
 

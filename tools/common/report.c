@@ -23,6 +23,10 @@ static bool ends_with(const char *text, const char *end) {
   return a > b && strcmp(text + a - b, end) == 0;
 }
 
+bool kt_report_is_file(const char *base) {
+  return ends_with(base, ".pdf") || ends_with(base, ".html");
+}
+
 bool kt_report_format(const char *format, const char *base, bool *html) {
   bool named_html = base && ends_with(base, ".html"), named_pdf = base && ends_with(base, ".pdf");
   const char *word = format ? format : named_html ? "html" : "pdf";
@@ -32,7 +36,7 @@ bool kt_report_format(const char *format, const char *base, bool *html) {
 
 kt_exit kt_report_write(const kt_common *common, const char *base, const char *name, const char *word, bool html,
                         const km_text *bytes) {
-  if (!base || (!ends_with(base, ".pdf") && !ends_with(base, ".html")))
+  if (!base || !kt_report_is_file(base))
     return kt_write(common, base ? base : name, word, html ? "html" : "pdf", bytes);
   return kt_write_file(common, base, bytes);
 }

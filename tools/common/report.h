@@ -6,6 +6,8 @@
 
 /* The options of a report command: those of a sweep, --format, --base and the model. */
 void kt_report_options(kt_options *out, kt_sweep_options *options, const char *kind, const char *base_help);
+/* True if a report is written to `base` itself, by its ending. */
+bool kt_report_is_file(const char *base);
 /* True, with `*html`, if --format fits the ending of `base` (may be NULL). False: it is invalid, or contradicts. */
 bool kt_report_format(const char *format, const char *base, bool *html);
 /* Writes `base` if it ends with .pdf or .html, else BASE.WORD.FORMAT; `name`: BASE without -o. */

@@ -8,7 +8,8 @@ kt_exit ksim_inverse(int argc, char **argv) {
   kt_question_explain(&all, "rate", "JOINT=RATE",
                       "Turn or move a joint at a constant rate: A=60rpm, or in the model's unit per time unit "
                       "(repeatable; beside it the model's prescribed motions count)");
-  kt_question_explain(&all, "until", "T", "End, in the model's time unit (default: one turn)");
+  kt_question_explain(&all, "until", "T",
+                      "End, in the model's time unit (default: one turn, or a longer period of the loads)");
   kt_question_explain(&all, "joints", "LIST", "Joints whose curves are drawn (default: up to eight that move)");
   kt_options_read(
       &all,

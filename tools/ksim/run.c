@@ -45,7 +45,9 @@ kt_exit ksim_run(int argc, char **argv) {
       &all, "rate", "JOINT=RATE",
       "Rate at the start, instead of the model's: A=60rpm, or in the model's unit per time unit; joints "
       "without a stated rate follow (repeatable)");
-  kt_question_explain(&all, "until", "T", "End, in the model's time unit (default: the model's, else 10 s)");
+  kt_question_explain(&all, "until", "T",
+                      "End, in the model's time unit (default: the model's, else a period of its loads over a joint at "
+                      "the joint's rate, else 10 s)");
   kt_question_explain(&all, "joints", "LIST", "Joints whose curves are drawn (default: up to eight that move)");
   kt_options_read(
       &all,

@@ -42,9 +42,9 @@ enum { KSTUDY_WORD = 200, KSTUDY_NAME = 400 };
 kt_exit kstudy_check_names(const kstudy_request *request, kstudy_open *open);
 /* Pictures of what the study came to, in the formats of the list. */
 kt_exit kstudy_plot(const kstudy_request *request, kstudy_open *open, const kt_formats *formats);
-/* BASE.study-report.html or .pdf. `header` may be NULL. */
+/* Writes `file`, or where it is NULL BASE.study-report.html or .pdf. `header` may be NULL. */
 kt_exit kstudy_write_report(const kstudy_request *request, kstudy_open *open, const km_report_header *header,
-                            bool html);
+                            const char *file, bool html);
 /* The tables and statistics, on the standard output. */
 kt_exit kstudy_print(const kstudy_request *request, kstudy_open *open);
 /* A figure's name as a part of a file's name. */

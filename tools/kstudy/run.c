@@ -74,7 +74,7 @@ static kt_exit deliver(const kstudy_request *r, kstudy_open *o, const kt_formats
   if (!r->common.quiet)
     result = kstudy_print(r, o);
   result = kt_worse(result, kstudy_plot(r, o, formats));
-  result = kt_worse(result, kstudy_write_report(r, o, NULL, true));
+  result = kt_worse(result, kstudy_write_report(r, o, NULL, NULL, true));
   return kt_worse(result, kstudy_write_models(r, o));
 }
 

@@ -1,5 +1,5 @@
 /* kstudy show and export: what the store has. */
-#include "common/report_head.h"
+#include "common/report.h"
 #include "kstudy/kstudy.h"
 
 #include "kmech/data.h"
@@ -18,15 +18,15 @@ kt_exit kstudy_print(const kstudy_request *r, kstudy_open *o) {
   return result;
 }
 
-kt_exit kstudy_write_report(const kstudy_request *r, kstudy_open *o, const km_report_header *header, bool html) {
+kt_exit kstudy_write_report(const kstudy_request *r, kstudy_open *o, const km_report_header *header, const char *file,
+                            bool html) {
   const char *slash = strrchr(o->base, '/');
   km_text out = {0};
   km_error error;
   km_status status = km_designs_report(o->study, &o->def, slash ? slash + 1 : o->base, header, html, &out, &error);
   if (status)
     kt_print_message(&r->common, KM_ERROR, "%s: %s", o->name, error.text);
-  kt_exit result =
-      status ? kt_exit_of(status) : kt_write(&r->common, o->base, "study-report", html ? "html" : "pdf", &out);
+  kt_exit result = status ? kt_exit_of(status) : kt_report_write(&r->common, file, o->base, "study-report", html, &out);
   km_text_free(&out);
   return result;
 }
@@ -84,30 +84,37 @@ kt_exit kstudy_report(int argc, char **argv) {
   kstudy_request r = {.common = KT_COMMON("kstudy")};
   kstudy_open o;
   kt_options all = {0};
+  kt_report_head head = {0};
+  bool html;
+  kt_report_word_options(&all, &head);
   const kt_option table[] = {
       {"format", 0, "FORMAT", "pdf (default) or html", KT_TEXT_OF("pdf or html"), &r.format, KT_ABOUT_FILES}};
-  kt_report_head head = {0};
-  kt_report_word_options(&all, &head);
   KT_OPTIONS_ADD(&all, table);
   kstudy_options(&all, &r, 0);
-  kt_options_read(
-      &all,
-      "A report to hand on from the store: the best design beside the others or the start, spreads, limits, "
-      "pictures, as BASE.study-report.pdf or .html.",
-      argc, argv);
-  const bool html = r.format && strcmp(r.format, "html") == 0;
-  if (r.format && !html && strcmp(r.format, "pdf") != 0)
-    return kt_usage(&r.common, "--format", r.format, "pdf or html");
+  kt_question_explain(
+      &all, "base", "BASE",
+      "Write this file if it ends with .pdf or .html, else BASE.study-report.FORMAT from the store of BASE "
+      "(default: the study's name, or its folder's for study.json)");
+  kt_options_read(&all,
+                  "A report to hand on from the store: the best design beside the others or the start, spreads, limits "
+                  "and pictures, as PDF pages or one HTML file.",
+                  argc, argv);
+  if (!kt_report_format(r.format, r.base, &html))
+    return kt_usage(&r.common, "--format", r.format, "pdf or html, as -o says");
+  if (kt_is_piped(r.base))
+    return kt_usage(&r.common, "-o", "-", "a file");
+  const char *file = r.base && kt_report_is_file(r.base) ? r.base : NULL;
   kt_exit result = kt_report_head_read(&r.common, &head);
   if (result != KT_DONE)
     return result;
+  r.base = file ? NULL : r.base;
   result = kstudy_compile(&r, true, &o);
   if (result == KT_DONE)
     result = recall(&r, &o);
   if (result == KT_DONE)
     result = kt_report_head_complete(&r.common, &head, NULL, "");
   if (result == KT_DONE)
-    result = kstudy_write_report(&r, &o, &head.header, html);
+    result = kstudy_write_report(&r, &o, &head.header, file, html);
   if (result == KT_DONE)
     result = judge_answers(&r, &o);
   kstudy_close(&o);

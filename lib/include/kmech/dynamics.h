@@ -293,7 +293,8 @@ typedef struct km_history_def {
 enum {
   KM_HISTORY_ROWS = 200 /* default number of intervals between rows */
 };
-/* Default definition, with the model's simulation settings; without them 10 s, KM_HISTORY_ROWS intervals, tolerances of
+/* Default definition, with the model's simulation settings; without them one period of the loads over a coordinate that
+ * starts with a rate, else 10 s or a longer period of the loads over time; KM_HISTORY_ROWS intervals, tolerances of
  * 1e-7, KM_INTEGRATOR_ADAMS. */
 KM_API km_history_def km_history_default(const km_model *model);
 /* Sets `*out` to the method that the model's integration_type names. False: it names none that is known. */
@@ -405,7 +406,8 @@ typedef struct km_inverse_def {
   void *context;
 } km_inverse_def;
 /* Default definition for `rates` (borrowed): 360 intervals over one turn of the first coordinate if that is the angle
- * of a hinge, over the model's simulation without rates; else `until` is 0 and must be set. */
+ * of a hinge, or over a longer period of the loads at these rates; over the model's simulation without rates; else
+ * `until` is 0 and must be set. */
 KM_API km_inverse_def km_inverse_default(const km_mechanism *mechanism, const km_constant_rate *rates, int rate_count);
 
 /* Computes the forces of a motion whose freedoms are all prescribed (docs/theory.md 11.11). The table is that of

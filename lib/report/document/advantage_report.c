@@ -2,6 +2,7 @@
 #include "report/document/advantage_report.h"
 
 #include "report/document/sweep_report.h"
+#include "report/record/advantage_record.h"
 #include "report/record/sweep_text.h"
 #include "report/record/transmission_record.h"
 #include "topology/mechanism.h"
@@ -43,6 +44,16 @@ static const char *pole_words(km_document_maker *k, const km_plotted_advantage *
   return km_document_words(k, &text, "");
 }
 
+/* "2.86 at the start, 1.71 at the end (end/start 0.597: falls by 40.3 %)". */
+static const char *ends_words(km_document_maker *k, const km_plotted_advantage *p) {
+  const km_table *table = p->swept.motion->table;
+  const double *first = km_table_row(table, 0), *last = km_table_row(table, km_table_rows(table) - 1);
+  km_text progression = {0};
+  km_progression_words(p->sweep, &progression);
+  return km_document_format(k, "%s at the start, %s at the end%s", km_report_number(k, first[p->sweep->column]),
+                            km_report_number(k, last[p->sweep->column]), km_document_words(k, &progression, ""));
+}
+
 /* Facts on the first page. */
 static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
   const km_advantage_sweep *sweep = p->sweep;
@@ -59,10 +70,11 @@ static void add_lead(km_document_maker *k, const km_plotted_advantage *p) {
                                            "without bound at the dead point%s at %s, %s.",
                                            in, out, peak_words(k, p, &size), count > 1 ? "s" : "", poles, stroke));
   else
-    km_document_lead(k, km_document_format(
-                            k, "The mechanical advantage of %s over %s lies between %s and %s, %s. %s", in, out,
-                            peak_words(k, p, &sweep->lowest), peak_words(k, p, &sweep->highest), stroke,
-                            sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
+    km_document_lead(k,
+                     km_document_format(
+                         k, "The mechanical advantage of %s over %s is %s, and lies between %s and %s, %s. %s", in, out,
+                         ends_words(k, p), peak_words(k, p, &sweep->lowest), peak_words(k, p, &sweep->highest), stroke,
+                         sweep->toggle_count ? "Its dead points are listed below." : "It has no dead point there."));
 }
 
 /* "at least 37.6 deg, at 90 deg": the least of the transmission angle and its supplement; NULL: no row has one. */
@@ -87,11 +99,7 @@ static void add_facts(km_document_maker *k, const km_plotted_advantage *p, const
   const char *angle = least_angle_words(k, p);
   if (angle)
     km_report_fact(&facts, "Transmission angle", angle);
-  const km_table *table = p->swept.motion->table;
-  const double *first = km_table_row(table, 0), *last = km_table_row(table, km_table_rows(table) - 1);
-  km_report_fact(&facts, "Start, end",
-                 km_document_format(k, "%s, %s", km_report_number(k, first[p->sweep->column]),
-                                    km_report_number(k, last[p->sweep->column])));
+  km_report_fact(&facts, "Start, end", ends_words(k, p));
   km_report_fact(&facts, "Minimum", peak_words(k, p, &p->sweep->lowest));
   km_report_fact(&facts, "Maximum", peak_words(k, p, &p->sweep->highest));
   km_report_fact(&facts, "Least size", peak_words(k, p, &p->sweep->least));

@@ -7,6 +7,8 @@
 #include "report/charts/question_plot.h"
 #include "report/document/sweep_report.h"
 #include "report/record/sweep_text.h"
+#include "report/record/words/forces_text.h"
+#include "report/record/words/speed_text.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -139,24 +141,35 @@ void km_motion_report_make(km_document_maker *k, const km_answered *a, const cha
 
 /* ---- Over time. */
 
+/* "0.0019 s (A = 35.1 deg)": a time and the driver's place. */
+static const char *when_words(km_document_maker *k, const km_mechanism *m, const km_table *t, double time) {
+  km_text text = {0};
+  km_text_format(&text, "%.5g %s", time, m->model->units.time->suffix);
+  km_driver_place_words(m, t, time, &text);
+  return km_document_words(k, &text, "");
+}
+
 static void add_history_lead(km_document_maker *k, const km_mechanism *m, const km_history *h, bool run) {
   const km_table *t = h->table;
   const char *time = m->model->units.time->suffix;
-  km_text text = {0};
+  km_text text = {0}, speed = {0};
   if (run)
     km_text_format(&text, "In %.5g %s the kinetic energy is at most %s.",
                    km_table_row(t, km_table_rows(t) - 1)[0] - km_table_row(t, 0)[0], time,
                    peak_words(k, t, (size_t)km_table_find(t, "energy_kinetic"), km_document_format(k, " %s", time)));
+  km_speed_words(m, t, &speed);
+  if (speed.size)
+    km_text_format(&text, "%s%s. ", run ? " " : "", speed.data);
+  km_text_free(&speed);
   for (int i = 0; i < h->peak_count && i < LEAD_JOINTS; ++i) {
     const km_force_peak *peak = &h->peaks[i];
-    const char *unit = km_table_unit(t, peak->column);
+    const char *unit = km_table_unit(t, peak->column), *when = when_words(k, m, t, peak->time);
     if (peak->coordinate >= 0)
-      km_text_format(&text, "%s%s takes at most %.5g %s (%.5g %s), %.5g %s rms", i ? "; " : "",
-                     km_model_coordinate_label(m->model, peak->coordinate), fabs(peak->value), unit, peak->time, time,
-                     peak->rms, unit);
+      km_text_format(&text, "%s%s takes at most %.5g %s at %s, %.5g %s rms", i ? "; " : "",
+                     km_model_coordinate_label(m->model, peak->coordinate), fabs(peak->value), unit, when, peak->rms,
+                     unit);
     else
-      km_text_format(&text, "%sshaking force at most %.5g %s (%.5g %s)", i ? "; " : "", peak->value, unit, peak->time,
-                     time);
+      km_text_format(&text, "%sshaking force at most %.5g %s at %s", i ? "; " : "", peak->value, unit, when);
   }
   if (h->peak_count)
     km_text_add(&text, ".");
@@ -168,7 +181,7 @@ static void add_history_facts(km_document_maker *k, const km_mechanism *m, const
   km_report_facts facts = {.rows = 0};
   const km_table *t = h->table;
   km_text acting = {0};
-  km_gravity_words(m->model, NULL, &acting);
+  km_acting_words(m->model, NULL, false, &acting);
   km_report_fact(&facts, "Time",
                  km_document_format(k, "%.6g to %.6g %s, %zu rows", km_table_row(t, 0)[0],
                                     km_table_row(t, km_table_rows(t) - 1)[0], m->model->units.time->suffix,
@@ -177,6 +190,7 @@ static void add_history_facts(km_document_maker *k, const km_mechanism *m, const
     km_report_fact(&facts, "Ended early", stopped_by);
   km_report_fact(&facts, "What acts", km_document_words(k, &acting, ""));
   km_report_fact(&facts, "Loops", km_document_format(k, "closed to %.1e of their size", h->worst_loop));
+  km_report_digits(m, &facts);
   if (run && h->energy_scale > h->figures.rest_energy)
     km_report_fact(
         &facts, "Energy",
@@ -194,7 +208,6 @@ static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_t
   static const char *const heads[COLUMNS] = {"joint", "largest force", "at", "largest moment", "at"};
   km_span span = km_table_span(t, "r.");
   size_t joints = span.count / 6;
-  const char *time = m->model->units.time->suffix;
   const char **cells = KM_ARENA_NEW(&k->arena, const char *, (joints + 1) * COLUMNS);
   if (!cells || joints == 0)
     return;
@@ -213,9 +226,9 @@ static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_t
     const char **row = cells + COLUMNS * (j + 1);
     row[0] = m->model->joints[j].label;
     row[1] = pushes ? km_document_format(k, "%.5g %s", force, km_table_unit(t, first)) : "–";
-    row[2] = pushes ? km_document_format(k, "%.5g %s", at_force, time) : "";
+    row[2] = pushes ? when_words(k, m, t, at_force) : "";
     row[3] = twists ? km_document_format(k, "%.5g %s", moment, km_table_unit(t, first + 3)) : "–";
-    row[4] = twists ? km_document_format(k, "%.5g %s", at_moment, time) : "";
+    row[4] = twists ? when_words(k, m, t, at_moment) : "";
   }
   km_document_heading(k, "Bearing loads");
   km_document_text(k, "Magnitudes of force and moment of parent on child at each joint's frame, largest of all rows.");
@@ -244,7 +257,7 @@ static void add_peaks(km_document_maker *k, const km_mechanism *m, const km_hist
                  ? "shaking force"
                  : km_document_format(k, "of %s", km_model_coordinate_label(m->model, peak->coordinate));
     row[1] = km_document_format(k, "%s %s", km_report_number(k, peak->value), unit);
-    row[2] = km_document_format(k, "%.5g %s", peak->time, m->model->units.time->suffix);
+    row[2] = when_words(k, m, h->table, peak->time);
     row[3] = km_document_format(k, "%s %s", km_report_number(k, peak->rms), unit);
   }
   km_document_heading(k, "Driving forces");

@@ -1,4 +1,4 @@
-/* Finds the report of each kind of question, and says in words what acts. */
+/* Finds the report of each kind of question. */
 #include "report/document/question_report.h"
 #include "base/arguments.h"
 #include "forces/forces.h"
@@ -8,36 +8,13 @@
 #include "report/document/motion_report.h"
 #include "report/document/statics_report.h"
 #include "report/document/sweep_report.h"
-#include "report/record/sweep_text.h"
-
-static void load_words(const km_model *model, const km_forces *forces, int index, km_text *out) {
-  const km_load *load = &forces->loads[index];
-  const km_model_frame *frame = &model->frames[load->frame];
-  if (index < km_model_load_count(model))
-    km_text_format(out, "; %s", km_model_load_name(model, index));
-  else
-    km_text_format(out, "; at %s", frame->name);
-  km_text_format(out, ": force (%g, %g, %g) %s on %s%s", load->force[0], load->force[1], load->force[2],
-                 model->units.force->suffix, model->bodies[frame->body].name, load->turning ? ", turning with it" : "");
-}
-
-/* Forces that act on the model. */
-static void acting_words(const km_model *model, const km_forces *forces, km_text *out) {
-  const double g[3] = {forces->stated_gravity.x, forces->stated_gravity.y, forces->stated_gravity.z};
-  km_gravity_words(model, g, out);
-  for (int i = 0; i < forces->load_count; ++i)
-    load_words(model, forces, i, out);
-  if (forces->spring_count)
-    km_text_format(out, "; %d spring%s", forces->spring_count, km_plural(forces->spring_count));
-  if (forces->contact_count)
-    km_text_format(out, "; %d contact%s without friction", forces->contact_count, km_plural(forces->contact_count));
-}
+#include "report/record/words/forces_text.h"
 
 static void add_statics(km_document_maker *k, const km_answered *a, const km_swept *swept, const char *stopped_by,
                         bool brief) {
   const km_plotted_statics plotted = {*swept, km_question_statics(a->question), NULL, 0};
   km_text acting = {0};
-  acting_words(a->question->m->model, km_question_forces(a->question), &acting);
+  km_acting_words(a->question->m->model, km_question_forces(a->question), true, &acting);
   km_statics_report_make(k, &plotted, km_question_balance(a->question), km_document_words(k, &acting, ""), stopped_by,
                          brief);
 }

@@ -80,6 +80,12 @@ const char *km_report_stroke(km_document_maker *maker, const km_swept *s) {
                             km_model_coordinate_unit(model, s->plan->coordinate));
 }
 
+void km_report_digits(const km_mechanism *m, km_report_facts *facts) {
+  const char *words = m->model->digits;
+  if (words && m->topology.loop_count > 0)
+    km_report_fact(facts, "Dimensions", words[0] ? words : "as written: they close the loops within their digits");
+}
+
 void km_report_motion(km_document_maker *maker, const km_swept *s, const char *stopped_by, km_report_facts *facts) {
   km_report_fact(facts, "Swept", swept_words(maker, s));
   if (stopped_by[0])
@@ -87,6 +93,7 @@ void km_report_motion(km_document_maker *maker, const km_swept *s, const char *s
   km_text mobility = {0};
   km_mobility_words(s->mechanism, s->motion, &mobility);
   km_report_fact(facts, "Mobility", km_document_words(maker, &mobility, ""));
+  km_report_digits(s->mechanism, facts);
   const char *held = held_words(maker, s->mechanism);
   if (held)
     km_report_fact(facts, "Held", held);

@@ -14,6 +14,8 @@ typedef struct km_report_facts {
 void km_report_fact(km_report_facts *facts, const char *name, const char *what);
 /* Facts: driver, range, mobility, held coordinates, reason of the end. */
 void km_report_motion(km_document_maker *maker, const km_swept *swept, const char *stopped_by, km_report_facts *facts);
+/* Fact about the digits of the model's numbers, where loops depend on them. */
+void km_report_digits(const km_mechanism *mechanism, km_report_facts *facts);
 /* Source, hash, units and characteristic length of the model, and how the numbers were computed, at the end. */
 void km_report_model(km_document_maker *maker, const km_swept *swept, const char *method);
 /* "of K from 20 to 32 mm", "along an arc of 3.2": the stroke in a sentence. */

@@ -7,11 +7,12 @@
 #include "kmech/report.h"
 #include "kmech/version.h"
 
+#include "arm/tracking/joint_course.h"
 #include "report/charts/track_plot.h"
 #include "report/document/sweep_report.h"
-#include "report/document/track_course.h"
 #include "report/document/track_film.h"
 #include "report/document/track_report.h"
+#include "report/record/track_record.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
@@ -36,8 +37,7 @@ static const char *label_of(km_document_maker *k, const km_tracks *tracks, int i
 static void add_lead(km_document_maker *k, const km_tracks *tracks, int best) {
   const km_track *t = tracks->items[best];
   const km_path *path = t->plan.path;
-  int limiting = km_limiting_joint(t), fastest = km_fastest_joint(t);
-  km_text text = {0};
+  km_text text = {0}, limits = {0};
   if (t->end.stop == KM_TRACK_COMPLETE) {
     km_text_format(&text, "%s follows the whole path in %.4g s", label_of(k, tracks, best),
                    km_path_time(path, path->samples - 1));
@@ -45,17 +45,10 @@ static void add_lead(km_document_maker *k, const km_tracks *tracks, int best) {
     km_text_format(&text, "%s follows %.1f %% of the path and ", label_of(k, tracks, best), km_track_part(t));
     km_track_end_text(t, &text);
   }
-  if (limiting >= 0) {
-    km_joint_course course = km_joint_course_find(t, limiting);
-    km_text_format(&text, ". %s comes nearest to a limit: %.3g %% of half its range are left at s = %.4g %s",
-                   km_arm_label(t->arm, limiting), fabs(100.0 * course.margin) < 1e-6 ? 0.0 : 100.0 * course.margin,
-                   course.margin_s, length_unit(t));
-  }
-  if (fastest >= 0) {
-    km_joint_course course = km_joint_course_find(t, fastest);
-    km_text_format(&text, ". %s is the fastest of its drive: %.3g %% of its largest rate",
-                   km_arm_label(t->arm, fastest), 100.0 * course.rate_part);
-  }
+  km_track_limits_words(t, &limits);
+  if (limits.size)
+    km_text_format(&text, ". %s", limits.data);
+  km_text_free(&limits);
   km_text_add(&text, ".");
   km_document_lead(k, km_document_words(k, &text, ""));
 }

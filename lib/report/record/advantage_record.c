@@ -129,6 +129,7 @@ km_value *km_advantage_sweep_record(const km_mechanism *m, const km_advantage_sw
   add_peak(record, "minimum", &sweep->lowest, arena);
   add_peak(record, "maximum", &sweep->highest, arena);
   add_peak(record, "least_size", &sweep->least, arena);
+  km_value_number(arena, record, "end_over_start", km_progression(sweep));
   km_held_record(m, record, arena);
   km_sweep_record(&sweep->motion, stopped_by, record, arena);
   return arena->failed ? NULL : record;
@@ -150,6 +151,22 @@ static int count_poles(const km_advantage_sweep *sweep) {
   return count;
 }
 
+double km_progression(const km_advantage_sweep *sweep) {
+  const km_table *t = sweep->motion.table;
+  const double start = km_table_row(t, 0)[sweep->column], end = km_table_row(t, km_table_rows(t) - 1)[sweep->column];
+  return start != 0.0 && isfinite(start) && isfinite(end) ? end / start : nan("");
+}
+
+void km_progression_words(const km_advantage_sweep *sweep, km_text *out) {
+  const double ratio = km_progression(sweep);
+  if (!isfinite(ratio))
+    return;
+  km_text_format(out, " (end/start %.4g", ratio);
+  if (ratio > 0.0)
+    km_text_format(out, ": %s by %.3g %%", ratio < 1.0 ? "falls" : "rises", 100.0 * fabs(ratio - 1.0));
+  km_text_add(out, ")");
+}
+
 /* Its extremes, or where it grows without bound its least size. */
 static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_text *out) {
   const km_peak *low = &sweep->lowest, *high = &sweep->highest, *least = &sweep->least;
@@ -158,9 +175,11 @@ static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_
     km_text_add(out, " nowhere finite");
   } else if (!poles) {
     const km_table *t = sweep->motion.table;
-    km_text_format(out, " %.6g at the start, %.6g at the end; least %.6g at %.6g%s, greatest %.6g at %.6g%s\n",
-                   km_table_row(t, 0)[sweep->column], km_table_row(t, km_table_rows(t) - 1)[sweep->column], low->value,
-                   low->s, s_unit, high->value, high->s, s_unit);
+    km_text_format(out, " %.6g at the start, %.6g at the end", km_table_row(t, 0)[sweep->column],
+                   km_table_row(t, km_table_rows(t) - 1)[sweep->column]);
+    km_progression_words(sweep, out);
+    km_text_format(out, "; least %.6g at %.6g%s, greatest %.6g at %.6g%s\n", low->value, low->s, s_unit, high->value,
+                   high->s, s_unit);
     return;
   } else {
     km_text_format(out, " its size is at least %.6g at %.6g%s and", fabs(least->value), least->s, s_unit);

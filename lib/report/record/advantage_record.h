@@ -13,6 +13,10 @@ km_value *km_advantage_sweep_record(const km_mechanism *mechanism, const km_adva
                                     const char *stopped_by, const char *name, km_arena *arena);
 void km_advantage_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
                               const char *name, km_text *out);
+/* MA at the end over MA at the start; NaN: not finite at an end, or 0 at the start. */
+double km_progression(const km_advantage_sweep *sweep);
+/* " (end/start 0.597: falls by 40.3 %)", of the size; nothing where there is no progression. */
+void km_progression_words(const km_advantage_sweep *sweep, km_text *out);
 /* "is 2.4: …" in words: what the state and the method mean. */
 void km_advantage_words(const km_mechanism *mechanism, const km_port *input, const km_port *output,
                         const km_advantage *advantage, km_text *out);

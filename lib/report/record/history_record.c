@@ -3,6 +3,8 @@
 
 #include "report/record/record.h"
 #include "report/record/sweep_text.h"
+#include "report/record/words/forces_text.h"
+#include "report/record/words/speed_text.h"
 #include "topology/mechanism.h"
 
 static void add_events(const km_model *model, const km_history_def *def, const km_history *h, km_value *record,
@@ -111,11 +113,11 @@ km_value *km_inverse_record(const km_mechanism *m, const km_history *h, const ch
   return arena->failed ? NULL : record;
 }
 
-/* Gravity, and what reactions leave out. */
+/* Prints the forces that act, and those that reactions leave out. */
 static void print_acting(const km_model *model, const km_table *table, km_text *out) {
   km_text meshing = {0};
   km_text_add(out, "  ");
-  km_gravity_words(model, NULL, out);
+  km_acting_words(model, NULL, false, out);
   km_text_add(out, "\n");
   if (km_table_span(table, "r.").count > 0)
     km_meshing_words(model, &meshing);
@@ -140,18 +142,28 @@ static void print_run(const km_model *model, const km_history_def *def, const km
   }
 }
 
-static void print_peak(const km_model *model, const km_table *table, const km_force_peak *peak, km_text *out) {
+static void print_speed(const km_mechanism *m, const km_table *table, km_text *out) {
+  km_text words = {0};
+  km_speed_words(m, table, &words);
+  if (words.size)
+    km_text_format(out, "  %s\n", words.data);
+  out->failed = out->failed || words.failed;
+  km_text_free(&words);
+}
+
+static void print_peak(const km_mechanism *m, const km_table *table, const km_force_peak *peak, km_text *out) {
+  const km_model *model = m->model;
   const char *force = km_table_unit(table, peak->column), *time = model->units.time->suffix;
-  const char *label = km_model_coordinate_label(model, peak->coordinate);
-  if (peak->coordinate >= 0 && peak->value < 0.0)
-    km_text_format(out, "  %s is driven by at most %.6g %s in size, %.6g at %.6g %s, %.6g rms\n", label, -peak->value,
-                   force, peak->value, peak->time, time, peak->rms);
-  else if (peak->coordinate >= 0)
-    km_text_format(out, "  %s is driven by at most %.6g %s at %.6g %s, %.6g rms\n", label, peak->value, force,
-                   peak->time, time, peak->rms);
+  if (peak->coordinate < 0)
+    km_text_format(out, "  shaking force at most %.6g %s", peak->value, force);
   else
-    km_text_format(out, "  shaking force at most %.6g %s at %.6g %s, %.6g rms\n", peak->value, force, peak->time, time,
-                   peak->rms);
+    km_text_format(out, "  %s is driven by at most %.6g %s", km_model_coordinate_label(model, peak->coordinate),
+                   fabs(peak->value), force);
+  if (peak->coordinate >= 0 && peak->value < 0.0)
+    km_text_format(out, " in size, %.6g", peak->value);
+  km_text_format(out, " at %.6g %s", peak->time, time);
+  km_driver_place_words(m, table, peak->time, out);
+  km_text_format(out, ", %.6g rms\n", peak->rms);
 }
 
 double km_largest_norm(const km_table *t, size_t first, double *where) {
@@ -168,7 +180,8 @@ double km_largest_norm(const km_table *t, size_t first, double *where) {
 }
 
 /* "  bearings: C 23478 N at 0.0016 s, A …": the largest reactions, if they are in the table. */
-static void print_bearings(const km_model *model, const km_table *table, km_text *out) {
+static void print_bearings(const km_mechanism *m, const km_table *table, km_text *out) {
+  const km_model *model = m->model;
   enum { MOST_SHOWN = 4 };
   const km_span span = km_table_span(table, "r.");
   double last = HUGE_VAL;
@@ -189,6 +202,7 @@ static void print_bearings(const km_model *model, const km_table *table, km_text
       break;
     km_text_format(out, "%s %s %.6g %s at %.6g %s", shown ? "," : "  bearings:", model->joints[joint].label, most,
                    km_table_unit(table, span.first + 6 * joint), when, model->units.time->suffix);
+    km_driver_place_words(m, table, when, out);
     last = most;
     last_joint = joint;
   }
@@ -208,9 +222,10 @@ void km_history_print(const km_mechanism *m, const km_history_def *def, const km
                    h->figures.repartitions, h->figures.repartitions == 1 ? "" : "s");
   km_text_add(out, "\n");
   print_acting(model, h->table, out);
+  print_speed(m, h->table, out);
   if (def)
     print_run(model, def, h, out);
   for (int i = 0; i < h->peak_count; ++i)
-    print_peak(model, h->table, &h->peaks[i], out);
-  print_bearings(model, h->table, out);
+    print_peak(m, h->table, &h->peaks[i], out);
+  print_bearings(m, h->table, out);
 }

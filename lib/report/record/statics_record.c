@@ -2,6 +2,7 @@
 #include "report/record/statics_record.h"
 
 #include "kinematics/state.h"
+#include "report/record/words/forces_text.h"
 
 #include "report/record/sweep_text.h"
 #include "statics/statics.h"
@@ -297,6 +298,7 @@ void km_statics_print(const km_mechanism *m, const km_statics *st, const char *n
           : "the actuators hold this pose");
   km_text_add(out, "  ");
   km_gravity_words(m->model, st->gravity, out);
+  km_modules_words(m->model, true, out);
   km_text_add(out, "\n");
   print_directions(m, st, out);
   if (st->actuator_count)
@@ -358,6 +360,7 @@ void km_statics_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, co
   km_sweep_print(m, plan, &sweep->motion, name, out);
   km_text_add(out, "  ");
   km_gravity_words(m->model, sweep->gravity, out);
+  km_modules_words(m->model, true, out);
   km_text_add(out, "\n");
   for (int i = 0; i < sweep->actuator_count; ++i) {
     const km_force_event *largest = &sweep->largest[i];

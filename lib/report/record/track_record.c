@@ -1,6 +1,7 @@
 /* Tracks of arms and their ends as a record and as text. */
 #include "report/record/track_record.h"
 
+#include "arm/tracking/joint_course.h"
 #include "report/record/record.h"
 
 #include <stdio.h>
@@ -362,10 +363,40 @@ static void print_best(const km_tracks *t, km_text *out) {
                  mean ? track->summary.objective_mean : track->summary.objective_min, mean ? "on average" : "at least");
 }
 
+void km_track_limits_words(const km_track *t, km_text *out) {
+  const km_arm *a = t->arm;
+  const int limiting = km_limiting_joint(t), fastest = km_fastest_joint(t);
+  if (limiting >= 0) {
+    const km_joint_course course = km_joint_course_find(t, limiting);
+    km_text_format(out, "%s comes nearest to a limit: %.3g %% of half its range are left at s = %.4g %s",
+                   km_arm_label(a, limiting), fabs(100.0 * course.margin) < 1e-6 ? 0.0 : 100.0 * course.margin,
+                   course.margin_s, length_unit(a));
+  }
+  if (fastest >= 0)
+    km_text_format(out, "%s%s is the fastest of its drive: %.3g %% of its largest rate", limiting >= 0 ? "; " : "",
+                   km_arm_label(a, fastest), 100.0 * km_joint_course_find(t, fastest).rate_part);
+}
+
+/* The joints that limit the best track. */
+static void print_limits(const km_tracks *t, km_text *out) {
+  const int best = km_tracks_best(t);
+  km_text words = {0};
+  if (best < 0 || !t->items[best] || !km_table_rows(t->items[best]->table))
+    return;
+  km_track_limits_words(t->items[best], &words);
+  if (words.size)
+    km_text_format(out, "  %s\n", words.data);
+  out->failed = out->failed || words.failed;
+  km_text_free(&words);
+}
+
 void km_tracks_print(const km_tracks *t, km_text *out) {
   if (!km_tracks_are_whole(t) || !out)
     return;
   print_head(t, out);
+  if (t->count > 1)
+    print_best(t, out);
+  print_limits(t, out);
   const char *name = km_objective_name(&t->study->objective);
   km_text_format(out, "  %-12s %7s  %9s %8s  %19s  %8s %8s  %9s\n", "", "", "position", "rotation", name, "joint",
                  "largest", "limit");
@@ -380,6 +411,4 @@ void km_tracks_print(const km_tracks *t, km_text *out) {
   for (int i = 0; i < t->count; ++i)
     if (t->items[i])
       print_remarks(t, i, out);
-  if (t->count > 1)
-    print_best(t, out);
 }

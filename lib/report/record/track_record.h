@@ -9,6 +9,8 @@
 
 /* True if these are tracks of a study with a path. */
 bool km_tracks_are_whole(const km_tracks *tracks);
+/* "joint4 comes nearest to a limit: …; joint2 is the fastest of its drive: …", as far as joints have limits. */
+void km_track_limits_words(const km_track *track, km_text *out);
 /* The head of every record about an arm. */
 km_value *km_arm_record(const km_arm *arm, const char *model, km_arena *arena);
 

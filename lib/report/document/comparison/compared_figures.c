@@ -7,6 +7,7 @@
 
 #include "question/question.h"
 #include "report/document/motion_report.h"
+#include "report/record/advantage_record.h"
 #include "report/record/sweep_text.h"
 #include "sweep/sweep.h"
 
@@ -93,6 +94,8 @@ static void list_advantage(km_document_maker *k, const km_question *q, km_compar
   for (size_t i = 0; i < sizeof figures / sizeof *figures; ++i)
     km_compared_add(out,
                     (km_compared_figure){figures[i].name, unit, figures[i].value, KM_BETTER_NEITHER, column, false});
+  km_compared_add(out, (km_compared_figure){"advantage at the end over that at the start", "", km_progression(sweep),
+                                            KM_BETTER_NEITHER, NULL, false});
   km_compared_add(out,
                   (km_compared_figure){"dead points", "", (double)sweep->toggle_count, KM_BETTER_NEITHER, NULL, false});
   list_hinges(k, sweep->motion.table, out);

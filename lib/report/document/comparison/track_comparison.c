@@ -1,9 +1,10 @@
 /* Report about the best tracks of several studies, or of variants of one: which figures differ and by how much, the
  * curves that differ most, then each study briefly. */
+#include "arm/tracking/joint_course.h"
 #include "base/arguments.h"
+#include "report/charts/track_plot.h"
 #include "report/document/comparison/comparison_page.h"
 #include "report/document/sweep_report.h"
-#include "report/document/track_course.h"
 #include "report/document/track_report.h"
 #include "topology/mechanism.h"
 

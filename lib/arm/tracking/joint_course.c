@@ -1,5 +1,5 @@
 /* Courses of the joints of a track against their limits. */
-#include "report/document/track_course.h"
+#include "arm/tracking/joint_course.h"
 
 #include <math.h>
 

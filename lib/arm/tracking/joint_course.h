@@ -2,10 +2,10 @@
  *
  *   margin of a joint = min over the rows of min(q − low, high − q) / ((high − low) / 2); 1 in the middle, 0 at a limit
  *   rate of a joint   = max over the rows of |v|,  its part of the drive's limit */
-#ifndef KM_REPORT_DOCUMENT_TRACK_COURSE_H
-#define KM_REPORT_DOCUMENT_TRACK_COURSE_H
+#ifndef KM_ARM_TRACKING_JOINT_COURSE_H
+#define KM_ARM_TRACKING_JOINT_COURSE_H
 
-#include "report/charts/track_plot.h"
+#include "arm/tracking/track.h"
 
 /* Course of one joint over the rows of a track. */
 typedef struct km_joint_course {
