@@ -7,6 +7,7 @@
 #include "continuation/predictor_corrector.h"
 
 #include "base/extrema.h"
+#include "base/number/gauss_legendre.h"
 #include "kinematics/loop_closing.h"
 #include "local/local.h"
 
@@ -65,42 +66,14 @@ double km_continuation_dot(const km_continuation *c, const double *a, const doub
   return km_step_dot(c->mechanism, km_continuation_sub(c), a, b);
 }
 
-/* Computes t = D⁻¹ Z Zᵀ D from, normalised to |D t| = 1; false if the projection is shorter than 1e-6. */
-static bool project_on_null_space(km_continuation *c, const double *from, double *t) {
-  const km_substructure *sub = km_continuation_sub(c);
-  const double *weight = c->mechanism->column_weight + sub->column_start;
-  int freedom = km_partition_freedom(&c->state->partition[c->substructure]);
-  if (freedom > KM_MANY_VECTORS) {
-    memmove(t, from, (size_t)sub->columns * sizeof *t);
-    return km_tangent_project(c->mechanism, c->state, c->substructure, t, c->work) > 1e-6;
-  }
-  const double *Z = km_state_null_space(c->mechanism, c->state, c->substructure, freedom);
-  if (!Z)
-    return false;
-  memset(c->work, 0, (size_t)sub->columns * sizeof *c->work);
-  for (int i = 0; i < freedom; ++i) {
-    const double *z = Z + (size_t)i * (size_t)sub->columns;
-    double dot = 0.0;
-    for (int k = 0; k < sub->columns; ++k)
-      dot += z[k] * weight[k] * from[k];
-    for (int k = 0; k < sub->columns; ++k)
-      c->work[k] += dot * z[k];
-  }
-  double size = 0.0;
-  for (int k = 0; k < sub->columns; ++k)
-    size += c->work[k] * c->work[k];
-  size = sqrt(size);
-  for (int k = 0; k < sub->columns; ++k)
-    t[k] = c->work[k] / (size * weight[k]);
-  return size > 1e-6;
-}
-
 bool km_continuation_tangent(km_continuation *c, const double *along, double *t) {
   const km_partition *p = &c->state->partition[c->substructure];
   if (c->constant_rank.is_active)
     return km_constant_rank_tangent(&c->constant_rank, c->mechanism, c->substructure, c->column, along, t);
-  if (c->column < 0)
-    return project_on_null_space(c, along, t);
+  if (c->column < 0) {
+    memmove(t, along, (size_t)km_continuation_sub(c)->columns * sizeof *t);
+    return km_tangent_project(c->mechanism, c->state, c->substructure, t, c->work) > 1e-6;
+  }
   if (p->forced_dependent)
     return false;
   km_minimum_norm_rates(c->mechanism, c->state, c->substructure, c->column, t);
@@ -108,7 +81,7 @@ bool km_continuation_tangent(km_continuation *c, const double *along, double *t)
 }
 
 static bool is_equal_step(double h, double other) {
-  return fabs(h - other) <= km_continuation_equal_steps * fabs(h);
+  return fabs(h - other) <= km_relative_zero * fabs(h);
 }
 
 /* Replaces the cubic prediction by the polynomial of degree 10 where both agree. Two partial sums, for
@@ -259,22 +232,20 @@ void km_continuation_rates(const km_continuation *c, const double *t, int stride
 }
 
 double km_continuation_arc_length(const km_continuation *c, const double *move, const double *t0, const double *t1) {
-  static const double node[5] = {0.5, 0.23076534494715845, 0.7692346550528415, 0.046910077030668, 0.953089922969332};
-  static const double share[5] = {0.28444444444444444, 0.23931433524968324, 0.23931433524968324, 0.11846344252809454,
-                                  0.11846344252809454};
   const km_substructure *sub = km_continuation_sub(c);
   const double *weight = c->mechanism->column_weight + sub->column_start;
   double sign = km_continuation_dot(c, move, t0) < 0.0 ? -1.0 : 1.0;
   double length = sign * sqrt(km_continuation_dot(c, move, move));
   for (int pass = 0; pass < 4; ++pass) {
     double sum = 0.0;
-    for (int i = 0; i < 5; ++i) {
-      double u = node[i], d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2), square = 0.0;
+    for (int i = 0; i < KM_GAUSS_POINTS; ++i) {
+      double u = km_gauss_node[i], d01 = 6 * u * (1 - u), d10 = (1 - u) * (1 - 3 * u), d11 = u * (3 * u - 2),
+             square = 0.0;
       for (int k = 0; k < sub->columns; ++k) {
         double d = weight[k] * (d01 * move[k] + length * (d10 * t0[k] + d11 * t1[k]));
         square += d * d;
       }
-      sum += share[i] * sqrt(square);
+      sum += km_gauss_weight[i] * sqrt(square);
     }
     length = sign * sum;
   }

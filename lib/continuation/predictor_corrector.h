@@ -8,6 +8,7 @@
 #ifndef KM_CONTINUATION_PREDICTOR_CORRECTOR_H
 #define KM_CONTINUATION_PREDICTOR_CORRECTOR_H
 
+#include "base/number/tolerances.h"
 #include "continuation/hermite_curve.h"
 #include "kinematics/state.h"
 #include "local/constant_rank.h"
@@ -25,8 +26,6 @@ static const double km_singular_step = 1e-3;
 /* Extrapolation limit: the history predicts steps of at most this many previous step lengths (theory 4.5). */
 static const double km_continuation_extrapolation_limit = 4.0;
 
-/* Relative difference of two step lengths that count as equal for the predictor on equidistant nodes. */
-static const double km_continuation_equal_steps = 1e-9;
 /* Largest difference, per unit of s, between the degree-10 and the cubic prediction; beyond it a singular
  * configuration is so near that high derivatives are unreliable. */
 static const double km_continuation_predictor_agreement = 1e-3;

@@ -1,4 +1,5 @@
 /* Checks of a model: suspicious units, masses, geometry, ranks, redundancies, limits, force laws. */
+#include "base/number/tolerances.h"
 #include "kmech/mobility.h"
 
 #include "base/arguments.h"
@@ -169,7 +170,6 @@ static int by_size(const void *a, const void *b) {
 /* Warns of frames 300 times further from, or nearer to, their body's origin than most: some lengths are in another
  * unit. Distances at rounding level are ignored. */
 static void check_lengths(const km_model *model, km_findings *f) {
-  static const double relative_zero = 1e-9;
   double *sizes = KM_ARENA_NEW(&f->store->arena, double, (size_t)model->frame_count);
   size_t count = 0;
   for (int i = 0; sizes && i < model->frame_count; ++i)
@@ -181,7 +181,8 @@ static void check_lengths(const km_model *model, km_findings *f) {
   double middle = sizes[count / 2];
   for (int i = 0; i < model->frame_count; ++i) {
     double size = km_vec3_norm(model->frames[i].pose.p);
-    if (model->frames[i].body != 0 && size > relative_zero * middle && (size > 300.0 * middle || size < middle / 300.0))
+    if (model->frames[i].body != 0 && size > km_relative_zero * middle &&
+        (size > 300.0 * middle || size < middle / 300.0))
       add_finding(f, KM_FINDING_WARNING, "units", "check its unit",
                   "frame %s of body %s is %.4g %s from its body's origin, where most are about %.2g",
                   model->frames[i].name, model->bodies[model->frames[i].body].name, size, model->units.length->suffix,

@@ -6,6 +6,7 @@
  *
  * Loops that violate the polygon inequality close from no start. A closure tolerance is suggested for rounded data. */
 #include "kinematics/assembly.h"
+#include "base/number/tolerances.h"
 #include "base/random.h"
 #include "kinematics/damped_least_squares.h"
 #include "kinematics/loop_closing.h"
@@ -249,9 +250,6 @@ bool km_assemble_suggest(const km_mechanism *m, int index, int least_mobility, k
   return true;
 }
 
-/* A gap or a rotation (scaled) below this ratio of the other one is not reported. */
-static const double negligible_ratio = 1e-9;
-
 /* Appends e.g. "connect: loop 1 (joints A, B, connect, D)". */
 static void append_loop_name(const km_mechanism *m, int loop, km_text *text) {
   const km_topology *t = &m->topology;
@@ -269,7 +267,7 @@ static void append_gap(const km_mechanism *m, const km_state *s, int loop, km_te
   const km_twist *e = &s->misfit[loop];
   double size = m->substructures[t->substructure_of_loop[loop]].size, gap = km_vec3_norm(e->v),
          turn = km_vec3_norm(e->w);
-  bool gaps = gap > negligible_ratio * turn, turns = turn > negligible_ratio * gap;
+  bool gaps = gap > km_relative_zero * turn, turns = turn > km_relative_zero * gap;
   if (gaps)
     km_text_format(text, "a gap of %.4g %s", size * gap, model->units.length->suffix);
   if (turns)

@@ -4,6 +4,7 @@
  *
  * Methods, in this order: normal equations by sparse Cholesky; sparse QR of the null vectors N where they have less
  * fill-in than the rows; sparse QR of the primary rows. */
+#include "base/number/tolerances.h"
 #include "linalg/dense/simd_pair.h"
 #include "linalg/sparse/normal_equations.h"
 #include "linalg/sparse/sparse_lu.h"
@@ -12,11 +13,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Rank tolerance of SPQR: primary rows are independent, each has a pivot. */
-static const double rank_tolerance = 1e-14;
-/* Rounding of 1 − Σ R_jk²: mobility numbers below it are 0. */
-static const double mobility_rounding = 1e-13;
 
 /* QR of Aᵀ: the primary rows over the weights, in the order of pivots. Independent columns after the first `count` are
  * omitted. NULL without SPQR or memory. */
@@ -106,7 +102,7 @@ static bool dense_row_norms(const km_partition *p, const double *weight, double 
 /* Σ_k R_jk² of the row space by sparse QR of the primary rows. */
 static bool sparse_row_norms(const km_partition *p, const double *matrix, const double *weight, double *shares) {
   km_sparse_qr *q = create_row_qr(p, matrix, weight, km_partition_freedom(p));
-  bool found = q && km_sparse_qr_squared_norms(q, rank_tolerance, shares);
+  bool found = q && km_sparse_qr_squared_norms(q, km_sum_rounding, shares);
   km_sparse_qr_free(q);
   return found;
 }
@@ -114,7 +110,7 @@ static bool sparse_row_norms(const km_partition *p, const double *matrix, const 
 /* Mobility numbers Σ_k Z_jk² by sparse QR of the null vectors. */
 static bool sparse_null_norms(const km_partition *p, const double *weight, double *numbers) {
   km_sparse_qr *q = p->sparse ? create_null_qr(p, weight, km_partition_freedom(p)) : NULL;
-  bool found = q && km_sparse_qr_squared_norms(q, rank_tolerance, numbers);
+  bool found = q && km_sparse_qr_squared_norms(q, km_sum_rounding, numbers);
   km_sparse_qr_free(q);
   return found;
 }
@@ -127,7 +123,7 @@ bool km_partition_mobility_numbers(const km_partition *p, const double *matrix, 
     return false;
   for (int c = 0; c < p->columns; ++c) {
     double m_j = uses_null_vectors ? numbers[c] : 1.0 - numbers[c];
-    numbers[c] = m_j < mobility_rounding || (p->locked && p->locked[c]) ? 0.0 : m_j;
+    numbers[c] = m_j < 10.0 * km_sum_rounding || (p->locked && p->locked[c]) ? 0.0 : m_j;
   }
   return true;
 }
@@ -139,7 +135,7 @@ static bool remove_projection(km_sparse_qr *q, const km_partition *p, const doub
     work[c] = weight[c] * x[c];
   for (int k = p->rank + count; k < p->columns && uses_rows; ++k)
     work[p->column[k]] = 0.0; /* not moved by these motions: x keeps its entry */
-  bool is_ok = q && km_sparse_qr_factor(q, rank_tolerance) && km_sparse_qr_remove(q, work, 1);
+  bool is_ok = q && km_sparse_qr_factor(q, km_sum_rounding) && km_sparse_qr_remove(q, work, 1);
   for (int c = 0; c < p->columns && is_ok; ++c)
     x[c] = uses_rows ? x[c] - work[c] / weight[c] : work[c] / weight[c];
   return is_ok;
@@ -174,8 +170,7 @@ bool km_partition_remove_null_space(const km_partition *p, const double *matrix,
 /* Stores the projection of y onto the null space: `rest`, or y − rest if `rest` is the row-space part. Entries of
  * rounding size become 0. */
 static void store_projection(const km_partition *p, bool is_row_part, const double *rest, double *y) {
-  static const double rounding = 1e-14; /* relative to the length of y */
-  double threshold = rounding * sqrt(km_sum_of_squares(y, p->columns));
+  double threshold = km_sum_rounding * sqrt(km_sum_of_squares(y, p->columns));
   for (int c = 0; c < p->columns; ++c) {
     double value = is_row_part ? y[c] - rest[c] : rest[c];
     y[c] = fabs(value) <= threshold || km_sparse_is_locked(p, c) ? 0.0 : value;
@@ -205,7 +200,7 @@ bool km_partition_project_null_space(const km_partition *p, const double *matrix
   size_t n = (size_t)p->columns, size = n * (size_t)count;
   km_sparse_qr *null = create_null_qr(p, weight, freedom), *q = null ? null : create_row_qr(p, matrix, weight, freedom);
   double *rest = KM_NEW(double, size + 1);
-  bool is_ok = q && rest && km_sparse_qr_factor(q, rank_tolerance);
+  bool is_ok = q && rest && km_sparse_qr_factor(q, km_sum_rounding);
   if (is_ok)
     memcpy(rest, Y, size * sizeof *rest);
   is_ok = is_ok && km_sparse_qr_remove(q, rest, count);
@@ -235,7 +230,7 @@ static bool minimum_norm_by_rows(const km_partition *p, const double *matrix, co
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
     b[k] = rhs[p->row[k]];
-  bool is_ok = q && b && km_sparse_qr_factor(q, rank_tolerance) && km_sparse_qr_minimum_norm(q, b, x);
+  bool is_ok = q && b && km_sparse_qr_factor(q, km_sum_rounding) && km_sparse_qr_minimum_norm(q, b, x);
   for (int c = 0; c < p->columns && is_ok; ++c)
     x[c] /= weight[c];
   km_free(b);

@@ -7,6 +7,7 @@
  * Gauss-Newton) counts if it continues at d/2, d/4, … within 37° of its direction. Where two half-branches lie
  * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. If
  * the starts cover the sphere and none makes |F| small, q0 is isolated. */
+#include "base/number/tolerances.h"
 #include "local/local_private.h"
 
 #include "kinematics/loop_closing.h"
@@ -22,11 +23,9 @@ enum { STARTS_PER_FREEDOM = 24, MAX_ITERATIONS = 60, MAX_NEWTON_STEPS = 30, MIN_
 enum { MAX_COVERED_FREEDOM = 3 }; /* freedoms for which the starts cover the sphere of tangents, 20 degrees apart */
 static const double radius =
     0.08; /* radius d: a contact of order n leaves a misfit of d^n, which must exceed the residual tolerance */
-static const double min_misfit = 1e-9;          /* |F| of a sphere without closed configurations: d^n, n <= 8 */
-static const double rounding = 1e-14;           /* residual of a solution on which Gauss-Newton steps have ended */
-static const double max_error = 1e-3;           /* relative to d: error of solutions that decide */
-static const double min_distance = 1e-4;        /* relative to d: closer solutions are one */
-static const double min_singular_ratio = 1e-12; /* singular values below this share of the largest count as 0 */
+static const double min_misfit = 1e-9;   /* |F| of a sphere without closed configurations: d^n, n <= 8 */
+static const double max_error = 1e-3;    /* relative to d: error of solutions that decide */
+static const double min_distance = 1e-4; /* relative to d: closer solutions are one */
 
 /* The system at one distance, with its workspace. */
 typedef struct sphere {
@@ -101,7 +100,7 @@ static void gauss_newton(sphere *p) {
     compute_residuals(p->x, p, p->error);
     compute_svd(p);
     for (size_t k = 0; k < p->S->size; ++k)
-      if (gsl_vector_get(p->S, k) < min_singular_ratio * gsl_vector_get(p->S, 0))
+      if (gsl_vector_get(p->S, k) < km_solved_rounding * gsl_vector_get(p->S, 0))
         gsl_vector_set(p->S, k, 0.0);
     gsl_linalg_SV_solve(p->A, p->V, p->S, p->error, p->work);
     double step = gsl_blas_dnrm2(p->work);
@@ -182,7 +181,8 @@ static bool is_known_end(const sphere *p, const km_half_branches *out) {
   for (int i = 0; i < out->count && !known; ++i) {
     for (size_t k = 0; k < n; ++k)
       p->last[k] = p->y[k] - p->end[(size_t)i * n + k];
-    known = p->end_distance[i] == p->d && km_step_length(p->l->m, p->l->sub, p->last) <= solution_error(p, rounding);
+    known =
+        p->end_distance[i] == p->d && km_step_length(p->l->m, p->l->sub, p->last) <= solution_error(p, km_sum_rounding);
   }
   return known;
 }

@@ -4,15 +4,13 @@
  *   step   : min |δ|² + |s|²  with  J_p D⁻¹ δ = 0,   g_i δ + μ s_i = −c_i/scale,   δ ⊥ a        by sparse QR
  *   g_i    = ∂c_i/∂a / scale,  μ² the damping */
 #include "local/second_order_columns.h"
+#include "base/number/tolerances.h"
 
 #include "kinematics/loop_equations.h"
 #include "linalg/sparse/sparse_qr.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static const double rank_tolerance = 1e-14; /* tolerance of SPQR: primary rows are independent, and the others are
-                                             * damped */
 
 /* Left null vectors of unit length by their entries, and the dependence of the conditions on the columns. */
 struct km_second_order_columns {
@@ -239,7 +237,7 @@ bool km_second_order_columns_step(km_local *l, double damping, double *a) {
   memset(c->b, 0, ((size_t)c->rank + (size_t)c->conditions + 1) * sizeof *c->b);
   for (int k = 0; k < c->conditions; ++k)
     c->b[c->rank + k] = -c->value[k] / l->scale;
-  if (!km_sparse_qr_factor(c->q, rank_tolerance) || !km_sparse_qr_minimum_norm(c->q, c->b, c->z))
+  if (!km_sparse_qr_factor(c->q, km_sum_rounding) || !km_sparse_qr_minimum_norm(c->q, c->b, c->z))
     return false;
   for (int k = 0; k < l->sub->columns; ++k)
     a[k] += c->z[k];

@@ -4,16 +4,13 @@
  *   s + l < p + q : the hinges of the shortest link go round    s beside g: crank-rocker, s = g: double crank,
  *                                                                s opposite g: double rocker
  *   s + l = p + q : change point      s + l > p + q : triple rocker, the longest link is too long by s + l − p − q */
+#include "base/number/tolerances.h"
 #include "kmech/mechanism.h"
 #include "kmech/mobility.h"
 
 #include "kinematics/body_poses.h"
 
 #include <math.h>
-
-/* Rounding of axes and links in double precision, as in planar_motion.c; typed digits aren't considered. */
-static const double parallel_sine = 1e-9; /* sine of the angle below which hinges are parallel */
-static const double equal_lengths = 1e-9; /* part of the sum of the links below which s + l = p + q */
 
 static int body_of(const km_mechanism *m, int joint, int side) {
   return m->model->frames[m->model->joints[joint].frame[side]].body;
@@ -78,7 +75,7 @@ static bool measure(const km_mechanism *m, const km_state *s, km_four_bar *out) 
     const km_pose X = km_joint_pose(m, s, out->joints[i]);
     axis[i] = X.R.axis[km_joint_kind_of(m->model->joints[out->joints[i]].type)->motions[0].axis];
     point[i] = X.p;
-    if (km_vec3_norm(km_vec3_cross(axis[0], axis[i])) > parallel_sine)
+    if (km_vec3_norm(km_vec3_cross(axis[0], axis[i])) > km_relative_zero)
       return false;
   }
   for (int i = 0; i < 4; ++i) {
@@ -97,11 +94,11 @@ static void classify(km_four_bar *out) {
     out->longest = out->lengths[i] > out->lengths[out->longest] ? i : out->longest;
   }
   out->excess = 2.0 * (out->lengths[out->shortest] + out->lengths[out->longest]) - sum;
-  out->kind = fabs(out->excess) <= equal_lengths * sum ? KM_FOUR_BAR_CHANGE_POINT
-              : out->excess > 0.0                      ? KM_FOUR_BAR_TRIPLE_ROCKER
-              : out->shortest == 0                     ? KM_FOUR_BAR_DOUBLE_CRANK
-              : out->shortest == 2                     ? KM_FOUR_BAR_DOUBLE_ROCKER
-                                                       : KM_FOUR_BAR_CRANK_ROCKER;
+  out->kind = fabs(out->excess) <= km_relative_zero * sum ? KM_FOUR_BAR_CHANGE_POINT
+              : out->excess > 0.0                         ? KM_FOUR_BAR_TRIPLE_ROCKER
+              : out->shortest == 0                        ? KM_FOUR_BAR_DOUBLE_CRANK
+              : out->shortest == 2                        ? KM_FOUR_BAR_DOUBLE_ROCKER
+                                                          : KM_FOUR_BAR_CRANK_ROCKER;
 }
 
 bool km_four_bar_find(const km_mechanism *m, const km_state *s, int loop, km_four_bar *out) {

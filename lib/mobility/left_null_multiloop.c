@@ -5,6 +5,7 @@
  *
  * Up to 240 rows: dense elimination, orthonormal vectors. Larger: one vector of the sparse factor per superfluous
  * row, each in few loops. A block is the rows of a loop or the row of a coupling. */
+#include "base/number/tolerances.h"
 #include "kinematics/loop_equations.h"
 #include "local/local.h"
 #include "mobility/left_null_space.h"
@@ -14,8 +15,6 @@
 
 /* Most rows for the dense elimination. */
 enum { MOST_DENSE_ROWS = 240 };
-/* Entries of a unit vector below this are rounding. */
-static const double smallest_entry = 1e-12;
 
 /* Subtracts from v its projection on a unit vector. */
 static void subtract_projection(double *v, const double *unit, int count) {
@@ -185,7 +184,7 @@ static bool add_vector(const reduced_matrix *R, const double *w, const int *bloc
     double largest = 0.0;
     for (int r = R->first[blocks[i]]; r < R->first[blocks[i] + 1]; ++r)
       largest = fabs(w[r]) > largest ? fabs(w[r]) : largest;
-    if (largest <= smallest_entry * size)
+    if (largest <= km_solved_rounding * size)
       continue;
     if (!km_arena_grow(arena, (void **)&out->part, capacity, (size_t)count + 1, sizeof *out->part))
       return false;

@@ -1,10 +1,9 @@
 /* Generalised masses of free motions (theory 6.7): G_kl = Σ m v_k · v_l + ω_kᵀ I ω_l over all bodies; singular if a
  * motion moves no mass. */
 #include "mobility/massless_motions.h"
+#include "base/number/tolerances.h"
 
 #include "kinematics/body_poses.h"
-
-static const double relative_zero = 1e-9; /* relative to the largest generalised mass: speeds of 3e-5 of the fastest */
 
 /* A free motion: rates and velocities. */
 typedef struct motion {
@@ -69,7 +68,7 @@ static bool has_singular_masses(const km_mechanism *m, const motion *motions, in
   for (int k = 0; k < freedom; ++k)
     for (int l = 0; l < freedom; ++l)
       G[(size_t)k * (size_t)freedom + (size_t)l] = generalised_mass(m, &motions[k], &motions[l]);
-  km_partition_factor(&p, G, freedom, freedom, NULL, relative_zero);
+  km_partition_factor(&p, G, freedom, freedom, NULL, km_relative_zero);
   return p.rank < freedom;
 }
 

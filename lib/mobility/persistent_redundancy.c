@@ -1,13 +1,13 @@
 /* Persistent redundancies (theory 7.3): a left null vector w is persistent if more than half of |w|² is its projection
  * on the span of the left null vectors at a neighbouring configuration. */
 #include "mobility/persistent_redundancy.h"
+#include "base/number/tolerances.h"
 
 #include "linalg/sparse/sparse_qr.h"
 
 #include <string.h>
 
-enum { VECTORS_PER_BLOCK = 64 };           /* vectors per block */
-static const double rank_tolerance = 1e-9; /* relative, for the independent unit vectors of the neighbour */
+enum { VECTORS_PER_BLOCK = 64 }; /* vectors per block */
 
 typedef struct comparison {
   const km_left_space *a;
@@ -44,7 +44,7 @@ static km_status factor_neighbour_span(comparison *c, km_error *error) {
       }
     columns.start[k + 1] = next;
   }
-  return km_sparse_qr_factor(c->neighbour_span, rank_tolerance) ? KM_OK : KM_MEMORY;
+  return km_sparse_qr_factor(c->neighbour_span, km_relative_zero) ? KM_OK : KM_MEMORY;
 }
 
 /* Expands vector k to all rows; vectors of single loops come first. */

@@ -1,11 +1,10 @@
 /* Planar motion: a mechanism or loop moves in parallel planes if all its hinges are parallel to one normal and all
  * its slides orthogonal to it (theory 2.5). */
+#include "base/number/tolerances.h"
 #include "kmech/mechanism.h"
 
 #include "kinematics/body_poses.h"
 #include "kinematics/state.h"
-
-static const double aligned = 1e-9; /* sine of the angle below which directions are parallel */
 
 /* The free coordinates of a loop, or of the whole mechanism (-1), at the state's configuration. */
 typedef struct coordinate_set {
@@ -55,7 +54,7 @@ static bool find_normal(const coordinate_set *a, km_vec3 *normal) {
   for (cursor at = {0, 0}; next_twist(a, &at, &t);) {
     km_vec3 across = km_vec3_cross(translation, t.v);
     double size = km_vec3_norm(across);
-    if (size > aligned * km_vec3_norm(t.v)) {
+    if (size > km_relative_zero * km_vec3_norm(t.v)) {
       *normal = km_vec3_scale(1.0 / size, across);
       return true;
     }
@@ -68,16 +67,16 @@ static bool find_normal(const coordinate_set *a, km_vec3 *normal) {
  * rounding of v = p × ω grows with p. */
 static bool is_planar_twist(km_twist t, km_vec3 n) {
   double rotation = km_vec3_norm(t.w), translation = km_vec3_norm(t.v);
-  return km_vec3_norm(km_vec3_cross(t.w, n)) <= aligned * rotation &&
-         fabs(km_vec3_dot(t.v, n)) <= aligned * translation;
+  return km_vec3_norm(km_vec3_cross(t.w, n)) <= km_relative_zero * rotation &&
+         fabs(km_vec3_dot(t.v, n)) <= km_relative_zero * translation;
 }
 
 /* Writes the normal with the sign that makes its largest component positive. */
 static void write_normal(km_vec3 n, double out[3]) {
   double largest = n.x;
-  if (fabs(n.y) > fabs(largest) * (1.0 + aligned))
+  if (fabs(n.y) > fabs(largest) * (1.0 + km_relative_zero))
     largest = n.y;
-  if (fabs(n.z) > fabs(largest) * (1.0 + aligned))
+  if (fabs(n.z) > fabs(largest) * (1.0 + km_relative_zero))
     largest = n.z;
   km_vec3 v = km_vec3_scale(largest < 0.0 ? -1.0 : 1.0, n);
   out[0] = v.x + 0.0;

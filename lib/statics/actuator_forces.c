@@ -96,11 +96,10 @@ void km_actuator_row(const km_mechanism *m, const km_statics *st, const km_actua
  * pole of the others they would count as motions. */
 static void fill_actuator_rows(const km_mechanism *m, const km_statics *st, const km_actuator_workspace *h,
                                gsl_matrix *U) {
-  static const double zero_rate = 1e-14;
   for (size_t a = 0; a < U->size1; ++a)
     for (size_t k = 0; k < U->size2; ++k) {
       double rate = a < (size_t)h->count ? scaled_rate(m, st, h, h->actuator[a], h->Z + k * (size_t)h->columns) : 0.0;
-      *entry(U, a, k) = fabs(rate) > zero_rate ? rate : 0.0;
+      *entry(U, a, k) = fabs(rate) > km_sum_rounding ? rate : 0.0;
     }
 }
 
@@ -239,7 +238,7 @@ static void solve_block(const km_mechanism *m, const km_state *s, int index, km_
     for (size_t k = 0; k < g.size; ++k)
       load.data[i] += *entry(&V, k, i) * g.data[k];
   }
-  while (rank < size && S.data[rank] > km_actuator_rank_tolerance)
+  while (rank < size && S.data[rank] > km_relative_zero)
     ++rank;
   h->rank = rank;
   h->noise = noise;
@@ -266,7 +265,7 @@ static double solve_tree_joint(const km_mechanism *m, km_statics *st, int actuat
     return 0.0 - w->tau[c];
   double rate = w->row[actuator][c];
   bool loaded = fabs(w->tau[c]) > w->least_load[c];
-  if (fabs(rate) * km_actuator_scale(m, st, actuator) > km_actuator_rank_tolerance * m->scale[c])
+  if (fabs(rate) * km_actuator_scale(m, st, actuator) > km_relative_zero * m->scale[c])
     return 0.0 - w->tau[c] / rate;
   add_tree_joint_direction(m, c, loaded && w->tau[c] < 0.0 ? -1.0 : 1.0, loaded, st);
   st->held = st->held && !loaded;

@@ -54,11 +54,7 @@ bool km_actuator_subspace_compute(const km_mechanism *m, const km_state *s, cons
     x[i] = km_uniform(&random);
   bool is_ok = x && km_partition_project_null_space(p, s->jacobian + sub->matrix_start, weight, x, vectors);
   for (int i = 0; i < vectors && is_ok; ++i)
-    append(h,
-           i < h->count ? km_actuator_rank_tolerance
-           : i < rows   ? km_load_rounding
-                        : KM_INDEPENDENT,
-           x + (size_t)i * n);
+    append(h, i < h->count ? km_relative_zero : i < rows ? km_load_rounding : KM_INDEPENDENT, x + (size_t)i * n);
   km_free(x);
   return is_ok;
 }

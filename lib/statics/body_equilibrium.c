@@ -299,7 +299,7 @@ static bool mark_indeterminate(equilibrium *e, bool *indeterminate_out) {
       largest = fmax(largest, fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size));
     for (int i = 0; i < 6 * e->joints; ++i)
       indeterminate_out[i] =
-          indeterminate_out[i] || fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size) > km_zero_component * largest;
+          indeterminate_out[i] || fabs(e->row[i]) * (i % 6 < 3 ? 1.0 : to_size) > km_relative_zero * largest;
   }
   return true;
 }

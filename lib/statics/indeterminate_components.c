@@ -41,7 +41,7 @@ static void mark_components(const km_reaction_workspace *c, const km_pair *parts
       torque = km_pair_larger(magnitude(parts[6 * j + 3 + k]), torque);
     }
   km_pair threshold[2];
-  threshold[0] = km_zero_component * km_pair_larger(force, torque / c->size);
+  threshold[0] = km_relative_zero * km_pair_larger(force, torque / c->size);
   threshold[1] = threshold[0] * c->size;
   for (int j = 0; j < c->joints; ++j) {
     bool *indeterminate = reactions[c->joint[j]].indeterminate;

@@ -2,6 +2,7 @@
 #ifndef KM_STATICS_STATICS_H
 #define KM_STATICS_STATICS_H
 
+#include "base/number/tolerances.h"
 #include "forces/forces.h"
 #include "kmech/statics.h"
 #include "linalg/dense/simd_pair.h"
@@ -36,12 +37,8 @@ typedef struct km_actuator_workspace {
   gsl_permutation *pivots;
 } km_actuator_workspace;
 
-/* Relative singular value below which a motion is out of the actuators' reach. */
-static const double km_actuator_rank_tolerance = 1e-9;
 /* Relative to all applied forces: smaller generalised forces are 0. */
 static const double km_load_rounding = 1e-10;
-/* Relative component of a self-stress below which it is rounding. */
-static const double km_zero_component = 1e-9;
 
 /* A loop through a joint, and the sign of its chord's wrench there. */
 typedef struct km_joint_loop {

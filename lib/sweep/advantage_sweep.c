@@ -2,6 +2,7 @@
  *
  *   zero of n: advantage 0;   zero of d: infinite;   both within 1e-8: undefined;   extrema of n/d between rows */
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "base/table.h"
 #include "base/text.h"
 #include "kmech/transfer.h"
@@ -11,10 +12,6 @@
 #include "transfer/transfer.h"
 
 #include <string.h>
-
-static const double rounding = 1e-12; /* relative: smaller rates count as zero */
-/* relative distance of the zeros of both rates that make the advantage undefined */
-static const double same_position = 1e-8;
 
 typedef struct sweep_events {
   km_advantage_sweep *out;
@@ -120,7 +117,7 @@ static void compute_values(void *self, km_sweeper *r, double *n, double *d) {
   const km_transfer_end *is_last[2] = {&w->transfer->input, &w->transfer->output};
   double *const out[2] = {n, d};
   for (int i = 0; i < 2; ++i)
-    *out[i] = w->search.is_probing || fabs(is_last[i]->rate) > rounding * is_last[i]->size
+    *out[i] = w->search.is_probing || fabs(is_last[i]->rate) > km_solved_rounding * is_last[i]->size
                   ? w->orientation * is_last[i]->rate
                   : 0.0;
 }
@@ -196,7 +193,7 @@ static km_status collect_toggles(sweep_events *w, km_error *error) {
                                                           : KM_ADVANTAGE_UNDEFINED;
     if (!is_toggle(e))
       continue;
-    if (!before || fabs(before->s - e->s) > same_position * (1.0 + fabs(e->s)))
+    if (!before || fabs(before->s - e->s) > km_same_position * (1.0 + fabs(e->s)))
       out->toggles[out->toggle_count++] = (km_advantage_toggle){state, e->s};
     else if (before->state != state)
       before->state = KM_ADVANTAGE_UNDEFINED;

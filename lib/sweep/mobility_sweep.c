@@ -3,6 +3,7 @@
  *   z = D q̇/|D q̇| at rows and steps; a coordinate has a dead point where its entry z_j is 0:
  *   sign change between rows, several sign changes between steps, or a minimum of |z_j| near 0 */
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "base/table.h"
 #include "sweep/events/event_search.h"
 #include "sweep/singular_value_minima.h"
@@ -10,9 +11,6 @@
 #include "sweep/transmission_columns.h"
 
 #include <string.h>
-
-/* Entries of the unit direction below this are 0; they are known to about 1e-12. */
-static const double zero_entry = 1e-9;
 
 /* State of the search between rows. */
 typedef struct sweep_events {
@@ -155,7 +153,7 @@ static bool compute_direction(const km_sweeper *r, double *z) {
 static void copy_entries(sweep_events *w, const double *z, double *entries) {
   for (int i = 0; i < w->candidate_count; ++i) {
     const int c = w->candidates[i];
-    bool moves = fabs(z[c]) >= zero_entry;
+    bool moves = fabs(z[c]) >= km_relative_zero;
     entries[i] = moves || w->search.is_probing ? z[c] : 0.0;
     w->moved[c] = w->moved[c] || moves;
   }
@@ -333,7 +331,7 @@ static bool reserve(sweep_events *w, const km_mechanism *m, const km_sweep_plan 
                                 .ratios = true,
                                 .dips = true,
                                 .defers = true,
-                                .zero = zero_entry,
+                                .zero = km_relative_zero,
                                 .events = &w->events};
   w->moved = KM_NEW(bool, count);
   w->candidates = KM_NEW(int, count);

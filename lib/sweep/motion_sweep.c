@@ -5,6 +5,7 @@
  *   between two rows quintics through p, v, a, and through q, q̇, q̈, whose extremes are those of the swing
  *
  * Several freedoms leave q'' undetermined: accelerations are then NaN. */
+#include "base/number/gauss_legendre.h"
 #include "base/table.h"
 #include "base/text.h"
 #include "kinematics/body_poses.h"
@@ -13,7 +14,6 @@
 #include "sweep/sweep_observer.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct sweep_motion {
@@ -211,18 +211,16 @@ static double speed_change(const quintic *path, double u) {
   return sum;
 }
 
-/* ∫ |p'(u)| du from `from` to `to` by Gauss's rule of five points. */
+/* ∫ |p'(u)| du from `from` to `to`. */
 static double path_piece(const quintic *path, double from, double to) {
-  static const double node[3] = {0.0, 0.5384693101056831, 0.9061798459386640};
-  static const double weight[3] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
-  double middle = 0.5 * (from + to), half = 0.5 * (to - from), sum = 0.0;
-  for (int i = -2; i <= 2; ++i) {
-    double u = middle + copysign(half * node[abs(i)], i), square = 0.0;
+  double sum = 0.0;
+  for (int i = 0; i < KM_GAUSS_POINTS; ++i) {
+    double u = from + (to - from) * km_gauss_node[i], square = 0.0;
     for (int k = 0; k < 3; ++k)
       square += slope_of(&path[k], u) * slope_of(&path[k], u);
-    sum += weight[abs(i)] * sqrt(square);
+    sum += km_gauss_weight[i] * sqrt(square);
   }
-  return half * sum;
+  return (to - from) * sum;
 }
 
 /* Length of one curve between two rows, in two pieces where its speed is least between them: a path that reverses has a

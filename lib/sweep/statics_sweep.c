@@ -10,8 +10,6 @@
 
 #include <string.h>
 
-static const double rounding = 1e-11; /* relative to all applied forces: smaller actuator forces count as 0 */
-
 typedef struct sweep_events {
   km_statics_sweep *out;
   km_observer observer;
@@ -87,7 +85,7 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
 static double force_above_rounding(const sweep_events *w, const km_mechanism *m, int actuator) {
   const km_port *port = &w->statics->actuators[actuator];
   double unit = port->kind == KM_PORT_JOINT ? m->unit[port->coordinate] : m->length;
-  double size = rounding * (w->forces->force_size * unit + w->forces->couple_size) / unit;
+  double size = km_load_rounding * (w->forces->force_size * unit + w->forces->couple_size) / unit;
   double force = w->statics->actuator_forces[actuator];
   return fabs(force) <= size ? 0.0 : force;
 }
@@ -198,13 +196,12 @@ static bool convert_event(const km_statics_sweep *out, const km_event *e, km_for
 /* True if a zero of the same actuator lies at a pole, or a pole at a zero: neither actuator nor load moves there, and
  * the force is continuous. */
 static bool is_undefined(const km_events *events, const km_event *e) {
-  static const double same_position = 1e-8; /* relative: roots are located to 1e-9 */
   const km_event_kind other = e->kind == KM_EVENT_POLE   ? KM_EVENT_ZERO
                               : e->kind == KM_EVENT_ZERO ? KM_EVENT_POLE
                                                          : KM_EVENT_UNDEFINED;
   for (size_t i = 0; i < events->count; ++i)
     if (events->items[i].kind == other && events->items[i].function == e->function &&
-        fabs(events->items[i].s - e->s) <= same_position * (1.0 + fabs(e->s)))
+        fabs(events->items[i].s - e->s) <= km_same_position * (1.0 + fabs(e->s)))
       return true;
   return false;
 }
@@ -222,7 +219,7 @@ static km_status collect_events(sweep_events *w, const km_sweep_plan *plan, km_e
     out->events[out->event_count++] = event;
     km_force_event *largest = &out->largest[event.actuator];
     /* a row is preferred to a peak that equals it to rounding */
-    if (event.kind != KM_FORCE_BALANCED && fabs(event.value) > (1.0 + rounding) * fabs(largest->value))
+    if (event.kind != KM_FORCE_BALANCED && fabs(event.value) > (1.0 + km_load_rounding) * fabs(largest->value))
       *largest = event;
   }
   return KM_OK;

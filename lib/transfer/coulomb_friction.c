@@ -4,6 +4,7 @@
  *   predict   : N + h dN/dt,  J dN/dt = dr/dt;     correct : Newton's method at t + h
  *   accept    : correction <= 1/4 of the largest force, sign of det J unchanged (or h <= 1e-8) */
 #include "transfer/coulomb_friction.h"
+#include "base/number/tolerances.h"
 
 #include "base/extrema.h"
 
@@ -11,9 +12,8 @@
 
 enum { MAX_ITERATIONS = 30, MAX_STEPS = 4000, STARTS = 8 };
 
-static const double converged = 1e-13;  /* residual relative to the largest term */
-static const double zero_force = 1e-14; /* relative to the largest normal force: smaller ones are 0 */
-static const double shortest = 1e-10;   /* shortest step in t */
+static const double converged = 1e-13; /* residual relative to the largest term */
+static const double shortest = 1e-10;  /* shortest step in t */
 /* longest step over which the load is linear and a sign change of det J is accepted */
 static const double linear_step = 1e-8;
 static const double max_correction =
@@ -108,7 +108,7 @@ static int solve_step(km_friction *f) {
 static void add_step(const km_friction *f, double *N) {
   for (int k = 0; k < f->count; ++k)
     N[k] += f->step.data[k];
-  double rounding = zero_force * largest_magnitude(N, f->count);
+  double rounding = km_sum_rounding * largest_magnitude(N, f->count);
   for (int k = 0; k < f->count; ++k)
     N[k] = fabs(N[k]) <= rounding ? 0.0 : N[k];
 }

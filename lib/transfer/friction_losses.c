@@ -3,6 +3,7 @@
  *   all reactions are linear in the output's load (1) and the normal forces N_k:
  *   a_c  load of surface c under the load without friction;  B_ck, w_k  from a unit normal force at surface k
  *   efficiency = remaining load with all friction;  force ratio = mechanical advantage · efficiency */
+#include "base/number/tolerances.h"
 #include "kmech/transfer.h"
 
 #include "base/arguments.h"
@@ -11,9 +12,6 @@
 #include "transfer/transfer.h"
 
 #include <string.h>
-
-/* Forces below this part of the largest one are rounding. */
-static const double relative_rounding = 1e-12;
 
 struct km_losses_workspace {
   km_arena arena;
@@ -145,14 +143,15 @@ static bool compute_coefficients(const km_mechanism *m, km_state *s, km_losses_w
   km_friction *f = &w->friction;
   double frictionless_force = balance_unit_load(m, s, w, -1), frictionless_reaction = largest_reaction(m, &w->statics);
   for (int c = 0; c < f->count; ++c)
-    write_force(km_surface_load(m, &w->statics, &w->sliding[c]), relative_rounding * frictionless_reaction,
+    write_force(km_surface_load(m, &w->statics, &w->sliding[c]), km_solved_rounding * frictionless_reaction,
                 f->a + 3 * c);
   for (int k = 0; k < f->count && isfinite(frictionless_force); ++k) {
     double force = balance_unit_load(m, s, w, k);
     if (isnan(force))
       return false;
     f->w[k] = (force - frictionless_force) / frictionless_force;
-    double least = relative_rounding * (largest_reaction(m, &w->statics) + fabs(1.0 + f->w[k]) * frictionless_reaction);
+    double least =
+        km_solved_rounding * (largest_reaction(m, &w->statics) + fabs(1.0 + f->w[k]) * frictionless_reaction);
     for (int c = 0; c < f->count; ++c) {
       km_vec3 load = km_surface_load(m, &w->statics, &w->sliding[c]), a = km_vec3_from_array(f->a + 3 * c);
       write_force(km_vec3_axpy(-1.0 - f->w[k], a, load), least, f->B + 3 * (c * f->count + k));

@@ -9,6 +9,7 @@
  * output link is the angle between these links, or its supplement. Sources: H. Alt 1932; J. Holte and T. Chase 1994
  * (K. Wehage 2016, equation 253). */
 #include "transfer/joint_transmission.h"
+#include "base/number/tolerances.h"
 
 #include "spatial/wrench.h"
 #include "statics/statics.h"
@@ -17,9 +18,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-/* Forces and velocities below this part of the largest one are rounding. */
-static const double relative_rounding = 1e-9;
 
 /* True if all loops of a substructure are planar. */
 static bool is_planar(const km_mechanism *m, int index) {
@@ -162,7 +160,7 @@ bool km_joint_transmission_compute(km_state *s, km_joint_transmission *w, const 
   for (int i = 0; i < w->count; ++i) {
     km_vec3 v = hinge_velocity(w, s, w->joint[i]), F = hinge_force(w, w->joint[i]);
     double speed = km_vec3_norm(v), force = km_vec3_norm(F), across = km_vec3_norm(km_vec3_cross(F, v));
-    bool defined = balanced && speed > relative_rounding * fastest && force > relative_rounding * strongest;
+    bool defined = balanced && speed > km_relative_zero * fastest && force > km_relative_zero * strongest;
     double pressure = defined ? atan2(across, fabs(km_vec3_dot(F, v))) / m->model->units.angle->si : nan("");
     cells[2 * i] = 0.5 * M_PI / m->model->units.angle->si - pressure;
     cells[2 * i + 1] = pressure;

@@ -252,7 +252,6 @@ static void add_motions(const km_mechanism *m, km_state *s, int index, km_transf
 
 /* Computes the motion of the advantage into the rates; returns the number of freedoms it was chosen from. */
 static int choose_motion(const km_mechanism *m, km_state *s, km_transfer *l) {
-  static const double one = 1.0;
   int freedom = 0;
   memset(l->rates, 0, (size_t)m->coordinate_count * sizeof *l->rates);
   for (int pass = 0; pass < 2; ++pass) { /* first pass counts the freedoms, second adds the motions */
@@ -262,7 +261,7 @@ static int choose_motion(const km_mechanism *m, km_state *s, km_transfer *l) {
         continue;
       freedom += pass == 0;
       if (pass)
-        add_motion(m, l, &one, &c, 1, single_freedom);
+        add_motion(m, l, &(double){1.0}, &c, 1, single_freedom);
     }
     for (int i = 0; i < m->topology.substructure_count; ++i) {
       if (!l->moves[m->column_coordinate[m->substructures[i].column_start]])

@@ -20,10 +20,8 @@ km_status km_batch_create(km_arena *memory, km_driver_motion *const *drives, int
 void km_batch_free(km_arena *memory, km_batch *lanes);
 
 /* A row contains no zero of an entry z_k of the unit direction of motion if z_k times its value in the previous row
- * is above this threshold, */
-static const double km_batch_sign_threshold = 1e-9;
-/* and the parabola through |z_k| in this and the two previous rows stays above this part of the least of them: two
- * sign changes between two rows are then unlikely. */
+ * is above km_relative_zero, and the parabola through |z_k| in this and the two previous rows stays above
+ * this part of the least of them: two sign changes between two rows are then unlikely. */
 static const double km_batch_minimum_ratio = 0.5;
 
 /* Does km_driver_motion_move_to(drives[i], targets[i]) for every motion whose bit i is set in `wanted`, with the same

@@ -27,7 +27,7 @@
 
 /* True if the step has the length of the last one. */
 static inline mask is_equal_step(const km_batch *l, vector h, int r, int first) {
-  return at_most(size_of(h - GET(l->current.last_h)), km_continuation_equal_steps * size_of(h));
+  return at_most(size_of(h - GET(l->current.last_h)), km_relative_zero * size_of(h));
 }
 
 /* True if h is within the extrapolation limit of the last step. */
@@ -300,8 +300,7 @@ static inline void find_lanes_without_zero(const km_batch *l, mask *has_valid_pi
   for (int k = 0; k < l->sub->columns && l->is_observed; ++k)
     EACH(r) {
       vector z = GET(l->row->z[k]), before = GET(l->previous_z[0][k]), earlier = GET(l->previous_z[1][k]);
-      has_no_zero[r] &=
-          below(all(km_batch_sign_threshold), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
+      has_no_zero[r] &= below(all(km_relative_zero), z * before) | (equal(z, all(0.0)) & equal(before, all(0.0)));
       has_no_zero[r] &= ~may_touch_zero(size_of(earlier), size_of(before), size_of(z));
     }
 }

@@ -3,8 +3,7 @@
  * A body with all joints on one line (a rod) counts by that line, a body with all joints at one point (a crosspiece) by
  * that point, the halves of a strut not at all. */
 #include "kinematics/modes/mode_identity.h"
-
-static const double collinear = 1e-9; /* relative to the largest distance between joints */
+#include "base/number/tolerances.h"
 
 /* Adds a joint's frame to the line of its body: the first joint gives the point; the farthest other joint, or the axis
  * of a slide, gives the direction. */
@@ -39,7 +38,7 @@ static int find_slide_axis(km_joint_type type) {
 
 /* True if a vector is parallel to `direction`, to a part of `size`. */
 static bool is_parallel(km_vec3 offset, km_vec3 direction, double size) {
-  return km_vec3_norm(km_vec3_cross(offset, direction)) <= collinear * size;
+  return km_vec3_norm(km_vec3_cross(offset, direction)) <= km_relative_zero * size;
 }
 
 /* One end of a joint: its body, slide axis (find_slide_axis), and frame on the body. */

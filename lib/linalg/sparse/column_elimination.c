@@ -8,9 +8,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Relative to the largest entry of the matrix: smaller singletons are not taken as pivots without a search. */
-static const double min_singleton_ratio = 0.01;
-/* Relative to the largest entry of a column: columns with smaller pivots are postponed. */
+/* Smaller singletons, relative to the largest entry of the matrix, are not taken as pivots without a search. Columns
+ * with smaller pivots, relative to their largest entry, are postponed. */
 static const double small_pivot_ratio = 0.01;
 /* Threshold pivoting, relative to the largest entry of a column: such pivots let entries grow little, and leave a
  * choice of a short row. */
@@ -261,7 +260,7 @@ void km_sparse_eliminate(km_partition *p, const double *matrix, const bool *forc
   p->forced_dependent = false;
   for (int r = 0; r < p->rows; ++r)
     s->step_of[r] = -1;
-  int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, min_singleton_ratio * p->scale));
+  int upper_end = km_sparse_take_singletons(p, matrix, forced, fmax(threshold, small_pivot_ratio * p->scale));
   int first_postponed = order_columns(p, forced);
   s->is_overfull = false;
   for (int i = s->singleton_count; i < p->columns; ++i) {

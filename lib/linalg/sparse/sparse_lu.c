@@ -10,9 +10,8 @@
 #include <math.h>
 #include <string.h>
 
-/* max|B| that complete pivoting reaches, and that is accepted with many null vectors: these are used less and may be
- * long. */
-static const double max_good_b = 2.0, max_good_b_with_many = 30.0;
+/* max|B| that complete pivoting reaches. More is accepted with many null vectors, up to km_max_good_b. */
+static const double max_good_b = 2.0;
 enum { MAX_PASSES = 4 };
 /* Postpones columns with more entries than the average. They are shared by several loops: if they are independent, null
  * vectors reach no further than a loop and its neighbours. Returns true if the independent columns change. */
@@ -150,7 +149,7 @@ static void find_good_columns(km_partition *p, const double *matrix, const bool 
     if (p->unrestricted_basis)
       break;
     bool many = km_partition_freedom(p) > KM_MANY_VECTORS, others = many && pass == 0 && postpone_shared_columns(p);
-    double most = many && pass > 0 ? max_good_b_with_many : max_good_b;
+    double most = many && pass > 0 ? km_max_good_b : max_good_b;
     bool finite = km_sparse_find_b(p, forced, others ? most : HUGE_VAL);
     if (finite && max_free_b(p, forced) <= most)
       break;

@@ -5,6 +5,7 @@
  *   near a pole        : 16 samples at halved distances, for extrema next to it and for pictures
  *   between samples    : event_location.c */
 #include "sweep/events/event_search.h"
+#include "base/number/tolerances.h"
 
 #include "sweep/events/event_location.h"
 
@@ -12,9 +13,6 @@
 #include <string.h>
 
 enum { POLE_SAMPLES = 16 }; /* samples towards a pole, the last one at 2⁻¹⁶ of the distance */
-
-/* Relative change below which a function counts as constant. */
-static const double constant_change = 1e-9;
 
 bool km_event_search_reserve(km_event_search *search, int count, const km_sweep_plan *plan) {
   size_t n = (size_t)count;
@@ -64,11 +62,10 @@ km_status km_events_add(km_events *events, km_event event, km_error *error) {
 }
 
 void km_events_sort(km_events *events, const km_sweep_plan *plan) {
-  static const double same_position = 1e-9; /* relative: events are located to it */
   const double sense = km_sweep_sense(plan);
   km_event *e = events->items;
   for (size_t i = 1; i < events->count; ++i)
-    for (size_t k = i; k > 0 && sense * (e[k - 1].s - e[k].s) > same_position * (1.0 + fabs(e[k].s)); --k) {
+    for (size_t k = i; k > 0 && sense * (e[k - 1].s - e[k].s) > km_same_position * (1.0 + fabs(e[k].s)); --k) {
       km_event swap = e[k];
       e[k] = e[k - 1];
       e[k - 1] = swap;
@@ -117,7 +114,7 @@ double *km_event_search_step(km_event_search *search, double s) {
 static km_status add_run_sample(km_event_search *search, km_sweeper *r, int i, double s, double f, bool *is_moved,
                                 km_error *error) {
   km_sample_run *run = &search->runs[i];
-  if (run->have > 0 && fabs(f - run->f[0]) <= constant_change * (fabs(f) + fabs(run->f[0])))
+  if (run->have > 0 && fabs(f - run->f[0]) <= km_relative_zero * (fabs(f) + fabs(run->f[0])))
     return KM_OK;
   memmove(run->s + 1, run->s, 2 * sizeof *run->s);
   memmove(run->f + 1, run->f, 2 * sizeof *run->f);

@@ -20,6 +20,9 @@ typedef struct km_event {
   double s, value;
 } km_event;
 
+/* Relative distance of events that are one: each is located to 1e-9 of its position. */
+static const double km_same_position = 1e-8;
+
 typedef struct km_events {
   km_event *items;
   size_t count, capacity;
@@ -112,7 +115,7 @@ void km_event_record_end_sample(km_event_search *search);
 km_status km_event_at_end(km_event_search *search, km_sweeper *sweeper, double end, km_error *error);
 
 km_status km_events_add(km_events *events, km_event event, km_error *error);
-/* Sorts the events in the order of the sweep; events within 1e-9 stay in the order in which they were added. */
+/* Sorts the events in the order of the sweep; events that are one stay in the order in which they were added. */
 void km_events_sort(km_events *events, const km_sweep_plan *plan);
 
 #endif

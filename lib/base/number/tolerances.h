@@ -1,0 +1,13 @@
+/* Relative sizes below which a computed number is rounding. ε = 2.2e-16 is the rounding of one operation. */
+#ifndef KM_BASE_NUMBER_TOLERANCES_H
+#define KM_BASE_NUMBER_TOLERANCES_H
+
+/* Rounding of a sum of products: 50 ε. */
+static const double km_sum_rounding = 1e-14;
+/* Rounding of the solution of a system with a condition number of 1e3, the largest that good pivots leave: loops are
+ * closed to it. */
+static const double km_solved_rounding = 1e-12;
+/* Numbers that follow from a closed configuration by another such solution are 0 below this part of the others. */
+static const double km_relative_zero = 1e-9;
+
+#endif
