@@ -7,8 +7,8 @@
 #include "kinematics/loop_equations.h"
 #include "kinematics/modes/mode_identity.h"
 #include "kmech/mobility.h"
-#include "space/mode_proof.h"
 #include "space/complex/real_endpoints.h"
+#include "space/mode_proof.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -38,6 +38,20 @@ static km_status check_part(const km_driver_surface *f, int joints, km_error *er
   return KM_OK;
 }
 
+/* Axes of the plane in which the mechanism moves: a coordinate axis projected, and the one orthogonal to it. */
+static km_status find_plane(km_driver_surface *f, km_error *error) {
+  double normal[3];
+  km_poses_compute(f->m, f->s);
+  if (!km_mechanism_plane(f->m, f->s, normal))
+    return km_fail(error, KM_USAGE, "the mechanism isn't planar; expected one for the workspace of a point");
+  km_vec3 n = km_vec3_from_array(normal), x = {1.0, 0.0, 0.0}, y = {0.0, 1.0, 0.0};
+  km_vec3 start = fabs(n.x) < 0.9 ? x : y;
+  f->axis[0] = km_vec3_sub(start, km_vec3_scale(km_vec3_dot(start, n), n));
+  f->axis[0] = km_vec3_scale(1.0 / km_vec3_norm(f->axis[0]), f->axis[0]);
+  f->axis[1] = km_vec3_cross(n, f->axis[0]);
+  return KM_OK;
+}
+
 km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_arena *arena, km_error *error) {
   int joints = f->number ? 1 : 2;
   km_status status = KM_OK;
@@ -60,8 +74,13 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_
   f->step = KM_ARENA_NEW(arena, double, n);
   f->x = KM_ARENA_NEW(arena, double, r + 1);
   f->b = KM_ARENA_NEW(arena, double, r + 1);
+  f->G = KM_ARENA_NEW(arena, double, 2 * n);
+  f->frame_jacobian = KM_ARENA_NEW(arena, double, 6 * (size_t)f->m->coordinate_count);
   if (arena->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the map");
+  status = f->frame >= 0 ? find_plane(f, error) : KM_OK;
+  if (status)
+    return status;
   f->control[1] = f->columns - 1;
   for (int d = 0; d < joints; ++d)
     f->control[d] = f->m->column_of[drivers[d]];
@@ -81,6 +100,35 @@ bool km_driver_surface_factor(km_driver_surface *f, int *sign) {
     for (int j = 0; j < f->rows; ++j)
       f->A[i * f->rows + j] = f->J[f->other[j] * f->rows + i];
   return km_real_factor(f->A, f->rows, f->row, sign);
+}
+
+int km_driver_surface_joints(const km_driver_surface *f) {
+  return f->number ? f->columns - 1 : f->columns;
+}
+
+void km_driver_surface_update_output(km_driver_surface *f) {
+  const km_substructure *sub = km_driver_surface_part(f);
+  if (f->frame < 0)
+    return;
+  km_poses_compute(f->m, f->s);
+  km_frame_jacobian(f->m, f->s, f->frame, f->frame_jacobian, NULL);
+  for (int k = 0; k < sub->columns; ++k) {
+    int c = f->m->column_coordinate[sub->column_start + k];
+    const double *J = f->frame_jacobian + 6 * c;
+    for (int i = 0; i < 2; ++i)
+      f->G[i * sub->columns + k] =
+          (f->axis[i].x * J[0] + f->axis[i].y * J[1] + f->axis[i].z * J[2]) * f->m->unit[c] / sub->size;
+  }
+}
+
+void km_driver_surface_matrix(const km_driver_surface *f, km_singularity_kind kind, double *K) {
+  int w = km_driver_surface_joints(f), r = f->rows;
+  for (int i = 0; i < r; ++i)
+    for (int k = 0; k < w; ++k)
+      K[i * w + k] = f->J[k * r + i];
+  for (int i = r; i < w; ++i)
+    for (int k = 0; k < w; ++k)
+      K[i * w + k] = kind == KM_SINGULARITY_OUTPUT ? f->G[(i - r) * w + k] : f->control[i - r] == k;
 }
 
 bool km_driver_surface_move(km_driver_surface *f, const double *step) {

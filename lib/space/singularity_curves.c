@@ -1,10 +1,10 @@
 /* Singularity curves (docs/theory.md 4.19): continuation of the augmented system.
  *
- *   R(q, z) = (e(q); A(q) z; cᵀ z − 1) = 0,   2 r + 1 equations in 2 r + 2 unknowns, c = z at the last point
- *   M = dR = (J 0; (dA/dq) z A; 0 cᵀ),   dA/dq by central differences of J, and so the number's column of J
+ *   R(q, z) = (e(q); K(q) z; cᵀ z − 1) = 0,   c = z at the last point; one unknown more than equations
+ *   M = dR = (J 0; (dK/dq) z K; 0 cᵀ),   dK/dq by central differences, and so the number's column of J
  *   M t = 0, |t| = 1;   predictor (q, z) + h t;   corrector: Newton's method with tᵀ x = 0
  *
- * It is regular at folds, where A alone is singular (A. Griewank, G. W. Reddien 1984). A curve ends where it closes,
+ * It is regular at folds, where K alone is singular (A. Griewank, G. W. Reddien 1984). A curve ends where it closes,
  * and outside the range of a control. Where a number of the design is a control, extrema of the number are located:
  * roots of its component of t. */
 #include "space/singularity_curves.h"
@@ -27,20 +27,24 @@ static const double extremum = 1e-10; /* component of t at an extremum of the nu
 
 /* A point of a curve: configuration, null vector and tangent. */
 typedef struct curve_point {
-  double *saved, *z, *t; /* [saved_size], [rows], [unknowns] */
+  double *saved, *z, *t; /* [saved_size], [order], [unknowns] */
 } curve_point;
 
 struct km_singularity_curves {
   km_driver_surface *f;
   km_table *table;
   km_arena arena;
-  int count, unknowns;
-  double *M, *R, *x, *c, *forward, *backward; /* [unknowns²], [unknowns] …, [rows], [rows × columns], [rows] */
-  double *z, *t;                              /* null vector and tangent of the present configuration */
+  int count, unknowns, order; /* order of K */
+  km_singularity_kind kind;   /* kind of the present curve */
+  double *M, *R, *x, *c;      /* [unknowns²], [unknowns], [unknowns], [order] */
+  double *K, *forward;        /* [order²] K, and K of a forward difference */
+  double *e, *number_column;  /* [rows] e of a forward difference, ∂e by the number */
+  double *z, *t;              /* null vector and tangent of the present configuration */
   curve_point from, start;
   int *row;
-  double **points; /* [point] saved configurations */
-  size_t point_count, capacity;
+  double **points;                 /* [point] saved configurations */
+  km_singularity_kind *point_kind; /* [point] */
+  size_t point_count, capacity, kind_capacity;
   double *rows; /* [row_count × columns of the table] of the present curve */
   size_t row_count, row_capacity;
   km_turning_point *critical; /* extrema of the number */
@@ -50,7 +54,7 @@ struct km_singularity_curves {
 
 static curve_point new_point(km_arena *a, const km_driver_surface *f, size_t unknowns) {
   return (curve_point){.saved = KM_ARENA_NEW(a, double, f->saved_size),
-                       .z = KM_ARENA_NEW(a, double, (size_t)f->rows + 1),
+                       .z = KM_ARENA_NEW(a, double, (size_t)km_driver_surface_joints(f)),
                        .t = KM_ARENA_NEW(a, double, unknowns)};
 }
 
@@ -58,16 +62,18 @@ km_singularity_curves *km_singularity_curves_create(km_driver_surface *surface, 
   km_singularity_curves *v = KM_NEW(km_singularity_curves, 1);
   if (!v)
     return NULL;
-  size_t n = (size_t)surface->columns, r = (size_t)surface->rows, u = n + r;
-  *v = (km_singularity_curves){.f = surface, .table = table, .unknowns = (int)u};
+  size_t w = (size_t)km_driver_surface_joints(surface), u = (size_t)surface->columns + w;
+  *v = (km_singularity_curves){.f = surface, .table = table, .unknowns = (int)u, .order = (int)w};
   km_arena *a = &v->arena;
   v->M = KM_ARENA_NEW(a, double, u *u);
   v->R = KM_ARENA_NEW(a, double, u);
   v->x = KM_ARENA_NEW(a, double, u);
-  v->c = KM_ARENA_NEW(a, double, r + 1);
-  v->forward = KM_ARENA_NEW(a, double, n *r + 1);
-  v->backward = KM_ARENA_NEW(a, double, r + 1);
-  v->z = KM_ARENA_NEW(a, double, r + 1);
+  v->c = KM_ARENA_NEW(a, double, w);
+  v->K = KM_ARENA_NEW(a, double, w *w);
+  v->forward = KM_ARENA_NEW(a, double, w *w);
+  v->e = KM_ARENA_NEW(a, double, w);
+  v->number_column = KM_ARENA_NEW(a, double, w);
+  v->z = KM_ARENA_NEW(a, double, w);
   v->t = KM_ARENA_NEW(a, double, u);
   v->from = new_point(a, surface, u);
   v->start = new_point(a, surface, u);
@@ -83,6 +89,7 @@ void km_singularity_curves_free(km_singularity_curves *v) {
   if (!v)
     return;
   km_free(v->points);
+  km_free(v->point_kind);
   km_free(v->critical);
   km_free(v->rows);
   km_arena_free(&v->arena);
@@ -105,29 +112,35 @@ static double size_of(const double *x, int n) {
   return sqrt(sum);
 }
 
-/* Fills column k of (dA/dq) z, and the number's column of J. False where the number can't have a value. */
+/* Updates e, J and K at the state's configuration. */
+static void update(km_singularity_curves *v, double *K) {
+  km_driver_surface_update(v->f);
+  if (v->kind == KM_SINGULARITY_OUTPUT)
+    km_driver_surface_update_output(v->f);
+  km_driver_surface_matrix(v->f, v->kind, K);
+}
+
+/* Fills column k of (dK/dq) z, and the number's column of J. False where the number can't have a value. */
 static bool fill_differences(km_singularity_curves *v, int k) {
   km_driver_surface *f = v->f;
-  int n = f->columns, r = f->rows, u = v->unknowns;
+  int r = f->rows, w = v->order;
   const double *e = km_state_error(f->s, km_driver_surface_part(f));
-  memset(f->step, 0, (size_t)n * sizeof *f->step);
+  memset(f->step, 0, (size_t)f->columns * sizeof *f->step);
   f->step[k] = difference;
   bool is_ok = km_driver_surface_move(f, f->step);
-  km_driver_surface_update(f);
-  memcpy(v->forward, f->J, (size_t)(n * r) * sizeof *v->forward);
-  for (int i = 0; i < r; ++i)
-    v->x[i] = e[i];
+  update(v, v->forward);
+  memcpy(v->e, e, (size_t)r * sizeof *e);
   f->step[k] = -2.0 * difference;
   is_ok = is_ok && km_driver_surface_move(f, f->step);
-  km_driver_surface_update(f);
-  for (int i = 0; i < r; ++i) {
+  update(v, v->K);
+  for (int i = 0; i < w; ++i) {
     double sum = 0.0;
-    for (int j = 0; j < r; ++j)
-      sum += (v->forward[f->other[j] * r + i] - f->J[f->other[j] * r + i]) * v->z[j];
-    v->M[(r + i) * u + k] = sum / (2.0 * difference);
-    if (f->number && k == n - 1)
-      v->backward[i] = (v->x[i] - e[i]) / (2.0 * difference);
+    for (int j = 0; j < w; ++j)
+      sum += (v->forward[i * w + j] - v->K[i * w + j]) * v->z[j];
+    v->M[(r + i) * v->unknowns + k] = sum / (2.0 * difference);
   }
+  for (int i = 0; i < r && k == w; ++i)
+    v->number_column[i] = (v->e[i] - e[i]) / (2.0 * difference);
   f->step[k] = difference;
   return is_ok && km_driver_surface_move(f, f->step);
 }
@@ -135,30 +148,30 @@ static bool fill_differences(km_singularity_curves *v, int k) {
 /* Fills M and R at the state's configuration and z; the last row of M is `last`. */
 static bool fill(km_singularity_curves *v, const double *last) {
   km_driver_surface *f = v->f;
-  int n = f->columns, r = f->rows, u = v->unknowns;
+  int n = f->columns, r = f->rows, w = v->order, u = v->unknowns;
   memset(v->M, 0, (size_t)u * (size_t)u * sizeof *v->M);
   for (int k = 0; k < n; ++k)
     if (!fill_differences(v, k))
       return false;
-  km_driver_surface_update(f);
-  if (f->number)
-    memcpy(f->J + (size_t)((n - 1) * r), v->backward, (size_t)r * sizeof *f->J);
-  double product = -1.0;
+  update(v, v->K);
   const double *e = km_state_error(f->s, km_driver_surface_part(f));
   for (int i = 0; i < r; ++i) {
-    double sum = 0.0;
     for (int k = 0; k < n; ++k)
-      v->M[i * u + k] = f->J[k * r + i];
-    for (int j = 0; j < r; ++j) {
-      v->M[(r + i) * u + n + j] = f->J[f->other[j] * r + i];
-      sum += f->J[f->other[j] * r + i] * v->z[j];
-    }
+      v->M[i * u + k] = k == w ? v->number_column[i] : f->J[k * r + i];
     v->R[i] = -e[i];
+  }
+  double product = -1.0;
+  for (int i = 0; i < w; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < w; ++j) {
+      v->M[(r + i) * u + n + j] = v->K[i * w + j];
+      sum += v->K[i * w + j] * v->z[j];
+    }
     v->R[r + i] = -sum;
-    v->M[2 * r * u + n + i] = v->c[i];
+    v->M[(r + w) * u + n + i] = v->c[i];
     product += v->c[i] * v->z[i];
   }
-  v->R[2 * r] = -product;
+  v->R[r + w] = -product;
   v->R[u - 1] = 0.0;
   memcpy(v->M + (size_t)(u - 1) * (size_t)u, last, (size_t)u * sizeof *last);
   return true;
@@ -175,7 +188,7 @@ static bool newton_step(km_singularity_curves *v, double *correction) {
   memcpy(f->step, v->x, (size_t)f->columns * sizeof *f->step);
   if (!isfinite(*correction) || !km_driver_surface_move(f, f->step))
     return false;
-  for (int j = 0; j < f->rows; ++j)
+  for (int j = 0; j < v->order; ++j)
     v->z[j] += v->x[f->columns + j];
   return true;
 }
@@ -212,13 +225,13 @@ static bool update_tangent(km_singularity_curves *v) {
 
 static void save_point(km_singularity_curves *v, curve_point *to) {
   km_driver_surface_save(v->f, to->saved);
-  memcpy(to->z, v->z, (size_t)v->f->rows * sizeof *v->z);
+  memcpy(to->z, v->z, (size_t)v->order * sizeof *v->z);
   memcpy(to->t, v->t, (size_t)v->unknowns * sizeof *v->t);
 }
 
 static void restore_point(km_singularity_curves *v, const curve_point *from) {
   km_driver_surface_restore(v->f, from->saved);
-  memcpy(v->z, from->z, (size_t)v->f->rows * sizeof *v->z);
+  memcpy(v->z, from->z, (size_t)v->order * sizeof *v->z);
   memcpy(v->t, from->t, (size_t)v->unknowns * sizeof *v->t);
 }
 
@@ -226,20 +239,20 @@ static void restore_point(km_singularity_curves *v, const curve_point *from) {
 static bool step(km_singularity_curves *v, double h, double *first) {
   km_driver_surface *f = v->f;
   restore_point(v, &v->from);
-  double size = size_of(v->z, f->rows);
-  for (int j = 0; j < f->rows; ++j)
+  double size = size_of(v->z, v->order);
+  for (int j = 0; j < v->order; ++j)
     v->c[j] = v->z[j] / (size * size);
   for (int k = 0; k < f->columns; ++k)
     f->step[k] = h * v->t[k];
   if (!km_driver_surface_move(f, f->step))
     return false;
-  for (int j = 0; j < f->rows; ++j)
+  for (int j = 0; j < v->order; ++j)
     v->z[j] += h * v->t[f->columns + j];
   return correct(v, first) && update_tangent(v);
 }
 
 /* Notes the row of the present point. False when out of memory. */
-static bool note_row(km_singularity_curves *v, km_turning_kind kind) {
+static bool note_row(km_singularity_curves *v, km_turning_kind critical) {
   const km_driver_surface *f = v->f;
   size_t width = km_table_columns(v->table);
   void *rows = v->rows;
@@ -248,21 +261,28 @@ static bool note_row(km_singularity_curves *v, km_turning_kind kind) {
   v->rows = rows;
   double *row = v->rows + v->row_count++ * width;
   *row++ = v->count;
-  if (f->number) {
-    *row++ = f->number->value;
-    *row++ = kind;
-  }
+  *row++ = f->number ? f->number->value : (double)v->kind;
+  if (f->number)
+    *row++ = critical;
   for (int c = 0; c < f->m->coordinate_count; ++c)
     row[c] = km_state_value(f->s, c);
+  if (f->frame >= 0) {
+    km_poses_compute(f->m, f->s);
+    km_frame_position(f->m, f->s, f->frame, row + f->m->coordinate_count);
+  }
   return true;
 }
 
 static bool add_point(km_singularity_curves *v) {
-  void *points = v->points;
+  void *points = v->points, *kinds = v->point_kind;
   double *saved = KM_ARENA_NEW(&v->arena, double, v->f->saved_size);
   if (!saved || !km_reserve(&points, &v->capacity, v->point_count + 1, sizeof *v->points))
     return false;
   v->points = points;
+  if (!km_reserve(&kinds, &v->kind_capacity, v->point_count + 1, sizeof *v->point_kind))
+    return false;
+  v->point_kind = kinds;
+  v->point_kind[v->point_count] = v->kind;
   v->points[v->point_count++] = saved;
   km_driver_surface_save(v->f, saved);
   return note_row(v, KM_TURNING_NONE);
@@ -335,30 +355,29 @@ static bool follow(km_singularity_curves *v, bool *is_closed) {
   return true;
 }
 
-/* z: unit vector of the smallest singular value of A, by inverse iteration with Aᵀ A. */
+/* z: unit vector of the smallest singular value of K, by inverse iteration with Kᵀ K. */
 static bool start_vector(km_singularity_curves *v) {
-  km_driver_surface *f = v->f;
-  int r = f->rows, sign;
-  double *AtA = v->M;
-  km_driver_surface_update(f);
-  for (int i = 0; i < r; ++i)
-    for (int j = 0; j < r; ++j) {
+  int w = v->order, sign;
+  double *square = v->M;
+  update(v, v->K);
+  for (int i = 0; i < w; ++i)
+    for (int j = 0; j < w; ++j) {
       double sum = i == j ? 1e-14 : 0.0;
-      for (int k = 0; k < r; ++k)
-        sum += f->J[f->other[i] * r + k] * f->J[f->other[j] * r + k];
-      AtA[i * r + j] = sum;
+      for (int k = 0; k < w; ++k)
+        sum += v->K[k * w + i] * v->K[k * w + j];
+      square[i * w + j] = sum;
     }
-  if (!km_real_factor(AtA, r, v->row, &sign))
+  if (!km_real_factor(square, w, v->row, &sign))
     return false;
-  for (int i = 0; i < r; ++i)
+  for (int i = 0; i < w; ++i)
     v->z[i] = 1.0 / (1.0 + i);
   for (int pass = 0; pass < 4; ++pass) {
-    km_real_solve(AtA, r, v->row, v->z, v->c);
-    double size = size_of(v->c, r);
-    for (int i = 0; i < r; ++i)
+    km_real_solve(square, w, v->row, v->z, v->c);
+    double size = size_of(v->c, w);
+    for (int i = 0; i < w; ++i)
       v->z[i] = v->c[i] / size;
   }
-  memcpy(v->c, v->z, (size_t)r * sizeof *v->z);
+  memcpy(v->c, v->z, (size_t)w * sizeof *v->z);
   return true;
 }
 
@@ -380,10 +399,10 @@ static bool move_to_curve(km_singularity_curves *v) {
   return false;
 }
 
-/* True if a point of a known curve is nearer to the state than `reach`. */
+/* True if a point of a known curve of this kind is nearer to the state than `reach`. */
 static bool is_known(const km_singularity_curves *v, double reach) {
   for (size_t i = 0; i < v->point_count; ++i)
-    if (km_driver_surface_difference(v->f, v->points[i], v->f->step) < reach)
+    if (v->point_kind[i] == v->kind && km_driver_surface_difference(v->f, v->points[i], v->f->step) < reach)
       return true;
   return false;
 }
@@ -400,8 +419,9 @@ static bool write_rows(km_singularity_curves *v, size_t first, size_t end, int b
   return true;
 }
 
-bool km_singularity_curves_add(km_singularity_curves *v, const double *saved, double reach) {
+bool km_singularity_curves_add(km_singularity_curves *v, km_singularity_kind kind, const double *saved, double reach) {
   km_driver_surface *f = v->f;
+  v->kind = kind;
   km_driver_surface_restore(f, saved);
   if (is_known(v, reach + longest_step) || !move_to_curve(v) || !km_driver_surface_is_inside(f) ||
       is_known(v, 1.5 * longest_step))

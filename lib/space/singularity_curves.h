@@ -1,6 +1,6 @@
-/* Singularity curves det A = 0 of a surface with two controls (docs/theory.md 4.19, 4.20).
+/* Singularity curves det K = 0 of a surface with two controls (docs/theory.md 4.19, 4.20).
  *
- *   R(q, z) = (e(q); A(q) z; cᵀ z − 1) = 0,   2 r + 1 equations in 2 r + 2 unknowns */
+ *   R(q, z) = (e(q); K(q) z; cᵀ z − 1) = 0,   K of the surface (driver_surface.h) */
 #ifndef KM_SPACE_SINGULARITY_CURVES_H
 #define KM_SPACE_SINGULARITY_CURVES_H
 
@@ -8,13 +8,14 @@
 
 typedef struct km_singularity_curves km_singularity_curves;
 
-/* The table has the columns curve, with a number of the design also number and critical, and q. of all coordinates.
- * NULL when out of memory. */
+/* The table has the columns curve; kind, or with a number of the design number and critical; q. of all coordinates;
+ * with an output the x y z of its point. NULL when out of memory. */
 km_singularity_curves *km_singularity_curves_create(km_driver_surface *surface, km_table *table);
 void km_singularity_curves_free(km_singularity_curves *curves);
-/* Adds the curve nearest to the saved configuration, unless it is in the table. `reach`: largest distance of the
- * curve. False when out of memory. */
-bool km_singularity_curves_add(km_singularity_curves *curves, const double *saved, double reach);
+/* Adds the curve of this kind nearest to the saved configuration, unless it is in the table. `reach`: largest distance
+ * of the curve. False when out of memory. */
+bool km_singularity_curves_add(km_singularity_curves *curves, km_singularity_kind kind, const double *saved,
+                               double reach);
 int km_singularity_curves_count(const km_singularity_curves *curves);
 
 /* Critical points of the curves: extrema of the number. Borrowed. */

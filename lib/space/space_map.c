@@ -2,8 +2,10 @@
  *
  *   predictor : dq = −A⁻¹ B du from a neighbour;   corrector: Newton's method with the drivers fixed
  *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved
- *   N = (−A⁻¹ B; I);   m_j = N_j (Nᵀ N)⁻¹ N_jᵀ,   smallest singular values of A and of J */
+ *   N = (−A⁻¹ B; I);   m_j = N_j (Nᵀ N)⁻¹ N_jᵀ,   smallest singular values of A and of J
+ *   D = G N            of a point in its plane: smallest singular value, |det D| */
 #include "base/arguments.h"
+#include "base/table.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
@@ -28,7 +30,14 @@ typedef struct map_search {
   double *saved, *N; /* [cell][3 · columns], [cell][2 · rows] */
   signed char *sign; /* [cell] of det A; 0: not reached */
   int *queue;
-  double *transposed; /* [columns × rows] Jᵀ */
+  signed char *output_sign; /* [cell] of det D; 0: no point */
+  double *transposed;       /* [columns × rows] Jᵀ */
+  double *rows;             /* [cell × columns of the table] of the present sheet */
+  bool *is_written;         /* [cell] it has a row */
+  int *aspect;              /* [cell] its aspect; 0: none yet */
+  int aspect_count;         /* aspects of all sheets so far */
+  bool is_ended;            /* the caller's figures end the map */
+  km_state *at;             /* state for the caller's figures; NULL: none */
   km_space_map *out;
 } map_search;
 
@@ -175,34 +184,67 @@ static double smallest_singular_value(double *A, int rows, int columns) {
   return sqrt(smallest);
 }
 
-/* Writes the row of the present cell. N: tangents there. */
-static bool write_cell(map_search *g, int sheet, const double *N) {
-  const km_driver_surface *f = &g->f;
-  double *row = km_table_add_row(g->out->cells);
-  if (!row)
-    return false;
-  *row++ = sheet;
-  for (int c = 0; c < f->m->coordinate_count; ++c)
-    row[c] = km_state_value(f->s, c);
-  row += f->m->coordinate_count;
-  double G[3] = {1.0, 0.0, 1.0}; /* Nᵀ N: (0,0), (0,1), (1,1) */
+/* N_j of column k: rates of a coordinate per unit rate of both drivers. */
+static void coordinate_rates(const km_driver_surface *f, const double *N, int k, double *z) {
+  z[0] = f->control[0] == k;
+  z[1] = f->control[1] == k;
+  for (int i = 0; i < f->rows; ++i)
+    if (f->other[i] == k) {
+      z[0] = N[i];
+      z[1] = N[f->rows + i];
+    }
+}
+
+/* Writes m_j of every coordinate. */
+static void write_mobility_numbers(const km_driver_surface *f, const double *N, double *row) {
+  const km_substructure *sub = km_driver_surface_part(f);
+  double S[3] = {1.0, 0.0, 1.0}; /* Nᵀ N: (0,0), (0,1), (1,1) */
   for (int k = 0; k < f->rows; ++k) {
-    G[0] += N[k] * N[k];
-    G[1] += N[k] * N[f->rows + k];
-    G[2] += N[f->rows + k] * N[f->rows + k];
+    S[0] += N[k] * N[k];
+    S[1] += N[k] * N[f->rows + k];
+    S[2] += N[f->rows + k] * N[f->rows + k];
   }
-  double determinant = G[0] * G[2] - G[1] * G[1];
+  double determinant = S[0] * S[2] - S[1] * S[1];
   for (int k = 0; k < f->columns; ++k) {
-    double z[2] = {f->control[0] == k, f->control[1] == k};
-    for (int i = 0; i < f->rows; ++i)
-      if (f->other[i] == k) {
-        z[0] = N[i];
-        z[1] = N[f->rows + i];
-      }
-    row[f->m->column_coordinate[km_driver_surface_part(f)->column_start + k]] =
-        (z[0] * z[0] * G[2] - 2.0 * z[0] * z[1] * G[1] + z[1] * z[1] * G[0]) / determinant;
+    double z[2];
+    coordinate_rates(f, N, k, z);
+    row[f->m->column_coordinate[sub->column_start + k]] =
+        (z[0] * z[0] * S[2] - 2.0 * z[0] * z[1] * S[1] + z[1] * z[1] * S[0]) / determinant;
   }
-  row += f->m->coordinate_count;
+}
+
+/* D = G N [2 × 2], rows x and y. */
+static void output_jacobian(km_driver_surface *f, const double *N, double *D) {
+  memset(D, 0, 4 * sizeof *D);
+  km_driver_surface_update_output(f);
+  for (int k = 0; k < f->columns; ++k) {
+    double z[2];
+    coordinate_rates(f, N, k, z);
+    for (int i = 0; i < 2; ++i)
+      for (int d = 0; d < 2; ++d)
+        D[2 * i + d] += f->G[i * f->columns + k] * z[d];
+  }
+}
+
+/* Writes place, smallest singular value and manipulability of the point. *sign: that of det D. Returns their number. */
+static int write_output(map_search *g, const double *N, double *row, int *sign) {
+  double D[4];
+  *sign = 0;
+  if (g->f.frame < 0)
+    return 0;
+  output_jacobian(&g->f, N, D);
+  km_frame_position(g->f.m, g->f.s, g->f.frame, row);
+  double determinant = D[0] * D[3] - D[1] * D[2], squares = D[0] * D[0] + D[1] * D[1] + D[2] * D[2] + D[3] * D[3];
+  double root = sqrt(fmax(squares * squares - 4.0 * determinant * determinant, 0.0));
+  row[3] = fabs(determinant) / sqrt(0.5 * (squares + root));
+  row[4] = fabs(determinant);
+  *sign = determinant < 0.0 ? -1 : 1;
+  return 5;
+}
+
+/* Writes the smallest singular values of A and J. */
+static void write_singular_values(map_search *g, double *row) {
+  const km_driver_surface *f = &g->f;
   for (int j = 0; j < f->rows; ++j)
     memcpy(f->A + (size_t)j * (size_t)f->rows, f->J + (size_t)f->other[j] * (size_t)f->rows,
            (size_t)f->rows * sizeof *f->A);
@@ -211,6 +253,79 @@ static bool write_cell(map_search *g, int sheet, const double *N) {
     for (int k = 0; k < f->columns; ++k)
       g->transposed[i * f->columns + k] = f->J[k * f->rows + i];
   row[1] = smallest_singular_value(g->transposed, f->columns, f->rows);
+}
+
+/* Writes the caller's figures. False: the caller ends the map, or out of memory. */
+static bool write_figures(map_search *g, double *row) {
+  const km_map_figures *figures = g->def->figures;
+  if (!figures)
+    return true;
+  km_mobility mobility;
+  km_state_copy(g->f.m, g->at, g->f.s);
+  if (km_mobility_compute(g->f.m, g->at, &mobility))
+    return false;
+  g->is_ended = !figures->compute(figures->context, g->f.m, g->at, row);
+  return !g->is_ended;
+}
+
+/* Fills the row of the present cell, its aspect left open. N: tangents there. *output_sign: that of det D. */
+static bool fill_row(map_search *g, int cell, int sheet, const double *N, int *output_sign) {
+  const km_driver_surface *f = &g->f;
+  int coordinates = f->m->coordinate_count;
+  double *row = g->rows + (size_t)cell * km_table_columns(g->out->cells);
+  for (int d = 0; d < 2; ++d)
+    *row++ = km_state_value(f->s, g->def->axis[d].coordinate);
+  *row++ = sheet;
+  *row++ = 0.0;
+  for (int c = 0; c < coordinates; ++c)
+    if (c != g->def->axis[0].coordinate && c != g->def->axis[1].coordinate)
+      *row++ = km_state_value(f->s, c);
+  memset(row, 0, (size_t)coordinates * sizeof *row);
+  write_mobility_numbers(f, N, row);
+  row += coordinates;
+  write_singular_values(g, row);
+  row += 2;
+  row += write_output(g, N, row, output_sign);
+  g->is_written[cell] = !g->def->within_limits || km_state_find_outside_limit(f->s, km_driver_surface_part(f)) < 0;
+  return write_figures(g, row);
+}
+
+/* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
+ * output. `stack`[cell] is workspace. */
+static void number_aspect(map_search *g, int first, int *stack) {
+  const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
+  int size = 0;
+  g->aspect[first] = ++g->aspect_count;
+  stack[size++] = first;
+  while (size > 0) {
+    int cell = stack[--size];
+    for (int k = 0; k < 4; ++k) {
+      int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
+      if (i < 0 || j < 0 || i >= g->across || j >= g->down || !g->sign[next] || g->aspect[next] ||
+          g->output_sign[next] != g->output_sign[cell])
+        continue;
+      g->aspect[next] = g->aspect_count;
+      stack[size++] = next;
+    }
+  }
+}
+
+/* Writes the rows of the sheet's `count` cells, in the order in which they were reached. */
+static bool write_sheet(map_search *g, int count) {
+  size_t width = km_table_columns(g->out->cells);
+  memset(g->aspect, 0, (size_t)g->across * (size_t)g->down * sizeof *g->aspect);
+  for (int i = 0; i < count; ++i) {
+    int cell = g->queue[i];
+    if (!g->aspect[cell])
+      number_aspect(g, cell, g->queue + count);
+    double *row = g->is_written[cell] ? km_table_add_row(g->out->cells) : NULL;
+    if (row) {
+      memcpy(row, g->rows + (size_t)cell * width, width * sizeof *row);
+      row[3] = g->aspect[cell];
+    } else if (g->is_written[cell]) {
+      return false;
+    }
+  }
   return true;
 }
 
@@ -218,11 +333,14 @@ static bool write_cell(map_search *g, int sheet, const double *N) {
 static bool record(map_search *g, int sheet, int cell, int sign, int *tail) {
   km_driver_surface *f = &g->f;
   double *N = g->N + (size_t)cell * 2 * (size_t)f->rows;
+  int output_sign;
   tangents(g, N);
   km_driver_surface_save(f, g->saved + (size_t)cell * f->saved_size);
   g->sign[cell] = (signed char)sign;
   g->queue[(*tail)++] = cell;
-  return write_cell(g, sheet, N);
+  bool is_ok = fill_row(g, cell, sheet, N, &output_sign);
+  g->output_sign[cell] = (signed char)output_sign;
+  return is_ok;
 }
 
 /* Moves the state from a mode to the grid point nearest to it. Returns the cell; −1: it isn't reached. */
@@ -241,23 +359,30 @@ static int enter_grid(map_search *g, int *sign, double *N) {
   return move_to(g, target, N, *sign) ? at[1] * g->across + at[0] : -1;
 }
 
-/* Visits the four neighbours of a cell. `*is_edge`: one of them isn't reached. */
-static bool visit_neighbours(map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge) {
+/* Visits the four neighbours of a cell. `*is_edge`: one of them isn't reached. `*is_turned`: det D has another sign
+ * there. */
+static bool visit_neighbours(map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge, bool *is_turned) {
   const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   for (int k = 0; k < 4; ++k) {
     int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
-    if (i < 0 || j < 0 || i >= g->across || j >= g->down || g->sign[next])
+    if (i < 0 || j < 0 || i >= g->across || j >= g->down)
       continue;
-    if (!reach(g, cell, next, N))
+    if (!g->sign[next] && !reach(g, cell, next, N))
       *is_edge = true;
-    else if (!record(g, sheet, next, g->sign[cell], tail))
+    else if (!g->sign[next] && !record(g, sheet, next, g->sign[cell], tail))
       return false;
+    *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] * g->output_sign[next] < 0);
   }
   return true;
 }
 
 static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for the map");
+}
+
+/* Status where a cell wasn't recorded. */
+static km_status not_recorded(const map_search *g, km_error *error) {
+  return g->is_ended ? km_fail(error, KM_CANCELLED, "a figure of the map ended it") : no_memory(error);
 }
 
 /* Follows one sheet from the state's mode. */
@@ -269,42 +394,70 @@ static km_status follow_sheet(map_search *g, int sheet, km_singularity_curves *c
   if (first < 0)
     return KM_OK;
   if (!record(g, sheet, first, sign, &tail))
-    return no_memory(error);
+    return not_recorded(g, error);
   double reach_of_curve = 0.0;
   for (int d = 0; d < 2; ++d)
     reach_of_curve = fmax(reach_of_curve, fabs(axis_value(g, d, 1) - axis_value(g, d, 0)));
   for (int head = 0; head < tail; ++head) {
-    bool is_edge = false;
+    bool is_edge = false, is_turned = false;
     int cell = g->queue[head];
     if (head % 256 == 0 && progress && !progress(context, (double)head / cells))
       return km_fail(error, KM_CANCELLED, "stopped while the map was followed");
-    if (!visit_neighbours(g, sheet, cell, N, &tail, &is_edge))
-      return no_memory(error);
+    if (!visit_neighbours(g, sheet, cell, N, &tail, &is_edge, &is_turned))
+      return not_recorded(g, error);
     const double *saved = g->saved + (size_t)cell * g->f.saved_size;
-    if (is_edge && !km_singularity_curves_add(curves, saved, 3.0 * reach_of_curve))
+    if ((is_edge && !km_singularity_curves_add(curves, KM_SINGULARITY_INPUT, saved, 3.0 * reach_of_curve)) ||
+        (is_turned && !km_singularity_curves_add(curves, KM_SINGULARITY_OUTPUT, saved, 3.0 * reach_of_curve)))
       return no_memory(error);
   }
   ++g->out->sheet_count;
-  return KM_OK;
+  return write_sheet(g, tail) ? KM_OK : no_memory(error);
 }
 
 /* ---- Preparation. */
 
-static bool add_columns(const km_mechanism *m, km_table *table, const char *first, bool has_figures) {
-  bool is_ok = table && km_table_add_column(table, first, "") >= 0;
-  km_text name = {0};
-  for (int k = 0; is_ok && k < (has_figures ? 2 : 1) * m->coordinate_count; ++k) {
-    int c = k % m->coordinate_count;
-    bool is_number = k >= m->coordinate_count;
-    name.size = 0;
-    km_text_format(&name, "%s.%s", is_number ? "m" : "q", m->model->coordinates[c].label);
-    is_ok = !name.failed &&
-            km_table_add_column(table, name.data, is_number ? "" : km_model_coordinate_unit(m->model, c)) >= 0;
-  }
-  if (is_ok && has_figures)
-    is_ok = km_table_add_column(table, "sigma.input", "") >= 0 && km_table_add_column(table, "sigma.closure", "") >= 0;
-  km_text_free(&name);
+static bool add_coordinate(const km_mechanism *m, km_table *table, int c) {
+  return km_table_add_joined_column(table, "q.", m->model->coordinates[c].label, "",
+                                    km_model_coordinate_unit(m->model, c));
+}
+
+/* x, y, z of the point. */
+static bool add_point(const map_search *g, km_table *table) {
+  static const char *const suffix[] = {".x", ".y", ".z"};
+  const char *unit = km_model_units(g->f.m->model).length->suffix;
+  bool is_ok = true;
+  for (int i = 0; is_ok && g->f.frame >= 0 && i < 3; ++i)
+    is_ok = km_table_add_joined_column(table, "point.", g->def->point_name, suffix[i], unit);
   return is_ok;
+}
+
+static bool add_cell_columns(const map_search *g, km_table *table) {
+  const km_mechanism *m = g->f.m;
+  const km_map_figures *figures = g->def->figures;
+  int first = g->def->axis[0].coordinate, second = g->def->axis[1].coordinate;
+  bool is_ok = table && add_coordinate(m, table, first) && add_coordinate(m, table, second) &&
+               km_table_add_joined_column(table, "sheet", "", "", "") &&
+               km_table_add_joined_column(table, "aspect", "", "", "");
+  for (int c = 0; is_ok && c < m->coordinate_count; ++c)
+    is_ok = c == first || c == second || add_coordinate(m, table, c);
+  for (int c = 0; is_ok && c < m->coordinate_count; ++c)
+    is_ok = km_table_add_joined_column(table, "m.", m->model->coordinates[c].label, "", "");
+  is_ok = is_ok && km_table_add_joined_column(table, "sigma.input", "", "", "") &&
+          km_table_add_joined_column(table, "sigma.closure", "", "", "") && add_point(g, table);
+  if (is_ok && g->f.frame >= 0)
+    is_ok = km_table_add_joined_column(table, "sigma.output", "", "", "") &&
+            km_table_add_joined_column(table, "manipulability", "", "", "");
+  for (int i = 0; is_ok && figures && i < figures->count; ++i)
+    is_ok = km_table_add_joined_column(table, figures->names[i], "", "", figures->units[i]);
+  return is_ok;
+}
+
+static bool add_curve_columns(const map_search *g, km_table *table) {
+  bool is_ok = table && km_table_add_joined_column(table, "curve", "", "", "") &&
+               km_table_add_joined_column(table, "kind", "", "", "");
+  for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
+    is_ok = add_coordinate(g->f.m, table, c);
+  return is_ok && add_point(g, table);
 }
 
 static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, km_error *error) {
@@ -319,6 +472,11 @@ static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, 
           "the range of joint \"%s\" is %g to %g in %d steps; expected two different numbers and 1 to %d steps",
           m->model->coordinates[a->coordinate].label, a->from, a->to, a->steps, KM_MAX_MAP_STEPS);
   }
+  km_status status = def->has_point ? km_check_index(def->frame, m->model->frame_count, "frame", error) : KM_OK;
+  if (!status && def->has_point)
+    status = km_check_given(def->point_name != NULL, "name of the point", error);
+  if (status)
+    return status;
   return def->axis[0].coordinate != def->axis[1].coordinate
              ? KM_OK
              : km_fail(error, KM_USAGE, "both drivers of a map must be different joints of one part of the mechanism");
@@ -343,16 +501,22 @@ static km_status prepare(map_search *g, km_error *error) {
   g->saved = KM_ARENA_NEW(&g->arena, double, cells * f->saved_size);
   g->N = KM_ARENA_NEW(&g->arena, double, cells * 2 * r + 1);
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
-  g->queue = KM_ARENA_NEW(&g->arena, int, cells);
+  g->output_sign = KM_ARENA_NEW(&g->arena, signed char, cells);
+  g->queue = KM_ARENA_NEW(&g->arena, int, 2 * cells); /* and the stack of number_aspect */
   g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   g->transposed = KM_ARENA_NEW(&g->arena, double, n *r + 1);
   if (g->arena.failed)
     return no_memory(error);
   g->out->cells = km_table_create();
   g->out->curves = km_table_create();
-  return add_columns(f->m, g->out->cells, "sheet", true) && add_columns(f->m, g->out->curves, "curve", false)
-             ? KM_OK
-             : no_memory(error);
+  if (!add_cell_columns(g, g->out->cells) || !add_curve_columns(g, g->out->curves))
+    return no_memory(error);
+  g->rows = KM_ARENA_NEW(&g->arena, double, cells *km_table_columns(g->out->cells));
+  g->is_written = KM_ARENA_NEW(&g->arena, bool, cells);
+  g->aspect = KM_ARENA_NEW(&g->arena, int, cells);
+  if (def->figures)
+    status = km_state_create(f->m, &g->at, error);
+  return g->arena.failed ? no_memory(error) : status;
 }
 
 static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_progress progress, void *context,
@@ -368,6 +532,7 @@ static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_prog
       status = follow_sheet(g, i + 1, curves, N, progress, context, error);
   }
   g->out->curve_count = km_singularity_curves_count(curves);
+  g->out->aspect_count = g->aspect_count;
   km_singularity_curves_free(curves);
   return status;
 }
@@ -386,7 +551,7 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     status = check_axes(m, def, error);
   if (status)
     return status;
-  map_search g = {.f = {.m = m}, .def = def, .out = out};
+  map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1}, .def = def, .out = out};
   status = km_state_create(m, &g.f.s, error);
   if (!status) {
     km_state_copy(m, g.f.s, s);
@@ -396,7 +561,12 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     status = follow_sheets(&g, modes, progress, context, error);
   km_arena_free(&g.arena);
   km_state_free(g.f.s);
+  km_state_free(g.at);
   return status;
+}
+
+const char *km_singularity_kind_name(km_singularity_kind kind) {
+  return kind == KM_SINGULARITY_INPUT ? "input" : kind == KM_SINGULARITY_OUTPUT ? "output" : "";
 }
 
 void km_space_map_free(km_space_map *map) {

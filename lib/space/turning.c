@@ -185,7 +185,7 @@ static km_status add_curves(turning_search *g, km_error *error) {
   driver_swing swing;
   km_status status = follow_circuit(g, &swing, error);
   for (int i = 0; !status && i < g->start_count; ++i)
-    if (!km_singularity_curves_add(g->curves, g->starts + (size_t)i * g->f.saved_size, 0.0))
+    if (!km_singularity_curves_add(g->curves, KM_SINGULARITY_INPUT, g->starts + (size_t)i * g->f.saved_size, 0.0))
       status = km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
   km_driver_surface_restore(&g->f, g->place);
   return status;
@@ -321,7 +321,8 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
                          km_error *error) {
   const km_turning_def *def = g->def;
   km_driver_surface *f = &g->f;
-  *f = (km_driver_surface){.m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number};
+  *f = (km_driver_surface){
+      .m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number, .frame = -1};
   km_status status = km_driver_surface_create(f, &def->driver, &g->arena, error);
   if (!status)
     status = km_design_number_open(m, s, f->substructure, def->file, def->path, &g->number, error);

@@ -1,104 +1,226 @@
-/* kspace map: sheets over two drivers, and singularity curves. */
+/* kspace map: sheets over two drivers, singularity curves, and further figures of each cell. */
 #include "kspace/kspace.h"
+#include "kspace/map_figures.h"
 
 #include "kmech/data.h"
 #include "kmech/inspect.h"
 #include "kmech/model.h"
-#include "kmech/space.h"
+#include "kmech/report.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { DEFAULT_STEPS = 100 };
 
 typedef struct options {
   kt_common common;
-  kt_texts holds, sets, over;
-  const char *model, *base; /* base: -o, or NULL */
+  kt_texts holds, sets, joints, ranges, steps;
+  const char *model, *base, *point, *format, *show; /* base: -o, or NULL */
+  int ask, limits, over_point;
+  kt_formats formats;
 } options;
 
-static kt_exit bad_axis(const options *o, const char *text) {
-  return kt_usage(&o->common, "--over", text, "JOINT=FROM:TO:N with N from 2 to 2001 values, for two different joints");
+/* The drivers: those of --joint, else the two actuators of the model. */
+static kt_exit read_drivers(const options *o, const km_model *model, km_space_map_def *def) {
+  static const char expected[] =
+      "two different drivers: --joint twice, or two joints in the model's analysis.actuators";
+  kt_exit result = KT_DONE;
+  if (o->joints.count == 0 && km_model_actuator_count(model) == 2) {
+    for (int d = 0; d < 2; ++d)
+      def->axis[d].coordinate = km_model_actuator(model, d);
+    return KT_DONE;
+  }
+  if (o->joints.count != 2)
+    return kt_usage(&o->common, "--joint", o->joints.count > 0 ? o->joints.items[0] : "is missing", expected);
+  for (int d = 0; result == KT_DONE && d < 2; ++d)
+    result = kt_coordinate(&o->common, model, "--joint", o->joints.items[d], &def->axis[d].coordinate);
+  if (result == KT_DONE && def->axis[0].coordinate == def->axis[1].coordinate)
+    result = kt_usage(&o->common, "--joint", o->joints.items[1], expected);
+  return result;
 }
 
-/* Reads JOINT=FROM:TO:N. */
-static kt_exit read_axis(const options *o, const km_model *model, const char *text, km_space_axis *axis) {
-  const char *rest = text;
-  kt_piece label = kt_split(&rest, "=");
-  kt_exit result =
-      label.separator ? kt_coordinate(&o->common, model, "--over", label.text, &axis->coordinate) : bad_axis(o, text);
-  km_free(label.text);
-  kt_piece part[3] = {{0}};
-  for (int i = 0; i < 3; ++i)
-    part[i] = kt_split(&rest, ":");
-  int values = 0;
-  bool is_ok = part[1].separator && !part[2].separator && kt_number(part[0].text, &axis->from) &&
-               kt_number(part[1].text, &axis->to) && kt_integer(part[2].text, 2, KM_MAX_MAP_STEPS + 1, &values);
-  axis->steps = values - 1;
-  for (int i = 0; i < 3; ++i)
-    km_free(part[i].text);
-  return result != KT_DONE || is_ok ? result : bad_axis(o, text);
+static kt_exit bad_range(const options *o, const char *text) {
+  return kt_usage(&o->common, "--range", text, "FROM:TO, two different numbers, once for each --joint");
 }
 
-/* Least and largest value of a column over the rows of a sheet. */
+/* --range, else the limits of the joint, else a full turn. */
+static kt_exit read_range(const options *o, const km_model *model, int d, km_space_axis *axis) {
+  const char *label = km_model_coordinate_label(model, axis->coordinate);
+  double low = -HUGE_VAL, high = HUGE_VAL;
+  km_model_coordinate_limits(model, axis->coordinate, &low, &high);
+  if (d < o->ranges.count) {
+    const char *text = o->ranges.items[d], *rest = text;
+    kt_piece from = kt_split(&rest, ":");
+    bool is_ok = from.separator == ':' && kt_number(from.text, &axis->from) && kt_number(rest, &axis->to) &&
+                 axis->from != axis->to;
+    km_free(from.text);
+    return is_ok ? KT_DONE : bad_range(o, text);
+  }
+  if (!isfinite(low) || !isfinite(high)) {
+    if (km_model_coordinate_is_length(model, axis->coordinate)) {
+      kt_print_message(&o->common, KM_ERROR, "joint \"%s\" has no limits; expected --range FROM:TO for it", label);
+      return KT_USAGE;
+    }
+    high = M_PI / km_model_units(model).angle->si;
+    low = -high;
+  }
+  axis->from = low;
+  axis->to = high;
+  return KT_DONE;
+}
+
+static kt_exit read_axes(const options *o, const km_model *model, km_space_map_def *def) {
+  kt_exit result = read_drivers(o, model, def);
+  if (result == KT_DONE && o->ranges.count != 0 && o->ranges.count != 2)
+    result = bad_range(o, o->ranges.items[0]);
+  for (int d = 0; result == KT_DONE && d < 2; ++d) {
+    def->axis[d].steps = DEFAULT_STEPS;
+    if (o->steps.count > 0 &&
+        !kt_integer(o->steps.items[d < o->steps.count ? d : 0], 1, KM_MAX_MAP_STEPS, &def->axis[d].steps))
+      result = kt_usage(&o->common, "--steps", o->steps.items[0], "1 to 2000 intervals, once or for each --joint");
+    if (result == KT_DONE)
+      result = read_range(o, model, d, &def->axis[d]);
+  }
+  def->has_point = o->point != NULL;
+  def->point_name = o->point;
+  def->within_limits = o->limits;
+  if (result == KT_DONE && o->point)
+    result = kt_frame(&o->common, model, "--point", o->point, &def->frame);
+  return result;
+}
+
+/* Least and largest finite value of a column over the rows of a sheet. */
 static void range_of(const km_table *table, double sheet, size_t column, double *low, double *high, size_t *rows) {
-  *low = *high = 0.0;
+  *low = HUGE_VAL;
+  *high = -HUGE_VAL;
   *rows = 0;
   for (size_t r = 0; r < km_table_rows(table); ++r) {
     const double *row = km_table_row(table, r);
-    if (row[0] != sheet)
+    if (row[2] != sheet)
       continue;
-    *low = *rows == 0 || row[column] < *low ? row[column] : *low;
-    *high = *rows == 0 || row[column] > *high ? row[column] : *high;
+    if (isfinite(row[column])) {
+      *low = fmin(*low, row[column]);
+      *high = fmax(*high, row[column]);
+    }
     ++*rows;
   }
+}
+
+/* Columns whose range is printed: singular values, and those behind them that aren't places. */
+static void print_sheet(const km_space_map *map, int sheet, size_t points, km_text *out) {
+  const km_table *t = map->cells;
+  double low, high;
+  size_t rows, first = km_table_span(t, "sigma.input").first;
+  range_of(t, sheet, first, &low, &high, &rows);
+  if (rows == 0)
+    return;
+  km_text_format(out, "  sheet %d: %zu of %zu grid points", sheet, rows, points);
+  for (size_t c = first; c < km_table_columns(t); ++c) {
+    const char *name = km_table_name(t, c), *unit = km_table_unit(t, c);
+    range_of(t, sheet, c, &low, &high, &rows);
+    if (strncmp(name, "point.", 6) != 0 && strcmp(name, "sigma.closure") != 0 && low <= high)
+      km_text_format(out, "; %s %.3g to %.3g%s%s", name, low, high, unit && *unit ? " " : "", unit ? unit : "");
+  }
+  km_text_add(out, "\n");
+}
+
+static int count_curves(const km_table *curves, km_singularity_kind kind) {
+  int count = 0;
+  for (size_t r = 0; r < km_table_rows(curves); ++r) {
+    const double *row = km_table_row(curves, r);
+    count += row[1] == kind && (r == 0 || km_table_row(curves, r - 1)[0] != row[0]);
+  }
+  return count;
 }
 
 static void print_map(const options *o, const km_model *model, const km_space_map_def *def, const km_all_modes *modes,
                       const km_space_map *map, km_text *out) {
   size_t points = (size_t)(def->axis[0].steps + 1) * (size_t)(def->axis[1].steps + 1);
-  size_t input = km_table_span(map->cells, "sigma.input").first;
+  int inputs = count_curves(map->curves, KM_SINGULARITY_INPUT);
   km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s\n", o->model, map->sheet_count,
                  map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, def->axis[0].coordinate),
                  km_model_coordinate_label(model, def->axis[1].coordinate), modes->count, modes->count == 1 ? "" : "s",
                  modes->is_complete ? "" : " (at least these)");
-  for (int i = 1; i <= modes->count; ++i) {
-    double low, high;
-    size_t rows;
-    range_of(map->cells, i, input, &low, &high, &rows);
-    if (rows > 0)
-      km_text_format(out,
-                     "  sheet %d: %zu of %zu grid points; smallest singular value of the input from %.3g to %.3g\n", i,
-                     rows, points, low, high);
+  for (int i = 1; i <= modes->count; ++i)
+    print_sheet(map, i, points, out);
+  km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
+                 inputs == 1 ? "s" : "");
+  if (def->has_point) {
+    int outputs = count_curves(map->curves, KM_SINGULARITY_OUTPUT);
+    km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, o->point);
+    km_text_format(out, "; %d aspects free of both", map->aspect_count);
   }
-  km_text_format(out, "%d singularity curve%s of the drivers bound%s them, %zu points\n", map->curve_count,
-                 map->curve_count == 1 ? "" : "s", map->curve_count == 1 ? "s" : "", km_table_rows(map->curves));
+  km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
+}
+
+static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map_def *def, km_all_modes *modes,
+                       km_space_map *map) {
+  const int locked[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
+  const km_all_modes_def of_modes = {.locked = locked, .locked_count = 2, .seed = o->common.seed};
+  km_error error;
+  kt_progress progress = kt_progress_start(&o->common);
+  km_status status =
+      km_all_modes_find(pose->mechanism, pose->state, &of_modes, kt_progress_show, &progress, modes, &error);
+  if (!status)
+    status = km_space_map_compute(pose->mechanism, pose->state, def, modes, kt_progress_show, &progress, map, &error);
+  kt_progress_end(&progress);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  return kt_exit_of(status);
+}
+
+/* The column of the colours: --show, else the last one that --ask or --point adds. */
+static const char *shown_column(const options *o, const km_space_map_def *def) {
+  const km_map_figures *figures = def->figures;
+  return o->show ? o->show : figures ? figures->names[figures->count - 1] : def->has_point ? "manipulability" : NULL;
+}
+
+static kt_exit write_picture(const options *o, const kt_pose *pose, const km_space_map_def *def,
+                             const km_space_map *map, kt_format format) {
+  const km_map_look look = {.column = shown_column(o, def), .over_point = o->over_point, .title = o->model};
+  km_text out = {0};
+  km_error error;
+  km_status status = km_space_map_picture(pose->mechanism, def, map, &look, kt_picture_format(format), &out, &error);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&o->common, o->base, "map", kt_format_word(format), &out);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_files(const options *o, const kt_pose *pose, const km_space_map_def *def,
+                           const km_space_map *map) {
+  kt_exit result = KT_DONE;
+  for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
+    if (!o->formats.wanted[format])
+      continue;
+    if (format != KT_CSV) {
+      result = write_picture(o, pose, def, map, (kt_format)format);
+      continue;
+    }
+    result = kspace_write_csv(&o->common, o->base, map->cells, "map");
+    if (result == KT_DONE)
+      result = kspace_write_csv(&o->common, o->base, map->curves, "singular");
+  }
+  return result;
 }
 
 static kt_exit run(const options *o, const kt_pose *pose) {
   km_space_map_def def = {0};
   km_all_modes modes = {0};
   km_space_map map = {0};
-  km_error error;
+  kspace_map_figures figures = {0};
   km_text out = {0};
-  kt_exit result = o->over.count == 2 ? KT_DONE : bad_axis(o, o->over.count > 0 ? o->over.items[0] : "");
-  for (int i = 0; result == KT_DONE && i < 2; ++i)
-    result = read_axis(o, pose->model, o->over.items[i], &def.axis[i]);
-  if (result == KT_DONE && def.axis[0].coordinate == def.axis[1].coordinate)
-    result = bad_axis(o, o->over.items[1]);
-  if (result != KT_DONE)
-    return result;
-  const int locked[2] = {def.axis[0].coordinate, def.axis[1].coordinate};
-  const km_all_modes_def of_modes = {.locked = locked, .locked_count = 2, .seed = o->common.seed};
-  kt_progress progress = kt_progress_start(&o->common);
-  km_status status =
-      km_all_modes_find(pose->mechanism, pose->state, &of_modes, kt_progress_show, &progress, &modes, &error);
-  if (!status)
-    status =
-        km_space_map_compute(pose->mechanism, pose->state, &def, &modes, kt_progress_show, &progress, &map, &error);
-  kt_progress_end(&progress);
-  if (status)
-    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
-  result = kt_exit_of(status);
+  kt_exit result = read_axes(o, pose->model, &def);
+  if (result == KT_DONE) {
+    const int drivers[2] = {def.axis[0].coordinate, def.axis[1].coordinate};
+    result = kspace_map_figures_create(&o->common, pose, (kspace_ask)o->ask, drivers, &figures);
+    def.figures = figures.figures.count > 0 ? &figures.figures : NULL;
+  }
+  if (result == KT_DONE)
+    result = compute(o, pose, &def, &modes, &map);
   if (result == KT_DONE && o->base)
-    result = kspace_write_csv(&o->common, o->base, map.cells, "map");
-  if (result == KT_DONE && o->base)
-    result = kspace_write_csv(&o->common, o->base, map.curves, "curves");
+    result = write_files(o, pose, &def, &map);
   if (result == KT_DONE) {
     print_map(o, pose->model, &def, &modes, &map, &out);
     result = kt_print(&o->common, &out);
@@ -106,6 +228,7 @@ static kt_exit run(const options *o, const kt_pose *pose) {
   if (result == KT_DONE && !modes.is_complete)
     result = KT_PARTIAL;
   km_text_free(&out);
+  kspace_map_figures_free(&figures);
   km_space_map_free(&map);
   km_all_modes_free(&modes);
   return result;
@@ -115,12 +238,28 @@ kt_exit kspace_map(int argc, char **argv) {
   options o = {.common = KT_COMMON("kspace")};
   kt_options all = {0};
   const kt_option own[] = {
-      {"over", 0, "JOINT=FROM:TO:N", "A driver and its grid: N values from FROM to TO. Given twice", KT_TEXTS, &o.over,
+      {"joint", 0, "JOINT", "A driver; given twice (default: the two joints of the model's analysis.actuators)",
+       KT_TEXTS, &o.joints, KT_ABOUT_MODEL},
+      {"range", 0, "FROM:TO", "Range of each driver in turn (default: its limits, or a full turn)", KT_TEXTS, &o.ranges,
        KT_ABOUT_MODEL},
+      {"steps", 0, "N", "Intervals of both grids, or of each in turn (default: 100)", KT_TEXTS, &o.steps,
+       KT_ABOUT_MODEL},
+      {"point", 0, "BODY/FRAME",
+       "Add the place of a point of a planar mechanism, and where it can't move in some direction", KT_TEXT, &o.point,
+       KT_ABOUT_MODEL},
+      {"ask", 0, "QUESTION", "Add the leverage (advantage) or the forces of the actuators (forces) to each cell",
+       KT_WORD(KSPACE_ASK_WORDS), &o.ask, KT_ABOUT_MODEL},
+      {"show", 0, "COLUMN", "The column that the picture's colours show (default: the last that --ask or --point adds)",
+       KT_TEXT, &o.show, KT_ABOUT_FILES},
+      {"over-point", 0, NULL, "Draw the picture over the place of --point: the workspace", KT_FLAG, &o.over_point,
+       KT_ABOUT_FILES},
+      {"format", 0, "FORMATS", "Some of csv,svg,pdf,png (default csv,svg)", KT_TEXT_OF("csv or svg or pdf or png"),
+       &o.format, KT_ABOUT_FILES},
+      {"limits", 0, NULL, "Leave out cells beyond the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       KT_POSE(o.common),
-      KT_BASE(&o.base, "Write the grid to BASE.map.csv and the curves to BASE.curves.csv"),
+      KT_BASE(&o.base, "Write BASE.map.csv (the grid), BASE.singular.csv (the curves) and BASE.map.svg"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
@@ -130,12 +269,17 @@ kt_exit kspace_map(int argc, char **argv) {
       "Maps over two drivers of a mechanism with two freedoms: one sheet for each assembly mode at the pose, followed from "
       "grid point to grid point, and the singularity curves of the drivers that bound the sheets."
       "\vA row of the grid has the configuration, all mobility numbers, and the smallest singular values of the input "
-      "(the Jacobian of the closure without the drivers' columns) and of the closure. The curves are followed by "
-      "continuation of the closure with a null vector; each point is on the curve to rounding. Limits are ignored. Exit "
-      "status 1: the list of modes may lack some, and so the sheets. Ball joints, redundant conditions and more freedoms "
-      "are refused.",
+      "(the Jacobian of the closure without the drivers' columns) and of the closure. --point adds the smallest singular "
+      "value and the manipulability of the point's Jacobian by the drivers, and the curves on which it is singular: the "
+      "boundary of the workspace is among them. --ask advantage takes input and output of the model's "
+      "analysis.mechanical_advantage; --ask forces the model's loads, and its analysis.actuators, else the drivers. The "
+      "curves are followed by continuation of the closure with a null vector; each point is on the curve to rounding. "
+      "Exit status 1: the list of modes may lack some, and so the sheets. Ball joints, redundant conditions and more "
+      "freedoms are refused.",
       argc, argv);
   kt_pose pose;
+  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,svg,pdf,png", &o.formats))
+    return KT_USAGE;
   kt_exit result = kt_open(&o.common, o.model, &o.holds, &o.sets, &pose);
   if (result == KT_DONE)
     result = run(&o, &pose);

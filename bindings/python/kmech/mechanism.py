@@ -227,12 +227,12 @@ class Mechanism:
 
         return all_modes(self, state or self._copy(), hold, within_limits, seed, progress)
 
-    def space_map(self, over: Any, *, seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
+    def space_map(self, over: Any, *, point: Optional[str] = None, seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
         """A map over two drivers, {label: (from, to, values)} (a SpaceMap): one sheet for each assembly mode at a state, and
         the singularity curves of the drivers."""
         from .space import space_map
 
-        return space_map(self, state or self._copy(), over, seed, progress)
+        return space_map(self, state or self._copy(), over, point, seed, progress)
 
     def turning(self, driver: str, path: str, low: float, high: float, *, steps: int = 20, seed: int = 1,
                 progress: Progress = None, state: Optional[State] = None) -> Any:

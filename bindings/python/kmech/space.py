@@ -1,7 +1,7 @@
 """Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves."""
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence, Tuple
+from typing import Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
@@ -75,8 +75,9 @@ def all_modes(mechanism: Mechanism, state: State, hold: Sequence[str], within_li
 
 class SpaceMap(NamedTuple):
     """A map over two drivers. cells: a row for each grid point that a sheet reaches, with the sheet's mode, q. and m. of every
-    coordinate, sigma.input and sigma.closure. curves: points of the singularity curves of the drivers. complete: the modes
-    from which the sheets were followed are all modes at the state."""
+    coordinate, sigma.input and sigma.closure, with a point its place, sigma.output and manipulability. curves: points of the
+    singularity curves; kind 0: of the drivers, 1: of the point. complete: the modes from which the sheets were followed are all
+    modes at the state."""
 
     cells: Table
     curves: Table
@@ -85,9 +86,9 @@ class SpaceMap(NamedTuple):
     complete: bool
 
 
-def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]], seed: int,
-              progress: Progress) -> SpaceMap:
-    """The map over the drivers of `over`, label: (from, to, values)."""
+def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float, float, int]],
+              point: Optional[str], seed: int, progress: Progress) -> SpaceMap:
+    """The map over the drivers of `over`, label: (from, to, values); point: "body/frame"."""
     error, watch = new_error(), Watch(progress)
     modes = ffi.gc(ffi.new("km_all_modes *"), lib.km_all_modes_free)
     found = ffi.gc(ffi.new("km_space_map *"), lib.km_space_map_free)
@@ -95,7 +96,9 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
         raise UsageError(f"a map over {len(over)} drivers; expected two of them")
     axes = [{"coordinate": mechanism.model._coordinate(label), "from": a, "to": b, "steps": values - 1}
             for label, (a, b, values) in over.items()]
-    definition = ffi.new("km_space_map_def *", {"axis": axes})
+    name = ffi.new("char[]", (point or "").encode())
+    definition = ffi.new("km_space_map_def *", {"axis": axes, "has_point": point is not None, "point_name": name,
+                                                "frame": mechanism.model._frame(point) if point is not None else 0})
     locked = ffi.new("int[]", [axis["coordinate"] for axis in axes])
     wanted = ffi.new("km_all_modes_def *", {"locked": locked, "locked_count": 2, "seed": seed})
     with mechanism.model._reading(), state._using():

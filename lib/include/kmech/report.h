@@ -9,6 +9,7 @@
 #include "kmech/mechanism.h"
 #include "kmech/mobility.h"
 #include "kmech/question.h"
+#include "kmech/space.h"
 #include "kmech/statics.h"
 #include "kmech/study.h"
 #include "kmech/transfer.h"
@@ -214,6 +215,20 @@ KM_API km_status km_inverse_chart(const km_plotted_history *history, km_chart **
 /* Appends the picture's bytes to `out`, which stays as it was with any status but KM_OK. KM_USAGE, KM_MEMORY,
  * KM_INTERNAL (the graphics library's own failure). */
 KM_API km_status km_chart_picture(const km_chart *chart, km_picture_format format, km_text *out, km_error *error);
+
+/* Look of a map's picture. Start from {0}. Everything is borrowed. */
+typedef struct km_map_look {
+  const char *column; /* column of the cells that the colours show; NULL: sigma.input */
+  bool over_point;    /* drawn over the place of the map's point, instead of the drivers */
+  const char *title;  /* NULL: "Map" */
+} km_map_look;
+/* Appends a picture of a map (km_space_map_compute): filled contours of a column, a panel for each sheet, or over the
+ * point for each aspect, the six largest, and the singularity curves. The colours survive a grey print and colour
+ * blindness; 2 % of the values at each end share those of the ends. KM_USAGE: no such column, or no point;
+ * KM_NO_RESULT: no cell; KM_MEMORY. O(cells · log cells). */
+KM_API km_status km_space_map_picture(const km_mechanism *mechanism, const km_space_map_def *def,
+                                      const km_space_map *map, const km_map_look *look, km_picture_format format,
+                                      km_text *out, km_error *error);
 
 /* Report about an answer to "advantage" with option `transmission`, or to "forces": configurations, curves, tables.
  * `stopped_by`: km_sweep_stop_text. `html`: one self-contained file, otherwise PDF pages. Appends the bytes.

@@ -120,6 +120,14 @@ enum {
   KM_MAX_MAP_STEPS = 2000 /* most intervals of a map's axis */
 };
 
+/* Kind of a singularity. */
+typedef enum km_singularity_kind {
+  KM_SINGULARITY_INPUT, /* the drivers don't determine the motion: bodies move although both stay */
+  KM_SINGULARITY_OUTPUT /* the point can't move in some direction of its plane */
+} km_singularity_kind;
+/* Returns "input", "output"; "" for another value. */
+KM_API const char *km_singularity_kind_name(km_singularity_kind kind);
+
 /* One axis of a map: a driver and the grid of its values. */
 typedef struct km_space_axis {
   int coordinate;  /* the driver: a hinge or slide of a loop */
@@ -127,27 +135,48 @@ typedef struct km_space_axis {
   int steps;       /* intervals, 1 to KM_MAX_MAP_STEPS */
 } km_space_axis;
 
+/* Figures that a caller adds to each cell of a map. */
+typedef struct km_map_figures {
+  int count;                /* number of figures */
+  const char *const *names; /* [count] names of their columns */
+  const char *const *units; /* [count] units; "": none */
+  /* Computes values[count] at the state's configuration, whose mobility is known (km_mobility_compute). False ends the
+   * map with KM_CANCELLED. */
+  bool (*compute)(void *context, const km_mechanism *mechanism, km_state *state, double *values);
+  void *context; /* passed to `compute` */
+} km_map_figures;
+
 /* Definition of a map. */
 typedef struct km_space_map_def {
-  km_space_axis axis[2]; /* drivers of one part of the mechanism */
+  km_space_axis axis[2];         /* drivers of one part of the mechanism */
+  bool has_point;                /* the map adds the place of a point of a planar mechanism */
+  int frame;                     /* its frame */
+  const char *point_name;        /* its name in columns: "body/frame" */
+  bool within_limits;            /* cells outside the joint limits are left out; they are followed all the same */
+  const km_map_figures *figures; /* further columns; NULL: none */
 } km_space_map_def;
 
 /* A map. */
 typedef struct km_space_map {
-  km_table *cells;  /* sheet (number of its mode), q., m. of every coordinate, sigma.input, sigma.closure: a row for
-                     * each grid point that a sheet reaches */
-  km_table *curves; /* curve (number), q. of every coordinate: points of singularity curves from end to end, or around
-                     * a closed curve to its first point */
-  int sheet_count;  /* modes whose sheet has grid points */
+  km_table *cells; /* q. of both drivers, sheet (number of its mode), aspect, q. of the other coordinates, m. of every
+                     * coordinate, sigma.input, sigma.closure, with a point its x y z, sigma.output and manipulability,
+                     * then the figures: a row for each grid point that a sheet reaches */
+  km_table
+      *curves;     /* curve (number), kind (km_singularity_kind), q. of every coordinate, with a point its x y z: points
+                     * of singularity curves from end to end, or around a closed curve to its first point */
+  int sheet_count; /* modes whose sheet has grid points */
+  int aspect_count; /* parts of the sheets that steps of the grid connect without a singularity of drivers or point */
   int curve_count;  /* number of curves */
 } km_space_map;
 
 /* Follows the configurations over a grid of two drivers, from each mode (km_all_modes_find with both locked) and from
  * grid point to grid point. A sheet ends at singular configurations of the drivers, where det A = 0, A the Jacobian's
  * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
- * lengths over the substructure's size. The curves det A = 0 that bound the sheets are followed by continuation, each
- * point to 1e-11. Limits are ignored. KM_USAGE: an axis is invalid, ball joints, or the part has not two freedoms or
- * has redundant conditions; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(cells · rank³). */
+ * sigma.output and manipulability the smallest singular value and the product of both of the point's Jacobian G by the
+ * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det G = 0 on them, are
+ * followed by continuation, each point to 1e-11. KM_USAGE: an axis is invalid, ball joints, the part has not two
+ * freedoms or has redundant conditions, or a point of a mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free
+ * `*out` in any case. O(cells · rank³). */
 KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,
                                       km_error *error);

@@ -1,0 +1,459 @@
+/* Picture of a map over two drivers: filled contours of a column, a panel for each sheet or aspect, singularity curves
+ * on top.
+ *
+ *   quad of grid points -> triangles;   band b of a triangle: { low_b <= value <= low_b+1 }, value linear in it */
+#include "base/arguments.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
+#include "report/canvas/palette.h"
+#include "report/charts/selfmotion_map_plot.h"
+#include "report/plot/axis_ticks.h"
+#include "report/plot/data_curve.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_PANELS = 6, MOST_QUADS = 80, BAND_CORNERS = 8 };
+static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1};
+static const double panel_width = 230.0, panel_height = 210.0, margin = 14.0, head = 52.0, gap_x = 58.0, gap_y = 56.0,
+                    bar_width = 96.0;
+static const double overlap = 0.35;     /* points by which polygons are larger */
+static const double longest_quad = 0.2; /* part of the axes: a larger quad is at a singular configuration, or not one */
+static const double shortest_line = 1.5;  /* points: shorter ones of a curve are left out */
+static const double outlier_share = 0.02; /* share of the values beyond either end of the colours */
+
+/* A corner: place in the panel's units, and value. */
+typedef struct corner {
+  double x, y, value;
+} corner;
+
+typedef struct map_picture {
+  const km_mechanism *m;
+  const km_space_map_def *def;
+  const km_space_map *map;
+  const km_map_look *look;
+  km_canvas *canvas;
+  km_arena arena;
+  size_t value, x, y;      /* columns of the cells */
+  size_t curve_x, curve_y; /* columns of the curves */
+  double low, high;        /* values at the ends of the colours */
+  double x_low, x_high, y_low, y_high;
+  size_t part; /* column of the panels' numbers: sheet, or aspect over the point's place */
+  int panels, number[MOST_PANELS];
+  int across, down, stride; /* grid points; every so many are drawn */
+  int *row;                 /* [across × down] of the present part, −1: not reached */
+} map_picture;
+
+/* ---- Choice of columns and ranges. */
+
+static km_status no_column(const map_picture *p, const char *column, km_error *error) {
+  const km_table *t = p->map->cells;
+  km_nearest nearest = {.wanted = column};
+  char names[KM_NEAREST_TEXT];
+  for (size_t c = 0; c < km_table_columns(t); ++c)
+    km_nearest_add(&nearest, km_table_name(t, c));
+  return km_fail(error, KM_USAGE, "the map has no column \"%s\"; the nearest are %s", column,
+                 km_nearest_text(&nearest, names));
+}
+
+/* The two coordinates of the point's place that vary most, in the order x y z. */
+static void choose_places(map_picture *p) {
+  const km_table *t = p->map->cells;
+  size_t first = km_table_span(t, "point.").first;
+  double span[3];
+  for (size_t k = 0; k < 3; ++k) {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (size_t r = 0; r < km_table_rows(t); ++r) {
+      low = fmin(low, km_table_row(t, r)[first + k]);
+      high = fmax(high, km_table_row(t, r)[first + k]);
+    }
+    span[k] = high - low;
+  }
+  size_t out = span[2] <= span[0] && span[2] <= span[1] ? 2 : span[0] <= span[1] ? 0 : 1;
+  size_t curves = km_table_span(p->map->curves, "point.").first;
+  p->x = first + (out == 0 ? 1 : 0);
+  p->y = first + (out == 2 ? 1 : 2);
+  p->curve_x = curves + (out == 0 ? 1 : 0);
+  p->curve_y = curves + (out == 2 ? 1 : 2);
+}
+
+static km_status choose_columns(map_picture *p, km_error *error) {
+  const char *column = p->look->column ? p->look->column : "sigma.input";
+  int value = km_table_find(p->map->cells, column);
+  if (value < 0)
+    return no_column(p, column, error);
+  p->value = (size_t)value;
+  p->part = p->look->over_point ? 3 : 2;
+  if (p->look->over_point && !p->def->has_point)
+    return km_fail(error, KM_USAGE, "the map has no point, over whose place it could be drawn");
+  if (p->look->over_point) {
+    choose_places(p);
+    return KM_OK;
+  }
+  p->x = 0;
+  p->y = 1;
+  p->curve_x = (size_t)km_table_find(p->map->curves, km_table_name(p->map->cells, 0));
+  p->curve_y = (size_t)km_table_find(p->map->curves, km_table_name(p->map->cells, 1));
+  return KM_OK;
+}
+
+static int ascending(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Ranges of the axes, and of the colours: all values but the outliers at both ends. */
+static void find_ranges(map_picture *p) {
+  const km_table *t = p->map->cells;
+  size_t rows = km_table_rows(t), count = 0;
+  double *values = KM_ARENA_NEW(&p->arena, double, rows + 1);
+  p->x_low = p->y_low = HUGE_VAL;
+  p->x_high = p->y_high = -HUGE_VAL;
+  for (size_t r = 0; values && r < rows; ++r) {
+    const double *row = km_table_row(t, r);
+    p->x_low = fmin(p->x_low, row[p->x]);
+    p->x_high = fmax(p->x_high, row[p->x]);
+    p->y_low = fmin(p->y_low, row[p->y]);
+    p->y_high = fmax(p->y_high, row[p->y]);
+    if (isfinite(row[p->value]))
+      values[count++] = row[p->value];
+  }
+  if (!values)
+    return;
+  qsort(values, count, sizeof *values, ascending);
+  p->low = count > 0 ? values[(size_t)(outlier_share * (double)(count - 1))] : 0.0;
+  p->high = count > 0 ? values[(size_t)((1.0 - outlier_share) * (double)(count - 1))] : 1.0;
+  km_axis_widen(&p->low, &p->high);
+  km_axis_widen(&p->x_low, &p->x_high);
+  km_axis_widen(&p->y_low, &p->y_high);
+}
+
+/* A part of the cells, and their number. */
+typedef struct map_part {
+  int number, cells;
+} map_part;
+
+static int by_size(const void *a, const void *b) {
+  const map_part *x = a, *y = b;
+  return x->cells != y->cells ? (x->cells < y->cells) - (x->cells > y->cells) : x->number - y->number;
+}
+
+/* The largest parts, a panel each. */
+static void find_panels(map_picture *p) {
+  const km_table *t = p->map->cells;
+  int count = 0;
+  for (size_t r = 0; r < km_table_rows(t); ++r)
+    count = (int)fmax(count, km_table_row(t, r)[p->part]);
+  map_part *parts = KM_ARENA_NEW(&p->arena, map_part, (size_t)count + 1);
+  if (!parts)
+    return;
+  for (int k = 0; k < count; ++k)
+    parts[k].number = k + 1;
+  for (size_t r = 0; r < km_table_rows(t); ++r)
+    ++parts[(int)km_table_row(t, r)[p->part] - 1].cells;
+  qsort(parts, (size_t)count, sizeof *parts, by_size);
+  while (p->panels < MOST_PANELS && p->panels < count && parts[p->panels].cells > 0) {
+    p->number[p->panels] = parts[p->panels].number;
+    ++p->panels;
+  }
+}
+
+/* ---- Filled contours. */
+
+/* Index of a value's band: below 0 and above the last one are those at the ends. */
+static int band_of(const map_picture *p, double value) {
+  double part = (value - p->low) / (p->high - p->low) * KM_MAP_SHADES;
+  return part <= 0.0 ? 0 : part >= KM_MAP_SHADES ? KM_MAP_SHADES - 1 : (int)part;
+}
+
+/* Clips a polygon to value >= level, or to value <= level where `sign` is −1. Returns the number of its corners. */
+static int clip(const corner *from, int count, double level, double sign, corner *to) {
+  int n = 0;
+  for (int i = 0; i < count; ++i) {
+    const corner *a = &from[i], *b = &from[(i + 1) % count];
+    double u = sign * (a->value - level), v = sign * (b->value - level);
+    if (u >= 0.0)
+      to[n++] = *a;
+    if ((u >= 0.0) != (v >= 0.0)) {
+      double part = u / (u - v);
+      to[n++] = (corner){a->x + part * (b->x - a->x), a->y + part * (b->y - a->y), level};
+    }
+  }
+  return n;
+}
+
+static void fill_polygon(const map_picture *p, const km_frame *frame, const corner *corners, int count, int band) {
+  km_canvas_point points[BAND_CORNERS];
+  km_canvas_point middle = {0.0, 0.0};
+  for (int i = 0; i < count; ++i) {
+    points[i] = km_frame_map(frame, corners[i].x, corners[i].y);
+    middle.x += points[i].x / count;
+    middle.y += points[i].y / count;
+  }
+  for (int i = 0; i < count; ++i) { /* neighbours overlap, so that no line shows between them */
+    double x = points[i].x - middle.x, y = points[i].y - middle.y, distance = hypot(x, y);
+    points[i].x += distance > 0.0 ? overlap * x / distance : 0.0;
+    points[i].y += distance > 0.0 ? overlap * y / distance : 0.0;
+  }
+  km_canvas_polygon(p->canvas, km_map_shade(band), points, (size_t)count);
+}
+
+static void fill_triangle(const map_picture *p, const km_frame *frame, const corner *t) {
+  int first = KM_MAP_SHADES, last = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (!isfinite(t[i].value))
+      return;
+    first = band_of(p, t[i].value) < first ? band_of(p, t[i].value) : first;
+    last = band_of(p, t[i].value) > last ? band_of(p, t[i].value) : last;
+  }
+  fill_polygon(p, frame, t, 3, first); /* the whole of it, so that no gap shows between bands */
+  for (int band = first + 1; band <= last; ++band) {
+    corner upper[BAND_CORNERS];
+    int n = clip(t, 3, p->low + (p->high - p->low) * band / KM_MAP_SHADES, 1.0, upper);
+    if (n > 2)
+      fill_polygon(p, frame, upper, n, band);
+  }
+}
+
+/* The corner of a grid point; false if the sheet doesn't reach it. */
+static bool corner_at(const map_picture *p, int i, int j, corner *out) {
+  i = i < p->across ? i : p->across - 1;
+  j = j < p->down ? j : p->down - 1;
+  int r = p->row[j * p->across + i];
+  if (r < 0)
+    return false;
+  const double *row = km_table_row(p->map->cells, (size_t)r);
+  *out = (corner){row[p->x], row[p->y], row[p->value]};
+  return true;
+}
+
+/* Fills a quad of grid points, or the triangle of the three that are reached. */
+static void fill_quad(const map_picture *p, const km_frame *frame, int i, int j) {
+  static const int side[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  corner c[4];
+  int n = 0;
+  for (int k = 0; k < 4; ++k)
+    n += corner_at(p, i + side[k][0] * p->stride, j + side[k][1] * p->stride, &c[n]);
+  for (int k = 1; k < n; ++k)
+    if (fabs(c[k].x - c[0].x) > longest_quad * (p->x_high - p->x_low) ||
+        fabs(c[k].y - c[0].y) > longest_quad * (p->y_high - p->y_low))
+      return;
+  if (n < 3)
+    return;
+  bool is_plain = n == 4;
+  for (int k = 1; k < n; ++k)
+    is_plain = is_plain && isfinite(c[k].value) && band_of(p, c[k].value) == band_of(p, c[0].value);
+  if (is_plain && isfinite(c[0].value)) {
+    fill_polygon(p, frame, c, 4, band_of(p, c[0].value));
+    return;
+  }
+  fill_triangle(p, frame, c);
+  const corner other[3] = {c[0], c[2], c[n - 1]};
+  if (n == 4)
+    fill_triangle(p, frame, other);
+}
+
+static void index_part(map_picture *p, int number) {
+  const km_table *t = p->map->cells;
+  for (int k = 0; k < p->across * p->down; ++k)
+    p->row[k] = -1;
+  for (size_t r = 0; r < km_table_rows(t); ++r) {
+    const double *row = km_table_row(t, r);
+    int at[2];
+    for (int d = 0; d < 2; ++d) {
+      const km_space_axis *a = &p->def->axis[d];
+      at[d] = (int)round((row[d] - a->from) / (a->to - a->from) * a->steps);
+    }
+    if (row[p->part] == number)
+      p->row[at[1] * p->across + at[0]] = (int)r;
+  }
+}
+
+/* ---- Curves, axes, colours. */
+
+/* Draws the singularity curves, broken where a hinge passes a full turn. */
+static void draw_curves(map_picture *p, const km_frame *frame) {
+  const km_table *t = p->map->curves;
+  size_t rows = km_table_rows(t), count = 0;
+  km_canvas_point *points = KM_ARENA_NEW(&p->arena, km_canvas_point, rows + 1);
+  if (!points)
+    return;
+  for (size_t r = 0; r <= rows; ++r) {
+    const double *row = r < rows ? km_table_row(t, r) : NULL, *before = r > 0 ? km_table_row(t, r - 1) : NULL;
+    bool is_new = !row || (before && (row[0] != before[0] ||
+                                      fabs(row[p->curve_x] - before[p->curve_x]) > 0.25 * (p->x_high - p->x_low) ||
+                                      fabs(row[p->curve_y] - before[p->curve_y]) > 0.25 * (p->y_high - p->y_low)));
+    if (is_new && count > 1) {
+      bool is_output = before[1] == KM_SINGULARITY_OUTPUT;
+      const double dash[] = {3.0, 2.0};
+      const km_pen halo = {.colour = {1, 1, 1, 0.8}, .width = 2.6},
+                   pen = {.colour = is_output ? (km_colour){0.80, 0.10, 0.10, 1} : (km_colour){0, 0, 0, 1},
+                          .width = 1.2,
+                          .dash = is_output ? dash : NULL,
+                          .dash_count = is_output ? 2 : 0};
+      km_canvas_polyline(p->canvas, &halo, points, count);
+      km_canvas_polyline(p->canvas, &pen, points, count);
+    }
+    count = is_new ? 0 : count;
+    if (!row)
+      break;
+    km_canvas_point at = km_frame_map(frame, row[p->curve_x], row[p->curve_y]);
+    bool is_last = r + 1 == rows || km_table_row(t, r + 1)[0] != row[0];
+    if (count == 0 || is_last || hypot(at.x - points[count - 1].x, at.y - points[count - 1].y) > shortest_line)
+      points[count++] = at;
+  }
+}
+
+static void axis_name(const map_picture *p, size_t column, km_text *out) {
+  const char *name = km_table_name(p->map->cells, column), *unit = km_table_unit(p->map->cells, column);
+  km_text_format(out, "%s%s%s%s", strncmp(name, "q.", 2) == 0 ? name + 2 : name, *unit ? " (" : "", unit,
+                 *unit ? ")" : "");
+}
+
+static void draw_axes(const map_picture *p, const km_frame *f, int number) {
+  const km_font tick = {.size = 8}, label = {.size = 9}, title = {.size = 9.5, .bold = true};
+  const km_pen pen = {.colour = ink, .width = 0.7};
+  double bottom = f->top + f->height;
+  char text[KM_AXIS_LABEL];
+  km_text x_name = {0}, y_name = {0}, heading = {0};
+  axis_name(p, p->x, &x_name);
+  axis_name(p, p->y, &y_name);
+  km_axis x = km_axis_fit(f->x_low, f->x_high, 5, km_axis_in_degrees(x_name.data), false);
+  km_axis y = km_axis_fit(f->y_low, f->y_high, 5, km_axis_in_degrees(y_name.data), false);
+  for (size_t i = 0; i < x.count; ++i) {
+    double at = km_frame_map(f, km_axis_tick(&x, i), f->y_low).x;
+    km_canvas_line(p->canvas, &pen, (km_canvas_point){at, bottom}, (km_canvas_point){at, bottom + 3});
+    km_axis_label(&x, i, text);
+    km_canvas_text(p->canvas, &tick, ink, text, (km_canvas_point){at, bottom + 4}, (km_anchor){0.5, 0, 0});
+  }
+  for (size_t i = 0; i < y.count; ++i) {
+    double at = km_frame_map(f, f->x_low, km_axis_tick(&y, i)).y;
+    km_canvas_line(p->canvas, &pen, (km_canvas_point){f->left, at}, (km_canvas_point){f->left - 3, at});
+    km_axis_label(&y, i, text);
+    km_canvas_text(p->canvas, &tick, ink, text, (km_canvas_point){f->left - 5, at}, (km_anchor){1, 0.5, 0});
+  }
+  const km_canvas_point box[] = {{f->left, f->top},
+                                 {f->left + f->width, f->top},
+                                 {f->left + f->width, bottom},
+                                 {f->left, bottom},
+                                 {f->left, f->top}};
+  km_canvas_polyline(p->canvas, &pen, box, 5);
+  km_text_format(&heading, "%s %d", km_table_name(p->map->cells, p->part), number);
+  km_canvas_words(p->canvas, &title, ink, &heading, (km_canvas_point){f->left, f->top - 4}, (km_anchor){0, 1, 0});
+  km_canvas_words(p->canvas, &label, ink, &x_name, (km_canvas_point){f->left + 0.5 * f->width, bottom + 16},
+                  (km_anchor){0.5, 0, 0});
+  km_canvas_words(p->canvas, &label, ink, &y_name, (km_canvas_point){f->left - 42, f->top + 0.5 * f->height},
+                  (km_anchor){0.5, 0, -acos(0.0)});
+}
+
+static void draw_colours(const map_picture *p, double left, double top, double height) {
+  const km_font font = {.size = 8.5};
+  const double width = 12;
+  for (int i = 0; i < KM_MAP_SHADES; ++i)
+    km_canvas_rectangle(p->canvas, km_map_shade(i), left, top + height * (KM_MAP_SHADES - 1 - i) / KM_MAP_SHADES, width,
+                        height / KM_MAP_SHADES + 0.3);
+  km_axis axis = km_axis_fit(p->low, p->high, 6, false, false);
+  char text[KM_AXIS_LABEL];
+  for (size_t i = 0; i < axis.count; ++i) {
+    double y = top + height * (1.0 - (km_axis_tick(&axis, i) - p->low) / (p->high - p->low));
+    km_axis_label(&axis, i, text);
+    km_canvas_text(p->canvas, &font, ink, text, (km_canvas_point){left + width + 4, y}, (km_anchor){0, 0.5, 0});
+  }
+  km_text name = {0};
+  km_axis_multiplier(&axis, text);
+  axis_name(p, p->value, &name);
+  km_text_format(&name, "%s%s", *text ? " " : "", text);
+  km_canvas_words(p->canvas, &font, ink, &name, (km_canvas_point){left, top - 6}, (km_anchor){0, 1, 0});
+}
+
+/* ---- The page. */
+
+static km_frame frame_of(const map_picture *p, int panel, int columns) {
+  km_frame f = {.left = margin + 46 + (panel % columns) * (panel_width + gap_x),
+                .top = margin + head + (panel / columns) * (panel_height + gap_y),
+                .width = panel_width,
+                .height = panel_height,
+                .x_low = p->x_low,
+                .x_high = p->x_high,
+                .y_low = p->y_low,
+                .y_high = p->y_high};
+  if (p->look->over_point) { /* equal scales */
+    double scale = fmax((f.x_high - f.x_low) / f.width, (f.y_high - f.y_low) / f.height);
+    double x = 0.5 * (f.x_low + f.x_high), y = 0.5 * (f.y_low + f.y_high);
+    f.x_low = x - 0.5 * scale * f.width;
+    f.x_high = x + 0.5 * scale * f.width;
+    f.y_low = y - 0.5 * scale * f.height;
+    f.y_high = y + 0.5 * scale * f.height;
+  }
+  return f;
+}
+
+static void draw_panel(map_picture *p, int panel, int columns) {
+  km_frame frame = frame_of(p, panel, columns);
+  index_part(p, p->number[panel]);
+  km_canvas_clip(p->canvas, frame.left, frame.top, frame.width, frame.height);
+  for (int j = 0; j + 1 < p->down; j += p->stride)
+    for (int i = 0; i + 1 < p->across; i += p->stride)
+      fill_quad(p, &frame, i, j);
+  draw_curves(p, &frame);
+  km_canvas_release(p->canvas);
+  draw_axes(p, &frame, p->number[panel]);
+}
+
+static void draw_page(map_picture *p, int columns, double width) {
+  const km_font title = {.size = 13, .bold = true, .width = width - 2 * margin},
+                subtitle = {.size = 9, .width = width - 2 * margin};
+  km_text about = {0};
+  km_canvas_text(p->canvas, &title, ink, p->look->title ? p->look->title : "Map", (km_canvas_point){margin, margin},
+                 (km_anchor){0, 0, 0});
+  km_text_format(&about, "black: the drivers are singular%s · values beyond the colours have those of the ends%s",
+                 p->def->has_point ? " · red, dashed: the point can't move in some direction" : "",
+                 (p->part == 2 ? p->map->sheet_count : p->map->aspect_count) > p->panels
+                     ? " · further ones are in the table"
+                     : "");
+  km_canvas_words(p->canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 18}, (km_anchor){0, 0, 0});
+  for (int panel = 0; panel < p->panels; ++panel)
+    draw_panel(p, panel, columns);
+  km_frame last = frame_of(p, columns - 1, columns);
+  draw_colours(p, last.left + last.width + 16, last.top + 14, 130);
+}
+
+static km_status prepare(map_picture *p, km_error *error) {
+  km_status status = choose_columns(p, error);
+  if (status)
+    return status;
+  find_panels(p);
+  if (p->panels == 0)
+    return km_fail(error, KM_NO_RESULT, "no sheet has a grid point; expected a range that holds the pose");
+  find_ranges(p);
+  p->across = p->def->axis[0].steps + 1;
+  p->down = p->def->axis[1].steps + 1;
+  p->stride = 1 + ((p->across > p->down ? p->across : p->down) - 2) / MOST_QUADS;
+  p->row = KM_ARENA_NEW(&p->arena, int, (size_t)p->across *(size_t)p->down);
+  return p->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the map's picture") : KM_OK;
+}
+
+km_status km_space_map_picture(const km_mechanism *mechanism, const km_space_map_def *def, const km_space_map *map,
+                               const km_map_look *look, km_picture_format format, km_text *out, km_error *error) {
+  km_status status = km_check_picture(out, format, error);
+  if (!status)
+    status = km_check_given(mechanism && def && map && map->cells && map->curves && look, "map or its look", error);
+  if (status)
+    return status;
+  map_picture p = {.m = mechanism, .def = def, .map = map, .look = look};
+  status = prepare(&p, error);
+  int columns = p.panels < 2 ? 1 : p.panels < 5 ? 2 : 3, rows = p.panels > 0 ? (p.panels + columns - 1) / columns : 1;
+  double width = 2 * margin + 46 + columns * panel_width + (columns - 1) * gap_x + bar_width;
+  if (!status)
+    status =
+        km_canvas_create(format, width, 2 * margin + head + rows * (panel_height + gap_y) - 16, out, &p.canvas, error);
+  if (!status) {
+    draw_page(&p, columns, width);
+    status = p.arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the map's picture")
+                            : km_canvas_finish(p.canvas, error);
+  }
+  km_canvas_free(p.canvas);
+  km_arena_free(&p.arena);
+  return status;
+}
