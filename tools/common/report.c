@@ -8,7 +8,13 @@
 #include <string.h>
 
 void kt_report_options(kt_options *out, kt_sweep_options *o, const char *kind, const char *base_help) {
-  const kt_option several[] = {KT_VARY(&o->vary)};
+  const kt_option several[] = {
+      KT_VARY(&o->vary),
+      {"over", 0, "QUANTITY",
+       "Draw the curves over this instead of the driver or the time: a joint, BODY/FRAME.x, .y or .z of a point, or "
+       "another column",
+       KT_TEXT, &o->over, KT_ABOUT_FILES},
+  };
   kt_sweep_options_add(out, o, kind);
   KT_OPTIONS_ADD(out, several);
   kt_report_head_options(out, &o->head, &o->format, &o->base, base_help);
@@ -84,6 +90,7 @@ static km_status make(const kt_sweep_options *o, const kt_sweep_job *jobs, int c
 static kt_exit deliver(kt_sweep_options *o, const kt_sweep_job *jobs, int count) {
   bool html = false, some = false;
   kt_exit result = kt_report_head_complete(&o->common, &o->head, jobs[0].pose.model, jobs[0].path);
+  o->head.header.over = o->over;
   kt_report_format(o->format, o->base, &html);
   for (int i = 0; i < count; ++i)
     some = some || kt_sweep_job_delivers(&jobs[i]);
@@ -101,6 +108,23 @@ static kt_exit deliver(kt_sweep_options *o, const kt_sweep_job *jobs, int count)
   return result;
 }
 
+/* The point of --over BODY/FRAME.x is followed. */
+static void follow_point(kt_sweep_options *o) {
+  kt_texts *points = kt_question_texts(&o->asked, "point");
+  if (!points)
+    points = kt_question_texts(&o->asked, "frame");
+  const size_t length = o->over ? strlen(o->over) : 0;
+  const bool is_component = length > 2 && o->over[length - 2] == '.' && strchr("xyz", o->over[length - 1]) != NULL;
+  if (!points || !is_component || !strchr(o->over, '/') || length > sizeof o->followed ||
+      points->count >= KT_MOST_TEXTS)
+    return;
+  snprintf(o->followed, sizeof o->followed, "%.*s", (int)length - 2, o->over);
+  for (int i = 0; i < points->count; ++i)
+    if (strcmp(points->items[i], o->followed) == 0)
+      return;
+  points->items[points->count++] = o->followed;
+}
+
 kt_exit kt_report(kt_sweep_options *o) {
   bool html;
   if (!kt_report_format(o->format, o->base, &html))
@@ -108,6 +132,7 @@ kt_exit kt_report(kt_sweep_options *o) {
   if (kt_is_piped(o->base))
     return kt_usage(&o->common, "-o", "-", "a file");
   kt_question_set(&o->asked, "transmission");
+  follow_point(o);
   o->deliver = deliver;
   kt_exit result = kt_report_head_read(&o->common, &o->head);
   if (result == KT_DONE)

@@ -18,12 +18,14 @@ typedef struct kt_sweep_options {
   kt_common common;
   kt_question asked; /* the question */
   kt_texts holds, sets, models, vary;
-  kt_variants variants;    /* variants of `vary`, set by kt_sweep */
-  const char *joints;      /* --joints: coordinates whose curves are drawn, or NULL */
-  const char *base;        /* -o, or NULL */
-  const char *format;      /* --format, or NULL */
-  kt_formats formats;      /* formats of --format, set by kt_sweep */
-  kt_report_head head; /* head of a report */
+  kt_variants variants; /* variants of `vary`, set by kt_sweep */
+  const char *joints;   /* --joints: coordinates whose curves are drawn, or NULL */
+  const char *base;     /* -o, or NULL */
+  const char *format;   /* --format, or NULL */
+  kt_formats formats;   /* formats of --format, set by kt_sweep */
+  kt_report_head head;  /* head of a report */
+  const char *over;     /* quantity across a report's curves; NULL: the driver or the time */
+  char followed[512];   /* "body/frame" of `over` */
   /* Kinds without a sweep: says what a result with rows calls for; returns the exit code of the result. */
   kt_exit (*tell)(kt_sweep_job *job);
   /* Writes what all jobs gave, instead of tables and plots; NULL: those. */

@@ -135,6 +135,8 @@ typedef struct km_report_header {
   const char *date;    /* and the date, as text */
   const char *note;    /* a paragraph behind the answer */
   const km_text *logo; /* bytes of a PNG file that km_logo_read accepts; shown beside the title */
+  const char *over;    /* quantity across the curves of answers: a column such as q.shock, point.axle/hub.y, or a joint;
+                        * NULL: the driver or the time */
 } km_report_header;
 /* Reads a logo. KM_IO: the file can't be read; KM_USAGE: it isn't a PNG picture of at most 4096 pixels a side and 4 MB,
  * or is damaged; `out` is then empty. The caller frees it (km_text_free). O(bytes). */

@@ -162,12 +162,14 @@ static void add_transmission(km_document_maker *k, const km_plotted_advantage *p
   const km_table *table = p->swept.motion->table;
   km_named_metric list[KM_TRANSMISSION_METRICS];
   const char *last = NULL;
+  bool any = false;
   km_text missing = {0};
-  km_document_heading(k, "Transmission");
   km_transmission_list(p->swept.mechanism, t, &p->sweep->output, list);
   for (int i = 0; i < KM_TRANSMISSION_METRICS; ++i) {
-    if (defined(table, km_table_find(table, list[i].name)))
+    if (defined(table, km_table_find(table, list[i].name))) {
+      any = true;
       continue;
+    }
     const char *why = list[i].metric->why ? list[i].metric->why : "no row has a value";
     if (last && strcmp(last, why) == 0)
       km_text_format(&missing, ", %s", list[i].words);
@@ -178,7 +180,9 @@ static void add_transmission(km_document_maker *k, const km_plotted_advantage *p
   if (missing.size)
     km_text_add(&missing, ".");
   const char *words = km_document_words(k, &missing, NULL);
-  if (words)
+  if (any)
+    km_document_heading(k, "Transmission");
+  if (any && words)
     km_document_text(k, words);
   add_metric_plot(k, p, indices, 2, "Transmission indices", "index", 150);
   add_metric_plot(k, p, angle, 1, "Transmission angle",

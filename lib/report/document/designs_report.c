@@ -5,6 +5,7 @@
 #include "report/charts/designs_plot.h"
 #include "report/document/sweep_report.h"
 #include "report/record/designs_table.h"
+#include "report/record/words/bound_text.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,8 +40,11 @@ static const char *lead_of(km_document_maker *m, const km_design_study *s, const
     while (strcmp(km_design_study_figure(s, figure)->name, o->goals[0].figure) != 0)
       ++figure;
     km_design_study_result(s, best, &r, NULL);
-    return km_document_format(m, "The best of %d designs has %s %.6g %s.", y->count, o->goals[0].figure,
-                              r.figures[figure], km_design_study_figure_unit(s, figure));
+    km_text bounds = {0};
+    km_designs_bound_words(s, def, &bounds);
+    const char *words = km_document_words(m, &bounds, "");
+    return km_document_format(m, "The best of %d designs has %s %.6g %s%s%s.", y->count, o->goals[0].figure,
+                              r.figures[figure], km_design_study_figure_unit(s, figure), words[0] ? "; " : "", words);
   }
   if (!km_designs_have_limits(s))
     return km_document_format(m, "%d of %d designs have a full answer.", y->outcomes[KM_DESIGN_DONE], y->count);

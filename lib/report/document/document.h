@@ -47,6 +47,7 @@ typedef struct km_document_maker {
   km_arena arena;
   km_block *blocks; /* [count] in the arena */
   size_t count, capacity;
+  const struct km_plot_over *over; /* axis of all plots in place of their own; NULL: their own */
 } km_document_maker;
 
 void km_document_part(km_document_maker *maker, const char *text);

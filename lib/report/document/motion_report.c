@@ -141,11 +141,12 @@ void km_motion_report_make(km_document_maker *k, const km_answered *a, const cha
 
 /* ---- Over time. */
 
-/* "0.0019 s (A = 35.1 deg)": a time and the driver's place. */
-static const char *when_words(km_document_maker *k, const km_mechanism *m, const km_table *t, double time) {
+/* "0.0019 s (A = 35.1 deg)": a time and the place of a coordinate (−1: the driver). */
+static const char *when_words(km_document_maker *k, const km_mechanism *m, const km_table *t, int coordinate,
+                              double time) {
   km_text text = {0};
   km_text_format(&text, "%.5g %s", time, m->model->units.time->suffix);
-  km_driver_place_words(m, t, time, &text);
+  km_place_words(m, t, coordinate, time, &text);
   return km_document_words(k, &text, "");
 }
 
@@ -163,7 +164,7 @@ static void add_history_lead(km_document_maker *k, const km_mechanism *m, const 
   km_text_free(&speed);
   for (int i = 0; i < h->peak_count && i < LEAD_JOINTS; ++i) {
     const km_force_peak *peak = &h->peaks[i];
-    const char *unit = km_table_unit(t, peak->column), *when = when_words(k, m, t, peak->time);
+    const char *unit = km_table_unit(t, peak->column), *when = when_words(k, m, t, peak->coordinate, peak->time);
     if (peak->coordinate >= 0)
       km_text_format(&text, "%s%s takes at most %.5g %s at %s, %.5g %s rms", i ? "; " : "",
                      km_model_coordinate_label(m->model, peak->coordinate), fabs(peak->value), unit, when, peak->rms,
@@ -226,9 +227,9 @@ static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_t
     const char **row = cells + COLUMNS * (j + 1);
     row[0] = m->model->joints[j].label;
     row[1] = pushes ? km_document_format(k, "%.5g %s", force, km_table_unit(t, first)) : "–";
-    row[2] = pushes ? when_words(k, m, t, at_force) : "";
+    row[2] = pushes ? when_words(k, m, t, -1, at_force) : "";
     row[3] = twists ? km_document_format(k, "%.5g %s", moment, km_table_unit(t, first + 3)) : "–";
-    row[4] = twists ? when_words(k, m, t, at_moment) : "";
+    row[4] = twists ? when_words(k, m, t, -1, at_moment) : "";
   }
   km_document_heading(k, "Bearing loads");
   km_document_text(k, "Magnitudes of force and moment of parent on child at each joint's frame, largest of all rows.");
@@ -257,7 +258,7 @@ static void add_peaks(km_document_maker *k, const km_mechanism *m, const km_hist
                  ? "shaking force"
                  : km_document_format(k, "of %s", km_model_coordinate_label(m->model, peak->coordinate));
     row[1] = km_document_format(k, "%s %s", km_report_number(k, peak->value), unit);
-    row[2] = when_words(k, m, h->table, peak->time);
+    row[2] = when_words(k, m, h->table, peak->coordinate, peak->time);
     row[3] = km_document_format(k, "%s %s", km_report_number(k, peak->rms), unit);
   }
   km_document_heading(k, "Driving forces");

@@ -80,6 +80,12 @@ km_status km_question_report(const km_answered *a, const char *stopped_by, bool 
   km_document_maker *k = KM_NEW(km_document_maker, 1);
   if (!k)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
+  status = km_report_set_over(k, km_question_table(a->question), a->header ? a->header->over : NULL, error);
+  if (status) {
+    km_arena_free(&k->arena);
+    km_free(k);
+    return status;
+  }
   km_question_report_make(k, a, stopped_by, false);
   return km_report_finish(k, km_report_subject(k, a->name, a->question->m->model), a->header,
                           km_question_report_tool(a->question), title_of(k, a), html, out, error);

@@ -5,10 +5,12 @@
 #include "kmech/version.h"
 #include "report/charts/sweep_strip.h"
 #include "report/drawing/drawing.h"
+#include "report/plot/plot_over.h"
 #include "report/record/sweep_text.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { POSES = 5, MOST_ROWS = 12 };
@@ -200,12 +202,56 @@ static km_status draw_plot(void *context, km_canvas *canvas, double width, doubl
   return km_plot_place(context, canvas, width, height, error);
 }
 
+km_status km_report_find_over(const km_table *table, const char *over, size_t *column, km_error *error) {
+  static const char *const prefixes[] = {"", "q.", "point.", "frame."};
+  char name[512];
+  for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; ++i) {
+    snprintf(name, sizeof name, "%s%s", prefixes[i], over);
+    const int found = km_table_find(table, name);
+    if (found < 0)
+      continue;
+    *column = (size_t)found;
+    return KM_OK;
+  }
+  return km_fail(error, KM_USAGE,
+                 "found no column \"%.200s\" to draw over; expected a joint, BODY/FRAME.x, .y or .z of "
+                 "a point whose path is followed, or another column of the table",
+                 over);
+}
+
+const char *km_report_over_label(km_document_maker *maker, const km_table *table, size_t column) {
+  static const char *const prefixes[] = {"q.", "point.", "frame."};
+  const char *name = km_table_name(table, column), *unit = km_report_unit(maker, km_table_unit(table, column));
+  for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; ++i)
+    if (strncmp(name, prefixes[i], strlen(prefixes[i])) == 0)
+      return km_document_format(maker, unit[0] ? "%s (%s)" : "%s", name + strlen(prefixes[i]), unit);
+  return km_document_format(maker, unit[0] ? "%s (%s)" : "%s", name, unit);
+}
+
+km_status km_report_set_over(km_document_maker *maker, const km_table *table, const char *over, km_error *error) {
+  const size_t rows = km_table_rows(table);
+  size_t column = 0;
+  const km_status status = over ? km_report_find_over(table, over, &column, error) : KM_OK;
+  if (status || !over)
+    return status;
+  km_plot_over *axis = KM_ARENA_NEW(&maker->arena, km_plot_over, 1);
+  double *values = KM_ARENA_NEW(&maker->arena, double, 2 * rows);
+  if (!axis || !values)
+    return km_fail(error, KM_MEMORY, "out of memory for a report");
+  km_table_column(table, (size_t)km_table_variable(table), values, NULL);
+  km_table_column(table, column, values + rows, NULL);
+  *axis = (km_plot_over){values, values + rows, rows, km_report_over_label(maker, table, column), column};
+  maker->over = axis;
+  return KM_OK;
+}
+
 void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *shows, double height) {
   km_plot *kept = KM_ARENA_NEW(&maker->arena, km_plot, 1);
   if (!kept)
     return;
   *kept = *plot;
-  km_document_picture(maker, shows, height, draw_plot, kept);
+  if (!maker->over || km_plot_set_over(kept, maker->over, &maker->arena))
+    km_document_picture(maker, shows, height, draw_plot, kept);
 }
 
 /* The row nearest to a place. */
@@ -224,8 +270,22 @@ static size_t mark(bool *marked, size_t row, size_t count) {
   return count;
 }
 
+/* The columns with the quantity across the curves behind the first one. */
+static const km_report_column *with_over(km_document_maker *maker, const km_report_column *columns, size_t *count) {
+  km_report_column *all = KM_ARENA_NEW(&maker->arena, km_report_column, *count + 1);
+  if (!maker->over || !all)
+    return columns;
+  all[0] = columns[0];
+  all[1] = (km_report_column){maker->over->column, maker->over->label};
+  for (size_t c = 1; c < *count; ++c)
+    all[c + 1] = columns[c];
+  ++*count;
+  return all;
+}
+
 void km_report_rows(km_document_maker *maker, const km_swept *s, const km_report_column *columns, size_t count,
                     const double *special, size_t special_count) {
+  columns = with_over(maker, columns, &count);
   const km_table *table = s->motion->table;
   size_t rows = km_table_rows(table), shown = 0;
   bool *marked = KM_ARENA_NEW(&maker->arena, bool, rows);

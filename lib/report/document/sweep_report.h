@@ -33,6 +33,15 @@ void km_report_run_poses(km_document_maker *maker, const km_mechanism *mechanism
 /* A plot of the maker's arena as a picture. */
 void km_report_plot(km_document_maker *maker, const km_plot *plot, const char *shows, double height);
 
+/* Finds the column of a header's quantity across the curves: its name, with q., point. or frame. before it. KM_USAGE:
+ * there is none. */
+km_status km_report_find_over(const km_table *table, const char *over, size_t *column, km_error *error);
+/* "shock (mm)": its words on an axis. */
+const char *km_report_over_label(km_document_maker *maker, const km_table *table, size_t column);
+/* Draws the plots that follow over this quantity instead of the table's own variable. `over` NULL: no change. KM_USAGE
+ * as above. */
+km_status km_report_set_over(km_document_maker *maker, const km_table *table, const char *over, km_error *error);
+
 /* A column of a table at chosen poses. */
 typedef struct km_report_column {
   size_t column;

@@ -190,18 +190,49 @@ static void print_range(const km_advantage_sweep *sweep, const char *s_unit, km_
   km_text_add(out, poles ? "" : "\n");
 }
 
+static const char prefix[] = "transmission."; /* beginning of the columns with the angles of hinges */
+
+/* True if the joint connects the link that the input turns. */
+static bool is_at_input(const km_mechanism *m, const km_port *input, int joint) {
+  const km_model *model = m->model;
+  if (input->kind != KM_PORT_JOINT)
+    return false;
+  const km_model_joint *driver = &model->joints[model->coordinates[input->coordinate].joint];
+  for (int side = 0; side < 2; ++side)
+    for (int end = 0; end < 2; ++end) {
+      const int body = model->frames[driver->frame[side]].body;
+      if (body != 0 && body == model->frames[model->joints[joint].frame[end]].body)
+        return true;
+    }
+  return false;
+}
+
+const char *km_transmission_hinge(const km_mechanism *m, const km_advantage_sweep *sweep, size_t column) {
+  static const double least_degrees = 1.0; /* a hinge that stays below has no load to pass on */
+  const km_table *t = sweep->motion.table;
+  const char *name = km_table_name(t, column);
+  const double degree = M_PI / 180.0 / m->model->units.angle->si;
+  if (strncmp(name, prefix, sizeof prefix - 1) != 0)
+    return NULL;
+  const char *label = name + sizeof prefix - 1;
+  for (int j = 0; j < m->model->joint_count; ++j)
+    if (strcmp(m->model->joints[j].label, label) == 0 && is_at_input(m, &sweep->input, j))
+      return NULL;
+  const size_t row = km_table_extreme_row(t, column, -1.0);
+  return row < km_table_rows(t) && km_table_row(t, row)[column] > least_degrees * degree ? label : NULL;
+}
+
 /* Least transmission angle of each hinge over the rows. */
-static void print_hinges(const km_advantage_sweep *sweep, const char *s_unit, km_text *out) {
-  static const char prefix[] = "transmission.";
+static void print_hinges(const km_mechanism *m, const km_advantage_sweep *sweep, const char *s_unit, km_text *out) {
   const km_table *t = sweep->motion.table;
   int count = 0, s = km_table_find(t, "s");
   for (size_t c = 0; c < km_table_columns(t) && s >= 0; ++c) {
-    const char *name = km_table_name(t, c);
-    size_t row = strncmp(name, prefix, sizeof prefix - 1) == 0 ? km_table_extreme_row(t, c, 1.0) : km_table_rows(t);
+    const char *hinge = km_transmission_hinge(m, sweep, c);
+    const size_t row = hinge ? km_table_extreme_row(t, c, 1.0) : km_table_rows(t);
     if (row == km_table_rows(t))
       continue;
     km_text_add(out, count++ ? ";" : "  least transmission angles of the hinges:");
-    km_text_format(out, " %s %.4g %s at %.6g%s", name + sizeof prefix - 1, km_table_row(t, row)[c], km_table_unit(t, c),
+    km_text_format(out, " %s %.4g %s at %.6g%s", hinge, km_table_row(t, row)[c], km_table_unit(t, c),
                    km_table_row(t, row)[s], s_unit);
   }
   km_text_add(out, count ? "\n" : "");
@@ -214,7 +245,7 @@ void km_advantage_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, 
   km_text_format(out, "  mechanical advantage of %s over %s%s%s%s:", sweep->input.name, sweep->output.name,
                  unit[0] ? " (" : "", unit, unit[0] ? ")" : "");
   print_range(sweep, s_unit, out);
-  print_hinges(sweep, s_unit, out);
+  print_hinges(m, sweep, s_unit, out);
   if (sweep->method == KM_ADVANTAGE_LEAST_MOTION && sweep->motion.freedom - sweep->motion.passive > 1)
     km_text_add(out, "  several freedoms: the others move least (--hold keeps joints)\n");
   print_state(sweep, KM_ADVANTAGE_ZERO, "  zero at", s_unit, out);

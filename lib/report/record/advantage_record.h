@@ -13,6 +13,9 @@ km_value *km_advantage_sweep_record(const km_mechanism *mechanism, const km_adva
                                     const char *stopped_by, const char *name, km_arena *arena);
 void km_advantage_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_advantage_sweep *sweep,
                               const char *name, km_text *out);
+/* Label of the hinge whose transmission angle a column has; NULL: another column, a hinge of the link that the input
+ * turns, where the angle is 0 at each dead point of the output, or one where it stays below 1 degree. */
+const char *km_transmission_hinge(const km_mechanism *mechanism, const km_advantage_sweep *sweep, size_t column);
 /* MA at the end over MA at the start; NaN: not finite at an end, or 0 at the start. */
 double km_progression(const km_advantage_sweep *sweep);
 /* " (end/start 0.597: falls by 40.3 %)", of the size; nothing where there is no progression. */

@@ -4,6 +4,7 @@
 
 #include "report/record/designs_table.h"
 #include "report/record/sweep_text.h"
+#include "report/record/words/bound_text.h"
 
 #include <math.h>
 
@@ -169,6 +170,15 @@ static void print_heading(const km_design_study *s, const km_design_study_def *d
                                                  : "  the start, and the best design:\n");
 }
 
+static void print_bounds(const km_design_study *s, const km_design_study_def *def, km_text *out) {
+  km_text words = {0};
+  km_designs_bound_words(s, def, &words);
+  if (words.size)
+    km_text_format(out, "  %s\n", words.data);
+  out->failed = out->failed || words.failed;
+  km_text_free(&words);
+}
+
 static km_status print_main(km_design_study *s, const km_design_study_def *def, km_text *out, km_error *error) {
   km_designs_table *g = KM_NEW(km_designs_table, 1);
   km_status status =
@@ -177,6 +187,7 @@ static km_status print_main(km_design_study *s, const km_design_study_def *def, 
     print_heading(s, def, out);
     print_cells(g, out);
     km_text_add(out, g->marked ? "  * the best\n" : "");
+    print_bounds(s, def, out);
     if (g->left_out > 0)
       km_text_format(out, "  and %d more (kstudy export)\n", g->left_out);
   }

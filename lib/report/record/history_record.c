@@ -162,7 +162,7 @@ static void print_peak(const km_mechanism *m, const km_table *table, const km_fo
   if (peak->coordinate >= 0 && peak->value < 0.0)
     km_text_format(out, " in size, %.6g", peak->value);
   km_text_format(out, " at %.6g %s", peak->time, time);
-  km_driver_place_words(m, table, peak->time, out);
+  km_place_words(m, table, peak->coordinate, peak->time, out);
   km_text_format(out, ", %.6g rms\n", peak->rms);
 }
 
@@ -202,7 +202,7 @@ static void print_bearings(const km_mechanism *m, const km_table *table, km_text
       break;
     km_text_format(out, "%s %s %.6g %s at %.6g %s", shown ? "," : "  bearings:", model->joints[joint].label, most,
                    km_table_unit(table, span.first + 6 * joint), when, model->units.time->suffix);
-    km_driver_place_words(m, table, when, out);
+    km_place_words(m, table, -1, when, out);
     last = most;
     last_joint = joint;
   }

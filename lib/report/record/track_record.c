@@ -2,6 +2,7 @@
 #include "report/record/track_record.h"
 
 #include "arm/tracking/joint_course.h"
+#include "arm/tracking/singular_joints.h"
 #include "report/record/record.h"
 
 #include <stdio.h>
@@ -125,6 +126,33 @@ static void add_nearest_limit(const km_track *t, km_text *out) {
                    km_model_coordinate_unit(a->mechanism->model, a->coordinate[nearest]));
 }
 
+/* Appends the joints that make the last configuration singular, and of a start one with them moved. False: none are
+ * known. */
+static bool add_way_out(const km_track *t, km_text *out) {
+  const km_arm *a = t->arm;
+  double q[KM_ARM_MAX_JOINTS];
+  km_singular_joints found;
+  if (!km_table_rows(t->table))
+    return false;
+  for (int k = 0; k < a->n; ++k)
+    q[k] = km_arm_from_units(a, k, last_value(t, k));
+  if (!km_singular_joints_find(a, q, &found) || !found.count)
+    return false;
+  for (int i = 0; i < found.count; ++i)
+    km_text_format(out, "%s %s at %.4g %s",
+                   i == 0                ? ";"
+                   : i + 1 < found.count ? ","
+                                         : " and",
+                   km_arm_label(a, found.joint[i]), last_value(t, found.joint[i]),
+                   km_model_coordinate_unit(a->mechanism->model, a->coordinate[found.joint[i]]));
+  km_text_format(out, " make%s it singular", found.count == 1 ? "s" : "");
+  for (int k = 0; k < a->n && t->end.sample <= 0; ++k) {
+    const double value = km_arm_to_units(a, k, found.q[k]);
+    km_text_format(out, "%s%.4g", k ? "," : "; start elsewhere, such as --q ", fabs(value) < 1e-6 ? 0.0 : value);
+  }
+  return true;
+}
+
 void km_track_end_text(const km_track *t, km_text *out) {
   if (!t || !out)
     return;
@@ -133,6 +161,7 @@ void km_track_end_text(const km_track *t, km_text *out) {
   if (end->stop == KM_TRACK_COMPLETE)
     return;
   const char *label = end->column >= 0 ? km_arm_label(a, end->column) : "";
+  bool is_explained = end->stop == KM_TRACK_LIMIT || end->stop == KM_TRACK_RATE || end->stop == KM_TRACK_START;
   km_text_format(
       out, "stops after %.9g %s and %.9g %s (s = %.9g %s, t = %.9g s, sample %d of %d) at (%.6g, %.6g, %.6g) %s: ",
       end->travel, length_unit(a), angle_shown(a, end->turn), angle_unit(a), end->s, length_unit(a), end->t,
@@ -151,6 +180,7 @@ void km_track_end_text(const km_track *t, km_text *out) {
   case KM_TRACK_SINGULAR:
     km_text_add(out,
                 "singular pose: the arm can't go on along the path from here, though the poses ahead are in reach");
+    is_explained = add_way_out(t, out);
     break;
   case KM_TRACK_FIXED_JOINTS:
     add_held(t, out);
@@ -165,8 +195,7 @@ void km_track_end_text(const km_track *t, km_text *out) {
     km_text_add(out,
                 "there is no pose to start from: the path's first pose is out of reach, or never within the limits");
   }
-  const bool names_joint = end->stop == KM_TRACK_LIMIT || end->stop == KM_TRACK_RATE;
-  if (!names_joint && end->stop != KM_TRACK_START && km_table_rows(t->table) > 0)
+  if (!is_explained && km_table_rows(t->table) > 0)
     add_nearest_limit(t, out);
 }
 

@@ -273,13 +273,23 @@ static void check_field(km_messages *m, const km_place *place, const km_value *v
   }
 }
 
+/* True if the help of a field begins with the word, such as "stiffness" with "Stiffness: force per length." */
+static bool is_explained_by(const km_field *field, const char *word) {
+  const size_t length = strlen(word);
+  return strncasecmp(field->help, word, length) == 0 && field->help[length] == ':';
+}
+
 static void warn_unknown(km_messages *m, const km_place *place, const km_object_format *format) {
   km_nearest nearest = {.wanted = place->key};
-  for (const km_field *field = format->fields; field->key; ++field)
+  const char *meant = NULL;
+  for (const km_field *field = format->fields; field->key; ++field) {
     km_nearest_add(&nearest, field->key);
+    if (is_explained_by(field, place->key))
+      meant = field->key;
+  }
   char where[KM_PLACE_TEXT];
   km_messages_add(m, KM_WARNING, "%s: the format doesn't know this key; the nearest known one is \"%s\"",
-                  km_place_text(place, where), nearest.names[0]);
+                  km_place_text(place, where), meant ? meant : nearest.names[0]);
 }
 
 /* Checks that a joint is defined by frames, or in a drawing by bodies and a point. */

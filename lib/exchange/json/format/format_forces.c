@@ -38,7 +38,8 @@ static const km_field contact_fields[] = {
      "origins of both frames, normal to the parent's z axis) or \"circle-in-circle\" (the child's circle inside the parent's).",
      STRING, REQUIRED},
     {"radius", "Radius of the child's circle or ball.", NUMBER, UNIT(.length = 1), UNSTATED("0")},
-    {"parent_radius", "Radius of the parent's circle, of circle-circle and circle-in-circle.", NUMBER, UNIT(.length = 1)},
+    {"parent_radius", "Radius of the parent's circle, of circle-circle and circle-in-circle.", NUMBER,
+     UNIT(.length = 1)},
     {"stiffness", "Normal force over the penetration; with an exponent, at the reference depth.", NUMBER, REQUIRED,
      UNIT(.force = 1, .length = -1)},
     {"exponent", "Power of the penetration in the normal force: 1, or 1.5 of round bodies (Hertz).", NUMBER,
@@ -145,8 +146,8 @@ static const km_object_format spring_format = {"spring", spring_fields};
 
 static const km_field gas_spring_fields[] = {
     {"force", "Force that pushes the ends apart, at the length `length`.", NUMBER, REQUIRED, UNIT(.force = 1)},
-    {"rate", "Force more for each unit of length that it is shorter.", NUMBER, UNIT(.force = 1, .length = -1),
-     UNSTATED("0")},
+    {"rate", "Stiffness: force more for each unit of length that it is shorter.", NUMBER,
+     UNIT(.force = 1, .length = -1), UNSTATED("0")},
     {"length", "Length at which `force` is stated. Needed beside `rate`.", NUMBER, UNIT(.length = 1)},
     {0}};
 static const km_object_format gas_spring_format = {"gas_spring", gas_spring_fields};

@@ -71,13 +71,14 @@ static void list_motion(km_document_maker *k, const km_question *q, km_compared_
 }
 
 /* Least transmission angle of each hinge. */
-static void list_hinges(km_document_maker *k, const km_table *t, km_compared_figures *out) {
-  static const char prefix[] = "transmission.";
+static void list_hinges(km_document_maker *k, const km_mechanism *m, const km_advantage_sweep *sweep,
+                        km_compared_figures *out) {
+  const km_table *t = sweep->motion.table;
   for (size_t c = 0; c < km_table_columns(t); ++c) {
-    const char *name = km_table_name(t, c);
-    if (strncmp(name, prefix, sizeof prefix - 1) == 0)
+    const char *hinge = km_transmission_hinge(m, sweep, c);
+    if (hinge)
       add_column(out, t, c, KM_FIGURE_MIN, KM_BETTER_MORE,
-                 km_document_format(k, "least transmission angle at %s", name + sizeof prefix - 1));
+                 km_document_format(k, "least transmission angle at %s", hinge));
   }
 }
 
@@ -98,7 +99,7 @@ static void list_advantage(km_document_maker *k, const km_question *q, km_compar
                                             KM_BETTER_NEITHER, NULL, false});
   km_compared_add(out,
                   (km_compared_figure){"dead points", "", (double)sweep->toggle_count, KM_BETTER_NEITHER, NULL, false});
-  list_hinges(k, sweep->motion.table, out);
+  list_hinges(k, q->m, sweep, out);
 }
 
 /* Largest reaction force and moment of each joint. */

@@ -16,6 +16,7 @@ enum {
   MOST_PANELS = 2
 };
 static const double panel_height = 84, plot_margin = 40; /* points */
+static const double lone_panel = 1.8;                    /* height of the only panel, in panels */
 
 static const char *unit_words(km_document_maker *k, const km_compared_figure *figure) {
   return figure->unit[0] ? km_document_format(k, " %s", km_report_unit(k, figure->unit)) : "";
@@ -212,17 +213,15 @@ size_t km_comparison_columns(const km_compared_rows *rows, const char **columns,
 
 /* "acceleration of C (deg/s²)" of the column a.C, "limit margin" of limit_margin, for the axis. */
 static const char *column_words(km_document_maker *k, const km_table *t, size_t column) {
-  static const char *const prefixes[][2] = {{"q.", ""},
-                                            {"v.", "velocity of "},
-                                            {"a.", "acceleration of "},
-                                            {"f.", "force of "},
-                                            {"ma.", "advantage "},
-                                            {"objective.", ""},
-                                            {"transmission.", "transmission angle at "}};
+  static const char *const prefixes[][2] = {
+      {"q.", ""},          {"v.", "velocity of "}, {"a.", "acceleration of "},
+      {"f.", "force of "}, {"objective.", ""},     {"transmission.", "transmission angle at "}};
   const char *name = km_table_name(t, column), *unit = km_report_unit(k, km_table_unit(t, column));
   char *words = km_arena_string(&k->arena, name);
   for (char *c = words; c && !strchr(name, '.') && *c; ++c)
     *c = *c == '_' ? ' ' : *c;
+  if (strncmp(name, "ma.", 3) == 0)
+    return km_document_format(k, unit[0] ? "mechanical advantage (%s)" : "mechanical advantage", unit);
   for (size_t i = 0; i < sizeof prefixes / sizeof *prefixes; ++i)
     if (strncmp(name, prefixes[i][0], strlen(prefixes[i][0])) == 0)
       return km_document_format(k, unit[0] ? "%s%s (%s)" : "%s%s", prefixes[i][1], name + strlen(prefixes[i][0]), unit);
@@ -265,5 +264,6 @@ void km_comparison_curves_add(km_document_maker *k, const km_compared_table *tab
     panels[i] = make_panel(k, tables, count, ordered, columns[i]);
   const km_plot plot = {.x_label = x_label, .panels = panels, .panel_count = shown, .own_y = true};
   km_document_heading(k, "Curves that differ most");
-  km_report_plot(k, &plot, "the curves that differ most, over each other", plot_margin + panel_height * (double)shown);
+  km_report_plot(k, &plot, "the curves that differ most, over each other",
+                 plot_margin + panel_height * (shown > 1 ? (double)shown : lone_panel));
 }

@@ -16,6 +16,7 @@ typedef struct comparison {
   const char **names, **stopped_by;
   int count;
   bool ordered;
+  const char *over; /* quantity across the curves; NULL: the driver or the time */
 } comparison;
 
 static const char *kind_of(const comparison *c) {
@@ -35,12 +36,18 @@ static const char *x_label(km_document_maker *k, const km_answered *a) {
 
 static void add_curves(km_document_maker *k, const comparison *c, const km_compared_rows *rows) {
   km_compared_table *tables = KM_ARENA_NEW(&k->arena, km_compared_table, (size_t)c->count);
+  const char *label = x_label(k, c->items[0]);
   for (int i = 0; i < c->count && tables; ++i) {
     const km_table *t = km_question_table(c->items[i]->question);
+    size_t column;
     tables[i] = (km_compared_table){c->names[i], t, km_table_variable(t)};
+    if (c->over && !km_report_find_over(t, c->over, &column, NULL)) {
+      tables[i].x = (int)column;
+      label = km_report_over_label(k, t, column);
+    }
   }
   if (tables)
-    km_comparison_curves_add(k, tables, c->count, c->ordered, rows, x_label(k, c->items[0]));
+    km_comparison_curves_add(k, tables, c->count, c->ordered, rows, label);
 }
 
 static km_status draw_strip(void *context, km_canvas *canvas, double width, double height, km_error *error) {
@@ -116,12 +123,14 @@ static const char *subject_of(km_document_maker *k, const comparison *c, const c
 }
 
 /* Keeps the answers that have rows. KM_USAGE: none has, kinds differ, or there is no report about them. */
-static km_status choose(km_document_maker *k, const km_comparison *all, const char *const *stopped_by, comparison *out,
-                        km_error *error) {
+static km_status choose(km_document_maker *k, const km_comparison *all, const char *const *stopped_by, const char *over,
+                        comparison *out, km_error *error) {
   *out = (comparison){.items = KM_ARENA_NEW(&k->arena, const km_answered *, (size_t)all->count),
                       .names = KM_ARENA_NEW(&k->arena, const char *, (size_t)all->count),
                       .stopped_by = KM_ARENA_NEW(&k->arena, const char *, (size_t)all->count),
-                      .ordered = all->ordered};
+                      .ordered = all->ordered,
+                      .over = over};
+  size_t column;
   if (k->arena.failed)
     return km_fail(error, KM_MEMORY, "out of memory for a report");
   for (int i = 0; i < all->count; ++i) {
@@ -135,6 +144,8 @@ static km_status choose(km_document_maker *k, const km_comparison *all, const ch
     if (!status && out->count && a->question->kind != out->items[0]->question->kind)
       status = km_fail(error, KM_USAGE, "answers to \"%s\" and \"%s\"; expected one kind in a report",
                        out->items[0]->question->kind->name, a->question->kind->name);
+    if (!status && out->over)
+      status = km_report_find_over(km_question_table(a->question), out->over, &column, error);
     if (status)
       return status;
     out->items[out->count] = a;
@@ -145,9 +156,9 @@ static km_status choose(km_document_maker *k, const km_comparison *all, const ch
 }
 
 /* Adds all blocks. */
-static km_status make(km_document_maker *k, const km_comparison *all, const char *const *stopped_by, comparison *c,
-                      km_error *error) {
-  const km_status status = choose(k, all, stopped_by, c, error);
+static km_status make(km_document_maker *k, const km_comparison *all, const char *const *stopped_by, const char *over,
+                      comparison *c, km_error *error) {
+  const km_status status = choose(k, all, stopped_by, over, c, error);
   if (status)
     return status;
   add_figures(k, c, all);
@@ -167,7 +178,7 @@ km_status km_comparison_report(const km_comparison *all, const char *name, const
   if (!status && !k)
     status = km_fail(error, KM_MEMORY, "out of memory for a report");
   if (!status)
-    status = make(k, all, stopped_by, &c, error);
+    status = make(k, all, stopped_by, header ? header->over : NULL, &c, error);
   if (status) {
     if (k)
       km_arena_free(&k->arena);

@@ -33,14 +33,14 @@ void km_speed_words(const km_mechanism *m, const km_table *table, km_text *out) 
         s.fluctuation, s.cycle, unit);
 }
 
-void km_driver_place_words(const km_mechanism *m, const km_table *table, double time, km_text *out) {
-  const int driver = km_history_driver(m, table);
+void km_place_words(const km_mechanism *m, const km_table *table, int coordinate, double time, km_text *out) {
+  const int c = coordinate >= 0 ? coordinate : km_history_driver(m, table);
   km_driver_speed s;
-  if (driver < 0)
+  if (c < 0)
     return;
-  double value = km_history_value(table, driver, time);
-  if (km_driver_speed_find(m, table, &s))
+  double value = km_history_value(table, c, time);
+  if (km_driver_speed_find(m, table, &s) && s.coordinate == c)
     value = within(value, s.cycle);
-  km_text_format(out, " (%s = %.5g %s)", km_model_coordinate_label(m->model, driver), value,
-                 km_model_coordinate_unit(m->model, driver));
+  km_text_format(out, " (%s = %.5g %s)", km_model_coordinate_label(m->model, c), value,
+                 km_model_coordinate_unit(m->model, c));
 }

@@ -8,7 +8,8 @@
 /* "A turns at 2981 rpm on average, from 2875 (at 35 deg) to …; coefficient of fluctuation 0.068, over the last 720
  * deg". Nothing where no hinge drives the motion round. */
 void km_speed_words(const km_mechanism *mechanism, const km_table *table, km_text *out);
-/* " (A = 35.1 deg)": the driver's value at a time, within a cycle. Nothing where nothing drives the motion. */
-void km_driver_place_words(const km_mechanism *mechanism, const km_table *table, double time, km_text *out);
+/* " (A = 35.1 deg)": value of a coordinate (−1: of the driver) at a time, of the driver within a cycle. Nothing where
+ * nothing drives the motion. */
+void km_place_words(const km_mechanism *mechanism, const km_table *table, int coordinate, double time, km_text *out);
 
 #endif
