@@ -231,7 +231,7 @@ void km_convex_depth_compute(const km_convex_pair *pair, double scale, km_convex
     take_flat(&m, normal, out);
     return;
   }
-  double upper = HUGE_VAL, lower = -HUGE_VAL;
+  double upper = HUGE_VAL, lower = -HUGE_VAL, written = -HUGE_VAL;
   for (bool grows = true; grows;) {
     int nearest = nearest_face(&m);
     const face f = m.faces[nearest];
@@ -240,12 +240,18 @@ void km_convex_depth_compute(const km_convex_pair *pair, double scale, km_convex
     km_difference_point p = km_difference_support(pair, f.normal);
     double h = km_vec3_dot(f.normal, p.w);
     lower = fmax(lower, f.distance);
-    upper = fmin(upper, h);
-    if (h <= upper + gap_end * scale)
+    if (h < upper - gap_end * scale || (h <= upper + gap_end * scale && f.distance > written)) {
       write_points(&m, &f, out);
-    grows = upper - f.distance > gap_end * scale && expand(&m, nearest, &p);
+      written = f.distance;
+    }
+    upper = fmin(upper, h);
+    grows = h - f.distance > gap_end * scale && expand(&m, nearest, &p);
   }
   if (upper > 0.0 || out->distance == 0.0)
     out->distance = -upper;
   out->error = fmax(0.0, upper - lower) + gap_end * scale;
+  double miss = 0.5 * (km_vec3_dot(out->normal, km_vec3_sub(out->b, out->a)) - out->distance);
+  out->a =
+      km_vec3_axpy(miss, out->normal, out->a); /* onto the planes across the normal, where the search ended early */
+  out->b = km_vec3_axpy(-miss, out->normal, out->b);
 }
