@@ -8,6 +8,7 @@
 #include "kmech/clearance.h"
 
 #include "base/arguments.h"
+#include "base/text.h"
 #include "clearance/body_parts.h"
 #include "kinematics/body_poses.h"
 
@@ -22,6 +23,7 @@ struct km_clearance {
   km_arena arena;
   km_body_parts bodies;
   km_body_pair *pairs, *left_out;
+  const char **names; /* [pair_count] "arm/frame" */
   int pair_count, left_out_count;
 };
 
@@ -233,6 +235,17 @@ static km_status fill(km_clearance *w, const km_state *s, const km_body_pair *pa
   return status || pair_count > 0 ? status : choose_pairs(w, s, wanted, error);
 }
 
+static km_status name_pairs(km_clearance *w, km_error *error) {
+  w->names = KM_ARENA_NEW(&w->arena, const char *, (size_t)w->pair_count);
+  for (int i = 0; i < w->pair_count && w->names; ++i) {
+    km_text name = {0};
+    km_text_format(&name, "%s/%s", w->m->model->bodies[w->pairs[i].body[0]].name,
+                   w->m->model->bodies[w->pairs[i].body[1]].name);
+    w->names[i] = km_text_move_to_arena(&name, &w->arena);
+  }
+  return w->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for pairs of bodies") : KM_OK;
+}
+
 km_status km_clearance_create(const km_mechanism *m, const km_state *s, const km_body_pair *pairs, int pair_count,
                               km_clearance **out, km_error *error) {
   if (!out)
@@ -248,6 +261,8 @@ km_status km_clearance_create(const km_mechanism *m, const km_state *s, const km
     return km_fail(error, KM_MEMORY, "out of memory for a clearance");
   w->m = m;
   status = fill(w, s, pairs, pair_count, error);
+  if (!status)
+    status = name_pairs(w, error);
   if (status)
     km_clearance_free(w);
   else
@@ -272,6 +287,10 @@ int km_clearance_pair_count(const km_clearance *w) {
 
 km_body_pair km_clearance_pair(const km_clearance *w, int index) {
   return index >= 0 && index < km_clearance_pair_count(w) ? w->pairs[index] : no_pair;
+}
+
+const char *km_clearance_pair_name(const km_clearance *w, int index) {
+  return index >= 0 && index < km_clearance_pair_count(w) ? w->names[index] : "";
 }
 
 int km_clearance_left_out_count(const km_clearance *w) {

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-enum { SINGULARITIES, REDUNDANCIES, TRANSMISSION, OUTPUT, OPTIONS };
+enum { SINGULARITIES, REDUNDANCIES, TRANSMISSION, OUTPUT, CLEARANCE, BETWEEN, OPTIONS };
 
 static const km_option options[OPTIONS] = {
     {"singularities", KM_OPTION_FLAG, NULL, "", NULL,
@@ -17,12 +17,17 @@ static const km_option options[OPTIONS] = {
      0, 0, NULL, true},
     {"output", KM_OPTION_END, "JOINT", "", "the model's analysis.mechanical_advantage",
      "Output of the transmission: a joint, or BODY/FRAME:DX,DY,DZ, a point along a direction", 0, 0, NULL, false},
+    {"clearance", KM_OPTION_FLAG, NULL, "", NULL,
+     "Add the distances of bodies by their shapes and meshes, and locate where they touch", 0, 0, NULL, false},
+    {"between", KM_OPTION_BODY_PAIRS, "BODY,BODY", "", "all that no joint connects and that are apart at the pose",
+     "With the clearance: two bodies whose distance is wanted (repeatable)", 0, 0, NULL, false},
 };
 
 typedef struct kind_data {
   km_port ports[2]; /* input and output of the transmission */
   km_mobility_sweep sweep;
   km_sweep_redundancies redundancies;
+  km_clearance *clearance; /* NULL: not requested, or not created yet */
 } kind_data;
 
 static bool flag(const km_question *q, int option) {
@@ -51,6 +56,8 @@ static bool find_output(const km_question *q, km_port *out) {
 
 static km_status prepare(km_question *q, km_error *error) {
   kind_data *o = q->kind_data;
+  if (km_question_own_value(q, BETWEEN) && !flag(q, CLEARANCE))
+    return km_fail(error, KM_USAGE, "`between`: expected `clearance` with it");
   if (!flag(q, TRANSMISSION))
     return KM_OK;
   if (!find_output(q, &o->ports[1]))
@@ -63,6 +70,12 @@ static void open_sweep(km_question *q, km_sweep_job *job) {
   q->plan.singularities = flag(q, SINGULARITIES);
   kind_data *o = q->kind_data;
   const bool transmits = flag(q, TRANSMISSION);
+  if (flag(q, CLEARANCE))
+    job->status =
+        km_question_prepare_clearance(q, job->s, km_question_own_value(q, BETWEEN), &o->clearance, job->error);
+  if (job->status)
+    return;
+  q->plan.clearance = o->clearance;
   const bool has_input = transmits && find_input(q, &o->ports[0]);
   km_mobility_sweep_open(job, has_input ? o->ports : NULL, &o->sweep);
   if (transmits && !has_input)
@@ -81,12 +94,14 @@ static const km_sweep *motion(const km_question *q) {
 
 static int event_count(const km_question *q) {
   const kind_data *o = q->kind_data;
-  return (int)(o->sweep.toggle_count + o->sweep.minimum_count);
+  return (int)(o->sweep.toggle_count + o->sweep.minimum_count) + km_clearance_event_count(&o->sweep.clearances);
 }
 
 static km_question_event event(const km_question *q, int index) {
   const kind_data *o = q->kind_data;
-  int toggles = (int)o->sweep.toggle_count;
+  int toggles = (int)o->sweep.toggle_count, own = toggles + (int)o->sweep.minimum_count;
+  if (index >= own)
+    return km_clearance_event(&o->sweep.clearances, index - own);
   if (index >= toggles) {
     const km_extreme *e = &o->sweep.minima[index - toggles];
     return (km_question_event){"minimum", "", e->s, e->number};
@@ -103,7 +118,9 @@ static void clear_result(km_question *q) {
 }
 
 static void clear_preparation(km_question *q) {
-  (void)q;
+  kind_data *o = q->kind_data;
+  km_clearance_free(o->clearance);
+  o->clearance = NULL;
 }
 
 const km_question_class km_mobility_question = {.name = "mobility",

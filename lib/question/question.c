@@ -8,7 +8,7 @@
 
 static const km_question_class *const kinds[] = {&km_mobility_question, &km_advantage_question, &km_forces_question,
                                                  &km_track_question,    &km_run_question,       &km_inverse_question,
-                                                 &km_motion_question,   &km_allowance_question};
+                                                 &km_motion_question,   &km_allowance_question, &km_clearance_question};
 
 int km_question_kinds(void) {
   return (int)(sizeof kinds / sizeof *kinds);
@@ -111,10 +111,12 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
   if (o->type == KM_OPTION_COORDINATE || sense)
     status = km_check_index(v->coordinate, m->coordinate_count, "coordinate", error);
   bool settings = o->type == KM_OPTION_SETTINGS, coordinates = o->type == KM_OPTION_COORDINATES || settings,
-       modules = o->type == KM_OPTION_MODULES;
-  if (coordinates || modules || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS || o->type == KM_OPTION_ENDS)
+       modules = o->type == KM_OPTION_MODULES, pairs = o->type == KM_OPTION_BODY_PAIRS;
+  if (coordinates || modules || o->type == KM_OPTION_POINTS || o->type == KM_OPTION_LOADS ||
+      o->type == KM_OPTION_ENDS || pairs)
     status = km_check_list(coordinates                   ? (const void *)v->coordinates
                            : modules                     ? (const void *)v->modules
+                           : pairs                       ? (const void *)v->pairs
                            : o->type == KM_OPTION_POINTS ? (const void *)v->points
                            : o->type == KM_OPTION_ENDS   ? (const void *)v->ends
                                                          : v->loads,
@@ -126,6 +128,8 @@ static km_status check_indices(const km_mechanism *m, const km_option *o, const 
       return km_fail(error, KM_USAGE, "`%s`: a value that isn't finite", o->name);
     if (modules)
       status = km_check_index(v->modules[i], m->model->module_count, "force module", error);
+    for (int k = 0; k < 2 && pairs && !status; ++k)
+      status = km_check_index(v->pairs[i].body[k], m->model->body_count, "body", error);
     if (coordinates)
       status = km_check_index(v->coordinates[i], m->coordinate_count, "coordinate", error);
     if (o->type == KM_OPTION_POINTS)
@@ -175,6 +179,8 @@ static km_option_value copy_value(km_question *q, km_option_type type, const km_
     v.settings = copy_list(q, v.settings, v.count, sizeof *v.settings);
   if (type == KM_OPTION_MODULES)
     v.modules = copy_list(q, v.modules, v.count, sizeof *v.modules);
+  if (type == KM_OPTION_BODY_PAIRS)
+    v.pairs = copy_list(q, v.pairs, v.count, sizeof *v.pairs);
   if (type == KM_OPTION_LOADS)
     v.loads = copy_list(q, v.loads, v.count, sizeof *v.loads);
   if (type == KM_OPTION_FILE)

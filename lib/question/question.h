@@ -34,7 +34,7 @@ typedef struct km_question_class {
 } km_question_class;
 
 extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question,
-    km_run_question, km_inverse_question, km_motion_question, km_allowance_question;
+    km_run_question, km_inverse_question, km_motion_question, km_allowance_question, km_clearance_question;
 
 struct km_question {
   const km_mechanism *m;
@@ -69,6 +69,13 @@ enum {
   KM_MOTION_OPTIONS
 };
 extern const km_option km_motion_options[KM_MOTION_OPTIONS];
+
+/* Creates the clearance of an option `between` (NULL: the default pairs), unless there is one. */
+km_status km_question_prepare_clearance(const km_question *question, km_state *state, const km_option_value *between,
+                                        km_clearance **out, km_error *error);
+/* Contacts of a course and its least clearance as events. */
+int km_clearance_event_count(const km_clearance_course *course);
+km_question_event km_clearance_event(const km_clearance_course *course, int index);
 
 /* Keeps the table of a freed result for the next one. */
 void km_question_keep_table(km_question *question, km_sweep *motion);

@@ -136,6 +136,32 @@ static km_status read_modules(const km_design_option *o, const km_model *model, 
   return KM_OK;
 }
 
+/* Reads pairs of bodies, each as "arm,frame". */
+static km_status read_pairs(const km_design_option *o, const km_model *model, km_arena *arena, km_option_value *v,
+                            km_error *error) {
+  km_body_pair *pairs = KM_ARENA_NEW(arena, km_body_pair, (size_t)o->text_count + 1);
+  if (!pairs)
+    return km_fail(error, KM_MEMORY, "out of memory for options");
+  if (o->text_count == 0 || o->number_count > 0)
+    return fail_expected(o, "pairs of bodies, such as \"arm,frame\"", error);
+  for (int i = 0; i < o->text_count; ++i) {
+    const char *comma = strchr(o->texts[i], ',');
+    int frame[2];
+    if (!comma)
+      return fail_expected(o, "pairs of bodies, such as \"arm,frame\"", error);
+    km_status status = find_frame(model, o->texts[i], (size_t)(comma - o->texts[i]), arena, &frame[0], error);
+    if (!status)
+      status = find_frame(model, comma + 1, strlen(comma + 1), arena, &frame[1], error);
+    if (status)
+      return status;
+    for (int k = 0; k < 2; ++k)
+      pairs[i].body[k] = km_model_frame_body(model, frame[k]);
+  }
+  v->pairs = pairs;
+  v->count = o->text_count;
+  return KM_OK;
+}
+
 /* Index of a word in a list such as "one or another". */
 static int word_place(const char *words, const char *word) {
   int place = 0;
@@ -191,6 +217,8 @@ static km_status read_value(const km_option *what, const km_design_option *o, co
     return numbers_of(o, o->number_count == 1 ? 1 : 2, "one or two numbers", v->numbers, error);
   case KM_OPTION_MODULES:
     return read_modules(o, model, arena, v, error);
+  case KM_OPTION_BODY_PAIRS:
+    return read_pairs(o, model, arena, v, error);
   case KM_OPTION_VECTOR:
     v->numbers[2] = 0.0; /* third component of two numbers */
     return numbers_of(o, o->number_count == 2 ? 2 : 3, "two or three numbers [x, y] or [x, y, z]", v->numbers, error);

@@ -5,6 +5,7 @@
 #include "base/arguments.h"
 #include "base/number/tolerances.h"
 #include "base/table.h"
+#include "sweep/clearance/clearance_search.h"
 #include "sweep/events/event_search.h"
 #include "sweep/singular_value_minima.h"
 #include "sweep/sweep_observer.h"
@@ -30,6 +31,7 @@ typedef struct sweep_events {
   km_singular_value_minima singular;
   const km_port *ports; /* [input, output] of the transmission; NULL: not requested */
   km_transmission_columns transmission;
+  km_clearance_search clearances;
   bool failed; /* no memory for the last row */
 } sweep_events;
 
@@ -70,7 +72,8 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   }
   if (r->plan->singularities)
     added = km_table_add_joined_column(table, "", "singular_value", "", NULL) && added;
-  return added && (!w->ports || km_transmission_columns_add(&w->transmission, &w->ports[1], table));
+  return added && (!w->ports || km_transmission_columns_add(&w->transmission, &w->ports[1], table)) &&
+         km_clearance_search_columns(&w->clearances, r, table);
 }
 
 /* The motion at the row, which a batch has as a unit direction. */
@@ -98,7 +101,7 @@ static double *write_numbers(void *self, km_sweeper *r, double *cell) {
     cell = km_transmission_columns_write(&w->transmission, r->s, rates_at_row(r), cell);
     w->failed = w->failed || w->transmission.failed;
   }
-  return cell;
+  return km_clearance_search_cells(&w->clearances, r, cell);
 }
 
 static bool is_passive(const km_sweep *sweep, int coordinate) {
@@ -192,13 +195,20 @@ static void choose_candidates(sweep_events *w, const km_sweeper *r) {
       w->candidates[w->candidate_count++] = c;
 }
 
-/* Finds the dead points and the least singular values since the last row. */
+/* Finds the least singular values and the contacts since the last sample. */
+static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
+  sweep_events *w = self;
+  km_status status = km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
+  return status ? status : km_clearance_search_sample(&w->clearances, r, s, error);
+}
+
+/* Finds the dead points and the events of handle_sample since the last row. */
 static km_status handle_row(void *self, km_sweeper *r, double s, km_error *error) {
   sweep_events *w = self;
   const size_t rows = km_table_rows(r->out->table);
   if (w->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the transmission");
-  km_status status = km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
+  km_status status = handle_sample(self, r, s, error);
   if (status)
     return status;
   if (rows == 1) {
@@ -228,15 +238,11 @@ static km_status handle_probe(void *self, km_sweeper *r, const double *rates, km
   return km_event_search_probed(&((sweep_events *)self)->search, r, rates != NULL, error);
 }
 
-static km_status handle_sample(void *self, km_sweeper *r, double s, km_error *error) {
-  sweep_events *w = self;
-  return km_singular_value_minima_sample(&w->singular, r, s, w->out, error);
-}
-
 static void handle_branch_switch(void *self) {
   sweep_events *w = self;
   km_event_search_restart(&w->search);
   km_event_search_restart(&w->singular.search);
+  km_clearance_search_restart(&w->clearances);
 }
 
 /* True if the coordinate is at rest at the driver's dead point. The driver's mobility number, the square of its rate,
@@ -280,8 +286,10 @@ static km_status collect_toggles(const sweep_events *w, const km_sweep_job *job)
 }
 
 static km_status finish(void *self, const km_sweep_job *job) {
-  const sweep_events *w = self;
+  sweep_events *w = self;
   km_status status = collect_toggles(w, job);
+  if (!status)
+    status = km_clearance_search_finish(&w->clearances, job->plan, job->error);
   if (w->ports)
     km_transmission_columns_finish(&w->transmission, &w->out->motion);
   if (!job->table_only)
@@ -293,6 +301,7 @@ static void close_observer(void *self) {
   sweep_events *w = self;
   km_singular_value_minima_free(&w->singular);
   km_transmission_columns_free(&w->transmission);
+  km_clearance_search_free(&w->clearances);
   km_event_search_free(&w->search);
   km_free(w->events.items);
   km_free(w->moved);
@@ -303,8 +312,10 @@ static void close_observer(void *self) {
   km_free(w);
 }
 
-static km_observer observer_of(sweep_events *w, bool singularities, bool table_only) {
-  const bool may_probe = singularities || !table_only, reads_rows = singularities || w->ports;
+static km_observer observer_of(sweep_events *w, const km_sweep_plan *plan, bool table_only) {
+  const bool samples = plan->singularities || (plan->clearance && !table_only);
+  const bool may_probe = plan->singularities || !table_only;
+  const bool reads_rows = plan->singularities || plan->clearance || w->ports;
   return (km_observer){.self = w,
                        .columns = add_columns,
                        .cells = write_numbers,
@@ -312,7 +323,7 @@ static km_observer observer_of(sweep_events *w, bool singularities, bool table_o
                        .step_taken = may_probe ? handle_step : NULL,
                        .next_probe = may_probe ? next_probe : NULL,
                        .probed = may_probe ? handle_probe : NULL,
-                       .sampled_between = singularities ? handle_sample : NULL,
+                       .sampled_between = samples ? handle_sample : NULL,
                        .corner = handle_branch_switch,
                        .end_reached = may_probe ? handle_end : NULL,
                        .finish = finish,
@@ -358,11 +369,14 @@ static km_status open_observer(km_sweep_job *job, const km_port *ports, km_mobil
     w->read_columns = job->table_only ? job->read_columns : NULL;
     ready = reserve(w, job->m, job->plan) &&
             (!singularities || km_singular_value_minima_create(&w->singular, job->m, job->plan));
-    w->observer = observer_of(w, singularities, job->table_only);
+    w->observer = observer_of(w, job->plan, job->table_only);
     job->observer = &w->observer;
   }
   if (!ready)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
+  km_status made = km_clearance_search_create(job->plan, &out->clearances, job->table_only, &w->clearances, job->error);
+  if (made)
+    return made;
   return ports ? km_transmission_columns_create(job->m, &ports[0], &ports[1], &w->transmission, job->error) : KM_OK;
 }
 
@@ -389,5 +403,6 @@ void km_mobility_sweep_free(km_mobility_sweep *sweep) {
   km_free(sweep->toggles);
   km_free(sweep->extremes);
   km_free(sweep->minima);
+  km_clearance_course_free(&sweep->clearances);
   *sweep = (km_mobility_sweep){0};
 }

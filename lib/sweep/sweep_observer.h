@@ -14,6 +14,8 @@ void km_advantage_sweep_open(km_sweep_job *job, const km_port *input, const km_p
                              km_advantage_sweep *out);
 void km_statics_sweep_open(km_sweep_job *job, km_forces *forces, km_statics *statics, km_statics_sweep *out);
 void km_allowance_sweep_open(km_sweep_job *job, const km_fit_defaults *defaults, km_allowance_sweep *out);
+/* The pairs are those of the plan. */
+void km_clearance_sweep_open(km_sweep_job *job, km_clearance_sweep *out);
 /* `rate` of the plan's driver, its unit per time unit, with the sense of the range. */
 void km_motion_sweep_open(km_sweep_job *job, double rate, km_motion_sweep *out);
 void km_motion_sweep_free(km_motion_sweep *sweep);

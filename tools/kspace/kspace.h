@@ -6,6 +6,7 @@
 
 #include "kmech/data.h"
 
+kt_exit kspace_clearance(int argc, char **argv);
 kt_exit kspace_map(int argc, char **argv);
 kt_exit kspace_modes(int argc, char **argv);
 kt_exit kspace_turning(int argc, char **argv);

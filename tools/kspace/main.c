@@ -5,6 +5,7 @@ static const kt_command commands[] = {
     {"modes", "all assembly modes: every way in which the loops close, each once and proved", kspace_modes},
     {"map", "sheets over two drivers, from each assembly mode, and their singularity curves", kspace_map},
     {"turning", "where the driver goes fully round: its dead points over a number of the design", kspace_turning},
+    {"clearance", "distances of bodies, and where they touch: at a pose, or over a motion", kspace_clearance},
     {0}};
 
 kt_exit kspace_write_csv(const kt_common *common, const char *base, const km_table *table, const char *result) {

@@ -23,6 +23,7 @@ _EXPECTED = {
     lib.KM_OPTION_FILE: "a file's name",
     lib.KM_OPTION_SETTINGS: "{joint's label: number}", lib.KM_OPTION_PAIR: "a number, or two",
     lib.KM_OPTION_MODULES: "a list of force modules' names, or \"all\"",
+    lib.KM_OPTION_BODY_PAIRS: "a list of pairs of bodies, (\"arm\", \"frame\")",
     lib.KM_OPTION_LOADS: "a list of {\"frame\": \"body/frame\", \"force\": […], \"torque\": […], \"turning\": False}",
 }
 
@@ -132,6 +133,11 @@ class Values:
         return {"kind": lib.KM_PORT_POINT, "frame": self.model._frame(value[0]), "coordinate": -1,
                 "direction": [d / length for d in direction], "name": self.text(name)}
 
+    def bodies(self, value: Any, option: Option) -> dict[str, Any]:
+        if isinstance(value, str) or not isinstance(value, (tuple, list)) or len(value) != 2:
+            raise TypeError(f"{option.argument}: found {value!r}; expected {_EXPECTED[option.type]}")
+        return {"body": [lib.km_model_frame_body(self.model._c, self.model._frame(name)) for name in value]}
+
     def load(self, value: Any, option: Option) -> dict[str, Any]:
         if not isinstance(value, dict) or "frame" not in value or set(value) - {"frame", "force", "torque", "turning"}:
             raise TypeError(f"{option.argument}: found {value!r}; expected {_EXPECTED[option.type]}")
@@ -189,6 +195,8 @@ class Values:
                 out.points = self.array("km_sweep_point", [{"frame": self.model._frame(v), "name": self.text(v)} for v in items])
             elif kind == lib.KM_OPTION_ENDS:
                 out.ends = self.array("km_port", [self.end(v, option) for v in items])
+            elif kind == lib.KM_OPTION_BODY_PAIRS:
+                out.pairs = self.array("km_body_pair", [self.bodies(v, option) for v in items])
             elif kind == lib.KM_OPTION_LOADS:
                 out.loads = self.array("km_load", [self.load(v, option) for v in items])
             else:

@@ -56,6 +56,8 @@ KM_API void km_clearance_free(km_clearance *clearance);
 /* Number of pairs, and a pair; bodies -1 for an index out of range. */
 KM_API int km_clearance_pair_count(const km_clearance *clearance);
 KM_API km_body_pair km_clearance_pair(const km_clearance *clearance, int index);
+/* Names of the bodies of a pair, "arm/frame", as in the names of columns; "" for an index out of range. Borrowed. */
+KM_API const char *km_clearance_pair_name(const km_clearance *clearance, int index);
 /* Number of pairs that were left out, and such a pair; bodies -1 for an index out of range. */
 KM_API int km_clearance_left_out_count(const km_clearance *clearance);
 KM_API km_body_pair km_clearance_left_out(const km_clearance *clearance, int index);

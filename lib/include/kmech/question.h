@@ -13,6 +13,7 @@
 
 #include "kmech/arm.h"
 #include "kmech/base.h"
+#include "kmech/clearance.h"
 #include "kmech/dynamics.h"
 #include "kmech/sweep.h"
 
@@ -38,7 +39,8 @@ typedef enum km_option_type {
   KM_OPTION_SETTINGS,    /* coordinates[count] with a number each, settings[count] */
   KM_OPTION_MODULES,     /* modules[count]: force modules */
   KM_OPTION_PAIR,        /* numbers[0], and numbers[1], 0 where one is stated */
-  KM_OPTION_FILE         /* text: a file's name */
+  KM_OPTION_FILE,        /* text: a file's name */
+  KM_OPTION_BODY_PAIRS   /* pairs[count]: bodies whose clearance is wanted */
 } km_option_type;
 
 /* An option of a kind of request. */
@@ -67,13 +69,14 @@ typedef struct km_option_value {
   const km_sweep_point *points; /* frames with the names of their columns */
   const km_load *loads;         /* loads in place of the model's */
   const km_port *ends;          /* pushed points */
+  const km_body_pair *pairs;    /* two bodies each */
   km_port end;                  /* port of an advantage */
   const char *text;             /* name of a file */
 } km_option_value;
 
 /* Kinds of requests, 0 … km_question_kinds() - 1: the name ("mobility", "advantage", "forces", "track", "run",
- * "inverse", "motion", "allowance"; "" for another index) and an option: the kind's own ones first, then those of every sweep
- * ("mobility", "advantage", "forces", "motion", "allowance"); NULL past the last. */
+ * "inverse", "motion", "allowance", "clearance"; "" for another index) and an option: the kind's own ones first, then those of every sweep
+ * ("mobility", "advantage", "forces", "motion", "allowance", "clearance"); NULL past the last. */
 KM_API int km_question_kinds(void);
 KM_API const char *km_question_kind_name(int kind);
 KM_API const km_option *km_question_option(int kind, int index);
@@ -123,8 +126,8 @@ KM_API const km_table *km_question_table(const km_question *question);
 /* An event along the motion. */
 typedef struct km_question_event {
   const char *name;    /* "toggle", "zero", "pole", "undefined", "peak", "minimum", "maximum", "branch point",
-                        * "limit", "end", "crossing" */
-  const char *subject; /* a joint's label; "": the result itself, or the mechanism */
+                        * "limit", "end", "crossing", "contact" */
+  const char *subject; /* a joint's label, two bodies; "": the result itself, or the mechanism */
   double s, value;     /* driver value, arc length or time; value, NaN without one */
 } km_question_event;
 /* Return the events of the last result, 0 … count - 1, in the order of the sweep; past the last one with names "" and
@@ -143,6 +146,7 @@ KM_API const km_advantage_sweep *km_question_advantage(const km_question *questi
 KM_API const km_statics_sweep *km_question_statics(const km_question *question);
 KM_API const km_motion_sweep *km_question_velocities(const km_question *question);   /* kind "motion" */
 KM_API const km_allowance_sweep *km_question_allowance(const km_question *question); /* kind "allowance" */
+KM_API const km_clearance_sweep *km_question_clearances(const km_question *question); /* kind "clearance" */
 /* Return parts of a prepared request: input and output of "advantage"; forces and balance of "forces". NULL for
  * another kind. */
 KM_API const km_port *km_question_end(const km_question *question, bool output);

@@ -91,6 +91,12 @@ KM_API void km_gravity_words(const km_model *model, const double gravity[3], km_
 KM_API void km_meshing_words(const km_model *model, km_text *out);
 /* Joints that would move in a `direction` of the balance, the fastest first: "D by -1 rad, N by 0.9 m, …". */
 KM_API void km_direction_words(const km_mechanism *mechanism, const km_statics *statics, int direction, km_text *out);
+/* Record of clearances at a configuration, at[pair count] of km_clearance_compute: pairs [{bodies, clearance, error,
+ * points, normal}], left_out, hulls. And their text: the least ones, pairs that are left out, errors of hulls. */
+KM_API km_value *km_clearance_record(const km_mechanism *mechanism, const km_clearance *clearance,
+                                     const km_pair_clearance *at, const char *name, km_arena *arena);
+KM_API void km_clearance_print(const km_mechanism *mechanism, const km_clearance *clearance,
+                               const km_pair_clearance *at, const char *name, km_text *out);
 /* Record of an answer as by `--format json`. `name`: name of the model; `stopped_by`: km_sweep_stop_text. NULL when
  * out of memory (arena->failed) or without an answer. */
 KM_API km_value *km_question_record(const km_question *question, const km_mechanism *mechanism, const char *stopped_by,

@@ -4,6 +4,7 @@
 #define KMECH_SWEEP_H
 
 #include "kmech/base.h"
+#include "kmech/clearance.h"
 #include "kmech/continuation.h"
 #include "kmech/data.h"
 #include "kmech/mobility.h"
@@ -43,8 +44,9 @@ typedef struct km_sweep_plan {
   bool ignore_limits;           /* limits do not end the motion */
   const km_sweep_point *points; /* [point_count] points to tabulate */
   int point_count;
-  bool derivatives;   /* derivatives of the points by s */
-  bool singularities; /* mobility sweeps: the smallest kept singular value too */
+  bool derivatives;              /* derivatives of the points by s */
+  bool singularities;            /* mobility sweeps: the smallest kept singular value too */
+  const km_clearance *clearance; /* mobility and clearance sweeps: clearances of these pairs; NULL: none */
   km_progress progress;
   void *context;
 } km_sweep_plan;
@@ -97,6 +99,25 @@ typedef struct km_extreme {
   double number, s; /* the value and its position */
 } km_extreme;
 
+/* A contact of two bodies. */
+typedef struct km_contact_event {
+  int pair;       /* index of the pair */
+  bool separates; /* along the sweep the bodies separate here; else they touch from here on */
+  double s;       /* the driver's value, or arc length */
+} km_contact_event;
+
+/* Clearances along a sweep. */
+typedef struct km_clearance_course {
+  const km_clearance *clearance; /* the pairs; NULL: not requested. Borrowed from the plan */
+  int pair_count;
+  km_extreme *least;          /* [pair_count] least clearance of each pair, over rows and samples between them */
+  km_extreme smallest;        /* the least of all, located between the rows; NaN without pairs */
+  int smallest_pair;          /* its pair; -1: none */
+  km_contact_event *contacts; /* sorted in the order of the sweep */
+  size_t contact_count;
+} km_clearance_course;
+KM_API void km_clearance_course_free(km_clearance_course *course);
+
 /* A sweep with all mobility numbers, and the events between rows. */
 typedef struct km_mobility_sweep {
   km_sweep motion;    /* the table has m. of every coordinate */
@@ -106,6 +127,7 @@ typedef struct km_mobility_sweep {
   km_extreme smallest;  /* smallest kept singular value; NaN unless the plan has singularities */
   km_extreme *minima;   /* its minima along the sweep, located between the rows, in their order */
   size_t minimum_count, minimum_capacity;
+  km_clearance_course clearances; /* of the pairs of plan.clearance, whose columns follow the mobility numbers */
 } km_mobility_sweep;
 
 /* Moves the assembled state to `from` without output, then computes steps + 1 rows. If a part of the range is not
@@ -117,6 +139,21 @@ typedef struct km_mobility_sweep {
 KM_API km_status km_mobility_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
                                        km_mobility_sweep *out, km_error *error);
 KM_API void km_mobility_sweep_free(km_mobility_sweep *sweep);
+
+/* ---- Clearances along a sweep (theory 10.7). */
+
+/* A sweep with the clearances of pairs of bodies: columns clearance, the least one, and clearance.<body>/<body>. */
+typedef struct km_clearance_sweep {
+  km_sweep motion;
+  km_clearance_course course; /* least values and contacts, located between the rows */
+} km_clearance_sweep;
+
+/* Sweeps as km_mobility_sweep_run with the clearances of plan.clearance in every row. Contacts, zeros of a clearance,
+ * are located to 1e-9 of the driver; one that begins and ends between two samples, 1/360 of the range apart, is found
+ * if three samples show the dip. Free `*out` in any case. */
+KM_API km_status km_clearance_sweep_run(const km_mechanism *mechanism, km_state *state, const km_sweep_plan *plan,
+                                        km_clearance_sweep *out, km_error *error);
+KM_API void km_clearance_sweep_free(km_clearance_sweep *sweep);
 
 /* ---- Velocities and accelerations along a sweep (theory 10.6). */
 

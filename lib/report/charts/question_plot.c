@@ -1,12 +1,15 @@
 /* Finds the plot of each kind of question. */
 #include "report/charts/question_plot.h"
 
+#include "base/table.h"
 #include "question/question.h"
 #include "report/charts/advantage_plot.h"
 #include "report/charts/history_plot.h"
 #include "report/charts/mobility_plot.h"
 #include "report/charts/statics_plot.h"
 #include "report/charts/table_plot.h"
+
+#include <string.h>
 
 enum { MOST_CURVES = 4 }; /* coordinates of several motions over time, where none are chosen */
 
@@ -79,22 +82,62 @@ static bool plot_tracks(const km_comparison *c, km_arena *arena, km_plot *out) {
   return plot_columns(c, names, "s", arena, out);
 }
 
-/* Play that errors need, over the driver or the arc length. */
-static bool plot_allowance(const km_comparison *c, km_arena *arena, km_plot *out) {
-  static const char *const names[] = {"play.worst", "play.statistical", NULL};
-  const km_question *first = c->answers[0].question;
-  const km_sweep_plan *plan = km_question_plan(first);
-  if (!plot_columns(c, names, "s", arena, out))
-    return false;
-  out->title = "Play that errors of the parts need, over the play of the joints";
+/* Label of the horizontal axis: the driver, or the arc length. False without memory. */
+static bool label_driver(const km_question *q, km_arena *arena, km_plot *out) {
+  const km_sweep_plan *plan = km_question_plan(q);
   km_text x = {0};
   if (plan->arclength > 0.0)
     km_text_add(&x, "arc length");
   else
-    km_text_format(&x, "%s (%s)", km_model_coordinate_label(first->m->model, plan->coordinate),
-                   km_model_coordinate_unit(first->m->model, plan->coordinate));
+    km_text_format(&x, "%s (%s)", km_model_coordinate_label(q->m->model, plan->coordinate),
+                   km_model_coordinate_unit(q->m->model, plan->coordinate));
   out->x_label = km_text_move_to_arena(&x, arena);
   return !arena->failed;
+}
+
+/* Play that errors need, over the driver or the arc length. */
+static bool plot_allowance(const km_comparison *c, km_arena *arena, km_plot *out) {
+  static const char *const names[] = {"play.worst", "play.statistical", NULL};
+  const km_question *first = c->answers[0].question;
+  if (!plot_columns(c, names, "s", arena, out))
+    return false;
+  out->title = "Play that errors of the parts need, over the play of the joints";
+  return label_driver(first, arena, out);
+}
+
+/* The pairs that come nearest to each other, over the driver or the arc length. */
+static bool plot_clearances(const km_comparison *c, km_arena *arena, km_plot *out) {
+  enum { MOST_PAIRS = 6 };
+  const km_question *first = c->answers[0].question;
+  const km_table *t = km_question_table(first);
+  static const char prefix[] = "clearance.";
+  const km_span pairs = km_table_span(t, prefix);
+  size_t columns[MOST_PAIRS], count = 0;
+  double least = -HUGE_VAL;
+  for (size_t taken = 0; count < MOST_PAIRS && taken < pairs.count; ++count) { /* in ascending order, equal ones once */
+    double next = HUGE_VAL;
+    for (size_t k = 0; k < pairs.count; ++k) {
+      const double value = km_table_row(t, km_table_extreme_row(t, pairs.first + k, 1.0))[pairs.first + k];
+      if (value > least && value < next) {
+        next = value;
+        columns[count] = pairs.first + k;
+      }
+    }
+    if (next == HUGE_VAL)
+      break;
+    least = next;
+  }
+  const char *names[MOST_PAIRS];
+  for (size_t k = 0; k < count; ++k)
+    names[k] = km_table_name(t, columns[k]) + strlen(prefix);
+  km_text y_label = {0};
+  km_text_format(&y_label, "clearance (%s)", km_table_unit(t, pairs.first));
+  const km_chart_words words = {
+      .title = "Clearance of bodies", .y_label = km_text_move_to_arena(&y_label, arena), .names = names};
+  const km_plotted_table *tables = arena->failed ? NULL : tables_of(c, columns, count, "s", arena);
+  if (!tables || !km_table_plot_make(tables, (size_t)c->count, count, &words, arena, out))
+    return false;
+  return label_driver(first, arena, out);
 }
 
 /* One motion over time, with the plot of a history. */
@@ -164,12 +207,7 @@ static bool plot_motions(const km_comparison *c, km_arena *arena, km_plot *out) 
   if (!tables || !km_table_plot_make(tables, (size_t)c->count, count, NULL, arena, out))
     return false;
   out->title = "Velocities and accelerations";
-  const km_model *model = first->question->m->model;
-  km_text x = {0};
-  km_text_format(&x, "%s (%s)", km_model_coordinate_label(model, plan->coordinate),
-                 km_model_coordinate_unit(model, plan->coordinate));
-  out->x_label = km_text_move_to_arena(&x, arena);
-  return !arena->failed;
+  return label_driver(first->question, arena, out);
 }
 
 km_plotted_history km_question_plotted_history(const km_answered *a) {
@@ -201,6 +239,8 @@ km_status km_question_plot_make(const km_comparison *c, km_arena *arena, km_plot
     made = plot_motions(c, arena, out);
   else if (km_question_allowance(first))
     made = plot_allowance(c, arena, out);
+  else if (km_question_clearances(first))
+    made = plot_clearances(c, arena, out);
   else if (km_question_history(first))
     made = c->count == 1 ? plot_history(&c->answers[0], arena, out) : plot_histories(c, arena, out);
   else

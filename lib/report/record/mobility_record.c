@@ -169,6 +169,7 @@ km_value *km_mobility_sweep_record(const km_mechanism *m, const km_mobility_swee
   add_drivers(m, sweep, record, arena);
   km_singularities_record(m, sweep, record, arena);
   add_redundancies(m, redundancies, record, arena);
+  km_clearance_course_record(m, &sweep->clearances, record, arena);
   km_sweep_record(&sweep->motion, stopped_by, record, arena);
   return arena->failed ? NULL : record;
 }

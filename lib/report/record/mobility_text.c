@@ -218,6 +218,7 @@ static void print_swings(const km_mechanism *m, const km_sweep_plan *plan, const
 void km_mobility_sweep_print(const km_mechanism *m, const km_sweep_plan *plan, const km_mobility_sweep *sweep,
                              const km_sweep_redundancies *redundancies, const char *name, km_text *out) {
   km_sweep_print_range(m, plan, &sweep->motion, name, out);
+  km_clearance_course_print(m, plan, &sweep->clearances, out);
   print_swings(m, plan, sweep, out);
   km_sweep_print_mobility(m, plan, &sweep->motion, out);
   print_extra(redundancies, km_sweep_unit(m, plan), out);

@@ -22,6 +22,8 @@ km_value *km_question_record(const km_question *q, const km_mechanism *m, const 
     return km_motion_sweep_record(m, km_question_velocities(q), stopped_by, name, arena);
   if (km_question_allowance(q))
     return km_allowance_sweep_record(m, km_question_allowance(q), stopped_by, name, arena);
+  if (km_question_clearances(q))
+    return km_clearance_sweep_record(m, km_question_clearances(q), stopped_by, name, arena);
   if (km_question_run_def(q))
     return km_history_record(m, km_question_run_def(q), km_question_history(q), stopped_by, name, arena);
   if (km_question_history(q))
@@ -45,6 +47,8 @@ void km_question_print(const km_question *q, const km_mechanism *m, const char *
     km_motion_sweep_print(m, plan, km_question_velocities(q), name, out);
   if (km_question_allowance(q))
     km_allowance_sweep_print(m, plan, km_question_allowance(q), name, out);
+  if (km_question_clearances(q))
+    km_clearance_sweep_print(m, plan, km_question_clearances(q), name, out);
   if (km_question_advantage(q))
     km_advantage_sweep_print(m, plan, km_question_advantage(q), name, out);
   if (km_question_statics(q))
@@ -61,6 +65,8 @@ static const char *curves_of(const km_question *q) {
     return "v.";
   if (km_question_allowance(q))
     return "play.";
+  if (km_question_clearances(q))
+    return "clearance.";
   const bool forces = km_table_span(km_question_table(q), "f.").count > 0 && !km_question_run_def(q);
   return forces ? "f." : "q.";
 }

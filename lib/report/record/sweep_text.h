@@ -47,4 +47,15 @@ km_value *km_allowance_sweep_record(const km_mechanism *mechanism, const km_allo
 void km_allowance_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_allowance_sweep *sweep,
                               const char *name, km_text *out);
 
+/* Record and summary of a sweep with clearances; and of the clearances of any sweep: least values, contacts, pairs that
+ * are left out, hulls. Nothing where none were requested. */
+km_value *km_clearance_sweep_record(const km_mechanism *mechanism, const km_clearance_sweep *sweep,
+                                    const char *stopped_by, const char *name, km_arena *arena);
+void km_clearance_sweep_print(const km_mechanism *mechanism, const km_sweep_plan *plan, const km_clearance_sweep *sweep,
+                              const char *name, km_text *out);
+void km_clearance_course_record(const km_mechanism *mechanism, const km_clearance_course *course, km_value *record,
+                                km_arena *arena);
+void km_clearance_course_print(const km_mechanism *mechanism, const km_sweep_plan *plan,
+                               const km_clearance_course *course, km_text *out);
+
 #endif

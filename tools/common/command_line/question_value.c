@@ -153,6 +153,35 @@ static kt_exit read_modules(const kt_common *common, const km_model *model, cons
   return result;
 }
 
+/* BODY,BODY */
+static kt_exit read_bodies(const kt_common *common, const km_model *model, const char *name, const char *text,
+                           km_body_pair *out) {
+  const char *rest = text;
+  kt_piece body[2];
+  for (int k = 0; k < 2; ++k)
+    body[k] = kt_split(&rest, ",");
+  kt_exit result = body[0].separator && !body[1].separator ? KT_DONE : kt_usage(common, name, text, "BODY,BODY");
+  for (int k = 0; k < 2; ++k) {
+    int frame = -1;
+    if (result == KT_DONE)
+      result = kt_frame(common, model, name, body[k].text, &frame);
+    out->body[k] = km_model_frame_body(model, frame);
+    km_free(body[k].text);
+  }
+  return result;
+}
+
+static kt_exit read_body_pairs(const kt_common *common, const km_model *model, const char *name, const kt_texts *texts,
+                               km_arena *arena, km_option_value *out) {
+  km_body_pair *pairs = KM_ARENA_NEW(arena, km_body_pair, (size_t)texts->count);
+  kt_exit result = pairs ? kt_each_once(common, name, texts->items, texts->count) : KT_NO_MEMORY;
+  out->pairs = pairs;
+  out->count = texts->count;
+  for (int i = 0; i < texts->count && result == KT_DONE; ++i)
+    result = read_bodies(common, model, name, texts->items[i], &pairs[i]);
+  return result;
+}
+
 static kt_exit read_pair(const kt_common *common, const km_option *o, const char *name, const char *text, double *out) {
   out[1] = 0.0;
   return kt_numbers(text, strchr(text, ',') ? 2 : 1, out) ? KT_DONE : kt_usage(common, name, text, o->argument);
@@ -186,6 +215,8 @@ kt_exit kt_question_value(const kt_common *common, const km_model *model, const 
     return (strcmp(o->name, "rate") == 0 ? read_rates : read_values)(common, model, name, texts, arena, out);
   case KM_OPTION_MODULES:
     return read_modules(common, model, name, texts, arena, out);
+  case KM_OPTION_BODY_PAIRS:
+    return read_body_pairs(common, model, name, texts, arena, out);
   case KM_OPTION_PAIR:
     return read_pair(common, o, name, text, out->numbers);
   case KM_OPTION_POINTS:
