@@ -35,9 +35,9 @@ const char *km_left_out_word(km_left_out reason) {
 /* ---- Distances */
 
 static void write_vector(km_vec3 v, double *out) {
-  out[0] = v.x;
-  out[1] = v.y;
-  out[2] = v.z;
+  out[0] = v.x + 0.0; /* no −0 */
+  out[1] = v.y + 0.0;
+  out[2] = v.z + 0.0;
 }
 
 /* Distance of the bounding balls of two parts, of which the second has a pose in the frame of the first. */
@@ -141,11 +141,10 @@ static void group_bodies(const km_mechanism *m, int *group) {
   }
 }
 
-static bool are_joined(const km_model *model, const int *group, int a, int b) {
+static bool are_joined(const km_model *model, int a, int b) {
   for (int j = 0; j < model->joint_count; ++j) {
-    int one = group[model->frames[model->joints[j].frame[0]].body],
-        two = group[model->frames[model->joints[j].frame[1]].body];
-    if ((one == group[a] && two == group[b]) || (one == group[b] && two == group[a]))
+    int one = model->frames[model->joints[j].frame[0]].body, two = model->frames[model->joints[j].frame[1]].body;
+    if ((one == a && two == b) || (one == b && two == a))
       return true;
   }
   return false;
@@ -163,7 +162,7 @@ static void sort_pair(km_clearance *w, const km_state *s, const int *group, int 
   bool left_out = true;
   if (group[a] == group[b])
     pair.reason = KM_LEFT_OUT_RIGID;
-  else if (are_joined(w->m->model, group, a, b))
+  else if (are_joined(w->m->model, a, b))
     pair.reason = KM_LEFT_OUT_JOINED;
   else if (pair_distance(w, s, pair.body).distance <= touching * (size_of(w, a) + size_of(w, b)))
     pair.reason = KM_LEFT_OUT_OVERLAP;
@@ -192,11 +191,10 @@ static km_status choose_pairs(km_clearance *w, const km_state *s, const bool *wa
         sort_pair(w, s, group, a, b);
   if (w->pair_count > 0)
     return KM_OK;
-  return km_fail(
-      error, KM_USAGE,
-      "no clearance to compute: %d bodies have shapes or meshes, and each two of them are joined, rigid with "
-      "each other or overlap; expected shapes of bodies that aren't adjacent, or chosen pairs",
-      bodies);
+  return km_fail(error, KM_USAGE,
+                 "no clearance to compute: %d bod%s shapes or meshes, and no two of them are apart without a joint "
+                 "between them; expected shapes of bodies that aren't adjacent, or chosen pairs",
+                 bodies, bodies == 1 ? "y has" : "ies have");
 }
 
 /* ---- Creation */

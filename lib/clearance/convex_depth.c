@@ -250,8 +250,8 @@ void km_convex_depth_compute(const km_convex_pair *pair, double scale, km_convex
   if (upper > 0.0 || out->distance == 0.0)
     out->distance = -upper;
   out->error = fmax(0.0, upper - lower) + gap_end * scale;
+  /* Moves the points onto the planes across the normal: a search that ends early leaves them beside. */
   double miss = 0.5 * (km_vec3_dot(out->normal, km_vec3_sub(out->b, out->a)) - out->distance);
-  out->a =
-      km_vec3_axpy(miss, out->normal, out->a); /* onto the planes across the normal, where the search ended early */
+  out->a = km_vec3_axpy(miss, out->normal, out->a);
   out->b = km_vec3_axpy(-miss, out->normal, out->b);
 }

@@ -7,9 +7,12 @@
 #include "clearance/convex.h"
 #include "clearance/hull_error.h"
 #include "kmech/clearance.h"
+#include "kmech/inspect.h"
 #include "model/geometry/hull.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* ---- Brute force: features of polyhedra */
 
@@ -419,6 +422,114 @@ static void threads(void **state) {
   (void)state;
 }
 
+/* ---- Sweeps of models */
+
+/* Arms of 2, 0.12 high, in one plane, are sin 2θ apart, S = 2 cos θ; the upper one's corner, 0.05 beyond its pin and
+ * 0.06 beside its line, passes the platform, 0.08 above the pin. Events are located to 1e-9 of the driver. */
+static void scissor_lift(void **state) {
+  fixture f = fixture_open("scissor_lift");
+  km_clearance *w = clearance_of(&f);
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  plan.from = 1.2;
+  plan.to = 1.9995;
+  plan.steps = 7;
+  plan.clearance = w;
+  km_clearance_sweep sweep;
+  assert_int_equal(km_clearance_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  const km_clearance_course *course = &sweep.course;
+  assert_int_equal(course->contact_count, 2);
+  for (size_t i = 0; i < 2; ++i) {
+    assert_near(course->contacts[i].s, 2.0 * cos(0.5 * asin(0.12)), 4e-9);
+    assert_false(course->contacts[i].separates);
+  }
+  double passing = HUGE_VAL, lowest = HUGE_VAL;
+  for (int i = 0; i < course->pair_count; ++i) {
+    const char *name = km_clearance_pair_name(w, i);
+    if (strcmp(name, "upper_rising/platform") == 0)
+      passing = course->least[i].number;
+    lowest = fmin(lowest, course->least[i].number);
+  }
+  assert_near(passing, 0.08 - hypot(0.05, 0.06), 2e-6); /* samples every 1/360 of the range: (5e-4)² of its curvature */
+  assert_near(course->smallest.number, lowest, 1e-9);
+  int column = km_table_find(sweep.motion.table, "clearance.lower_rising/upper_rising");
+  for (size_t r = 0; r < km_table_rows(sweep.motion.table); ++r) {
+    const double *row = km_table_row(sweep.motion.table, r);
+    double exact = sin(2.0 * acos(0.5 * row[1])) - 0.12;
+    if (exact > 0.0)
+      assert_near(row[column], exact, 1e-9);
+  }
+  km_clearance_sweep_free(&sweep);
+  km_clearance_free(w);
+  fixture_close(&f);
+  (void)state;
+}
+
+/* All triangles of a body in the inertial frame. */
+static km_mesh *placed_surface(const fixture *f, int body) {
+  km_surface_patch patch;
+  assert_int_equal(km_body_patch_count(f->model, body), 1);
+  assert_int_equal(km_body_patch(f->model, body, 0, &patch, NULL), KM_OK);
+  km_mesh *mesh = km_mesh_create(patch.vertex_count, patch.triangle_count);
+  for (int v = 0; v < patch.vertex_count; ++v)
+    mesh->vertices[v] = km_pose_point(&f->state->pose[body], km_vec3_from_array(patch.vertices + 3 * v));
+  for (int t = 0; t < 3 * patch.triangle_count; ++t)
+    mesh->triangles[t / 3].corner[t % 3] = patch.triangles[t];
+  km_surface_patch_free(&patch);
+  return mesh;
+}
+
+/* The excavator's meshes are unions of convex pieces: their hulls err by 1e-8 of a size of up to 6. At the pose, and at
+ * the contact of the stick with the bucket's rod, against all features of the meshes themselves. */
+static void excavator(void **state) {
+  km_model *model;
+  km_error error;
+  if (km_model_read_file(MODELS_DIR "/excavator.json", NULL, &model, &error))
+    fail_msg("%s", error.text);
+  fixture f = fixture_of(model);
+  km_clearance *w = clearance_of(&f);
+  km_sweep_plan plan = km_sweep_plan_default(f.model);
+  int contact = -1, count = km_clearance_pair_count(w);
+  km_pair_clearance *now = calloc((size_t)count, sizeof *now);
+  distances(&f, w, now);
+  for (int i = 0; i < count; ++i) {
+    km_body_pair pair = km_clearance_pair(w, i);
+    if (strcmp(km_clearance_pair_name(w, i), "stick/bucket_rod") == 0)
+      contact = i;
+    if (now[i].distance > 0.2)
+      continue;
+    km_mesh *a = placed_surface(&f, pair.body[0]), *b = placed_surface(&f, pair.body[1]);
+    assert_near(now[i].distance, feature_distance(a, b), 2e-7);
+    km_mesh_free(a);
+    km_mesh_free(b);
+  }
+  assert_int_equal(km_model_find_coordinate(f.model, "O", &plan.coordinate, NULL), KM_OK);
+  plan.from = 2.64;
+  plan.to = 1.61;
+  plan.steps = 5;
+  plan.clearance = w;
+  km_clearance_sweep sweep;
+  assert_int_equal(km_clearance_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  assert_int_equal(sweep.course.contact_count, 1);
+  assert_int_equal(sweep.course.contacts[0].pair, contact);
+  plan.from = sweep.course.contacts[0].s + 1e-6; /* just before: the meshes are apart by about that */
+  plan.to = sweep.course.contacts[0].s + 2e-6;
+  plan.steps = 1;
+  km_clearance_sweep_free(&sweep);
+  assert_int_equal(km_clearance_sweep_run(f.mechanism, f.state, &plan, &sweep, NULL), KM_OK);
+  distances(&f, w, now);
+  km_body_pair pair = km_clearance_pair(w, contact);
+  km_mesh *a = placed_surface(&f, pair.body[0]), *b = placed_surface(&f, pair.body[1]);
+  assert_near(feature_distance(a, b), now[contact].distance, 2e-7);
+  assert_true(now[contact].distance > 0.0 && now[contact].distance < 4e-6);
+  km_mesh_free(a);
+  km_mesh_free(b);
+  km_clearance_sweep_free(&sweep);
+  km_clearance_free(w);
+  free(now);
+  fixture_close(&f);
+  (void)state;
+}
+
 /* ---- Pairs and meshes */
 
 static void pairs(void **state) {
@@ -478,6 +589,10 @@ int main(void) {
       cmocka_unit_test(gradients),
       cmocka_unit_test(places_and_units),
       cmocka_unit_test(threads),
+      claim_test(scissor_lift,
+                 "A scissor lift's arms touch where sin 2θ is their height, and the clearance of each row",
+                 "events are located to 1e-9 of the driver"),
+      cmocka_unit_test(excavator),
       cmocka_unit_test(pairs),
       cmocka_unit_test(hulls_of_meshes),
   };

@@ -5,7 +5,7 @@
 #include "kmech/clearance.h"
 #include "kmech/report.h"
 
-/* True if an option asks for a motion. */
+/* True if an option calls for a motion. */
 static bool moves(const kt_sweep_options *o) {
   static const char *const names[] = {"joint", "range", "steps", "arclength", "direction", "cycle", "branch", "point"};
   bool given = o->models.count > 1 || o->vary.count > 0;

@@ -25,7 +25,7 @@ def test_the_version_is_the_projects():
 
 def test_every_kind_of_question_is_a_method(brake):
     assert kmech.kinds() == ["mobility", "advantage", "forces", "track", "run", "inverse", "motion",
-                             "allowance"]
+                             "allowance", "clearance"]
     for kind in kmech.kinds()[:3]:
         answer = getattr(brake, kind)(range=(20, 32), steps=4)
         assert len(answer) == 5 and answer.complete

@@ -21,7 +21,7 @@ typedef struct km_clearance km_clearance;
 /* Reason for which km_clearance_create leaves out a pair. */
 typedef enum km_left_out {
   KM_LEFT_OUT_RIGID,   /* the bodies don't move relative to each other: rigid or held joints connect them */
-  KM_LEFT_OUT_JOINED,  /* a joint connects them, or bodies that are rigid with them */
+  KM_LEFT_OUT_JOINED,  /* a joint connects them */
   KM_LEFT_OUT_OVERLAP, /* they touch or overlap at the reference configuration */
   KM_LEFT_OUT_REASONS  /* number of enumerators */
 } km_left_out;

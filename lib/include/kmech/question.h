@@ -144,8 +144,8 @@ KM_API const km_mobility_sweep *km_question_mobility(const km_question *question
 KM_API const km_sweep_redundancies *km_question_redundancies(const km_question *question); /* kind "mobility" */
 KM_API const km_advantage_sweep *km_question_advantage(const km_question *question);
 KM_API const km_statics_sweep *km_question_statics(const km_question *question);
-KM_API const km_motion_sweep *km_question_velocities(const km_question *question);   /* kind "motion" */
-KM_API const km_allowance_sweep *km_question_allowance(const km_question *question); /* kind "allowance" */
+KM_API const km_motion_sweep *km_question_velocities(const km_question *question);    /* kind "motion" */
+KM_API const km_allowance_sweep *km_question_allowance(const km_question *question);  /* kind "allowance" */
 KM_API const km_clearance_sweep *km_question_clearances(const km_question *question); /* kind "clearance" */
 /* Return parts of a prepared request: input and output of "advantage"; forces and balance of "forces". NULL for
  * another kind. */

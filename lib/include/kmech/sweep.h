@@ -102,7 +102,7 @@ typedef struct km_extreme {
 /* A contact of two bodies. */
 typedef struct km_contact_event {
   int pair;       /* index of the pair */
-  bool separates; /* along the sweep the bodies separate here; else they touch from here on */
+  bool separates; /* the bodies separate here along the sweep; else they touch from here on */
   double s;       /* the driver's value, or arc length */
 } km_contact_event;
 
@@ -127,7 +127,7 @@ typedef struct km_mobility_sweep {
   km_extreme smallest;  /* smallest kept singular value; NaN unless the plan has singularities */
   km_extreme *minima;   /* its minima along the sweep, located between the rows, in their order */
   size_t minimum_count, minimum_capacity;
-  km_clearance_course clearances; /* of the pairs of plan.clearance, whose columns follow the mobility numbers */
+  km_clearance_course clearances; /* clearances of plan.clearance, whose columns follow the mobility numbers */
 } km_mobility_sweep;
 
 /* Moves the assembled state to `from` without output, then computes steps + 1 rows. If a part of the range is not

@@ -105,7 +105,7 @@ static bool plot_allowance(const km_comparison *c, km_arena *arena, km_plot *out
   return label_driver(first, arena, out);
 }
 
-/* The pairs that come nearest to each other, over the driver or the arc length. */
+/* The pairs that come nearest to each other, over the driver or the arc length; pairs with equal least values once. */
 static bool plot_clearances(const km_comparison *c, km_arena *arena, km_plot *out) {
   enum { MOST_PAIRS = 6 };
   const km_question *first = c->answers[0].question;
@@ -114,7 +114,7 @@ static bool plot_clearances(const km_comparison *c, km_arena *arena, km_plot *ou
   const km_span pairs = km_table_span(t, prefix);
   size_t columns[MOST_PAIRS], count = 0;
   double least = -HUGE_VAL;
-  for (size_t taken = 0; count < MOST_PAIRS && taken < pairs.count; ++count) { /* in ascending order, equal ones once */
+  for (size_t taken = 0; count < MOST_PAIRS && taken < pairs.count; ++count) {
     double next = HUGE_VAL;
     for (size_t k = 0; k < pairs.count; ++k) {
       const double value = km_table_row(t, km_table_extreme_row(t, pairs.first + k, 1.0))[pairs.first + k];

@@ -69,7 +69,7 @@ static void print_left_out(const km_mechanism *m, const km_clearance *c, km_text
 
 /* Hulls that are farther from their meshes than rounding. */
 static void print_hulls(const km_mechanism *m, const km_clearance *c, km_text *out) {
-  static const double rounding = 1e-6; /* of the characteristic length */
+  static const double rounding = 1e-6; /* part of the characteristic length */
   int worst = -1, count = 0;
   for (int b = 0; b < m->model->body_count; ++b) {
     double off = km_clearance_hull_error(c, b);

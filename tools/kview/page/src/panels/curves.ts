@@ -9,7 +9,7 @@ import { answers, apart, between, rowAt, spread, tamed } from "./rows";
 import { rangeOf } from "./tree";
 
 const MOST_LINES = 7;
-const WORDS: Record<string, string> = { mobility: "Mobility numbers", advantage: "Mechanical advantage", forces: "Actuator forces", track: "Track of the path study", motion: "Velocities", allowance: "Play that errors need" };
+const WORDS: Record<string, string> = { mobility: "Mobility numbers", advantage: "Mechanical advantage", forces: "Actuator forces", track: "Track of the path study", motion: "Velocities", allowance: "Play that errors need", clearance: "Clearance of bodies" };
 
 export class Curves {
   readonly node = el("section", { class: "panel curves", "aria-label": "Curves" });

@@ -8,6 +8,7 @@ export function answers(table: Table): number[] {
   if (table.question === "motion") return begins(/^v\./);
   if (table.question === "advantage") return begins(/^ma\./);
   if (table.question === "allowance") return begins(/^play\./);
+  if (table.question === "clearance") return begins(/^clearance\./);
   if (table.question === "track") return begins(/^(limit_margin$|objective\.|z\.)/);
   const forces = begins(/^f\./);
   return forces.length ? forces : begins(/^fbar\./); // without actuators: the least forces that hold the pose
