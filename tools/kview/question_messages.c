@@ -2,6 +2,7 @@
 #include "kview/messages.h"
 #include "kview/server/time_limit.h"
 
+#include "kmech/inspect.h"
 #include "kmech/report.h"
 
 #include <math.h>
@@ -18,12 +19,25 @@ static bool has_option(int kind, const char *name) {
   return false;
 }
 
+static bool has_two_surfaces(const km_model *model) {
+  int count = 0;
+  for (int b = 0; b <= km_model_body_count(model); ++b)
+    count += km_body_patch_count(model, b) > 0;
+  return count > 1;
+}
+
+/* True if the model has what a kind of question is about. */
+static bool suits(const kv_session *s, int kind) {
+  if (has_option(kind, "study"))
+    return s->opening.study != NULL;
+  bool is_clearance = strcmp(km_question_kind_name(kind), "clearance") == 0;
+  return has_option(kind, "range") && (!is_clearance || has_two_surfaces(s->model));
+}
+
 int kv_question_kind(const kv_session *s, int index) {
-  for (int kind = 0; kind < km_question_kinds(); ++kind) {
-    bool track = has_option(kind, "study");
-    if ((track ? s->opening.study != NULL : has_option(kind, "range")) && index-- == 0)
+  for (int kind = 0; kind < km_question_kinds(); ++kind)
+    if (suits(s, kind) && index-- == 0)
       return kind;
-  }
   return -1;
 }
 

@@ -109,11 +109,11 @@ typedef struct km_contact_event {
 /* Clearances along a sweep. */
 typedef struct km_clearance_course {
   const km_clearance *clearance; /* the pairs; NULL: not requested. Borrowed from the plan */
-  int pair_count;
-  km_extreme *least;          /* [pair_count] least clearance of each pair, over rows and samples between them */
-  km_extreme smallest;        /* the least of all, located between the rows; NaN without pairs */
-  int smallest_pair;          /* its pair; -1: none */
-  km_contact_event *contacts; /* sorted in the order of the sweep */
+  int pair_count;                /* number of pairs */
+  km_extreme *least;             /* [pair_count] least clearance of each pair, over rows and samples between them */
+  km_extreme smallest;           /* the least of all, located between the rows; NaN without pairs */
+  int smallest_pair;             /* its pair; -1: none */
+  km_contact_event *contacts;    /* sorted in the order of the sweep */
   size_t contact_count;
 } km_clearance_course;
 KM_API void km_clearance_course_free(km_clearance_course *course);
@@ -144,7 +144,7 @@ KM_API void km_mobility_sweep_free(km_mobility_sweep *sweep);
 
 /* A sweep with the clearances of pairs of bodies: columns clearance, the least one, and clearance.<body>/<body>. */
 typedef struct km_clearance_sweep {
-  km_sweep motion;
+  km_sweep motion;            /* rows and ends of the sweep */
   km_clearance_course course; /* least values and contacts, located between the rows */
 } km_clearance_sweep;
 
