@@ -1,7 +1,10 @@
-/* Linear equations over the real numbers: LU with row pivoting (space/real_solve.h). */
+/* Small dense matrices over the real numbers (space/real_solve.h). */
 #include "space/real_solve.h"
 
 #include <math.h>
+
+enum { MOST_SWEEPS = 30 };
+static const double orthogonal = 1e-30; /* squared cosine of columns that are orthogonal to rounding */
 
 bool km_real_factor(double *A, int n, int *row, int *sign) {
   *sign = 1;
@@ -47,4 +50,39 @@ void km_real_solve(const double *LU, int n, const int *row, const double *b, dou
       x[i] -= LU[i * n + j] * x[j];
     x[i] /= LU[i * n + i];
   }
+}
+
+/* Rotations of pairs of columns until they are orthogonal (one-sided Jacobi method, M. R. Hestenes 1958). */
+double km_smallest_singular_value(double *A, int rows, int columns) {
+  bool is_rotated = true;
+  for (int sweep = 0; is_rotated && sweep < MOST_SWEEPS; ++sweep) {
+    is_rotated = false;
+    for (int i = 0; i < columns; ++i)
+      for (int j = i + 1; j < columns; ++j) {
+        double *a = A + i * rows, *b = A + j * rows, aa = 0.0, bb = 0.0, ab = 0.0;
+        for (int k = 0; k < rows; ++k) {
+          aa += a[k] * a[k];
+          bb += b[k] * b[k];
+          ab += a[k] * b[k];
+        }
+        if (!(ab * ab > orthogonal * aa * bb))
+          continue;
+        is_rotated = true;
+        double zeta = (bb - aa) / (2.0 * ab), t = copysign(1.0, zeta) / (fabs(zeta) + sqrt(1.0 + zeta * zeta));
+        double c = 1.0 / sqrt(1.0 + t * t), s = c * t;
+        for (int k = 0; k < rows; ++k) {
+          double kept = a[k];
+          a[k] = c * kept - s * b[k];
+          b[k] = s * kept + c * b[k];
+        }
+      }
+  }
+  double smallest = HUGE_VAL;
+  for (int i = 0; i < columns; ++i) {
+    double square = 0.0;
+    for (int k = 0; k < rows; ++k)
+      square += A[i * rows + k] * A[i * rows + k];
+    smallest = fmin(smallest, square);
+  }
+  return sqrt(smallest);
 }

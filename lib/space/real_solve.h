@@ -1,6 +1,6 @@
-/* Linear equations over the real numbers: LU with row pivoting. Sizes of one closed mechanism.
+/* Small dense matrices over the real numbers, of the size of one closed mechanism.
  *
- *   P A = L U */
+ *   P A = L U   with row pivoting */
 #ifndef KM_SPACE_REAL_SOLVE_H
 #define KM_SPACE_REAL_SOLVE_H
 
@@ -11,5 +11,7 @@
 bool km_real_factor(double *A, int n, int *row, int *sign);
 /* Solves A x = b with the factors; x must not be b. O(n²). */
 void km_real_solve(const double *LU, int n, const int *row, const double *b, double *x);
+/* Smallest singular value of A[rows × columns], column-major, rows >= columns. A is destroyed. O(10 rows columns²). */
+double km_smallest_singular_value(double *A, int rows, int columns);
 
 #endif

@@ -14,10 +14,9 @@
 
 #include <string.h>
 
-enum { MOST_NEWTON = 8, MOST_SWEEPS = 30 };
+enum { MOST_NEWTON = 8 };
 static const double closed = 1e-13;          /* largest error of a cell: radians, sizes */
 static const double most_correction = 0.3;   /* first correction over the predicted step */
-static const double orthogonal = 1e-30;      /* squared cosine of columns that are orthogonal to rounding */
 static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
 
@@ -147,43 +146,6 @@ static bool reach(map_search *g, int from, int cell, double *N) {
   return move_to(g, target, N, g->sign[from]);
 }
 
-/* Smallest singular value of a matrix with at least as many rows as columns, whose columns lie one after another, by
- * rotations of pairs of columns until they are orthogonal (one-sided Jacobi method, M. R. Hestenes 1958). A is
- * destroyed. */
-static double smallest_singular_value(double *A, int rows, int columns) {
-  bool is_rotated = true;
-  for (int sweep = 0; is_rotated && sweep < MOST_SWEEPS; ++sweep) {
-    is_rotated = false;
-    for (int i = 0; i < columns; ++i)
-      for (int j = i + 1; j < columns; ++j) {
-        double *a = A + i * rows, *b = A + j * rows, aa = 0.0, bb = 0.0, ab = 0.0;
-        for (int k = 0; k < rows; ++k) {
-          aa += a[k] * a[k];
-          bb += b[k] * b[k];
-          ab += a[k] * b[k];
-        }
-        if (!(ab * ab > orthogonal * aa * bb))
-          continue;
-        is_rotated = true;
-        double zeta = (bb - aa) / (2.0 * ab), t = copysign(1.0, zeta) / (fabs(zeta) + sqrt(1.0 + zeta * zeta));
-        double c = 1.0 / sqrt(1.0 + t * t), s = c * t;
-        for (int k = 0; k < rows; ++k) {
-          double kept = a[k];
-          a[k] = c * kept - s * b[k];
-          b[k] = s * kept + c * b[k];
-        }
-      }
-  }
-  double smallest = HUGE_VAL;
-  for (int i = 0; i < columns; ++i) {
-    double square = 0.0;
-    for (int k = 0; k < rows; ++k)
-      square += A[i * rows + k] * A[i * rows + k];
-    smallest = fmin(smallest, square);
-  }
-  return sqrt(smallest);
-}
-
 /* N_j of column k: rates of a coordinate per unit rate of both drivers. */
 static void coordinate_rates(const km_driver_surface *f, const double *N, int k, double *z) {
   z[0] = f->control[0] == k;
@@ -248,11 +210,11 @@ static void write_singular_values(map_search *g, double *row) {
   for (int j = 0; j < f->rows; ++j)
     memcpy(f->A + (size_t)j * (size_t)f->rows, f->J + (size_t)f->other[j] * (size_t)f->rows,
            (size_t)f->rows * sizeof *f->A);
-  row[0] = smallest_singular_value(f->A, f->rows, f->rows);
+  row[0] = km_smallest_singular_value(f->A, f->rows, f->rows);
   for (int i = 0; i < f->rows; ++i)
     for (int k = 0; k < f->columns; ++k)
       g->transposed[i * f->columns + k] = f->J[k * f->rows + i];
-  row[1] = smallest_singular_value(g->transposed, f->columns, f->rows);
+  row[1] = km_smallest_singular_value(g->transposed, f->columns, f->rows);
 }
 
 /* Writes the caller's figures. False: the caller ends the map, or out of memory. */

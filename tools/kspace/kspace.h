@@ -9,6 +9,7 @@
 kt_exit kspace_clearance(int argc, char **argv);
 kt_exit kspace_map(int argc, char **argv);
 kt_exit kspace_modes(int argc, char **argv);
+kt_exit kspace_path(int argc, char **argv);
 kt_exit kspace_turning(int argc, char **argv);
 
 /* Writes BASE.RESULT.csv. */

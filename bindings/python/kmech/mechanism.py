@@ -234,6 +234,14 @@ class Mechanism:
 
         return space_map(self, state or self._copy(), over, point, seed, progress)
 
+    def way(self, to: Any, *, drivers: Optional[Sequence[str]] = None, margin: float = 0.0, ignore_limits: bool = False,
+            seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
+        """A way from a state without a singularity of the drivers: km_way_find. to: another State, or {driver: value} in any
+        assembly mode. drivers: as many as freedoms; default: those of `to`, or the model's analysis.actuators."""
+        from .space import way
+
+        return way(self, state or self._copy(), to, drivers, margin, ignore_limits, seed, progress)
+
     def turning(self, driver: str, path: str, low: float, high: float, *, steps: int = 20, seed: int = 1,
                 progress: Progress = None, state: Optional[State] = None) -> Any:
         """Where the driver goes fully round, over a number of the model's file from low to high: km_turning_find. path: a

@@ -1,7 +1,7 @@
-"""Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves."""
+"""Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves, ways."""
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -168,3 +168,46 @@ def turning(mechanism: Mechanism, state: State, driver: str, path: str, low: flo
     points = tuple(TurningPoint(at.number, at.driver, text_of(lib.km_turning_kind_name(at.kind)), at.curve)
                    for at in (found.points[i] for i in range(found.point_count)))
     return Turning(intervals, points, table_of(found.curves, found), found.curve_count, found.is_complete)
+
+
+class Way(NamedTuple):
+    """A way of the drivers. outcome: "found", "separated" (the determinant of the input has opposite signs at both ends: every way
+    passes a singularity), "end" (an end isn't allowed) or "not found". table: s, q. of the drivers and of the others,
+    sigma.input; a row for each step."""
+
+    outcome: str
+    table: Table
+    length: float
+    least_margin: float
+    straight: bool
+    configurations: int
+
+
+def way(mechanism: Mechanism, state: State, to: Union[State, Mapping[str, float]], drivers: Optional[Sequence[str]], margin: float,
+        ignore_limits: bool, seed: int, progress: Progress) -> Way:
+    """A way to a state, or to values of the drivers."""
+    error, watch = new_error(), Watch(progress)
+    found = ffi.gc(ffi.new("km_way *"), lib.km_way_free)
+    model = mechanism.model
+    if drivers is None and isinstance(to, State):
+        actuators = [lib.km_model_actuator(model._c, i) for i in range(lib.km_model_actuator_count(model._c))]
+    else:
+        actuators = [model._coordinate(label) for label in (to if drivers is None else drivers)]
+    wanted = ffi.new("int[]", actuators)
+    if isinstance(to, State):
+        place = ffi.new("double[]", [float(value) for value in to.coordinates])
+        end = {"to": place}
+    else:
+        values = {model._coordinate(label): float(value) for label, value in to.items()}
+        if set(values) != set(actuators):
+            raise UsageError("the end states other joints than the drivers; expected a value for each driver")
+        place = ffi.new("double[]", [values[c] for c in actuators])
+        end = {"to_drivers": place}
+    definition = ffi.new("km_way_def *", {"drivers": wanted, "driver_count": len(actuators), "margin": margin,
+                                          "ignore_limits": ignore_limits, "seed": seed, **end})
+    with model._reading(), state._using():
+        status = lib.km_way_find(mechanism._c, state._c, definition, watch.call, watch.context, found, error)
+    watch.finish()
+    check(status, error)
+    return Way(text_of(lib.km_way_outcome_name(found.outcome)), table_of(found.table, found), found.length,
+               found.least_margin, found.is_straight, found.configurations)

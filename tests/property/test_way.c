@@ -1,0 +1,298 @@
+/* Ways without a singularity of the drivers: five-bars and 3-RPR platforms, every segment against closed forms. */
+#include "support/support.h"
+
+#include "base/random.h"
+#include "kmech/mobility.h"
+#include "kmech/space.h"
+#include "model/model.h"
+
+#include <stdio.h>
+
+enum { PAIRS = 50 };
+
+static double cell(const km_table *table, size_t row, const char *column) {
+  int c = km_table_find(table, column);
+  assert_true(c >= 0);
+  return km_table_row(table, row)[c];
+}
+
+static int coordinate(const fixture *f, const char *label) {
+  int c;
+  assert_int_equal(km_model_find_coordinate(f->model, label, &c, NULL), KM_OK);
+  return c;
+}
+
+static km_way way_to(const fixture *f, const km_way_def *def) {
+  km_way way;
+  km_error error = {0};
+  if (km_way_find(f->mechanism, f->state, def, NULL, NULL, &way, &error))
+    fail_msg("%s", error.text);
+  return way;
+}
+
+/* ---- Five-bar of models/five_bar.json: cranks of 0.6 on pins 1 apart, rods of 0.9. */
+
+/* Ends of the cranks, drawn upright, at angles; returns their distance. */
+static double crank_ends(double a, double e, double end[2][2]) {
+  const double angle[2] = {a, e};
+  for (int k = 0; k < 2; ++k) {
+    end[k][0] = k - 0.6 * sin(angle[k]);
+    end[k][1] = 0.6 * cos(angle[k]);
+  }
+  return hypot(end[1][0] - end[0][0], end[1][1] - end[0][1]);
+}
+
+/* Sense of the triangle of both cranks' ends and the point P, at a row: the sign of the input's determinant. */
+static double side_of(const km_table *table, size_t row) {
+  double end[2][2], a = cell(table, row, "q.A"), turn = a + cell(table, row, "q.B");
+  crank_ends(a, cell(table, row, "q.E"), end);
+  double x = 0.5, y = 1.3483314773547883 - 0.6; /* rod 1, drawn */
+  double P[2] = {end[0][0] + cos(turn) * x - sin(turn) * y, end[0][1] + sin(turn) * x + cos(turn) * y};
+  assert_near(hypot(P[0] - end[1][0], P[1] - end[1][1]), 0.9, 1e-10);
+  return (end[1][0] - end[0][0]) * (P[1] - end[0][1]) - (end[1][1] - end[0][1]) * (P[0] - end[0][0]);
+}
+
+static void five_bars_keep_their_mode(void **state) {
+  (void)state;
+  fixture f = fixture_open("five_bar");
+  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+  uint64_t random = 11;
+  int around = 0;
+  for (int pair = 0; pair < PAIRS;) {
+    double values[2], end[2][2];
+    for (int d = 0; d < 2; ++d)
+      values[d] = M_PI * km_uniform(&random);
+    double distance = crank_ends(values[0], values[1], end);
+    if (distance < 0.2 || distance > 1.7) /* the circles of the rods meet between 0 and 1.8 */
+      continue;
+    ++pair;
+    km_way way = way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 2, .to_drivers = values, .seed = 1});
+    size_t rows = km_table_rows(way.table);
+    assert_int_equal(way.outcome, KM_WAY_FOUND);
+    for (size_t r = 0; r < rows; ++r) {
+      assert_true(side_of(way.table, r) > 0.0);
+      assert_true(cell(way.table, r, "sigma.input") >= KM_DEFAULT_WAY_MARGIN);
+      if (r == 0)
+        continue;
+      for (int part = 1; part < 10; ++part) { /* the drivers between two rows */
+        double u = part / 10.0, a = cell(way.table, r - 1, "q.A"), e = cell(way.table, r - 1, "q.E");
+        a += u * (cell(way.table, r, "q.A") - a);
+        e += u * (cell(way.table, r, "q.E") - e);
+        distance = crank_ends(a, e, end);
+        assert_true(distance > 0.0 && distance < 1.8);
+      }
+      assert_at_most(cell(way.table, r, "s") - cell(way.table, r - 1, "s"), 0.05);
+    }
+    for (int d = 0; d < 2; ++d)
+      assert_near(remainder(cell(way.table, rows - 1, d ? "q.E" : "q.A") - values[d], 2.0 * M_PI), 0.0, 1e-6);
+    around += !way.is_straight;
+    km_way_free(&way);
+  }
+  assert_true(around >= 10);
+  fixture_close(&f);
+}
+
+/* ---- Planar platform on three legs, each a hinge, a slide and a hinge. */
+
+static const double base[3][2] = {{0.0, 0.0}, {2.0, 0.1}, {0.9, 1.8}},
+                    drawn[3][2] = {{0.95, 0.35}, {1.4, 0.95}, {0.7, 1.0}};
+
+static fixture build_platform(void) {
+  km_text text = {0};
+  km_text_add(&text,
+              "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"platform\"}");
+  for (int k = 0; k < 3; ++k)
+    km_text_format(&text, ", {\"name\": \"tube%d\"}, {\"name\": \"rod%d\"}", k, k);
+  km_text_add(&text, "], \"joints\": [");
+  for (int k = 0; k < 3; ++k)
+    km_text_format(
+        &text,
+        "%s{\"name\": \"R%d\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"tube%d\"], \"at\": [%g, %g]},"
+        "{\"name\": \"P%d\", \"type\": \"prismatic\", \"bodies\": [\"tube%d\", \"rod%d\"], \"at\": [%g, %g], "
+        "\"axis\": [%.17g, %.17g, 0]},"
+        "{\"name\": \"B%d\", \"type\": \"revolute\", \"bodies\": [\"rod%d\", \"platform\"], \"at\": [%g, %g]}",
+        k ? "," : "", k, k, base[k][0], base[k][1], k, k, k, drawn[k][0], drawn[k][1], drawn[k][0] - base[k][0],
+        drawn[k][1] - base[k][1], k, k, drawn[k][0], drawn[k][1]);
+  km_text_add(&text, "]}]}");
+  fixture f = fixture_read(text.data);
+  km_text_free(&text);
+  return f;
+}
+
+/* Coordinates of a pose (place of the first hinge, angle) with legs of positive lengths, and the determinant there. */
+static void configuration_of(const fixture *f, const double pose[3], double *q) {
+  for (int k = 0; k < 3; ++k) {
+    double x = drawn[k][0] - drawn[0][0], y = drawn[k][1] - drawn[0][1], c = cos(pose[2]), s = sin(pose[2]);
+    double leg[2] = {pose[0] + c * x - s * y - base[k][0], pose[1] + s * x + c * y - base[k][1]};
+    double own[2] = {drawn[k][0] - base[k][0], drawn[k][1] - base[k][1]};
+    char label[3][4] = {"R0", "P0", "B0"};
+    for (int i = 0; i < 3; ++i)
+      label[i][1] = (char)('0' + k);
+    double turn = remainder(atan2(leg[1], leg[0]) - atan2(own[1], own[0]), 2.0 * M_PI);
+    q[coordinate(f, label[0])] = turn;
+    q[coordinate(f, label[1])] = hypot(leg[0], leg[1]) - hypot(own[0], own[1]);
+    q[coordinate(f, label[2])] = remainder(pose[2] - turn, 2.0 * M_PI);
+  }
+}
+
+/* Determinant of the legs' lines, of unit direction, at a pose. */
+static double lines_of(const double pose[3]) {
+  double line[3][3], c = cos(pose[2]), s = sin(pose[2]);
+  for (int k = 0; k < 3; ++k) {
+    double x = drawn[k][0] - drawn[0][0], y = drawn[k][1] - drawn[0][1];
+    double leg[2] = {pose[0] + c * x - s * y - base[k][0], pose[1] + s * x + c * y - base[k][1]};
+    for (int i = 0; i < 2; ++i)
+      line[k][i] = leg[i] / hypot(leg[0], leg[1]);
+    line[k][2] = base[k][0] * line[k][1] - base[k][1] * line[k][0];
+  }
+  return line[0][0] * (line[1][1] * line[2][2] - line[1][2] * line[2][1]) -
+         line[0][1] * (line[1][0] * line[2][2] - line[1][2] * line[2][0]) +
+         line[0][2] * (line[1][0] * line[2][1] - line[1][1] * line[2][0]);
+}
+
+static void draw_pose(uint64_t *random, double pose[3]) {
+  do {
+    pose[0] = 0.95 + 0.8 * km_uniform(random);
+    pose[1] = 0.35 + 0.8 * km_uniform(random);
+    pose[2] = M_PI * km_uniform(random);
+  } while (fabs(lines_of(pose)) < 0.1);
+}
+
+/* Pose of the platform at a row, by the first leg; the other legs must hold it. */
+static void pose_at(const fixture *f, const km_table *table, size_t row, double pose[3]) {
+  double angle = cell(table, row, "q.R0"), length = hypot(drawn[0][0] - base[0][0], drawn[0][1] - base[0][1]), q[9];
+  double direction = atan2(drawn[0][1] - base[0][1], drawn[0][0] - base[0][0]) + angle;
+  length += cell(table, row, "q.P0");
+  pose[0] = base[0][0] + length * cos(direction);
+  pose[1] = base[0][1] + length * sin(direction);
+  pose[2] = angle + cell(table, row, "q.B0");
+  configuration_of(f, pose, q);
+  for (int k = 1; k < 3; ++k) {
+    char label[] = "q.P0";
+    label[3] = (char)('0' + k);
+    double own = hypot(drawn[k][0] - base[k][0], drawn[k][1] - base[k][1]);
+    assert_near(fabs(own + cell(table, row, label)), own + q[coordinate(f, label + 2)], 1e-9);
+  }
+}
+
+/* Product of the lines' determinant and the signs of the legs' lengths: the sign of the input's determinant. */
+static double input_sign(const fixture *f, const km_table *table, size_t row, double pose[3]) {
+  pose_at(f, table, row, pose);
+  double sign = lines_of(pose);
+  for (int k = 0; k < 3; ++k) {
+    char label[] = "q.P0";
+    label[3] = (char)('0' + k);
+    sign *= hypot(drawn[k][0] - base[k][0], drawn[k][1] - base[k][1]) + cell(table, row, label);
+  }
+  return sign;
+}
+
+static void platforms_keep_the_sign_of_their_lines(void **state) {
+  (void)state;
+  fixture f = build_platform();
+  const int drivers[3] = {coordinate(&f, "P0"), coordinate(&f, "P1"), coordinate(&f, "P2")};
+  uint64_t random = 5;
+  int around = 0;
+  for (int pair = 0; pair < PAIRS; ++pair) {
+    double from[3], to[3], start[9], end[9];
+    draw_pose(&random, from);
+    do
+      draw_pose(&random, to);
+    while (lines_of(from) * lines_of(to) < 0.0);
+    configuration_of(&f, from, start);
+    configuration_of(&f, to, end);
+    assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, start, NULL), KM_OK);
+    km_way way =
+        way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 3, .to = end, .seed = 1, .margin = 0.005});
+    assert_int_equal(way.outcome, KM_WAY_FOUND);
+    around += !way.is_straight;
+    double last[3] = {0.0}, sign = 0.0;
+    for (size_t r = 0; r < km_table_rows(way.table); ++r) {
+      double at[3], now = input_sign(&f, way.table, r, at);
+      sign = r == 0 ? now : sign;
+      assert_true(now * sign > 0.0);
+      if (r > 0)
+        assert_at_most(hypot(at[0] - last[0], at[1] - last[1]), 0.2);
+      memcpy(last, at, sizeof last);
+    }
+    assert_near(hypot(last[0] - to[0], last[1] - to[1]), 0.0, 1e-5);
+    assert_near(remainder(last[2] - to[2], 2.0 * M_PI), 0.0, 1e-5);
+    km_way_free(&way);
+  }
+  assert_true(around >= 5);
+  fixture_close(&f);
+}
+
+/* The other assembly mode at the same cranks can't be reached without a singularity. */
+static void opposite_modes_are_separated(void **state) {
+  (void)state;
+  fixture f = fixture_open("five_bar");
+  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")};
+  const km_all_modes_def all = {.locked = drivers, .locked_count = 2, .seed = 1};
+  km_all_modes modes;
+  assert_int_equal(km_all_modes_find(f.mechanism, f.state, &all, NULL, NULL, &modes, NULL), KM_OK);
+  assert_int_equal(modes.count, 2);
+  km_way way = way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 2, .to = modes.coordinates + 5});
+  assert_int_equal(way.outcome, KM_WAY_SEPARATED);
+  assert_int_equal(km_table_rows(way.table), 0);
+  km_way_free(&way);
+  km_all_modes_free(&modes);
+  const double far[2] = {M_PI / 2.0, -M_PI / 2.0}; /* the ends of the cranks are 2.2 apart */
+  way = way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 2, .to_drivers = far});
+  assert_int_equal(way.outcome, KM_WAY_END);
+  assert_true(isnan(way.ends[1]) && way.ends[0] > 0.5);
+  km_way_free(&way);
+  fixture_close(&f);
+}
+
+static bool keep_below(void *context, const km_mechanism *mechanism, const km_state *state) {
+  (void)mechanism;
+  return km_state_coordinate(state, 0) < *(const double *)context;
+}
+
+static bool stop_at_once(void *context, double done) {
+  (void)context;
+  (void)done;
+  return false;
+}
+
+static void conditions_and_refusals(void **state) {
+  (void)state;
+  fixture f = fixture_open("five_bar");
+  const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")}, same[2] = {drivers[0], drivers[0]};
+  const double values[2] = {-2.7, 0.3};
+  double most = 0.5;
+  km_way way = way_to(
+      &f, &(km_way_def){
+              .drivers = drivers, .driver_count = 2, .to_drivers = values, .condition = keep_below, .context = &most});
+  assert_int_equal(way.outcome, KM_WAY_FOUND);
+  for (size_t r = 0; r < km_table_rows(way.table); ++r)
+    assert_true(cell(way.table, r, "q.A") < most);
+  km_way_free(&way);
+  const km_way_def good = {.drivers = drivers, .driver_count = 2, .to_drivers = values};
+  km_way_def bad[5] = {good, good, good, good, good};
+  bad[0].driver_count = 1;
+  bad[1].drivers = same;
+  bad[2].to_drivers = NULL;
+  bad[3].margin = -1.0;
+  bad[4].driver_count = 7;
+  km_error error;
+  for (int k = 0; k < 5; ++k) {
+    assert_int_equal(km_way_find(f.mechanism, f.state, &bad[k], NULL, NULL, &way, &error), KM_USAGE);
+    km_way_free(&way);
+  }
+  const double around[2] = {-2.9, -0.3};
+  const km_way_def cancelled = {.drivers = drivers, .driver_count = 2, .to_drivers = around};
+  assert_int_equal(km_way_find(f.mechanism, f.state, &cancelled, stop_at_once, NULL, &way, &error), KM_CANCELLED);
+  km_way_free(&way);
+  assert_string_equal(km_way_outcome_name(KM_WAY_SEPARATED), "separated");
+  assert_string_equal(km_way_outcome_name((km_way_outcome)9), "");
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(five_bars_keep_their_mode), cmocka_unit_test(platforms_keep_the_sign_of_their_lines),
+      cmocka_unit_test(opposite_modes_are_separated), cmocka_unit_test(conditions_and_refusals)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,265 @@
+/* kspace path: a way between two configurations without a singularity of the drivers. */
+#include "kspace/kspace.h"
+#include "kspace/played_model.h"
+
+#include "kmech/data.h"
+#include "kmech/inspect.h"
+#include "kmech/model.h"
+#include "kmech/report.h"
+#include "kmech/space.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct options {
+  kt_common common;
+  kt_texts holds, joints;
+  const char *model, *from, *to, *margin, *time, *base, *format; /* base: -o, or NULL */
+  int ignores_limits;
+  kt_formats formats;
+} options;
+
+static void free_texts(kt_texts *texts) {
+  for (int i = 0; i < texts->count; ++i)
+    km_free(texts->items[i]);
+}
+
+/* Splits JOINT=VALUE,JOINT=VALUE. Free the texts in any case. */
+static kt_exit split_settings(const options *o, const char *text, kt_texts *out) {
+  const char *rest = text;
+  for (bool more = true; more;) {
+    kt_piece piece = kt_split(&rest, ",");
+    more = piece.separator == ',';
+    if (!piece.text)
+      return KT_NO_MEMORY;
+    if (out->count == KT_MOST_TEXTS) {
+      km_free(piece.text);
+      return kt_usage(&o->common, "JOINT=VALUE", text, "fewer joints");
+    }
+    out->items[out->count++] = piece.text;
+  }
+  return KT_DONE;
+}
+
+/* Opens the model at a named pose, or at JOINT=VALUE,JOINT=VALUE; NULL: its own pose. */
+static kt_exit open_at(const options *o, const char *place, kt_pose *pose) {
+  kt_common common = o->common;
+  kt_texts sets = {0};
+  kt_exit result = KT_DONE;
+  *pose = (kt_pose){0};
+  if (place && strchr(place, '='))
+    result = split_settings(o, place, &sets);
+  else
+    common.pose = place;
+  if (result == KT_DONE)
+    result = kt_open(&common, o->model, &o->holds, &sets, pose);
+  free_texts(&sets);
+  return result;
+}
+
+/* The drivers: --joint, else the model's analysis.actuators. */
+static kt_exit read_drivers(const options *o, const km_model *model, int *drivers, int *count) {
+  int actuators = km_model_actuator_count(model), given = o->joints.count;
+  *count = given > 0 ? given : actuators;
+  if (*count < 1 || *count > KM_MAX_WAY_DRIVERS)
+    return kt_usage(&o->common, "--joint", given > 0 ? o->joints.items[0] : "is missing",
+                    "the drivers: --joint for each, at most 6, or joints in the model's analysis.actuators");
+  kt_exit result = KT_DONE;
+  for (int d = 0; result == KT_DONE && d < *count; ++d)
+    if (given > 0)
+      result = kt_coordinate(&o->common, model, "--joint", o->joints.items[d], &drivers[d]);
+    else
+      drivers[d] = km_model_actuator(model, d);
+  return result;
+}
+
+static void print_way(const options *o, const km_way *way, double margin, km_text *out) {
+  size_t rows = km_table_rows(way->table);
+  km_text_format(out, "%s: ", o->model);
+  switch (way->outcome) {
+  case KM_WAY_FOUND:
+    km_text_format(out, "a way of %zu steps%s, length %.4g\n", rows > 0 ? rows - 1 : 0,
+                   way->is_straight ? ", straight" : "", way->length);
+    km_text_format(out,
+                   "smallest singular value of the input: %.4g at the start, %.4g at the end, at least %.4g between\n",
+                   way->ends[0], way->ends[1], way->least_margin);
+    break;
+  case KM_WAY_SEPARATED:
+    km_text_format(out,
+                   "no way: the determinant of the input has opposite signs at the start and %s, so that each way "
+                   "passes a singularity of the drivers\n",
+                   strchr(o->to, '=') ? "in the assembly modes that were found at the end" : "at the end");
+    break;
+  case KM_WAY_END:
+    if (!way->is_at_start && isnan(way->ends[1]))
+      km_text_add(out, "no way: the end can't be assembled from random starts\n");
+    else
+      km_text_format(out,
+                     "no way: the %s is beyond a limit, or nearer to a singularity than the margin %.4g: the smallest "
+                     "singular value there is %.4g\n",
+                     way->is_at_start ? "start" : "end", margin, way->ends[!way->is_at_start]);
+    break;
+  default:
+    km_text_format(out, "no way was found among %d configurations; there may be one\n", way->configurations);
+  }
+  if (!way->is_straight && way->outcome == KM_WAY_FOUND)
+    km_text_format(out, "the straight way is blocked; the search took %d configurations\n", way->configurations);
+}
+
+/* The drivers over the length of the way. */
+static kt_exit write_picture(const options *o, const km_way *way, int drivers, kt_format format) {
+  km_text out = {0};
+  km_error error;
+  km_chart *chart = NULL;
+  const size_t y[KM_MAX_WAY_DRIVERS] = {1, 2, 3, 4, 5, 6};
+  const km_plotted_table plotted = {way->table, o->model, 0, y};
+  const km_chart_words words = {.title = "Way of the drivers", .x_label = "length of the way"};
+  km_status status = km_table_chart_worded(&plotted, 1, drivers, &words, &chart, &error);
+  if (!status)
+    status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  kt_exit result = status ? kt_exit_of(status) : kt_write(&o->common, o->base, "path", kt_format_word(format), &out);
+  km_chart_free(chart);
+  km_text_free(&out);
+  return result;
+}
+
+static kt_exit write_files(const options *o, const kt_pose *pose, const km_way *way, const int *drivers, int count,
+                           double time) {
+  kt_exit result = KT_DONE;
+  for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
+    if (!o->formats.wanted[format])
+      continue;
+    if (format == KT_CSV)
+      result = kspace_write_csv(&o->common, o->base, way->table, "path");
+    else if (format == KT_JSON)
+      result = kspace_write_played_model(&o->common, o->model, pose->model, way->table, drivers, count, time, o->base);
+    else
+      result = write_picture(o, way, count, (kt_format)format);
+  }
+  return result;
+}
+
+/* The values of all drivers at the end, from JOINT=VALUE,… */
+static kt_exit read_end(const options *o, const km_model *model, const int *drivers, int count, double *values) {
+  static const char expected[] = "a pose that the model names, or JOINT=VALUE,JOINT=VALUE for each driver";
+  kt_settings settings = {0};
+  kt_texts texts = {0};
+  kt_exit result = split_settings(o, o->to, &texts);
+  if (result == KT_DONE)
+    result = kt_settings_add(&o->common, model, "--to", texts.items, texts.count, &settings);
+  int found = 0;
+  for (int i = 0; i < settings.count; ++i)
+    for (int d = 0; d < count; ++d)
+      if (settings.items[i].coordinate == drivers[d]) {
+        values[d] = settings.items[i].value;
+        ++found;
+      }
+  if (result == KT_DONE && (found != count || settings.count != count))
+    result = kt_usage(&o->common, "--to", o->to, expected);
+  kt_settings_free(&settings);
+  free_texts(&texts);
+  return result;
+}
+
+static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
+  int drivers[KM_MAX_WAY_DRIVERS], count;
+  double values[KM_MAX_WAY_DRIVERS];
+  double margin = KM_DEFAULT_WAY_MARGIN, time = 1.0;
+  km_way way = {0};
+  km_error error;
+  km_text out = {0};
+  kt_exit result = read_drivers(o, from->model, drivers, &count);
+  if (result == KT_DONE && o->margin && (!kt_number(o->margin, &margin) || !(margin > 0.0)))
+    result = kt_usage(&o->common, "--margin", o->margin, "a positive number");
+  if (result == KT_DONE && o->time && (!kt_number(o->time, &time) || !(time > 0.0)))
+    result = kt_usage(&o->common, "--time", o->time, "a positive number");
+  if (result == KT_DONE && !to->model)
+    result = read_end(o, from->model, drivers, count, values);
+  double *end = result == KT_DONE ? KM_NEW(double, (size_t)km_model_coordinate_count(from->model) + 1) : NULL;
+  if (result != KT_DONE)
+    return result;
+  km_status status = end ? KM_OK : KM_MEMORY;
+  if (!status && to->model)
+    status = km_state_coordinates(to->mechanism, to->state, end, &error);
+  const km_way_def def = {.drivers = drivers,
+                          .driver_count = count,
+                          .to = to->model ? end : NULL,
+                          .to_drivers = values,
+                          .margin = margin,
+                          .ignore_limits = o->ignores_limits,
+                          .seed = o->common.seed};
+  kt_progress progress = kt_progress_start(&o->common);
+  if (!status)
+    status = km_way_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &way, &error);
+  kt_progress_end(&progress);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, end ? error.text : "out of memory");
+  result = kt_exit_of(status);
+  if (result == KT_DONE && o->base && way.outcome == KM_WAY_FOUND)
+    result = write_files(o, from, &way, drivers, count, time);
+  if (result == KT_DONE) {
+    print_way(o, &way, margin, &out);
+    result = kt_print(&o->common, &out);
+  }
+  if (result == KT_DONE && way.outcome != KM_WAY_FOUND)
+    result = KT_PARTIAL;
+  km_text_free(&out);
+  km_way_free(&way);
+  km_free(end);
+  return result;
+}
+
+kt_exit kspace_path(int argc, char **argv) {
+  options o = {.common = KT_COMMON("kspace")};
+  kt_options all = {0};
+  const kt_option own[] = {
+      {"from", 0, "POSE",
+       "Start: a pose that the model names, or JOINT=VALUE,JOINT=VALUE (default: the model's own pose)", KT_TEXT,
+       &o.from, KT_ABOUT_MODEL},
+      {"to", 0, "POSE", "End: a pose that the model names, or JOINT=VALUE for each driver, in any assembly mode",
+       KT_TEXT, &o.to, KT_ABOUT_MODEL},
+      {"joint", 0, "JOINT", "A driver; given for each freedom (default: the model's analysis.actuators)", KT_TEXTS,
+       &o.joints, KT_ABOUT_MODEL},
+      {"margin", 0, "X", "Least smallest singular value of the input along the way (default: 0.02)", KT_TEXT, &o.margin,
+       KT_ABOUT_MODEL},
+      {"ignore-limits", 0, NULL, "Joint limits don't count", KT_FLAG, &o.ignores_limits, KT_ABOUT_MODEL},
+      KT_HOLD(&o.holds, KT_HOLD_RIGID),
+      {"time", 0, "T", "Duration of the motion in BASE.path.json, in the model's time unit (default: 1)", KT_TEXT,
+       &o.time, KT_ABOUT_FILES},
+      {"format", 0, "FORMATS",
+       "Some of csv,json,svg,pdf,png (default csv,svg); json is the model, its drivers prescribed",
+       KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
+      KT_BASE(&o.base, "Write BASE.path.csv, .svg … where a way was found"),
+  };
+  KT_OPTIONS_ADD(&all, own);
+  all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
+  kt_common_options(&all, &o.common, KT_USES_FLOAT | KT_USES_SEED);
+  kt_options_read(
+      &all,
+      "A way from one configuration to another that passes no singularity of the drivers: they stay in control of all "
+      "bodies, with a margin, and within the joint limits."
+      "\vThe input is the Jacobian of the closure without the drivers' columns, lengths over the size of the loops; its smallest "
+      "singular value keeps the margin at every step of 0.04 at most. Where the determinant of the input has opposite signs at both "
+      "ends there is no way, and that is certain. Otherwise the straight way is tried first, then two trees of configurations grow "
+      "from both ends until they meet, and the way is shortened. Another --seed may find another way. With --format json the "
+      "model is written with its drivers prescribed over time along the way, at rest at both ends, for ksim inverse. Exit status 1: "
+      "no way was found. Ball joints and redundant conditions are refused.",
+      argc, argv);
+  if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))
+    return KT_USAGE;
+  if (!o.to)
+    return kt_usage(&o.common, "--to", "is missing", "a pose that the model names, or JOINT=VALUE,JOINT=VALUE");
+  if (kt_is_piped(o.model))
+    return kt_usage(&o.common, "MODEL", "-", "a file: the standard input can be read only once");
+  kt_pose from, to = {0};
+  kt_exit result = open_at(&o, o.from, &from);
+  if (result == KT_DONE && !strchr(o.to, '='))
+    result = open_at(&o, o.to, &to);
+  if (result == KT_DONE)
+    result = run(&o, &from, &to);
+  kt_close(&to);
+  kt_close(&from);
+  return result;
+}
