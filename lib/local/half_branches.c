@@ -1,12 +1,10 @@
 /* Half-branches: closed configurations on small spheres around a configuration q0 (docs/theory.md 5.7).
  *
  *   F(y) = ( e(q0 + y),  (|D y|² − d²)/(2 d) ) = 0,   d = 0.08,  from y = d D⁻¹ Z u, u random
- *   neighbour: σ t + ½ κ t² = 0,  σ, u, v smallest singular value and vectors of F',  κ = uᵀF''(v, v)   =>   t = −2 σ/κ
  *
  * A motion through q0 crosses every small sphere once for each of its halves. Each solution (Levenberg-Marquardt, then
- * Gauss-Newton) counts if it continues at d/2, d/4, … within 37° of its direction. Where two half-branches lie
- * close together, at a cusp or where branches touch, F' is nearly singular; the second root t starts the neighbour. If
- * the starts cover the sphere and none makes |F| small, q0 is isolated. */
+ * Gauss-Newton) counts if it continues at d/2, d/4, … within 37° of its direction. If the starts cover the sphere and
+ * none makes |F| small, q0 is isolated. */
 #include "base/number/tolerances.h"
 #include "local/local_private.h"
 
@@ -34,13 +32,11 @@ typedef struct sphere {
   size_t equations;         /* GSL requires at least as many as unknowns: the excess ones are 0 */
   double *y;                /* [columns] scaled step from q0 */
   double *J;                /* [columns × rows] */
-  double *solution;         /* [columns] solution at d = radius */
   double *last;             /* [columns] solution at the last distance */
   double *previous_but_one; /* [columns] solution at the distance before */
   double *end;              /* [KM_MAX_HALF_BRANCHES × columns] solution of each half-branch nearest to q0, */
   double end_distance[KM_MAX_HALF_BRANCHES]; /* and its distance */
   double least_residual;                     /* least |F| of the starts at d = radius, before Gauss-Newton steps */
-  double *rate, *gamma;
   gsl_multifit_nlinear_workspace *fit;
   gsl_matrix *A, *V;
   gsl_vector *x, *error, *S, *work;
@@ -187,64 +183,33 @@ static bool is_known_end(const sphere *p, const km_half_branches *out) {
   return known;
 }
 
-/* Adds the solution y at the state if it is a new half-branch that continues to q0. y is unchanged. */
-static bool add_half_branch(sphere *p, km_half_branches *out) {
+/* Adds the solution y at the state if it is a new half-branch that continues to q0. y is overwritten. */
+static void add_half_branch(sphere *p, km_half_branches *out) {
   km_local *l = p->l;
-  const size_t bytes = (size_t)l->sub->columns * sizeof *p->y;
   const bool is_full = out->count == KM_MAX_HALF_BRANCHES;
   if (out->truncated || !is_new_half_branch(p, out))
-    return false;
-  memcpy(p->solution, p->y, bytes);
+    return;
   if (!is_full)
     km_state_save(l->s, l->sub, saved_of(out, l, out->count));
-  bool is_continued = continues_to_origin(p) && !is_known_end(p, out);
-  out->truncated = is_continued && is_full;
-  is_continued = is_continued && !is_full;
-  if (is_continued) { /* direction by the solution nearest to q0 */
-    memcpy(p->end + (size_t)out->count * (size_t)l->sub->columns, p->y, bytes);
-    p->end_distance[out->count] = p->d;
-    km_local_coefficients(l, p->y, out->coefficients + (size_t)out->count++ * (size_t)l->freedom);
-  }
-  memcpy(p->y, p->solution, bytes);
-  return is_continued;
+  if (!continues_to_origin(p) || is_known_end(p, out))
+    return;
+  out->truncated = is_full;
+  if (is_full)
+    return;
+  /* direction by the solution nearest to q0 */
+  memcpy(p->end + (size_t)out->count * (size_t)l->sub->columns, p->y, (size_t)l->sub->columns * sizeof *p->y);
+  p->end_distance[out->count] = p->d;
+  km_local_coefficients(l, p->y, out->coefficients + (size_t)out->count++ * (size_t)l->freedom);
 }
 
-/* Start for the neighbour of the solution y at d = radius, along the right singular vector of the smallest singular
- * value, into y. False: the neighbour is no nearer than q0. */
-static bool start_neighbour(sphere *p) {
-  const km_local *l = p->l;
-  const km_substructure *sub = l->sub;
-  const double *weight = l->m->column_weight + sub->column_start;
-  size_t n = (size_t)sub->columns, rows = (size_t)sub->rows;
-  double square = 0.0, curvature = 0.0;
-  p->d = radius;
-  for (size_t k = 0; k < n; ++k)
-    gsl_vector_set(p->x, k, p->y[k]);
-  compute_svd(p);
-  for (size_t k = 0; k < n; ++k) {
-    int c = l->m->column_coordinate[sub->column_start + (int)k];
-    double v = gsl_matrix_get(p->V, k, n - 1);
-    p->rate[c] = l->m->unit[c] * v;
-    square += weight[k] * v * weight[k] * v;
-  }
-  km_loops_velocity_products(l->m, l->s, sub, p->rate, p->gamma); /* -e''(v, v) */
-  for (size_t r = 0; r < rows; ++r)
-    curvature -= gsl_matrix_get(p->A, r, n - 1) * p->gamma[r];
-  curvature += gsl_matrix_get(p->A, rows, n - 1) * square / p->d;
-  double t = -2.0 * gsl_vector_get(p->S, n - 1) / curvature;
-  for (size_t k = 0; k < n; ++k)
-    p->y[k] += t * gsl_matrix_get(p->V, k, n - 1);
-  return fabs(t) < radius;
-}
-
-/* Solves from one random start, and from the neighbour of its solution. */
+/* Solves from one random start. */
 static void search_from_random_start(sphere *p, km_half_branches *out) {
   km_local *l = p->l;
   km_local_draw(l, &l->random, l->a);
   km_local_direction(l, l->a, p->y);
   for (int k = 0; k < l->sub->columns; ++k)
     p->y[k] *= radius;
-  if (solve_on_sphere(p, radius) && add_half_branch(p, out) && start_neighbour(p) && solve_on_sphere(p, radius))
+  if (solve_on_sphere(p, radius))
     add_half_branch(p, out);
 }
 
@@ -252,13 +217,11 @@ static void search_from_random_start(sphere *p, km_half_branches *out) {
 static bool reserve_sphere(sphere *p) {
   km_arena *arena = p->l->arena;
   size_t n = (size_t)p->l->sub->columns, rows = (size_t)p->l->sub->rows;
-  double **vectors[] = {&p->y, &p->solution, &p->last, &p->previous_but_one};
+  double **vectors[] = {&p->y, &p->last, &p->previous_but_one};
   for (size_t i = 0; i < sizeof vectors / sizeof *vectors; ++i)
     *vectors[i] = KM_ARENA_NEW(arena, double, n);
   p->end = KM_ARENA_NEW(arena, double, KM_MAX_HALF_BRANCHES *n);
   p->J = KM_ARENA_NEW(arena, double, n *rows);
-  p->rate = KM_ARENA_NEW(arena, double, (size_t)p->l->m->coordinate_count);
-  p->gamma = KM_ARENA_NEW(arena, double, rows);
   p->equations = rows + 1 > n ? rows + 1 : n;
   /* GSL's handler belongs to the process: it stays off, since restoring it would race with other threads. */
   gsl_set_error_handler_off();
