@@ -6,6 +6,8 @@
  * doesn't lower h/c: H⁻¹ g minimises the bound of c among the x with gᵀ x = h(a). A step is prolonged, twice as far
  * each time, as long as that raises the ratio further. */
 #include "allowance/support_ratio.h"
+#include "base/number/vectors.h"
+#include "base/random.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,24 +26,10 @@ enum { MOST_STEPS = 300 };
 /* Random starts: 60 found the largest maximum of 1 000 starts at each row of twelve sweeps, 20 all but one (1.4 %). */
 enum { FIRST_STARTS = 60, LATER_STARTS = 2 };
 
-static double norm(const double *v, int count) {
-  double square = 0.0;
-  for (int i = 0; i < count; ++i)
-    square += v[i] * v[i];
-  return sqrt(square);
-}
-
-static double dot(const double *a, const double *b, int count) {
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
-
 /* W a. */
 static void multiply(const km_support_terms *t, const double *a, double *Wa) {
   for (int r = 0; r < t->rows; ++r)
-    Wa[r] = t->length[r] > 0.0 ? dot(t->W + r * t->dimension, a, t->dimension) : 0.0;
+    Wa[r] = t->length[r] > 0.0 ? km_dot(t->W + r * t->dimension, a, t->dimension) : 0.0;
 }
 
 static double support_of(const km_support_term *list, int count, const double *Wa, bool squared, const bool *counts) {
@@ -49,7 +37,7 @@ static double support_of(const km_support_term *list, int count, const double *W
   for (int k = 0; k < count; ++k) {
     if (counts && !counts[list[k].owner])
       continue;
-    double part = list[k].size * norm(Wa + list[k].first, list[k].rows);
+    double part = list[k].size * km_norm(Wa + list[k].first, list[k].rows);
     sum += squared ? part * part : part;
   }
   return squared ? sqrt(sum) : sum;
@@ -61,8 +49,8 @@ double km_support(const km_support_terms *t, const km_support_term *list, int co
   for (int k = 0; k < count; ++k) {
     double part[3] = {0};
     for (int r = 0; r < list[k].rows && (owner < 0 || list[k].owner == owner); ++r)
-      part[r] = list[k].size * dot(t->W + (list[k].first + r) * t->dimension, a, t->dimension);
-    sum += squared ? dot(part, part, 3) : norm(part, 3);
+      part[r] = list[k].size * km_dot(t->W + (list[k].first + r) * t->dimension, a, t->dimension);
+    sum += squared ? km_dot(part, part, 3) : km_norm(part, 3);
   }
   return squared ? sqrt(sum) : sum;
 }
@@ -88,7 +76,7 @@ static void gradient(const ascent *q, double *g) {
   memset(q->weight, 0, (size_t)q->t->rows * sizeof *q->weight);
   for (int k = 0; k < q->t->error_count; ++k) {
     const km_support_term *t = &q->t->error[k];
-    double length = norm(q->Wa + t->first, t->rows), weight = q->squared ? t->size * t->size : t->size / length;
+    double length = km_norm(q->Wa + t->first, t->rows), weight = q->squared ? t->size * t->size : t->size / length;
     for (int r = t->first; r < t->first + t->rows && length > 0.0; ++r)
       q->weight[r] += weight;
   }
@@ -116,13 +104,13 @@ static void weighted_squares(const ascent *q) {
 /* H of the play that counts, at a, from W a. */
 static void bound_of(const ascent *q, const double *a) {
   const int n = q->t->dimension;
-  double size = norm(a, n);
+  double size = km_norm(a, n);
   memset(q->weight, 0, (size_t)q->t->rows * sizeof *q->weight);
   for (int k = 0; k < q->t->play_count; ++k) {
     const km_support_term *t = &q->t->play[k];
-    double least = shortest * size * norm(q->t->length + t->first, t->rows);
+    double least = shortest * size * km_norm(q->t->length + t->first, t->rows);
     for (int r = t->first; r < t->first + t->rows && (!q->counts || q->counts[t->owner]) && least > 0.0; ++r)
-      q->weight[r] = q->t->length[r] > 0.0 ? t->size / fmax(norm(q->Wa + t->first, t->rows), least) : 0.0;
+      q->weight[r] = q->t->length[r] > 0.0 ? t->size / fmax(km_norm(q->Wa + t->first, t->rows), least) : 0.0;
   }
   weighted_squares(q);
 }
@@ -130,7 +118,7 @@ static void bound_of(const ascent *q, const double *a) {
 /* Solves H x = g, H semidefinite, by LDLᵀ; the lower half of H is replaced. Components of x that H doesn't determine
  * are 0. False if g isn't in the range of H. */
 static bool solve(double *H, int n, double *x) {
-  double size = norm(x, n);
+  double size = km_norm(x, n);
   for (int i = 0; i < n; ++i) {
     double diagonal = H[i * n + i];
     for (int j = 0; j < i; ++j) {
@@ -158,7 +146,7 @@ static bool solve(double *H, int n, double *x) {
 }
 
 static void normalise(double *a, int n) {
-  double length = norm(a, n);
+  double length = km_norm(a, n);
   for (int i = 0; i < n; ++i)
     a[i] /= length;
 }
@@ -166,7 +154,7 @@ static void normalise(double *a, int n) {
 /* Prolongs the step from a to q->x by `reach` times its length if that raises the ratio, and doubles `reach`. */
 static double prolong(const ascent *q, const double *a, double value, double *reach) {
   const int n = q->t->dimension;
-  double sense = dot(q->x, a, n) < 0.0 ? -1.0 : 1.0;
+  double sense = km_dot(q->x, a, n) < 0.0 ? -1.0 : 1.0;
   for (int i = 0; i < n; ++i)
     q->far[i] = q->x[i] + *reach * (q->x[i] - sense * a[i]);
   double far = ratio_at(q, q->far);
@@ -200,14 +188,6 @@ static double ascend(const ascent *q, double *a) {
   return value;
 }
 
-/* Uniform on −1 … 1 (SplitMix64, Steele, Lea and Flood 2014). */
-static double draw(uint64_t *state) {
-  uint64_t z = *state += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return (double)(z ^ (z >> 31)) * 0x1p-63 - 1.0;
-}
-
 /* Random start a = H⁻¹ Σ c_k W_kᵀ z_k, H = Σ c_k² W_kᵀ W_k: nearly isotropic in the metric H. Where H is singular, any
  * random vector, so that it has a part in the null space. */
 static void random_start(const ascent *q, uint64_t *state, double *a) {
@@ -217,7 +197,7 @@ static void random_start(const ascent *q, uint64_t *state, double *a) {
   for (int k = 0; k < q->t->play_count; ++k) {
     const km_support_term *t = &q->t->play[k];
     for (int r = t->first; r < t->first + t->rows && (!q->counts || q->counts[t->owner]); ++r) {
-      double z = t->size * draw(state);
+      double z = t->size * km_splitmix(state, -1.0, 1.0);
       q->weight[r] = t->size * t->size;
       for (int i = 0; i < n; ++i)
         a[i] += z * q->t->W[r * n + i];
@@ -228,7 +208,7 @@ static void random_start(const ascent *q, uint64_t *state, double *a) {
   for (int i = 0; i < n; ++i)
     is_regular = is_regular && q->H[i * n + i] > 0.0;
   for (int i = 0; i < n && !is_regular; ++i)
-    a[i] = draw(state);
+    a[i] = km_splitmix(state, -1.0, 1.0);
 }
 
 bool km_ratio_search_create(int dimension, int most, km_arena *arena, km_ratio_search *out) {

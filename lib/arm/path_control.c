@@ -5,15 +5,9 @@
  *   x with J x = rhs of least |moved + x|: minimum-norm solution minus the null-space part of `moved` */
 #include "arm/path_control.h"
 #include "arm/tracking/seven_joint_arm.h"
+#include "base/number/vectors.h"
 
 #include <string.h>
-
-static double dot(const double *a, const double *b, int n) {
-  double sum = 0.0;
-  for (int i = 0; i < n; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
 
 static void subtract(double *a, double s, const double *b, int n) {
   for (int i = 0; i < n; ++i)
@@ -57,7 +51,7 @@ void km_control_project_out(const km_arm *a, const km_arm_space *s, double *x) {
   for (int pass = 0; pass < 2; ++pass)
     for (int k = 0; k < s->null_count; ++k) {
       const double *z = s->null + k * (a->n + 1);
-      subtract(x, dot(z, x, a->n), z, a->n);
+      subtract(x, km_dot(z, x, a->n), z, a->n);
     }
 }
 
@@ -68,11 +62,11 @@ static bool project_column(const km_arm *a, const km_arm_space *s, const double 
   double *out = self + k * n;
   memset(out, 0, (size_t)n * sizeof *out);
   for (int j = 0; j < s->null_count; ++j)
-    subtract(out, -dot(s->null + j * (n + 1), from, n), s->null + j * (n + 1), n);
+    subtract(out, -km_dot(s->null + j * (n + 1), from, n), s->null + j * (n + 1), n);
   for (int pass = 0; pass < 2; ++pass)
     for (int o = 0; o < k; ++o)
-      subtract(out, dot(self + o * n, out, n), self + o * n, n);
-  double size = sqrt(dot(out, out, n));
+      subtract(out, km_dot(self + o * n, out, n), self + o * n, n);
+  double size = sqrt(km_dot(out, out, n));
   for (int i = 0; i < n && size > 0.0; ++i)
     out[i] /= size;
   return size > 1e-3;
@@ -83,7 +77,7 @@ static bool project_column(const km_arm *a, const km_arm_space *s, const double 
 static void set_pose_control_columns(const km_arm *a, const km_arm_space *s, const double *guide, double *self) {
   const int n = a->n;
   if (a->freedom == 1 && s->null_count == 1) {
-    double along = !guide ? 0.0 : s->seven_factored ? km_one_along_null(s->seven, guide) : dot(guide, s->null, n);
+    double along = !guide ? 0.0 : s->seven_factored ? km_one_along_null(s->seven, guide) : km_dot(guide, s->null, n);
     double sign = along < 0.0 ? -1.0 : 1.0;
     for (int i = 0; i < n; ++i)
       self[i] = sign * s->null[i];
@@ -111,7 +105,7 @@ double km_control_columns(const km_arm *a, const km_arm_space *s, const double *
   }
   km_partition_null_vector(&s->partition, n, path);
   km_control_project_out(a, s, path);
-  double scale = 1.0 / sqrt(dot(path, path, n + 1));
+  double scale = 1.0 / sqrt(km_dot(path, path, n + 1));
   for (int i = 0; i <= n; ++i)
     path[i] *= scale;
   return path[n];
@@ -153,7 +147,7 @@ bool km_arm_reach(const km_arm *a, km_arm_space *s, const km_pose *target, const
       return false;
     km_control_factor(a, s, none, fixed);
     km_control_solve(a, s, e, NULL, fixed, x);
-    double size = sqrt(dot(x, x, a->n)), scale = size > longest ? longest / size : 1.0;
+    double size = sqrt(km_dot(x, x, a->n)), scale = size > longest ? longest / size : 1.0;
     for (int k = 0; k < a->n; ++k)
       q[k] += scale * x[k];
   }

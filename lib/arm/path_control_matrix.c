@@ -3,16 +3,10 @@
  *   M Z = 0,  z = last row of Z;   Z' = [Z z^T/|z|, orthonormal complement with last entries 0] */
 #include "arm/path_control.h"
 #include "base/arguments.h"
+#include "base/number/vectors.h"
 #include "kmech/arm.h"
 
 #include <string.h>
-
-static double dot(const double *a, const double *b, int n) {
-  double sum = 0.0;
-  for (int i = 0; i < n; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
 
 static void scale(double *a, double by, int n) {
   for (int i = 0; i < n; ++i)
@@ -33,7 +27,7 @@ static void align_with_path(const double *basis, int n, int freedom, double *Z) 
     if (fabs(z) > fabs(basis[most * n + n - 1]))
       most = k;
   }
-  scale(path, 1.0 / sqrt(dot(path, path, n)), n);
+  scale(path, 1.0 / sqrt(km_dot(path, path, n)), n);
   for (int k = 0, out = 1; k < freedom; ++k) {
     if (k == most)
       continue;
@@ -41,11 +35,11 @@ static void align_with_path(const double *basis, int n, int freedom, double *Z) 
     memcpy(c, basis + k * n, (size_t)n * sizeof *c);
     for (int pass = 0; pass < 2; ++pass)
       for (double *o = Z; o < c; o += n) {
-        double d = dot(o, c, n);
+        double d = km_dot(o, c, n);
         for (int i = 0; i < n; ++i)
           c[i] -= d * o[i];
       }
-    scale(c, 1.0 / sqrt(dot(c, c, n)), n);
+    scale(c, 1.0 / sqrt(km_dot(c, c, n)), n);
     c[n - 1] = 0.0;
   }
 }

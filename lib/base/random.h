@@ -10,4 +10,13 @@ static inline double km_uniform(uint64_t *state) {
   return (double)(*state >> 11) * 0x1p-52 - 1.0;
 }
 
+/* Uniform on [low, high): SplitMix64 (G. Steele, D. Lea and C. Flood 2014). Any *state starts a sequence. */
+static inline double km_splitmix(uint64_t *state, double low, double high) {
+  uint64_t z = *state += 0x9E3779B97F4A7C15u;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  z ^= z >> 31;
+  return low + (high - low) * ((double)(z >> 11) * 0x1p-53);
+}
+
 #endif

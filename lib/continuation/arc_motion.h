@@ -6,7 +6,8 @@
 #include "continuation/node_curve.h"
 #include "kmech/continuation.h"
 
-#define KM_SHORTEST_ARC 1e-13 /* shortest arc length that rounding resolves */
+#define KM_SHORTEST_ARC  1e-13  /* shortest arc length that rounding resolves */
+#define KM_MAX_ARCLENGTH 1000.0 /* longest advance, for the run time */
 
 /* Longest arc length of a step: the arc of the cubic between two configurations has an error of about h⁵/1000. */
 static const double km_longest_arc_step = 0.05;

@@ -5,8 +5,7 @@
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 
-static const double furthest = 1000.0; /* longest advance */
-static const double narrow = 4e-3;     /* arc length to which a branch point is bracketed before interpolation */
+static const double narrow = 4e-3; /* arc length to which a branch point is bracketed before interpolation */
 
 /* Advances to the limit of coordinate c, less than `length` away, by bisection of the arc length. */
 static void stop_at_limit(km_arc_motion *f, int c, double length) {
@@ -69,7 +68,7 @@ static void notify_observer(const km_arc_motion *f) {
 }
 
 km_status km_arc_motion_advance(km_arc_motion *f, double length) {
-  if (!f || !(length > 0.0 && length <= furthest))
+  if (!f || !(length > 0.0 && length <= KM_MAX_ARCLENGTH))
     return KM_USAGE;
   double target = f->s + length;
   f->branched = false;

@@ -15,7 +15,6 @@
 #include <string.h>
 
 static const double shortest = 1e-11; /* step below which a turning point counts as located */
-static const double leaving = 1e-14;  /* shorter limit for the return from a located end, where rates are large */
 
 /* Steps per target. A target further than 200 000 longest steps is unreachable; 10 000 steps are enough to find an
  * end or a limit before it. */
@@ -80,7 +79,7 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
     if (steps == most || short_attempts == MOST_SHORT_ATTEMPTS)
       return KM_ATTEMPT_EXHAUSTED;
     double remaining = target - d->current.s;
-    bool arrives = fabs(remaining) <= step * km_driver_motion_reach_factor;
+    bool arrives = km_driver_motion_reaches(remaining, step);
     /* two equal steps instead of a short last one, of which the multistep predictor could use little */
     bool splits =
         (d->current.is_stiff || has_several_constant_rank_tangents(d)) && !arrives && fabs(remaining) < 2.0 * step;
@@ -105,7 +104,8 @@ static km_attempt advance_to_target(km_driver_motion *d, double target, int *lim
     may_build_bridge = may_build_bridge && !arrives;
     km_singular_bridge_record(d, h);
     step = 0.5 * fabs(h);
-    double least = d->current.stopped * remaining < 0.0 ? leaving : shortest;
+    /* rates are large on the return from a located end */
+    double least = d->current.stopped * remaining < 0.0 ? km_sum_rounding : shortest;
     if (step >= least * fmax(1.0, fabs(d->current.s)))
       continue;
     if ((result == KM_ATTEMPT_OPEN || result == KM_ATTEMPT_TOO_LONG) &&
@@ -203,8 +203,7 @@ void km_driver_motion_begin(km_driver_motion *d, double target) {
   km_driver_motion_write_back(d);
   double goal = clamp_to_driver_limit(d, target * km_driver_motion_factor(d)), remaining = goal - d->current.s;
   int limit;
-  if (fabs(remaining) <= d->current.largest * km_driver_motion_reach_factor ||
-      !(d->current.known || km_driver_motion_start(d)))
+  if (km_driver_motion_reaches(remaining, d->current.largest) || !(d->current.known || km_driver_motion_start(d)))
     return;
   double step = km_smaller(d->current.largest, longest_driver_step(d));
   double h = copysign(step, remaining);

@@ -14,16 +14,18 @@ static const double km_driver_longest_step = 0.3, km_driver_motion_longest_move 
 /* A slide beyond this distance (sizes) with a rate above this value (per unit of the driver) diverges; a rate above it
  * where a motion ends shows a turning point. */
 static const double km_driver_motion_diverging = 1e3;
-/* A target within 1e-6 of the step's end is reached by this step. A remainder of rounding size would corrupt the
- * history of the predictor. */
-static const double km_driver_motion_reach_factor = 1.0 + 1e-6;
 /* Largest |D correction| / |D move| of a step, and of the one step that crosses a singular configuration. */
 static const double km_driver_motion_correction_ratio = 0.25, km_driver_motion_crossing_correction_ratio = 0.05;
 /* Predictor's error over the allowed one, below which the step is doubled: the error of a doubled step is 16 times,
  * that of an implicit one (km_driver_motion_snapshot) 4 times larger in relation to its length. */
 static const double km_driver_motion_growth_limit = 0.05;
-/* A step longer than this moves away from a located turning point. */
+/* A step longer than this moves away from a located turning point. A target nearer to the end of a step, relative to
+ * the step, is reached by it: a remainder of rounding size would corrupt the history of the predictor. */
 static const double km_driver_motion_end_distance = 1e-6;
+/* True if a step of at most `step` reaches a target that is `remaining` away. */
+static inline bool km_driver_motion_reaches(double remaining, double step) {
+  return fabs(remaining) <= step * (1.0 + km_driver_motion_end_distance);
+}
 
 /* Position of the continuation besides its history and the state's configuration. */
 typedef struct km_driver_motion_position {

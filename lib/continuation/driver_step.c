@@ -143,7 +143,6 @@ static bool may_be_singular(const km_driver_motion *d) {
 
 /* True if the predicted configuration violates the closure by over 100 times the predictor's error. */
 static bool violates_closure(km_driver_motion *d) {
-  static const double violation_ratio = 100.0;
   const km_substructure *sub = km_driver_motion_substructure(d);
   double longest = 0.0;
   int worst;
@@ -153,7 +152,8 @@ static bool violates_closure(km_driver_motion *d) {
   km_loops_update(d->c.mechanism, d->c.state, sub);
   double misfit = km_loops_residual(d->c.mechanism, d->c.state, sub, &worst);
   km_state_restore(d->c.state, sub, d->c.from);
-  return misfit > violation_ratio * (km_path_allowed * longest + km_path_rounding) + d->c.mechanism->closure_tolerance;
+  return misfit >
+         km_significant_ratio * (km_path_allowed * longest + km_path_rounding) + d->c.mechanism->closure_tolerance;
 }
 
 /* True if the rank at the trial configuration differs from that of the start: the start was singular. */

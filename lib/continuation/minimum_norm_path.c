@@ -3,6 +3,7 @@
  *   moments        : sum_k w_k x_k^j = 1 / (j + 1): weights of the integral over [0, 1] with nodes x_k = (s_k - s) / h
  *   rotation vector: integral of its rate by the Magnus series */
 #include "continuation/minimum_norm_path.h"
+#include "base/number/vectors.h"
 
 #include "base/extrema.h"
 #include "kinematics/loop_closing.h"
@@ -62,13 +63,6 @@ static bool compute_stage_rate(const km_mechanism *m, km_state *s, int index, in
   return true;
 }
 
-static double largest_magnitude(const double *x, int count) {
-  double size = 0.0;
-  for (int k = 0; k < count; ++k)
-    size = fmax(size, fabs(x[k]));
-  return size;
-}
-
 double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, const km_mechanism *m, km_state *s,
                                                 int index, int driver, const km_partition *pivots, const double *saved,
                                                 const double *t, double h, double *move) {
@@ -79,7 +73,7 @@ double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, cons
   km_state_invalidate_pivots(s, index);
   for (int i = 1; i < KM_PATH_STAGES; ++i) {
     combine_stages(path, km_path_stage_weights[i], i, columns, h, move);
-    if (!(largest_magnitude(move, columns) <= 1.0)) /* the linearisation is useless beyond 1 rad or size */
+    if (!(km_max_norm(move, columns) <= 1.0)) /* the linearisation is useless beyond 1 rad or size */
       return HUGE_VAL;
     km_state_restore(s, sub, saved);
     km_state_move_temporarily(m, s, sub, move);
@@ -90,11 +84,11 @@ double km_minimum_norm_path_predict_runge_kutta(km_minimum_norm_path *path, cons
   for (int i = 0; i < KM_PATH_STAGES; ++i)
     difference[i] = km_path_fifth[i] - km_path_fourth[i];
   combine_stages(path, difference, KM_PATH_STAGES, columns, h, move);
-  double error = largest_magnitude(move, columns);
+  double error = km_max_norm(move, columns);
   combine_stages(path, km_path_fifth, KM_PATH_STAGES, columns, h, move);
   km_partition_copy_pivots(&s->partition[index], pivots);
   s->pivot_driver[index] = driver;
-  return error / (km_path_allowed * largest_magnitude(move, columns) + km_path_rounding);
+  return error / (km_path_allowed * km_max_norm(move, columns) + km_path_rounding);
 }
 
 /* Tangents t at the nodes x = (s_k − s) / h. */
@@ -162,7 +156,7 @@ double km_minimum_norm_path_predict_multistep(const km_mechanism *m, const km_su
     error = km_larger_or_nan(fabs(h * difference), error);
   }
   add_magnus_terms(m, sub, &n, h, move);
-  return error / (km_path_allowed * largest_magnitude(move, sub->columns) + km_path_rounding);
+  return error / (km_path_allowed * km_max_norm(move, sub->columns) + km_path_rounding);
 }
 
 double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, const km_mechanism *m, km_state *s,
@@ -196,5 +190,5 @@ double km_minimum_norm_path_predict_implicit(km_nearest_configuration *closest, 
     error = fabs(extrapolated[k]) <= error ? error : fabs(extrapolated[k]);
   /* The loops determine an implicit step to the step tolerance near singular configurations; the error decays on a
    * stiff path. */
-  return error / (km_path_allowed * largest_magnitude(move, columns) + km_step_tolerance);
+  return error / (km_path_allowed * km_max_norm(move, columns) + km_step_tolerance);
 }

@@ -85,8 +85,7 @@ static bool advance_in_steps(km_driver_motion *d, double s, double most) {
   int limit = -1;
   double step = most;
   for (int i = 0; i < MOST_ATTEMPTS && step > km_step_tolerance && d->current.s != s; ++i) {
-    double left = s - d->current.s,
-           h = fabs(left) <= step * km_driver_motion_reach_factor ? left : copysign(step, left);
+    double left = s - d->current.s, h = km_driver_motion_reaches(left, step) ? left : copysign(step, left);
     bool is_accepted = km_driver_motion_advance(d, h, km_driver_motion_correction_ratio, &limit) == KM_ATTEMPT_ACCEPTED;
     if (is_accepted && h == left) {
       d->current.s = s;

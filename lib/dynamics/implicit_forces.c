@@ -4,6 +4,7 @@
  *   F_k = law_k(x_k): Newton's method on r = law(x(F)) − F,  r' = diag(law') C − 1;   C from one solution a module
  *
  * The laws are evaluated on solutions of the equations of motion, with a derivative by differences. */
+#include "base/number/vectors.h"
 #include "dynamics/dynamics.h"
 
 #include "base/extrema.h"
@@ -57,13 +58,6 @@ static km_dynamics_outcome newton_step(km_dynamics *d, km_state *s, double *forc
   return KM_DYNAMICS_DONE;
 }
 
-static double largest(const double *x, int count) {
-  double size = 0.0;
-  for (int i = 0; i < count; ++i)
-    size = km_larger_or_nan(fabs(x[i]), size);
-  return size;
-}
-
 km_dynamics_outcome km_implicit_forces_solve(km_dynamics *d, km_state *s) {
   km_moving_forces *moving = d->forces->moving;
   int n = moving->implicit_count;
@@ -77,7 +71,7 @@ km_dynamics_outcome km_implicit_forces_solve(km_dynamics *d, km_state *s) {
   km_dynamics_outcome outcome = KM_DYNAMICS_DONE;
   double last = HUGE_VAL;
   for (int i = 0; i < MAX_ITERATIONS && outcome == KM_DYNAMICS_DONE; ++i) {
-    double worst = largest(residual, n), size = fmax(largest(force, n), worst);
+    double worst = km_max_norm(residual, n), size = fmax(km_max_norm(force, n), worst);
     if (worst <= converged * size || (worst >= last && worst <= 1e3 * converged * size))
       return KM_DYNAMICS_DONE;
     last = worst;

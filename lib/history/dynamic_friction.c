@@ -4,6 +4,7 @@
  *
  * Fixed-point iteration between friction, accelerations and reactions. */
 #include "history/dynamic_friction.h"
+#include "base/number/tolerances.h"
 
 #include "transfer/friction_surfaces.h"
 
@@ -21,7 +22,6 @@ struct km_dynamic_friction {
 
 /* Largest number of iterations; change at convergence, relative to the sum of all forces. */
 enum { MAX_ROUNDS = 100 };
-static const double friction_tolerance = 1e-12;
 
 /* Friction per unit of normal force, along the slip; its sign is that of the rate. */
 static double coefficient_of(const km_mechanism *m, const km_state *s, int c) {
@@ -72,7 +72,7 @@ static km_dynamics_outcome iterate_friction(void *context, km_state *s) {
       change = fmax(change, fabs(w->sum[c] - friction[c]) / km_slip_arm(d->mechanism, c));
       friction[c] = w->sum[c];
     }
-    if (change <= friction_tolerance * d->forces->force_size)
+    if (change <= km_solved_rounding * d->forces->force_size)
       return KM_DYNAMICS_DONE;
     km_dynamics_outcome outcome = km_dynamics_resolve(d, s);
     if (outcome != KM_DYNAMICS_DONE)

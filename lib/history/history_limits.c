@@ -1,13 +1,12 @@
 /* Joint limits without a stop that a motion over time passes. */
 #include "history/history_limits.h"
+#include "base/number/tolerances.h"
 
 #include "base/arguments.h"
 #include "kinematics/state.h"
 
 /* Tolerance of a limit, so that a joint that starts at its limit and returns to it doesn't pass it: this multiple of
  * the integration's error, or rounding of a prescribed motion, in radians and characteristic lengths. */
-static const double error_multiple = 100.0, rounding = 1e-9;
-
 static bool has_acting_stop(const km_forces *f, int coordinate) {
   for (int i = 0; i < f->stop_count; ++i)
     if (f->stops[i] == coordinate)
@@ -17,9 +16,9 @@ static bool has_acting_stop(const km_forces *f, int coordinate) {
 
 km_status km_limits_monitor_begin(km_limit_monitor *w, const km_mechanism *m, const km_forces *forces,
                                   const km_simulation_def *simulation, km_error *error) {
-  *w = (km_limit_monitor){.m = m, .slack = rounding, .user_count = simulation ? simulation->crossing_count : 0};
+  *w = (km_limit_monitor){.m = m, .slack = km_relative_zero, .user_count = simulation ? simulation->crossing_count : 0};
   if (simulation)
-    w->slack = fmax(rounding, error_multiple * (simulation->absolute + simulation->relative));
+    w->slack = fmax(km_relative_zero, km_significant_ratio * (simulation->absolute + simulation->relative));
   w->limit = KM_NEW(km_passed_limit, (size_t)m->coordinate_count + 1);
   w->is_passed = KM_NEW(bool, (size_t)m->coordinate_count + 1);
   w->crossings = KM_NEW(km_crossing, 2 * (size_t)m->coordinate_count + (size_t)w->user_count + 1);

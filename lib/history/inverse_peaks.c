@@ -4,13 +4,11 @@
  *          through the three rows can exceed the largest row
  *   rms  : sqrt(1/T integral f^2 dt) by the trapezoidal rule, exact to rounding for smooth forces over a full period */
 #include "history/inverse_peaks.h"
+#include "base/number/tolerances.h"
 
 #include "base/arguments.h"
 #include "base/event_locator.h"
 #include "base/table.h"
-
-static const double overshoot = 1e-12; /* relative to the row: a maximum between rows that exceeds it by less is
-                                        * ignored */
 
 typedef struct peak_search {
   km_history_writer *w;
@@ -98,7 +96,7 @@ static void find_peak(km_history_writer *w, km_inverse_motion *advance_to, km_fo
   for (size_t r = 1; r + 1 < rows; ++r) {
     double a = magnitude_in_row(w, peak, r - 1), b = magnitude_in_row(w, peak, r), c = magnitude_in_row(w, peak, r + 1);
     double above = parabola_rise(a, b, c);
-    if (a > b || c > b || above <= overshoot * b || b + 2.0 * above < largest)
+    if (a > b || c > b || above <= km_solved_rounding * b || b + 2.0 * above < largest)
       continue;
     peak_search p = {w, advance_to, peak, r - 1};
     locate_peak(&p, r, peak);

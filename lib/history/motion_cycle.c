@@ -1,13 +1,12 @@
 /* Cycles of loads and drivers, and the speed of a driver over its last cycle (motion_cycle.h). */
 #include "history/motion_cycle.h"
+#include "base/number/tolerances.h"
 
 #include "kmech/inspect.h"
 #include "topology/mechanism.h"
 
 #include <math.h>
 #include <stdio.h>
-
-static const double whole_turn = 1.0 - 1e-9; /* fraction of a cycle: its end is reached to rounding */
 
 /* Period of a module's law over time (`coordinate` −1) or over the value of one joint; 0: none. */
 static double module_period(const km_model_module *module, int *coordinate) {
@@ -128,7 +127,7 @@ static bool speed_of(const km_mechanism *m, const km_table *t, int c, km_driver_
   out->cycle = fmin(out->cycle, fabs(moved));
   out->mean = moved / (cell(t, rows - 1, 0) - out->from);
   out->fluctuation = (out->greatest - out->least) / fabs(out->mean);
-  return fabs(moved) >= whole_turn * turn && out->least * out->greatest > 0.0;
+  return fabs(moved) >= (1.0 - km_relative_zero) * turn && out->least * out->greatest > 0.0;
 }
 
 static bool is_prescribed(const km_mechanism *m, const km_table *t, int c) {

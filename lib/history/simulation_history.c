@@ -1,5 +1,6 @@
 /* Table of a simulation: start, rows at equal intervals, crossings, changed initial rates. */
 #include "base/arguments.h"
+#include "base/number/tolerances.h"
 #include "history/history_table.h"
 #include "history/motion_cycle.h"
 #include "kmech/inspect.h"
@@ -70,9 +71,6 @@ static km_status check_def(const km_mechanism *m, const km_history_def *def, km_
   return km_history_check_frames(m, def->frames, def->frame_count, error);
 }
 
-/* Stated rates that the projection changes by more than this part of the largest one are reported. */
-static const double least_change = 1e-9;
-
 /* Lists the stated rates that were changed by the projection on the loops; `stated` are the rates before it. */
 static void list_changed_rates(const km_history_writer *w, const double *stated) {
   const km_mechanism *m = w->m;
@@ -83,7 +81,7 @@ static void list_changed_rates(const km_history_writer *w, const double *stated)
   for (int c = 0; c < m->coordinate_count; ++c) {
     km_rate_source source = w->state->rate_source[c];
     if (source == KM_RATE_FOLLOWS || w->dynamics->driven[c] ||
-        !(m->scale[c] * fabs(w->state->rate[c] - stated[c]) > least_change * largest))
+        !(m->scale[c] * fabs(w->state->rate[c] - stated[c]) > km_relative_zero * largest))
       continue;
     double factor = km_model_coordinate_factor(m->model, c);
     h->changed_rates[h->changed_rate_count++] =

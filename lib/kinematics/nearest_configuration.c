@@ -4,6 +4,7 @@
  *
  * Unknowns of fixed coordinates and secondary rows are removed by unit rows. K is factored by sparse LU (3.6). */
 #include "kinematics/nearest_configuration.h"
+#include "base/number/vectors.h"
 
 #include "base/extrema.h"
 #include "kinematics/loop_closing.h"
@@ -160,14 +161,6 @@ static void assemble_matrix(km_nearest_configuration *c, const km_mechanism *m, 
       c->value[c->diagonal_index[i]] += weight[i] * weight[i] - c->hessian_diagonal[i];
 }
 
-/* |x|_∞; NaN if an entry is NaN. */
-static double max_norm(const double *x, int count) {
-  double largest = 0.0;
-  for (int i = 0; i < count; ++i)
-    largest = km_larger_or_nan(fabs(x[i]), largest);
-  return largest;
-}
-
 /* Factors K, with the previous pivots if the growth monitor accepts them, and solves K x = b. */
 static bool factor_and_solve(km_nearest_configuration *c) {
   if (c->factor.rank != c->size || !km_partition_refactor(&c->factor, c->value))
@@ -201,7 +194,7 @@ bool km_nearest_configuration_find(km_nearest_configuration *c, const km_mechani
     if (pass == 0) /* the first solution supplies λ only; without λ the step would omit the Hessian */
       continue;
     double last = largest;
-    largest = max_norm(c->x, sub->columns);
+    largest = km_max_norm(c->x, sub->columns);
     is_converged = largest <= step_tolerance || (largest <= stagnation_tolerance && largest > 0.25 * last);
     if (!isfinite(largest) || (!is_converged && largest > 2.0 * last))
       return false;

@@ -1,32 +1,12 @@
 /* Orthonormal null and row spaces from a partition, and mobility numbers (docs/theory.md 3.4).
  *
  *   Z = orth(D [−B; I]),   R = orth([I B] D⁻¹)   by modified Gram-Schmidt, twice;    m_j = Σ_k Z_jk² */
+#include "base/number/vectors.h"
 #include "linalg/dense/simd_pair.h"
 #include "linalg/partition.h"
 
 #include <math.h>
 #include <string.h>
-
-/* aᵀ b in the order of the entries. */
-static double inner_product(const double *a, const double *b, int count) {
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
-
-/* Inner product in SIMD lanes: another order of summation. */
-static double dot_in_lanes(const double *a, const double *b, int count) {
-  km_pair sums[4] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
-  int i = 0;
-  for (; i + 8 <= count; i += 8)
-    for (int k = 0; k < 4; ++k)
-      sums[k] += km_pair_load(a + i + 2 * k) * km_pair_load(b + i + 2 * k);
-  for (; i < count; ++i)
-    sums[0] += (km_pair){a[i] * b[i], 0.0};
-  sums[0] += sums[1] + (sums[2] + sums[3]);
-  return sums[0][0] + sums[0][1];
-}
 
 static void scale(double *z, int count, double factor) {
   for (int i = 0; i < count; ++i)
@@ -42,14 +22,14 @@ static void orthonormalise(double *Z, int columns, int first, int count) {
     for (int pass = 0; pass < 2; ++pass) {
       for (int o = 0; o < k; ++o) {
         const double *y = Z + (size_t)o * n;
-        double overlap = count > KM_MANY_VECTORS ? dot_in_lanes(y, z, columns) : inner_product(y, z, columns);
+        double overlap = count > KM_MANY_VECTORS ? km_pair_dot(y, z, columns) : km_dot(y, z, columns);
         if (overlap == 0.0)
           continue;
         for (size_t i = 0; i < n; ++i)
           z[i] -= overlap * y[i];
       }
     }
-    scale(z, columns, 1.0 / sqrt(inner_product(z, z, columns)));
+    scale(z, columns, 1.0 / sqrt(km_dot(z, z, columns)));
   }
 }
 

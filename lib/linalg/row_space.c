@@ -128,130 +128,94 @@ bool km_partition_mobility_numbers(const km_partition *p, const double *matrix, 
   return true;
 }
 
-/* Removes from D x the projection onto the columns of q (null vectors), or keeps it (rows). */
-static bool remove_projection(km_sparse_qr *q, const km_partition *p, const double *weight, bool uses_rows, int count,
-                              double *x, double *work) {
-  for (int c = 0; c < p->columns; ++c)
-    work[c] = weight[c] * x[c];
-  for (int k = p->rank + count; k < p->columns && uses_rows; ++k)
-    work[p->column[k]] = 0.0; /* not moved by these motions: x keeps its entry */
-  bool is_ok = q && km_sparse_qr_factor(q, km_sum_rounding) && km_sparse_qr_remove(q, work, 1);
-  for (int c = 0; c < p->columns && is_ok; ++c)
-    x[c] = uses_rows ? x[c] - work[c] / weight[c] : work[c] / weight[c];
+/* QR of the first `count` null vectors or, if that has more fill-in, of the rows. */
+static km_sparse_qr *create_qr(const km_partition *p, const double *matrix, const double *weight, int count,
+                               bool *is_null) {
+  km_sparse_qr *q = create_null_qr(p, weight, count);
+  *is_null = q != NULL;
+  q = q ? q : create_row_qr(p, matrix, weight, count);
+  if (q && km_sparse_qr_factor(q, km_sum_rounding))
+    return q;
+  km_sparse_qr_free(q);
+  return NULL;
+}
+
+/* Row-space parts of D y for each of the `count` vectors D y of Y: by normal equations, else by sparse QR. The motions
+ * are those of the first `free` independent columns; entries in the other ones are undefined. */
+static bool find_row_parts(const km_partition *p, const double *matrix, const double *weight, int free, const double *Y,
+                           int count, double *parts) {
+  size_t n = (size_t)p->columns, size = n * (size_t)count;
+  km_normal_equations *normal = km_sparse_normal(p, matrix, weight, free);
+  bool is_ok = normal != NULL, is_null;
+  for (int k = 0; k < count && is_ok; ++k)
+    is_ok = km_normal_equations_project(normal, Y + (size_t)k * n, parts + (size_t)k * n);
+  if (is_ok)
+    return true;
+  km_sparse_qr *q = create_qr(p, matrix, weight, free, &is_null);
+  memcpy(parts, Y, size * sizeof *parts);
+  is_ok = q && km_sparse_qr_remove(q, parts, count);
+  for (size_t i = 0; i < size && is_ok && !is_null; ++i)
+    parts[i] = Y[i] - parts[i];
+  km_sparse_qr_free(q);
   return is_ok;
 }
 
-/* Projects D x onto the row space by the normal equations. Coordinates that these motions do not move keep their
- * entries of x. */
-static bool remove_null_by_normal(const km_partition *p, const double *matrix, const double *weight, int count,
-                                  double *x, double *work) {
-  km_normal_equations *normal = km_sparse_normal(p, matrix, weight, count);
-  double *row_part = normal ? KM_NEW(double, (size_t)p->columns + 1) : NULL;
-  for (int c = 0; c < p->columns; ++c)
-    work[c] = weight[c] * x[c];
-  bool is_ok = row_part && km_normal_equations_project(normal, work, row_part);
-  for (int k = 0; k < p->rank + count && is_ok; ++k)
-    x[p->column[k]] = row_part[p->column[k]] / weight[p->column[k]];
-  km_free(row_part);
-  return is_ok;
-}
-
-/* Minimum-norm step by normal equations, else by sparse QR. */
+/* D x becomes its row-space part. Coordinates that these motions do not move keep their entries of x. */
 bool km_partition_remove_null_space(const km_partition *p, const double *matrix, const double *weight, int count,
                                     double *x, double *work) {
-  if (remove_null_by_normal(p, matrix, weight, count, x, work))
-    return true;
-  km_sparse_qr *null = create_null_qr(p, weight, count), *q = null ? null : create_row_qr(p, matrix, weight, count);
-  bool is_ok = remove_projection(q, p, weight, !null, count, x, work);
-  km_sparse_qr_free(q);
+  double *part = KM_NEW(double, (size_t)p->columns + 1);
+  for (int c = 0; c < p->columns; ++c)
+    work[c] = weight[c] * x[c];
+  bool is_ok = part && find_row_parts(p, matrix, weight, count, work, 1, part);
+  for (int k = 0; k < p->rank + count && is_ok; ++k)
+    x[p->column[k]] = part[p->column[k]] / weight[p->column[k]];
+  km_free(part);
   return is_ok;
 }
 
-/* Stores the projection of y onto the null space: `rest`, or y − rest if `rest` is the row-space part. Entries of
- * rounding size become 0. */
-static void store_projection(const km_partition *p, bool is_row_part, const double *rest, double *y) {
-  double threshold = km_sum_rounding * sqrt(km_sum_of_squares(y, p->columns));
-  for (int c = 0; c < p->columns; ++c) {
-    double value = is_row_part ? y[c] - rest[c] : rest[c];
-    y[c] = fabs(value) <= threshold || km_sparse_is_locked(p, c) ? 0.0 : value;
-  }
-}
-
-/* Projects each vector of Y onto the null space by the normal equations. */
-static bool project_by_normal(const km_partition *p, const double *matrix, const double *weight, double *Y, int count) {
-  size_t n = (size_t)p->columns;
-  km_normal_equations *normal = km_sparse_normal(p, matrix, weight, km_partition_freedom(p));
-  double *row_part = normal ? KM_NEW(double, n *(size_t)count + 1) : NULL;
-  bool is_ok = row_part != NULL;
-  for (int k = 0; k < count && is_ok; ++k)
-    is_ok = km_normal_equations_project(normal, Y + (size_t)k * n, row_part + (size_t)k * n);
-  for (int k = 0; k < count && is_ok; ++k)
-    store_projection(p, true, row_part + (size_t)k * n, Y + (size_t)k * n);
-  km_free(row_part);
-  return is_ok;
-}
-
-/* Projection onto the null space by normal equations, else by sparse QR. */
+/* y minus its row-space part. Entries of rounding size become 0. */
 bool km_partition_project_null_space(const km_partition *p, const double *matrix, const double *weight, double *Y,
                                      int count) {
-  if (project_by_normal(p, matrix, weight, Y, count))
-    return true;
-  int freedom = km_partition_freedom(p);
-  size_t n = (size_t)p->columns, size = n * (size_t)count;
-  km_sparse_qr *null = create_null_qr(p, weight, freedom), *q = null ? null : create_row_qr(p, matrix, weight, freedom);
-  double *rest = KM_NEW(double, size + 1);
-  bool is_ok = q && rest && km_sparse_qr_factor(q, km_sum_rounding);
-  if (is_ok)
-    memcpy(rest, Y, size * sizeof *rest);
-  is_ok = is_ok && km_sparse_qr_remove(q, rest, count);
-  for (int k = 0; k < count && is_ok; ++k)
-    store_projection(p, null, rest + (size_t)k * n, Y + (size_t)k * n);
-  km_free(rest);
-  km_sparse_qr_free(q);
+  size_t n = (size_t)p->columns;
+  double *parts = KM_NEW(double, n *(size_t)count + 1);
+  bool is_ok = parts && find_row_parts(p, matrix, weight, km_partition_freedom(p), Y, count, parts);
+  for (int k = 0; k < count && is_ok; ++k) {
+    double *y = Y + (size_t)k * n, threshold = km_sum_rounding * sqrt(km_pair_dot(y, y, p->columns));
+    for (int c = 0; c < p->columns; ++c) {
+      double value = y[c] - parts[(size_t)k * n + (size_t)c];
+      y[c] = fabs(value) <= threshold || km_sparse_is_locked(p, c) ? 0.0 : value;
+    }
+  }
+  km_free(parts);
   return is_ok;
 }
 
-/* Particular solution minus its projection onto the null vectors. */
-static bool minimum_norm_by_null(const km_partition *p, const double *weight, int count, const double *rhs, double *x) {
-  km_sparse_qr *q = create_null_qr(p, weight, count);
-  double *work = KM_NEW(double, (size_t)p->columns + 1);
-  if (q && work)
-    km_partition_solve(p, rhs, x);
-  bool is_ok = work && remove_projection(q, p, weight, false, count, x, work);
-  km_free(work);
-  km_sparse_qr_free(q);
-  return is_ok;
-}
-
-/* Minimum-norm solution by sparse QR of the primary rows. */
-static bool minimum_norm_by_rows(const km_partition *p, const double *matrix, const double *weight, int count,
-                                 const double *rhs, double *x) {
-  km_sparse_qr *q = create_row_qr(p, matrix, weight, count);
+/* Minimum-norm solution D x by sparse QR: of a particular solution by the null vectors, or of the rows. */
+static bool minimum_norm_by_qr(const km_partition *p, const double *matrix, const double *weight, int count,
+                               const double *rhs, double *x) {
+  bool is_null;
+  km_sparse_qr *q = create_qr(p, matrix, weight, count, &is_null);
   double *b = KM_NEW(double, (size_t)p->rank + 1);
   for (int k = 0; k < p->rank && b; ++k)
     b[k] = rhs[p->row[k]];
-  bool is_ok = q && b && km_sparse_qr_factor(q, km_sum_rounding) && km_sparse_qr_minimum_norm(q, b, x);
-  for (int c = 0; c < p->columns && is_ok; ++c)
-    x[c] /= weight[c];
+  bool is_ok = q && b;
+  if (is_ok && is_null)
+    km_partition_solve(p, rhs, x);
+  for (int c = 0; c < p->columns && is_ok && is_null; ++c)
+    x[c] *= weight[c];
+  is_ok = is_ok && (is_null ? km_sparse_qr_remove(q, x, 1) : km_sparse_qr_minimum_norm(q, b, x));
   km_free(b);
   km_sparse_qr_free(q);
   return is_ok;
 }
 
-/* Minimum-norm solution by the normal equations. */
-static bool minimum_norm_by_normal(const km_partition *p, const double *matrix, const double *weight, int count,
-                                   const double *rhs, double *x) {
+/* Minimum-norm solution by normal equations, else by QR. */
+bool km_partition_minimum_norm(const km_partition *p, const double *matrix, const double *weight, int count,
+                               const double *rhs, double *x) {
   km_normal_equations *normal = km_sparse_normal(p, matrix, weight, count);
-  bool is_ok = normal && km_normal_equations_minimum_norm(normal, rhs, x);
+  bool is_ok = (normal && km_normal_equations_minimum_norm(normal, rhs, x)) ||
+               minimum_norm_by_qr(p, matrix, weight, count, rhs, x);
   for (int c = 0; c < p->columns && is_ok; ++c)
     x[c] /= weight[c];
   return is_ok;
-}
-
-/* Minimum-norm solution by normal equations, else QR of null vectors, else QR of rows. */
-bool km_partition_minimum_norm(const km_partition *p, const double *matrix, const double *weight, int count,
-                               const double *rhs, double *x) {
-  if (minimum_norm_by_normal(p, matrix, weight, count, rhs, x))
-    return true;
-  return minimum_norm_by_null(p, weight, count, rhs, x) || minimum_norm_by_rows(p, matrix, weight, count, rhs, x);
 }

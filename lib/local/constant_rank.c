@@ -324,8 +324,6 @@ bool km_constant_rank_begin(km_constant_rank *st, const km_mechanism *m, km_stat
 
 /* Restricts the tangents to U if the mechanism is permanently shaky and all tangents of U are finite. */
 int km_local_restrict_to_constant_rank(km_local *l, double *directions) {
-  static const double min_length = 1e-3; /* length of a tangent in U without its passive part; for some tangents of a
-                                          * basis it is 1/√freedom or more */
   km_constant_rank motion = {0};
   km_local all = *l;
   km_arena scratch = {0};
@@ -337,7 +335,7 @@ int km_local_restrict_to_constant_rank(km_local *l, double *directions) {
   for (int i = 0; i < motion.count && motion.is_active && is_ok; ++i) {
     for (int c = 0; c < n; ++c)
       l->direction[c] = motion.Z[(size_t)i * (size_t)n + (size_t)c] / l->weight[c];
-    count += km_local_coefficients(l, l->direction, l->a) > min_length && count < k &&
+    count += km_local_coefficients(l, l->direction, l->a) > KM_INDEPENDENT && count < k &&
              km_append_orthonormal(V, count, k, l->a);
   }
   if (count > 0 && count < k && km_complete_basis(V, count, k)) {

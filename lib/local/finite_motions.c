@@ -170,7 +170,7 @@ static void add_tangent_space(branch_spaces *spaces, km_local *l) {
 
 /* True if second-order conditions exceed the effect of rounded data, so that not all tangents are finite motions. */
 static bool are_refuted_beyond_rounding(km_local *l) {
-  double tolerance = l->m->closure_tolerance_given ? km_refuting_ratio * l->m->closure_tolerance : 0.0;
+  double tolerance = l->m->closure_tolerance_given ? km_significant_ratio * l->m->closure_tolerance : 0.0;
   return km_local_update_conditions(l) && km_local_is_significant(l) && l->scale > tolerance;
 }
 

@@ -161,7 +161,7 @@ static km_tangent_verdict decide_verdict(const km_local *l, const misfit_record 
   if (length < 4.0 * first_step)
     return exact ? KM_TANGENT_REFUTED : KM_TANGENT_LOST;
   double order = order_of_contact(r, l->residual);
-  if ((misfit > km_refuting_ratio * tolerance && order >= min_order) || (exact && order >= min_order_of_exact_data))
+  if ((misfit > km_significant_ratio * tolerance && order >= min_order) || (exact && order >= min_order_of_exact_data))
     return KM_TANGENT_REFUTED;
   return is_complete && misfit <= tolerance ? KM_TANGENT_CONFIRMED : KM_TANGENT_UNDECIDED;
 }
@@ -181,7 +181,7 @@ km_followed_tangent km_local_follow(km_local *l, const double *direction, double
   km_state_restore(l->s, l->sub, l->origin);
   km_state_invalidate_pivots(l->s, l->index);
   /* The curve is followed beyond that length, so that the order of contact can be estimated. */
-  while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > km_refuting_ratio * tolerance) &&
+  while (length < confirmed_length && !(length > 2.0 * opening_length && misfit > km_significant_ratio * tolerance) &&
          r.count < MAX_SAMPLES && h >= (length > 0.0 ? 1e-3 * first_step : 0.1 * first)) {
     driver = choose_fixed_column(l, driver);
     if (!take_step(l, driver, length, &misfit)) {

@@ -2,6 +2,7 @@
 #ifndef KM_LOCAL_LOCAL_PRIVATE_H
 #define KM_LOCAL_LOCAL_PRIVATE_H
 
+#include "base/number/tolerances.h"
 #include "local/local.h"
 
 #include <stdint.h>
@@ -13,8 +14,6 @@ enum {
 
 /* Misfit that closing leaves on exact data. */
 static const double km_exact_misfit = 1e-11;
-/* A misfit, or a violated condition, beyond its tolerance by this ratio is no effect of rounded data. */
-static const double km_refuting_ratio = 100.0;
 /* Longest step along a motion, scaled: radians or substructure sizes. */
 static const double km_longest_local_step = 0.05;
 /* Least cosine between directions of one curve at two lengths: 37 degrees. */

@@ -236,7 +236,7 @@ static bool evaluate_start(km_local *l, const double *a, double *worst) {
 
 bool km_local_violates_second_order(km_local *l, const double *a) {
   double worst;
-  return evaluate_start(l, a, &worst) && worst > km_refuting_ratio * km_condition_tolerance;
+  return evaluate_start(l, a, &worst) && worst > km_significant_ratio * km_condition_tolerance;
 }
 
 /* Damped Gauss-Newton iteration onto the tangent cone. */

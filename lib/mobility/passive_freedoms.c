@@ -283,14 +283,8 @@ km_status km_passive_freedoms_find(const km_mechanism *m, km_state *s, km_progre
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_passive_freedoms){0};
-  km_status fits = km_check_state(m, s, error);
-  if (fits)
-    return fits;
   search f = {m, s, out, 0};
-  km_mobility mobility;
-  km_poses_compute(m, s);
-  km_ranks_update(m, s, &mobility);
-  return km_each_substructure(m, search_substructure, &f, progress, context, "the passive freedoms", error);
+  return km_search_substructures(m, s, search_substructure, &f, progress, context, "the passive freedoms", error);
 }
 
 static bool in_group(const km_passive_freedom *group, int body) {

@@ -211,14 +211,9 @@ km_status km_redundancies_find(const km_mechanism *m, km_state *s, km_progress p
   if (!out)
     return km_check_given(false, "place for the result", error);
   *out = (km_redundancies){0};
-  km_status fits = km_check_state(m, s, error);
-  if (fits)
-    return fits;
   search all = {m, s, out, 0};
-  km_mobility mobility;
-  km_poses_compute(m, s);
-  km_ranks_update(m, s, &mobility);
-  return km_each_substructure(m, search_substructure, &all, progress, context, "the redundant constraints", error);
+  return km_search_substructures(m, s, search_substructure, &all, progress, context, "the redundant constraints",
+                                 error);
 }
 
 void km_redundancies_free(km_redundancies *redundancies) {

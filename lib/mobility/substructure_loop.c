@@ -1,6 +1,9 @@
 /* Loop over the substructures with progress and cancellation. */
 #include "mobility/substructure_loop.h"
 
+#include "kinematics/body_poses.h"
+#include "mobility/mobility_numbers.h"
+
 km_status km_each_substructure(const km_mechanism *m, km_substructure_visitor visit, void *self, km_progress progress,
                                void *context, const char *what, km_error *error) {
   int count = m->topology.substructure_count;
@@ -17,4 +20,15 @@ km_status km_each_substructure(const km_mechanism *m, km_substructure_visitor vi
       return status;
   }
   return KM_OK;
+}
+
+km_status km_search_substructures(const km_mechanism *m, km_state *s, km_substructure_visitor visit, void *self,
+                                  km_progress progress, void *context, const char *what, km_error *error) {
+  km_status status = km_check_state(m, s, error);
+  km_mobility mobility;
+  if (status)
+    return status;
+  km_poses_compute(m, s);
+  km_ranks_update(m, s, &mobility);
+  return km_each_substructure(m, visit, self, progress, context, what, error);
 }

@@ -12,5 +12,8 @@ typedef km_status (*km_substructure_visitor)(void *self, int substructure, km_ar
  * for <what>". */
 km_status km_each_substructure(const km_mechanism *mechanism, km_substructure_visitor visit, void *self,
                                km_progress progress, void *context, const char *what, km_error *error);
+/* Checks the arguments of a public search, updates poses and ranks, and visits every substructure. */
+km_status km_search_substructures(const km_mechanism *mechanism, km_state *state, km_substructure_visitor visit,
+                                  void *self, km_progress progress, void *context, const char *what, km_error *error);
 
 #endif

@@ -5,6 +5,7 @@
  *   Newton           δ = −V_1 S_1⁻¹ U_1ᵀ e, the first `rank` singular directions
  *   weights          x_k = ω_k y_k, |y| minimal; ω_k falls where |x_k| > 1, so that changes stay within half a digit */
 #include "rounding/nearest_mechanism.h"
+#include "base/number/vectors.h"
 
 #include "base/random.h"
 #include "linalg/dense/singular_values.h"
@@ -104,20 +105,6 @@ km_status km_nearest_decompose(km_nearest_mechanism *n, km_error *error) {
   return km_singular_value_decomposition(n->rows, n->columns, n->J, true, n->S, n->U, n->Vt, error);
 }
 
-static double dot(const double *a, const double *b, int count) {
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
-
-static double largest(const double *a, int count) {
-  double most = 0.0;
-  for (int i = 0; i < count; ++i)
-    most = fmax(most, fabs(a[i]));
-  return most;
-}
-
 static const km_substructure *substructure(const km_nearest_mechanism *n) {
   return &n->m->substructures[n->index];
 }
@@ -131,11 +118,11 @@ km_status km_nearest_correct(km_nearest_mechanism *n, bool *converged, km_error 
       return status;
     memset(step, 0, (size_t)n->columns * sizeof *step);
     for (int r = 0; r < n->rank; ++r) {
-      double along = -dot(n->U + (size_t)r * (size_t)n->rows, n->e, n->rows) / n->S[r];
+      double along = -km_dot(n->U + (size_t)r * (size_t)n->rows, n->e, n->rows) / n->S[r];
       for (int c = 0; c < n->columns; ++c)
         step[c] += along * n->Vt[(size_t)c * (size_t)n->columns + (size_t)r];
     }
-    double size = largest(step, n->columns);
+    double size = km_max_norm(step, n->columns);
     *converged = size <= least_step || (size < 1e-9 && size >= 0.5 * before);
     if (*converged)
       return KM_OK;
@@ -165,7 +152,7 @@ static void choose_heading(const km_nearest_mechanism *n, const double *from, ui
     for (int c = 0; c < n->columns; ++c)
       out[c] += along * n->Vt[(size_t)c * (size_t)n->columns + (size_t)r];
   }
-  double size = largest(out, n->columns);
+  double size = km_max_norm(out, n->columns);
   for (int c = 0; c < n->columns && size > 0.0; ++c)
     out[c] /= size;
 }
@@ -232,7 +219,7 @@ static void add_relations(const km_nearest_mechanism *n, conditions *c) {
   double *b = c->b + c->rows;
   int rows = km_relations_rows(n->relations);
   km_relations_compute(n->relations, n->model, n->number, n->half, n->count, b, c->A + c->rows, (size_t)c->most_rows);
-  c->gap = fmax(c->gap, largest(b, rows));
+  c->gap = fmax(c->gap, km_max_norm(b, rows));
   for (int r = 0; r < rows; ++r) {
     b[r] = -b[r];
     for (int k = 0; k < n->count; ++k)
@@ -256,14 +243,14 @@ static km_status gather(km_nearest_mechanism *n, conditions *c, km_error *error)
     else if (i > 0)
       continue;
     km_loop_gaps_number_columns(&n->gaps, n->number, n->half, n->count, n->E);
-    c->gap = fmax(c->gap, largest(n->e, n->rows));
+    c->gap = fmax(c->gap, km_max_norm(n->e, n->rows));
     for (int r = 0; r < redundant; ++r) {
       const double *w = n->U + (size_t)(n->rank + r) * (size_t)n->rows;
       for (int k = 0; k < n->count; ++k) {
-        double a = dot(w, n->E + (size_t)k * (size_t)n->rows, n->rows);
+        double a = km_dot(w, n->E + (size_t)k * (size_t)n->rows, n->rows);
         c->A[(size_t)k * (size_t)c->most_rows + (size_t)c->rows] = a * c->weight[k];
       }
-      c->b[c->rows++] = -dot(w, n->e, n->rows);
+      c->b[c->rows++] = -km_dot(w, n->e, n->rows);
     }
   }
   add_relations(n, c);
@@ -297,7 +284,7 @@ static km_status solve(km_nearest_mechanism *n, const conditions *c, km_error *e
   decomposition d;
   km_status status = decompose(n, c, &d, error);
   for (int i = 0; i < d.count && !status && d.S[i] > fmax(c->gap / largest_step, closed_gap); ++i) {
-    double along = dot(d.U + (size_t)i * (size_t)d.rows, c->b, d.rows) / d.S[i];
+    double along = km_dot(d.U + (size_t)i * (size_t)d.rows, c->b, d.rows) / d.S[i];
     for (int k = 0; k < n->count; ++k)
       n->x[k] += c->weight[k] * along * d.Vt[(size_t)k * (size_t)d.count + (size_t)i];
   }
@@ -339,7 +326,7 @@ static km_status iterate(km_nearest_mechanism *n, conditions *c, bool *closed, k
     if (*closed)
       return KM_OK;
     status = solve(n, c, error);
-    if (status || largest(n->x, n->count) > hopeless_change)
+    if (status || km_max_norm(n->x, n->count) > hopeless_change)
       return status;
   }
   return KM_OK;
@@ -349,7 +336,7 @@ static km_status iterate(km_nearest_mechanism *n, conditions *c, bool *closed, k
 static bool is_exact_here(const km_nearest_mechanism *n) {
   bool has_rank =
       n->rank == n->columns || n->rank == n->rows || n->S[n->rank] <= n->strictness * checked_rank * n->S[0];
-  return has_rank && largest(n->e, n->rows) <= n->strictness * checked_gap;
+  return has_rank && km_max_norm(n->e, n->rows) <= n->strictness * checked_gap;
 }
 
 /* Adds the state's configuration, reached along `heading`, to those of the search. */
@@ -451,7 +438,7 @@ km_status km_nearest_regular(km_nearest_mechanism *n, bool *found, km_error *err
   memset(n->x, 0, (size_t)n->count * sizeof *n->x);
   if (!status && n->count > 0 && c.most_rows > 0)
     status = iterate(n, &c, found, error);
-  *found = *found && largest(n->x, n->count) <= within_rounding;
+  *found = *found && km_max_norm(n->x, n->count) <= within_rounding;
   return status;
 }
 
@@ -471,7 +458,7 @@ static km_status polish(km_nearest_mechanism *n, conditions *c, double condition
     status = check_elsewhere(n, conditioning, random, &improved, error);
     if (!status && !improved)
       status = iterate(n, c, &closed, error);
-    closed = closed && largest(n->x, n->count) <= within_rounding;
+    closed = closed && km_max_norm(n->x, n->count) <= within_rounding;
   }
   n->strictness = 1.0;
   if (status || improved)
@@ -502,7 +489,7 @@ km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error)
     return status;
   for (int round = 0; round < MOST_ROUNDS; ++round) {
     status = iterate(n, &c, &closed, error);
-    if (status || !closed || largest(n->x, n->count) > hopeless_change)
+    if (status || !closed || km_max_norm(n->x, n->count) > hopeless_change)
       return status;
     if (n->configuration_count < target) {
       int next = 2 * n->configuration_count + 1, before = n->configuration_count;
@@ -515,7 +502,7 @@ km_status km_nearest_find(km_nearest_mechanism *n, bool *found, km_error *error)
         return KM_OK;
       target = n->configuration_count;
     }
-    if (largest(n->x, n->count) > within_rounding) {
+    if (km_max_norm(n->x, n->count) > within_rounding) {
       lower_weights(n, c.weight);
       continue;
     }

@@ -49,16 +49,6 @@ static const km_substructure *substructure_of(const modes_search *f) {
 
 /* ---- The subject: substructure and locks. */
 
-/* Substructure with loops and the most coordinates; −1: none. */
-static int largest_substructure(const km_mechanism *m) {
-  int best = -1;
-  for (int i = 0; i < m->topology.substructure_count; ++i)
-    if (m->substructures[i].loop_count > 0 &&
-        (best < 0 || m->substructures[i].columns > m->substructures[best].columns))
-      best = i;
-  return best;
-}
-
 /* Chooses the substructure of the locked coordinates, else the largest one. */
 static km_status choose_substructure(modes_search *f, km_error *error) {
   const km_mechanism *m = f->m;
@@ -81,7 +71,7 @@ static km_status choose_substructure(modes_search *f, km_error *error) {
     f->substructure = own;
   }
   if (f->substructure < 0)
-    f->substructure = largest_substructure(m);
+    f->substructure = km_mode_substructure(m);
   return f->substructure >= 0
              ? KM_OK
              : km_fail(error, KM_USAGE, "the model has no loop; expected one that closes in different ways");

@@ -1,5 +1,6 @@
 /* Kind of a critical value of a design's number (space/critical_kind.h). */
 #include "space/critical_kind.h"
+#include "base/number/vectors.h"
 
 #include "linalg/dense/singular_values.h"
 
@@ -24,13 +25,6 @@ static void second_derivative(km_driver_surface *f, int columns, const double *n
   }
 }
 
-static double dot(const double *a, const double *b, int n) {
-  double sum = 0.0;
-  for (int k = 0; k < n; ++k)
-    sum += a[k] * b[k];
-  return sum;
-}
-
 bool km_critical_kind(km_driver_surface *f, km_turning_kind *kind) {
   int r = f->rows, columns = f->columns - 1; /* columns = r + 1 */
   size_t n = (size_t)columns;
@@ -52,10 +46,10 @@ bool km_critical_kind(km_driver_surface *f, km_turning_kind *kind) {
       for (int k = 0; k < columns; ++k)
         null[i * columns + k] = Vt[k * columns + r - 1 + i];
     second_derivative(f, columns, null, U + (r - 1) * r, q);
-    Q[0] = dot(q, null, columns);
-    Q[1] = dot(q, null + columns, columns);
+    Q[0] = km_dot(q, null, columns);
+    Q[1] = km_dot(q, null + columns, columns);
     second_derivative(f, columns, null + columns, U + (r - 1) * r, q);
-    Q[2] = dot(q, null + columns, columns);
+    Q[2] = km_dot(q, null + columns, columns);
     *kind = Q[0] * Q[2] - Q[1] * Q[1] > 0.0 ? KM_TURNING_ISOLATED : KM_TURNING_CROSSING;
   }
   km_arena_free(&arena);

@@ -7,6 +7,7 @@
  * It is regular at folds, where K alone is singular (A. Griewank, G. W. Reddien 1984). A curve ends where it closes,
  * and outside the range of a control. Where a number of the design is a control, extrema of the number are located:
  * roots of its component of t. */
+#include "base/number/vectors.h"
 #include "space/singularity_curves.h"
 
 #include "base/random.h"
@@ -105,13 +106,6 @@ const km_turning_point *km_singularity_curves_critical(const km_singularity_curv
   return v->critical;
 }
 
-static double size_of(const double *x, int n) {
-  double sum = 0.0;
-  for (int i = 0; i < n; ++i)
-    sum += x[i] * x[i];
-  return sqrt(sum);
-}
-
 /* Updates e, J and K at the state's configuration. */
 static void update(km_singularity_curves *v, double *K) {
   km_driver_surface_update(v->f);
@@ -184,7 +178,7 @@ static bool newton_step(km_singularity_curves *v, double *correction) {
   if (!fill(v, v->t) || !km_real_factor(v->M, v->unknowns, v->row, &sign))
     return false;
   km_real_solve(v->M, v->unknowns, v->row, v->R, v->x);
-  *correction = size_of(v->x, v->unknowns);
+  *correction = km_norm(v->x, v->unknowns);
   memcpy(f->step, v->x, (size_t)f->columns * sizeof *f->step);
   if (!isfinite(*correction) || !km_driver_surface_move(f, f->step))
     return false;
@@ -217,7 +211,7 @@ static bool update_tangent(km_singularity_curves *v) {
   memset(v->R, 0, (size_t)u * sizeof *v->R);
   v->R[u - 1] = 1.0;
   km_real_solve(v->M, u, v->row, v->R, v->x);
-  double size = size_of(v->x, u);
+  double size = km_norm(v->x, u);
   for (int i = 0; i < u; ++i)
     v->t[i] = v->x[i] / size;
   return isfinite(size);
@@ -239,7 +233,7 @@ static void restore_point(km_singularity_curves *v, const curve_point *from) {
 static bool step(km_singularity_curves *v, double h, double *first) {
   km_driver_surface *f = v->f;
   restore_point(v, &v->from);
-  double size = size_of(v->z, v->order);
+  double size = km_norm(v->z, v->order);
   for (int j = 0; j < v->order; ++j)
     v->c[j] = v->z[j] / (size * size);
   for (int k = 0; k < f->columns; ++k)
@@ -373,7 +367,7 @@ static bool start_vector(km_singularity_curves *v) {
     v->z[i] = 1.0 / (1.0 + i);
   for (int pass = 0; pass < 4; ++pass) {
     km_real_solve(square, w, v->row, v->z, v->c);
-    double size = size_of(v->c, w);
+    double size = km_norm(v->c, w);
     for (int i = 0; i < w; ++i)
       v->z[i] = v->c[i] / size;
   }

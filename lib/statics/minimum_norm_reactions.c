@@ -3,13 +3,10 @@
  *   a joint transmits the tree's part and the chords' wrenches μ; self-stresses N (Jᵀ N = 0) can be added
  *   norm  : Σ |force|² + |torque/L|² over the joints = μᵀ M μ + 2 gᵀ μ + const,   g from the tree's part
  *   min   : Nᵀ M N ν = -Nᵀ (g + M μ),   μ <- μ + N ν;   Cholesky factorisation, corrected once */
+#include "base/number/tolerances.h"
 #include "statics/statics.h"
 
 #include <string.h>
-
-/* Pivots of Nᵀ M N are about (length / arm)², since every self-stress acts in the joints of its loops. A pivot below
- * this part of its square, or of the largest square, belongs to a stress in couplings only, which loads no joint. */
-static const double relative_pivot = 1e-12, relative_square = 1e-18;
 
 /* Returns the wrench of the chords' μ in a joint, along the inertial axes about its reaction's point. */
 static km_wrench wrench_in_joint(const km_reaction_workspace *c, int j, const double *mu) {
@@ -134,8 +131,9 @@ static void fill_gram(km_reaction_workspace *c, int degree) {
   }
 }
 
-/* Cholesky factorisation Nᵀ M N = L Lᵀ, L in the lower triangle of `gram`; self-stresses that load no joint have zero
- * columns. */
+/* Cholesky factorisation Nᵀ M N = L Lᵀ, L in the lower triangle of `gram`. Self-stresses that load no joint, in
+ * couplings only, have zero columns: their pivots are rounding, or a square of rounding over the largest pivot. The
+ * others are about (length / arm)², since every self-stress acts in the joints of its loops. */
 static void factor_gram(km_reaction_workspace *c, int degree) {
   size_t n = (size_t)degree;
   double largest = 0.0;
@@ -148,8 +146,9 @@ static void factor_gram(km_reaction_workspace *c, int degree) {
       for (size_t r = k; r < n; ++r)
         column[r] -= before[k] * before[r];
     }
-    column[k] =
-        column[k] > relative_pivot * diagonal && column[k] > relative_square * largest ? 1.0 / sqrt(column[k]) : 0.0;
+    column[k] = column[k] > km_solved_rounding * diagonal && column[k] > km_relative_zero * km_relative_zero * largest
+                    ? 1.0 / sqrt(column[k])
+                    : 0.0;
     for (size_t r = k + 1; r < n; ++r)
       column[r] *= column[k];
   }

@@ -315,24 +315,15 @@ static km_observer observer_of(sweep_events *w) {
                        .uses_direction = true};
 }
 
-static km_event_search event_search_of(sweep_events *w, bool table_only) {
-  return (km_event_search){.self = w,
-                           .values = compute_values,
-                           .sampled = set_reference,
-                           .between = write_between,
-                           .ratios = true,
-                           .extremes = true,
-                           .ends = true,
-                           .events = table_only ? NULL : &w->events};
-}
-
 static km_status open_observer(km_sweep_job *job, bool transmission, km_advantage_sweep *out) {
   sweep_events *w = KM_NEW(sweep_events, 1);
   if (!w)
     return km_fail(job->error, KM_MEMORY, "out of memory for a sweep");
   w->out = out;
   w->observer = observer_of(w);
-  w->search = event_search_of(w, job->table_only);
+  w->search = km_event_search_of_ratios(w, compute_values, job->table_only ? NULL : &w->events);
+  w->search.sampled = set_reference;
+  w->search.between = write_between;
   job->observer = &w->observer;
   km_status status = create_evaluators(w, job, transmission);
   if (status)

@@ -264,17 +264,6 @@ static km_observer observer_of(sweep_events *w) {
                        .reads_basis = true};
 }
 
-static km_event_search event_search_of(sweep_events *w, bool table_only) {
-  return (km_event_search){.self = w,
-                           .values = compute_values,
-                           .sampled = set_reference,
-                           .between = write_between,
-                           .ratios = true,
-                           .extremes = true,
-                           .ends = true,
-                           .events = table_only ? NULL : &w->events};
-}
-
 /* Copies the actuators and clears their largest forces. */
 static bool copy_actuators(const sweep_events *w) {
   km_statics_sweep *out = w->out;
@@ -298,7 +287,9 @@ static km_status open_observer(km_sweep_job *job, km_forces *forces, km_statics 
   if (w) {
     *w = (sweep_events){.out = out, .forces = forces, .statics = statics};
     w->observer = observer_of(w);
-    w->search = event_search_of(w, job->table_only);
+    w->search = km_event_search_of_ratios(w, compute_values, job->table_only ? NULL : &w->events);
+    w->search.sampled = set_reference;
+    w->search.between = write_between;
     job->observer = &w->observer;
     statics->work->keeps_factors = true;
   }

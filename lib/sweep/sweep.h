@@ -4,6 +4,7 @@
 #define KM_SWEEP_SWEEP_H
 
 #include "base/memory.h"
+#include "continuation/arc_motion.h"
 #include "continuation/batch/batch.h"
 #include "kmech/sweep.h"
 
@@ -90,9 +91,8 @@ struct km_sweeper {
 /* Least number of samples over the whole range, and the longest arc between them. */
 enum { KM_MIN_SAMPLES = 360 };
 #define KM_LONGEST_ARC 0.02
-/* Step by arc length: lower bound from the digits of a configuration, upper bound for the run time. */
+/* Least step by arc length, from the digits of a configuration. */
 #define KM_MIN_ARCLENGTH 1e-8
-#define KM_MAX_ARCLENGTH 1000.0
 
 /* True if a driver moves the mechanism; else arc length, or nothing. */
 static inline bool km_plan_is_driven(const km_sweep_plan *plan) {

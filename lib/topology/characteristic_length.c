@@ -1,4 +1,5 @@
 /* Characteristic length of a model that states none: its longest link (docs/theory.md 1.4). */
+#include "base/number/tolerances.h"
 #include "topology/compile.h"
 
 #include "base/extrema.h"
@@ -41,11 +42,10 @@ static void sort_frames_by_body(const km_model *model, int *first, int *frame) {
 
 /* Rounding length of positions: 1e-14 of the largest coordinate. */
 double km_position_rounding(const km_model *model) {
-  static const double rounding = 1e-14; /* relative to the largest coordinate */
   double square = 0.0;
   for (int f = 0; f < model->frame_count; ++f)
     square = km_larger(km_vec3_dot(model->frames[f].pose.p, model->frames[f].pose.p), square);
-  return rounding * sqrt(square);
+  return km_sum_rounding * sqrt(square);
 }
 
 /* Squared distance of two positions; rounding counts as 0. */

@@ -5,6 +5,7 @@
  *   accept    : correction <= 1/4 of the largest force, sign of det J unchanged (or h <= 1e-8) */
 #include "transfer/coulomb_friction.h"
 #include "base/number/tolerances.h"
+#include "base/number/vectors.h"
 
 #include "base/extrema.h"
 
@@ -12,8 +13,7 @@
 
 enum { MAX_ITERATIONS = 30, MAX_STEPS = 4000, STARTS = 8 };
 
-static const double converged = 1e-13; /* residual relative to the largest term */
-static const double shortest = 1e-10;  /* shortest step in t */
+static const double shortest = 1e-10; /* shortest step in t */
 /* longest step over which the load is linear and a sign change of det J is accepted */
 static const double linear_step = 1e-8;
 static const double max_correction =
@@ -43,14 +43,6 @@ bool km_friction_reserve(km_friction *f, int most, km_arena *arena) {
   if (f->pivots)
     *f->pivots = (gsl_permutation){n, places};
   return !arena->failed;
-}
-
-/* Returns the largest magnitude; NaN if an entry is NaN. */
-static double largest_magnitude(const double *x, int count) {
-  double size = 0.0;
-  for (int i = 0; i < count; ++i)
-    size = km_larger_or_nan(fabs(x[i]), size);
-  return size;
 }
 
 static double remaining_load(const km_friction *f, double t, const double *N) {
@@ -101,14 +93,14 @@ static int solve_step(km_friction *f) {
   if (sign == 0)
     return 0;
   gsl_linalg_LU_solve(&f->J, f->pivots, &f->rhs, &f->step);
-  return isfinite(largest_magnitude(f->step.data, f->count)) ? sign : 0;
+  return isfinite(km_max_norm(f->step.data, f->count)) ? sign : 0;
 }
 
 /* Adds the step to N and sets forces at rounding level to 0, whose direction is undefined. */
 static void add_step(const km_friction *f, double *N) {
   for (int k = 0; k < f->count; ++k)
     N[k] += f->step.data[k];
-  double rounding = km_sum_rounding * largest_magnitude(N, f->count);
+  double rounding = km_sum_rounding * km_max_norm(N, f->count);
   for (int k = 0; k < f->count; ++k)
     N[k] = fabs(N[k]) <= rounding ? 0.0 : N[k];
 }
@@ -117,7 +109,7 @@ static void add_step(const km_friction *f, double *N) {
 static bool newton_iterate(km_friction *f, double t, double *N) {
   for (int i = 0; i < MAX_ITERATIONS; ++i) {
     double residual = linearise(f, t, N);
-    if (residual <= converged)
+    if (residual <= km_solved_rounding)
       return true;
     if (!isfinite(residual) || !solve_step(f))
       return false;
@@ -143,17 +135,17 @@ static bool advance(km_friction *f, double t, double h) {
     correction = fmax(correction, fabs(f->tried[k] - f->predicted[k]));
   linearise(f, t + h, f->tried);
   bool sign_changed = factor_jacobian(f) != sign_before;
-  return correction <= (sign_changed ? max_correction_at_turns : max_correction) * largest_magnitude(f->N, f->count) &&
+  return correction <= (sign_changed ? max_correction_at_turns : max_correction) * km_max_norm(f->N, f->count) &&
          !(sign_changed && h > linear_step);
 }
 
 /* Continues the solution from t = 0 towards 1; returns the last t. */
 static double continue_solution(km_friction *f) {
-  double t = 0.0, h = 1.0, initial_force = largest_magnitude(f->N, f->count);
+  double t = 0.0, h = 1.0, initial_force = km_max_norm(f->N, f->count);
   f->load = 1.0;
   f->locks_from = nan("");
   for (int i = 0;
-       i < MAX_STEPS && t < 1.0 && h > shortest && largest_magnitude(f->N, f->count) < divergence_bound * initial_force;
+       i < MAX_STEPS && t < 1.0 && h > shortest && km_max_norm(f->N, f->count) < divergence_bound * initial_force;
        ++i) {
     h = fmin(h, 1.0 - t);
     if (!advance(f, t, h)) {
@@ -179,7 +171,7 @@ static double continue_solution(km_friction *f) {
 /* Searches a solution with all friction and positive load that the continuation does not reach, from starts of
  * several magnitudes. */
 static bool find_detached_solution(km_friction *f) {
-  double last = largest_magnitude(f->N, f->count);
+  double last = km_max_norm(f->N, f->count);
   for (int i = 0; i < STARTS; ++i) {
     for (int c = 0; c < f->count; ++c) {
       double without_friction = hypot(hypot(f->a[3 * c], f->a[3 * c + 1]), f->a[3 * c + 2]);
@@ -197,7 +189,7 @@ km_friction_outcome km_friction_solve(km_friction *f) {
   f->J.size1 = f->J.size2 = f->J.tda = f->rhs.size = f->step.size = f->pivots->size = n;
   for (int c = 0; c < f->count; ++c)
     f->N[c] = hypot(hypot(f->a[3 * c], f->a[3 * c + 1]), f->a[3 * c + 2]);
-  if (largest_magnitude(f->N, f->count) == 0.0)
+  if (km_max_norm(f->N, f->count) == 0.0)
     return KM_FRICTION_MOVES; /* no surface with friction is loaded */
   bool is_complete = continue_solution(f) >= 1.0;
   if (f->load <= 0.0)

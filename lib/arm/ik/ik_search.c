@@ -3,7 +3,7 @@
  * (docs/theory.md 12.9). */
 #include "arm/ik/ik_search.h"
 #include "arm/ik/six_revolute_ik.h"
-#include "arm/methods/splitmix.h"
+#include "base/random.h"
 
 #include <string.h>
 
@@ -16,15 +16,15 @@ static bool report_progress(km_ik_search *search, double done) {
 
 /* Random start value: hinges within half a turn of the middle of their limits, slides within their limits, else
  * within L of 0. */
-static double random_coordinate(const km_arm *a, int k, km_random *r) {
+static double random_coordinate(const km_arm *a, int k, uint64_t *r) {
   bool limited = a->high[k] - a->low[k] < (double)INFINITY;
   double middle = limited ? 0.5 * (a->low[k] + a->high[k]) : 0.0;
   double half = km_arm_is_hinge(a, k) ? M_PI : limited ? 0.5 * (a->high[k] - a->low[k]) : 1.0;
-  return km_random_between(r, middle - half, middle + half);
+  return km_splitmix(r, middle - half, middle + half);
 }
 
 /* One random start: Newton's method to the target, hinges unwound, diverged slides rejected. */
-static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, km_random *r, double *q) {
+static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, uint64_t *r, double *q) {
   for (int k = 0; k < a->n; ++k)
     q[k] = random_coordinate(a, k, r);
   if (!km_arm_reach(a, s, target, NULL, 80, 0.7, q))
@@ -34,7 +34,7 @@ static bool try_start(const km_arm *a, km_arm_space *s, const km_pose *target, k
 }
 
 bool km_arm_search(const km_arm *a, km_arm_space *s, const km_pose *target, int starts, unsigned long seed, double *q) {
-  km_random r = {seed};
+  uint64_t r = seed;
   for (int i = 0; i < starts; ++i)
     if (try_start(a, s, target, &r, q))
       return true;
@@ -260,7 +260,7 @@ static void search_random(km_ik_search *search, unsigned long seed) {
   static const int required_known[] = {500, 250, 60};
   const int spare = search->arm->freedom < 2 ? search->arm->freedom : 2,
             most = spare == 0 ? MAX_UNBALANCED : MAX_STARTS;
-  km_random r = {seed};
+  uint64_t r = seed;
   double q[KM_ARM_MAX_JOINTS];
   search->known_in_row = 0;
   for (search->starts = 0;

@@ -5,6 +5,7 @@
  *
  * Between points the curve is the cubic Hermite interpolant, projected onto the pose. */
 #include "arm/ik/ik_branches.h"
+#include "base/number/vectors.h"
 
 #include <string.h>
 
@@ -12,13 +13,6 @@ static const double max_step = 0.05; /* largest step, radians */
 
 double km_arm_difference(const km_arm *a, int column, double from, double to) {
   return km_arm_is_hinge(a, column) ? remainder(to - from, 2.0 * M_PI) : to - from;
-}
-
-static double dot(const double *a, const double *b, int n) {
-  double sum = 0.0;
-  for (int i = 0; i < n; ++i)
-    sum += a[i] * b[i];
-  return sum;
 }
 
 /* Unit tangent t[n] of the self-motion at the configuration of the space, oriented along `guide`. False: not unique. */
@@ -80,7 +74,7 @@ static bool add(km_selfmotion_curve *c, double u, const double *q, const double 
 
 /* Arc length over a chord: chord · (1 + angle²/24) with the angle between the end tangents; error of fourth order. */
 static double arc_over(double chord, const double *t0, const double *t1, int n) {
-  double cosine = dot(t0, t1, n);
+  double cosine = km_dot(t0, t1, n);
   double angle = cosine < 1.0 ? acos(cosine < -1.0 ? -1.0 : cosine) : 0.0;
   return chord * (1.0 + angle * angle / 24.0);
 }
@@ -98,7 +92,7 @@ static bool step(const km_selfmotion_curve *c, const double *q, const double *t,
   for (int k = 0; k < n; ++k)
     chord += (next[k] - q[k]) * (next[k] - q[k]);
   *difference = arc_over(sqrt(chord), t, next_t, n);
-  return dot(t, next_t, n) > 0.98;
+  return km_dot(t, next_t, n) > 0.98;
 }
 
 /* True if the curve closes on the step after q: the start lies ahead within the distance `within`, with its tangent.
@@ -109,12 +103,12 @@ static bool is_closed_by(const km_selfmotion_curve *c, const double *start, cons
   double difference[KM_ARM_MAX_JOINTS], along = 0.0, off = 0.0;
   for (int k = 0; k < n; ++k)
     difference[k] = km_arm_difference(c->arm, k, q[k], start[k]);
-  along = dot(difference, t, n);
+  along = km_dot(difference, t, n);
   for (int k = 0; k < n; ++k)
     off += (difference[k] - along * t[k]) * (difference[k] - along * t[k]);
-  if (!(along >= 0.0 && along <= within && sqrt(off) <= 0.1 * within && dot(t, start_t, n) > 0.9))
+  if (!(along >= 0.0 && along <= within && sqrt(off) <= 0.1 * within && km_dot(t, start_t, n) > 0.9))
     return false;
-  *left = arc_over(sqrt(dot(difference, difference, n)), t, start_t, n);
+  *left = arc_over(sqrt(km_dot(difference, difference, n)), t, start_t, n);
   return true;
 }
 
@@ -299,7 +293,7 @@ bool km_selfmotion_curve_contains(const km_selfmotion_curve *c, const double *q)
     }
     if (distance >= 0.01) /* farther than two steps */
       continue;
-    double along = dot(difference, c->t + i * n, n), off = 0.0;
+    double along = km_dot(difference, c->t + i * n, n), off = 0.0;
     for (int pass = 0; pass < 3; ++pass) { /* foot of the perpendicular: step along the tangent, project, repeat */
       for (int k = 0; k < n; ++k)
         at[k] = c->q[i * n + k] + along * c->t[i * n + k];

@@ -9,5 +9,7 @@ static const double km_sum_rounding = 1e-14;
 static const double km_solved_rounding = 1e-12;
 /* Numbers that follow from a closed configuration by another such solution are 0 below this part of the others. */
 static const double km_relative_zero = 1e-9;
+/* A number beyond its tolerance by this ratio is no effect of rounding or of rounded data. */
+static const double km_significant_ratio = 100.0;
 
 #endif

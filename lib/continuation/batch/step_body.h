@@ -125,7 +125,7 @@ static INLINED void predict(km_batch *l, const vector *h, vector *error_ratio, m
 static inline void choose_step(const km_batch *l, vector *h, mask *arrives, int first, int count) {
   EACH(r) {
     vector left = GET(l->target) - GET(l->current.s), largest = GET(l->current.largest);
-    arrives[r] = at_most(size_of(left), largest * km_driver_motion_reach_factor);
+    arrives[r] = at_most(size_of(left), largest * (1.0 + km_driver_motion_end_distance));
     h[r] = pick(arrives[r], left, (vector)((word)largest | ((word)left & SIGN_BIT)));
   }
 }

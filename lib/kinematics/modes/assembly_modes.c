@@ -157,7 +157,7 @@ static km_status search_modes(mode_search *f, int starts, km_modes *out, km_erro
 }
 
 /* Loop-containing substructure with the most coordinates; -1: none. */
-static int largest_substructure(const km_mechanism *m) {
+int km_mode_substructure(const km_mechanism *m) {
   int best = -1;
   for (int i = 0; i < m->topology.substructure_count; ++i)
     if (m->substructures[i].loop_count > 0 &&
@@ -169,7 +169,7 @@ static int largest_substructure(const km_mechanism *m) {
 /* Checks that the driver is a free joint of a loop, or that the model has a loop. */
 static km_status check_driver(const km_mechanism *m, int driver, km_error *error) {
   if (driver == -1)
-    return largest_substructure(m) >= 0
+    return km_mode_substructure(m) >= 0
                ? KM_OK
                : km_fail(error, KM_USAGE, "the model has no loop; expected one that closes in different ways");
   km_status status = km_check_index(driver, m->coordinate_count, "coordinate", error);
@@ -204,7 +204,7 @@ km_status km_modes_find(const km_mechanism *m, const km_state *s, int driver, in
                      .work = {.m = m,
                               .s = state,
                               .original = s,
-                              .substructure = driver >= 0 ? m->substructure_of[driver] : largest_substructure(m),
+                              .substructure = driver >= 0 ? m->substructure_of[driver] : km_mode_substructure(m),
                               .random = seed},
                      .progress = progress,
                      .context = context};

@@ -24,4 +24,7 @@ bool km_body_placements(const km_mechanism *mechanism, km_body_placement *placem
 bool km_is_same_mode(const km_mechanism *mechanism, const km_body_placement *placements, const km_pose *a,
                      const km_pose *b, double size, double tolerance);
 
+/* Substructure with loops and the most coordinates; -1: none. */
+int km_mode_substructure(const km_mechanism *mechanism);
+
 #endif

@@ -1,17 +1,10 @@
 /* Random starts and normal forms of assembly modes (mode_normalisation.h). */
 #include "kinematics/modes/mode_normalisation.h"
+#include "base/random.h"
 
 #include "kinematics/assembly.h"
 
 #include <string.h>
-
-/* Uniform random number in [−1, 1) by splitmix64. */
-static double uniform(km_mode_workspace *f) {
-  uint64_t z = (f->random += 0x9E3779B97F4A7C15u);
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return (double)((z ^ (z >> 31)) >> 11) * 0x1p-52 - 1.0;
-}
 
 static const km_substructure *substructure_of(const km_mode_workspace *f) {
   return &f->m->substructures[f->substructure];
@@ -36,7 +29,9 @@ void km_mode_randomise(km_mode_workspace *f) {
   const km_substructure *sub = substructure_of(f);
   for (int k = 0; k < sub->columns; ++k) {
     int c = coordinate_of_column(f, k);
-    f->step[k] = f->s->locked[c] ? 0.0 : uniform(f) * (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
+    f->step[k] = f->s->locked[c] ? 0.0
+                                 : km_splitmix(&f->random, -1.0, 1.0) *
+                                       (km_model_coordinate_is_length(f->m->model, c) ? 1.0 : M_PI);
   }
   km_state_move(f->m, f->s, sub, f->step);
 }

@@ -6,6 +6,7 @@
  *
  * Columns of U whose singular values are rounding complete the others to an orthonormal set. */
 #include "linalg/dense/jacobi_svd.h"
+#include "base/number/vectors.h"
 
 #include "base/memory.h"
 
@@ -14,13 +15,6 @@
 #include <string.h>
 
 enum { MAX_SWEEPS = 60 }; /* small matrices take about ten */
-
-static double dot(const double *a, const double *b, int count) {
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
 
 static void rotate(double *a, double *b, int count, double c, double s) {
   for (int i = 0; i < count; ++i) {
@@ -33,7 +27,7 @@ static void rotate(double *a, double *b, int count, double c, double s) {
 /* Squared length of a column after a rotation, computed again where it lost digits. */
 static double squared_length(const double *column, int m, double before, double after) {
   static const double lost = 0.1;
-  return after > lost * before ? after : dot(column, column, m);
+  return after > lost * before ? after : km_dot(column, column, m);
 }
 
 /* Makes two columns of W orthogonal, with their squared lengths; false if they were, or if one is shorter than `least`,
@@ -43,7 +37,7 @@ static bool rotate_pair(int m, int n, double *W, double *V, double *squares, int
   if (shorter <= least)
     return false;
   double *a = W + (size_t)p * (size_t)m, *b = W + (size_t)q * (size_t)m;
-  const double ab = dot(a, b, m);
+  const double ab = km_dot(a, b, m);
   if (!(fabs(ab) > m * DBL_EPSILON * shorter * longer))
     return false;
   const double z = (bb - aa) / (2.0 * ab), t = copysign(1.0, z) / (fabs(z) + sqrt(1.0 + z * z));
@@ -57,12 +51,12 @@ static bool rotate_pair(int m, int n, double *W, double *V, double *squares, int
 
 /* Rotates the columns of W and V until those of W are orthogonal; false if they don't become so. */
 static bool orthogonalise(int m, int n, double *W, double *V, double *squares) {
-  const double least = m * DBL_EPSILON * sqrt(dot(W, W, m * n));
+  const double least = m * DBL_EPSILON * sqrt(km_dot(W, W, m * n));
   bool has_rotated = true;
   for (int sweep = 0; sweep < MAX_SWEEPS && has_rotated; ++sweep) {
     has_rotated = false;
     for (int k = 0; k < n; ++k)
-      squares[k] = dot(W + (size_t)k * (size_t)m, W + (size_t)k * (size_t)m, m);
+      squares[k] = km_dot(W + (size_t)k * (size_t)m, W + (size_t)k * (size_t)m, m);
     for (int p = 0; p + 1 < n; ++p)
       for (int q = p + 1; q < n; ++q)
         has_rotated = rotate_pair(m, n, W, V, squares, p, q, least) || has_rotated;
@@ -82,7 +76,7 @@ static void swap_columns(double *A, int rows, int p, int q) {
 /* Sorts the columns by their lengths, the singular values. */
 static void sort_columns(int m, int n, double *W, double *V, double *s) {
   for (int k = 0; k < n; ++k)
-    s[k] = sqrt(dot(W + (size_t)k * (size_t)m, W + (size_t)k * (size_t)m, m));
+    s[k] = sqrt(km_dot(W + (size_t)k * (size_t)m, W + (size_t)k * (size_t)m, m));
   for (int k = 0; k < n; ++k) {
     int best = k;
     for (int i = k + 1; i < n; ++i)
@@ -114,18 +108,18 @@ static void add_orthonormal(double *Q, int m, int k) {
   column[best] = 1.0;
   for (int pass = 0; pass < 2; ++pass) /* twice is enough for orthogonality to rounding */
     for (int j = 0; j < k; ++j) {
-      const double *q = Q + (size_t)j * (size_t)m, part = dot(q, column, m);
+      const double *q = Q + (size_t)j * (size_t)m, part = km_dot(q, column, m);
       for (int i = 0; i < m; ++i)
         column[i] -= part * q[i];
     }
-  const double length = sqrt(dot(column, column, m));
+  const double length = sqrt(km_dot(column, column, m));
   for (int i = 0; i < m; ++i)
     column[i] /= length;
 }
 
 /* Makes the first `wanted` columns of W orthonormal. */
 static void normalise(int m, int n, double *W, const double *s, int wanted) {
-  const double least = 2.0 * m * DBL_EPSILON * sqrt(dot(s, s, n)); /* columns that aren't rotated are shorter */
+  const double least = 2.0 * m * DBL_EPSILON * sqrt(km_dot(s, s, n)); /* columns that aren't rotated are shorter */
   for (int k = 0; k < wanted; ++k) {
     if (k >= n || !(s[k] > least)) {
       add_orthonormal(W, m, k);

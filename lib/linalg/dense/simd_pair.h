@@ -97,16 +97,16 @@ static inline bool km_all_finite(const double *x, int count) {
   return poison[0][0] + poison[0][1] == 0.0;
 }
 
-/* Sum of squares, in four partial sums. */
-static inline double km_sum_of_squares(const double *x, int count) {
-  km_pair sums[2] = {{0.0, 0.0}, {0.0, 0.0}};
+/* aᵀ b in SIMD lanes: eight partial sums. */
+static inline double km_pair_dot(const double *a, const double *b, int count) {
+  km_pair sums[4] = {{0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}, {0.0, 0.0}};
   int i = 0;
-  for (; i + 4 <= count; i += 4)
-    for (int k = 0; k < 2; ++k)
-      sums[k] += km_pair_load(x + i + 2 * k) * km_pair_load(x + i + 2 * k);
+  for (; i + 8 <= count; i += 8)
+    for (int k = 0; k < 4; ++k)
+      sums[k] += km_pair_load(a + i + 2 * k) * km_pair_load(b + i + 2 * k);
   for (; i < count; ++i)
-    sums[0] += (km_pair){x[i] * x[i], 0.0};
-  sums[0] += sums[1];
+    sums[0] += (km_pair){a[i] * b[i], 0.0};
+  sums[0] += sums[1] + (sums[2] + sums[3]);
   return sums[0][0] + sums[0][1];
 }
 

@@ -50,9 +50,9 @@ static bool find_singular_vector(const km_partition *p, const bool *forced, doub
   for (int k = 0, i = 0; k < p->rank; ++k, i = i + 1 < STARTS ? i + 1 : 0)
     y[k] = start[i];
   solve_pivot_block_transposed(p, y);
-  double first = sqrt(km_sum_of_squares(y, p->rank));
+  double first = sqrt(km_pair_dot(y, y, p->rank));
   solve_pivot_block(p, y); /* one iteration suffices: it amplifies so small a value by its inverse square */
-  double length = sqrt(km_sum_of_squares(y, p->rank));
+  double length = sqrt(km_pair_dot(y, y, p->rank));
   if (!(length * threshold >= first && first > 0.0 && isfinite(length))) /* first / length is the singular value */
     return false;
   for (int k = 0; k < p->rank; ++k)
@@ -89,7 +89,7 @@ int km_sparse_hidden_row(const km_partition *p, const double *matrix, const bool
   double *y = p->work;
   if (!find_singular_vector(p, forced, threshold, &largest_step))
     return -1;
-  double square = km_sum_of_squares(y, p->rank);
+  double square = km_pair_dot(y, y, p->rank);
   solve_pivot_block_transposed(p, y);
   if (are_rows_independent(p, matrix, forced, threshold, y, square))
     return -1;

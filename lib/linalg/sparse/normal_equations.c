@@ -171,9 +171,9 @@ double km_normal_equations_smallest_singular_value(km_normal_equations *n) {
   for (long r = 0; r < n->rows; ++r)
     n->b[r] = n->used[r] ? km_uniform(&seed) : 0.0;
   for (int i = 0; i < PASSES; ++i) {
-    double before = sqrt(km_sum_of_squares(n->b, (int)n->rows));
+    double before = sqrt(km_pair_dot(n->b, n->b, (int)n->rows));
     const double *z = solve_normal_equations(n);
-    double after = z ? sqrt(km_sum_of_squares(z, (int)n->rows)) : HUGE_VAL;
+    double after = z ? sqrt(km_pair_dot(z, z, (int)n->rows)) : HUGE_VAL;
     square = before / after;
     for (long r = 0; r < n->rows && z; ++r)
       n->b[r] = z[r] / after;
@@ -194,7 +194,7 @@ static double solve_minimum_norm(km_normal_equations *n) {
       sum += n->value[i] * z[n->row[i]];
     n->step[c] = sum;
   }
-  return sqrt(km_sum_of_squares(n->step, (int)n->columns));
+  return sqrt(km_pair_dot(n->step, n->step, (int)n->columns));
 }
 
 /* Minimum-norm solution of A x = n->b (0 in unused rows) with iterative refinement. Corrections shrink by a nearly

@@ -9,6 +9,7 @@
  * If the choice ends early, one chosen option is exchanged and the choice is continued, as long as fewer constraints
  * remain. The levels are admitted one after another until none remains. */
 #include "mobility/remedies/remedy_search.h"
+#include "base/number/vectors.h"
 
 #include "kinematics/body_poses.h"
 #include "mobility/full_jacobian.h"
@@ -40,16 +41,9 @@ typedef struct search {
   double work;
 } search;
 
-static double dot(const double *a, const double *b, int count) {
-  double sum = 0.0;
-  for (int i = 0; i < count; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
-
 /* v −= (uᵀ v) u */
 static void remove_part(const double *u, double *v, int count) {
-  double along = dot(u, v, count);
+  double along = km_dot(u, v, count);
   for (int i = 0; i < count; ++i)
     v[i] -= along * u[i];
 }
@@ -66,13 +60,13 @@ static void project_motion(const km_left_space *a, const km_left_null *null, int
     const km_joint_in_loop *in = &a->joint_loop[n];
     double column[6], sign = km_member_sign(&a->m->topology.member[in->member]);
     km_twist_entries(a->sub, h, a->about[in->loop], unit, column);
-    length += dot(column, column, 6);
+    length += km_dot(column, column, 6);
     for (int k = null->first[in->loop]; k < null->first[in->loop + 1]; ++k)
-      out[k] += sign * dot(column, null->local + 6 * k, 6);
+      out[k] += sign * km_dot(column, null->local + 6 * k, 6);
     for (int i = null->spanning_count ? null->block_start[in->loop] : 0;
          null->spanning_count && i < null->block_start[in->loop + 1]; ++i) {
       const km_left_part *part = &null->part[null->block_part[i]];
-      out[null->local_count + part->vector] += sign * dot(column, part->w, 6);
+      out[null->local_count + part->vector] += sign * km_dot(column, part->w, 6);
     }
   }
   for (int k = 0; k < km_left_null_count(null) && length > 0.0; ++k)
@@ -138,7 +132,7 @@ static double find_least_pivot(const search *f, int index, const km_joint_option
     memcpy(v, column_of(f, f->rest, index, motion), (size_t)f->redundant * sizeof *v);
     for (int i = 0; i < n; ++i)
       remove_part(f->trial + (size_t)i * (size_t)f->redundant, v, f->redundant);
-    double pivot = sqrt(dot(v, v, f->redundant));
+    double pivot = sqrt(km_dot(v, v, f->redundant));
     least = fmin(least, pivot);
     for (int i = 0; i < f->redundant && pivot > 0.0; ++i)
       v[i] /= pivot;

@@ -5,9 +5,6 @@
 
 #include <string.h>
 
-/* Relative difference of the fingerprints of one mode. */
-static const double same_mode_tolerance = 1e-7;
-
 /* ---- Configurations. */
 
 void km_complex_from_state(const km_complex_closure *c, const km_state *s, km_complex *x) {
@@ -178,12 +175,13 @@ km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x) {
   return values.value;
 }
 
-bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other) {
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other,
+                             double tolerance) {
   km_complex y[2][KM_FINGERPRINT];
   km_complex_fingerprint(c, x, y[0]);
   km_complex_fingerprint(c, other, y[1]);
   for (int k = 0; k < KM_FINGERPRINT; ++k)
-    if (!(cabs(y[0][k] - y[1][k]) <= same_mode_tolerance * (1.0 + cabs(y[0][k]))))
+    if (!(cabs(y[0][k] - y[1][k]) <= tolerance * (1.0 + cabs(y[0][k]))))
       return false;
   return true;
 }

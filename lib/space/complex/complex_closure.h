@@ -120,8 +120,9 @@ typedef struct km_complex_extent {
   double largest, imaginary;
 } km_complex_extent;
 km_complex_extent km_complex_pose_extent(const km_complex_closure *c, const km_complex *x);
-/* True if two configurations have the same fingerprint. */
-bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other);
+/* True if two configurations have the same fingerprint, the poses of the bodies, to a relative tolerance. */
+bool km_complex_is_same_mode(const km_complex_closure *c, const km_complex *x, const km_complex *other,
+                             double tolerance);
 /* Value of the trace's functional. */
 km_complex km_complex_trace(const km_complex_closure *c, const km_complex *x);
 /* Chooses the trace's functional: a random function of the first slot whose position differs in all `count`

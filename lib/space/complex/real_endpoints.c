@@ -23,17 +23,6 @@ typedef struct endpoint_search {
   km_real_endpoints *out;
 } endpoint_search;
 
-/* True if two configurations have the same bodies' poses, to a tolerance. */
-static bool is_same(const km_complex_closure *c, const km_complex *a, const km_complex *b, double tolerance) {
-  km_complex y[2][KM_FINGERPRINT];
-  km_complex_fingerprint(c, a, y[0]);
-  km_complex_fingerprint(c, b, y[1]);
-  for (int k = 0; k < KM_FINGERPRINT; ++k)
-    if (!(cabs(y[0][k] - y[1][k]) <= tolerance * (1.0 + cabs(y[0][k]))))
-      return false;
-  return true;
-}
-
 /* Follows one solution: straight, else by way of random errors. */
 static km_path_outcome follow(endpoint_search *w, int i) {
   km_monodromy *g = &w->search->graph;
@@ -115,7 +104,7 @@ static bool realise(endpoint_search *w, double tolerance) {
     bool is_closed = km_mode_close(w->work);
     lock_as_given(w);
     km_complex_from_state(c, w->work->s, w->real);
-    is_found = is_closed && is_same(c, w->x, w->real, tolerance);
+    is_found = is_closed && km_complex_is_same_mode(c, w->x, w->real, tolerance);
   }
   return is_found;
 }

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* Relative difference of the fingerprints of one mode. */
+static const double same_mode_tolerance = 1e-7;
+
 /* Second difference of a sum, relative to the sum of sizes, that rounding explains. A missing point of some hundred
  * leaves 5e-9 and more at this change of τ; rounding leaves 1e-15, beside poles up to 2e-10. */
 static const double trace_tolerance = 5e-10;
@@ -227,7 +230,7 @@ km_status km_fibre_search_run(km_complex_closure *closure, const km_complex *cen
     km_homotopy_begin(&out->homotopy, centre, random, w.x, out->graph.node[0].parameters);
     km_fibre_add(&out->graph, &out->graph.node[0], w.x);
     /* Bodies that cannot move have one mode: a generic configuration has the poses of the closed one. */
-    out->is_complete = km_complex_is_same_mode(closure, centre, w.x);
+    out->is_complete = km_complex_is_same_mode(closure, centre, w.x, same_mode_tolerance);
     if (out->is_complete)
       out->trace_difference = 0.0;
     else if (km_monodromy_search(&out->graph, 1) &&

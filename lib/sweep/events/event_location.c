@@ -3,7 +3,9 @@
  *   dip: n_0, n_1, n_2 of one sign, and the minimum of the parabola through |n| is below half of the least of them;
  *        then the minimum of |n| is located: below 0 there are two zeros beside it, at 0 n touches 0 */
 #include "sweep/events/event_location.h"
+#include "base/number/tolerances.h"
 
+#include <float.h>
 #include <math.h>
 
 /* Part of its neighbouring values to which a smooth function drops at its root. */
@@ -73,14 +75,13 @@ static km_status add_extremum(km_event_search *search, km_sweeper *r, int i, dou
 }
 
 km_status km_event_find_extremum(km_event_search *search, km_sweeper *r, int i, double sign, km_error *error) {
-  /* part of the place's size within which rounding alone changes a function at its extremum, times four */
-  static const double flat_part = 4.0 * 1.5e-8;
   const km_sample_run *run = &search->runs[i];
   function_on_interval q = {search, r, i, KM_QUOTIENT, sign};
   int low = run->s[0] < run->s[2] ? 0 : 2, high = 2 - low;
   km_minimum_bracket b = {run->s[low],      sign * run->f[low], run->s[1],
                           sign * run->f[1], run->s[high],       sign * run->f[high]};
-  double width = flat_part * fmax(fabs(b.low), fabs(b.high)) + 1e-9 * (b.high - b.low);
+  /* within √ε of its extremum rounding alone changes a function */
+  double width = 4.0 * sqrt(DBL_EPSILON) * fmax(fabs(b.low), fabs(b.high)) + 1e-9 * (b.high - b.low);
   if (!km_locate_minimum(evaluate_at, &q, width, -HUGE_VAL, &b) && !search->accepts_best_sample)
     return KM_OK;
   return add_extremum(search, r, i, sign, b.s, sign * b.f, error);
@@ -128,12 +129,11 @@ static bool is_known(const km_event_search *search, int i, double a, double b) {
 /* Adds the zeros of n in a dip. */
 static km_status add_zeros_of_dip(km_event_search *search, km_sweeper *r, int i, const double *s, const double *n,
                                   double lowest, km_error *error) {
-  static const double width = 1e-6; /* relative: the minimum is known to the square of it */
   function_on_interval q = {search, r, i, KM_NUMERATOR, n[1] < 0.0 ? -1.0 : 1.0};
   km_minimum_bracket b;
   if (!find_bracket(&q, s, n, lowest, &b))
     return KM_OK;
-  km_locate_minimum(evaluate_at, &q, width * (b.high - b.low), 0.0, &b);
+  km_locate_minimum(evaluate_at, &q, sqrt(km_solved_rounding) * (b.high - b.low), 0.0, &b);
   if (!(b.f < -search->zero))
     return b.f < search->zero ? km_events_add(search->events, (km_event){KM_EVENT_ZERO, i, b.s, 0.0}, error) : KM_OK;
   double low = km_locate_root(evaluate_at, &q, b.low, b.s, b.f_low, b.f),

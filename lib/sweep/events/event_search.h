@@ -78,6 +78,12 @@ typedef struct km_event_search {
   km_root_search root; /* search at that one */
 } km_event_search;
 
+/* Search for zeros, poles, extrema and events at the ends of ratios. */
+static inline km_event_search
+km_event_search_of_ratios(void *self, void (*values)(void *, km_sweeper *, double *, double *), km_events *events) {
+  return (km_event_search){
+      .self = self, .values = values, .ratios = true, .extremes = true, .ends = true, .events = events};
+}
 /* Allocates the arrays for `count` functions along the plan's sweep; false without memory. */
 bool km_event_search_reserve(km_event_search *search, int count, const km_sweep_plan *plan);
 void km_event_search_free(km_event_search *search);
