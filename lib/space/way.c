@@ -129,7 +129,10 @@ static bool is_allowed(way_search *g, int sign) {
     return false;
   if (!g->def->ignore_limits && km_state_find_outside_limit(g->s, g->sub) >= 0)
     return false;
-  return !g->def->condition || g->def->condition(g->def->context, g->m, g->s);
+  if (!g->def->condition)
+    return true;
+  km_poses_compute(g->m, g->s);
+  return g->def->condition(g->def->context, g->m, g->s);
 }
 
 /* Step from the present to a saved configuration; hinges without limits take the shorter way. Returns its length. */

@@ -247,7 +247,8 @@ kt_exit kspace_map(int argc, char **argv) {
       {"point", 0, "BODY/FRAME",
        "Add the place of a point of a planar mechanism, and where it can't move in some direction", KT_TEXT, &o.point,
        KT_ABOUT_MODEL},
-      {"ask", 0, "QUESTION", "Add the leverage (advantage) or the forces of the actuators (forces) to each cell",
+      {"ask", 0, "QUESTION",
+       "Add the leverage (advantage), the forces of the actuators (forces) or the least clearance of bodies (clearance) to each cell",
        KT_WORD(KSPACE_ASK_WORDS), &o.ask, KT_ABOUT_MODEL},
       {"show", 0, "COLUMN", "The column that the picture's colours show (default: the last that --ask or --point adds)",
        KT_TEXT, &o.show, KT_ABOUT_FILES},
@@ -272,7 +273,7 @@ kt_exit kspace_map(int argc, char **argv) {
       "(the Jacobian of the closure without the drivers' columns) and of the closure. --point adds the smallest singular "
       "value and the manipulability of the point's Jacobian by the drivers, and the curves on which it is singular: the "
       "boundary of the workspace is among them. --ask advantage takes input and output of the model's "
-      "analysis.mechanical_advantage; --ask forces the model's loads, and its analysis.actuators, else the drivers. The "
+      "analysis.mechanical_advantage; --ask forces the model's loads, and its analysis.actuators, else the drivers; --ask clearance the pairs of kspace clearance. The "
       "curves are followed by continuation of the closure with a null vector; each point is on the curve to rounding. "
       "Exit status 1: the list of modes may lack some, and so the sheets. Ball joints, redundant conditions and more "
       "freedoms are refused.",

@@ -6,6 +6,8 @@
 #include "kmech/inspect.h"
 #include "kmech/model.h"
 
+#include <math.h>
+
 static bool compute_advantage(void *context, const km_mechanism *mechanism, km_state *state, double *values) {
   kspace_map_figures *f = context;
   km_advantage advantage;
@@ -19,6 +21,15 @@ static bool compute_forces(void *context, const km_mechanism *mechanism, km_stat
   bool is_ok = km_statics_compute(mechanism, state, f->forces, &f->statics) != KM_MEMORY;
   for (int i = 0; i < f->statics.actuator_count; ++i)
     values[i] = f->statics.actuator_forces[i];
+  return is_ok;
+}
+
+static bool compute_clearance(void *context, const km_mechanism *mechanism, km_state *state, double *values) {
+  kspace_map_figures *f = context;
+  int nearest;
+  km_poses_compute(mechanism, state);
+  bool is_ok = km_clearance_compute(f->clearance, state, f->pairs, &nearest, NULL) == KM_OK;
+  values[0] = is_ok ? f->pairs[nearest].distance : nan("");
   return is_ok;
 }
 
@@ -64,6 +75,19 @@ static km_status create_forces(const kt_pose *pose, const int *drivers, kspace_m
   return status;
 }
 
+static km_status create_clearance(const kt_pose *pose, kspace_map_figures *f, km_error *error) {
+  km_poses_compute(pose->mechanism, pose->state);
+  km_status status = km_clearance_create(pose->mechanism, pose->state, NULL, 0, &f->clearance, error);
+  const char **texts = KM_ARENA_NEW(&f->arena, const char *, 2);
+  f->pairs = KM_ARENA_NEW(&f->arena, km_pair_clearance, (size_t)km_clearance_pair_count(f->clearance) + 1);
+  if (status || !texts || !f->pairs)
+    return status ? status : km_fail(error, KM_MEMORY, "out of memory for the figures of the map");
+  texts[0] = "clearance";
+  texts[1] = km_model_units(pose->model).length->suffix;
+  f->figures = (km_map_figures){1, texts, texts + 1, compute_clearance, f};
+  return KM_OK;
+}
+
 kt_exit kspace_map_figures_create(const kt_common *common, const kt_pose *pose, kspace_ask ask, const int *drivers,
                                   kspace_map_figures *out) {
   km_error error;
@@ -73,6 +97,8 @@ kt_exit kspace_map_figures_create(const kt_common *common, const kt_pose *pose, 
     status = create_advantage(pose, out, &error);
   else if (ask == KSPACE_ASK_FORCES)
     status = create_forces(pose, drivers, out, &error);
+  else if (ask == KSPACE_ASK_CLEARANCE)
+    status = create_clearance(pose, out, &error);
   if (!status && out->arena.failed)
     return KT_NO_MEMORY;
   if (status)
@@ -84,5 +110,6 @@ void kspace_map_figures_free(kspace_map_figures *f) {
   km_transfer_free(f->transfer);
   km_statics_free(&f->statics);
   km_forces_free(f->forces);
+  km_clearance_free(f->clearance);
   km_arena_free(&f->arena);
 }

@@ -1,14 +1,20 @@
-/* Figures that kspace map adds to each cell: leverage, forces of the drivers. */
+/* Figures that kspace map adds to each cell: leverage, forces of the actuators, the least clearance. */
 #ifndef KSPACE_MAP_FIGURES_H
 #define KSPACE_MAP_FIGURES_H
 
 #include "common/pose.h"
+#include "kmech/clearance.h"
 #include "kmech/space.h"
 #include "kmech/statics.h"
 #include "kmech/transfer.h"
 
-typedef enum kspace_ask { KSPACE_ASK_MOBILITY, KSPACE_ASK_ADVANTAGE, KSPACE_ASK_FORCES } kspace_ask;
-#define KSPACE_ASK_WORDS "mobility or advantage or forces"
+typedef enum kspace_ask {
+  KSPACE_ASK_MOBILITY,
+  KSPACE_ASK_ADVANTAGE,
+  KSPACE_ASK_FORCES,
+  KSPACE_ASK_CLEARANCE
+} kspace_ask;
+#define KSPACE_ASK_WORDS "mobility or advantage or forces or clearance"
 
 /* The figures and what they are computed with. */
 typedef struct kspace_map_figures {
@@ -17,6 +23,8 @@ typedef struct kspace_map_figures {
   km_transfer *transfer;
   km_statics statics;
   km_forces *forces;
+  km_clearance *clearance;
+  km_pair_clearance *pairs; /* [pair] of the present cell */
 } kspace_map_figures;
 
 /* Prepares the figures; drivers[2] hold where the model has no actuators. Free in any case. */

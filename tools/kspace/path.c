@@ -2,6 +2,7 @@
 #include "kspace/kspace.h"
 #include "kspace/played_model.h"
 
+#include "kmech/clearance.h"
 #include "kmech/data.h"
 #include "kmech/inspect.h"
 #include "kmech/model.h"
@@ -14,7 +15,7 @@
 typedef struct options {
   kt_common common;
   kt_texts holds, joints;
-  const char *model, *from, *to, *margin, *time, *base, *format; /* base: -o, or NULL */
+  const char *model, *from, *to, *margin, *clearance, *time, *base, *format; /* base: -o, or NULL */
   int ignores_limits;
   kt_formats formats;
 } options;
@@ -94,10 +95,11 @@ static void print_way(const options *o, const km_way *way, double margin, km_tex
     if (!way->is_at_start && isnan(way->ends[1]))
       km_text_add(out, "no way: the end can't be assembled from random starts\n");
     else
-      km_text_format(out,
-                     "no way: the %s is beyond a limit, or nearer to a singularity than the margin %.4g: the smallest "
-                     "singular value there is %.4g\n",
-                     way->is_at_start ? "start" : "end", margin, way->ends[!way->is_at_start]);
+      km_text_format(
+          out,
+          "no way: the %s is beyond a limit, lacks the clearance, or is nearer to a singularity than the margin %.4g: "
+          "the smallest singular value there is %.4g\n",
+          way->is_at_start ? "start" : "end", margin, way->ends[!way->is_at_start]);
     break;
   default:
     km_text_format(out, "no way was found among %d configurations; there may be one\n", way->configurations);
@@ -105,6 +107,40 @@ static void print_way(const options *o, const km_way *way, double margin, km_tex
   if (!way->is_straight && way->outcome == KM_WAY_FOUND)
     km_text_format(out, "the straight way is blocked; the search took %d configurations\n", way->configurations);
 }
+
+/* ---- The clearance of bodies along the way. */
+
+typedef struct kept_clearance {
+  km_clearance *clearance;
+  km_pair_clearance *pairs; /* [pair] workspace */
+  double least;
+} kept_clearance;
+
+static bool keeps_clearance(void *context, const km_mechanism *mechanism, const km_state *state) {
+  const kept_clearance *kept = context;
+  int nearest;
+  (void)mechanism;
+  return km_clearance_compute(kept->clearance, state, kept->pairs, &nearest, NULL) == KM_OK &&
+         kept->pairs[nearest].distance >= kept->least;
+}
+
+/* Prepares the condition of --clearance. Free the clearance and the pairs in any case. */
+static kt_exit read_clearance(const options *o, const kt_pose *pose, kept_clearance *out) {
+  km_error error;
+  *out = (kept_clearance){0};
+  if (!o->clearance)
+    return KT_DONE;
+  if (!kt_number(o->clearance, &out->least))
+    return kt_usage(&o->common, "--clearance", o->clearance, "a length in the model's unit");
+  km_poses_compute(pose->mechanism, pose->state);
+  km_status status = km_clearance_create(pose->mechanism, pose->state, NULL, 0, &out->clearance, &error);
+  if (status)
+    kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, error.text);
+  out->pairs = KM_NEW(km_pair_clearance, (size_t)km_clearance_pair_count(out->clearance) + 1);
+  return status ? kt_exit_of(status) : out->pairs ? KT_DONE : KT_NO_MEMORY;
+}
+
+/* ---- Files. */
 
 /* The drivers over the length of the way. */
 static kt_exit write_picture(const options *o, const km_way *way, int drivers, kt_format format) {
@@ -177,9 +213,10 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
     result = kt_usage(&o->common, "--time", o->time, "a positive number");
   if (result == KT_DONE && !to->model)
     result = read_end(o, from->model, drivers, count, values);
+  kept_clearance kept = {0};
+  if (result == KT_DONE)
+    result = read_clearance(o, from, &kept);
   double *end = result == KT_DONE ? KM_NEW(double, (size_t)km_model_coordinate_count(from->model) + 1) : NULL;
-  if (result != KT_DONE)
-    return result;
   km_status status = end ? KM_OK : KM_MEMORY;
   if (!status && to->model)
     status = km_state_coordinates(to->mechanism, to->state, end, &error);
@@ -189,7 +226,14 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
                           .to_drivers = values,
                           .margin = margin,
                           .ignore_limits = o->ignores_limits,
-                          .seed = o->common.seed};
+                          .seed = o->common.seed,
+                          .condition = kept.clearance ? keeps_clearance : NULL,
+                          .context = &kept};
+  if (result != KT_DONE) {
+    km_clearance_free(kept.clearance);
+    km_free(kept.pairs);
+    return result;
+  }
   kt_progress progress = kt_progress_start(&o->common);
   if (!status)
     status = km_way_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &way, &error);
@@ -207,6 +251,8 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
     result = KT_PARTIAL;
   km_text_free(&out);
   km_way_free(&way);
+  km_clearance_free(kept.clearance);
+  km_free(kept.pairs);
   km_free(end);
   return result;
 }
@@ -224,6 +270,9 @@ kt_exit kspace_path(int argc, char **argv) {
        &o.joints, KT_ABOUT_MODEL},
       {"margin", 0, "X", "Least smallest singular value of the input along the way (default: 0.02)", KT_TEXT, &o.margin,
        KT_ABOUT_MODEL},
+      {"clearance", 0, "X",
+       "Least clearance of bodies along the way, in the model's length unit; the pairs are those of kspace clearance",
+       KT_TEXT, &o.clearance, KT_ABOUT_MODEL},
       {"ignore-limits", 0, NULL, "Joint limits don't count", KT_FLAG, &o.ignores_limits, KT_ABOUT_MODEL},
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
       {"time", 0, "T", "Duration of the motion in BASE.path.json, in the model's time unit (default: 1)", KT_TEXT,

@@ -263,8 +263,8 @@ typedef enum km_way_outcome {
 /* Returns "found", "separated", "end", "not found"; "" for another value. */
 KM_API const char *km_way_outcome_name(km_way_outcome outcome);
 
-/* Condition of a caller at every configuration of a way, such as a clearance: false if it isn't met. `state` is closed
- * and must not be changed. */
+/* Condition of a caller at every configuration of a way, such as a clearance: false if it isn't met. `state` is closed,
+ * its poses are computed, and it must not be changed. */
 typedef bool (*km_way_condition)(void *context, const km_mechanism *mechanism, const km_state *state);
 
 /* Definition of a search for a way. */
