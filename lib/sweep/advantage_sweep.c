@@ -46,21 +46,11 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
   return added && (!w->has_transmission || km_transmission_columns_add(&w->transmission, &w->out->output, table));
 }
 
-/* Computes the advantage in a batch from the unit direction of the single freedom. */
-static void compute_batched_advantage(const sweep_events *w, const km_sweeper *r, km_advantage *out) {
-  const km_mechanism *m = r->m;
-  memset(r->scratch, 0, (size_t)m->coordinate_count * sizeof *r->scratch);
-  r->mover.direction(r->mover.self, r->scratch);
-  for (int c = 0; c < m->coordinate_count; ++c)
-    r->scratch[c] /= m->scale[c];
-  km_transfer_along(m, r->s, w->transfer, r->scratch, out);
-}
-
 /* Computes the advantage. At a branch point, where the freedom exceeds that of the motion, it is that of the followed
  * motion r->rates. */
 static void compute_advantage(const sweep_events *w, const km_sweeper *r, km_advantage *out) {
   if (r->is_batched) {
-    compute_batched_advantage(w, r, out);
+    km_transfer_along(r->m, r->s, w->transfer, km_sweeper_batched_rates(r), out);
     return;
   }
   const km_substructure *sub = r->substructure >= 0 ? &r->m->substructures[r->substructure] : NULL;

@@ -76,16 +76,13 @@ static bool add_columns(void *self, const km_sweeper *r, km_table *table) {
          km_clearance_search_columns(&w->clearances, r, table);
 }
 
-/* The motion at the row, which a batch has as a unit direction. */
+/* The motion at the row; 0 where it has no direction. */
 static const double *rates_at_row(km_sweeper *r) {
-  const km_mechanism *m = r->m;
-  if (!r->is_batched && km_sweeper_update_rates(r))
-    return r->rates;
-  memset(r->scratch, 0, (size_t)m->coordinate_count * sizeof *r->scratch);
   if (r->is_batched)
-    r->mover.direction(r->mover.self, r->scratch);
-  for (int c = 0; c < m->coordinate_count; ++c)
-    r->scratch[c] /= m->scale[c];
+    return km_sweeper_batched_rates(r);
+  if (km_sweeper_update_rates(r))
+    return r->rates;
+  memset(r->scratch, 0, (size_t)r->m->coordinate_count * sizeof *r->scratch);
   return r->scratch;
 }
 

@@ -5,6 +5,7 @@
  *   between two rows quintics through p, v, a, and through q, q̇, q̈, whose extremes are those of the swing
  *
  * Several freedoms leave q'' undetermined: accelerations are then NaN. */
+#include "base/event_locator.h"
 #include "base/number/gauss_legendre.h"
 #include "base/table.h"
 #include "base/text.h"
@@ -190,21 +191,14 @@ static double curvature_of(const quintic *q, double u) {
   return sum;
 }
 
-/* Zero of a function that is negative at 0 and positive at 1. */
-static double sign_change(double (*function)(const quintic *, double), const quintic *q) {
-  double low = 0.0, high = 1.0;
-  for (int i = 0; i < 60; ++i) {
-    double middle = 0.5 * (low + high);
-    if (function(q, middle) < 0.0)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
+/* Slope of a quintic for the event locator. */
+static double slope_at(double u, void *q) {
+  return slope_of(q, u);
 }
 
 /* p'·p'' of the three quintics of a path: half the rate of its squared speed. */
-static double speed_change(const quintic *path, double u) {
+static double speed_change(double u, void *context) {
+  const quintic *path = context;
   double sum = 0.0;
   for (int k = 0; k < 3; ++k)
     sum += slope_of(&path[k], u) * curvature_of(&path[k], u);
@@ -225,10 +219,11 @@ static double path_piece(const quintic *path, double from, double to) {
 
 /* Length of one curve between two rows, in two pieces where its speed is least between them: a path that reverses has a
  * corner there. */
-static double curve_length(const quintic *path) {
-  if (!(speed_change(path, 0.0) < 0.0 && speed_change(path, 1.0) > 0.0))
+static double curve_length(quintic *path) {
+  double first = speed_change(0.0, path), last = speed_change(1.0, path);
+  if (!(first < 0.0 && last > 0.0))
     return path_piece(path, 0.0, 1.0);
-  double least = sign_change(speed_change, path);
+  double least = km_locate_root(speed_change, path, 0.0, 1.0, first, last);
   return path_piece(path, 0.0, least) + path_piece(path, least, 1.0);
 }
 
@@ -291,14 +286,10 @@ static double *write_cells(void *self, km_sweeper *r, double *cell) {
   return cell;
 }
 
-static double falling_slope(const quintic *q, double u) {
-  return -slope_of(q, u);
-}
-
 /* Extremum inside an interval in which the rate changes its sign, where the quintic and the cubic agree about it. */
 static void take_inside(km_swing *swing, double h, const double *a, const double *b, double s0, double s1) {
-  const quintic q = quintic_through(h, a, b), cubic = cubic_through(h, a, b);
-  const double u = sign_change(a[1] < 0.0 ? slope_of : falling_slope, &q), value = value_of(&q, u);
+  quintic q = quintic_through(h, a, b), cubic = cubic_through(h, a, b);
+  const double u = km_locate_root(slope_at, &q, 0.0, 1.0, h * a[1], h * b[1]), value = value_of(&q, u);
   const double rise = fmax(fabs(value - a[0]), fabs(value - b[0]));
   if (fabs(value - value_of(&cubic, u)) <= most_difference * rise)
     km_swing_take(swing, value, s0 + u * (s1 - s0));

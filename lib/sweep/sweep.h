@@ -175,6 +175,8 @@ bool km_sweeper_is_at_branch_point(km_sweeper *sweeper);
 
 /* Updates the motions of the moving substructure, unless the row was reached in a batch. */
 void km_sweeper_update_motions(km_sweeper *sweeper);
+/* Returns the rates of the single freedom in a batch, from its unit direction, in r->scratch. */
+const double *km_sweeper_batched_rates(const km_sweeper *sweeper);
 /* Computes the rates r->rates and the null space of the configuration; computing rates can leave the null space with
  * a fixed driver behind. False if there is no direction of motion. */
 bool km_sweeper_update_rates(km_sweeper *sweeper);

@@ -100,6 +100,14 @@ void km_sweeper_update_motions(km_sweeper *r) {
     km_motions_update(r->m, r->s, r->substructure);
 }
 
+const double *km_sweeper_batched_rates(const km_sweeper *r) {
+  memset(r->scratch, 0, (size_t)r->m->coordinate_count * sizeof *r->scratch);
+  r->mover.direction(r->mover.self, r->scratch);
+  for (int c = 0; c < r->m->coordinate_count; ++c)
+    r->scratch[c] /= r->m->scale[c];
+  return r->scratch;
+}
+
 bool km_sweeper_update_rates(km_sweeper *r) {
   bool moves = r->mover.rates(r->mover.self, r->rates);
   if (r->substructure >= 0)
