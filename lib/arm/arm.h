@@ -51,14 +51,16 @@ struct km_arm {
                                            * size, over L */
   /* Squared weight of position errors: 1, less for arms longer than 100 L, whose rounding grows with their size. */
   double position_weight;
-  km_vec3 origin;         /* origin of the arm's frame, in the inertial frame and the model's unit */
-  km_arm_motion *motions; /* [n] */
-  km_pose tool;           /* displacement from the last motion to the effector */
-  int *coordinate;        /* [n] coordinates of the mechanism */
-  double *unit;           /* [n] 1, or L for a slide: value in the mechanism = unit · value here */
-  double *low, *high;     /* [n] limits; ∓infinity: none */
-  double *rate;           /* [n] largest speed in these units per second; infinity: none */
-  km_arm_mass mass;       /* inertial data; km_arm_set_masses sets it */
+  km_vec3 origin;                /* origin of the arm's frame, in the inertial frame and the model's unit */
+  km_arm_motion *motions;        /* [n] */
+  km_pose tool;                  /* displacement from the last motion to the effector */
+  int *coordinate;               /* [n] coordinates of the mechanism */
+  double *unit;                  /* [n] 1, or L for a slide: value in the mechanism = unit · value here */
+  double *low, *high;            /* [n] limits; ∓infinity: none */
+  double *rate;                  /* [n] largest speed in these units per second; infinity: none */
+  km_arm_mass mass;              /* inertial data; km_arm_set_masses sets it */
+  const km_clearance *clearance; /* pairs of bodies; NULL: none. km_arm_set_clearance sets it */
+  double *rest;                  /* [coordinate count] coordinates of the mechanism for them, radians or length */
 };
 
 /* Workspace of one thread, allocated once. */
@@ -79,9 +81,13 @@ typedef struct km_arm_space {
   struct km_one_seven *seven; /* kernel of seven joints; NULL: not applicable */
   bool seven_valid;           /* the kernel's Jacobian is the present one; by km_arm_update */
   bool seven_factored;        /* the kernel's reflections are those of the last km_control_factor */
+  km_state *state;            /* configuration of all bodies for clearances; NULL: the arm has none */
+  km_pair_clearance *near;    /* [pair] their clearances */
 } km_arm_space;
 
 bool km_arm_space_create(const km_arm *arm, km_arm_space *space);
+/* Part of it: what clearances need. False: out of memory. */
+bool km_arm_clearance_create(const km_arm *arm, km_arm_space *space);
 void km_arm_space_free(km_arm_space *space);
 
 /* Computes the pose of the effector and the Jacobian at q[n]. Rows: v of the effector's origin over L, then ω in
@@ -106,6 +112,9 @@ bool km_arm_find_rows(km_arm *arm);
  * change. */
 void km_arm_all_task_rows(const km_arm *arm, const km_rotation *effector, km_twist twist, double *rows);
 void km_arm_task_rows(const km_arm *arm, const km_rotation *effector, km_twist twist, double *rows);
+
+/* Least clearance of the arm's pairs of bodies at q[n], over L; infinite without pairs. No allocation. */
+double km_arm_clearance(const km_arm *arm, km_arm_space *space, const double *q);
 
 /* Computes the singular values of the scaled Jacobian, sorted in decreasing order: sigma[rows]. */
 void km_arm_singular_values(const km_arm *arm, km_arm_space *space, double *sigma);

@@ -23,6 +23,10 @@ bool km_arm_space_create(const km_arm *a, km_arm_space *s) {
     km_arm_space_free(s);
     return false;
   }
+  if (!km_arm_clearance_create(a, s)) {
+    km_arm_space_free(s);
+    return false;
+  }
   s->forced[n] = true;
   for (size_t i = 0; i <= n; ++i)
     s->ones[i] = 1.0;
@@ -30,6 +34,7 @@ bool km_arm_space_create(const km_arm *a, km_arm_space *s) {
 }
 
 void km_arm_space_free(km_arm_space *s) {
+  km_state_free(s->state);
   km_arena_free(&s->arena);
 }
 

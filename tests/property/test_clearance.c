@@ -1,5 +1,6 @@
 /* Clearances: distances and depths of random convex bodies against all pairs of their features, round bodies against
  * closed forms, gradients against differences, invariance, threads, hulls of meshes. */
+#include "support/arms.h"
 #include "support/solids.h"
 #include "support/support.h"
 
@@ -105,7 +106,7 @@ static km_vec3 random_vector(randomness *r, double size) {
   return (km_vec3){uniform(r, -size, size), uniform(r, -size, size), uniform(r, -size, size)};
 }
 
-static km_pose random_pose(randomness *r, double distance) {
+static km_pose random_place(randomness *r, double distance) {
   return (km_pose){solid_turn(uniform(r, -3, 3), uniform(r, -3, 3), uniform(r, -3, 3)), random_vector(r, distance)};
 }
 
@@ -155,7 +156,7 @@ static void random_polyhedra(void **state) {
   int apart = 0, deep = 0;
   for (int k = 0; k < 3000; ++k) {
     km_mesh *a = random_polyhedron(&r), *b = random_polyhedron(&r);
-    km_pose pose = random_pose(&r, uniform(&r, 0.0, 2.0));
+    km_pose pose = random_place(&r, uniform(&r, 0.0, 2.0));
     km_convex pa = part_of(a), pb = part_of(b);
     km_convex_distance d = distance_of(&pa, &pb, &pose);
     assert_consistent(&pa, &pb, &pose, &d);
@@ -256,7 +257,7 @@ static void round_bodies_anywhere(void **state) {
       part[i] = round_part(ends[i], 2, uniform(&r, 0.1, 2.0), is_capsule ? uniform(&r, 0.1, 1.0) : 0.0,
                            is_capsule ? 0.0 : uniform(&r, 0.1, 1.0));
     }
-    km_pose pose = random_pose(&r, 3.0);
+    km_pose pose = random_place(&r, 3.0);
     km_convex_distance d = distance_of(&part[0], &part[1], &pose);
     assert_true(d.error < 1e-9);
     assert_consistent(&part[0], &part[1], &pose, &d);
@@ -530,6 +531,62 @@ static void excavator(void **state) {
   (void)state;
 }
 
+/* ---- Arms */
+
+/* A planar arm of four capsules and a post; the tip's line leads past it. */
+static const char arm_model[] =
+    "{\"model_parameters\":{\"version\":\"1.1\",\"units\":{\"angle\":\"degrees\",\"length\":\"meters\"}},\"assemblies\":[{"
+    "\"name\":\"planar\",\"bodies\":[{\"name\":\"post\",\"shapes\":[{\"cylinder\":[0.15,0.4],\"T\":[0.75,0.75,0]}]},"
+    "{\"name\":\"a\",\"shapes\":[{\"capsule\":[0.04,0.6],\"T\":[0.3,0,0],\"rotation_vector\":[0,90,0]}],\"frames\":[{"
+    "\"name\":\"end\",\"T\":[0.6,0,0]}]},"
+    "{\"name\":\"b\",\"shapes\":[{\"capsule\":[0.04,0.6],\"T\":[0.3,0,0],\"rotation_vector\":[0,90,0]}],\"frames\":[{"
+    "\"name\":\"end\",\"T\":[0.6,0,0]}]},"
+    "{\"name\":\"c\",\"shapes\":[{\"capsule\":[0.04,0.5],\"T\":[0.25,0,0],\"rotation_vector\":[0,90,0]}],\"frames\":[{"
+    "\"name\":\"end\",\"T\":[0.5,0,0]}]},"
+    "{\"name\":\"d\",\"shapes\":[{\"capsule\":[0.03,0.3],\"T\":[0.15,0,0],\"rotation_vector\":[0,90,0]}],\"frames\":[{"
+    "\"name\":\"tip\",\"T\":[0.35,0,0]}]}],"
+    "\"joints\":[{\"name\":\"P\",\"type\":\"rigid\",\"body_frame_pairs\":[\"fixed\",\"post\"]},"
+    "{\"name\":\"A\",\"type\":\"Rz\",\"body_frame_pairs\":[\"fixed\",\"a\"],\"initial_displacement\":100},"
+    "{\"name\":\"B\",\"type\":\"Rz\",\"body_frame_pairs\":[[\"a\",\"end\"],\"b\"],\"initial_displacement\":-40},"
+    "{\"name\":\"C\",\"type\":\"Rz\",\"body_frame_pairs\":[[\"b\",\"end\"],\"c\"],\"initial_displacement\":-50},"
+    "{\"name\":\"D\",\"type\":\"Rz\",\"body_frame_pairs\":[[\"c\",\"end\"],\"d\"],\"initial_displacement\":-40}]}]}";
+static const char arm_study[] =
+    "{\"effector\":\"d/tip\",\"task\":\"position\",\"q0\":[100,-40,-50,-40],\"path\":{\"segments\":[{\"type\":\"line\",\"to\":"
+    "[1.2,0.6,0],\"steps\":80}]},\"objective\":\"clearance\",\"methods\":[\"greedy\",\"lookahead\"]}";
+
+/* Rows have the least clearance over L of their own configuration; the pseudo-inverse hits the post, look-ahead
+ * doesn't, with the same bits for four threads. */
+static void arm_past_a_post(void **state) {
+  fixture f = fixture_read(arm_model);
+  km_clearance *w = clearance_of(&f);
+  km_study *study = study_of(&f, arm_study);
+  km_track *greedy = track_of(study, 0, 1), *ahead = track_of(study, 1, 1), *again = track_of(study, 1, 4);
+  const km_table *rows = km_track_rows(ahead);
+  int column = km_table_find(rows, "objective.clearance"), q = km_table_find(rows, "q.A");
+  km_pair_clearance *now = calloc((size_t)km_clearance_pair_count(w), sizeof *now);
+  assert_int_equal(km_table_rows(rows), 81);
+  for (size_t r = 0; r < km_table_rows(rows); ++r) {
+    const double *row = km_table_row(rows, r);
+    int nearest;
+    for (int c = 0; c < 4; ++c)
+      km_state_set_coordinate(f.mechanism, f.state, c, row[q + c], NULL);
+    km_poses_compute(f.mechanism, f.state);
+    assert_int_equal(km_clearance_compute(w, f.state, now, &nearest, NULL), KM_OK);
+    assert_near(row[column], now[nearest].distance / km_arm_length(km_study_arm(study)), 1e-9);
+  }
+  assert_same_rows(ahead, again);
+  assert_true(km_track_summarise(greedy).objective_min < 0.0);
+  assert_true(km_track_summarise(ahead).objective_min > 0.0);
+  km_track_free(greedy);
+  km_track_free(ahead);
+  km_track_free(again);
+  free(now);
+  km_study_free(study);
+  km_clearance_free(w);
+  fixture_close(&f);
+  (void)state;
+}
+
 /* ---- Pairs and meshes */
 
 static void pairs(void **state) {
@@ -593,6 +650,7 @@ int main(void) {
                  "A scissor lift's arms touch where sin 2θ is their height, and the clearance of each row",
                  "events are located to 1e-9 of the driver"),
       cmocka_unit_test(excavator),
+      cmocka_unit_test(arm_past_a_post),
       cmocka_unit_test(pairs),
       cmocka_unit_test(hulls_of_meshes),
   };

@@ -22,10 +22,10 @@ void kredund_arm_options(kt_options *out, kredund_request *r) {
       {"task", 0, "TASK", "pose (default), position, or axis (position and the z axis)",
        KT_TEXT_OF("pose or position or axis"), &r->task, KT_ABOUT_MODEL},
       {"objective", 0, "NAME",
-       "What is made large: path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin; or "
+       "What is made large: path-control, manipulability, singular-value, limit-distance, joint-travel, rate-margin, clearance; or "
        "small, by inverse dynamics: effort, relative-effort, energy, positive-work; or NAME=WEIGHT,…",
        KT_TEXT_OF(
-           "path-control or manipulability or singular-value or limit-distance or joint-travel or rate-margin or "
+           "path-control or manipulability or singular-value or limit-distance or joint-travel or rate-margin or clearance or "
            "effort or relative-effort or energy or positive-work"),
        &r->objective, KT_ABOUT_MODEL},
       {"rates", 0, "V1,V2,…", "Largest joint speeds, in the order of --q", KT_TEXT, &r->rates, KT_ABOUT_MODEL},

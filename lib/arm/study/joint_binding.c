@@ -138,13 +138,34 @@ static bool add_fixed_joint(km_binder *b, const km_study_names *joints, const ch
   return true;
 }
 
+/* Pairs of bodies for the objective clearance: all that no joint connects and that are apart at the start. */
+static km_status bind_clearance(km_binder *b, km_error *error) {
+  km_study *s = b->study;
+  if (s->objective.weight[KM_BODY_CLEARANCE] == 0.0)
+    return KM_OK;
+  km_state *there;
+  km_status status = km_state_create(b->mechanism, &there, error);
+  if (status)
+    return status;
+  status = km_state_assign(b->mechanism, there, b->state, error);
+  if (!status) {
+    km_poses_compute(b->mechanism, there);
+    status = km_clearance_create(b->mechanism, there, NULL, 0, &s->clearance, error);
+  }
+  if (!status)
+    status = km_arm_set_clearance(s->arm, there, s->clearance, error);
+  km_state_free(there);
+  return status;
+}
+
 bool km_bind_methods(km_binder *b) {
   const km_study_def *def = b->def;
   km_study *s = b->study;
   bool is_ok = true;
   s->objective = def->objective;
   km_error error;
-  is_ok = km_binder_pass(b, &def->objective_place, km_check_objective(s->arm, &s->objective, &error), &error);
+  is_ok = km_binder_pass(b, &def->objective_place, bind_clearance(b, &error), &error);
+  is_ok = is_ok && km_binder_pass(b, &def->objective_place, km_check_objective(s->arm, &s->objective, &error), &error);
   s->method_count = def->method_count > 0 ? def->method_count : 1;
   s->methods = KM_ARENA_NEW(&s->arena, km_method, (size_t)s->method_count);
   if (!s->methods)

@@ -141,6 +141,7 @@ void km_study_free(km_study *study) {
     return;
   km_path_free(study->path);
   km_arm_free(study->arm);
+  km_clearance_free(study->clearance);
   km_arena_free(&study->arena);
   km_free(study);
 }

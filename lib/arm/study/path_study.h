@@ -16,6 +16,7 @@ struct km_study {
   km_method *methods;
   int method_count;
   km_objective objective;
+  km_clearance *clearance; /* pairs of bodies for the objective; NULL: it isn't requested */
 };
 
 #endif

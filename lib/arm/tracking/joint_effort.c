@@ -75,6 +75,10 @@ double km_joint_effort_sum(const km_objective *objective, const km_joint_effort 
 }
 
 km_status km_check_objective(const km_arm *a, const km_objective *objective, km_error *error) {
+  if (objective->weight[KM_BODY_CLEARANCE] != 0.0 && !a->clearance)
+    return km_fail(error, KM_USAGE,
+                   "the objective clearance of an arm without pairs of bodies; expected "
+                   "km_arm_set_clearance before");
   if (!km_objective_needs_forces(objective))
     return KM_OK;
   if (!a->mass.has_mass)

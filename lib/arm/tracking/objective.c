@@ -1,5 +1,5 @@
 /* Objectives of a configuration on a path: path control, manipulability, least singular value, limit distance, joint
- * travel, rate margin (docs/theory.md 12.5). */
+ * travel, rate margin, clearance (docs/theory.md 12.5). */
 #include "arm/tracking/objective.h"
 
 bool km_objective_by_mean(const km_objective *objective) {
@@ -52,6 +52,8 @@ void km_objective_values(const km_arm *a, km_arm_space *s, const double *q, cons
     values[KM_JOINT_TRAVEL] = path[a->n];
   if (use[KM_RATE_MARGIN])
     values[KM_RATE_MARGIN] = rate_margin(a, path, speed);
+  if (use[KM_BODY_CLEARANCE] && s->state)
+    values[KM_BODY_CLEARANCE] = km_arm_clearance(a, s, q);
 }
 
 double km_objective_sum(const km_objective *objective, const double *values) {

@@ -4,6 +4,7 @@
 #define KMECH_ARM_H
 
 #include "kmech/base.h"
+#include "kmech/clearance.h"
 #include "kmech/data.h"
 #include "kmech/mechanism.h"
 
@@ -33,6 +34,11 @@ typedef enum km_task {
 KM_API km_status km_arm_create(const km_mechanism *mechanism, const km_state *state, int effector, km_task task,
                                km_arm **out, km_error *error);
 KM_API void km_arm_free(km_arm *arm);
+/* Sets the pairs of bodies, of the arm with itself and with obstacles, whose least clearance is the objective
+ * KM_BODY_CLEARANCE. Coordinates that aren't the arm's stay as in `state`. The clearance must outlive the arm. Not while
+ * another thread uses the arm. KM_USAGE, KM_MEMORY. */
+KM_API km_status km_arm_set_clearance(km_arm *arm, const km_state *state, const km_clearance *clearance,
+                                      km_error *error);
 
 /* Number of coordinates n; 0 without an arm. */
 KM_API int km_arm_coordinates(const km_arm *arm);
@@ -163,6 +169,7 @@ typedef enum km_objective_kind {
   KM_RELATIVE_EFFORT, /* Σ (τ/max_force)² */
   KM_ENERGY,          /* Σ |τ q̇|: power that the drives give and take */
   KM_POSITIVE_WORK,   /* Σ max(τ q̇, 0): power of drives that get nothing back */
+  KM_BODY_CLEARANCE,  /* least clearance of the pairs of km_arm_set_clearance, over L; negative in an overlap */
   KM_OBJECTIVES       /* number of kinds */
 } km_objective_kind;
 

@@ -9,7 +9,7 @@
 
 static const char *const words[KM_OBJECTIVES] = {"path-control", "manipulability", "singular-value", "limit-distance",
                                                  "joint-travel", "rate-margin",    "effort",         "relative-effort",
-                                                 "energy",       "positive-work"};
+                                                 "energy",       "positive-work",  "clearance"};
 
 static bool known(km_objective_kind kind) {
   return (unsigned)kind < KM_OBJECTIVES;

@@ -88,7 +88,7 @@ static const km_field study_fields[] = {
      SHAPE(METHODS), .object = &km_format_method, UNSTATED("greedy")},
     {"objective",
      "What is made large: \"path-control\", \"manipulability\", \"singular-value\", \"limit-distance\", "
-     "\"joint-travel\" or \"rate-margin\"; or least, from inverse dynamics: \"effort\" (squared joint forces), "
+     "\"joint-travel\", \"rate-margin\" or \"clearance\" of bodies; or least, from inverse dynamics: \"effort\" (squared joint forces), "
      "\"relative-effort\" (over max_force), \"energy\" (|power| of the joints) or \"positive-work\"; or weights {\"limit-distance\": 1, …}.",
      SHAPE(ANY), UNSTATED("path-control")},
     {"rates", "Largest rate of each joint.", SHAPE(NUMBERS), BY(COORDINATE), UNIT(.time = -1),
