@@ -35,8 +35,8 @@ KM_API km_status km_arm_create(const km_mechanism *mechanism, const km_state *st
                                km_arm **out, km_error *error);
 KM_API void km_arm_free(km_arm *arm);
 /* Sets the pairs of bodies, of the arm with itself and with obstacles, whose least clearance is the objective
- * KM_BODY_CLEARANCE. Coordinates that aren't the arm's stay as in `state`. The clearance must outlive the arm. Not while
- * another thread uses the arm. KM_USAGE, KM_MEMORY. */
+ * KM_BODY_CLEARANCE. Other coordinates than the arm's stay as in `state`. The clearance must outlive the arm.
+ * KM_USAGE, KM_MEMORY. Not while another thread uses the arm. */
 KM_API km_status km_arm_set_clearance(km_arm *arm, const km_state *state, const km_clearance *clearance,
                                       km_error *error);
 
