@@ -35,6 +35,7 @@ bool km_arm_space_create(const km_arm *a, km_arm_space *s) {
 
 void km_arm_space_free(km_arm_space *s) {
   km_state_free(s->state);
+  s->state = NULL;
   km_arena_free(&s->arena);
 }
 

@@ -59,10 +59,11 @@ static bool is_on_hull(const km_mesh *mesh, int triangle, const km_mesh *hull, d
   return true;
 }
 
-/* A closed surface in the hull's is the hull's. */
-static bool is_convex(const km_mesh *mesh, const km_mesh *hull, double size) {
+/* A closed surface in the hull's is the hull's. `*failed`: without memory. */
+static bool is_convex(const km_mesh *mesh, const km_mesh *hull, double size, bool *failed) {
   km_mesh_faults faults;
-  if (km_mesh_check(mesh, &faults, NULL) || faults.open_edges > 0 || faults.mixed_edges > 0)
+  *failed = km_mesh_check(mesh, &faults, NULL) != KM_OK;
+  if (*failed || faults.open_edges > 0 || faults.mixed_edges > 0)
     return false;
   for (int t = 0; t < mesh->triangle_count; ++t)
     if (!is_on_hull(mesh, t, hull, size))
@@ -71,8 +72,11 @@ static bool is_convex(const km_mesh *mesh, const km_mesh *hull, double size) {
 }
 
 double km_hull_error(const km_mesh *mesh, const km_mesh *hull, double size) {
-  if (is_convex(mesh, hull, size))
+  bool failed;
+  if (is_convex(mesh, hull, size, &failed))
     return coplanar * size;
+  if (failed)
+    return HUGE_VAL;
   km_arena arena = {0};
   const km_triangle_tree *tree = km_triangle_tree_create(mesh, &arena);
   double bound = tree ? 0.0 : HUGE_VAL, known = 0.0;
