@@ -85,7 +85,8 @@ static kt_exit describe(const kmob_request *o, const kt_pose *pose, km_text *out
     if (!arena.failed)
       km_json_write(record, out);
   } else {
-    km_mobility_print(pose->mechanism, pose->state, &mobility, o->pose.model, o->pose.common.verbose, out);
+    km_mobility_print(pose->mechanism, pose->state, &mobility, &diagnosis.finite, o->pose.model, o->pose.common.verbose,
+                      out);
     km_diagnosis_print(pose->mechanism, &diagnosis, o->pose.common.verbose, out);
     if (o->modes)
       print_modes(pose->model, &modes, driver, out);

@@ -57,14 +57,15 @@ KM_API km_value *km_record_head(const km_mechanism *mechanism, const char *tool,
 /* Record of `kmob info` and `kmob at`. NULL when out of memory (arena->failed). */
 KM_API km_value *km_mobility_record(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
                                     const char *name, km_arena *arena);
-/* Text of `kmob info` and `kmob at`; `verbose` adds the evidence of each rank. */
+/* Text of `kmob info` and `kmob at`, with the finite mobility if `finite` is given (may be NULL); `verbose` adds the
+ * evidence of each rank, and of planar mechanisms Kutzbach's count of six freedoms a body. */
 KM_API void km_mobility_print(const km_mechanism *mechanism, const km_state *state, const km_mobility *mobility,
-                              const char *name, bool verbose, km_text *out);
+                              const km_finite_mobility *finite, const char *name, bool verbose, km_text *out);
 /* Adds finite_mobility, motions, truncated, idle_mobility, idle_freedoms, redundancies and, if there are any,
  * remedy_set to a record. */
 KM_API void km_diagnosis_record(const km_mechanism *mechanism, const km_diagnosis *diagnosis, km_value *record,
                                 km_arena *arena);
-/* `all`: also what planar loops have by nature. */
+/* Idle freedoms and redundant constraints. `all`: also what planar loops have by nature. */
 KM_API void km_diagnosis_print(const km_mechanism *mechanism, const km_diagnosis *diagnosis, bool all, km_text *out);
 /* Text of findings, each with its remedy; also if there are none. */
 KM_API void km_findings_print(const km_findings *findings, const char *name, km_text *out);

@@ -170,7 +170,10 @@ static km_status make(km_document_maker *m, km_design_study *s, const km_design_
   add_table(m, table);
   if (table->marked)
     km_document_text(m, "* the best of its column");
+  km_document_heading(m, "Curves");
   add_pictures(m, s, def, name);
+  if (m->count && m->blocks[m->count - 1].kind == KM_BLOCK_HEADING)
+    --m->count; /* there is nothing to draw */
   km_document_heading(m, "What was asked");
   add_facts(m, s, def, &y);
   return m->arena.failed ? km_fail(error, KM_MEMORY, "out of memory for the report") : KM_OK;

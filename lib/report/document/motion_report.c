@@ -14,7 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double rounding = 1e-9; /* part of the largest load below which another one is rounding */
+static const double rounding = 1e-9; /* part of the largest load, of a moment also of the largest force times the
+                                      * characteristic length, below which another one is rounding */
 enum { PANEL = 120, MOST_PLOT = 640, LEAD_JOINTS = 3 };
 
 /* A plot without its strip, as high as its panels need. */
@@ -166,7 +167,7 @@ static void add_history_lead(km_document_maker *k, const km_mechanism *m, const 
     const km_force_peak *peak = &h->peaks[i];
     const char *unit = km_table_unit(t, peak->column), *when = when_words(k, m, t, peak->coordinate, peak->time);
     if (peak->coordinate >= 0)
-      km_text_format(&text, "%s%s takes at most %.5g %s at %s, %.5g %s rms", i ? "; " : "",
+      km_text_format(&text, "%s%s takes at most %.6g %s at %s, %.6g %s rms", i ? "; " : "",
                      km_model_coordinate_label(m->model, peak->coordinate), fabs(peak->value), unit, when, peak->rms,
                      unit);
     else
@@ -223,7 +224,7 @@ static void add_bearings(km_document_maker *k, const km_mechanism *m, const km_t
     double at_force = 0.0, at_moment = 0.0;
     size_t first = span.first + 6 * j;
     double force = km_largest_norm(t, first, &at_force), moment = km_largest_norm(t, first + 3, &at_moment);
-    const bool pushes = force > rounding * forces, twists = moment > rounding * moments;
+    const bool pushes = force > rounding * forces, twists = moment > rounding * fmax(moments, forces * m->length);
     const char **row = cells + COLUMNS * (j + 1);
     row[0] = m->model->joints[j].label;
     row[1] = pushes ? km_document_format(k, "%.5g %s", force, km_table_unit(t, first)) : "–";

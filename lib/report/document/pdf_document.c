@@ -18,6 +18,8 @@ typedef struct writer {
   bool drawing; /* else only measured */
   int page, pages;
   double y;
+  const km_block *squeezed; /* picture that is drawn lower, so that its section fits on the page; NULL: none */
+  double squeezed_by;       /* points */
   km_status status;
   km_error *error;
 } writer;
@@ -176,13 +178,14 @@ static void write_table(writer *w, const km_block *block) {
 }
 
 static void write_picture(writer *w, const km_block *block) {
-  need(w, block->height);
+  const double height = block->height - (block == w->squeezed ? w->squeezed_by : 0.0);
+  need(w, height);
   if (w->drawing) {
     km_canvas_shift(w->canvas, margin, w->y);
-    w->status = block->draw(block->context, w->canvas, text_width(), block->height, w->error);
+    w->status = block->draw(block->context, w->canvas, text_width(), height, w->error);
     km_canvas_shift(w->canvas, -margin, -w->y);
   }
-  w->y += block->height + gap;
+  w->y += height + gap;
 }
 
 /* A part begins a page. */
@@ -214,16 +217,30 @@ static double block_height(const writer *w, const km_block *block) {
   }
 }
 
+/* True if the section fits on the rest of the page with its first picture at most a third lower, which is noted. */
+static bool squeeze(writer *w, const km_block *picture, double section) {
+  static const double most = 1.0 / 3.0;
+  const double over = section - room(w);
+  if (!picture || !(over > 0.0) || over > most * picture->height)
+    return false;
+  w->squeezed = picture;
+  w->squeezed_by = over + gap; /* rounding does not turn the page */
+  return true;
+}
+
 /* A heading is kept with its complete section if that fits on a page, otherwise with the first block. */
 static void write_heading(writer *w, const km_block *block, const km_block *end) {
   const km_font font = {.size = 12, .bold = true, .width = text_width()};
   double height = height_of(w, &font, block->text) + 5, section = height, first = height;
+  const km_block *picture = NULL;
   for (const km_block *b = block + 1; b < end && b->kind != KM_BLOCK_HEADING && b->kind != KM_BLOCK_PART; ++b) {
     section += block_height(w, b);
+    picture = picture || b->kind != KM_BLOCK_PICTURE ? picture : b;
     if (b == block + 1)
       first += fmin(block_height(w, b), b->kind == KM_BLOCK_PICTURE || b->kind == KM_BLOCK_FILM ? HUGE_VAL : 60.0);
   }
-  need(w, section <= page_height - margin - foot ? section - gap : first);
+  if (!squeeze(w, picture, section - gap))
+    need(w, section <= page_height - margin - foot ? section - gap : first);
   write(w, &font, black, block->text, margin, w->y, 0);
   w->y += height;
 }

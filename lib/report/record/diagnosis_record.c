@@ -122,42 +122,6 @@ void km_diagnosis_record(const km_mechanism *m, const km_diagnosis *d, km_value 
     km_remedy_set_record(m, &d->remedies, record, arena);
 }
 
-static void print_finite(const km_finite_mobility *finite, km_text *out) {
-  int branches = 0, shaky = 0;
-  double followed = HUGE_VAL;
-  for (int i = 0; i < finite->motion_count; ++i) {
-    branches += finite->motions[i].kind == KM_MOTION_BRANCH;
-    shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
-    if (finite->motions[i].kind == KM_MOTION_UNDECIDED)
-      followed = fmin(followed, finite->motions[i].confirmed_length);
-  }
-  if (finite->undecided)
-    km_text_format(out, "\nfinite mobility undecided, at least %d", finite->mobility);
-  else
-    km_text_format(out, "\nfinite mobility %d", finite->mobility);
-  if (followed == 0.0)
-    km_text_add(out, ": no motion along the directions that first order allows is confirmed, and none is ruled out");
-  else if (isfinite(followed))
-    km_text_format(out,
-                   ": the loops stay within the closure tolerance for an arc of %.2g, and what opens them there tells "
-                   "neither a motion nor a structure",
-                   followed);
-  if (branches)
-    branches = km_finite_mobility_branches(finite);
-  if (branches == 1 && !finite->truncated)
-    km_text_add(out, ": not all motions that first order allows are real");
-  else if (branches && finite->truncated)
-    km_text_add(out, ": a branch point, where several motions meet");
-  else if (branches)
-    km_text_format(out, ": a branch point, where %d motions meet", branches);
-  if (shaky)
-    km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
-                   branches || isfinite(followed) ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
-  if (finite->undecided && finite->truncated)
-    km_text_add(out, "; only some of the directions that first order allows were tried");
-  km_text_add(out, "\n");
-}
-
 static void print_redundancy(const km_mechanism *m, const km_redundancy *r, km_text *out) {
   km_text_add(out, "  ");
   km_redundancy_statement(m, r, out);
@@ -229,7 +193,6 @@ void km_remedy_set_print(const km_mechanism *m, const km_remedy_set *set, km_tex
 void km_diagnosis_print(const km_mechanism *m, const km_diagnosis *d, bool all, km_text *out) {
   if (!m || !d || !out)
     return;
-  print_finite(&d->finite, out);
   print_idle(m, d, out);
   print_redundancies(m, &d->redundancies, all, out);
   if (d->redundancies.count > (all ? 0 : km_redundancies_out_of_plane(&d->redundancies, -1)))

@@ -8,6 +8,7 @@
 #include "sweep/sweep.h"
 #include "topology/mechanism.h"
 
+#include <math.h>
 #include <string.h>
 
 static void print_substructures(const km_mechanism *m, const km_state *s, bool verbose, km_text *out) {
@@ -97,8 +98,55 @@ static void print_coordinates(const km_mechanism *m, const km_state *s, km_text 
   }
 }
 
-void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobility *mobility, const char *name,
-                       bool verbose, km_text *out) {
+static void print_finite(const km_finite_mobility *finite, km_text *out) {
+  int branches = 0, shaky = 0;
+  double followed = HUGE_VAL;
+  for (int i = 0; i < finite->motion_count; ++i) {
+    branches += finite->motions[i].kind == KM_MOTION_BRANCH;
+    shaky += finite->motions[i].kind == KM_MOTION_SHAKY;
+    if (finite->motions[i].kind == KM_MOTION_UNDECIDED)
+      followed = fmin(followed, finite->motions[i].confirmed_length);
+  }
+  if (finite->undecided)
+    km_text_format(out, "finite mobility undecided, at least %d", finite->mobility);
+  else
+    km_text_format(out, "finite mobility %d", finite->mobility);
+  if (followed == 0.0)
+    km_text_add(out, ": no motion along the directions that first order allows is confirmed, and none is ruled out");
+  else if (isfinite(followed))
+    km_text_format(out,
+                   ": the loops stay within the closure tolerance for an arc of %.2g, and what opens them there tells "
+                   "neither a motion nor a structure",
+                   followed);
+  if (branches)
+    branches = km_finite_mobility_branches(finite);
+  if (branches == 1 && !finite->truncated)
+    km_text_add(out, ": not all motions that first order allows are real");
+  else if (branches && finite->truncated)
+    km_text_add(out, ": a branch point, where several motions meet");
+  else if (branches)
+    km_text_format(out, ": a branch point, where %d motions meet", branches);
+  if (shaky)
+    km_text_format(out, "%s it shakes: %d direction%s that first order allows, but no motion follows",
+                   branches || isfinite(followed) ? "; also" : ":", shaky, shaky == 1 ? "" : "s");
+  if (finite->undecided && finite->truncated)
+    km_text_add(out, "; only some of the directions that first order allows were tried");
+  km_text_add(out, "\n");
+}
+
+/* "(planar count 1)" of a planar mechanism; six freedoms a body are counted in space, or where all is printed. */
+static void print_counts(const km_mobility *mobility, bool planar, bool verbose, km_text *out) {
+  km_text_format(out, "mobility %d at this pose (", mobility->mobility);
+  if (planar)
+    km_text_format(out, "planar count %d%s", mobility->kutzbach_planar, verbose ? "; " : ")\n");
+  if (!planar || verbose)
+    km_text_format(out, "Kutzbach %d, extended Kutzbach %d), %d redundant constraint%s\n", mobility->kutzbach,
+                   mobility->kutzbach_extended, mobility->redundant_constraints,
+                   km_plural(mobility->redundant_constraints));
+}
+
+void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobility *mobility,
+                       const km_finite_mobility *finite, const char *name, bool verbose, km_text *out) {
   if (km_check_state(m, s, NULL) || !mobility || !name || !out)
     return;
   const km_model *model = m->model;
@@ -107,13 +155,13 @@ void km_mobility_print(const km_mechanism *m, const km_state *s, const km_mobili
                  model->body_count - 1, model->body_count == 2 ? "y" : "ies", model->joint_count,
                  km_plural(model->joint_count), model->coordinate_count, km_plural(model->coordinate_count),
                  t->loop_count, km_plural(t->loop_count), t->substructure_count, km_plural(t->substructure_count));
-  km_text_format(out, "mobility %d at this pose (Kutzbach %d, extended Kutzbach %d), %d redundant constraint%s\n",
-                 mobility->mobility, mobility->kutzbach, mobility->kutzbach_extended, mobility->redundant_constraints,
-                 km_plural(mobility->redundant_constraints));
   double n[3];
-  if (km_mechanism_plane(m, s, n))
-    km_text_format(out, "planar: everything moves across (%.4g, %.4g, %.4g), where the count is %d (Gruebler)\n", n[0],
-                   n[1], n[2], mobility->kutzbach_planar);
+  const bool planar = km_mechanism_plane(m, s, n);
+  print_counts(mobility, planar, verbose, out);
+  if (finite)
+    print_finite(finite, out);
+  if (planar)
+    km_text_format(out, "planar: everything moves across (%.4g, %.4g, %.4g)\n", n[0], n[1], n[2]);
   km_text_format(out, "loops closed to %.2g, characteristic length %g %s (%s)\n", mobility->residual, m->length,
                  model->units.length->suffix, km_length_source_name(m->length_source));
   if (t->loop_count)
