@@ -639,7 +639,7 @@ int main(void) {
       claim_test(
           random_polyhedra,
           "Distances and depths of 3000 pairs of random convex polyhedra against all pairs of their vertices, edges and faces",
-          "the issue's bound; rounding leaves 1e-15"),
+          "rounding of coordinates of size 1, over the least distance"),
       cmocka_unit_test(aligned_boxes),
       cmocka_unit_test(cylinders),
       cmocka_unit_test(round_bodies_anywhere),
