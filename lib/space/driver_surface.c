@@ -7,26 +7,49 @@
 
 #include <string.h>
 
-const km_substructure *km_driver_surface_part(const km_driver_surface *f) {
-  return &f->m->substructures[f->substructure];
+static const km_substructure *substructure_of(const km_driver_surface *f, const km_surface_part *part) {
+  return part->substructure < 0 ? NULL : &f->m->substructures[part->substructure];
 }
 
-static km_status check_driver(const km_driver_surface *f, int coordinate, km_error *error) {
+int km_driver_surface_coordinate(const km_driver_surface *f, int column) {
+  const km_surface_part *part = &f->part[f->part_count > 1 && column >= f->part[1].column_start];
+  const km_substructure *sub = substructure_of(f, part);
+  return sub ? f->m->column_coordinate[sub->column_start + column - part->column_start] : part->coordinate;
+}
+
+/* ---- Preparation. */
+
+/* Adds the part of a driver, unless it is there. *column: of the driver. */
+static km_status add_part(km_driver_surface *f, int coordinate, int *column, km_error *error) {
   const km_mechanism *m = f->m;
   int own = m->substructure_of[coordinate];
-  if (m->held[coordinate] || own < 0 || m->substructures[own].loop_count == 0 || m->ball_of[coordinate] >= 0)
-    return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a map; expected a free hinge or slide of a loop",
+  if (m->held[coordinate] || m->ball_of[coordinate] >= 0)
+    return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a map; expected a free hinge or slide",
                    m->model->coordinates[coordinate].label);
-  return own == f->substructure
-             ? KM_OK
-             : km_fail(error, KM_USAGE, "both drivers of a map must be different joints of one part of the mechanism");
+  bool is_loop = own >= 0 && m->substructures[own].loop_count > 0;
+  int at = 0;
+  while (at < f->part_count && !(is_loop && f->part[at].substructure == own))
+    ++at;
+  if (at == f->part_count) {
+    const km_surface_part *before = at > 0 ? &f->part[at - 1] : NULL;
+    f->part[f->part_count++] = (km_surface_part){
+        .substructure = is_loop ? own : -1,
+        .coordinate = coordinate,
+        .columns = is_loop ? m->substructures[own].columns : 1,
+        .rows = is_loop ? km_substructure_rows(m, own) : 0,
+        .column_start = before ? before->column_start + before->columns : 0,
+        .row_start = before ? before->row_start + before->rows : 0,
+    };
+    f->size = fmax(f->size, is_loop ? m->substructures[own].size : m->length);
+  }
+  *column = f->part[at].column_start + (is_loop ? m->column_of[coordinate] : 0);
+  return KM_OK;
 }
 
-/* The part must have as many conditions as coordinates without the controls. */
-static km_status check_part(const km_driver_surface *f, int joints, km_error *error) {
-  const km_substructure *sub = km_driver_surface_part(f);
-  for (int k = 0; k < sub->columns; ++k)
-    if (f->m->ball_of[f->m->column_coordinate[sub->column_start + k]] >= 0)
+/* The parts must have as many conditions as coordinates without the controls. */
+static km_status check_parts(const km_driver_surface *f, int joints, km_error *error) {
+  for (int k = 0; k < km_driver_surface_joints(f); ++k)
+    if (f->m->ball_of[km_driver_surface_coordinate(f, k)] >= 0)
       return km_fail(
           error, KM_USAGE,
           "this part of the mechanism has ball joints, which maps and turning curves don't cover; expected hinges and slides");
@@ -34,7 +57,7 @@ static km_status check_part(const km_driver_surface *f, int joints, km_error *er
     return km_fail(error, KM_USAGE,
                    "the part of the mechanism has %d coordinates and %d conditions; expected %s and no redundant "
                    "conditions",
-                   sub->columns, f->rows, joints == 2 ? "two freedoms" : "one freedom");
+                   km_driver_surface_joints(f), f->rows, joints == 2 ? "two freedoms" : "one freedom");
   return KM_OK;
 }
 
@@ -55,20 +78,22 @@ static km_status find_plane(km_driver_surface *f, km_error *error) {
 km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_arena *arena, km_error *error) {
   int joints = f->number ? 1 : 2;
   km_status status = KM_OK;
-  f->substructure = f->m->substructure_of[drivers[0]];
   for (int d = 0; !status && d < joints; ++d)
-    status = check_driver(f, drivers[d], error);
-  if (!status) {
-    f->columns = km_driver_surface_part(f)->columns + 2 - joints;
-    f->rows = km_substructure_rows(f->m, f->substructure);
-    status = check_part(f, joints, error);
-  }
+    status = add_part(f, drivers[d], &f->control[d], error);
+  if (status)
+    return status;
+  const km_surface_part *last = &f->part[f->part_count - 1];
+  f->columns = last->column_start + last->columns + 2 - joints;
+  f->rows = last->row_start + last->rows;
+  status = check_parts(f, joints, error);
   if (status)
     return status;
   size_t n = (size_t)f->columns, r = (size_t)f->rows;
   f->saved_size = KM_SAVED_PER_COLUMN * n;
   f->other = KM_ARENA_NEW(arena, int, r + 1);
   f->J = KM_ARENA_NEW(arena, double, n *r + 1);
+  f->part_J = KM_ARENA_NEW(arena, double, n *r + 1);
+  f->e = KM_ARENA_NEW(arena, double, r + 1);
   f->A = KM_ARENA_NEW(arena, double, r *r + 1);
   f->row = KM_ARENA_NEW(arena, int, r + 1);
   f->step = KM_ARENA_NEW(arena, double, n);
@@ -81,18 +106,30 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_
   status = f->frame >= 0 ? find_plane(f, error) : KM_OK;
   if (status)
     return status;
-  f->control[1] = f->columns - 1;
-  for (int d = 0; d < joints; ++d)
-    f->control[d] = f->m->column_of[drivers[d]];
+  if (f->number)
+    f->control[1] = f->columns - 1;
   for (int k = 0, count = 0; k < f->columns; ++k)
     if (k != f->control[0] && k != f->control[1])
       f->other[count++] = k;
   return KM_OK;
 }
 
+/* ---- Operations. */
+
 void km_driver_surface_update(km_driver_surface *f) {
-  km_loops_recompute(f->m, f->s, km_driver_surface_part(f));
-  km_state_jacobian_dense(f->s, km_driver_surface_part(f), f->J);
+  memset(f->J, 0, (size_t)(f->rows * f->columns) * sizeof *f->J);
+  for (int i = 0; i < f->part_count; ++i) {
+    const km_surface_part *part = &f->part[i];
+    const km_substructure *sub = substructure_of(f, part);
+    if (!sub)
+      continue;
+    km_loops_recompute(f->m, f->s, sub);
+    km_state_jacobian_dense(f->s, sub, f->part_J);
+    memcpy(f->e + part->row_start, km_state_error(f->s, sub), (size_t)part->rows * sizeof *f->e);
+    for (int k = 0; k < part->columns; ++k)
+      memcpy(f->J + (size_t)((part->column_start + k) * f->rows + part->row_start),
+             f->part_J + (size_t)(k * part->rows), (size_t)part->rows * sizeof *f->J);
+  }
 }
 
 bool km_driver_surface_factor(km_driver_surface *f, int *sign) {
@@ -107,17 +144,16 @@ int km_driver_surface_joints(const km_driver_surface *f) {
 }
 
 void km_driver_surface_update_output(km_driver_surface *f) {
-  const km_substructure *sub = km_driver_surface_part(f);
+  int w = km_driver_surface_joints(f);
   if (f->frame < 0)
     return;
   km_poses_compute(f->m, f->s);
   km_frame_jacobian(f->m, f->s, f->frame, f->frame_jacobian, NULL);
-  for (int k = 0; k < sub->columns; ++k) {
-    int c = f->m->column_coordinate[sub->column_start + k];
+  for (int k = 0; k < w; ++k) {
+    int c = km_driver_surface_coordinate(f, k);
     const double *J = f->frame_jacobian + 6 * c;
     for (int i = 0; i < 2; ++i)
-      f->G[i * sub->columns + k] =
-          (f->axis[i].x * J[0] + f->axis[i].y * J[1] + f->axis[i].z * J[2]) * f->m->unit[c] / sub->size;
+      f->G[i * w + k] = (f->axis[i].x * J[0] + f->axis[i].y * J[1] + f->axis[i].z * J[2]) * f->m->unit[c] / f->size;
   }
 }
 
@@ -137,12 +173,25 @@ bool km_driver_surface_move(km_driver_surface *f, const double *step) {
     if (change != 0.0 && !km_design_number_set(f->number, f->number->value + change))
       return false;
   }
-  km_state_move(f->m, f->s, km_driver_surface_part(f), step);
+  for (int i = 0; i < f->part_count; ++i) {
+    const km_surface_part *part = &f->part[i];
+    if (part->substructure >= 0)
+      km_state_move(f->m, f->s, substructure_of(f, part), step + part->column_start);
+    else
+      f->s->q[part->coordinate] += step[part->column_start] * f->m->unit[part->coordinate];
+  }
   return true;
 }
 
 void km_driver_surface_save(const km_driver_surface *f, double *saved) {
-  km_state_save(f->s, km_driver_surface_part(f), saved);
+  for (int i = 0; i < f->part_count; ++i) {
+    const km_surface_part *part = &f->part[i];
+    double *own = saved + KM_SAVED_PER_COLUMN * part->column_start;
+    if (part->substructure >= 0)
+      km_state_save(f->s, substructure_of(f, part), own);
+    else
+      *own = f->s->q[part->coordinate];
+  }
   if (f->number)
     saved[f->saved_size - 1] = f->number->value;
 }
@@ -150,17 +199,31 @@ void km_driver_surface_save(const km_driver_surface *f, double *saved) {
 void km_driver_surface_restore(km_driver_surface *f, const double *saved) {
   if (f->number)
     km_design_number_set(f->number, saved[f->saved_size - 1]);
-  km_state_restore(f->s, km_driver_surface_part(f), saved);
+  for (int i = 0; i < f->part_count; ++i) {
+    const km_surface_part *part = &f->part[i];
+    const double *own = saved + KM_SAVED_PER_COLUMN * part->column_start;
+    if (part->substructure >= 0)
+      km_state_restore(f->s, substructure_of(f, part), own);
+    else
+      f->s->q[part->coordinate] = *own;
+  }
 }
 
 double km_driver_surface_difference(const km_driver_surface *f, const double *saved, double *step) {
-  const km_substructure *sub = km_driver_surface_part(f);
+  int w = km_driver_surface_joints(f);
   double sum = 0.0;
-  km_state_difference(f->s, sub, saved, step);
+  for (int i = 0; i < f->part_count; ++i) {
+    const km_surface_part *part = &f->part[i];
+    const double *own = saved + KM_SAVED_PER_COLUMN * part->column_start;
+    if (part->substructure >= 0)
+      km_state_difference(f->s, substructure_of(f, part), own, step + part->column_start);
+    else
+      step[part->column_start] = (f->s->q[part->coordinate] - *own) / f->m->unit[part->coordinate];
+  }
   if (f->number)
-    step[f->columns - 1] = (f->number->value - saved[f->saved_size - 1]) / (f->high[1] - f->low[1]);
+    step[w] = (f->number->value - saved[f->saved_size - 1]) / (f->high[1] - f->low[1]);
   for (int k = 0; k < f->columns; ++k) {
-    if (k < sub->columns && km_coordinate_turns(f->m, f->m->column_coordinate[sub->column_start + k]))
+    if (k < w && km_coordinate_turns(f->m, km_driver_surface_coordinate(f, k)))
       step[k] = remainder(step[k], 2.0 * M_PI);
     sum += step[k] * step[k];
   }
@@ -168,9 +231,8 @@ double km_driver_surface_difference(const km_driver_surface *f, const double *sa
 }
 
 double km_driver_surface_value(const km_driver_surface *f, int control) {
-  if (f->number && control == 1)
-    return f->number->value;
-  return km_state_value(f->s, f->m->column_coordinate[km_driver_surface_part(f)->column_start + f->control[control]]);
+  return f->number && control == 1 ? f->number->value
+                                   : km_state_value(f->s, km_driver_surface_coordinate(f, f->control[control]));
 }
 
 bool km_driver_surface_is_inside(const km_driver_surface *f) {
@@ -180,4 +242,11 @@ bool km_driver_surface_is_inside(const km_driver_surface *f) {
       return false;
   }
   return true;
+}
+
+bool km_driver_surface_is_outside_limit(const km_driver_surface *f) {
+  for (int k = 0; k < km_driver_surface_joints(f); ++k)
+    if (km_state_is_outside(f->s, km_driver_surface_coordinate(f, k)))
+      return true;
+  return false;
 }

@@ -13,16 +13,28 @@
 #include "kmech/space.h"
 #include "space/design_number.h"
 
+/* A part of the mechanism that a driver moves: a substructure, or a joint of no loop. */
+typedef struct km_surface_part {
+  int substructure;            /* −1: a joint of no loop */
+  int coordinate;              /* that joint's */
+  int columns, rows;           /* coordinates and conditions */
+  int column_start, row_start; /* among those of all parts */
+} km_surface_part;
+
 typedef struct km_driver_surface {
   const km_mechanism *m;
   km_state *s;
-  int substructure;
+  km_surface_part part[2]; /* parts of the drivers; both may be in one */
+  int part_count;
+  double size;              /* length of the output's rows: that of the larger part */
   int columns, rows;        /* unknowns, with the number behind the coordinates; rows = columns − 2 */
   int control[2];           /* columns of the controls */
   double low[2], high[2];   /* their ranges: the model's units */
   km_design_number *number; /* the second control; NULL: a driver */
   int *other;               /* [rows] the other columns */
   double *J;                /* [rows × columns], column-major; the number's column isn't updated */
+  double *e;                /* [rows] closure errors */
+  double *part_J;           /* workspace: J of a part */
   double *A;                /* [rows × rows], by rows: factors after km_driver_surface_factor */
   int *row;
   double *step, *x, *b;   /* [columns], [rows], [rows] */
@@ -33,11 +45,12 @@ typedef struct km_driver_surface {
   size_t saved_size;      /* numbers of a saved configuration */
 } km_driver_surface;
 
-/* Allocates the arrays; m, s, number, frame and ranges are given, and the drivers as coordinates. KM_USAGE: a
- * driver is no hinge or slide of a loop, the part of the mechanism has ball joints, or not as many conditions as other
+/* Allocates the arrays; m, s, number, frame and ranges are given, and the drivers as coordinates. KM_USAGE: a driver is
+ * no free hinge or slide, a part of the mechanism has ball joints, or the parts have not as many conditions as other
  * coordinates. */
 km_status km_driver_surface_create(km_driver_surface *surface, const int *drivers, km_arena *arena, km_error *error);
-const km_substructure *km_driver_surface_part(const km_driver_surface *f);
+/* Coordinate of a column that isn't the number's. */
+int km_driver_surface_coordinate(const km_driver_surface *f, int column);
 /* Updates e and J at the state's configuration. */
 void km_driver_surface_update(km_driver_surface *f);
 /* Factors A of the last update; *sign is that of det A. False at a singular configuration. */
@@ -57,5 +70,7 @@ double km_driver_surface_difference(const km_driver_surface *f, const double *sa
 /* Value of a control in the model's unit, and whether both are within their ranges. */
 double km_driver_surface_value(const km_driver_surface *f, int control);
 bool km_driver_surface_is_inside(const km_driver_surface *f);
+/* True if a coordinate of the parts exceeds its limits. */
+bool km_driver_surface_is_outside_limit(const km_driver_surface *f);
 
 #endif

@@ -7,8 +7,8 @@
  * It is regular at folds, where K alone is singular (A. Griewank, G. W. Reddien 1984). A curve ends where it closes,
  * and outside the range of a control. Where a number of the design is a control, extrema of the number are located:
  * roots of its component of t. */
-#include "base/number/vectors.h"
 #include "space/singularity_curves.h"
+#include "base/number/vectors.h"
 
 #include "base/random.h"
 #include "space/critical_kind.h"
@@ -118,7 +118,7 @@ static void update(km_singularity_curves *v, double *K) {
 static bool fill_differences(km_singularity_curves *v, int k) {
   km_driver_surface *f = v->f;
   int r = f->rows, w = v->order;
-  const double *e = km_state_error(f->s, km_driver_surface_part(f));
+  const double *e = f->e;
   memset(f->step, 0, (size_t)f->columns * sizeof *f->step);
   f->step[k] = difference;
   bool is_ok = km_driver_surface_move(f, f->step);
@@ -148,7 +148,7 @@ static bool fill(km_singularity_curves *v, const double *last) {
     if (!fill_differences(v, k))
       return false;
   update(v, v->K);
-  const double *e = km_state_error(f->s, km_driver_surface_part(f));
+  const double *e = f->e;
   for (int i = 0; i < r; ++i) {
     for (int k = 0; k < n; ++k)
       v->M[i * u + k] = k == w ? v->number_column[i] : f->J[k * r + i];
@@ -305,7 +305,7 @@ static bool add_extremum(km_singularity_curves *v, double h, double last) {
     }
   }
   const km_mechanism *m = v->f->m;
-  int c = m->column_coordinate[km_driver_surface_part(v->f)->column_start + v->f->control[0]];
+  int c = km_driver_surface_coordinate(v->f, v->f->control[0]);
   double driver = v->f->s->q[c];
   void *points = v->critical;
   if (!km_reserve(&points, &v->critical_capacity, (size_t)v->critical_count + 1, sizeof *v->critical))

@@ -61,7 +61,7 @@ static bool close_cell(map_search *g, double predicted, int *sign) {
     km_driver_surface_update(f);
     if (!km_driver_surface_factor(f, sign))
       return false;
-    const double *e = km_state_error(f->s, km_driver_surface_part(f));
+    const double *e = f->e;
     for (int k = 0; k < f->rows; ++k) {
       error = fmax(error, fabs(e[k]));
       f->b[k] = -e[k];
@@ -159,7 +159,6 @@ static void coordinate_rates(const km_driver_surface *f, const double *N, int k,
 
 /* Writes m_j of every coordinate. */
 static void write_mobility_numbers(const km_driver_surface *f, const double *N, double *row) {
-  const km_substructure *sub = km_driver_surface_part(f);
   double S[3] = {1.0, 0.0, 1.0}; /* Nᵀ N: (0,0), (0,1), (1,1) */
   for (int k = 0; k < f->rows; ++k) {
     S[0] += N[k] * N[k];
@@ -170,7 +169,7 @@ static void write_mobility_numbers(const km_driver_surface *f, const double *N, 
   for (int k = 0; k < f->columns; ++k) {
     double z[2];
     coordinate_rates(f, N, k, z);
-    row[f->m->column_coordinate[sub->column_start + k]] =
+    row[km_driver_surface_coordinate(f, k)] =
         (z[0] * z[0] * S[2] - 2.0 * z[0] * z[1] * S[1] + z[1] * z[1] * S[0]) / determinant;
   }
 }
@@ -248,7 +247,7 @@ static bool fill_row(map_search *g, int cell, int sheet, const double *N, int *o
   write_singular_values(g, row);
   row += 2;
   row += write_output(g, N, row, output_sign);
-  g->is_written[cell] = !g->def->within_limits || km_state_find_outside_limit(f->s, km_driver_surface_part(f)) < 0;
+  g->is_written[cell] = !g->def->within_limits || !km_driver_surface_is_outside_limit(f);
   return write_figures(g, row);
 }
 

@@ -48,6 +48,11 @@ const char *km_turning_kind_name(km_turning_kind kind) {
   return kind >= KM_TURNING_NONE && kind <= KM_TURNING_CUSP ? names[kind] : "";
 }
 
+/* The substructure that moves. */
+static int part_of(const turning_search *g) {
+  return g->f.part[0].substructure;
+}
+
 /* ---- The circuit at one value of the number. */
 
 /* Moves to the dead point between the present configuration, where the driver's rate is `after`, and the one `length`
@@ -95,7 +100,7 @@ static void note_dead_point(turning_search *g, km_arc_motion *motion, double len
 
 /* True if a slide of the part is so far that the motion goes to infinity. */
 static bool is_far(const turning_search *g) {
-  const km_substructure *sub = km_driver_surface_part(&g->f);
+  const km_substructure *sub = &g->f.m->substructures[part_of(g)];
   for (int k = 0; k < sub->columns; ++k) {
     int c = g->f.m->column_coordinate[sub->column_start + k];
     if (km_model_coordinate_is_length(g->f.m->model, c) && fabs(g->f.s->q[c]) > far_slide * sub->size)
@@ -143,7 +148,7 @@ static km_status follow_circuit(turning_search *g, driver_swing *swing, km_error
   for (double sense = 1.0; !status && !is_closed && sense >= -1.0; sense -= 2.0) {
     km_arc_motion *motion = NULL;
     km_driver_surface_restore(&g->f, g->place);
-    km_state_invalidate_pivots(g->f.s, g->f.substructure);
+    km_state_invalidate_pivots(g->f.s, part_of(g));
     status = km_arc_motion_create(g->f.m, g->f.s, -1, sense, true, &motion, error);
     if (!status)
       follow_motion(g, motion, swing, &is_closed);
@@ -165,8 +170,8 @@ static bool walk(turning_search *g, double value) {
     step = fabs(step) < fabs(left) ? step : left;
     km_driver_surface_save(&g->f, g->before);
     bool is_ok = km_design_number_set(&g->number, step == left ? value : g->number.value + step);
-    km_state_invalidate_pivots(g->f.s, g->f.substructure);
-    is_ok = is_ok && km_loops_close(g->f.m, g->f.s, g->f.substructure, KM_NO_DRIVER, &closure) == KM_CLOSED &&
+    km_state_invalidate_pivots(g->f.s, part_of(g));
+    is_ok = is_ok && km_loops_close(g->f.m, g->f.s, part_of(g), KM_NO_DRIVER, &closure) == KM_CLOSED &&
             closure.correction <= most_correction;
     if (is_ok) {
       step *= 2.0;
@@ -324,8 +329,11 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
   *f = (km_driver_surface){
       .m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number, .frame = -1};
   km_status status = km_driver_surface_create(f, &def->driver, &g->arena, error);
+  if (!status && part_of(g) < 0)
+    status = km_fail(error, KM_USAGE, "joint \"%s\" is in no loop; expected the driver of one",
+                     m->model->coordinates[def->driver].label);
   if (!status)
-    status = km_design_number_open(m, s, f->substructure, def->file, def->path, &g->number, error);
+    status = km_design_number_open(m, s, f->part[0].substructure, def->file, def->path, &g->number, error);
   if (status)
     return status;
   f->m = g->number.m;

@@ -217,6 +217,49 @@ static void cranks_and_rods_are_in_line_where_the_output_is_singular(void **stat
   assert_true(points > 500);
 }
 
+/* Drivers of different parts: an arm of two hinges in no loop, whose second link carries a four-bar that a crank
+ * drives. The end of the arm moves as l1 l2 sin q2, and the four-bar on its own. */
+static void drivers_of_different_parts(void **state) {
+  (void)state;
+  fixture f = fixture_read(
+      "{\"assemblies\": [{\"name\": \"a\", \"drawn\": \"assembled\", \"bodies\": [{\"name\": \"upper\"}, "
+      "{\"name\": \"fore\", \"frames\": [{\"name\": \"end\", \"T\": [1.7, 0, 0]}]}, {\"name\": \"crank\"}, "
+      "{\"name\": \"coupler\"}, {\"name\": \"rocker\"}], \"joints\": ["
+      "{\"name\": \"A\", \"type\": \"revolute\", \"bodies\": [\"fixed\", \"upper\"], \"at\": [0, 0]},"
+      "{\"name\": \"B\", \"type\": \"revolute\", \"bodies\": [\"upper\", \"fore\"], \"at\": [1, 0]},"
+      "{\"name\": \"C\", \"type\": \"revolute\", \"bodies\": [\"fore\", \"crank\"], \"at\": [1.2, 0]},"
+      "{\"name\": \"D\", \"type\": \"revolute\", \"bodies\": [\"crank\", \"coupler\"], \"at\": [1.2, 0.1]},"
+      "{\"name\": \"E\", \"type\": \"revolute\", \"bodies\": [\"coupler\", \"rocker\"], \"at\": [1.5, 0.3]},"
+      "{\"name\": \"F\", \"type\": \"revolute\", \"bodies\": [\"fore\", \"rocker\"], \"at\": [1.55, 0]}]}]}");
+  const char *const path[] = {"fore", "end"};
+  int frame;
+  assert_int_equal(km_model_find_frame(f.model, path, 2, &frame, NULL), KM_OK);
+  for (int pair = 0; pair < 2; ++pair) {
+    const int drivers[2] = {coordinate(&f, pair ? "B" : "A"), coordinate(&f, pair ? "C" : "B")};
+    const km_space_map_def def = {.axis = {{drivers[0], -3.0, 3.0, 30}, {drivers[1], -3.0, 3.0, 30}},
+                                  .has_point = !pair,
+                                  .frame = frame,
+                                  .point_name = "end"};
+    km_all_modes modes;
+    km_space_map map;
+    assert_int_equal(km_map_modes_find(f.mechanism, f.state, drivers, 1, NULL, NULL, &modes, NULL), KM_OK);
+    assert_int_equal(modes.count, pair ? 2 : 1);
+    assert_int_equal(km_space_map_compute(f.mechanism, f.state, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
+    assert_int_equal(km_table_rows(map.cells), modes.count * 31 * 31);
+    double size = f.mechanism->length;
+    for (size_t k = 0; k < km_table_rows(map.cells) && !pair; ++k)
+      assert_near(cell(map.cells, k, "manipulability") * size * size, 0.7 * fabs(sin(cell(map.cells, k, "q.B"))),
+                  1e-12);
+    for (size_t k = 0; k < km_table_rows(map.curves) && !pair; ++k)
+      assert_near(sin(cell(map.curves, k, "q.B")), 0.0, 1e-9);
+    assert_int_equal(map.curve_count, pair ? 0 : 1);
+    assert_int_equal(map.aspect_count, 2);
+    km_space_map_free(&map);
+    km_all_modes_free(&modes);
+  }
+  fixture_close(&f);
+}
+
 static bool stop_at_once(void *context, double done) {
   (void)context;
   (void)done;
@@ -255,8 +298,9 @@ static void refusals(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(cells_close_the_rods), cmocka_unit_test(rods_are_in_line_on_the_curves),
-      cmocka_unit_test(cranks_and_rods_are_in_line_where_the_output_is_singular), cmocka_unit_test(refusals)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(cells_close_the_rods),
+                                     cmocka_unit_test(rods_are_in_line_on_the_curves),
+                                     cmocka_unit_test(cranks_and_rods_are_in_line_where_the_output_is_singular),
+                                     cmocka_unit_test(drivers_of_different_parts), cmocka_unit_test(refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 #include "support/support.h"
 
 #include "base/random.h"
+#include "kmech/continuation.h"
 #include "kmech/mobility.h"
 #include "kmech/space.h"
 #include "model/model.h"
@@ -223,6 +224,34 @@ static void platforms_keep_the_sign_of_their_lines(void **state) {
   fixture_close(&f);
 }
 
+/* A slice of the platform's three freedoms, the third leg held: the legs' lines meet in a point on the singularity
+ * curves of the other two. */
+static void lines_meet_on_the_curves_of_a_slice(void **state) {
+  (void)state;
+  fixture f = build_platform();
+  const int drivers[2] = {coordinate(&f, "P0"), coordinate(&f, "P1")};
+  const km_hold hold = {coordinate(&f, "P2"), 0.0};
+  km_mechanism *held;
+  km_state *at;
+  assert_int_equal(km_mechanism_compile_at(f.model, &hold, 1, NULL, 0, &held, &at, NULL), KM_OK);
+  km_all_modes modes;
+  km_space_map map;
+  const km_space_map_def def = {.axis = {{drivers[0], -0.6, 1.2, 30}, {drivers[1], -0.6, 1.2, 30}}};
+  assert_int_equal(km_map_modes_find(held, at, drivers, 1, NULL, NULL, &modes, NULL), KM_OK);
+  assert_int_equal(km_space_map_compute(held, at, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
+  assert_true(km_table_rows(map.curves) > 100);
+  for (size_t r = 0; r < km_table_rows(map.curves); ++r) {
+    double pose[3];
+    pose_at(&f, map.curves, r, pose);
+    assert_near(lines_of(pose), 0.0, 1e-9);
+  }
+  km_space_map_free(&map);
+  km_all_modes_free(&modes);
+  km_state_free(at);
+  km_mechanism_free(held);
+  fixture_close(&f);
+}
+
 /* The other assembly mode at the same cranks can't be reached without a singularity. */
 static void opposite_modes_are_separated(void **state) {
   (void)state;
@@ -293,6 +322,7 @@ static void conditions_and_refusals(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(five_bars_keep_their_mode), cmocka_unit_test(platforms_keep_the_sign_of_their_lines),
-      cmocka_unit_test(opposite_modes_are_separated), cmocka_unit_test(conditions_and_refusals)};
+      cmocka_unit_test(lines_meet_on_the_curves_of_a_slice), cmocka_unit_test(opposite_modes_are_separated),
+      cmocka_unit_test(conditions_and_refusals)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -16,7 +16,7 @@ typedef struct options {
   kt_common common;
   kt_texts holds, sets, joints, ranges, steps;
   const char *model, *base, *point, *format, *show; /* base: -o, or NULL */
-  int ask, limits, over_point;
+  int ask, limits, over_point, own;
   kt_formats formats;
 } options;
 
@@ -156,11 +156,12 @@ static void print_map(const options *o, const km_model *model, const km_space_ma
 static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map_def *def, km_all_modes *modes,
                        km_space_map *map) {
   const int locked[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
-  const km_all_modes_def of_modes = {.locked = locked, .locked_count = 2, .seed = o->common.seed};
   km_error error;
   kt_progress progress = kt_progress_start(&o->common);
-  km_status status =
-      km_all_modes_find(pose->mechanism, pose->state, &of_modes, kt_progress_show, &progress, modes, &error);
+  km_status status = km_map_modes_find(pose->mechanism, pose->state, locked, o->common.seed, kt_progress_show,
+                                       &progress, modes, &error);
+  if (!status && o->own && modes->count > 1)
+    modes->count = 1; /* the first one is that of the pose */
   if (!status)
     status = km_space_map_compute(pose->mechanism, pose->state, def, modes, kt_progress_show, &progress, map, &error);
   kt_progress_end(&progress);
@@ -256,6 +257,7 @@ kt_exit kspace_map(int argc, char **argv) {
        KT_ABOUT_FILES},
       {"format", 0, "FORMATS", "Some of csv,svg,pdf,png (default csv,svg)", KT_TEXT_OF("csv or svg or pdf or png"),
        &o.format, KT_ABOUT_FILES},
+      {"own", 0, NULL, "Follow the sheet of the pose only", KT_FLAG, &o.own, KT_ABOUT_MODEL},
       {"limits", 0, NULL, "Leave out cells beyond the joint limits", KT_FLAG, &o.limits, KT_ABOUT_MODEL},
       KT_SET(&o.sets, "Start from another pose: move a joint to a value"),
       KT_HOLD(&o.holds, KT_HOLD_RIGID),

@@ -100,9 +100,8 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
     definition = ffi.new("km_space_map_def *", {"axis": axes, "has_point": point is not None, "point_name": name,
                                                 "frame": mechanism.model._frame(point) if point is not None else 0})
     locked = ffi.new("int[]", [axis["coordinate"] for axis in axes])
-    wanted = ffi.new("km_all_modes_def *", {"locked": locked, "locked_count": 2, "seed": seed})
     with mechanism.model._reading(), state._using():
-        status = lib.km_all_modes_find(mechanism._c, state._c, wanted, watch.call, watch.context, modes, error)
+        status = lib.km_map_modes_find(mechanism._c, state._c, locked, seed, watch.call, watch.context, modes, error)
         if not status:
             status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, watch.call, watch.context, found,
                                               error)

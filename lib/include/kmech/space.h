@@ -130,7 +130,7 @@ KM_API const char *km_singularity_kind_name(km_singularity_kind kind);
 
 /* One axis of a map: a driver and the grid of its values. */
 typedef struct km_space_axis {
-  int coordinate;  /* the driver: a hinge or slide of a loop */
+  int coordinate;  /* the driver: a free hinge or slide */
   double from, to; /* model's unit */
   int steps;       /* intervals, 1 to KM_MAX_MAP_STEPS */
 } km_space_axis;
@@ -148,7 +148,7 @@ typedef struct km_map_figures {
 
 /* Definition of a map. */
 typedef struct km_space_map_def {
-  km_space_axis axis[2];         /* drivers of one part of the mechanism */
+  km_space_axis axis[2];         /* the drivers, of one part of the mechanism or of two */
   bool has_point;                /* the map adds the place of a point of a planar mechanism */
   int frame;                     /* its frame */
   const char *point_name;        /* its name in columns: "body/frame" */
@@ -169,13 +169,20 @@ typedef struct km_space_map {
   int curve_count;  /* number of curves */
 } km_space_map;
 
-/* Follows the configurations over a grid of two drivers, from each mode (km_all_modes_find with both locked) and from
- * grid point to grid point. A sheet ends at singular configurations of the drivers, where det A = 0, A the Jacobian's
+/* Finds the modes from which a map begins: those of the parts that the drivers move, with the drivers locked, in all
+ * combinations. A driver of no loop has one. `*out` has no evidence and no mobility numbers where the drivers move
+ * different parts. Errors as km_all_modes_find. Free `*out` in any case. */
+KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state *state, const int drivers[2],
+                                   unsigned long seed, km_progress progress, void *context, km_all_modes *out,
+                                   km_error *error);
+
+/* Follows the configurations over a grid of two drivers, from each mode (km_map_modes_find) and from grid point to grid
+ * point. A sheet ends at singular configurations of the drivers, where det A = 0, A the Jacobian's
  * columns of the other coordinates. sigma.input and sigma.closure are the smallest singular values of A and of J,
  * sigma.output and manipulability the smallest singular value and the product of both of the point's Jacobian G by the
  * drivers; lengths over the substructure's size. The curves det A = 0 that bound the sheets, and det G = 0 on them, are
- * followed by continuation, each point to 1e-11. KM_USAGE: an axis is invalid, ball joints, the part has not two
- * freedoms or has redundant conditions, or a point of a mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free
+ * followed by continuation, each point to 1e-11. KM_USAGE: an axis is invalid, ball joints, the parts have not two
+ * freedoms or have redundant conditions, or a point of a mechanism that isn't planar; KM_MEMORY; KM_CANCELLED. Free
  * `*out` in any case. O(cells · rank³). */
 KM_API km_status km_space_map_compute(const km_mechanism *mechanism, const km_state *state, const km_space_map_def *def,
                                       const km_all_modes *modes, km_progress progress, void *context, km_space_map *out,

@@ -16,7 +16,7 @@
 
 enum { MOST_PANELS = 6, MOST_QUADS = 80, BAND_CORNERS = 8 };
 static const km_colour ink = {0.15, 0.15, 0.15, 1}, grey = {0.40, 0.40, 0.40, 1};
-static const double panel_width = 230.0, panel_height = 210.0, margin = 14.0, head = 52.0, gap_x = 58.0, gap_y = 56.0,
+static const double panel_width = 230.0, panel_height = 210.0, margin = 14.0, head = 64.0, gap_x = 58.0, gap_y = 56.0,
                     bar_width = 96.0;
 static const double overlap = 0.35;     /* points by which polygons are larger */
 static const double longest_quad = 0.2; /* part of the axes: a larger quad is at a singular configuration, or not one */
@@ -403,7 +403,7 @@ static void draw_panel(map_picture *p, int panel, int columns) {
 
 static void draw_page(map_picture *p, int columns, double width) {
   const km_font title = {.size = 13, .bold = true, .width = width - 2 * margin},
-                subtitle = {.size = 9, .width = width - 2 * margin};
+                subtitle = {.size = 9, .width = width - 2 * margin, .lines = 2};
   km_text about = {0};
   km_canvas_text(p->canvas, &title, ink, p->look->title ? p->look->title : "Map", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
