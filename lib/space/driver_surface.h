@@ -18,7 +18,7 @@ typedef struct km_surface_part {
   int substructure;            /* −1: a joint of no loop */
   int coordinate;              /* that joint's */
   int columns, rows;           /* coordinates and conditions */
-  int column_start, row_start; /* among those of all parts */
+  int column_start, row_start; /* first of each among those of all parts */
 } km_surface_part;
 
 typedef struct km_driver_surface {
