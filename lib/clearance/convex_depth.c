@@ -247,6 +247,10 @@ void km_convex_depth_compute(const km_convex_pair *pair, double scale, km_convex
     upper = fmin(upper, h);
     grows = h - f.distance > gap_end * scale && expand(&m, nearest, &p);
   }
+  if (!(upper < HUGE_VAL)) { /* every face of the first tetrahedron is thin */
+    take_flat(&m, normal, out);
+    return;
+  }
   if (upper > 0.0 || out->distance == 0.0)
     out->distance = -upper;
   out->error = fmax(0.0, upper - lower) + gap_end * scale;

@@ -4,6 +4,7 @@
 #include "kmech/model.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Reads the model with the number. */
 static km_status read_model(const km_design_number *n, double value, km_model **out, km_error *error) {
@@ -45,7 +46,8 @@ km_status km_design_number_open(const km_mechanism *like, const km_state *at, in
     return status;
   km_model_numbers_list(n->model, &n->numbers);
   n->saved = KM_NEW(double, (size_t)(KM_SAVED_PER_COLUMN * n->m->substructures[substructure].columns) + 1);
-  bool is_ok = !n->numbers.failed && n->saved;
+  n->q = KM_NEW(double, (size_t)n->m->coordinate_count + 1);
+  bool is_ok = !n->numbers.failed && n->saved && n->q;
   for (int i = 0; i < KM_READ_NUMBERS; ++i) {
     n->read[i] = (km_read_numbers){nan(""), KM_NEW(double, n->numbers.count + 1)};
     is_ok = is_ok && n->read[i].numbers;
@@ -59,6 +61,7 @@ km_status km_design_number_open(const km_mechanism *like, const km_state *at, in
 void km_design_number_close(km_design_number *n) {
   km_model_numbers_free(&n->numbers);
   km_free(n->saved);
+  km_free(n->q);
   for (int i = 0; i < KM_READ_NUMBERS; ++i)
     km_free(n->read[i].numbers);
   km_state_free(n->s);
@@ -97,12 +100,16 @@ bool km_design_number_set(km_design_number *n, double value) {
   const double *numbers = numbers_at(n, value);
   if (!numbers)
     return false;
+  km_state_save(n->s, &n->m->substructures[n->substructure], n->saved);
+  memcpy(n->q, n->s->q, (size_t)n->m->coordinate_count * sizeof *n->q);
   for (size_t i = 0; i < n->numbers.count; ++i)
     *n->numbers.items[i].at = numbers[i];
-  km_state_save(n->s, &n->m->substructures[n->substructure], n->saved);
   n->status = km_mechanism_renumber(n->m, NULL);
+  n->value = n->status ? nan("") : value; /* the mechanism still has its last numbers, the model not */
   km_state_restart(n->s);
+  for (int c = 0; c < n->m->coordinate_count; ++c)
+    if (n->m->ball_of[c] < 0)
+      n->s->q[c] = n->q[c];
   km_state_restore(n->s, &n->m->substructures[n->substructure], n->saved);
-  n->value = n->status ? n->value : value;
   return !n->status;
 }

@@ -29,6 +29,7 @@ typedef struct km_design_number {
   km_read_numbers read[KM_READ_NUMBERS];
   int oldest;    /* index of the one to replace next */
   double *saved; /* [KM_SAVED_PER_COLUMN × columns] of `substructure` */
+  double *q;     /* [coordinate] workspace */
   int substructure;
   km_status status; /* status of the last km_design_number_set */
 } km_design_number;

@@ -24,7 +24,7 @@ static km_status add_part(km_driver_surface *f, int coordinate, int *column, km_
   const km_mechanism *m = f->m;
   int own = m->substructure_of[coordinate];
   if (m->held[coordinate] || m->ball_of[coordinate] >= 0)
-    return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a map; expected a free hinge or slide",
+    return km_fail(error, KM_USAGE, "joint \"%s\" can't be a driver here; expected a free hinge or slide",
                    m->model->coordinates[coordinate].label);
   bool is_loop = own >= 0 && m->substructures[own].loop_count > 0;
   int at = 0;

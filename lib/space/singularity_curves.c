@@ -307,6 +307,8 @@ static bool add_extremum(km_singularity_curves *v, double h, double last) {
   const km_mechanism *m = v->f->m;
   int c = km_driver_surface_coordinate(v->f, v->f->control[0]);
   double driver = v->f->s->q[c];
+  if (!km_driver_surface_is_inside(v->f))
+    return true;
   void *points = v->critical;
   if (!km_reserve(&points, &v->critical_capacity, (size_t)v->critical_count + 1, sizeof *v->critical))
     return false;
@@ -334,8 +336,12 @@ static bool follow(km_singularity_curves *v, bool *is_closed) {
     }
     travelled += h;
     ++i;
-    if (f->number && v->t[at] * v->from.t[at] < 0.0 && (!add_extremum(v, h, v->t[at]) || !step(v, h, &first)))
-      return !v->arena.failed;
+    if (f->number && v->t[at] * v->from.t[at] < 0.0) {
+      if (!add_extremum(v, h, v->t[at]))
+        return false;
+      if (!step(v, h, &first))
+        return true;
+    }
     if (!km_driver_surface_is_inside(f))
       return true;
     *is_closed = travelled > 5.0 * longest_step && km_driver_surface_difference(f, v->start.saved, f->step) < h;

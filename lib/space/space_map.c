@@ -197,7 +197,7 @@ static int write_output(map_search *g, const double *N, double *row, int *sign) 
   km_frame_position(g->f.m, g->f.s, g->f.frame, row);
   double determinant = D[0] * D[3] - D[1] * D[2], squares = D[0] * D[0] + D[1] * D[1] + D[2] * D[2] + D[3] * D[3];
   double root = sqrt(fmax(squares * squares - 4.0 * determinant * determinant, 0.0));
-  row[3] = fabs(determinant) / sqrt(0.5 * (squares + root));
+  row[3] = squares > 0.0 ? fabs(determinant) / sqrt(0.5 * (squares + root)) : 0.0;
   row[4] = fabs(determinant);
   *sign = determinant < 0.0 ? -1 : 1;
   return 5;
@@ -209,6 +209,10 @@ static void write_singular_values(map_search *g, double *row) {
   for (int j = 0; j < f->rows; ++j)
     memcpy(f->A + (size_t)j * (size_t)f->rows, f->J + (size_t)f->other[j] * (size_t)f->rows,
            (size_t)f->rows * sizeof *f->A);
+  if (f->rows == 0) { /* drivers of no loop */
+    row[0] = row[1] = nan("");
+    return;
+  }
   row[0] = km_smallest_singular_value(f->A, f->rows, f->rows);
   for (int i = 0; i < f->rows; ++i)
     for (int k = 0; k < f->columns; ++k)
@@ -309,6 +313,10 @@ static int enter_grid(map_search *g, int *sign, double *N) {
   int at[2];
   for (int d = 0; d < 2; ++d) {
     const km_space_axis *a = &g->def->axis[d];
+    if (km_coordinate_turns(g->f.m, a->coordinate)) { /* the full turn that is nearest to the range */
+      double middle = 0.5 * (a->from + a->to) * g->f.m->factor[a->coordinate];
+      g->f.s->q[a->coordinate] = middle + remainder(g->f.s->q[a->coordinate] - middle, 2.0 * M_PI);
+    }
     double part = (km_state_value(g->f.s, a->coordinate) - a->from) / (a->to - a->from) * a->steps;
     at[d] = (int)round(fmin(fmax(part, 0.0), a->steps));
   }
@@ -343,7 +351,8 @@ static km_status no_memory(km_error *error) {
 
 /* Status where a cell wasn't recorded. */
 static km_status not_recorded(const map_search *g, km_error *error) {
-  return g->is_ended ? km_fail(error, KM_CANCELLED, "a figure of the map ended it") : no_memory(error);
+  return g->is_ended ? km_fail(error, KM_CANCELLED, "a figure of the map can't be computed, or ended it")
+                     : no_memory(error);
 }
 
 /* Follows one sheet from the state's mode. */
@@ -440,7 +449,7 @@ static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, 
     return status;
   return def->axis[0].coordinate != def->axis[1].coordinate
              ? KM_OK
-             : km_fail(error, KM_USAGE, "both drivers of a map must be different joints of one part of the mechanism");
+             : km_fail(error, KM_USAGE, "both drivers of a map are the same joint; expected two");
 }
 
 /* Prepares the surface and the grid. */

@@ -23,6 +23,7 @@ static const double longest_circuit = 2000.0; /* arc length in one sense */
 static const double most_correction = 0.3;    /* |D δ| of one step of the number: radians, sizes */
 static const double shortest_step = 1e-4;     /* shortest step of the number, a part of the range */
 static const double dead_rate = 1e-12;        /* rate of the driver at a dead point, per arc length */
+static const double same_driver = 1e-6;       /* distance of the driver at equal critical values: its unit */
 static const double same_number = 1e-9;       /* distance of equal critical values, a part of the range */
 
 /* Motion of the driver on one circuit. */
@@ -131,6 +132,8 @@ static void follow_motion(turning_search *g, km_arc_motion *motion, driver_swing
     last = now;
   }
   double end = g->f.s->q[d];
+  if (is_far(g) && fabs(end) > far_slide * g->f.size) /* the driver itself goes to infinity */
+    end = copysign(HUGE_VAL, end);
   if (is_far(g) || !*is_closed) {
     swing->low = fmin(swing->low, end);
     swing->high = fmax(swing->high, end);
@@ -227,20 +230,32 @@ static int by_number(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
+/* True if the points are one, which a curve passed at its start and at its end. */
+static bool is_same_point(const turning_search *g, const km_turning_point *a, const km_turning_point *b) {
+  return a->curve == b->curve && fabs(a->number - b->number) <= same_number * (g->def->to - g->def->from) &&
+         fabs(a->driver - b->driver) <= same_driver;
+}
+
 static bool copy_points(turning_search *g, km_turning *out) {
-  const km_turning_point *points = km_singularity_curves_critical(g->curves, &out->point_count);
-  out->points = KM_NEW(km_turning_point, (size_t)out->point_count + 1);
-  out->intervals = KM_NEW(km_turning_interval, (size_t)out->point_count + 1);
+  int count;
+  const km_turning_point *points = km_singularity_curves_critical(g->curves, &count);
+  out->points = KM_NEW(km_turning_point, (size_t)count + 1);
+  out->intervals = KM_NEW(km_turning_interval, (size_t)count + 1);
   if (!out->points || !out->intervals)
     return false;
-  if (out->point_count > 0)
-    memcpy(out->points, points, (size_t)out->point_count * sizeof *points);
+  for (int i = 0; i < count; ++i) {
+    bool is_known = false;
+    for (int k = 0; k < out->point_count && !is_known; ++k)
+      is_known = is_same_point(g, &points[i], &out->points[k]);
+    if (!is_known)
+      out->points[out->point_count++] = points[i];
+  }
   qsort(out->points, (size_t)out->point_count, sizeof *out->points, by_number);
   double from = g->def->from, least = same_number * (g->def->to - g->def->from);
   for (int i = 0; i <= out->point_count; ++i) {
     double to = i < out->point_count ? out->points[i].number : g->def->to;
     if (to - from <= least)
-      continue;
+      continue; /* equal values of two curves */
     out->intervals[out->interval_count++] = (km_turning_interval){.from = from, .to = to};
     from = to;
   }
@@ -269,8 +284,9 @@ static km_status examine(turning_search *g, km_turning_interval *at, km_error *e
   km_status status = at->is_assembled ? follow_circuit(g, &swing, error) : KM_OK;
   if (!status && at->is_assembled) {
     at->turns = swing.turns;
-    at->low = swing.low / unit;
-    at->high = swing.high / unit;
+    bool is_found = swing.low <= swing.high;
+    at->low = is_found ? swing.low / unit : nan("");
+    at->high = is_found ? swing.high / unit : nan("");
   }
   return status;
 }

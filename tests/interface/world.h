@@ -34,10 +34,10 @@ typedef struct world {
   km_all_modes one_mode;
   km_space_map_def map_def;
   km_turning_def turning_def;
-  km_way_def way_def;
+  km_space_path_def path_def;
   km_space_map map;
   km_map_look map_look;
-  int way_driver;
+  int path_driver;
   km_gallery_caption captions[400]; /* the most poses of a grid */
   km_statics statics;
   km_study_def study_def, other_study_def;

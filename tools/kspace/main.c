@@ -4,7 +4,7 @@
 static const kt_command commands[] = {
     {"modes", "all assembly modes: every way in which the loops close, each once and proved", kspace_modes},
     {"map", "sheets over two drivers, from each assembly mode, and their singularity curves", kspace_map},
-    {"path", "a way between two configurations on which the drivers keep control", kspace_path},
+    {"path", "a path between two configurations without a singularity of the drivers", kspace_path},
     {"turning", "where the driver goes fully round: its dead points over a number of the design", kspace_turning},
     {"clearance", "distances of bodies, and where they touch: at a pose, or over a motion", kspace_clearance},
     {0}};

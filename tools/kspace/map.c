@@ -77,7 +77,8 @@ static kt_exit read_axes(const options *o, const km_model *model, km_space_map_d
     def->axis[d].steps = DEFAULT_STEPS;
     if (o->steps.count > 0 &&
         !kt_integer(o->steps.items[d < o->steps.count ? d : 0], 1, KM_MAX_MAP_STEPS, &def->axis[d].steps))
-      result = kt_usage(&o->common, "--steps", o->steps.items[0], "1 to 2000 intervals, once or for each --joint");
+      result = kt_usage(&o->common, "--steps", o->steps.items[d < o->steps.count ? d : 0],
+                        "1 to 2000 intervals, once or for each --joint");
     if (result == KT_DONE)
       result = read_range(o, model, d, &def->axis[d]);
   }
@@ -162,6 +163,7 @@ static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map
                                        &progress, modes, &error);
   if (!status && o->own && modes->count > 1)
     modes->count = 1; /* the first one is that of the pose */
+  modes->is_complete = modes->is_complete || o->own;
   if (!status)
     status = km_space_map_compute(pose->mechanism, pose->state, def, modes, kt_progress_show, &progress, map, &error);
   kt_progress_end(&progress);

@@ -1,4 +1,4 @@
-/* kspace path: a way between two configurations without a singularity of the drivers. */
+/* kspace path: a path between two configurations without a singularity of the drivers. */
 #include "kspace/kspace.h"
 #include "kspace/played_model.h"
 
@@ -62,7 +62,7 @@ static kt_exit open_at(const options *o, const char *place, kt_pose *pose) {
 static kt_exit read_drivers(const options *o, const km_model *model, int *drivers, int *count) {
   int actuators = km_model_actuator_count(model), given = o->joints.count;
   *count = given > 0 ? given : actuators;
-  if (*count < 1 || *count > KM_MAX_WAY_DRIVERS)
+  if (*count < 1 || *count > KM_MAX_PATH_DRIVERS)
     return kt_usage(&o->common, "--joint", given > 0 ? o->joints.items[0] : "is missing",
                     "the drivers: --joint for each, at most 6, or joints in the model's analysis.actuators");
   kt_exit result = KT_DONE;
@@ -74,41 +74,41 @@ static kt_exit read_drivers(const options *o, const km_model *model, int *driver
   return result;
 }
 
-static void print_way(const options *o, const km_way *way, double margin, km_text *out) {
-  size_t rows = km_table_rows(way->table);
+static void print_path(const options *o, const km_space_path *path, double margin, km_text *out) {
+  size_t rows = km_table_rows(path->table);
   km_text_format(out, "%s: ", o->model);
-  switch (way->outcome) {
-  case KM_WAY_FOUND:
-    km_text_format(out, "a way of %zu steps%s, length %.4g\n", rows > 0 ? rows - 1 : 0,
-                   way->is_straight ? ", straight" : "", way->length);
+  switch (path->outcome) {
+  case KM_SPACE_PATH_FOUND:
+    km_text_format(out, "a path of %zu steps%s, length %.4g\n", rows > 0 ? rows - 1 : 0,
+                   path->is_straight ? ", straight" : "", path->length);
     km_text_format(out,
                    "smallest singular value of the input: %.4g at the start, %.4g at the end, at least %.4g between\n",
-                   way->ends[0], way->ends[1], way->least_margin);
+                   path->ends[0], path->ends[1], path->least_margin);
     break;
-  case KM_WAY_SEPARATED:
+  case KM_SPACE_PATH_SEPARATED:
     km_text_format(out,
-                   "no way: the determinant of the input has opposite signs at the start and %s, so that each way "
+                   "no path: the determinant of the input has opposite signs at the start and %s, so that each path "
                    "passes a singularity of the drivers\n",
                    strchr(o->to, '=') ? "in the assembly modes that were found at the end" : "at the end");
     break;
-  case KM_WAY_END:
-    if (!way->is_at_start && isnan(way->ends[1]))
-      km_text_add(out, "no way: the end can't be assembled from random starts\n");
+  case KM_SPACE_PATH_END:
+    if (isnan(path->ends[!path->is_at_start]))
+      km_text_format(out, "no path: the loops don't close at the %s\n", path->is_at_start ? "start" : "end");
     else
       km_text_format(
           out,
-          "no way: the %s is beyond a limit, lacks the clearance, or is nearer to a singularity than the margin %.4g: "
+          "no path: the %s is beyond a limit, lacks the clearance, or is nearer to a singularity than the margin %.4g: "
           "the smallest singular value there is %.4g\n",
-          way->is_at_start ? "start" : "end", margin, way->ends[!way->is_at_start]);
+          path->is_at_start ? "start" : "end", margin, path->ends[!path->is_at_start]);
     break;
   default:
-    km_text_format(out, "no way was found among %d configurations; there may be one\n", way->configurations);
+    km_text_format(out, "no path was found among %d configurations; there may be one\n", path->configurations);
   }
-  if (!way->is_straight && way->outcome == KM_WAY_FOUND)
-    km_text_format(out, "the straight way is blocked; the search took %d configurations\n", way->configurations);
+  if (!path->is_straight && path->outcome == KM_SPACE_PATH_FOUND)
+    km_text_format(out, "the straight path is blocked; the search took %d configurations\n", path->configurations);
 }
 
-/* ---- The clearance of bodies along the way. */
+/* ---- The clearance of bodies along the path. */
 
 typedef struct kept_clearance {
   km_clearance *clearance;
@@ -142,14 +142,14 @@ static kt_exit read_clearance(const options *o, const kt_pose *pose, kept_cleara
 
 /* ---- Files. */
 
-/* The drivers over the length of the way. */
-static kt_exit write_picture(const options *o, const km_way *way, int drivers, kt_format format) {
+/* The drivers over the length of the path. */
+static kt_exit write_picture(const options *o, const km_space_path *path, int drivers, kt_format format) {
   km_text out = {0};
   km_error error;
   km_chart *chart = NULL;
-  const size_t y[KM_MAX_WAY_DRIVERS] = {1, 2, 3, 4, 5, 6};
-  const km_plotted_table plotted = {way->table, o->model, 0, y};
-  const km_chart_words words = {.title = "Way of the drivers", .x_label = "length of the way"};
+  const size_t y[KM_MAX_PATH_DRIVERS] = {1, 2, 3, 4, 5, 6};
+  const km_plotted_table plotted = {path->table, o->model, 0, y};
+  const km_chart_words words = {.title = "Path of the drivers", .x_label = "length of the path"};
   km_status status = km_table_chart_worded(&plotted, 1, drivers, &words, &chart, &error);
   if (!status)
     status = km_chart_picture(chart, kt_picture_format(format), &out, &error);
@@ -161,18 +161,24 @@ static kt_exit write_picture(const options *o, const km_way *way, int drivers, k
   return result;
 }
 
-static kt_exit write_files(const options *o, const kt_pose *pose, const km_way *way, const int *drivers, int count,
-                           double time) {
+static kt_exit write_files(const options *o, const kt_pose *pose, const km_space_path *path, const int *drivers,
+                           int count, double time) {
   kt_exit result = KT_DONE;
   for (int format = 0; result == KT_DONE && format < KT_FORMATS; ++format) {
     if (!o->formats.wanted[format])
       continue;
+    if (format == KT_JSON && (o->from || o->holds.count > 0))
+      kt_print_message(
+          &o->common, KM_NOTE,
+          "%s: --from and --hold are not in %s.path.json: give ksim inverse the same pose by --pose or --set, "
+          "and --hold",
+          o->model, o->base);
     if (format == KT_CSV)
-      result = kspace_write_csv(&o->common, o->base, way->table, "path");
+      result = kspace_write_csv(&o->common, o->base, path->table, "path");
     else if (format == KT_JSON)
-      result = kspace_write_played_model(&o->common, o->model, pose->model, way->table, drivers, count, time, o->base);
+      result = kspace_write_played_model(&o->common, o->model, pose->model, path->table, drivers, count, time, o->base);
     else
-      result = write_picture(o, way, count, (kt_format)format);
+      result = write_picture(o, path, count, (kt_format)format);
   }
   return result;
 }
@@ -200,10 +206,10 @@ static kt_exit read_end(const options *o, const km_model *model, const int *driv
 }
 
 static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
-  int drivers[KM_MAX_WAY_DRIVERS], count;
-  double values[KM_MAX_WAY_DRIVERS];
-  double margin = KM_DEFAULT_WAY_MARGIN, time = 1.0;
-  km_way way = {0};
+  int drivers[KM_MAX_PATH_DRIVERS], count;
+  double values[KM_MAX_PATH_DRIVERS];
+  double margin = KM_DEFAULT_PATH_MARGIN, time = 1.0;
+  km_space_path path = {0};
   km_error error;
   km_text out = {0};
   kt_exit result = read_drivers(o, from->model, drivers, &count);
@@ -220,15 +226,15 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
   km_status status = end ? KM_OK : KM_MEMORY;
   if (!status && to->model)
     status = km_state_coordinates(to->mechanism, to->state, end, &error);
-  const km_way_def def = {.drivers = drivers,
-                          .driver_count = count,
-                          .to = to->model ? end : NULL,
-                          .to_drivers = values,
-                          .margin = margin,
-                          .ignore_limits = o->ignores_limits,
-                          .seed = o->common.seed,
-                          .condition = kept.clearance ? keeps_clearance : NULL,
-                          .context = &kept};
+  const km_space_path_def def = {.drivers = drivers,
+                                 .driver_count = count,
+                                 .to = to->model ? end : NULL,
+                                 .to_drivers = values,
+                                 .margin = margin,
+                                 .ignore_limits = o->ignores_limits,
+                                 .seed = o->common.seed,
+                                 .condition = kept.clearance ? keeps_clearance : NULL,
+                                 .context = &kept};
   if (result != KT_DONE) {
     km_clearance_free(kept.clearance);
     km_free(kept.pairs);
@@ -236,21 +242,21 @@ static kt_exit run(const options *o, const kt_pose *from, const kt_pose *to) {
   }
   kt_progress progress = kt_progress_start(&o->common);
   if (!status)
-    status = km_way_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &way, &error);
+    status = km_space_path_find(from->mechanism, from->state, &def, kt_progress_show, &progress, &path, &error);
   kt_progress_end(&progress);
   if (status)
     kt_print_message(&o->common, KM_ERROR, "%s: %s", o->model, end ? error.text : "out of memory");
   result = kt_exit_of(status);
-  if (result == KT_DONE && o->base && way.outcome == KM_WAY_FOUND)
-    result = write_files(o, from, &way, drivers, count, time);
+  if (result == KT_DONE && o->base && path.outcome == KM_SPACE_PATH_FOUND)
+    result = write_files(o, from, &path, drivers, count, time);
   if (result == KT_DONE) {
-    print_way(o, &way, margin, &out);
+    print_path(o, &path, margin, &out);
     result = kt_print(&o->common, &out);
   }
-  if (result == KT_DONE && way.outcome != KM_WAY_FOUND)
+  if (result == KT_DONE && path.outcome != KM_SPACE_PATH_FOUND)
     result = KT_PARTIAL;
   km_text_free(&out);
-  km_way_free(&way);
+  km_space_path_free(&path);
   km_clearance_free(kept.clearance);
   km_free(kept.pairs);
   km_free(end);
@@ -268,10 +274,10 @@ kt_exit kspace_path(int argc, char **argv) {
        KT_TEXT, &o.to, KT_ABOUT_MODEL},
       {"joint", 0, "JOINT", "A driver; given for each freedom (default: the model's analysis.actuators)", KT_TEXTS,
        &o.joints, KT_ABOUT_MODEL},
-      {"margin", 0, "X", "Least smallest singular value of the input along the way (default: 0.02)", KT_TEXT, &o.margin,
-       KT_ABOUT_MODEL},
+      {"margin", 0, "X", "Least smallest singular value of the input along the path (default: 0.02)", KT_TEXT,
+       &o.margin, KT_ABOUT_MODEL},
       {"clearance", 0, "X",
-       "Least clearance of bodies along the way, in the model's length unit; the pairs are those of kspace clearance",
+       "Least clearance of bodies along the path, in the model's length unit; the pairs are those of kspace clearance",
        KT_TEXT, &o.clearance, KT_ABOUT_MODEL},
       {"ignore-limits", 0, NULL, "Joint limits don't count", KT_FLAG, &o.ignores_limits, KT_ABOUT_MODEL},
       KT_HOLD(&o.holds, KT_HOLD_RIGID),
@@ -280,21 +286,21 @@ kt_exit kspace_path(int argc, char **argv) {
       {"format", 0, "FORMATS",
        "Some of csv,json,svg,pdf,png (default csv,svg); json is the model, its drivers prescribed",
        KT_TEXT_OF("csv or json or svg or pdf or png"), &o.format, KT_ABOUT_FILES},
-      KT_BASE(&o.base, "Write BASE.path.csv, .svg … where a way was found"),
+      KT_BASE(&o.base, "Write BASE.path.csv, .svg … where a path was found"),
   };
   KT_OPTIONS_ADD(&all, own);
   all.operand = (kt_operand){"model", "MODEL", true, &o.model, NULL};
   kt_common_options(&all, &o.common, KT_USES_FLOAT | KT_USES_SEED);
   kt_options_read(
       &all,
-      "A way from one configuration to another that passes no singularity of the drivers: they stay in control of all "
+      "A path from one configuration to another that passes no singularity of the drivers: they stay in control of all "
       "bodies, with a margin, and within the joint limits."
       "\vThe input is the Jacobian of the closure without the drivers' columns, lengths over the size of the loops; its smallest "
       "singular value keeps the margin at every step of 0.04 at most. Where the determinant of the input has opposite signs at both "
-      "ends there is no way, and that is certain. Otherwise the straight way is tried first, then two trees of configurations grow "
-      "from both ends until they meet, and the way is shortened. Another --seed may find another way. With --format json the "
-      "model is written with its drivers prescribed over time along the way, at rest at both ends, for ksim inverse. Exit status 1: "
-      "no way was found. Ball joints and redundant conditions are refused.",
+      "ends there is no path, and that is certain. Otherwise the straight path is tried first, then two trees of configurations grow "
+      "from both ends until they meet, and the path is shortened. Another --seed may find another path. With --format json the "
+      "model is written with its drivers prescribed over time along the path, at rest at both ends, for ksim inverse. Exit status 1: "
+      "no path was found. Ball joints and redundant conditions are refused.",
       argc, argv);
   if (!kt_formats_parse_among(&o.common, o.format ? o.format : "csv,svg", "csv,json,svg,pdf,png", &o.formats))
     return KT_USAGE;

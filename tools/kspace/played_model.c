@@ -1,4 +1,4 @@
-/* A model whose drivers follow a way over time.
+/* A model whose drivers follow a path over time.
  *
  *   s / length = τ − sin(2πτ) / 2π,   t = T τ      cycloidal motion: at rest at both ends */
 #include "kspace/played_model.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-/* τ of a part of the way, by bisection. */
+/* τ of a part of the path, by bisection. */
 static double cycloid_time(double part) {
   double low = 0.0, high = 1.0;
   for (int i = 0; i < 60; ++i) {
@@ -19,7 +19,7 @@ static double cycloid_time(double part) {
   return 0.5 * (low + high);
 }
 
-/* The joint of a label among those of an assembly called `path`, or of its assemblies; NULL: none. */
+/* The joint of a label among those of the assemblies and of theirs; NULL: none. */
 static const km_value *find_joint(const km_value *assemblies, const char *label) {
   for (const km_value *a = assemblies ? assemblies->first : NULL; a; a = a->next) {
     const km_value *joints = km_value_get(a, "joints"), *name = km_value_get(a, "name");
@@ -39,20 +39,20 @@ static const km_value *find_joint(const km_value *assemblies, const char *label)
 }
 
 /* Adds the table of one driver to its joint. */
-static void prescribe(km_value *joint, const km_table *way, int column, double time, km_arena *arena) {
-  size_t rows = km_table_rows(way);
-  double length = km_table_row(way, rows - 1)[0];
+static void prescribe(km_value *joint, const km_table *path, int column, double time, km_arena *arena) {
+  size_t rows = km_table_rows(path);
+  double length = km_table_row(path, rows - 1)[0];
   km_value *table = km_value_add(arena, km_value_add(arena, joint, "prescribed", KM_OBJECT), "table", KM_LIST);
   for (size_t r = 0; r < rows; ++r) {
-    const double *row = km_table_row(way, r);
+    const double *row = km_table_row(path, r);
     double part = length > 0.0 ? row[0] / length : 0.0;
     const double knot[2] = {r == 0 ? 0.0 : r + 1 == rows ? time : time * cycloid_time(part), row[column]};
     km_value_numbers(arena, table, NULL, knot, 2);
   }
 }
 
-kt_exit kspace_write_played_model(const kt_common *common, const char *file, const km_model *model, const km_table *way,
-                                  const int *drivers, int count, double time, const char *base) {
+kt_exit kspace_write_played_model(const kt_common *common, const char *file, const km_model *model,
+                                  const km_table *path, const int *drivers, int count, double time, const char *base) {
   km_arena arena = {0};
   km_text bytes = {0}, out = {0};
   km_error error;
@@ -63,8 +63,11 @@ kt_exit kspace_write_played_model(const kt_common *common, const char *file, con
   for (int d = 0; !status && d < count; ++d) {
     const char *label = km_model_coordinate_label(model, drivers[d]);
     const km_value *joint = find_joint(km_value_get(root, "assemblies"), label);
-    if (joint) /* the tree is that of this arena */
-      prescribe((km_value *)(size_t)joint, way, d + 1, time, &arena);
+    if (joint && km_value_get(joint, "prescribed"))
+      status = km_fail(&error, KM_USAGE, "joint \"%s\" of %s has a prescribed motion already; expected a model without",
+                       label, file);
+    else if (joint) /* the tree is that of this arena */
+      prescribe((km_value *)(size_t)joint, path, d + 1, time, &arena);
     else
       status = km_fail(&error, KM_USAGE, "joint \"%s\" can't be prescribed in %s; expected a joint of a JSON model",
                        label, file);

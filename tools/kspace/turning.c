@@ -21,8 +21,9 @@ typedef struct options {
 static kt_exit read_definition(const options *o, const km_model *model, kt_variants *variants, km_turning_def *def) {
   *def = (km_turning_def){.file = o->model, .seed = o->common.seed, .driver = km_model_sweep_coordinate(model)};
   kt_exit result = kt_variants_read(&o->common, &o->vary, KM_MAX_TURNING_STEPS + 1, variants);
-  if (result == KT_DONE && (variants->number_count != 1 || variants->count < 2 ||
-                            !(variants->numbers[0].values[0] < variants->numbers[0].values[variants->count - 1])))
+  if (result == KT_DONE &&
+      (variants->number_count != 1 || variants->count < 2 || !strchr(strrchr(o->vary.items[0], '='), ':') ||
+       !(variants->numbers[0].values[0] < variants->numbers[0].values[variants->count - 1])))
     result = kt_usage(&o->common, "--vary", o->vary.count > 0 ? o->vary.items[0] : "is missing",
                       "one PATH=FROM:TO:N with FROM below TO and N at least 2");
   if (result == KT_DONE && o->joint)
@@ -80,7 +81,7 @@ static void print_interval(const km_turning_interval *at, const char *driver, co
     km_text_format(out, "%s swings, at %.6g from %.6g to %.6g %s", driver, 0.5 * (at->from + at->to), at->low, at->high,
                    unit);
   else
-    km_text_format(out, "%s has no dead point", driver);
+    km_text_format(out, isnan(at->low) ? "the swing of %s was not found" : "%s moves without end", driver);
   if (at->is_defined)
     km_text_format(out, "; %d dead point%s in all circuits", at->dead_points, at->dead_points == 1 ? "" : "s");
   km_text_add(out, "\n");

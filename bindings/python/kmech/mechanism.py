@@ -234,13 +234,13 @@ class Mechanism:
 
         return space_map(self, state or self._copy(), over, point, seed, progress)
 
-    def way(self, to: Any, *, drivers: Optional[Sequence[str]] = None, margin: float = 0.0, ignore_limits: bool = False,
+    def space_path(self, to: Any, *, drivers: Optional[Sequence[str]] = None, margin: float = 0.0, ignore_limits: bool = False,
             seed: int = 1, progress: Progress = None, state: Optional[State] = None) -> Any:
-        """A way from a state without a singularity of the drivers: km_way_find. to: another State, or {driver: value} in any
+        """A path from a state without a singularity of the drivers: km_space_path_find. to: another State, or {driver: value} in any
         assembly mode. drivers: as many as freedoms; default: those of `to`, or the model's analysis.actuators."""
-        from .space import way
+        from .space import space_path
 
-        return way(self, state or self._copy(), to, drivers, margin, ignore_limits, seed, progress)
+        return space_path(self, state or self._copy(), to, drivers, margin, ignore_limits, seed, progress)
 
     def turning(self, driver: str, path: str, low: float, high: float, *, steps: int = 20, seed: int = 1,
                 progress: Progress = None, state: Optional[State] = None) -> Any:

@@ -1,4 +1,4 @@
-"""Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves, ways."""
+"""Configuration spaces: all assembly modes, their circuits, maps over two drivers, turning curves, singularity-free paths."""
 from __future__ import annotations
 
 from typing import Mapping, NamedTuple, Optional, Sequence, Tuple, Union
@@ -169,8 +169,8 @@ def turning(mechanism: Mechanism, state: State, driver: str, path: str, low: flo
     return Turning(intervals, points, table_of(found.curves, found), found.curve_count, found.is_complete)
 
 
-class Way(NamedTuple):
-    """A way of the drivers. outcome: "found", "separated" (the determinant of the input has opposite signs at both ends: every way
+class SpacePath(NamedTuple):
+    """A path of the drivers. outcome: "found", "separated" (the determinant of the input has opposite signs at both ends: every path
     passes a singularity), "end" (an end isn't allowed) or "not found". table: s, q. of the drivers and of the others,
     sigma.input; a row for each step."""
 
@@ -182,11 +182,11 @@ class Way(NamedTuple):
     configurations: int
 
 
-def way(mechanism: Mechanism, state: State, to: Union[State, Mapping[str, float]], drivers: Optional[Sequence[str]], margin: float,
-        ignore_limits: bool, seed: int, progress: Progress) -> Way:
-    """A way to a state, or to values of the drivers."""
+def space_path(mechanism: Mechanism, state: State, to: Union[State, Mapping[str, float]], drivers: Optional[Sequence[str]], margin: float,
+        ignore_limits: bool, seed: int, progress: Progress) -> SpacePath:
+    """A path to a state, or to values of the drivers."""
     error, watch = new_error(), Watch(progress)
-    found = ffi.gc(ffi.new("km_way *"), lib.km_way_free)
+    found = ffi.gc(ffi.new("km_space_path *"), lib.km_space_path_free)
     model = mechanism.model
     if drivers is None and isinstance(to, State):
         actuators = [lib.km_model_actuator(model._c, i) for i in range(lib.km_model_actuator_count(model._c))]
@@ -202,11 +202,11 @@ def way(mechanism: Mechanism, state: State, to: Union[State, Mapping[str, float]
             raise UsageError("the end states other joints than the drivers; expected a value for each driver")
         place = ffi.new("double[]", [values[c] for c in actuators])
         end = {"to_drivers": place}
-    definition = ffi.new("km_way_def *", {"drivers": wanted, "driver_count": len(actuators), "margin": margin,
+    definition = ffi.new("km_space_path_def *", {"drivers": wanted, "driver_count": len(actuators), "margin": margin,
                                           "ignore_limits": ignore_limits, "seed": seed, **end})
     with model._reading(), state._using():
-        status = lib.km_way_find(mechanism._c, state._c, definition, watch.call, watch.context, found, error)
+        status = lib.km_space_path_find(mechanism._c, state._c, definition, watch.call, watch.context, found, error)
     watch.finish()
     check(status, error)
-    return Way(text_of(lib.km_way_outcome_name(found.outcome)), table_of(found.table, found), found.length,
+    return SpacePath(text_of(lib.km_space_path_outcome_name(found.outcome)), table_of(found.table, found), found.length,
                found.least_margin, found.is_straight, found.configurations)

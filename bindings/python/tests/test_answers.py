@@ -346,14 +346,14 @@ def test_turning(source):
         kmech.Mechanism(kmech.from_string((source / "models/fourbar.json").read_text())).turning("A", "crank.end.x", 0.05, 0.6)
 
 
-def test_way(source):
+def test_space_path(source):
     mechanism = kmech.Mechanism(kmech.load(source / "models/five_bar.json"))
-    way = mechanism.way({"A": -2.7, "E": 0.3})
-    assert way.outcome == "found" and not way.straight and way.least_margin >= 0.02
-    assert way.table["q.A"][-1] == pytest.approx(-2.7) and min(way.table["sigma.input"]) == pytest.approx(way.least_margin)
-    assert mechanism.way({"A": 1.57, "E": -1.57}).outcome == "end"
+    path = mechanism.space_path({"A": -2.7, "E": 0.3})
+    assert path.outcome == "found" and not path.straight and path.least_margin >= 0.02
+    assert path.table["q.A"][-1] == pytest.approx(-2.7) and min(path.table["sigma.input"]) == pytest.approx(path.least_margin)
+    assert mechanism.space_path({"A": 1.57, "E": -1.57}).outcome == "end"
     with pytest.raises(kmech.UsageError, match="2 drivers"):
-        mechanism.way({"A": 1.0})
+        mechanism.space_path({"A": 1.0})
 
 
 def test_all_assembly_modes(source):

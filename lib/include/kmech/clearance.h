@@ -67,9 +67,10 @@ KM_API int km_clearance_part_count(const km_clearance *clearance, int body);
  * that. 0 of plain shapes; NaN for an index out of range. */
 KM_API double km_clearance_hull_error(const km_clearance *clearance, int body);
 
-/* Computes the clearance of every pair, out[pair count], and of `*nearest` (may be NULL) the index of the least one,
- * the first of equal ones. After km_poses_compute. No allocation; the same bits for any order of configurations and any
- * number of threads. KM_USAGE. Cost: about a microsecond for each pair of parts whose bounding balls decide nothing. */
+/* Computes the clearance of every pair, out[pair count], and the index of the least one, the first of equal ones, in
+ * `*nearest` (may be NULL). After km_poses_compute. No allocation; the same bits for any order of configurations and
+ * any number of threads. KM_USAGE. Cost: about a microsecond for each pair of parts whose bounding balls decide
+ * nothing. */
 KM_API km_status km_clearance_compute(const km_clearance *clearance, const km_state *state, km_pair_clearance *out,
                                       int *nearest, km_error *error);
 /* Gradient of a pair's distance by the coordinates, gradient[coordinate count]: normal · (velocity of point[1] −

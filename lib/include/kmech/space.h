@@ -1,4 +1,5 @@
-/* Configuration spaces: all assembly modes with a proof, their circuits, maps over two drivers, turning curves. */
+/* Configuration spaces: all assembly modes with a proof, their circuits, maps over two drivers, turning curves,
+ * singularity-free paths. */
 #ifndef KMECH_SPACE_H
 #define KMECH_SPACE_H
 
@@ -258,66 +259,66 @@ KM_API km_status km_turning_find(const km_mechanism *mechanism, const km_state *
                                  km_progress progress, void *context, km_turning *out, km_error *error);
 KM_API void km_turning_free(km_turning *turning);
 
-/* ---- Ways between two configurations without a singularity of the drivers (docs/theory.md 4.21). */
+/* ---- Paths between two configurations without a singularity of the drivers (docs/theory.md 4.21). */
 
-/* Result of a search for a way. */
-typedef enum km_way_outcome {
-  KM_WAY_FOUND,     /* a way was found */
-  KM_WAY_SEPARATED, /* det A has opposite signs at both ends, in all modes found there: every way is singular */
-  KM_WAY_END,       /* an end can't be assembled, lacks the margin, is beyond a limit, or not free */
-  KM_WAY_NOT_FOUND  /* none was found among the configurations of the search: there may be one */
-} km_way_outcome;
+/* Result of a search for a path. */
+typedef enum km_space_path_outcome {
+  KM_SPACE_PATH_FOUND,     /* a path was found */
+  KM_SPACE_PATH_SEPARATED, /* det A has opposite signs at both ends, in all modes found there: every path is singular */
+  KM_SPACE_PATH_END,       /* an end can't be assembled, lacks the margin, is beyond a limit, or not free */
+  KM_SPACE_PATH_NOT_FOUND  /* none was found among the configurations of the search: there may be one */
+} km_space_path_outcome;
 /* Returns "found", "separated", "end", "not found"; "" for another value. */
-KM_API const char *km_way_outcome_name(km_way_outcome outcome);
+KM_API const char *km_space_path_outcome_name(km_space_path_outcome outcome);
 
-/* Condition of a caller at every configuration of a way, such as a clearance: false if it isn't met. `state` is closed,
- * its poses are computed, and it must not be changed. */
-typedef bool (*km_way_condition)(void *context, const km_mechanism *mechanism, const km_state *state);
+/* Condition of a caller at every configuration of a path, such as a clearance: false if it isn't met. `state` is
+ * closed, its poses are computed, and it must not be changed. */
+typedef bool (*km_space_path_condition)(void *context, const km_mechanism *mechanism, const km_state *state);
 
-/* Definition of a search for a way. */
-typedef struct km_way_def {
-  const int *drivers;         /* [driver_count] hinges and slides of one part, as many as it has freedoms */
-  int driver_count;           /* number of drivers */
-  const double *to;           /* [coordinate] end: a closed configuration, in the model's units; NULL: to_drivers */
-  const double *to_drivers;   /* [driver_count] values of the drivers at the end, any of whose assembly modes will do */
-  double margin;              /* least smallest singular value of A; 0: KM_DEFAULT_WAY_MARGIN */
-  bool ignore_limits;         /* joint limits don't count */
-  int most;                   /* most configurations of the search; 0: KM_DEFAULT_WAY_CONFIGURATIONS */
-  unsigned long seed;         /* start of the random numbers: another one may find another way */
-  km_way_condition condition; /* further condition; NULL: none */
-  void *context;              /* passed to `condition` */
-} km_way_def;
+/* Definition of a search for a path. */
+typedef struct km_space_path_def {
+  const int *drivers;       /* [driver_count] hinges and slides of one part, as many as it has freedoms */
+  int driver_count;         /* number of drivers */
+  const double *to;         /* [coordinate] end: a closed configuration, in the model's units; NULL: to_drivers */
+  const double *to_drivers; /* [driver_count] values of the drivers at the end, any of whose assembly modes will do */
+  double margin;            /* least smallest singular value of A; 0: KM_DEFAULT_PATH_MARGIN */
+  bool ignore_limits;       /* joint limits don't count */
+  int most;                 /* most configurations of the search; 0: KM_DEFAULT_PATH_CONFIGURATIONS */
+  unsigned long seed;       /* start of the random numbers: another one may find another path */
+  km_space_path_condition condition; /* further condition; NULL: none */
+  void *context;                     /* passed to `condition` */
+} km_space_path_def;
 
 enum {
-  KM_DEFAULT_WAY_CONFIGURATIONS = 20000, /* configurations of a search, unless stated */
-  KM_MAX_WAY_DRIVERS = 6                 /* most drivers */
+  KM_DEFAULT_PATH_CONFIGURATIONS = 20000, /* configurations of a search, unless stated */
+  KM_MAX_PATH_DRIVERS = 6                 /* most drivers */
 };
-/* Least smallest singular value of A along a way, unless stated. */
-#define KM_DEFAULT_WAY_MARGIN 0.02
+/* Least smallest singular value of A along a path, unless stated. */
+#define KM_DEFAULT_PATH_MARGIN 0.02
 
-/* A way. */
-typedef struct km_way {
-  km_way_outcome outcome; /* result */
-  km_table *table;        /* s (scaled length of the way so far), q. of the drivers, q. of the other coordinates,
-                           * sigma.input; a row for each step; no rows unless a way was found */
-  double length;          /* scaled length of the way: radians, lengths over the size */
-  double least_margin;    /* smallest singular value of A along it */
-  double ends[2];         /* smallest singular value of A at both ends */
-  bool is_at_start;       /* KM_WAY_END: the start is the end that isn't allowed */
-  bool is_straight;       /* the drivers go straight from one end to the other */
-  int configurations;     /* configurations of the search */
-} km_way;
+/* A path. */
+typedef struct km_space_path {
+  km_space_path_outcome outcome; /* result */
+  km_table *table;     /* s (scaled length of the path so far), q. of the drivers, q. of the other coordinates,
+                           * sigma.input; a row for each step; no rows unless a path was found */
+  double length;       /* scaled length of the path: radians, lengths over the size */
+  double least_margin; /* smallest singular value of A along it */
+  double ends[2];      /* smallest singular value of A at both ends */
+  bool is_at_start;    /* KM_SPACE_PATH_END: the start is the end that isn't allowed */
+  bool is_straight;    /* the drivers go straight from one end to the other */
+  int configurations;  /* configurations of the search */
+} km_space_path;
 
-/* Searches for a way from the state's configuration to another one along which det A keeps its sign and the smallest
- * singular value of A (the Jacobian's columns of all coordinates but the drivers) its margin. The straight way of the
+/* Searches for a path from the state's configuration to another one along which det A keeps its sign and the smallest
+ * singular value of A (the Jacobian's columns of all coordinates but the drivers) its margin. The straight path of the
  * drivers comes first, then two trees of configurations that grow towards random ones and each other (J. Kuffner,
  * S. LaValle 2000), then shortening. Steps are at most 0.04 in radians and lengths over the size; each ends in a closed
  * configuration, to 1e-12. KM_USAGE: drivers of different parts or of none, ball joints, not as many drivers as
  * freedoms, redundant conditions; KM_MEMORY; KM_CANCELLED. Free `*out` in any case. O(configurations² +
  * configurations · rank³). */
-KM_API km_status km_way_find(const km_mechanism *mechanism, const km_state *state, const km_way_def *def,
-                             km_progress progress, void *context, km_way *out, km_error *error);
-KM_API void km_way_free(km_way *way);
+KM_API km_status km_space_path_find(const km_mechanism *mechanism, const km_state *state, const km_space_path_def *def,
+                                    km_progress progress, void *context, km_space_path *out, km_error *error);
+KM_API void km_space_path_free(km_space_path *path);
 
 #ifdef __cplusplus
 }

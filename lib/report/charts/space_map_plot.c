@@ -235,16 +235,16 @@ static void fill_quad(const map_picture *p, const km_frame *frame, int i, int j)
   int n = 0;
   for (int k = 0; k < 4; ++k)
     n += corner_at(p, i + side[k][0] * p->stride, j + side[k][1] * p->stride, &c[n]);
-  for (int k = 1; k < n; ++k)
-    if (fabs(c[k].x - c[0].x) > longest_quad * (p->x_high - p->x_low) ||
-        fabs(c[k].y - c[0].y) > longest_quad * (p->y_high - p->y_low))
+  double most = fmax(longest_quad, 3.0 * p->stride / (p->across < p->down ? p->across : p->down));
+  for (int k = 1; p->look->over_point && k < n; ++k)
+    if (fabs(c[k].x - c[0].x) > most * (p->x_high - p->x_low) || fabs(c[k].y - c[0].y) > most * (p->y_high - p->y_low))
       return;
   if (n < 3)
     return;
-  bool is_plain = n == 4;
-  for (int k = 1; k < n; ++k)
-    is_plain = is_plain && isfinite(c[k].value) && band_of(p, c[k].value) == band_of(p, c[0].value);
-  if (is_plain && isfinite(c[0].value)) {
+  bool is_plain = n == 4 && isfinite(c[0].value);
+  for (int k = 1; k < n && is_plain; ++k)
+    is_plain = isfinite(c[k].value) && band_of(p, c[k].value) == band_of(p, c[0].value);
+  if (is_plain) {
     fill_polygon(p, frame, c, 4, band_of(p, c[0].value));
     return;
   }
@@ -407,11 +407,11 @@ static void draw_page(map_picture *p, int columns, double width) {
   km_text about = {0};
   km_canvas_text(p->canvas, &title, ink, p->look->title ? p->look->title : "Map", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
-  km_text_format(&about, "black: the drivers are singular%s · values beyond the colours have those of the ends%s",
-                 p->def->has_point ? " · red, dashed: the point can't move in some direction" : "",
-                 (p->part == 2 ? p->map->sheet_count : p->map->aspect_count) > p->panels
-                     ? " · further ones are in the table"
-                     : "");
+  km_text_format(
+      &about, "black: the drivers are singular%s, on all sheets · values beyond the colours have those of the ends%s",
+      p->def->has_point ? " · red, dashed: the point can't move in some direction" : "",
+      (p->part == 2 ? p->map->sheet_count : p->map->aspect_count) > p->panels ? " · further ones are in the table"
+                                                                              : "");
   km_canvas_words(p->canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 18}, (km_anchor){0, 0, 0});
   for (int panel = 0; panel < p->panels; ++panel)
     draw_panel(p, panel, columns);

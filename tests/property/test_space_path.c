@@ -1,4 +1,4 @@
-/* Ways without a singularity of the drivers: five-bars and 3-RPR platforms, every segment against closed forms. */
+/* Paths without a singularity of the drivers: five-bars and 3-RPR platforms, every segment against closed forms. */
 #include "support/support.h"
 
 #include "base/random.h"
@@ -23,12 +23,12 @@ static int coordinate(const fixture *f, const char *label) {
   return c;
 }
 
-static km_way way_to(const fixture *f, const km_way_def *def) {
-  km_way way;
+static km_space_path path_to(const fixture *f, const km_space_path_def *def) {
+  km_space_path path;
   km_error error = {0};
-  if (km_way_find(f->mechanism, f->state, def, NULL, NULL, &way, &error))
+  if (km_space_path_find(f->mechanism, f->state, def, NULL, NULL, &path, &error))
     fail_msg("%s", error.text);
-  return way;
+  return path;
 }
 
 /* ---- Five-bar of models/five_bar.json: cranks of 0.6 on pins 1 apart, rods of 0.9. */
@@ -67,27 +67,28 @@ static void five_bars_keep_their_mode(void **state) {
     if (distance < 0.2 || distance > 1.7) /* the circles of the rods meet between 0 and 1.8 */
       continue;
     ++pair;
-    km_way way = way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 2, .to_drivers = values, .seed = 1});
-    size_t rows = km_table_rows(way.table);
-    assert_int_equal(way.outcome, KM_WAY_FOUND);
+    km_space_path path =
+        path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 2, .to_drivers = values, .seed = 1});
+    size_t rows = km_table_rows(path.table);
+    assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
     for (size_t r = 0; r < rows; ++r) {
-      assert_true(side_of(way.table, r) > 0.0);
-      assert_true(cell(way.table, r, "sigma.input") >= KM_DEFAULT_WAY_MARGIN);
+      assert_true(side_of(path.table, r) > 0.0);
+      assert_true(cell(path.table, r, "sigma.input") >= KM_DEFAULT_PATH_MARGIN);
       if (r == 0)
         continue;
       for (int part = 1; part < 10; ++part) { /* the drivers between two rows */
-        double u = part / 10.0, a = cell(way.table, r - 1, "q.A"), e = cell(way.table, r - 1, "q.E");
-        a += u * (cell(way.table, r, "q.A") - a);
-        e += u * (cell(way.table, r, "q.E") - e);
+        double u = part / 10.0, a = cell(path.table, r - 1, "q.A"), e = cell(path.table, r - 1, "q.E");
+        a += u * (cell(path.table, r, "q.A") - a);
+        e += u * (cell(path.table, r, "q.E") - e);
         distance = crank_ends(a, e, end);
         assert_true(distance > 0.0 && distance < 1.8);
       }
-      assert_at_most(cell(way.table, r, "s") - cell(way.table, r - 1, "s"), 0.05);
+      assert_at_most(cell(path.table, r, "s") - cell(path.table, r - 1, "s"), 0.05);
     }
     for (int d = 0; d < 2; ++d)
-      assert_near(remainder(cell(way.table, rows - 1, d ? "q.E" : "q.A") - values[d], 2.0 * M_PI), 0.0, 1e-6);
-    around += !way.is_straight;
-    km_way_free(&way);
+      assert_near(remainder(cell(path.table, rows - 1, d ? "q.E" : "q.A") - values[d], 2.0 * M_PI), 0.0, 1e-6);
+    around += !path.is_straight;
+    km_space_path_free(&path);
   }
   assert_true(around >= 10);
   fixture_close(&f);
@@ -203,13 +204,13 @@ static void platforms_keep_the_sign_of_their_lines(void **state) {
     configuration_of(&f, from, start);
     configuration_of(&f, to, end);
     assert_int_equal(km_state_set_coordinates(f.mechanism, f.state, start, NULL), KM_OK);
-    km_way way =
-        way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 3, .to = end, .seed = 1, .margin = 0.005});
-    assert_int_equal(way.outcome, KM_WAY_FOUND);
-    around += !way.is_straight;
+    km_space_path path =
+        path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 3, .to = end, .seed = 1, .margin = 0.005});
+    assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+    around += !path.is_straight;
     double last[3] = {0.0}, sign = 0.0;
-    for (size_t r = 0; r < km_table_rows(way.table); ++r) {
-      double at[3], now = input_sign(&f, way.table, r, at);
+    for (size_t r = 0; r < km_table_rows(path.table); ++r) {
+      double at[3], now = input_sign(&f, path.table, r, at);
       sign = r == 0 ? now : sign;
       assert_true(now * sign > 0.0);
       if (r > 0)
@@ -218,7 +219,7 @@ static void platforms_keep_the_sign_of_their_lines(void **state) {
     }
     assert_near(hypot(last[0] - to[0], last[1] - to[1]), 0.0, 1e-5);
     assert_near(remainder(last[2] - to[2], 2.0 * M_PI), 0.0, 1e-5);
-    km_way_free(&way);
+    km_space_path_free(&path);
   }
   assert_true(around >= 5);
   fixture_close(&f);
@@ -261,16 +262,17 @@ static void opposite_modes_are_separated(void **state) {
   km_all_modes modes;
   assert_int_equal(km_all_modes_find(f.mechanism, f.state, &all, NULL, NULL, &modes, NULL), KM_OK);
   assert_int_equal(modes.count, 2);
-  km_way way = way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 2, .to = modes.coordinates + 5});
-  assert_int_equal(way.outcome, KM_WAY_SEPARATED);
-  assert_int_equal(km_table_rows(way.table), 0);
-  km_way_free(&way);
+  km_space_path path =
+      path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 2, .to = modes.coordinates + 5});
+  assert_int_equal(path.outcome, KM_SPACE_PATH_SEPARATED);
+  assert_int_equal(km_table_rows(path.table), 0);
+  km_space_path_free(&path);
   km_all_modes_free(&modes);
   const double far[2] = {M_PI / 2.0, -M_PI / 2.0}; /* the ends of the cranks are 2.2 apart */
-  way = way_to(&f, &(km_way_def){.drivers = drivers, .driver_count = 2, .to_drivers = far});
-  assert_int_equal(way.outcome, KM_WAY_END);
-  assert_true(isnan(way.ends[1]) && way.ends[0] > 0.5);
-  km_way_free(&way);
+  path = path_to(&f, &(km_space_path_def){.drivers = drivers, .driver_count = 2, .to_drivers = far});
+  assert_int_equal(path.outcome, KM_SPACE_PATH_END);
+  assert_true(isnan(path.ends[1]) && path.ends[0] > 0.5);
+  km_space_path_free(&path);
   fixture_close(&f);
 }
 
@@ -291,15 +293,15 @@ static void conditions_and_refusals(void **state) {
   const int drivers[2] = {coordinate(&f, "A"), coordinate(&f, "E")}, same[2] = {drivers[0], drivers[0]};
   const double values[2] = {-2.7, 0.3};
   double most = 0.5;
-  km_way way = way_to(
-      &f, &(km_way_def){
+  km_space_path path = path_to(
+      &f, &(km_space_path_def){
               .drivers = drivers, .driver_count = 2, .to_drivers = values, .condition = keep_below, .context = &most});
-  assert_int_equal(way.outcome, KM_WAY_FOUND);
-  for (size_t r = 0; r < km_table_rows(way.table); ++r)
-    assert_true(cell(way.table, r, "q.A") < most);
-  km_way_free(&way);
-  const km_way_def good = {.drivers = drivers, .driver_count = 2, .to_drivers = values};
-  km_way_def bad[5] = {good, good, good, good, good};
+  assert_int_equal(path.outcome, KM_SPACE_PATH_FOUND);
+  for (size_t r = 0; r < km_table_rows(path.table); ++r)
+    assert_true(cell(path.table, r, "q.A") < most);
+  km_space_path_free(&path);
+  const km_space_path_def good = {.drivers = drivers, .driver_count = 2, .to_drivers = values};
+  km_space_path_def bad[5] = {good, good, good, good, good};
   bad[0].driver_count = 1;
   bad[1].drivers = same;
   bad[2].to_drivers = NULL;
@@ -307,15 +309,16 @@ static void conditions_and_refusals(void **state) {
   bad[4].driver_count = 7;
   km_error error;
   for (int k = 0; k < 5; ++k) {
-    assert_int_equal(km_way_find(f.mechanism, f.state, &bad[k], NULL, NULL, &way, &error), KM_USAGE);
-    km_way_free(&way);
+    assert_int_equal(km_space_path_find(f.mechanism, f.state, &bad[k], NULL, NULL, &path, &error), KM_USAGE);
+    km_space_path_free(&path);
   }
   const double around[2] = {-2.9, -0.3};
-  const km_way_def cancelled = {.drivers = drivers, .driver_count = 2, .to_drivers = around};
-  assert_int_equal(km_way_find(f.mechanism, f.state, &cancelled, stop_at_once, NULL, &way, &error), KM_CANCELLED);
-  km_way_free(&way);
-  assert_string_equal(km_way_outcome_name(KM_WAY_SEPARATED), "separated");
-  assert_string_equal(km_way_outcome_name((km_way_outcome)9), "");
+  const km_space_path_def cancelled = {.drivers = drivers, .driver_count = 2, .to_drivers = around};
+  assert_int_equal(km_space_path_find(f.mechanism, f.state, &cancelled, stop_at_once, NULL, &path, &error),
+                   KM_CANCELLED);
+  km_space_path_free(&path);
+  assert_string_equal(km_space_path_outcome_name(KM_SPACE_PATH_SEPARATED), "separated");
+  assert_string_equal(km_space_path_outcome_name((km_space_path_outcome)9), "");
   fixture_close(&f);
 }
 

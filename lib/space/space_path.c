@@ -1,11 +1,11 @@
-/* Ways between two configurations without a singularity of the drivers (docs/theory.md 4.21).
+/* Paths between two configurations without a singularity of the drivers (docs/theory.md 4.21).
  *
  *   J = (A B),  e(q) = 0;   du drivers:  dq = N du,  N = (−A⁻¹ B; I)
  *   step towards q':  du = (Nᵀ N)⁻¹ Nᵀ (q' − q), |N du| <= LONGEST, then Newton's method with the drivers fixed
  *   kept if          sign det A stays, σ_min(A) >= margin, within limits, the caller's condition holds
  *
  * Two trees, one from each end: one steps towards a random configuration, the other towards what the first has reached
- * (J. Kuffner, S. LaValle 2000). Shortening: the way between two of its configurations becomes the steps that lead
+ * (J. Kuffner, S. LaValle 2000). Shortening: the path between two of its configurations becomes the steps that lead
  * straight from one to the other, where they do. */
 #include "base/arguments.h"
 #include "base/random.h"
@@ -28,47 +28,47 @@ static const double same = 1e-6;           /* distance of equal configurations *
 static const double slide_room = 1.0;      /* random slides without limits lie so many sizes around both ends */
 
 /* Configurations reached from one end. */
-typedef struct way_tree {
+typedef struct path_tree {
   double **saved; /* [count] as km_state_save */
   int *parent;    /* [count] −1: the end */
   int count;
   size_t saved_capacity, parent_capacity;
-} way_tree;
+} path_tree;
 
-typedef struct way_search {
+typedef struct path_search {
   const km_mechanism *m;
-  const km_way_def *def;
+  const km_space_path_def *def;
   const km_substructure *sub;
   km_state *s;
   km_arena arena;
   int columns, rows, drivers;
-  int driver[KM_MAX_WAY_DRIVERS], *other; /* columns */
-  double *J, *A, *LU, *N;                 /* [rows × columns], [rows²] twice, [drivers × columns] */
-  double *b, *x, *step, *towards;         /* [columns] */
-  double square[KM_MAX_WAY_DRIVERS * KM_MAX_WAY_DRIVERS], du[KM_MAX_WAY_DRIVERS], right[KM_MAX_WAY_DRIVERS];
-  int *row, small_row[KM_MAX_WAY_DRIVERS];
+  int driver[KM_MAX_PATH_DRIVERS], *other; /* columns */
+  double *J, *A, *LU, *N;                  /* [rows × columns], [rows²] twice, [drivers × columns] */
+  double *b, *x, *step, *towards;          /* [columns] */
+  double square[KM_MAX_PATH_DRIVERS * KM_MAX_PATH_DRIVERS], du[KM_MAX_PATH_DRIVERS], right[KM_MAX_PATH_DRIVERS];
+  int *row, small_row[KM_MAX_PATH_DRIVERS];
   double *before, *sample; /* saved configurations */
   size_t saved_size;
   double margin;
-  int sign; /* sign of det A along the way */
-  way_tree tree[2];
+  int sign; /* sign of det A along the path */
+  path_tree tree[2];
   uint64_t random;
-} way_search;
+} path_search;
 
-const char *km_way_outcome_name(km_way_outcome outcome) {
+const char *km_space_path_outcome_name(km_space_path_outcome outcome) {
   static const char *const names[] = {"found", "separated", "end", "not found"};
-  return outcome >= KM_WAY_FOUND && outcome <= KM_WAY_NOT_FOUND ? names[outcome] : "";
+  return outcome >= KM_SPACE_PATH_FOUND && outcome <= KM_SPACE_PATH_NOT_FOUND ? names[outcome] : "";
 }
 
 /* ---- One configuration. */
 
-static void update(way_search *g) {
+static void update(path_search *g) {
   km_loops_recompute(g->m, g->s, g->sub);
   km_state_jacobian_dense(g->s, g->sub, g->J);
 }
 
 /* Factors A; *sign is that of det A. */
-static bool factor(way_search *g, int *sign) {
+static bool factor(path_search *g, int *sign) {
   for (int i = 0; i < g->rows; ++i)
     for (int j = 0; j < g->rows; ++j)
       g->LU[i * g->rows + j] = g->J[g->other[j] * g->rows + i];
@@ -76,7 +76,7 @@ static bool factor(way_search *g, int *sign) {
 }
 
 /* Closes the loops with the drivers fixed, by Newton's method; A's factors then belong to the configuration. */
-static bool close_loops(way_search *g, double step, int *sign) {
+static bool close_loops(path_search *g, double step, int *sign) {
   for (int i = 0; i < MOST_NEWTON; ++i) {
     double error = 0.0, correction = 0.0;
     const double *e = km_state_error(g->s, g->sub);
@@ -103,7 +103,7 @@ static bool close_loops(way_search *g, double step, int *sign) {
 }
 
 /* N by driver: the rates of all coordinates per unit rate of each driver, at the present factors. */
-static void compute_rates(way_search *g) {
+static void compute_rates(path_search *g) {
   for (int d = 0; d < g->drivers; ++d) {
     double *N = g->N + d * g->columns;
     memset(N, 0, (size_t)g->columns * sizeof *N);
@@ -117,14 +117,14 @@ static void compute_rates(way_search *g) {
 }
 
 /* Smallest singular value of A at the last update. */
-static double singular_value(way_search *g) {
+static double singular_value(path_search *g) {
   for (int j = 0; j < g->rows; ++j)
     memcpy(g->A + (size_t)(j * g->rows), g->J + (size_t)(g->other[j] * g->rows), (size_t)g->rows * sizeof *g->A);
   return km_smallest_singular_value(g->A, g->rows, g->rows);
 }
 
-/* True if the closed configuration may be on a way. */
-static bool is_allowed(way_search *g, int sign) {
+/* True if the closed configuration may be on a path. */
+static bool is_allowed(path_search *g, int sign) {
   if ((g->sign != 0 && sign != g->sign) || !(singular_value(g) >= g->margin))
     return false;
   if (!g->def->ignore_limits && km_state_find_outside_limit(g->s, g->sub) >= 0)
@@ -135,8 +135,8 @@ static bool is_allowed(way_search *g, int sign) {
   return g->def->condition(g->def->context, g->m, g->s);
 }
 
-/* Step from the present to a saved configuration; hinges without limits take the shorter way. Returns its length. */
-static double difference(const way_search *g, const double *saved, double *step) {
+/* Step from the present to a saved configuration; hinges without limits take the shorter path. Returns its length. */
+static double difference(const path_search *g, const double *saved, double *step) {
   double sum = 0.0;
   km_state_difference(g->s, g->sub, saved, step);
   for (int k = 0; k < g->columns; ++k) {
@@ -149,7 +149,7 @@ static double difference(const way_search *g, const double *saved, double *step)
 }
 
 /* One step towards a configuration, `distance` away by g->towards. False: it isn't allowed; the state returns. */
-static bool step_towards(way_search *g, double distance) {
+static bool step_towards(path_search *g, double distance) {
   int n = g->columns, f = g->drivers, sign;
   km_state_save(g->s, g->sub, g->before);
   compute_rates(g);
@@ -190,7 +190,7 @@ static bool step_towards(way_search *g, double distance) {
 /* ---- Trees. */
 
 /* Adds the state's configuration. Returns its index; −1 when out of memory. */
-static int add_node(way_search *g, way_tree *t, int parent) {
+static int add_node(path_search *g, path_tree *t, int parent) {
   void *saved = t->saved, *parents = t->parent;
   double *place = KM_ARENA_NEW(&g->arena, double, g->saved_size);
   if (!place || !km_reserve(&saved, &t->saved_capacity, (size_t)t->count + 1, sizeof *t->saved))
@@ -206,7 +206,7 @@ static int add_node(way_search *g, way_tree *t, int parent) {
 }
 
 /* Moves the state to the node of a tree that is nearest to a saved configuration. Returns its index. */
-static int move_to_nearest(way_search *g, const way_tree *t, const double *saved) {
+static int move_to_nearest(path_search *g, const path_tree *t, const double *saved) {
   int nearest = 0, sign;
   double least = HUGE_VAL;
   km_state_restore(g->s, g->sub, saved);
@@ -225,7 +225,7 @@ static int move_to_nearest(way_search *g, const way_tree *t, const double *saved
 
 /* Steps from the state, node `from` of a tree, towards a saved configuration as long as that comes nearer. Returns the
  * last node; −1 when out of memory. *is_there: the configuration was reached. */
-static int chain(way_search *g, way_tree *t, int from, const double *saved, int most, bool *is_there) {
+static int chain(path_search *g, path_tree *t, int from, const double *saved, int most, bool *is_there) {
   *is_there = false;
   for (int i = 0; i < most; ++i) {
     double before = difference(g, saved, g->towards);
@@ -244,7 +244,7 @@ static int chain(way_search *g, way_tree *t, int from, const double *saved, int 
 }
 
 /* A random configuration, open. */
-static void draw_sample(way_search *g) {
+static void draw_sample(path_search *g) {
   km_state_restore(g->s, g->sub, g->tree[0].saved[0]);
   if (g->tree[1].count > 0)
     difference(g, g->tree[1].saved[0], g->towards);
@@ -267,12 +267,12 @@ static void draw_sample(way_search *g) {
 }
 
 /* Grows both trees until they meet. *node: where, in each tree; −1: they don't. False when out of memory. */
-static bool grow(way_search *g, km_progress progress, void *context, bool *is_cancelled, int node[2]) {
-  int most = g->def->most > 0 ? g->def->most : KM_DEFAULT_WAY_CONFIGURATIONS;
+static bool grow(path_search *g, km_progress progress, void *context, bool *is_cancelled, int node[2]) {
+  int most = g->def->most > 0 ? g->def->most : KM_DEFAULT_PATH_CONFIGURATIONS;
   node[0] = node[1] = -1;
   for (int side = 0, tries = 0; g->tree[0].count + g->tree[1].count < most && tries < most; side = 1 - side, ++tries) {
     bool is_there;
-    way_tree *a = &g->tree[side], *b = &g->tree[1 - side];
+    path_tree *a = &g->tree[side], *b = &g->tree[1 - side];
     draw_sample(g);
     int reached = chain(g, a, move_to_nearest(g, a, g->sample), g->sample, MOST_CHAIN, &is_there);
     if (reached < 0)
@@ -293,68 +293,69 @@ static bool grow(way_search *g, km_progress progress, void *context, bool *is_ca
   return true;
 }
 
-/* ---- The way. */
+/* ---- The path. */
 
-/* Joins both branches: way[count] from one end to the other. NULL when out of memory. */
-static double **join(way_search *g, const int node[2], int *count) {
+/* Joins both branches: path[count] from one end to the other. NULL when out of memory. */
+static double **join(path_search *g, const int node[2], int *count) {
   int lengths[2] = {0, 0};
   for (int side = 0; side < 2; ++side)
     for (int i = node[side]; i >= 0; i = g->tree[side].parent[i])
       ++lengths[side];
   *count = lengths[0] + lengths[1];
-  double **way = KM_ARENA_NEW(&g->arena, double *, (size_t)*count);
-  if (!way)
+  double **path = KM_ARENA_NEW(&g->arena, double *, (size_t)*count);
+  if (!path)
     return NULL;
   int at = lengths[0];
   for (int i = node[0]; i >= 0; i = g->tree[0].parent[i])
-    way[--at] = g->tree[0].saved[i];
+    path[--at] = g->tree[0].saved[i];
   at = lengths[0];
   for (int i = node[1]; i >= 0; i = g->tree[1].parent[i])
-    way[at++] = g->tree[1].saved[i];
-  return way;
+    path[at++] = g->tree[1].saved[i];
+  return path;
 }
 
-/* Replaces the part from way[i] to way[j] by the steps straight from one to the other, if they are fewer. Returns the
+/* Replaces the part from path[i] to path[j] by the steps straight from one to the other, if they are fewer. Returns the
  * new count; −1 when out of memory. */
-static int shorten(way_search *g, double **way, int count, int i, int j) {
-  way_tree part = {0};
+static int shorten(path_search *g, double **path, int count, int i, int j) {
+  path_tree part = {0};
   bool is_there;
   int sign;
-  km_state_restore(g->s, g->sub, way[i]);
+  km_state_restore(g->s, g->sub, path[i]);
   update(g);
   factor(g, &sign);
-  int last = chain(g, &part, -1, way[j], j - i - 1, &is_there);
-  int added = part.count - 1; /* the last one is way[j] */
+  int last = chain(g, &part, -1, path[j], j - i - 1, &is_there);
+  int added = part.count - 1; /* the last one is path[j] */
   bool is_shorter = is_there && last >= 0 && added < j - i - 1;
   if (is_shorter) {
     for (int k = 0; k < added; ++k)
-      way[i + 1 + k] = part.saved[k];
-    memmove(way + i + 1 + added, way + j, (size_t)(count - j) * sizeof *way);
+      path[i + 1 + k] = part.saved[k];
+    memmove(path + i + 1 + added, path + j, (size_t)(count - j) * sizeof *path);
   }
   km_free(part.saved);
   km_free(part.parent);
   return g->arena.failed ? -1 : is_shorter ? count - (j - i - 1 - added) : count;
 }
 
-static int shorten_all(way_search *g, double **way, int count) {
+static int shorten_all(path_search *g, double **path, int count) {
   for (int k = 0; k < SHORTENINGS && count > 2; ++k) {
     int i = (int)((0.5 + 0.5 * km_uniform(&g->random)) * (count - 1)),
         j = (int)((0.5 + 0.5 * km_uniform(&g->random)) * count);
     int low = i < j ? i : j, high = i < j ? j : i;
     if (high - low > 1)
-      count = shorten(g, way, count, low, high);
+      count = shorten(g, path, count, low, high);
     if (count < 0)
       return -1;
   }
   return count;
 }
 
-/* Writes the row of the state's configuration. `place`[columns]: its coordinates, continuous along the way. */
-static bool write_row(way_search *g, const double *place, double sigma, km_way *out) {
+/* Writes the row of the state's configuration. `place`[columns]: its coordinates, continuous along the path. */
+static bool write_row(path_search *g, const double *place, double sigma, km_space_path *out) {
   const km_mechanism *m = g->m;
-  double *row = km_table_add_row(out->table), *other = row + 1 + g->drivers;
+  double *row = km_table_add_row(out->table);
   if (!row)
     return false;
+  double *other = row + 1 + g->drivers;
   *row++ = out->length;
   for (int c = 0; c < m->coordinate_count; ++c) {
     bool is_own = m->substructure_of[c] == (int)(g->sub - m->substructures) && !m->held[c];
@@ -368,21 +369,22 @@ static bool write_row(way_search *g, const double *place, double sigma, km_way *
   return true;
 }
 
-static bool write_way(way_search *g, double *const *way, int count, km_way *out) {
+static bool write_path(path_search *g, double *const *path, int count, km_space_path *out) {
   double *place = KM_ARENA_NEW(&g->arena, double, (size_t)g->columns);
   out->least_margin = HUGE_VAL;
   for (int i = 0; place && i < count; ++i) {
-    km_state_restore(g->s, g->sub, way[i]);
-    double step = i > 0 ? difference(g, way[i - 1], g->towards) : 0.0;
-    if (i > 0 && step <= same && i + 1 < count)
-      continue; /* both trees have met here */
+    km_state_restore(g->s, g->sub, path[i]);
+    double step = i > 0 ? difference(g, path[i - 1], g->towards) : 0.0;
     for (int k = 0; k < g->columns; ++k) {
       int c = g->m->column_coordinate[g->sub->column_start + k];
       place[k] = i > 0 ? place[k] - g->towards[k] : g->s->q[c] / g->m->unit[c];
     }
+    out->length += step;
+    if (i > 0 && step <= same && i + 1 < count)
+      continue; /* both trees have met here */
     update(g);
     double sigma = singular_value(g);
-    out->length += step;
+    out->ends[i > 0] = sigma;
     out->least_margin = fmin(out->least_margin, sigma);
     if (!write_row(g, place, sigma, out))
       return false;
@@ -392,7 +394,7 @@ static bool write_way(way_search *g, double *const *way, int count, km_way *out)
 
 /* ---- Preparation. */
 
-static bool add_columns(const way_search *g, km_table *table) {
+static bool add_columns(const path_search *g, km_table *table) {
   const km_mechanism *m = g->m;
   bool is_ok = table && km_table_add_joined_column(table, "s", "", "", "");
   for (int pass = 0; pass < 2; ++pass)
@@ -408,10 +410,10 @@ static bool add_columns(const way_search *g, km_table *table) {
 }
 
 static km_status no_memory(km_error *error) {
-  return km_fail(error, KM_MEMORY, "out of memory for the way");
+  return km_fail(error, KM_MEMORY, "out of memory for the path");
 }
 
-static km_status check_drivers(way_search *g, km_error *error) {
+static km_status check_drivers(path_search *g, km_error *error) {
   const km_mechanism *m = g->m;
   int part = -1;
   for (int d = 0; d < g->drivers; ++d) {
@@ -421,13 +423,13 @@ static km_status check_drivers(way_search *g, km_error *error) {
       return status;
     int own = m->substructure_of[c];
     if (m->held[c] || own < 0 || m->substructures[own].loop_count == 0 || m->ball_of[c] >= 0)
-      return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a way; expected a free hinge or slide of a loop",
+      return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a path; expected a free hinge or slide of a loop",
                      m->model->coordinates[c].label);
     if (part >= 0 && own != part)
-      return km_fail(error, KM_USAGE, "all drivers of a way must be joints of one part of the mechanism");
+      return km_fail(error, KM_USAGE, "all drivers of a path must be joints of one part of the mechanism");
     for (int i = 0; i < d; ++i)
       if (g->def->drivers[i] == c)
-        return km_fail(error, KM_USAGE, "joint \"%s\" drives the way twice", m->model->coordinates[c].label);
+        return km_fail(error, KM_USAGE, "joint \"%s\" drives the path twice", m->model->coordinates[c].label);
     part = own;
     g->driver[d] = m->column_of[c];
   }
@@ -436,7 +438,7 @@ static km_status check_drivers(way_search *g, km_error *error) {
   g->rows = km_substructure_rows(m, part);
   for (int k = 0; k < g->columns; ++k)
     if (m->ball_of[m->column_coordinate[g->sub->column_start + k]] >= 0)
-      return km_fail(error, KM_USAGE, "ways don't cover ball joints; expected hinges and slides");
+      return km_fail(error, KM_USAGE, "paths don't cover ball joints; expected hinges and slides");
   if (g->rows != g->columns - g->drivers)
     return km_fail(
         error, KM_USAGE,
@@ -446,7 +448,7 @@ static km_status check_drivers(way_search *g, km_error *error) {
   return KM_OK;
 }
 
-static km_status prepare(way_search *g, km_error *error) {
+static km_status prepare(path_search *g, km_error *error) {
   size_t n = (size_t)g->columns, r = (size_t)g->rows;
   km_arena *a = &g->arena;
   g->saved_size = KM_SAVED_PER_COLUMN * n;
@@ -474,20 +476,21 @@ static km_status prepare(way_search *g, km_error *error) {
   return KM_OK;
 }
 
-/* Makes the state's configuration a root of a tree if it may be on a way. *sign: of det A; 0: the loops are open. */
-static km_status add_end(way_search *g, int side, km_way *out, int *sign, bool *is_added, km_error *error) {
+/* Makes the state's configuration a root of a tree if it may be on a path. *sign: of det A; 0: the loops are open. */
+static km_status add_end(path_search *g, int side, km_space_path *out, int *sign, bool *is_added, km_error *error) {
   if (!close_loops(g, HUGE_VAL, sign)) {
     *sign = 0;
     *is_added = false;
     return KM_OK;
   }
   *is_added = is_allowed(g, *sign);
-  out->ends[side] = singular_value(g);
+  double sigma = singular_value(g);
+  out->ends[side] = isnan(out->ends[side]) ? sigma : fmax(out->ends[side], sigma);
   return *is_added && add_node(g, &g->tree[side], -1) < 0 ? no_memory(error) : KM_OK;
 }
 
 /* Assembles the loops with the drivers at the values of the end, from random values of the others. */
-static km_status assemble_end(way_search *g, bool *is_closed) {
+static km_status assemble_end(path_search *g, bool *is_closed) {
   draw_sample(g);
   km_state_restore(g->s, g->sub, g->sample);
   for (int d = 0; d < g->drivers; ++d) {
@@ -502,9 +505,9 @@ static km_status assemble_end(way_search *g, bool *is_closed) {
 }
 
 /* Adds the assembly modes at the end's values of the drivers that random starts find. */
-static km_status add_modes(way_search *g, km_way *out, km_error *error) {
-  way_tree *t = &g->tree[1];
-  bool is_opposite = false;
+static km_status add_modes(path_search *g, km_space_path *out, km_error *error) {
+  path_tree *t = &g->tree[1];
+  bool is_opposite = false, has_same_sign = false;
   for (int i = 0; i < MODE_STARTS && t->count < MOST_MODES; ++i) {
     bool is_closed = false, is_added;
     int sign = 0;
@@ -518,33 +521,39 @@ static km_status add_modes(way_search *g, km_way *out, km_error *error) {
     km_status status = add_end(g, 1, out, &sign, &is_added, error);
     if (status)
       return status;
-    is_opposite = is_opposite || (sign != 0 && sign != g->sign);
+    is_opposite = is_opposite || sign == -g->sign;
+    has_same_sign = has_same_sign || sign == g->sign;
   }
-  out->outcome = t->count > 0 ? KM_WAY_NOT_FOUND : is_opposite ? KM_WAY_SEPARATED : KM_WAY_END;
+  out->outcome = t->count > 0                    ? KM_SPACE_PATH_NOT_FOUND
+                 : is_opposite && !has_same_sign ? KM_SPACE_PATH_SEPARATED
+                                                 : KM_SPACE_PATH_END;
   return KM_OK;
 }
 
 /* Both ends. */
-static km_status add_ends(way_search *g, km_way *out, km_error *error) {
+static km_status add_ends(path_search *g, km_space_path *out, km_error *error) {
   int sign = 0;
   bool is_added = false;
   km_status status = add_end(g, 0, out, &sign, &is_added, error);
   g->sign = sign;
-  out->outcome = KM_WAY_END;
+  out->outcome = KM_SPACE_PATH_END;
   out->is_at_start = !is_added;
   if (status || !is_added)
     return status;
   if (!g->def->to)
     return add_modes(g, out, error);
-  status = km_state_set_coordinates(g->m, g->s, g->def->to, error);
+  for (int k = 0; !status && k < g->columns; ++k) { /* other parts stay */
+    int c = g->m->column_coordinate[g->sub->column_start + k];
+    status = km_state_set_coordinate(g->m, g->s, c, g->def->to[c], error);
+  }
   if (!status)
     status = add_end(g, 1, out, &sign, &is_added, error);
-  out->outcome = is_added ? KM_WAY_NOT_FOUND : sign == -g->sign ? KM_WAY_SEPARATED : KM_WAY_END;
+  out->outcome = is_added ? KM_SPACE_PATH_NOT_FOUND : sign == -g->sign ? KM_SPACE_PATH_SEPARATED : KM_SPACE_PATH_END;
   return status;
 }
 
-/* The straight way first, then the trees. */
-static km_status search(way_search *g, km_progress progress, void *context, km_way *out, km_error *error) {
+/* The straight path first, then the trees. */
+static km_status search(path_search *g, km_progress progress, void *context, km_space_path *out, km_error *error) {
   int node[2] = {0, 0}, count = 0, sign;
   bool is_cancelled = false;
   for (int i = 0; i < g->tree[1].count && !out->is_straight; ++i) {
@@ -560,33 +569,33 @@ static km_status search(way_search *g, km_progress progress, void *context, km_w
     return no_memory(error);
   out->configurations = g->tree[0].count + g->tree[1].count;
   if (is_cancelled)
-    return km_fail(error, KM_CANCELLED, "stopped while a way was searched");
+    return km_fail(error, KM_CANCELLED, "stopped while a path was searched");
   if (node[0] < 0)
     return KM_OK;
-  double **way = join(g, node, &count);
-  count = way ? shorten_all(g, way, count) : -1;
-  if (count < 0 || !write_way(g, way, count, out))
+  double **path = join(g, node, &count);
+  count = path ? shorten_all(g, path, count) : -1;
+  if (count < 0 || !write_path(g, path, count, out))
     return no_memory(error);
-  out->outcome = KM_WAY_FOUND;
+  out->outcome = KM_SPACE_PATH_FOUND;
   return KM_OK;
 }
 
-km_status km_way_find(const km_mechanism *m, const km_state *s, const km_way_def *def, km_progress progress,
-                      void *context, km_way *out, km_error *error) {
+km_status km_space_path_find(const km_mechanism *m, const km_state *s, const km_space_path_def *def,
+                             km_progress progress, void *context, km_space_path *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the result", error);
-  *out = (km_way){.ends = {nan(""), nan("")}};
+  *out = (km_space_path){.ends = {nan(""), nan("")}};
   km_status status = km_check_state(m, s, error);
   if (!status)
     status = km_check_given(def && def->drivers && (def->to || def->to_drivers),
-                            "definition, drivers or end of the way", error);
-  if (!status && (def->driver_count < 1 || def->driver_count > KM_MAX_WAY_DRIVERS || !(def->margin >= 0.0)))
+                            "definition, drivers or end of the path", error);
+  if (!status && (def->driver_count < 1 || def->driver_count > KM_MAX_PATH_DRIVERS || !(def->margin >= 0.0)))
     status = km_fail(error, KM_USAGE, "%d drivers and a margin of %g; expected 1 to %d, and no negative margin",
-                     def->driver_count, def->margin, KM_MAX_WAY_DRIVERS);
+                     def->driver_count, def->margin, KM_MAX_PATH_DRIVERS);
   if (status)
     return status;
-  way_search g = {.m = m, .def = def, .drivers = def->driver_count, .random = def->seed};
-  g.margin = def->margin > 0.0 ? def->margin : KM_DEFAULT_WAY_MARGIN;
+  path_search g = {.m = m, .def = def, .drivers = def->driver_count, .random = def->seed};
+  g.margin = def->margin > 0.0 ? def->margin : KM_DEFAULT_PATH_MARGIN;
   status = check_drivers(&g, error);
   if (!status)
     status = prepare(&g, error);
@@ -597,7 +606,7 @@ km_status km_way_find(const km_mechanism *m, const km_state *s, const km_way_def
     out->table = km_table_create();
     status = add_columns(&g, out->table) ? add_ends(&g, out, error) : no_memory(error);
   }
-  if (!status && out->outcome == KM_WAY_NOT_FOUND)
+  if (!status && out->outcome == KM_SPACE_PATH_NOT_FOUND)
     status = search(&g, progress, context, out, error);
   for (int side = 0; side < 2; ++side) {
     km_free(g.tree[side].saved);
@@ -608,9 +617,9 @@ km_status km_way_find(const km_mechanism *m, const km_state *s, const km_way_def
   return status;
 }
 
-void km_way_free(km_way *way) {
-  if (!way)
+void km_space_path_free(km_space_path *path) {
+  if (!path)
     return;
-  km_table_free(way->table);
-  *way = (km_way){0};
+  km_table_free(path->table);
+  *path = (km_space_path){0};
 }
