@@ -15,9 +15,10 @@
 #include <string.h>
 
 enum { MOST_NEWTON = 8 };
-static const double closed = 1e-13;          /* largest error of a cell: radians, sizes */
-static const double most_correction = 0.3;   /* first correction over the predicted step */
-static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
+static const double closed = 1e-13;        /* largest error of a cell: radians, sizes */
+static const double most_correction = 0.3; /* first correction over the predicted step */
+static const double shortest_part = 1e-3;  /* shortest step, a part of the way between grid points */
+static const double same_turn = 1e-6;      /* difference of angles and configurations that are one but for full turns */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
 
 typedef struct map_search {
@@ -255,6 +256,22 @@ static bool fill_row(map_search *g, int cell, int sheet, const double *N, int *o
   return write_figures(g, row);
 }
 
+/* The cell across the seam of an axis that is a full turn of a hinge: the same configuration; −1: there is none. */
+static int across_seam(map_search *g, int cell, int axis) {
+  const km_space_axis *a = &g->def->axis[axis];
+  int i = cell % g->across, j = cell / g->across, last = axis == 0 ? g->across - 1 : g->down - 1;
+  int at = axis == 0 ? i : j, other = last - at;
+  double turn = fabs(a->to - a->from) * g->f.m->factor[a->coordinate];
+  if ((at != 0 && at != last) || !km_coordinate_turns(g->f.m, a->coordinate) || fabs(turn - 2.0 * M_PI) > same_turn)
+    return -1;
+  int next = axis == 0 ? j * g->across + other : other * g->across + i;
+  if (!g->sign[next])
+    return -1;
+  km_driver_surface_restore(&g->f, g->saved + (size_t)cell * g->f.saved_size);
+  return km_driver_surface_difference(&g->f, g->saved + (size_t)next * g->f.saved_size, g->f.step) < same_turn ? next
+                                                                                                               : -1;
+}
+
 /* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
  * output. `stack`[cell] is workspace. */
 static void number_aspect(map_search *g, int first, int *stack) {
@@ -268,6 +285,13 @@ static void number_aspect(map_search *g, int first, int *stack) {
       int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
       if (i < 0 || j < 0 || i >= g->across || j >= g->down || !g->sign[next] || g->aspect[next] ||
           g->output_sign[next] != g->output_sign[cell])
+        continue;
+      g->aspect[next] = g->aspect_count;
+      stack[size++] = next;
+    }
+    for (int d = 0; d < 2; ++d) {
+      int next = across_seam(g, cell, d);
+      if (next < 0 || g->aspect[next])
         continue;
       g->aspect[next] = g->aspect_count;
       stack[size++] = next;

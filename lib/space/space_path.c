@@ -18,7 +18,7 @@
 
 #include <string.h>
 
-enum { MOST_NEWTON = 8, MOST_CHAIN = 400, SHORTENINGS = 200, MODE_STARTS = 60, MOST_MODES = 16 };
+enum { MOST_NEWTON = 8, MOST_CHAIN = 400, SHORTENINGS = 200, MODE_STARTS = 60, MOST_STRAIGHT = 5000, MOST_MODES = 16 };
 static const double longest_step = 0.04;   /* radians, sizes */
 static const double least_progress = 0.3;  /* part of a step: less ends a chain of steps */
 static const double closed = 1e-12;        /* largest error: radians, sizes */
@@ -552,20 +552,68 @@ static km_status add_ends(path_search *g, km_space_path *out, km_error *error) {
   return status;
 }
 
-/* The straight path first, then the trees. */
+/* Moves the drivers straight from the start to their values at the end, hinges through their turns as stated.
+ * *is_there: every step is allowed. node[0], node[1]: the end in both trees. */
+static km_status drive_straight(path_search *g, bool *is_there, int node[2], km_error *error) {
+  int n = g->columns, sign;
+  *is_there = false;
+  km_state_restore(g->s, g->sub, g->tree[0].saved[0]);
+  update(g);
+  factor(g, &sign);
+  for (int at = 0; !*is_there;) {
+    double length = 0.0;
+    compute_rates(g);
+    memset(g->step, 0, (size_t)n * sizeof *g->step);
+    for (int d = 0; d < g->drivers; ++d) {
+      int c = g->def->drivers[d];
+      double value = g->def->to ? g->def->to[c] : g->def->to_drivers[d];
+      double du = value * g->m->factor[c] / g->m->unit[c] - g->s->q[c] / g->m->unit[c];
+      for (int k = 0; k < n; ++k)
+        g->step[k] += g->N[d * n + k] * du;
+    }
+    for (int k = 0; k < n; ++k)
+      length += g->step[k] * g->step[k];
+    length = sqrt(length);
+    *is_there = length <= longest_step;
+    double part = *is_there ? 1.0 : longest_step / length;
+    for (int k = 0; k < n; ++k)
+      g->step[k] *= part;
+    km_state_move(g->m, g->s, g->sub, g->step);
+    if (g->tree[0].count > MOST_STRAIGHT || !close_loops(g, fmax(part * length, same), &sign) || !is_allowed(g, sign)) {
+      *is_there = false;
+      return KM_OK;
+    }
+    at = add_node(g, &g->tree[0], at);
+    if (at < 0)
+      return no_memory(error);
+    node[0] = at;
+  }
+  for (node[1] = g->tree[1].count - 1; node[1] >= 0; --node[1])
+    if (difference(g, g->tree[1].saved[node[1]], g->towards) <= same)
+      return KM_OK;
+  *is_there = g->def->to == NULL; /* another mode at the end will do */
+  node[1] = *is_there ? add_node(g, &g->tree[1], -1) : -1;
+  return *is_there && node[1] < 0 ? no_memory(error) : KM_OK;
+}
+
+/* The straight path of the drivers first, then steps towards each end, then the trees. */
 static km_status search(path_search *g, km_progress progress, void *context, km_space_path *out, km_error *error) {
   int node[2] = {0, 0}, count = 0, sign;
   bool is_cancelled = false;
-  for (int i = 0; i < g->tree[1].count && !out->is_straight; ++i) {
+  km_status status = drive_straight(g, &out->is_straight, node, error);
+  if (status)
+    return status;
+  bool is_met = out->is_straight;
+  for (int i = 0; i < g->tree[1].count && !is_met; ++i) {
     km_state_restore(g->s, g->sub, g->tree[0].saved[0]);
     update(g);
     factor(g, &sign);
-    node[0] = chain(g, &g->tree[0], 0, g->tree[1].saved[i], MOST_CHAIN, &out->is_straight);
+    node[0] = chain(g, &g->tree[0], 0, g->tree[1].saved[i], MOST_CHAIN, &is_met);
     node[1] = i;
     if (node[0] < 0)
       return no_memory(error);
   }
-  if (!out->is_straight && !grow(g, progress, context, &is_cancelled, node))
+  if (!is_met && !grow(g, progress, context, &is_cancelled, node))
     return no_memory(error);
   out->configurations = g->tree[0].count + g->tree[1].count;
   if (is_cancelled)

@@ -240,7 +240,7 @@ static bool copy_points(turning_search *g, km_turning *out) {
   int count;
   const km_turning_point *points = km_singularity_curves_critical(g->curves, &count);
   out->points = KM_NEW(km_turning_point, (size_t)count + 1);
-  out->intervals = KM_NEW(km_turning_interval, (size_t)count + 1);
+  out->intervals = KM_NEW(km_turning_interval, 2 * (size_t)count + 3); /* an interval may be split at either end */
   if (!out->points || !out->intervals)
     return false;
   for (int i = 0; i < count; ++i) {
@@ -291,19 +291,58 @@ static km_status examine(turning_search *g, km_turning_interval *at, km_error *e
   return status;
 }
 
+/* The number nearest to `bad` that the file can be read with, from `good` on. The state is at the last such number. */
+static double bound_of_numbers(turning_search *g, double good, double bad) {
+  double least = same_number * (g->def->to - g->def->from);
+  while (fabs(bad - good) > least) {
+    double middle = 0.5 * (good + bad);
+    *(km_design_number_set(&g->number, middle) ? &good : &bad) = middle;
+  }
+  return good;
+}
+
+/* Splits interval k, in the middle of which the file can't be read, at the bound of the numbers. `sense`: outwards.
+ * False if no part of it can be read. */
+static bool split_interval(turning_search *g, km_turning *out, int k, int sense) {
+  km_turning_interval *at = &out->intervals[k];
+  double start = sense > 0 ? at->from : at->to;
+  double inside = start + sense * 1e-6 * (at->to - at->from);
+  km_driver_surface_save(&g->f, g->place);
+  if (!km_design_number_set(&g->number, inside)) {
+    km_driver_surface_restore(&g->f, g->place);
+    return false;
+  }
+  double bound = bound_of_numbers(g, inside, 0.5 * (at->from + at->to));
+  km_driver_surface_restore(&g->f, g->place);
+  memmove(at + 1, at, (size_t)(out->interval_count++ - k) * sizeof *at);
+  at[0].to = bound;
+  at[1].from = bound;
+  return true;
+}
+
 /* Examines all intervals, outwards from the model's own number. */
 static km_status examine_intervals(turning_search *g, const double *start, km_turning *out, km_error *error) {
   km_status status = KM_OK;
   double own = start[g->f.saved_size - 1];
   for (int sense = 1; !status && sense >= -1; sense -= 2) {
+    bool was_split = false;
     km_driver_surface_restore(&g->f, start);
-    for (int k = 0; !status && k < out->interval_count; ++k) {
-      km_turning_interval *at = &out->intervals[sense > 0 ? k : out->interval_count - 1 - k];
+    for (int k = sense > 0 ? 0 : out->interval_count - 1; !status && k >= 0 && k < out->interval_count; k += sense) {
+      km_turning_interval *at = &out->intervals[k];
       if ((0.5 * (at->from + at->to) - own) * sense < 0.0)
         continue;
-      at->dead_points = count_dead_points(out->curves, 0.5 * (at->from + at->to));
       status = examine(g, at, error);
+      if (!status && !at->is_defined && !was_split && split_interval(g, out, k, sense)) {
+        was_split = true; /* examine the part that can be read */
+        k -= sense > 0 ? 1 : -2;
+      } else {
+        was_split = false;
+      }
     }
+  }
+  for (int k = 0; k < out->interval_count; ++k) {
+    km_turning_interval *at = &out->intervals[k];
+    at->dead_points = count_dead_points(out->curves, 0.5 * (at->from + at->to));
   }
   return status;
 }

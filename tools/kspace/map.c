@@ -107,7 +107,7 @@ static void range_of(const km_table *table, double sheet, size_t column, double 
   }
 }
 
-/* Columns whose range is printed: singular values, and those behind them that aren't places. */
+/* Prints the ranges of the singular values and of the columns behind them. */
 static void print_sheet(const km_space_map *map, int sheet, size_t points, km_text *out) {
   const km_table *t = map->cells;
   double low, high;
@@ -119,7 +119,7 @@ static void print_sheet(const km_space_map *map, int sheet, size_t points, km_te
   for (size_t c = first; c < km_table_columns(t); ++c) {
     const char *name = km_table_name(t, c), *unit = km_table_unit(t, c);
     range_of(t, sheet, c, &low, &high, &rows);
-    if (strncmp(name, "point.", 6) != 0 && strcmp(name, "sigma.closure") != 0 && low <= high)
+    if (strcmp(name, "sigma.closure") != 0 && low <= high && (strncmp(name, "point.", 6) != 0 || high - low > 0.0))
       km_text_format(out, "; %s %.3g to %.3g%s%s", name, low, high, unit && *unit ? " " : "", unit ? unit : "");
   }
   km_text_add(out, "\n");
@@ -149,7 +149,7 @@ static void print_map(const options *o, const km_model *model, const km_space_ma
   if (def->has_point) {
     int outputs = count_curves(map->curves, KM_SINGULARITY_OUTPUT);
     km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, o->point);
-    km_text_format(out, "; %d aspects free of both", map->aspect_count);
+    km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
   }
   km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
 }

@@ -79,7 +79,7 @@ static void print_path(const options *o, const km_space_path *path, double margi
   km_text_format(out, "%s: ", o->model);
   switch (path->outcome) {
   case KM_SPACE_PATH_FOUND:
-    km_text_format(out, "a path of %zu steps%s, length %.4g\n", rows > 0 ? rows - 1 : 0,
+    km_text_format(out, "a path of %zu step%s%s, length %.4g\n", rows > 0 ? rows - 1 : 0, rows == 2 ? "" : "s",
                    path->is_straight ? ", straight" : "", path->length);
     km_text_format(out,
                    "smallest singular value of the input: %.4g at the start, %.4g at the end, at least %.4g between\n",
@@ -93,7 +93,8 @@ static void print_path(const options *o, const km_space_path *path, double margi
     break;
   case KM_SPACE_PATH_END:
     if (isnan(path->ends[!path->is_at_start]))
-      km_text_format(out, "no path: the loops don't close at the %s\n", path->is_at_start ? "start" : "end");
+      km_text_format(out, "no path: the drivers are singular at the %s, or no loop closes there\n",
+                     path->is_at_start ? "start" : "end");
     else
       km_text_format(
           out,

@@ -407,11 +407,14 @@ static void draw_page(map_picture *p, int columns, double width) {
   km_text about = {0};
   km_canvas_text(p->canvas, &title, ink, p->look->title ? p->look->title : "Map", (km_canvas_point){margin, margin},
                  (km_anchor){0, 0, 0});
-  km_text_format(
-      &about, "black: the drivers are singular%s, on all sheets · values beyond the colours have those of the ends%s",
-      p->def->has_point ? " · red, dashed: the point can't move in some direction" : "",
-      (p->part == 2 ? p->map->sheet_count : p->map->aspect_count) > p->panels ? " · further ones are in the table"
-                                                                              : "");
+  bool has_curve[2] = {false, false};
+  for (size_t r = 0; r < km_table_rows(p->map->curves); ++r)
+    has_curve[km_table_row(p->map->curves, r)[1] == KM_SINGULARITY_OUTPUT] = true;
+  int parts = p->part == 2 ? p->map->sheet_count : p->map->aspect_count;
+  km_text_format(&about, "%s%svalues beyond the colours have those of the ends%s",
+                 has_curve[0] ? "black: the drivers are singular, on all sheets · " : "",
+                 has_curve[1] ? "red, dashed: the point can't move in some direction · " : "",
+                 parts > p->panels ? " · further parts are in the table" : "");
   km_canvas_words(p->canvas, &subtitle, grey, &about, (km_canvas_point){margin, margin + 18}, (km_anchor){0, 0, 0});
   for (int panel = 0; panel < p->panels; ++panel)
     draw_panel(p, panel, columns);
