@@ -56,7 +56,7 @@ static km_status check_parts(const km_driver_surface *f, int joints, km_error *e
   if (f->rows != f->columns - 2)
     return km_fail(error, KM_USAGE,
                    "the part of the mechanism has %d coordinates and %d conditions; expected %s and no redundant "
-                   "conditions",
+                   "conditions (more freedoms: hold joints)",
                    km_driver_surface_joints(f), f->rows, joints == 2 ? "two freedoms" : "one freedom");
   return KM_OK;
 }
@@ -66,7 +66,9 @@ static km_status find_plane(km_driver_surface *f, km_error *error) {
   double normal[3];
   km_poses_compute(f->m, f->s);
   if (!km_mechanism_plane(f->m, f->s, normal))
-    return km_fail(error, KM_USAGE, "the mechanism isn't planar; expected one for the workspace of a point");
+    return km_fail(
+        error, KM_USAGE,
+        "the mechanism isn't planar; expected one for the workspace of a point (hold the joints that turn it out of its plane)");
   km_vec3 n = km_vec3_from_array(normal), x = {1.0, 0.0, 0.0}, y = {0.0, 1.0, 0.0};
   km_vec3 start = fabs(n.x) < 0.9 ? x : y;
   f->axis[0] = km_vec3_sub(start, km_vec3_scale(km_vec3_dot(start, n), n));

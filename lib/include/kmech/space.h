@@ -277,15 +277,14 @@ typedef bool (*km_space_path_condition)(void *context, const km_mechanism *mecha
 
 /* Definition of a search for a path. */
 typedef struct km_space_path_def {
-  const int *drivers; /* [driver_count] hinges and slides of one part, as many as it has freedoms */
-  int driver_count;   /* number of drivers */
-  const double *to;   /* [coordinate] end: a closed configuration, in the model's units; NULL: to_drivers */
-  const double *
-      to_drivers; /* [driver_count] drivers' values at the end, in any assembly mode; hinges without limits modulo a turn */
-  double margin;                     /* least smallest singular value of A; 0: KM_DEFAULT_PATH_MARGIN */
-  bool ignore_limits;                /* joint limits don't count */
-  int most;                          /* most configurations of the search; 0: KM_DEFAULT_PATH_CONFIGURATIONS */
-  unsigned long seed;                /* start of the random numbers: another one may find another path */
+  const int *drivers;       /* [driver_count] hinges and slides of one part, as many as it has freedoms */
+  int driver_count;         /* number of drivers */
+  const double *to;         /* [coordinate] end: a closed configuration, in the model's units; NULL: to_drivers */
+  const double *to_drivers; /* [driver_count] values of the drivers at the end, in any assembly mode */
+  double margin;            /* least smallest singular value of A; 0: KM_DEFAULT_PATH_MARGIN */
+  bool ignore_limits;       /* joint limits don't count */
+  int most;                 /* most configurations of the search; 0: KM_DEFAULT_PATH_CONFIGURATIONS */
+  unsigned long seed;       /* start of the random numbers: another one may find another path */
   km_space_path_condition condition; /* further condition; NULL: none */
   void *context;                     /* passed to `condition` */
 } km_space_path_def;

@@ -428,7 +428,8 @@ static km_status prepare(map_picture *p, km_error *error) {
     return status;
   find_panels(p);
   if (p->panels == 0)
-    return km_fail(error, KM_NO_RESULT, "no sheet has a grid point; expected a range that holds the pose");
+    return km_fail(error, KM_NO_RESULT,
+                   "no sheet has a grid point: the range doesn't contain the pose, or the drivers are singular there");
   find_ranges(p);
   p->across = p->def->axis[0].steps + 1;
   p->down = p->def->axis[1].steps + 1;
