@@ -440,3 +440,18 @@ bool km_singularity_curves_add(km_singularity_curves *v, km_singularity_kind kin
     v->t[i] = -v->t[i];
   return follow(v, &is_closed) && write_rows(v, first - 1, (size_t)-1, -1) && write_rows(v, first, v->row_count, 1);
 }
+
+bool km_singularity_curves_leave(km_singularity_curves *v, size_t i, double distance, bool *is_point) {
+  km_driver_surface *f = v->f;
+  *is_point = i < v->point_count;
+  if (!*is_point || v->point_kind[i] != KM_SINGULARITY_INPUT)
+    return false;
+  v->kind = KM_SINGULARITY_INPUT;
+  km_driver_surface_restore(f, v->points[i]);
+  if (!start_vector(v))
+    return false;
+  memset(f->step, 0, (size_t)f->columns * sizeof *f->step);
+  for (int k = 0; k < v->order; ++k)
+    f->step[k] = distance * v->z[k];
+  return km_driver_surface_move(f, f->step);
+}

@@ -16,6 +16,9 @@ void km_singularity_curves_free(km_singularity_curves *curves);
  * of the curve. False when out of memory. */
 bool km_singularity_curves_add(km_singularity_curves *curves, km_singularity_kind kind, const double *saved,
                                double reach);
+/* Moves the surface from point i of a curve of the drivers to its side, by `distance` along z; the loops are then open.
+ * False for another kind of curve. *is_point: there is a point i. */
+bool km_singularity_curves_leave(km_singularity_curves *curves, size_t i, double distance, bool *is_point);
 int km_singularity_curves_count(const km_singularity_curves *curves);
 
 /* Critical points of the curves: extrema of the number. Borrowed. */

@@ -14,21 +14,33 @@
 
 #include <string.h>
 
-enum { MOST_NEWTON = 8 };
-static const double closed = 1e-13;        /* largest error of a cell: radians, sizes */
-static const double most_correction = 0.3; /* first correction over the predicted step */
-static const double shortest_part = 1e-3;  /* shortest step, a part of the way between grid points */
-static const double same_turn = 1e-6;      /* difference of angles and configurations that are one but for full turns */
+enum {
+  MOST_NEWTON = 8,
+  LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve */,
+  CURVE_STRIDE = 4 /* points of a curve from one start of sheets to the next */
+};
+static const double closed = 1e-13;          /* largest error of a cell: radians, sizes */
+static const double most_correction = 0.3;   /* first correction over the predicted step */
+static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
+static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
+static const double same_turn = 1e-6; /* difference of angles and configurations that are one but for full turns */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
+
+/* A configuration that a sheet has at a grid point. */
+typedef struct known_configuration {
+  const double *saved;
+  const struct known_configuration *next;
+} known_configuration;
 
 typedef struct map_search {
   km_driver_surface f;
   const km_space_map_def *def;
   km_arena arena;
-  int across, down;  /* grid points along both drivers */
-  double *before;    /* [3 · columns] start of a step */
-  double *saved, *N; /* [cell][3 · columns], [cell][2 · rows] */
-  signed char *sign; /* [cell] of det A; 0: not reached */
+  int across, down;                  /* grid points along both drivers */
+  double *before;                    /* [3 · columns] start of a step */
+  double *saved, *N;                 /* [cell][3 · columns], [cell][2 · rows] */
+  signed char *sign;                 /* [cell] of det A; 0: not reached */
+  const known_configuration **known; /* [cell] those of all sheets */
   int *queue;
   signed char *output_sign; /* [cell] of det D; 0: no point */
   double *transposed;       /* [columns × rows] Jᵀ */
@@ -318,16 +330,35 @@ static bool write_sheet(map_search *g, int count) {
   return true;
 }
 
+/* True if a sheet has the state's configuration at this cell, full turns of hinges left out. */
+static bool is_known(const map_search *g, int cell) {
+  for (const known_configuration *at = g->known[cell]; at; at = at->next)
+    if (km_driver_surface_difference(&g->f, at->saved, g->f.step) < same_turn)
+      return true;
+  return false;
+}
+
+static bool note_configuration(map_search *g, int cell) {
+  known_configuration *known = KM_ARENA_NEW(&g->arena, known_configuration, 1);
+  double *saved = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
+  if (!known || !saved)
+    return false;
+  km_driver_surface_save(&g->f, saved);
+  *known = (known_configuration){saved, g->known[cell]};
+  g->known[cell] = known;
+  return true;
+}
+
 /* Records the present cell and puts it into the queue. */
 static bool record(map_search *g, int sheet, int cell, int sign, int *tail) {
   km_driver_surface *f = &g->f;
   double *N = g->N + (size_t)cell * 2 * (size_t)f->rows;
-  int output_sign;
+  int output_sign = 0;
   tangents(g, N);
   km_driver_surface_save(f, g->saved + (size_t)cell * f->saved_size);
   g->sign[cell] = (signed char)sign;
   g->queue[(*tail)++] = cell;
-  bool is_ok = fill_row(g, cell, sheet, N, &output_sign);
+  bool is_ok = note_configuration(g, cell) && fill_row(g, cell, sheet, N, &output_sign);
   g->output_sign[cell] = (signed char)output_sign;
   return is_ok;
 }
@@ -362,7 +393,7 @@ static bool visit_neighbours(map_search *g, int sheet, int cell, double *N, int 
       continue;
     if (!g->sign[next] && !reach(g, cell, next, N))
       *is_edge = true;
-    else if (!g->sign[next] && !record(g, sheet, next, g->sign[cell], tail))
+    else if (!g->sign[next] && !is_known(g, next) && !record(g, sheet, next, g->sign[cell], tail))
       return false;
     *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] * g->output_sign[next] < 0);
   }
@@ -379,13 +410,13 @@ static km_status not_recorded(const map_search *g, km_error *error) {
                      : no_memory(error);
 }
 
-/* Follows one sheet from the state's mode. */
-static km_status follow_sheet(map_search *g, int sheet, km_singularity_curves *curves, double *N, km_progress progress,
-                              void *context, km_error *error) {
+/* Follows one sheet from the state's configuration; it counts if it has at least `least` grid points. */
+static km_status follow_sheet(map_search *g, int sheet, int least, km_singularity_curves *curves, double *N,
+                              km_progress progress, void *context, km_error *error) {
   int cells = g->across * g->down, tail = 0, sign;
   memset(g->sign, 0, (size_t)cells);
   int first = enter_grid(g, &sign, N);
-  if (first < 0)
+  if (first < 0 || is_known(g, first))
     return KM_OK;
   if (!record(g, sheet, first, sign, &tail))
     return not_recorded(g, error);
@@ -404,6 +435,8 @@ static km_status follow_sheet(map_search *g, int sheet, km_singularity_curves *c
         (is_turned && !km_singularity_curves_add(curves, KM_SINGULARITY_OUTPUT, saved, 3.0 * reach_of_curve)))
       return no_memory(error);
   }
+  if (tail < least)
+    return KM_OK; /* grid points at the edge of another sheet */
   ++g->out->sheet_count;
   return write_sheet(g, tail) ? KM_OK : no_memory(error);
 }
@@ -494,6 +527,7 @@ static km_status prepare(map_search *g, km_error *error) {
   size_t cells = (size_t)g->across * (size_t)g->down;
   g->saved = KM_ARENA_NEW(&g->arena, double, cells * f->saved_size);
   g->N = KM_ARENA_NEW(&g->arena, double, cells * 2 * r + 1);
+  g->known = KM_ARENA_NEW(&g->arena, const known_configuration *, cells);
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->output_sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->queue = KM_ARENA_NEW(&g->arena, int, 2 * cells); /* and the stack of number_aspect */
@@ -513,6 +547,36 @@ static km_status prepare(map_search *g, km_error *error) {
   return g->arena.failed ? no_memory(error) : status;
 }
 
+/* Closes the loops of an open configuration with all coordinates free. */
+static bool close_freely(map_search *g) {
+  for (int i = 0; i < g->f.part_count; ++i) {
+    km_closure closure;
+    int part = g->f.part[i].substructure;
+    if (part < 0)
+      continue;
+    km_state_invalidate_pivots(g->f.s, part);
+    if (km_loops_close(g->f.m, g->f.s, part, KM_NO_DRIVER, &closure) != KM_CLOSED)
+      return false;
+  }
+  return true;
+}
+
+/* Follows the sheets on both sides of the drivers' singularity curves that no mode has led to. `sheet`: the last number
+ * in use. */
+static km_status follow_sheets_of_curves(map_search *g, km_singularity_curves *curves, int sheet, double *N,
+                                         km_progress progress, void *context, km_error *error) {
+  km_status status = KM_OK;
+  bool is_point = true;
+  for (size_t i = 0; !status && is_point; i += CURVE_STRIDE)
+    for (int side = -1; !status && side <= 1; side += 2) {
+      int before = g->out->sheet_count;
+      if (km_singularity_curves_leave(curves, i, side * leaving_distance, &is_point) && close_freely(g))
+        status = follow_sheet(g, sheet + 1, LEAST_CELLS, curves, N, progress, context, error);
+      sheet += g->out->sheet_count > before;
+    }
+  return status;
+}
+
 static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_progress progress, void *context,
                                km_error *error) {
   km_driver_surface *f = &g->f;
@@ -523,8 +587,10 @@ static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_prog
     status =
         km_state_set_coordinates(f->m, f->s, modes->coordinates + (size_t)i * (size_t)f->m->coordinate_count, error);
     if (!status)
-      status = follow_sheet(g, i + 1, curves, N, progress, context, error);
+      status = follow_sheet(g, i + 1, 1, curves, N, progress, context, error);
   }
+  if (!status && modes->count > 0 && !g->def->own_sheet)
+    status = follow_sheets_of_curves(g, curves, modes->count, N, progress, context, error);
   g->out->curve_count = km_singularity_curves_count(curves);
   g->out->aspect_count = g->aspect_count;
   km_singularity_curves_free(curves);

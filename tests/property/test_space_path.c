@@ -246,6 +246,20 @@ static void lines_meet_on_the_curves_of_a_slice(void **state) {
     pose_at(&f, map.curves, r, pose);
     assert_near(lines_of(pose), 0.0, 1e-9);
   }
+  size_t cells = km_table_rows(map.cells), last = cells - 1;
+  double q[9] = {0.0};
+  for (int c = 0; c < 9; ++c) { /* the configurations are the same from a cell of the last sheet */
+    char name[8];
+    snprintf(name, sizeof name, "q.%s", km_model_coordinate_label(f.model, c));
+    q[c] = cell(map.cells, last, name);
+  }
+  assert_true(map.sheet_count > modes.count);
+  km_space_map_free(&map);
+  km_all_modes_free(&modes);
+  assert_int_equal(km_state_set_coordinates(held, at, q, NULL), KM_OK);
+  assert_int_equal(km_map_modes_find(held, at, drivers, 1, NULL, NULL, &modes, NULL), KM_OK);
+  assert_int_equal(km_space_map_compute(held, at, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
+  assert_at_most(fabs((double)km_table_rows(map.cells) - (double)cells), 10.0); /* grid points at the edges */
   km_space_map_free(&map);
   km_all_modes_free(&modes);
   km_state_free(at);

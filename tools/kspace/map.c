@@ -85,6 +85,7 @@ static kt_exit read_axes(const options *o, const km_model *model, km_space_map_d
   def->has_point = o->point != NULL;
   def->point_name = o->point;
   def->within_limits = o->limits;
+  def->own_sheet = o->own;
   if (result == KT_DONE && o->point)
     result = kt_frame(&o->common, model, "--point", o->point, &def->frame);
   return result;
@@ -129,7 +130,7 @@ static int count_curves(const km_table *curves, km_singularity_kind kind) {
   int count = 0;
   for (size_t r = 0; r < km_table_rows(curves); ++r) {
     const double *row = km_table_row(curves, r);
-    count += row[1] == kind && (r == 0 || km_table_row(curves, r - 1)[0] != row[0]);
+    count += (int)row[1] == (int)kind && (r == 0 || km_table_row(curves, r - 1)[0] != row[0]);
   }
   return count;
 }
@@ -142,7 +143,7 @@ static void print_map(const options *o, const km_model *model, const km_space_ma
                  map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, def->axis[0].coordinate),
                  km_model_coordinate_label(model, def->axis[1].coordinate), modes->count, modes->count == 1 ? "" : "s",
                  modes->is_complete ? "" : " (at least these)");
-  for (int i = 1; i <= modes->count; ++i)
+  for (int i = 1; i <= modes->count + map->sheet_count; ++i)
     print_sheet(map, i, points, out);
   km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
                  inputs == 1 ? "s" : "");

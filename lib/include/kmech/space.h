@@ -153,6 +153,7 @@ typedef struct km_space_map_def {
   bool has_point;                /* the map adds the place of a point of a planar mechanism */
   int frame;                     /* its frame */
   const char *point_name;        /* its name in columns: "body/frame" */
+  bool own_sheet;                /* only sheets of the given modes; else also those that meet their curves */
   bool within_limits;            /* cells outside the joint limits are left out; they are followed all the same */
   const km_map_figures *figures; /* further columns; NULL: none */
 } km_space_map_def;
