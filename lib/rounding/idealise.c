@@ -441,7 +441,9 @@ static km_status examine_all(km_model *model, bool regular, result *r, km_messag
   km_arena_free(&arena);
   settle_tolerance(model, r->out, inferred);
   model->digits = km_text_move_to_arena(&r->words, &model->arena);
-  return r->failed || !holds ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model") : status;
+  return r->failed || !holds || model->arena.failed
+             ? km_fail(error, KM_MEMORY, "out of memory for the digits of a model")
+             : status;
 }
 
 km_status km_model_idealise(km_model *model, bool regular, km_messages *messages, km_idealisation *found,

@@ -42,25 +42,29 @@ static km_status own_mode(const km_mechanism *m, const km_state *s, km_all_modes
   return km_state_coordinates(m, s, out->coordinates, error);
 }
 
-km_status km_map_modes_find(const km_mechanism *m, const km_state *s, const int drivers[2], unsigned long seed,
+km_status km_map_modes_find(const km_mechanism *m, const km_state *s, int first, int second, unsigned long seed,
                             km_progress progress, void *context, km_all_modes *out, km_error *error) {
   if (!out)
     return km_check_given(false, "place for the modes", error);
   *out = (km_all_modes){0};
-  km_status status = km_check_given(m && s && drivers, "mechanism, state or drivers", error);
+  const int drivers[2] = {first, second};
+  km_status status = km_check_given(m && s, "mechanism or state", error);
   for (int d = 0; !status && d < 2; ++d)
     status = km_check_index(drivers[d], m->coordinate_count, "coordinate", error);
+  if (!status && first == second)
+    status = km_fail(error, KM_USAGE, "both drivers of a map are the same joint; expected two");
   if (status)
     return status;
-  int part[2] = {m->substructure_of[drivers[0]], m->substructure_of[drivers[1]]};
-  km_all_modes_def def = {.locked = drivers, .locked_count = part[0] == part[1] ? 2 : 1, .seed = seed};
+  int part[2] = {m->substructure_of[first], m->substructure_of[second]};
+  bool is_one_list = part[0] == part[1] && has_loops(m, first);
+  km_all_modes_def def = {.locked_count = is_one_list ? 2 : 1, .seed = seed};
   km_all_modes of[2] = {{0}, {0}};
-  for (int d = 0; !status && d < (part[0] == part[1] && has_loops(m, drivers[0]) ? 1 : 2); ++d) {
+  for (int d = 0; !status && d < (is_one_list ? 1 : 2); ++d) {
     def.locked = drivers + d;
     status = has_loops(m, drivers[d]) ? km_all_modes_find(m, s, &def, progress, context, &of[d], error)
                                       : own_mode(m, s, &of[d], error);
   }
-  if (!status && of[1].count == 0) {
+  if (!status && is_one_list) {
     *out = of[0];
     return KM_OK;
   }

@@ -242,7 +242,8 @@ static void drivers_of_different_parts(void **state) {
                                   .point_name = "end"};
     km_all_modes modes;
     km_space_map map;
-    assert_int_equal(km_map_modes_find(f.mechanism, f.state, drivers, 1, NULL, NULL, &modes, NULL), KM_OK);
+    assert_int_equal(km_map_modes_find(f.mechanism, f.state, drivers[0], drivers[1], 1, NULL, NULL, &modes, NULL),
+                     KM_OK);
     assert_int_equal(modes.count, pair ? 2 : 1);
     assert_int_equal(km_space_map_compute(f.mechanism, f.state, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
     assert_int_equal(km_table_rows(map.cells), modes.count * 31 * 31);

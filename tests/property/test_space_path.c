@@ -238,7 +238,7 @@ static void lines_meet_on_the_curves_of_a_slice(void **state) {
   km_all_modes modes;
   km_space_map map;
   const km_space_map_def def = {.axis = {{drivers[0], -0.6, 1.2, 30}, {drivers[1], -0.6, 1.2, 30}}};
-  assert_int_equal(km_map_modes_find(held, at, drivers, 1, NULL, NULL, &modes, NULL), KM_OK);
+  assert_int_equal(km_map_modes_find(held, at, drivers[0], drivers[1], 1, NULL, NULL, &modes, NULL), KM_OK);
   assert_int_equal(km_space_map_compute(held, at, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
   assert_true(km_table_rows(map.curves) > 100);
   for (size_t r = 0; r < km_table_rows(map.curves); ++r) {
@@ -257,7 +257,7 @@ static void lines_meet_on_the_curves_of_a_slice(void **state) {
   km_space_map_free(&map);
   km_all_modes_free(&modes);
   assert_int_equal(km_state_set_coordinates(held, at, q, NULL), KM_OK);
-  assert_int_equal(km_map_modes_find(held, at, drivers, 1, NULL, NULL, &modes, NULL), KM_OK);
+  assert_int_equal(km_map_modes_find(held, at, drivers[0], drivers[1], 1, NULL, NULL, &modes, NULL), KM_OK);
   assert_int_equal(km_space_map_compute(held, at, &def, &modes, NULL, NULL, &map, NULL), KM_OK);
   assert_at_most(fabs((double)km_table_rows(map.cells) - (double)cells), 10.0); /* grid points at the edges */
   km_space_map_free(&map);

@@ -160,8 +160,8 @@ static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map
   const int locked[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
   km_error error;
   kt_progress progress = kt_progress_start(&o->common);
-  km_status status = km_map_modes_find(pose->mechanism, pose->state, locked, o->common.seed, kt_progress_show,
-                                       &progress, modes, &error);
+  km_status status = km_map_modes_find(pose->mechanism, pose->state, locked[0], locked[1], o->common.seed,
+                                       kt_progress_show, &progress, modes, &error);
   if (!status && o->own && modes->count > 1)
     modes->count = 1; /* the first one is that of the pose */
   modes->is_complete = modes->is_complete || o->own;

@@ -101,7 +101,7 @@ def space_map(mechanism: Mechanism, state: State, over: Mapping[str, Tuple[float
                                                 "frame": mechanism.model._frame(point) if point is not None else 0})
     locked = ffi.new("int[]", [axis["coordinate"] for axis in axes])
     with mechanism.model._reading(), state._using():
-        status = lib.km_map_modes_find(mechanism._c, state._c, locked, seed, watch.call, watch.context, modes, error)
+        status = lib.km_map_modes_find(mechanism._c, state._c, locked[0], locked[1], seed, watch.call, watch.context, modes, error)
         if not status:
             status = lib.km_space_map_compute(mechanism._c, state._c, definition, modes, watch.call, watch.context, found,
                                               error)
