@@ -171,9 +171,10 @@ typedef struct km_space_map {
   int curve_count;  /* number of curves */
 } km_space_map;
 
-/* Finds the modes from which a map begins: those of the parts that the drivers move, with the drivers locked, in all
- * combinations. A driver of no loop has one. `*out` has no evidence and no mobility numbers where the drivers move
- * different parts. Errors as km_all_modes_find. Free `*out` in any case. */
+/* Finds the modes from which a map begins: those of the parts that its drivers `first` and `second` move, with the
+ * drivers locked, in all combinations. A driver of no loop has one. `seed`: as in km_all_modes_def. `*out` has no
+ * evidence and no mobility numbers where the drivers move different parts. Errors as km_all_modes_find. Free `*out` in
+ * any case. */
 KM_API km_status km_map_modes_find(const km_mechanism *mechanism, const km_state *state, int first, int second,
                                    unsigned long seed, km_progress progress, void *context, km_all_modes *out,
                                    km_error *error);
