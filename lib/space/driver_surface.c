@@ -1,4 +1,4 @@
-/* Surface of closed configurations with two controls (space/driver_surface.h). */
+/* Closed configurations with as many controls as freedoms (space/driver_surface.h). */
 #include "space/driver_surface.h"
 
 #include "kinematics/loop_equations.h"
@@ -7,12 +7,17 @@
 
 #include <string.h>
 
+enum { MOST_NEWTON = 8 };
+static const double closed = 1e-13; /* largest error, and largest correction that is rounding: radians, sizes */
+
 static const km_substructure *substructure_of(const km_driver_surface *f, const km_surface_part *part) {
   return part->substructure < 0 ? NULL : &f->m->substructures[part->substructure];
 }
 
 int km_driver_surface_coordinate(const km_driver_surface *f, int column) {
-  const km_surface_part *part = &f->part[f->part_count > 1 && column >= f->part[1].column_start];
+  const km_surface_part *part = &f->part[f->part_count - 1];
+  while (column < part->column_start)
+    --part;
   const km_substructure *sub = substructure_of(f, part);
   return sub ? f->m->column_coordinate[sub->column_start + column - part->column_start] : part->coordinate;
 }
@@ -47,18 +52,16 @@ static km_status add_part(km_driver_surface *f, int coordinate, int *column, km_
 }
 
 /* The parts must have as many conditions as coordinates without the controls. */
-static km_status check_parts(const km_driver_surface *f, int joints, km_error *error) {
+static km_status check_parts(const km_driver_surface *f, const char *expected, km_error *error) {
   for (int k = 0; k < km_driver_surface_joints(f); ++k)
     if (f->m->ball_of[km_driver_surface_coordinate(f, k)] >= 0)
       return km_fail(
           error, KM_USAGE,
           "this part of the mechanism has ball joints, which maps and turning curves don't cover; expected hinges and slides");
-  if (f->rows != f->columns - 2)
-    return km_fail(error, KM_USAGE,
-                   "the part of the mechanism has %d coordinates and %d conditions; expected %s and no redundant "
-                   "conditions (more freedoms: hold joints)",
-                   km_driver_surface_joints(f), f->rows, joints == 2 ? "two freedoms" : "one freedom");
-  return KM_OK;
+  if (f->rows == f->columns - f->control_count)
+    return KM_OK;
+  return km_fail(error, KM_USAGE, "the part of the mechanism has %d coordinates and %d conditions; expected %s",
+                 km_driver_surface_joints(f), f->rows, expected);
 }
 
 /* Axes of the plane in which the mechanism moves: a coordinate axis projected, and the one orthogonal to it. */
@@ -77,17 +80,18 @@ static km_status find_plane(km_driver_surface *f, km_error *error) {
   return KM_OK;
 }
 
-km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_arena *arena, km_error *error) {
-  int joints = f->number ? 1 : 2;
+km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, int count, const char *expected,
+                                   km_arena *arena, km_error *error) {
   km_status status = KM_OK;
-  for (int d = 0; !status && d < joints; ++d)
+  f->control_count = count + (f->number != NULL);
+  for (int d = 0; !status && d < count; ++d)
     status = add_part(f, drivers[d], &f->control[d], error);
   if (status)
     return status;
   const km_surface_part *last = &f->part[f->part_count - 1];
-  f->columns = last->column_start + last->columns + 2 - joints;
+  f->columns = last->column_start + last->columns + (f->number != NULL);
   f->rows = last->row_start + last->rows;
-  status = check_parts(f, joints, error);
+  status = check_parts(f, expected, error);
   if (status)
     return status;
   size_t n = (size_t)f->columns, r = (size_t)f->rows;
@@ -102,6 +106,7 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_
   f->x = KM_ARENA_NEW(arena, double, r + 1);
   f->b = KM_ARENA_NEW(arena, double, r + 1);
   f->G = KM_ARENA_NEW(arena, double, 2 * n);
+  f->wraps = KM_ARENA_NEW(arena, bool, n);
   f->frame_jacobian = KM_ARENA_NEW(arena, double, 6 * (size_t)f->m->coordinate_count);
   if (arena->failed)
     return km_fail(error, KM_MEMORY, "out of memory for the map");
@@ -109,10 +114,16 @@ km_status km_driver_surface_create(km_driver_surface *f, const int *drivers, km_
   if (status)
     return status;
   if (f->number)
-    f->control[1] = f->columns - 1;
-  for (int k = 0, count = 0; k < f->columns; ++k)
-    if (k != f->control[0] && k != f->control[1])
-      f->other[count++] = k;
+    f->control[count] = f->columns - 1;
+  for (int k = 0, others = 0; k < f->columns; ++k) {
+    bool is_control = false;
+    for (int d = 0; d < f->control_count; ++d)
+      is_control = is_control || f->control[d] == k;
+    if (!is_control)
+      f->other[others++] = k;
+  }
+  for (int k = 0; k < km_driver_surface_joints(f); ++k)
+    f->wraps[k] = km_coordinate_turns(f->m, km_driver_surface_coordinate(f, k));
   return KM_OK;
 }
 
@@ -139,6 +150,62 @@ bool km_driver_surface_factor(km_driver_surface *f, int *sign) {
     for (int j = 0; j < f->rows; ++j)
       f->A[i * f->rows + j] = f->J[f->other[j] * f->rows + i];
   return km_real_factor(f->A, f->rows, f->row, sign);
+}
+
+bool km_driver_surface_close(km_driver_surface *f, double most, int *sign) {
+  for (int i = 0; i < MOST_NEWTON; ++i) {
+    double error = 0.0, correction = 0.0;
+    km_driver_surface_update(f);
+    if (!km_driver_surface_factor(f, sign))
+      return false;
+    for (int k = 0; k < f->rows; ++k) {
+      error = fmax(error, fabs(f->e[k]));
+      f->b[k] = -f->e[k];
+    }
+    if (error <= closed)
+      return true;
+    if (!isfinite(error))
+      return false;
+    km_real_solve(f->A, f->rows, f->row, f->b, f->x);
+    memset(f->step, 0, (size_t)f->columns * sizeof *f->step);
+    for (int k = 0; k < f->rows; ++k) {
+      f->step[f->other[k]] = f->x[k];
+      correction = fmax(correction, fabs(f->x[k]));
+    }
+    if (!(correction < HUGE_VAL) || (i == 0 && correction > most))
+      return false;
+    if (i > 1 && correction < closed) /* the error is rounding */
+      return true;
+    km_driver_surface_move(f, f->step);
+  }
+  return false;
+}
+
+void km_driver_surface_rates(km_driver_surface *f, double *N) {
+  for (int d = 0; d < f->control_count; ++d) {
+    double *column = N + d * f->columns;
+    memset(column, 0, (size_t)f->columns * sizeof *column);
+    for (int k = 0; k < f->rows; ++k)
+      f->b[k] = -f->J[f->control[d] * f->rows + k];
+    km_real_solve(f->A, f->rows, f->row, f->b, f->x);
+    for (int k = 0; k < f->rows; ++k)
+      column[f->other[k]] = f->x[k];
+    column[f->control[d]] = 1.0;
+  }
+}
+
+double km_driver_surface_input_value(km_driver_surface *f) {
+  size_t r = (size_t)f->rows;
+  for (int j = 0; j < f->rows; ++j)
+    memcpy(f->part_J + (size_t)j * r, f->J + (size_t)f->other[j] * r, r * sizeof *f->J);
+  return r > 0 ? km_smallest_singular_value(f->part_J, f->rows, f->rows) : nan("");
+}
+
+double km_driver_surface_closure_value(km_driver_surface *f) {
+  for (int i = 0; i < f->rows; ++i)
+    for (int k = 0; k < f->columns; ++k)
+      f->part_J[i * f->columns + k] = f->J[k * f->rows + i];
+  return f->rows > 0 ? km_smallest_singular_value(f->part_J, f->columns, f->rows) : nan("");
 }
 
 int km_driver_surface_joints(const km_driver_surface *f) {
@@ -225,7 +292,7 @@ double km_driver_surface_difference(const km_driver_surface *f, const double *sa
   if (f->number)
     step[w] = (f->number->value - saved[f->saved_size - 1]) / (f->high[1] - f->low[1]);
   for (int k = 0; k < f->columns; ++k) {
-    if (k < w && km_coordinate_turns(f->m, km_driver_surface_coordinate(f, k)))
+    if (k < w && f->wraps[k])
       step[k] = remainder(step[k], 2.0 * M_PI);
     sum += step[k] * step[k];
   }
@@ -233,8 +300,9 @@ double km_driver_surface_difference(const km_driver_surface *f, const double *sa
 }
 
 double km_driver_surface_value(const km_driver_surface *f, int control) {
-  return f->number && control == 1 ? f->number->value
-                                   : km_state_value(f->s, km_driver_surface_coordinate(f, f->control[control]));
+  return f->number && control == f->control_count - 1
+             ? f->number->value
+             : km_state_value(f->s, km_driver_surface_coordinate(f, f->control[control]));
 }
 
 bool km_driver_surface_is_inside(const km_driver_surface *f) {

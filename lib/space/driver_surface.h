@@ -1,10 +1,11 @@
-/* Surface of closed configurations with two controls (docs/theory.md 4.19, 4.20).
+/* Closed configurations with as many controls as freedoms (docs/theory.md 4.19 to 4.21).
  *
- *   e(q) = 0 [r],   J = (A B),   A: the r columns of the other coordinates, B: those of the two controls
+ *   e(q) = 0 [r],   J = (A B),   A: the r columns of the other coordinates, B: those of the controls u
+ *   dq = N du,  N = (−A⁻¹ B; I)
  *   input  : K = (J; rows of the drivers in the unit matrix)   singular where A is
  *   output : K = (J; G_x; G_y),  G = ∂(place of a point in its plane)/∂q
  *
- * A control is a driver; the second one may be a number of the design instead. Coordinates are scaled: angles in
+ * A control is a driver; the last one may be a number of the design instead. Coordinates are scaled: angles in
  * radians, lengths over the substructure's size, the number over its range. */
 #ifndef KM_SPACE_DRIVER_SURFACE_H
 #define KM_SPACE_DRIVER_SURFACE_H
@@ -24,37 +25,47 @@ typedef struct km_surface_part {
 typedef struct km_driver_surface {
   const km_mechanism *m;
   km_state *s;
-  km_surface_part part[2]; /* parts of the drivers; both may be in one */
+  km_surface_part part[KM_MAX_PATH_DRIVERS]; /* parts of the drivers; several may be in one */
   int part_count;
-  double size;              /* length of the output's rows: that of the larger part */
-  int columns, rows;        /* unknowns, with the number behind the coordinates; rows = columns − 2 */
-  int control[2];           /* columns of the controls */
-  double low[2], high[2];   /* their ranges: the model's units */
-  km_design_number *number; /* the second control; NULL: a driver */
-  int *other;               /* [rows] the other columns */
-  double *J;                /* [rows × columns], column-major; the number's column isn't updated */
-  double *e;                /* [rows] closure errors */
-  double *part_J;           /* workspace: J of a part */
-  double *A;                /* [rows × rows], by rows: factors after km_driver_surface_factor */
+  double size;       /* length of the output's rows: that of the largest part */
+  int columns, rows; /* unknowns, with the number behind the coordinates; rows = columns − controls */
+  int control_count, control[KM_MAX_PATH_DRIVERS]; /* columns of the controls */
+  double low[2], high[2];                          /* ranges of two controls: the model's units */
+  km_design_number *number;                        /* the last control; NULL: a driver */
+  int *other;                                      /* [rows] the other columns */
+  double *J;      /* [rows × columns], column-major; the number's column isn't updated */
+  double *e;      /* [rows] closure errors */
+  double *part_J; /* [rows × columns] workspace */
+  double *A;      /* [rows × rows], by rows: factors after km_driver_surface_factor */
   int *row;
   double *step, *x, *b;   /* [columns], [rows], [rows] */
   int frame;              /* the output's point: its frame; −1: none */
   km_vec3 axis[2];        /* axes of its plane */
   double *G;              /* [2 × joints] rows of the point, over the size, by km_driver_surface_update_output */
   double *frame_jacobian; /* [6 × coordinate] */
+  bool *wraps;            /* [joints] km_driver_surface_difference leaves out full turns: hinges by default */
   size_t saved_size;      /* numbers of a saved configuration */
 } km_driver_surface;
 
-/* Allocates the arrays; m, s, number, frame and ranges are given, and the drivers as coordinates. KM_USAGE: a driver is
- * no free hinge or slide, a part of the mechanism has ball joints, or the parts have not as many conditions as other
- * coordinates. */
-km_status km_driver_surface_create(km_driver_surface *surface, const int *drivers, km_arena *arena, km_error *error);
+/* Allocates the arrays; m, s, number, frame and ranges are given, and drivers[count] as coordinates. KM_USAGE: a driver
+ * is no free hinge or slide, a part of the mechanism has ball joints, or the parts have not as many conditions as other
+ * coordinates; `expected` states the freedoms in that message. */
+km_status km_driver_surface_create(km_driver_surface *surface, const int *drivers, int count, const char *expected,
+                                   km_arena *arena, km_error *error);
 /* Coordinate of a column that isn't the number's. */
 int km_driver_surface_coordinate(const km_driver_surface *f, int column);
 /* Updates e and J at the state's configuration. */
 void km_driver_surface_update(km_driver_surface *f);
 /* Factors A of the last update; *sign is that of det A. False at a singular configuration. */
 bool km_driver_surface_factor(km_driver_surface *f, int *sign);
+/* Closes the loops with the controls fixed, by Newton's method. False if the first correction exceeds `most`, at a
+ * singular configuration, or without convergence. On success A's factors, J and *sign belong to the configuration. */
+bool km_driver_surface_close(km_driver_surface *f, double most, int *sign);
+/* N[controls × joints], by controls, at the factors of A; without a number of the design. */
+void km_driver_surface_rates(km_driver_surface *f, double *N);
+/* Smallest singular values of A and of J at the last update, lengths over the sizes; NaN without conditions. */
+double km_driver_surface_input_value(km_driver_surface *f);
+double km_driver_surface_closure_value(km_driver_surface *f);
 /* Number of coordinates without a number of the design: the order of K. */
 int km_driver_surface_joints(const km_driver_surface *f);
 /* Updates G at the state's configuration. */
@@ -65,9 +76,9 @@ void km_driver_surface_matrix(const km_driver_surface *f, km_singularity_kind ki
 bool km_driver_surface_move(km_driver_surface *f, const double *step);
 void km_driver_surface_save(const km_driver_surface *f, double *saved);
 void km_driver_surface_restore(km_driver_surface *f, const double *saved);
-/* Step from the saved to the present configuration, full turns of hinges left out. Returns its length. */
+/* Step from the saved to the present configuration, full turns left out as `wraps` says. Returns its length. */
 double km_driver_surface_difference(const km_driver_surface *f, const double *saved, double *step);
-/* Value of a control in the model's unit, and whether both are within their ranges. */
+/* Value of a control in the model's unit, and whether the first two are within their ranges. */
 double km_driver_surface_value(const km_driver_surface *f, int control);
 bool km_driver_surface_is_inside(const km_driver_surface *f);
 /* True if a coordinate of the parts exceeds its limits. */

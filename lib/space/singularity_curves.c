@@ -10,21 +10,20 @@
 #include "space/singularity_curves.h"
 #include "base/number/vectors.h"
 
+#include "base/event_locator.h"
 #include "base/random.h"
 #include "space/critical_kind.h"
 #include "space/real_solve.h"
 
 #include <string.h>
 
-enum { MOST_NEWTON = 12, MOST_POINTS = 20000, MOST_BISECTIONS = 60 };
+enum { MOST_NEWTON = 12, MOST_POINTS = 20000 };
 static const double difference = 1e-6;   /* step of the central differences: rounding 1e-10, their error 1e-12 */
 static const double longest_step = 0.02; /* step of (q, z) */
 static const double shortest_step = 1e-7;
 static const double converged = 3e-7;          /* last correction: the one after it, about its square, is rounding */
 static const double longest_correction = 0.02; /* a longer one, of (q, z), leads to another curve */
 static const double longest_start_step = 1.0;  /* step to a curve: radians, sizes, ranges of the number */
-static const double shortest_bracket = 1e-11;  /* bracket of an extremum */
-static const double extremum = 1e-10; /* component of t at an extremum of the number: the error of the differences */
 
 /* A point of a curve: configuration, null vector and tangent. */
 typedef struct curve_point {
@@ -229,7 +228,7 @@ static void restore_point(km_singularity_curves *v, const curve_point *from) {
   memcpy(v->t, from->t, (size_t)v->unknowns * sizeof *v->t);
 }
 
-/* Moves by h along the curve from v->from. False: the curve isn't met; the state is then anywhere. */
+/* Moves by h along the curve from v->from. False: the curve isn't met; the state's configuration is then undefined. */
 static bool step(km_singularity_curves *v, double h, double *first) {
   km_driver_surface *f = v->f;
   restore_point(v, &v->from);
@@ -282,28 +281,19 @@ static bool add_point(km_singularity_curves *v) {
   return note_row(v, KM_TURNING_NONE);
 }
 
-/* Locates the extremum of the number between v->from and the point at h by regula falsi with halved ends (Illinois
- * method), and notes it. `last`: the number's component of t there. The state stays at the extremum. */
+/* The number's component of t after a step h from v->from; NaN where the curve isn't met. */
+static double number_rate(double h, void *context) {
+  km_singularity_curves *v = context;
+  double first;
+  return step(v, h, &first) ? v->t[v->f->columns - 1] : nan("");
+}
+
+/* Locates the extremum of the number between v->from and the point at h, and notes it. `last`: the number's component
+ * of t there. The state stays at the extremum. */
 static bool add_extremum(km_singularity_curves *v, double h, double last) {
-  int at = v->f->columns - 1;
-  double low = 0.0, high = h, a = v->from.t[at], b = last, first;
-  for (int i = 0; i < MOST_BISECTIONS; ++i) {
-    double middle = (low * b - high * a) / (b - a);
-    if (!step(v, middle, &first))
-      return true;
-    double now = v->t[at];
-    if (fabs(now) <= extremum || high - low <= shortest_bracket)
-      break;
-    if ((now < 0.0) == (a < 0.0)) {
-      low = middle;
-      a = now;
-      b *= 0.5;
-    } else {
-      high = middle;
-      b = now;
-      a *= 0.5;
-    }
-  }
+  double first;
+  if (!step(v, km_locate_root(number_rate, v, 0.0, h, v->from.t[v->f->columns - 1], last), &first))
+    return true;
   const km_mechanism *m = v->f->m;
   int c = km_driver_surface_coordinate(v->f, v->f->control[0]);
   double driver = v->f->s->q[c];

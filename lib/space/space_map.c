@@ -9,17 +9,14 @@
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "space/real_solve.h"
 #include "space/singularity_curves.h"
 
 #include <string.h>
 
 enum {
-  MOST_NEWTON = 8,
   LEAST_CELLS = 10 /* grid points of a sheet that begins at a curve */,
   CURVE_STRIDE = 4 /* points of a curve from one start of sheets to the next */
 };
-static const double closed = 1e-13;          /* largest error of a cell: radians, sizes */
 static const double most_correction = 0.3;   /* first correction over the predicted step */
 static const double shortest_part = 1e-3;    /* shortest step, a part of the way between grid points */
 static const double leaving_distance = 0.05; /* distance of a start from its singularity curve */
@@ -38,12 +35,11 @@ typedef struct map_search {
   km_arena arena;
   int across, down;                  /* grid points along both drivers */
   double *before;                    /* [3 · columns] start of a step */
-  double *saved, *N;                 /* [cell][3 · columns], [cell][2 · rows] */
+  double *saved, *N;                 /* [cell][3 · columns], [cell][2 · columns] */
   signed char *sign;                 /* [cell] of det A; 0: not reached */
   const known_configuration **known; /* [cell] those of all sheets */
   int *queue;
   signed char *output_sign; /* [cell] of det D; 0: no point */
-  double *transposed;       /* [columns × rows] Jᵀ */
   double *rows;             /* [cell × columns of the table] of the present sheet */
   bool *is_written;         /* [cell] it has a row */
   int *aspect;              /* [cell] its aspect; 0: none yet */
@@ -66,46 +62,9 @@ static double scaled_value(const map_search *g, int axis) {
   return g->f.s->q[c] / g->f.m->unit[c];
 }
 
-/* Closes the loops with the drivers fixed. On success A's factors, J and *sign belong to the configuration. */
+/* Closes the loops with the drivers fixed, where a step was predicted. */
 static bool close_cell(map_search *g, double predicted, int *sign) {
-  km_driver_surface *f = &g->f;
-  for (int i = 0; i < MOST_NEWTON; ++i) {
-    double error = 0.0, correction = 0.0;
-    km_driver_surface_update(f);
-    if (!km_driver_surface_factor(f, sign))
-      return false;
-    const double *e = f->e;
-    for (int k = 0; k < f->rows; ++k) {
-      error = fmax(error, fabs(e[k]));
-      f->b[k] = -e[k];
-    }
-    if (error <= closed)
-      return true;
-    if (!isfinite(error))
-      return false;
-    km_real_solve(f->A, f->rows, f->row, f->b, f->x);
-    memset(f->step, 0, (size_t)f->columns * sizeof *f->step);
-    for (int k = 0; k < f->rows; ++k) {
-      f->step[f->other[k]] = f->x[k];
-      correction = fmax(correction, fabs(f->x[k]));
-    }
-    if (i == 0 && correction > most_correction * predicted + least_correction)
-      return false;
-    if (i > 1 && correction < 1e-13) /* the error is rounding */
-      return true;
-    km_driver_surface_move(f, f->step);
-  }
-  return false;
-}
-
-/* N' = −A⁻¹ B at the present factors: N[2][rows]. */
-static void tangents(map_search *g, double *N) {
-  km_driver_surface *f = &g->f;
-  for (int d = 0; d < 2; ++d) {
-    for (int k = 0; k < f->rows; ++k)
-      f->b[k] = -f->J[f->control[d] * f->rows + k];
-    km_real_solve(f->A, f->rows, f->row, f->b, N + d * f->rows);
-  }
+  return km_driver_surface_close(&g->f, most_correction * predicted + least_correction, sign);
 }
 
 /* Moves the drivers by `part` of the way to a grid point, from a configuration with tangents N. */
@@ -115,13 +74,9 @@ static bool advance(map_search *g, const double *target, const double *N, int si
   int reached;
   for (int d = 0; d < 2; ++d)
     du[d] = (target[d] - scaled_value(g, d)) * part;
-  for (int k = 0; k < f->rows; ++k) {
-    f->step[f->other[k]] = du[0] * N[k] + du[1] * N[f->rows + k];
-    largest = fmax(largest, fabs(f->step[f->other[k]]));
-  }
-  for (int d = 0; d < 2; ++d) {
-    f->step[f->control[d]] = du[d];
-    largest = fmax(largest, fabs(du[d]));
+  for (int k = 0; k < f->columns; ++k) {
+    f->step[k] = du[0] * N[k] + du[1] * N[f->columns + k];
+    largest = fmax(largest, fabs(f->step[k]));
   }
   km_driver_surface_move(f, f->step);
   return close_cell(g, largest, &reached) && reached == sign;
@@ -139,7 +94,7 @@ static bool move_to(map_search *g, const double *target, double *N, int sign) {
       step *= 2.0;
       if (left > 0.0) {
         km_driver_surface_save(f, g->before);
-        tangents(g, N);
+        km_driver_surface_rates(&g->f, N);
       }
     } else {
       step *= 0.5;
@@ -153,51 +108,35 @@ static bool move_to(map_search *g, const double *target, double *N, int sign) {
 /* Tries a cell from its neighbour. */
 static bool reach(map_search *g, int from, int cell, double *N) {
   const double target[2] = {axis_value(g, 0, cell % g->across), axis_value(g, 1, cell / g->across)};
-  size_t saved = g->f.saved_size, size = 2 * (size_t)g->f.rows;
+  size_t saved = g->f.saved_size, size = 2 * (size_t)g->f.columns;
   memcpy(g->before, g->saved + (size_t)from * saved, saved * sizeof *g->before);
   memcpy(N, g->N + (size_t)from * size, size * sizeof *N);
   return move_to(g, target, N, g->sign[from]);
 }
 
-/* N_j of column k: rates of a coordinate per unit rate of both drivers. */
-static void coordinate_rates(const km_driver_surface *f, const double *N, int k, double *z) {
-  z[0] = f->control[0] == k;
-  z[1] = f->control[1] == k;
-  for (int i = 0; i < f->rows; ++i)
-    if (f->other[i] == k) {
-      z[0] = N[i];
-      z[1] = N[f->rows + i];
-    }
-}
-
 /* Writes m_j of every coordinate. */
 static void write_mobility_numbers(const km_driver_surface *f, const double *N, double *row) {
-  double S[3] = {1.0, 0.0, 1.0}; /* Nᵀ N: (0,0), (0,1), (1,1) */
-  for (int k = 0; k < f->rows; ++k) {
+  int n = f->columns;
+  double S[3] = {0.0, 0.0, 0.0}; /* Nᵀ N: (0,0), (0,1), (1,1) */
+  for (int k = 0; k < n; ++k) {
     S[0] += N[k] * N[k];
-    S[1] += N[k] * N[f->rows + k];
-    S[2] += N[f->rows + k] * N[f->rows + k];
+    S[1] += N[k] * N[n + k];
+    S[2] += N[n + k] * N[n + k];
   }
   double determinant = S[0] * S[2] - S[1] * S[1];
-  for (int k = 0; k < f->columns; ++k) {
-    double z[2];
-    coordinate_rates(f, N, k, z);
+  for (int k = 0; k < n; ++k)
     row[km_driver_surface_coordinate(f, k)] =
-        (z[0] * z[0] * S[2] - 2.0 * z[0] * z[1] * S[1] + z[1] * z[1] * S[0]) / determinant;
-  }
+        (N[k] * N[k] * S[2] - 2.0 * N[k] * N[n + k] * S[1] + N[n + k] * N[n + k] * S[0]) / determinant;
 }
 
 /* D = G N [2 × 2], rows x and y. */
 static void output_jacobian(km_driver_surface *f, const double *N, double *D) {
   memset(D, 0, 4 * sizeof *D);
   km_driver_surface_update_output(f);
-  for (int k = 0; k < f->columns; ++k) {
-    double z[2];
-    coordinate_rates(f, N, k, z);
+  for (int k = 0; k < f->columns; ++k)
     for (int i = 0; i < 2; ++i)
       for (int d = 0; d < 2; ++d)
-        D[2 * i + d] += f->G[i * f->columns + k] * z[d];
-  }
+        D[2 * i + d] += f->G[i * f->columns + k] * N[d * f->columns + k];
 }
 
 /* Writes place, smallest singular value and manipulability of the point. *sign: that of det D. Returns their number. */
@@ -216,23 +155,6 @@ static int write_output(map_search *g, const double *N, double *row, int *sign) 
   return 5;
 }
 
-/* Writes the smallest singular values of A and J. */
-static void write_singular_values(map_search *g, double *row) {
-  const km_driver_surface *f = &g->f;
-  for (int j = 0; j < f->rows; ++j)
-    memcpy(f->A + (size_t)j * (size_t)f->rows, f->J + (size_t)f->other[j] * (size_t)f->rows,
-           (size_t)f->rows * sizeof *f->A);
-  if (f->rows == 0) { /* drivers of no loop */
-    row[0] = row[1] = nan("");
-    return;
-  }
-  row[0] = km_smallest_singular_value(f->A, f->rows, f->rows);
-  for (int i = 0; i < f->rows; ++i)
-    for (int k = 0; k < f->columns; ++k)
-      g->transposed[i * f->columns + k] = f->J[k * f->rows + i];
-  row[1] = km_smallest_singular_value(g->transposed, f->columns, f->rows);
-}
-
 /* Writes the caller's figures. False: the caller ends the map, or out of memory. */
 static bool write_figures(map_search *g, double *row) {
   const km_map_figures *figures = g->def->figures;
@@ -248,7 +170,7 @@ static bool write_figures(map_search *g, double *row) {
 
 /* Fills the row of the present cell, its aspect left open. N: tangents there. *output_sign: that of det D. */
 static bool fill_row(map_search *g, int cell, int sheet, const double *N, int *output_sign) {
-  const km_driver_surface *f = &g->f;
+  km_driver_surface *f = &g->f;
   int coordinates = f->m->coordinate_count;
   double *row = g->rows + (size_t)cell * km_table_columns(g->out->cells);
   for (int d = 0; d < 2; ++d)
@@ -261,8 +183,8 @@ static bool fill_row(map_search *g, int cell, int sheet, const double *N, int *o
   memset(row, 0, (size_t)coordinates * sizeof *row);
   write_mobility_numbers(f, N, row);
   row += coordinates;
-  write_singular_values(g, row);
-  row += 2;
+  *row++ = km_driver_surface_input_value(f);
+  *row++ = km_driver_surface_closure_value(f);
   row += write_output(g, N, row, output_sign);
   g->is_written[cell] = !g->def->within_limits || !km_driver_surface_is_outside_limit(f);
   return write_figures(g, row);
@@ -352,9 +274,9 @@ static bool note_configuration(map_search *g, int cell) {
 /* Records the present cell and puts it into the queue. */
 static bool record(map_search *g, int sheet, int cell, int sign, int *tail) {
   km_driver_surface *f = &g->f;
-  double *N = g->N + (size_t)cell * 2 * (size_t)f->rows;
+  double *N = g->N + (size_t)cell * 2 * (size_t)f->columns;
   int output_sign = 0;
-  tangents(g, N);
+  km_driver_surface_rates(&g->f, N);
   km_driver_surface_save(f, g->saved + (size_t)cell * f->saved_size);
   g->sign[cell] = (signed char)sign;
   g->queue[(*tail)++] = cell;
@@ -379,7 +301,7 @@ static int enter_grid(map_search *g, int *sign, double *N) {
   if (!close_cell(g, 1.0, sign))
     return -1;
   km_driver_surface_save(&g->f, g->before);
-  tangents(g, N);
+  km_driver_surface_rates(&g->f, N);
   return move_to(g, target, N, *sign) ? at[1] * g->across + at[0] : -1;
 }
 
@@ -518,21 +440,20 @@ static km_status prepare(map_search *g, km_error *error) {
     f->low[d] = fmin(def->axis[d].from, def->axis[d].to);
     f->high[d] = fmax(def->axis[d].from, def->axis[d].to);
   }
-  km_status status = km_driver_surface_create(f, drivers, &g->arena, error);
+  km_status status = km_driver_surface_create(
+      f, drivers, 2, "two freedoms and no redundant conditions (more freedoms: hold joints)", &g->arena, error);
   if (status)
     return status;
-  size_t n = (size_t)f->columns, r = (size_t)f->rows;
   g->across = def->axis[0].steps + 1;
   g->down = def->axis[1].steps + 1;
   size_t cells = (size_t)g->across * (size_t)g->down;
   g->saved = KM_ARENA_NEW(&g->arena, double, cells * f->saved_size);
-  g->N = KM_ARENA_NEW(&g->arena, double, cells * 2 * r + 1);
+  g->N = KM_ARENA_NEW(&g->arena, double, cells * 2 * (size_t)f->columns);
   g->known = KM_ARENA_NEW(&g->arena, const known_configuration *, cells);
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->output_sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->queue = KM_ARENA_NEW(&g->arena, int, 2 * cells); /* and the stack of number_aspect */
   g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
-  g->transposed = KM_ARENA_NEW(&g->arena, double, n *r + 1);
   if (g->arena.failed)
     return no_memory(error);
   g->out->cells = km_table_create();
@@ -581,7 +502,7 @@ static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_prog
                                km_error *error) {
   km_driver_surface *f = &g->f;
   km_singularity_curves *curves = km_singularity_curves_create(f, g->out->curves);
-  double *N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->rows + 1);
+  double *N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
   km_status status = curves && N ? KM_OK : no_memory(error);
   for (int i = 0; !status && i < modes->count; ++i) {
     status =

@@ -11,21 +11,20 @@
 #include "base/random.h"
 #include "base/table.h"
 #include "kinematics/assembly.h"
-#include "kinematics/loop_equations.h"
 #include "kmech/mobility.h"
-#include "kmech/space.h"
+#include "space/driver_surface.h"
 #include "space/real_solve.h"
 
+#include <stdio.h>
 #include <string.h>
 
-enum { MOST_NEWTON = 8, MOST_CHAIN = 400, SHORTENINGS = 200, MODE_STARTS = 60, MOST_STRAIGHT = 5000, MOST_MODES = 16 };
+enum { MOST_CHAIN = 400, SHORTENINGS = 200, MODE_STARTS = 60, MOST_STRAIGHT = 5000, MOST_MODES = 16 };
 static const double longest_step = 0.04;   /* radians, sizes */
 static const double least_progress = 0.3;  /* part of a step: less ends a chain of steps */
-static const double closed = 1e-12;        /* largest error: radians, sizes */
 static const double most_correction = 0.5; /* first correction over the step */
 static const double mode_distance = 1e-4;  /* distance of different assembly modes */
 static const double same = 1e-6;           /* distance of equal configurations */
-static const double slide_room = 1.0;      /* random slides without limits lie so many sizes around both ends */
+static const double slide_room = 1.0;      /* half range of random slides without limits, beyond both ends: sizes */
 
 /* Configurations reached from one end. */
 typedef struct path_tree {
@@ -36,19 +35,14 @@ typedef struct path_tree {
 } path_tree;
 
 typedef struct path_search {
-  const km_mechanism *m;
+  km_driver_surface f; /* configurations of one substructure; controls: the drivers */
   const km_space_path_def *def;
-  const km_substructure *sub;
-  km_state *s;
   km_arena arena;
-  int columns, rows, drivers;
-  int driver[KM_MAX_PATH_DRIVERS], *other; /* columns */
-  double *J, *A, *LU, *N;                  /* [rows × columns], [rows²] twice, [drivers × columns] */
-  double *b, *x, *step, *towards;          /* [columns] */
+  double *N;       /* [drivers × columns] */
+  double *towards; /* [columns] step to a configuration */
   double square[KM_MAX_PATH_DRIVERS * KM_MAX_PATH_DRIVERS], du[KM_MAX_PATH_DRIVERS], right[KM_MAX_PATH_DRIVERS];
-  int *row, small_row[KM_MAX_PATH_DRIVERS];
+  int small_row[KM_MAX_PATH_DRIVERS];
   double *before, *sample; /* saved configurations */
-  size_t saved_size;
   double margin;
   int sign; /* sign of det A along the path */
   path_tree tree[2];
@@ -62,128 +56,92 @@ const char *km_space_path_outcome_name(km_space_path_outcome outcome) {
 
 /* ---- One configuration. */
 
-static void update(path_search *g) {
-  km_loops_recompute(g->m, g->s, g->sub);
-  km_state_jacobian_dense(g->s, g->sub, g->J);
+static int part_of(const path_search *g) {
+  return g->f.part[0].substructure;
 }
 
-/* Factors A; *sign is that of det A. */
-static bool factor(path_search *g, int *sign) {
-  for (int i = 0; i < g->rows; ++i)
-    for (int j = 0; j < g->rows; ++j)
-      g->LU[i * g->rows + j] = g->J[g->other[j] * g->rows + i];
-  return km_real_factor(g->LU, g->rows, g->row, sign);
-}
-
-/* Closes the loops with the drivers fixed, by Newton's method; A's factors then belong to the configuration. */
-static bool close_loops(path_search *g, double step, int *sign) {
-  for (int i = 0; i < MOST_NEWTON; ++i) {
-    double error = 0.0, correction = 0.0;
-    const double *e = km_state_error(g->s, g->sub);
-    update(g);
-    if (!factor(g, sign))
-      return false;
-    for (int k = 0; k < g->rows; ++k) {
-      error = fmax(error, fabs(e[k]));
-      g->b[k] = -e[k];
-    }
-    if (error <= closed)
-      return true;
-    km_real_solve(g->LU, g->rows, g->row, g->b, g->x);
-    memset(g->step, 0, (size_t)g->columns * sizeof *g->step);
-    for (int k = 0; k < g->rows; ++k) {
-      g->step[g->other[k]] = g->x[k];
-      correction = fmax(correction, fabs(g->x[k]));
-    }
-    if (!isfinite(correction) || (i == 0 && correction > most_correction * step))
-      return false;
-    km_state_move(g->m, g->s, g->sub, g->step);
-  }
-  return false;
-}
-
-/* N by driver: the rates of all coordinates per unit rate of each driver, at the present factors. */
-static void compute_rates(path_search *g) {
-  for (int d = 0; d < g->drivers; ++d) {
-    double *N = g->N + d * g->columns;
-    memset(N, 0, (size_t)g->columns * sizeof *N);
-    for (int k = 0; k < g->rows; ++k)
-      g->b[k] = -g->J[g->driver[d] * g->rows + k];
-    km_real_solve(g->LU, g->rows, g->row, g->b, g->x);
-    for (int k = 0; k < g->rows; ++k)
-      N[g->other[k]] = g->x[k];
-    N[g->driver[d]] = 1.0;
-  }
-}
-
-/* Smallest singular value of A at the last update. */
-static double singular_value(path_search *g) {
-  for (int j = 0; j < g->rows; ++j)
-    memcpy(g->A + (size_t)(j * g->rows), g->J + (size_t)(g->other[j] * g->rows), (size_t)g->rows * sizeof *g->A);
-  return km_smallest_singular_value(g->A, g->rows, g->rows);
+/* Moves the state to a saved configuration; A's factors are then those there. */
+static void move_to(path_search *g, const double *saved) {
+  int sign;
+  km_driver_surface_restore(&g->f, saved);
+  km_driver_surface_update(&g->f);
+  km_driver_surface_factor(&g->f, &sign);
 }
 
 /* True if the closed configuration may be on a path. */
 static bool is_allowed(path_search *g, int sign) {
-  if ((g->sign != 0 && sign != g->sign) || !(singular_value(g) >= g->margin))
+  km_driver_surface *f = &g->f;
+  if ((g->sign != 0 && sign != g->sign) || !(km_driver_surface_input_value(f) >= g->margin))
     return false;
-  if (!g->def->ignore_limits && km_state_find_outside_limit(g->s, g->sub) >= 0)
+  if (!g->def->ignore_limits && km_driver_surface_is_outside_limit(f))
     return false;
   if (!g->def->condition)
     return true;
-  km_poses_compute(g->m, g->s);
-  return g->def->condition(g->def->context, g->m, g->s);
+  km_poses_compute(f->m, f->s);
+  return g->def->condition(g->def->context, f->m, f->s);
 }
 
 /* Step from the present to a saved configuration; hinges without limits take the shorter path. Returns its length. */
 static double difference(const path_search *g, const double *saved, double *step) {
-  double sum = 0.0;
-  km_state_difference(g->s, g->sub, saved, step);
-  for (int k = 0; k < g->columns; ++k) {
-    int c = g->m->column_coordinate[g->sub->column_start + k];
-    bool is_free = g->def->ignore_limits || !km_model_coordinate_limits(g->m->model, c, &(double){0}, &(double){0});
-    step[k] = km_coordinate_turns(g->m, c) && is_free ? -remainder(step[k], 2.0 * M_PI) : -step[k];
-    sum += step[k] * step[k];
+  double length = km_driver_surface_difference(&g->f, saved, step);
+  for (int k = 0; k < g->f.columns; ++k)
+    step[k] = -step[k];
+  return length;
+}
+
+/* Moves the drivers by du, or by the part of it whose step N du is as long as a step may be, with N at the present
+ * configuration. *is_whole: by all of it. False: it isn't allowed; the state's configuration is
+ * then undefined. */
+static bool move_drivers(path_search *g, const double *du, bool *is_whole) {
+  km_driver_surface *f = &g->f;
+  int n = f->columns, sign;
+  double length = 0.0;
+  for (int k = 0; k < n; ++k) {
+    f->step[k] = 0.0;
+    for (int d = 0; d < f->control_count; ++d)
+      f->step[k] += g->N[d * n + k] * du[d];
+    length += f->step[k] * f->step[k];
   }
-  return sqrt(sum);
+  length = sqrt(length);
+  *is_whole = length <= longest_step;
+  double part = *is_whole ? 1.0 : longest_step / length;
+  for (int k = 0; k < n; ++k)
+    f->step[k] *= part;
+  km_driver_surface_move(f, f->step);
+  return km_driver_surface_close(f, most_correction * fmax(part * length, same), &sign) && is_allowed(g, sign);
+}
+
+/* du <- (Nᵀ N)⁻¹ Nᵀ g->towards. */
+static bool project(path_search *g) {
+  int n = g->f.columns, drivers = g->f.control_count, sign;
+  for (int i = 0; i < drivers; ++i) {
+    g->right[i] = 0.0;
+    for (int k = 0; k < n; ++k)
+      g->right[i] += g->N[i * n + k] * g->towards[k];
+    for (int j = 0; j < drivers; ++j) {
+      g->square[i * drivers + j] = 0.0;
+      for (int k = 0; k < n; ++k)
+        g->square[i * drivers + j] += g->N[i * n + k] * g->N[j * n + k];
+    }
+  }
+  if (!km_real_factor(g->square, drivers, g->small_row, &sign))
+    return false;
+  km_real_solve(g->square, drivers, g->small_row, g->right, g->du);
+  return true;
 }
 
 /* One step towards a configuration, `distance` away by g->towards. False: it isn't allowed; the state returns. */
 static bool step_towards(path_search *g, double distance) {
-  int n = g->columns, f = g->drivers, sign;
-  km_state_save(g->s, g->sub, g->before);
-  compute_rates(g);
-  for (int i = 0; i < f; ++i) {
-    g->right[i] = 0.0;
-    for (int k = 0; k < n; ++k)
-      g->right[i] += g->N[i * n + k] * g->towards[k];
-    for (int j = 0; j < f; ++j) {
-      g->square[i * f + j] = 0.0;
-      for (int k = 0; k < n; ++k)
-        g->square[i * f + j] += g->N[i * n + k] * g->N[j * n + k];
-    }
-  }
-  if (!km_real_factor(g->square, f, g->small_row, &sign))
+  bool is_whole;
+  km_driver_surface_save(&g->f, g->before);
+  km_driver_surface_rates(&g->f, g->N);
+  if (!project(g))
     return false;
-  km_real_solve(g->square, f, g->small_row, g->right, g->du);
-  bool is_last = distance <= longest_step; /* the drivers then have the values of the end */
-  double length = 0.0;
-  for (int k = 0; k < n; ++k) {
-    g->step[k] = 0.0;
-    for (int i = 0; i < f; ++i)
-      g->step[k] += g->N[i * n + k] * (is_last ? g->towards[g->driver[i]] : g->du[i]);
-    length += g->step[k] * g->step[k];
-  }
-  length = sqrt(length);
-  double part = length > longest_step ? longest_step / length : 1.0;
-  for (int k = 0; k < n; ++k)
-    g->step[k] *= part;
-  km_state_move(g->m, g->s, g->sub, g->step);
-  if (close_loops(g, fmax(part * length, same), &sign) && is_allowed(g, sign))
+  for (int d = 0; distance <= longest_step && d < g->f.control_count; ++d) /* exactly the values of the end */
+    g->du[d] = g->towards[g->f.control[d]];
+  if (move_drivers(g, g->du, &is_whole))
     return true;
-  km_state_restore(g->s, g->sub, g->before);
-  update(g);
-  factor(g, &sign);
+  move_to(g, g->before);
   return false;
 }
 
@@ -192,14 +150,14 @@ static bool step_towards(path_search *g, double distance) {
 /* Adds the state's configuration. Returns its index; −1 when out of memory. */
 static int add_node(path_search *g, path_tree *t, int parent) {
   void *saved = t->saved, *parents = t->parent;
-  double *place = KM_ARENA_NEW(&g->arena, double, g->saved_size);
+  double *place = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
   if (!place || !km_reserve(&saved, &t->saved_capacity, (size_t)t->count + 1, sizeof *t->saved))
     return -1;
   t->saved = saved;
   if (!km_reserve(&parents, &t->parent_capacity, (size_t)t->count + 1, sizeof *t->parent))
     return -1;
   t->parent = parents;
-  km_state_save(g->s, g->sub, place);
+  km_driver_surface_save(&g->f, place);
   t->saved[t->count] = place;
   t->parent[t->count] = parent;
   return t->count++;
@@ -207,9 +165,9 @@ static int add_node(path_search *g, path_tree *t, int parent) {
 
 /* Moves the state to the node of a tree that is nearest to a saved configuration. Returns its index. */
 static int move_to_nearest(path_search *g, const path_tree *t, const double *saved) {
-  int nearest = 0, sign;
+  int nearest = 0;
   double least = HUGE_VAL;
-  km_state_restore(g->s, g->sub, saved);
+  km_driver_surface_restore(&g->f, saved);
   for (int i = 0; i < t->count; ++i) {
     double distance = difference(g, t->saved[i], g->towards);
     if (distance < least) {
@@ -217,9 +175,7 @@ static int move_to_nearest(path_search *g, const path_tree *t, const double *sav
       nearest = i;
     }
   }
-  km_state_restore(g->s, g->sub, t->saved[nearest]);
-  update(g);
-  factor(g, &sign);
+  move_to(g, t->saved[nearest]);
   return nearest;
 }
 
@@ -245,25 +201,26 @@ static int chain(path_search *g, path_tree *t, int from, const double *saved, in
 
 /* A random configuration, open. */
 static void draw_sample(path_search *g) {
-  km_state_restore(g->s, g->sub, g->tree[0].saved[0]);
+  km_driver_surface *f = &g->f;
+  km_driver_surface_restore(f, g->tree[0].saved[0]);
   if (g->tree[1].count > 0)
     difference(g, g->tree[1].saved[0], g->towards);
   else
-    memset(g->towards, 0, (size_t)g->columns * sizeof *g->towards);
-  for (int k = 0; k < g->columns; ++k) {
-    int c = g->m->column_coordinate[g->sub->column_start + k];
-    double u = km_uniform(&g->random), low, high, unit = g->m->factor[c] / g->m->unit[c];
-    bool is_limited = km_model_coordinate_limits(g->m->model, c, &low, &high) && isfinite(low) && isfinite(high);
-    double here = g->s->q[c] / g->m->unit[c];
+    memset(g->towards, 0, (size_t)f->columns * sizeof *g->towards);
+  for (int k = 0; k < f->columns; ++k) {
+    int c = km_driver_surface_coordinate(f, k);
+    double u = km_uniform(&g->random), low, high, unit = f->m->factor[c] / f->m->unit[c];
+    bool is_limited = km_model_coordinate_limits(f->m->model, c, &low, &high) && isfinite(low) && isfinite(high);
+    double here = f->s->q[c] / f->m->unit[c];
     if (is_limited && !g->def->ignore_limits)
-      g->step[k] = unit * (0.5 * (low + high) + 0.5 * u * (high - low)) - here;
-    else if (km_coordinate_turns(g->m, c))
-      g->step[k] = M_PI * u;
+      f->step[k] = unit * (0.5 * (low + high) + 0.5 * u * (high - low)) - here;
+    else if (km_coordinate_turns(f->m, c))
+      f->step[k] = M_PI * u;
     else
-      g->step[k] = 0.5 * g->towards[k] + u * (slide_room + 0.5 * fabs(g->towards[k]));
+      f->step[k] = 0.5 * g->towards[k] + u * (slide_room + 0.5 * fabs(g->towards[k]));
   }
-  km_state_move(g->m, g->s, g->sub, g->step);
-  km_state_save(g->s, g->sub, g->sample);
+  km_driver_surface_move(f, f->step);
+  km_driver_surface_save(f, g->sample);
 }
 
 /* Grows both trees until they meet. *node: where, in each tree; −1: they don't. False when out of memory. */
@@ -319,10 +276,7 @@ static double **join(path_search *g, const int node[2], int *count) {
 static int shorten(path_search *g, double **path, int count, int i, int j) {
   path_tree part = {0};
   bool is_there;
-  int sign;
-  km_state_restore(g->s, g->sub, path[i]);
-  update(g);
-  factor(g, &sign);
+  move_to(g, path[i]);
   int last = chain(g, &part, -1, path[j], j - i - 1, &is_there);
   int added = part.count - 1; /* the last one is path[j] */
   bool is_shorter = is_there && last >= 0 && added < j - i - 1;
@@ -349,41 +303,48 @@ static int shorten_all(path_search *g, double **path, int count) {
   return count;
 }
 
+/* Place of a coordinate among the drivers; −1: it is none. */
+static int driver_index(const path_search *g, int coordinate) {
+  int d = g->f.control_count - 1;
+  while (d >= 0 && g->def->drivers[d] != coordinate)
+    --d;
+  return d;
+}
+
 /* Writes the row of the state's configuration. `place`[columns]: its coordinates, continuous along the path. */
 static bool write_row(path_search *g, const double *place, double sigma, km_space_path *out) {
-  const km_mechanism *m = g->m;
+  const km_mechanism *m = g->f.m;
   double *row = km_table_add_row(out->table);
   if (!row)
     return false;
-  double *other = row + 1 + g->drivers;
+  double *other = row + 1 + g->f.control_count;
   *row++ = out->length;
   for (int c = 0; c < m->coordinate_count; ++c) {
-    bool is_own = m->substructure_of[c] == (int)(g->sub - m->substructures) && !m->held[c];
-    double value = is_own ? place[m->column_of[c]] * m->unit[c] / m->factor[c] : km_state_value(g->s, c);
-    int driver = 0;
-    while (driver < g->drivers && g->def->drivers[driver] != c)
-      ++driver;
-    *(driver < g->drivers ? &row[driver] : other++) = value;
+    bool is_own = m->substructure_of[c] == part_of(g) && !m->held[c];
+    double value = is_own ? place[m->column_of[c]] * m->unit[c] / m->factor[c] : km_state_value(g->f.s, c);
+    int driver = driver_index(g, c);
+    *(driver >= 0 ? &row[driver] : other++) = value;
   }
   *other = sigma;
   return true;
 }
 
 static bool write_path(path_search *g, double *const *path, int count, km_space_path *out) {
-  double *place = KM_ARENA_NEW(&g->arena, double, (size_t)g->columns);
+  km_driver_surface *f = &g->f;
+  double *place = KM_ARENA_NEW(&g->arena, double, (size_t)f->columns);
   out->least_margin = HUGE_VAL;
   for (int i = 0; place && i < count; ++i) {
-    km_state_restore(g->s, g->sub, path[i]);
+    km_driver_surface_restore(f, path[i]);
     double step = i > 0 ? difference(g, path[i - 1], g->towards) : 0.0;
-    for (int k = 0; k < g->columns; ++k) {
-      int c = g->m->column_coordinate[g->sub->column_start + k];
-      place[k] = i > 0 ? place[k] - g->towards[k] : g->s->q[c] / g->m->unit[c];
+    for (int k = 0; k < f->columns; ++k) {
+      int c = km_driver_surface_coordinate(f, k);
+      place[k] = i > 0 ? place[k] - g->towards[k] : f->s->q[c] / f->m->unit[c];
     }
     out->length += step;
     if (i > 0 && step <= same && i + 1 < count)
       continue; /* both trees have met here */
-    update(g);
-    double sigma = singular_value(g);
+    km_driver_surface_update(f);
+    double sigma = km_driver_surface_input_value(f);
     out->ends[i > 0] = sigma;
     out->least_margin = fmin(out->least_margin, sigma);
     if (!write_row(g, place, sigma, out))
@@ -395,16 +356,14 @@ static bool write_path(path_search *g, double *const *path, int count, km_space_
 /* ---- Preparation. */
 
 static bool add_columns(const path_search *g, km_table *table) {
-  const km_mechanism *m = g->m;
+  const km_mechanism *m = g->f.m;
   bool is_ok = table && km_table_add_joined_column(table, "s", "", "", "");
   for (int pass = 0; pass < 2; ++pass)
-    for (int k = 0; is_ok && k < (pass == 0 ? g->drivers : m->coordinate_count); ++k) {
+    for (int k = 0; is_ok && k < (pass == 0 ? g->f.control_count : m->coordinate_count); ++k) {
       int c = pass == 0 ? g->def->drivers[k] : k;
-      bool is_driver = false;
-      for (int d = 0; pass == 1 && d < g->drivers; ++d)
-        is_driver = is_driver || g->def->drivers[d] == c;
-      is_ok = is_driver || km_table_add_joined_column(table, "q.", m->model->coordinates[c].label, "",
-                                                      km_model_coordinate_unit(m->model, c));
+      is_ok = (pass == 1 && driver_index(g, c) >= 0) ||
+              km_table_add_joined_column(table, "q.", m->model->coordinates[c].label, "",
+                                         km_model_coordinate_unit(m->model, c));
     }
   return is_ok && km_table_add_joined_column(table, "sigma.input", "", "", "");
 }
@@ -413,10 +372,11 @@ static km_status no_memory(km_error *error) {
   return km_fail(error, KM_MEMORY, "out of memory for the path");
 }
 
-static km_status check_drivers(path_search *g, km_error *error) {
-  const km_mechanism *m = g->m;
-  int part = -1;
-  for (int d = 0; d < g->drivers; ++d) {
+/* Checks that the drivers are different joints of one part with loops. *part: its index. */
+static km_status check_drivers(const path_search *g, int *part, km_error *error) {
+  const km_mechanism *m = g->f.m;
+  *part = -1;
+  for (int d = 0; d < g->def->driver_count; ++d) {
     int c = g->def->drivers[d];
     km_status status = km_check_index(c, m->coordinate_count, "coordinate", error);
     if (status)
@@ -425,82 +385,68 @@ static km_status check_drivers(path_search *g, km_error *error) {
     if (m->held[c] || own < 0 || m->substructures[own].loop_count == 0 || m->ball_of[c] >= 0)
       return km_fail(error, KM_USAGE, "joint \"%s\" can't drive a path; expected a free hinge or slide of a loop",
                      m->model->coordinates[c].label);
-    if (part >= 0 && own != part)
+    if (*part >= 0 && own != *part)
       return km_fail(error, KM_USAGE, "all drivers of a path must be joints of one part of the mechanism");
     for (int i = 0; i < d; ++i)
       if (g->def->drivers[i] == c)
         return km_fail(error, KM_USAGE, "joint \"%s\" drives the path twice", m->model->coordinates[c].label);
-    part = own;
-    g->driver[d] = m->column_of[c];
+    *part = own;
   }
-  g->sub = &m->substructures[part];
-  g->columns = g->sub->columns;
-  g->rows = km_substructure_rows(m, part);
-  for (int k = 0; k < g->columns; ++k)
-    if (m->ball_of[m->column_coordinate[g->sub->column_start + k]] >= 0)
+  const km_substructure *sub = &m->substructures[*part];
+  for (int k = 0; k < sub->columns; ++k)
+    if (m->ball_of[m->column_coordinate[sub->column_start + k]] >= 0)
       return km_fail(error, KM_USAGE, "paths don't cover ball joints; expected hinges and slides");
-  if (g->rows != g->columns - g->drivers)
-    return km_fail(
-        error, KM_USAGE,
-        "the part of the mechanism has %d coordinates and %d conditions; expected %d drivers and no redundant "
-        "conditions",
-        g->columns, g->rows, g->columns - g->rows);
   return KM_OK;
 }
 
 static km_status prepare(path_search *g, km_error *error) {
-  size_t n = (size_t)g->columns, r = (size_t)g->rows;
+  km_driver_surface *f = &g->f;
   km_arena *a = &g->arena;
-  g->saved_size = KM_SAVED_PER_COLUMN * n;
-  g->other = KM_ARENA_NEW(a, int, r + 1);
-  g->J = KM_ARENA_NEW(a, double, n *r + 1);
-  g->A = KM_ARENA_NEW(a, double, r *r + 1);
-  g->LU = KM_ARENA_NEW(a, double, r *r + 1);
-  g->N = KM_ARENA_NEW(a, double, n *(size_t)g->drivers);
-  g->b = KM_ARENA_NEW(a, double, n);
-  g->x = KM_ARENA_NEW(a, double, n);
-  g->step = KM_ARENA_NEW(a, double, n);
-  g->towards = KM_ARENA_NEW(a, double, n);
-  g->row = KM_ARENA_NEW(a, int, r + 1);
-  g->before = KM_ARENA_NEW(a, double, g->saved_size);
-  g->sample = KM_ARENA_NEW(a, double, g->saved_size);
-  if (a->failed)
-    return no_memory(error);
-  for (int k = 0, count = 0; k < g->columns; ++k) {
-    bool is_driver = false;
-    for (int d = 0; d < g->drivers; ++d)
-      is_driver = is_driver || g->driver[d] == k;
-    if (!is_driver)
-      g->other[count++] = k;
-  }
-  return KM_OK;
+  char expected[64];
+  int part;
+  km_status status = check_drivers(g, &part, error);
+  if (status)
+    return status;
+  snprintf(expected, sizeof expected, "%d drivers and no redundant conditions",
+           f->m->substructures[part].columns - km_substructure_rows(f->m, part));
+  status = km_driver_surface_create(f, g->def->drivers, g->def->driver_count, expected, a, error);
+  if (status)
+    return status;
+  g->N = KM_ARENA_NEW(a, double, (size_t)(f->control_count * f->columns));
+  g->towards = KM_ARENA_NEW(a, double, (size_t)f->columns);
+  g->before = KM_ARENA_NEW(a, double, f->saved_size);
+  g->sample = KM_ARENA_NEW(a, double, f->saved_size);
+  for (int k = 0; k < f->columns && !g->def->ignore_limits; ++k)
+    f->wraps[k] = f->wraps[k] && !km_model_coordinate_limits(f->m->model, km_driver_surface_coordinate(f, k),
+                                                             &(double){0}, &(double){0});
+  return a->failed ? no_memory(error) : KM_OK;
 }
 
 /* Makes the state's configuration a root of a tree if it may be on a path. *sign: of det A; 0: the loops are open. */
 static km_status add_end(path_search *g, int side, km_space_path *out, int *sign, bool *is_added, km_error *error) {
-  if (!close_loops(g, HUGE_VAL, sign)) {
+  if (!km_driver_surface_close(&g->f, HUGE_VAL, sign)) {
     *sign = 0;
     *is_added = false;
     return KM_OK;
   }
   *is_added = is_allowed(g, *sign);
-  double sigma = singular_value(g);
+  double sigma = km_driver_surface_input_value(&g->f);
   out->ends[side] = isnan(out->ends[side]) ? sigma : fmax(out->ends[side], sigma);
   return *is_added && add_node(g, &g->tree[side], -1) < 0 ? no_memory(error) : KM_OK;
 }
 
 /* Assembles the loops with the drivers at the values of the end, from random values of the others. */
 static km_status assemble_end(path_search *g, bool *is_closed) {
+  km_driver_surface *f = &g->f;
   draw_sample(g);
-  km_state_restore(g->s, g->sub, g->sample);
-  for (int d = 0; d < g->drivers; ++d) {
+  for (int d = 0; d < f->control_count; ++d) {
     int c = g->def->drivers[d];
-    km_state_set_coordinate(g->m, g->s, c, g->def->to_drivers[d], NULL);
-    km_state_lock(g->s, c);
+    km_state_set_coordinate(f->m, f->s, c, g->def->to_drivers[d], NULL);
+    km_state_lock(f->s, c);
   }
-  km_state_invalidate_pivots(g->s, (int)(g->sub - g->m->substructures));
-  km_status status = km_assemble_one(g->m, g->s, (int)(g->sub - g->m->substructures), g->before, is_closed);
-  km_state_unlock(g->s);
+  km_state_invalidate_pivots(f->s, part_of(g));
+  km_status status = km_assemble_one(f->m, f->s, part_of(g), g->before, is_closed);
+  km_state_unlock(f->s);
   return status;
 }
 
@@ -542,9 +488,9 @@ static km_status add_ends(path_search *g, km_space_path *out, km_error *error) {
     return status;
   if (!g->def->to)
     return add_modes(g, out, error);
-  for (int k = 0; !status && k < g->columns; ++k) { /* other parts stay */
-    int c = g->m->column_coordinate[g->sub->column_start + k];
-    status = km_state_set_coordinate(g->m, g->s, c, g->def->to[c], error);
+  for (int k = 0; !status && k < g->f.columns; ++k) { /* other parts stay */
+    int c = km_driver_surface_coordinate(&g->f, k);
+    status = km_state_set_coordinate(g->f.m, g->f.s, c, g->def->to[c], error);
   }
   if (!status)
     status = add_end(g, 1, out, &sign, &is_added, error);
@@ -555,31 +501,17 @@ static km_status add_ends(path_search *g, km_space_path *out, km_error *error) {
 /* Moves the drivers straight from the start to their values at the end, hinges through their turns as stated.
  * *is_there: every step is allowed. node[0], node[1]: the end in both trees. */
 static km_status drive_straight(path_search *g, bool *is_there, int node[2], km_error *error) {
-  int n = g->columns, sign;
+  km_driver_surface *f = &g->f;
   *is_there = false;
-  km_state_restore(g->s, g->sub, g->tree[0].saved[0]);
-  update(g);
-  factor(g, &sign);
+  move_to(g, g->tree[0].saved[0]);
   for (int at = 0; !*is_there;) {
-    double length = 0.0;
-    compute_rates(g);
-    memset(g->step, 0, (size_t)n * sizeof *g->step);
-    for (int d = 0; d < g->drivers; ++d) {
+    km_driver_surface_rates(f, g->N);
+    for (int d = 0; d < f->control_count; ++d) {
       int c = g->def->drivers[d];
       double value = g->def->to ? g->def->to[c] : g->def->to_drivers[d];
-      double du = value * g->m->factor[c] / g->m->unit[c] - g->s->q[c] / g->m->unit[c];
-      for (int k = 0; k < n; ++k)
-        g->step[k] += g->N[d * n + k] * du;
+      g->du[d] = value * f->m->factor[c] / f->m->unit[c] - f->s->q[c] / f->m->unit[c];
     }
-    for (int k = 0; k < n; ++k)
-      length += g->step[k] * g->step[k];
-    length = sqrt(length);
-    *is_there = length <= longest_step;
-    double part = *is_there ? 1.0 : longest_step / length;
-    for (int k = 0; k < n; ++k)
-      g->step[k] *= part;
-    km_state_move(g->m, g->s, g->sub, g->step);
-    if (g->tree[0].count > MOST_STRAIGHT || !close_loops(g, fmax(part * length, same), &sign) || !is_allowed(g, sign)) {
+    if (g->tree[0].count > MOST_STRAIGHT || !move_drivers(g, g->du, is_there)) {
       *is_there = false;
       return KM_OK;
     }
@@ -598,16 +530,14 @@ static km_status drive_straight(path_search *g, bool *is_there, int node[2], km_
 
 /* The straight path of the drivers first, then steps towards each end, then the trees. */
 static km_status search(path_search *g, km_progress progress, void *context, km_space_path *out, km_error *error) {
-  int node[2] = {0, 0}, count = 0, sign;
+  int node[2] = {0, 0}, count = 0;
   bool is_cancelled = false;
   km_status status = drive_straight(g, &out->is_straight, node, error);
   if (status)
     return status;
   bool is_met = out->is_straight;
   for (int i = 0; i < g->tree[1].count && !is_met; ++i) {
-    km_state_restore(g->s, g->sub, g->tree[0].saved[0]);
-    update(g);
-    factor(g, &sign);
+    move_to(g, g->tree[0].saved[0]);
     node[0] = chain(g, &g->tree[0], 0, g->tree[1].saved[i], MOST_CHAIN, &is_met);
     node[1] = i;
     if (node[0] < 0)
@@ -642,15 +572,13 @@ km_status km_space_path_find(const km_mechanism *m, const km_state *s, const km_
                      def->driver_count, def->margin, KM_MAX_PATH_DRIVERS);
   if (status)
     return status;
-  path_search g = {.m = m, .def = def, .drivers = def->driver_count, .random = def->seed};
+  path_search g = {.f = {.m = m, .frame = -1}, .def = def, .random = def->seed};
   g.margin = def->margin > 0.0 ? def->margin : KM_DEFAULT_PATH_MARGIN;
-  status = check_drivers(&g, error);
+  status = prepare(&g, error);
   if (!status)
-    status = prepare(&g, error);
-  if (!status)
-    status = km_state_create(m, &g.s, error);
+    status = km_state_create(m, &g.f.s, error);
   if (!status) {
-    km_state_copy(m, g.s, s);
+    km_state_copy(m, g.f.s, s);
     out->table = km_table_create();
     status = add_columns(&g, out->table) ? add_ends(&g, out, error) : no_memory(error);
   }
@@ -661,7 +589,7 @@ km_status km_space_path_find(const km_mechanism *m, const km_state *s, const km_
     km_free(g.tree[side].parent);
   }
   km_arena_free(&g.arena);
-  km_state_free(g.s);
+  km_state_free(g.f.s);
   return status;
 }
 

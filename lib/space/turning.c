@@ -9,6 +9,7 @@
  * dead points; from a minimum of its magnitude Newton's method leads to dead points at another p. A mode is carried
  * from step to step by minimum-norm closing with all coordinates free. */
 #include "base/arguments.h"
+#include "base/event_locator.h"
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
@@ -17,12 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_STARTS = 256, MOST_SECANTS = 40 };
+enum { MOST_STARTS = 256 };
 static const double far_slide = 100.0;        /* displacement of a slide at infinity, sizes of the part */
 static const double longest_circuit = 2000.0; /* arc length in one sense */
 static const double most_correction = 0.3;    /* |D δ| of one step of the number: radians, sizes */
 static const double shortest_step = 1e-4;     /* shortest step of the number, a part of the range */
-static const double dead_rate = 1e-12;        /* rate of the driver at a dead point, per arc length */
 static const double same_driver = 1e-6;       /* distance of the driver at equal critical values: its unit */
 static const double same_number = 1e-9;       /* distance of equal critical values, a part of the range */
 
@@ -56,29 +56,25 @@ static int part_of(const turning_search *g) {
 
 /* ---- The circuit at one value of the number. */
 
+/* A motion whose driver's rate is sought along its arc. */
+typedef struct sampled_motion {
+  turning_search *g;
+  km_arc_motion *motion;
+} sampled_motion;
+
+/* Rate of the driver at arc length s from the present configuration; NaN where it isn't reached. */
+static double driver_rate(double s, void *context) {
+  const sampled_motion *at = context;
+  bool is_reached = km_arc_motion_sample(at->motion, s, at->g->rates);
+  km_arc_motion_restore(at->motion);
+  return is_reached ? at->g->rates[at->g->def->driver] : nan("");
+}
+
 /* Moves to the dead point between the present configuration, where the driver's rate is `after`, and the one `length`
- * before it, by regula falsi with halved ends on the arc length. */
+ * before it. */
 static bool move_to_dead_point(turning_search *g, km_arc_motion *motion, double length, double before, double after) {
-  double low = -length, high = 0.0, a = before, b = after;
-  for (int i = 0; i < MOST_SECANTS; ++i) {
-    double middle = (low * b - high * a) / (b - a);
-    if (!km_arc_motion_sample(motion, middle, g->rates))
-      return false;
-    double now = g->rates[g->def->driver];
-    if (fabs(now) <= dead_rate || high - low <= KM_SHORTEST_ARC)
-      return true;
-    km_arc_motion_restore(motion);
-    if ((now < 0.0) == (a < 0.0)) {
-      low = middle;
-      a = now;
-      b *= 0.5;
-    } else {
-      high = middle;
-      b = now;
-      a *= 0.5;
-    }
-  }
-  return km_arc_motion_sample(motion, 0.5 * (low + high), g->rates);
+  sampled_motion at = {g, motion};
+  return km_arc_motion_sample(motion, km_locate_root(driver_rate, &at, -length, 0.0, before, after), g->rates);
 }
 
 static void note_start(turning_search *g, const double *saved) {
@@ -383,7 +379,8 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
   km_driver_surface *f = &g->f;
   *f = (km_driver_surface){
       .m = m, .low = {-HUGE_VAL, def->from}, .high = {HUGE_VAL, def->to}, .number = &g->number, .frame = -1};
-  km_status status = km_driver_surface_create(f, &def->driver, &g->arena, error);
+  km_status status = km_driver_surface_create(
+      f, &def->driver, 1, "one freedom and no redundant conditions (more freedoms: hold joints)", &g->arena, error);
   if (!status && part_of(g) < 0)
     status = km_fail(error, KM_USAGE, "joint \"%s\" is in no loop; expected the driver of one",
                      m->model->coordinates[def->driver].label);
