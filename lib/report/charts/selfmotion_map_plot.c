@@ -4,8 +4,6 @@
 #include "arm/selfmotion/selfmotion_map.h"
 #include "report/canvas/palette.h"
 #include "report/charts/track_plot.h"
-#include "report/plot/axis_ticks.h"
-#include "report/plot/data_curve.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -21,18 +19,6 @@ typedef struct picture {
   km_frame frame;
   double low, high; /* range of the objective in the map */
 } picture;
-
-km_colour km_map_shade(int number) {
-  static const km_colour stops[] = {{0.19, 0.10, 0.33, 1}, {0.23, 0.32, 0.54, 1}, {0.13, 0.51, 0.55, 1},
-                                    {0.28, 0.70, 0.46, 1}, {0.69, 0.84, 0.28, 1}, {0.99, 0.93, 0.55, 1}};
-  enum { LAST = sizeof stops / sizeof *stops - 1 };
-  double at = (number + 0.5) / KM_MAP_SHADES * LAST;
-  int i = at >= LAST ? LAST - 1 : (int)at;
-  const km_colour *a = &stops[i], *b = &stops[i + 1];
-  double x = at - i;
-  return (km_colour){a->red + x * (b->red - a->red), a->green + x * (b->green - a->green),
-                     a->blue + x * (b->blue - a->blue), 1};
-}
 
 static double value_at(const km_station *s, double u) {
   int i = 0;
@@ -223,53 +209,23 @@ static void legend(const picture *p, double left, double top) {
 
 static void colour_bar(const picture *p, double left, double top, double height) {
   const km_font font = {.size = 8.5};
-  const double width = 12;
-  for (int i = 0; i < KM_MAP_SHADES; ++i)
-    km_canvas_rectangle(p->canvas, km_map_shade(i), left, top + height * (KM_MAP_SHADES - 1 - i) / KM_MAP_SHADES, width,
-                        height / KM_MAP_SHADES + 0.3);
-  km_axis axis = km_axis_fit(p->low, p->high, 6, false, false);
-  for (size_t i = 0; i < axis.count; ++i) {
-    char text[KM_AXIS_LABEL];
-    double y = top + height * (1.0 - (km_axis_tick(&axis, i) - p->low) / (p->high - p->low));
-    km_axis_label(&axis, i, text);
-    km_canvas_text(p->canvas, &font, ink, text, (km_canvas_point){left + width + 4, y}, (km_anchor){0, 0.5, 0});
-  }
   char multiplier[KM_AXIS_LABEL];
-  km_axis_multiplier(&axis, multiplier);
   km_text name = {0};
+  km_map_colours_draw(p->canvas, p->low, p->high, left, top, height, multiplier);
   km_text_format(&name, "%s %s", km_objective_name(&p->tracks->study->objective), multiplier);
   km_canvas_words(p->canvas, &font, ink, &name, (km_canvas_point){left, top - 6}, (km_anchor){0, 1, 0});
 }
 
 static void axes(const picture *p) {
   const km_frame *f = &p->frame;
-  const km_font font = {.size = 8.5}, label = {.size = 9.5};
-  const km_pen pen = {.colour = ink, .width = 0.7};
+  const km_font label = {.size = 9.5};
   char text[KM_AXIS_LABEL], name[160];
-  double bottom = f->top + f->height;
   km_axis x = km_axis_fit(f->x_low, f->x_high, 8, false, false), y = km_axis_fit(f->y_low, f->y_high, 8, false, false);
-  for (size_t i = 0; i < x.count; ++i) {
-    double at = km_frame_map(f, km_axis_tick(&x, i), f->y_low).x;
-    km_canvas_line(p->canvas, &pen, (km_canvas_point){at, bottom}, (km_canvas_point){at, bottom + 3});
-    km_axis_label(&x, i, text);
-    km_canvas_text(p->canvas, &font, ink, text, (km_canvas_point){at, bottom + 5}, (km_anchor){0.5, 0, 0});
-  }
-  for (size_t i = 0; i < y.count; ++i) {
-    double at = km_frame_map(f, f->x_low, km_axis_tick(&y, i)).y;
-    km_canvas_line(p->canvas, &pen, (km_canvas_point){f->left, at}, (km_canvas_point){f->left - 3, at});
-    km_axis_label(&y, i, text);
-    km_canvas_text(p->canvas, &font, ink, text, (km_canvas_point){f->left - 5, at}, (km_anchor){1, 0.5, 0});
-  }
-  const km_canvas_point box[] = {{f->left, f->top},
-                                 {f->left + f->width, f->top},
-                                 {f->left + f->width, bottom},
-                                 {f->left, bottom},
-                                 {f->left, f->top}};
-  km_canvas_polyline(p->canvas, &pen, box, 5);
+  km_map_axes_draw(p->canvas, f, &x, &y, 8.5, 5);
   km_axis_multiplier(&x, text);
   snprintf(name, sizeof name, "s: travel, and turns times L (%s%s%s)", *text ? text : "", *text ? " " : "",
            p->map->arm->mechanism->model->units.length->suffix);
-  km_canvas_text(p->canvas, &label, ink, name, (km_canvas_point){f->left + 0.5 * f->width, bottom + 18},
+  km_canvas_text(p->canvas, &label, ink, name, (km_canvas_point){f->left + 0.5 * f->width, f->top + f->height + 18},
                  (km_anchor){0.5, 0, 0});
   km_canvas_text(p->canvas, &label, ink, "self-motion from the carried start (rad)",
                  (km_canvas_point){margin, f->top + 0.5 * f->height}, (km_anchor){0.5, 0, -acos(0.0)});

@@ -3,10 +3,10 @@
 #define KM_REPORT_CHARTS_SELFMOTION_MAP_PLOT_H
 
 #include "arm/selfmotion/selfmotion_map.h"
-#include "report/canvas/canvas.h"
+#include "report/charts/map_axes.h"
 #include "report/record/track_record.h"
 
-enum { KM_MAP_CELLS = 80, KM_MAP_SHADES = 16 };
+enum { KM_MAP_CELLS = 80 };
 
 /* A part of a station's strip in one shade. */
 typedef struct km_map_cell {
@@ -17,7 +17,5 @@ typedef struct km_map_cell {
 /* A station's strip from its low to its high end, for values from `low` to `high`; cells of one colour in a row are
  * one. Returns their number, at most KM_MAP_CELLS. */
 int km_map_cells(const km_station *station, double low, double high, km_map_cell *out);
-/* Dark blue to pale yellow: light and dark survive a grey print and every kind of colour blindness. */
-km_colour km_map_shade(int shade);
 
 #endif

@@ -6,9 +6,7 @@
 #include "kmech/model.h"
 #include "kmech/report.h"
 #include "report/canvas/palette.h"
-#include "report/charts/selfmotion_map_plot.h"
-#include "report/plot/axis_ticks.h"
-#include "report/plot/data_curve.h"
+#include "report/charts/map_axes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -41,7 +39,7 @@ typedef struct map_picture {
   double x_low, x_high, y_low, y_high;
   size_t part; /* column of the panels' numbers: sheet, or aspect over the point's place */
   int panels, number[MOST_PANELS];
-  int across, down, stride; /* grid points; every so many are drawn */
+  int across, down, stride; /* grid points along both drivers; distance of those that are drawn */
   int *row;                 /* [across × down] of the present part, −1: not reached */
 } map_picture;
 
@@ -312,33 +310,14 @@ static void axis_name(const map_picture *p, size_t column, km_text *out) {
 }
 
 static void draw_axes(const map_picture *p, const km_frame *f, int number) {
-  const km_font tick = {.size = 8}, label = {.size = 9}, title = {.size = 9.5, .bold = true};
-  const km_pen pen = {.colour = ink, .width = 0.7};
+  const km_font label = {.size = 9}, title = {.size = 9.5, .bold = true};
   double bottom = f->top + f->height;
-  char text[KM_AXIS_LABEL];
   km_text x_name = {0}, y_name = {0}, heading = {0};
   axis_name(p, p->x, &x_name);
   axis_name(p, p->y, &y_name);
   km_axis x = km_axis_fit(f->x_low, f->x_high, 5, km_axis_in_degrees(x_name.data), false);
   km_axis y = km_axis_fit(f->y_low, f->y_high, 5, km_axis_in_degrees(y_name.data), false);
-  for (size_t i = 0; i < x.count; ++i) {
-    double at = km_frame_map(f, km_axis_tick(&x, i), f->y_low).x;
-    km_canvas_line(p->canvas, &pen, (km_canvas_point){at, bottom}, (km_canvas_point){at, bottom + 3});
-    km_axis_label(&x, i, text);
-    km_canvas_text(p->canvas, &tick, ink, text, (km_canvas_point){at, bottom + 4}, (km_anchor){0.5, 0, 0});
-  }
-  for (size_t i = 0; i < y.count; ++i) {
-    double at = km_frame_map(f, f->x_low, km_axis_tick(&y, i)).y;
-    km_canvas_line(p->canvas, &pen, (km_canvas_point){f->left, at}, (km_canvas_point){f->left - 3, at});
-    km_axis_label(&y, i, text);
-    km_canvas_text(p->canvas, &tick, ink, text, (km_canvas_point){f->left - 5, at}, (km_anchor){1, 0.5, 0});
-  }
-  const km_canvas_point box[] = {{f->left, f->top},
-                                 {f->left + f->width, f->top},
-                                 {f->left + f->width, bottom},
-                                 {f->left, bottom},
-                                 {f->left, f->top}};
-  km_canvas_polyline(p->canvas, &pen, box, 5);
+  km_map_axes_draw(p->canvas, f, &x, &y, 8, 4);
   km_text_format(&heading, "%s %d", km_table_name(p->map->cells, p->part), number);
   km_canvas_words(p->canvas, &title, ink, &heading, (km_canvas_point){f->left, f->top - 4}, (km_anchor){0, 1, 0});
   km_canvas_words(p->canvas, &label, ink, &x_name, (km_canvas_point){f->left + 0.5 * f->width, bottom + 16},
@@ -349,21 +328,11 @@ static void draw_axes(const map_picture *p, const km_frame *f, int number) {
 
 static void draw_colours(const map_picture *p, double left, double top, double height) {
   const km_font font = {.size = 8.5};
-  const double width = 12;
-  for (int i = 0; i < KM_MAP_SHADES; ++i)
-    km_canvas_rectangle(p->canvas, km_map_shade(i), left, top + height * (KM_MAP_SHADES - 1 - i) / KM_MAP_SHADES, width,
-                        height / KM_MAP_SHADES + 0.3);
-  km_axis axis = km_axis_fit(p->low, p->high, 6, false, false);
-  char text[KM_AXIS_LABEL];
-  for (size_t i = 0; i < axis.count; ++i) {
-    double y = top + height * (1.0 - (km_axis_tick(&axis, i) - p->low) / (p->high - p->low));
-    km_axis_label(&axis, i, text);
-    km_canvas_text(p->canvas, &font, ink, text, (km_canvas_point){left + width + 4, y}, (km_anchor){0, 0.5, 0});
-  }
+  char multiplier[KM_AXIS_LABEL];
   km_text name = {0};
-  km_axis_multiplier(&axis, text);
+  km_map_colours_draw(p->canvas, p->low, p->high, left, top, height, multiplier);
   axis_name(p, p->value, &name);
-  km_text_format(&name, "%s%s", *text ? " " : "", text);
+  km_text_format(&name, "%s%s", *multiplier ? " " : "", multiplier);
   km_canvas_words(p->canvas, &font, ink, &name, (km_canvas_point){left, top - 6}, (km_anchor){0, 1, 0});
 }
 
