@@ -84,10 +84,6 @@ static void clear_result(km_question *q) {
   km_advantage_sweep_free(sweep);
 }
 
-static void clear_preparation(km_question *q) {
-  (void)q;
-}
-
 const km_question_class km_advantage_question = {.name = "advantage",
                                                  .options = options,
                                                  .option_count = OPTIONS,
@@ -99,8 +95,7 @@ const km_question_class km_advantage_question = {.name = "advantage",
                                                  .motion = motion,
                                                  .event_count = event_count,
                                                  .event = event,
-                                                 .clear_result = clear_result,
-                                                 .clear_preparation = clear_preparation};
+                                                 .clear_result = clear_result};
 
 const km_advantage_sweep *km_question_advantage(const km_question *q) {
   return km_question_has(q, &km_advantage_question) ? &((const kind_data *)q->kind_data)->sweep : NULL;

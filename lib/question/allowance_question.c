@@ -68,10 +68,6 @@ static void clear_result(km_question *q) {
   km_allowance_sweep_free(&o->sweep);
 }
 
-static void clear_preparation(km_question *q) {
-  (void)q;
-}
-
 const km_question_class km_allowance_question = {.name = "allowance",
                                                  .options = options,
                                                  .option_count = OPTIONS,
@@ -83,8 +79,7 @@ const km_question_class km_allowance_question = {.name = "allowance",
                                                  .motion = motion,
                                                  .event_count = event_count,
                                                  .event = event,
-                                                 .clear_result = clear_result,
-                                                 .clear_preparation = clear_preparation};
+                                                 .clear_result = clear_result};
 
 const km_allowance_sweep *km_question_allowance(const km_question *q) {
   return km_question_has(q, &km_allowance_question) ? &((const kind_data *)q->kind_data)->sweep : NULL;

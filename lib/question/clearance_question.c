@@ -23,12 +23,6 @@ km_status km_question_prepare_clearance(const km_question *q, km_state *s, const
   return km_clearance_create(q->m, s, between ? between->pairs : NULL, between ? between->count : 0, out, error);
 }
 
-static km_status prepare(km_question *q, km_error *error) {
-  (void)q;
-  (void)error;
-  return KM_OK;
-}
-
 static void open_sweep(km_question *q, km_sweep_job *job) {
   kind_data *o = q->kind_data;
   job->status = km_question_prepare_clearance(q, job->s, km_question_own_value(q, BETWEEN), &o->clearance, job->error);
@@ -80,7 +74,6 @@ const km_question_class km_clearance_question = {.name = "clearance",
                                                  .shared = km_motion_options,
                                                  .shared_count = KM_MOTION_OPTIONS,
                                                  .size = sizeof(kind_data),
-                                                 .prepare = prepare,
                                                  .open = open_sweep,
                                                  .motion = motion,
                                                  .event_count = event_count,

@@ -75,10 +75,6 @@ static void clear_result(km_question *q) {
   km_motion_sweep_free(&o->sweep);
 }
 
-static void clear_preparation(km_question *q) {
-  (void)q;
-}
-
 const km_question_class km_motion_question = {.name = "motion",
                                               .options = options,
                                               .option_count = OPTIONS,
@@ -90,8 +86,7 @@ const km_question_class km_motion_question = {.name = "motion",
                                               .motion = motion,
                                               .event_count = event_count,
                                               .event = event,
-                                              .clear_result = clear_result,
-                                              .clear_preparation = clear_preparation};
+                                              .clear_result = clear_result};
 
 const km_motion_sweep *km_question_velocities(const km_question *q) {
   return km_question_has(q, &km_motion_question) ? &((const kind_data *)q->kind_data)->sweep : NULL;

@@ -81,7 +81,7 @@ static void clear_result(km_question *q) {
 }
 
 static void clear_preparation(km_question *q) {
-  if (q->kind_data)
+  if (q->kind_data && q->kind->clear_preparation)
     q->kind->clear_preparation(q);
   q->is_prepared = false;
 }
@@ -242,7 +242,9 @@ km_status km_question_prepare(km_question *q, km_error *error) {
     return status;
   km_messages_free(q->notes);
   q->notes = km_messages_create();
-  status = q->notes ? q->kind->prepare(q, error) : km_fail(error, KM_MEMORY, "out of memory for a question");
+  status = q->notes ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for a question");
+  if (!status && q->kind->prepare)
+    status = q->kind->prepare(q, error);
   q->is_prepared = !status;
   if (status)
     clear_preparation(q);

@@ -14,7 +14,7 @@ typedef struct km_question_class {
   const km_option *shared; /* options that several kinds have, behind the own ones */
   int shared_count;
   size_t size;
-  /* Prepares `kind_data` from the options. */
+  /* Prepares `kind_data` from the options. Can be NULL. */
   km_status (*prepare)(km_question *question, km_error *error);
   /* Opens the sweep that computes the result; the last result is freed before. */
   void (*open)(km_question *question, km_sweep_job *job);
@@ -30,7 +30,7 @@ typedef struct km_question_class {
   int (*event_count)(const km_question *question);               /* events besides those of every motion */
   km_question_event (*event)(const km_question *question, int index);
   void (*clear_result)(km_question *question);      /* frees the last result */
-  void (*clear_preparation)(km_question *question); /* frees the preparation, also a failed one */
+  void (*clear_preparation)(km_question *question); /* frees the preparation, also a failed one; NULL: there is none */
 } km_question_class;
 
 extern const km_question_class km_mobility_question, km_advantage_question, km_forces_question, km_track_question,
