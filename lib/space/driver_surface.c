@@ -226,14 +226,14 @@ void km_driver_surface_update_output(km_driver_surface *f) {
   }
 }
 
-void km_driver_surface_matrix(const km_driver_surface *f, km_singularity_kind kind, double *K) {
+void km_driver_surface_matrix(const km_driver_surface *f, km_curve_kind kind, double *K) {
   int w = km_driver_surface_joints(f), r = f->rows;
   for (int i = 0; i < r; ++i)
     for (int k = 0; k < w; ++k)
       K[i * w + k] = f->J[k * r + i];
   for (int i = r; i < w; ++i)
     for (int k = 0; k < w; ++k)
-      K[i * w + k] = kind == KM_SINGULARITY_OUTPUT ? f->G[(i - r) * w + k] : f->control[i - r] == k;
+      K[i * w + k] = kind == KM_CURVE_OUTPUT ? f->G[(i - r) * w + k] : f->control[i - r] == k;
 }
 
 bool km_driver_surface_move(km_driver_surface *f, const double *step) {
@@ -305,13 +305,22 @@ double km_driver_surface_value(const km_driver_surface *f, int control) {
              : km_state_value(f->s, km_driver_surface_coordinate(f, f->control[control]));
 }
 
-bool km_driver_surface_is_inside(const km_driver_surface *f) {
-  for (int d = 0; d < 2; ++d) {
-    double value = km_driver_surface_value(f, d);
-    if (value < f->low[d] || value > f->high[d])
-      return false;
+/* Distance of a value to the nearer end of a range; negative outside. */
+static double within(double value, double low, double high) {
+  return fmin(value - low, high - value);
+}
+
+double km_driver_surface_margin(const km_driver_surface *f, int except) {
+  double least = HUGE_VAL;
+  for (int d = 0; d < 2; ++d)
+    if (f->control[d] != except)
+      least = fmin(least, within(km_driver_surface_value(f, d), f->low[d], f->high[d]));
+  for (int k = 0; k < km_driver_surface_joints(f) && f->keeps_limits; ++k) {
+    int c = km_driver_surface_coordinate(f, k);
+    if (k != except)
+      least = fmin(least, within(f->s->q[c], f->m->low[c], f->m->high[c]));
   }
-  return true;
+  return least;
 }
 
 bool km_driver_surface_is_outside_limit(const km_driver_surface *f) {

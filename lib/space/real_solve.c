@@ -39,6 +39,16 @@ bool km_real_factor(double *A, int n, int *row, int *sign) {
   return true;
 }
 
+double km_real_determinant(double *A, int n, int *row) {
+  int sign;
+  if (!km_real_factor(A, n, row, &sign))
+    return 0.0;
+  double product = sign;
+  for (int i = 0; i < n; ++i)
+    product *= fabs(A[i * n + i]);
+  return product;
+}
+
 void km_real_solve(const double *LU, int n, const int *row, const double *b, double *x) {
   for (int i = 0; i < n; ++i) {
     x[i] = b[row[i]];

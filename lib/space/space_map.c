@@ -1,15 +1,12 @@
 /* Maps over two drivers (docs/theory.md 4.19): one sheet for each assembly mode, followed from cell to cell.
  *
  *   predictor : dq = −A⁻¹ B du from a neighbour;   corrector: Newton's method with the drivers fixed
- *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved
- *   N = (−A⁻¹ B; I);   m_j = N_j (Nᵀ N)⁻¹ N_jᵀ,   smallest singular values of A and of J
- *   D = G N            of a point in its plane: smallest singular value, |det D| */
+ *   accepted  : first correction ≤ 0.3 |dq|, and det A keeps its sign; else the step is halved */
 #include "base/arguments.h"
 #include "base/table.h"
 #include "kinematics/loop_closing.h"
 #include "kinematics/loop_equations.h"
-#include "kmech/mobility.h"
-#include "space/singularity_curves.h"
+#include "space/map_search.h"
 
 #include <string.h>
 
@@ -23,52 +20,26 @@ static const double leaving_distance = 0.05; /* distance of a start from its sin
 static const double same_turn = 1e-6; /* difference of angles and configurations that are one but for full turns */
 static const double least_correction = 1e-9; /* corrections below this are rounding */
 
-/* A configuration that a sheet has at a grid point. */
-typedef struct known_configuration {
-  const double *saved;
-  const struct known_configuration *next;
-} known_configuration;
-
-typedef struct map_search {
-  km_driver_surface f;
-  const km_space_map_def *def;
-  km_arena arena;
-  int across, down;                  /* grid points along both drivers */
-  double *before;                    /* [3 · columns] start of a step */
-  double *saved, *N;                 /* [cell][3 · columns], [cell][2 · columns] */
-  signed char *sign;                 /* [cell] of det A; 0: not reached */
-  const known_configuration **known; /* [cell] those of all sheets */
-  int *queue;
-  signed char *output_sign; /* [cell] of det D; 0: no point */
-  double *rows;             /* [cell × columns of the table] of the present sheet */
-  bool *is_written;         /* [cell] it has a row */
-  int *aspect;              /* [cell] its aspect; 0: none yet */
-  int aspect_count;         /* aspects of all sheets so far */
-  bool is_ended;            /* the caller's figures end the map */
-  km_state *at;             /* state for the caller's figures; NULL: none */
-  km_space_map *out;
-} map_search;
-
 /* Value of an axis at a grid point, scaled. */
-static double axis_value(const map_search *g, int axis, int i) {
+static double axis_value(const km_map_search *g, int axis, int i) {
   const km_space_axis *a = &g->def->axis[axis];
   int c = a->coordinate;
   double value = a->from + (a->to - a->from) * i / a->steps;
   return value * g->f.m->factor[c] / g->f.m->unit[c];
 }
 
-static double scaled_value(const map_search *g, int axis) {
+static double scaled_value(const km_map_search *g, int axis) {
   int c = g->def->axis[axis].coordinate;
   return g->f.s->q[c] / g->f.m->unit[c];
 }
 
 /* Closes the loops with the drivers fixed, where a step was predicted. */
-static bool close_cell(map_search *g, double predicted, int *sign) {
+static bool close_cell(km_map_search *g, double predicted, int *sign) {
   return km_driver_surface_close(&g->f, most_correction * predicted + least_correction, sign);
 }
 
 /* Moves the drivers by `part` of the way to a grid point, from a configuration with tangents N. */
-static bool advance(map_search *g, const double *target, const double *N, int sign, double part) {
+static bool advance(km_map_search *g, const double *target, const double *N, int sign, double part) {
   km_driver_surface *f = &g->f;
   double du[2], largest = 0.0;
   int reached;
@@ -83,7 +54,7 @@ static bool advance(map_search *g, const double *target, const double *N, int si
 }
 
 /* Moves to a grid point from the configuration g->before with tangents N; a rejected step is halved. */
-static bool move_to(map_search *g, const double *target, double *N, int sign) {
+static bool move_to(km_map_search *g, const double *target, double *N, int sign) {
   km_driver_surface *f = &g->f;
   double left = 1.0, step = 1.0; /* parts of the whole way */
   while (left > 0.0) {
@@ -106,7 +77,7 @@ static bool move_to(map_search *g, const double *target, double *N, int sign) {
 }
 
 /* Tries a cell from its neighbour. */
-static bool reach(map_search *g, int from, int cell, double *N) {
+static bool reach(km_map_search *g, int from, int cell, double *N) {
   const double target[2] = {axis_value(g, 0, cell % g->across), axis_value(g, 1, cell / g->across)};
   size_t saved = g->f.saved_size, size = 2 * (size_t)g->f.columns;
   memcpy(g->before, g->saved + (size_t)from * saved, saved * sizeof *g->before);
@@ -114,92 +85,21 @@ static bool reach(map_search *g, int from, int cell, double *N) {
   return move_to(g, target, N, g->sign[from]);
 }
 
-/* Writes m_j of every coordinate. */
-static void write_mobility_numbers(const km_driver_surface *f, const double *N, double *row) {
-  int n = f->columns;
-  double S[3] = {0.0, 0.0, 0.0}; /* Nᵀ N: (0,0), (0,1), (1,1) */
-  for (int k = 0; k < n; ++k) {
-    S[0] += N[k] * N[k];
-    S[1] += N[k] * N[n + k];
-    S[2] += N[n + k] * N[n + k];
-  }
-  double determinant = S[0] * S[2] - S[1] * S[1];
-  for (int k = 0; k < n; ++k)
-    row[km_driver_surface_coordinate(f, k)] =
-        (N[k] * N[k] * S[2] - 2.0 * N[k] * N[n + k] * S[1] + N[n + k] * N[n + k] * S[0]) / determinant;
-}
-
-/* D = G N [2 × 2], rows x and y. */
-static void output_jacobian(km_driver_surface *f, const double *N, double *D) {
-  memset(D, 0, 4 * sizeof *D);
-  km_driver_surface_update_output(f);
-  for (int k = 0; k < f->columns; ++k)
-    for (int i = 0; i < 2; ++i)
-      for (int d = 0; d < 2; ++d)
-        D[2 * i + d] += f->G[i * f->columns + k] * N[d * f->columns + k];
-}
-
-/* Writes place, smallest singular value and manipulability of the point. *sign: that of det D. Returns their number. */
-static int write_output(map_search *g, const double *N, double *row, int *sign) {
-  double D[4];
-  *sign = 0;
-  if (g->f.frame < 0)
-    return 0;
-  output_jacobian(&g->f, N, D);
-  km_frame_position(g->f.m, g->f.s, g->f.frame, row);
-  double determinant = D[0] * D[3] - D[1] * D[2], squares = D[0] * D[0] + D[1] * D[1] + D[2] * D[2] + D[3] * D[3];
-  double root = sqrt(fmax(squares * squares - 4.0 * determinant * determinant, 0.0));
-  row[3] = squares > 0.0 ? fabs(determinant) / sqrt(0.5 * (squares + root)) : 0.0;
-  row[4] = fabs(determinant);
-  *sign = determinant < 0.0 ? -1 : 1;
-  return 5;
-}
-
-/* Writes the caller's figures. False: the caller ends the map, or out of memory. */
-static bool write_figures(map_search *g, double *row) {
-  const km_map_figures *figures = g->def->figures;
-  if (!figures)
-    return true;
-  km_mobility mobility;
-  km_state_copy(g->f.m, g->at, g->f.s);
-  if (km_mobility_compute(g->f.m, g->at, &mobility))
-    return false;
-  g->is_ended = !figures->compute(figures->context, g->f.m, g->at, row);
-  return !g->is_ended;
-}
-
-/* Fills the row of the present cell, its aspect left open. N: tangents there. *output_sign: that of det D. */
-static bool fill_row(map_search *g, int cell, int sheet, const double *N, int *output_sign) {
-  km_driver_surface *f = &g->f;
-  int coordinates = f->m->coordinate_count;
-  double *row = g->rows + (size_t)cell * km_table_columns(g->out->cells);
-  for (int d = 0; d < 2; ++d)
-    *row++ = km_state_value(f->s, g->def->axis[d].coordinate);
-  *row++ = sheet;
-  *row++ = 0.0;
-  for (int c = 0; c < coordinates; ++c)
-    if (c != g->def->axis[0].coordinate && c != g->def->axis[1].coordinate)
-      *row++ = km_state_value(f->s, c);
-  memset(row, 0, (size_t)coordinates * sizeof *row);
-  write_mobility_numbers(f, N, row);
-  row += coordinates;
-  *row++ = km_driver_surface_input_value(f);
-  *row++ = km_driver_surface_closure_value(f);
-  row += write_output(g, N, row, output_sign);
-  g->is_written[cell] = !g->def->within_limits || !km_driver_surface_is_outside_limit(f);
-  return write_figures(g, row);
+/* True if the range of an axis ends: it isn't a full turn of a hinge. */
+static bool axis_ends(const km_map_search *g, int axis) {
+  const km_space_axis *a = &g->def->axis[axis];
+  double turn = fabs(a->to - a->from) * g->f.m->factor[a->coordinate];
+  return !km_coordinate_turns(g->f.m, a->coordinate) || fabs(turn - 2.0 * M_PI) > same_turn;
 }
 
 /* The cell across the seam of an axis that is a full turn of a hinge: the same configuration; −1: there is none. */
-static int across_seam(map_search *g, int cell, int axis) {
-  const km_space_axis *a = &g->def->axis[axis];
+static int across_seam(km_map_search *g, int cell, int axis) {
   int i = cell % g->across, j = cell / g->across, last = axis == 0 ? g->across - 1 : g->down - 1;
   int at = axis == 0 ? i : j, other = last - at;
-  double turn = fabs(a->to - a->from) * g->f.m->factor[a->coordinate];
-  if ((at != 0 && at != last) || !km_coordinate_turns(g->f.m, a->coordinate) || fabs(turn - 2.0 * M_PI) > same_turn)
+  if ((at != 0 && at != last) || axis_ends(g, axis))
     return -1;
   int next = axis == 0 ? j * g->across + other : other * g->across + i;
-  if (!g->sign[next])
+  if (!g->sign[next] || !g->is_written[next])
     return -1;
   km_driver_surface_restore(&g->f, g->saved + (size_t)cell * g->f.saved_size);
   return km_driver_surface_difference(&g->f, g->saved + (size_t)next * g->f.saved_size, g->f.step) < same_turn ? next
@@ -208,7 +108,7 @@ static int across_seam(map_search *g, int cell, int axis) {
 
 /* Numbers the aspect of a cell: all cells that steps of the grid connect without a singularity of the drivers or of the
  * output. `stack`[cell] is workspace. */
-static void number_aspect(map_search *g, int first, int *stack) {
+static void number_aspect(km_map_search *g, int first, int *stack) {
   const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   int size = 0;
   g->aspect[first] = ++g->aspect_count;
@@ -217,7 +117,7 @@ static void number_aspect(map_search *g, int first, int *stack) {
     int cell = stack[--size];
     for (int k = 0; k < 4; ++k) {
       int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
-      if (i < 0 || j < 0 || i >= g->across || j >= g->down || !g->sign[next] || g->aspect[next] ||
+      if (i < 0 || j < 0 || i >= g->across || j >= g->down || !g->is_written[next] || g->aspect[next] ||
           g->output_sign[next] != g->output_sign[cell])
         continue;
       g->aspect[next] = g->aspect_count;
@@ -234,45 +134,44 @@ static void number_aspect(map_search *g, int first, int *stack) {
 }
 
 /* Writes the rows of the sheet's `count` cells, in the order in which they were reached. */
-static bool write_sheet(map_search *g, int count) {
+static bool write_sheet(km_map_search *g, int count) {
   size_t width = km_table_columns(g->out->cells);
   memset(g->aspect, 0, (size_t)g->across * (size_t)g->down * sizeof *g->aspect);
   for (int i = 0; i < count; ++i) {
     int cell = g->queue[i];
+    if (!g->is_written[cell])
+      continue;
     if (!g->aspect[cell])
       number_aspect(g, cell, g->queue + count);
-    double *row = g->is_written[cell] ? km_table_add_row(g->out->cells) : NULL;
-    if (row) {
-      memcpy(row, g->rows + (size_t)cell * width, width * sizeof *row);
-      row[3] = g->aspect[cell];
-    } else if (g->is_written[cell]) {
+    double *row = km_table_add_row(g->out->cells);
+    if (!row)
       return false;
-    }
+    memcpy(row, g->rows + (size_t)cell * width, width * sizeof *row);
+    row[3] = g->known[cell]->aspect = g->aspect[cell];
   }
   return true;
 }
 
-/* True if a sheet has the state's configuration at this cell, full turns of hinges left out. */
-static bool is_known(const map_search *g, int cell) {
-  for (const known_configuration *at = g->known[cell]; at; at = at->next)
-    if (km_driver_surface_difference(&g->f, at->saved, g->f.step) < same_turn)
-      return true;
-  return false;
+km_known_configuration *km_map_find_known(const km_map_search *g, int cell) {
+  km_known_configuration *at = g->known[cell];
+  while (at && !(km_driver_surface_difference(&g->f, at->saved, g->f.step) < same_turn))
+    at = at->next;
+  return at;
 }
 
-static bool note_configuration(map_search *g, int cell) {
-  known_configuration *known = KM_ARENA_NEW(&g->arena, known_configuration, 1);
+static bool note_configuration(km_map_search *g, int cell) {
+  km_known_configuration *known = KM_ARENA_NEW(&g->arena, km_known_configuration, 1);
   double *saved = KM_ARENA_NEW(&g->arena, double, g->f.saved_size);
   if (!known || !saved)
     return false;
   km_driver_surface_save(&g->f, saved);
-  *known = (known_configuration){saved, g->known[cell]};
+  *known = (km_known_configuration){.saved = saved, .next = g->known[cell]};
   g->known[cell] = known;
   return true;
 }
 
 /* Records the present cell and puts it into the queue. */
-static bool record(map_search *g, int sheet, int cell, int sign, int *tail) {
+static bool record(km_map_search *g, int sheet, int cell, int sign, int *tail) {
   km_driver_surface *f = &g->f;
   double *N = g->N + (size_t)cell * 2 * (size_t)f->columns;
   int output_sign = 0;
@@ -280,13 +179,13 @@ static bool record(map_search *g, int sheet, int cell, int sign, int *tail) {
   km_driver_surface_save(f, g->saved + (size_t)cell * f->saved_size);
   g->sign[cell] = (signed char)sign;
   g->queue[(*tail)++] = cell;
-  bool is_ok = note_configuration(g, cell) && fill_row(g, cell, sheet, N, &output_sign);
+  bool is_ok = note_configuration(g, cell) && km_map_fill_row(g, cell, sheet, N, &output_sign);
   g->output_sign[cell] = (signed char)output_sign;
   return is_ok;
 }
 
 /* Moves the state from a mode to the grid point nearest to it. Returns the cell; −1: it isn't reached. */
-static int enter_grid(map_search *g, int *sign, double *N) {
+int km_map_enter_grid(km_map_search *g, int *sign, double *N) {
   int at[2];
   for (int d = 0; d < 2; ++d) {
     const km_space_axis *a = &g->def->axis[d];
@@ -307,7 +206,7 @@ static int enter_grid(map_search *g, int *sign, double *N) {
 
 /* Visits the four neighbours of a cell. `*is_edge`: one of them isn't reached. `*is_turned`: det D has another sign
  * there. */
-static bool visit_neighbours(map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge, bool *is_turned) {
+static bool visit_neighbours(km_map_search *g, int sheet, int cell, double *N, int *tail, bool *is_edge, bool *is_turned) {
   const int side[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
   for (int k = 0; k < 4; ++k) {
     int i = cell % g->across + side[k][0], j = cell / g->across + side[k][1], next = j * g->across + i;
@@ -315,11 +214,45 @@ static bool visit_neighbours(map_search *g, int sheet, int cell, double *N, int 
       continue;
     if (!g->sign[next] && !reach(g, cell, next, N))
       *is_edge = true;
-    else if (!g->sign[next] && !is_known(g, next) && !record(g, sheet, next, g->sign[cell], tail))
+    else if (!g->sign[next] && !km_map_find_known(g, next) && !record(g, sheet, next, g->sign[cell], tail))
       return false;
     *is_turned = *is_turned || (g->sign[next] && g->output_sign[cell] * g->output_sign[next] < 0);
   }
   return true;
+}
+
+/* Adds the limits that the configuration of a neighbour exceeds. */
+static bool add_exceeded_limits(km_map_search *g, km_surface_curves *curves, int cell, int neighbour) {
+  const km_driver_surface *f = &g->f;
+  bool is_ok = true;
+  for (int k = 0; is_ok && k < km_driver_surface_joints(f); ++k) {
+    int c = km_driver_surface_coordinate(f, k);
+    km_driver_surface_restore(&g->f, g->saved + (size_t)neighbour * f->saved_size);
+    double q = f->s->q[c], low = f->m->low[c], high = f->m->high[c];
+    const km_surface_curve limit = {KM_CURVE_LIMIT, k, q > high ? high : low};
+    if (q > high || q < low)
+      is_ok = km_surface_curves_add(curves, &limit, g->saved + (size_t)cell * f->saved_size, g->curve_reach);
+  }
+  return is_ok;
+}
+
+/* Adds the limits at a cell: an end of a driver's range, for the workspace of a point, and limits of joints. */
+static bool add_limits(km_map_search *g, km_surface_curves *curves, int cell) {
+  const int at[2] = {cell % g->across, cell / g->across}, last[2] = {g->across - 1, g->down - 1};
+  bool is_ok = true;
+  for (int d = 0; is_ok && g->f.frame >= 0 && d < 2; ++d) {
+    const km_space_axis *a = &g->def->axis[d];
+    const km_surface_curve limit = {KM_CURVE_LIMIT, g->f.control[d],
+                                    (at[d] == 0 ? a->from : a->to) * g->f.m->factor[a->coordinate]};
+    if ((at[d] == 0 || at[d] == last[d]) && g->is_written[cell] && axis_ends(g, d))
+      is_ok = km_surface_curves_add(curves, &limit, g->saved + (size_t)cell * g->f.saved_size, g->curve_reach);
+  }
+  for (int k = 0; is_ok && g->is_written[cell] && k < 4; ++k) {
+    int i = at[0] + (k == 0) - (k == 1), j = at[1] + (k == 2) - (k == 3), next = j * g->across + i;
+    if (i >= 0 && j >= 0 && i <= last[0] && j <= last[1] && g->sign[next] && !g->is_written[next])
+      is_ok = add_exceeded_limits(g, curves, cell, next);
+  }
+  return is_ok;
 }
 
 static km_status no_memory(km_error *error) {
@@ -327,24 +260,23 @@ static km_status no_memory(km_error *error) {
 }
 
 /* Status where a cell wasn't recorded. */
-static km_status not_recorded(const map_search *g, km_error *error) {
+static km_status not_recorded(const km_map_search *g, km_error *error) {
   return g->is_ended ? km_fail(error, KM_CANCELLED, "a figure of the map can't be computed, or ended it")
                      : no_memory(error);
 }
 
 /* Follows one sheet from the state's configuration; it counts if it has at least `least` grid points. */
-static km_status follow_sheet(map_search *g, int sheet, int least, km_singularity_curves *curves, double *N,
+static km_status follow_sheet(km_map_search *g, int sheet, int least, km_surface_curves *curves, double *N,
                               km_progress progress, void *context, km_error *error) {
+  const km_surface_curve input = {.kind = KM_CURVE_INPUT}, output = {.kind = KM_CURVE_OUTPUT};
   int cells = g->across * g->down, tail = 0, sign;
   memset(g->sign, 0, (size_t)cells);
-  int first = enter_grid(g, &sign, N);
-  if (first < 0 || is_known(g, first))
+  memset(g->is_written, 0, (size_t)cells * sizeof *g->is_written);
+  int first = km_map_enter_grid(g, &sign, N);
+  if (first < 0 || km_map_find_known(g, first))
     return KM_OK;
   if (!record(g, sheet, first, sign, &tail))
     return not_recorded(g, error);
-  double reach_of_curve = 0.0;
-  for (int d = 0; d < 2; ++d)
-    reach_of_curve = fmax(reach_of_curve, fabs(axis_value(g, d, 1) - axis_value(g, d, 0)));
   for (int head = 0; head < tail; ++head) {
     bool is_edge = false, is_turned = false;
     int cell = g->queue[head];
@@ -353,10 +285,13 @@ static km_status follow_sheet(map_search *g, int sheet, int least, km_singularit
     if (!visit_neighbours(g, sheet, cell, N, &tail, &is_edge, &is_turned))
       return not_recorded(g, error);
     const double *saved = g->saved + (size_t)cell * g->f.saved_size;
-    if ((is_edge && !km_singularity_curves_add(curves, KM_SINGULARITY_INPUT, saved, 3.0 * reach_of_curve)) ||
-        (is_turned && !km_singularity_curves_add(curves, KM_SINGULARITY_OUTPUT, saved, 3.0 * reach_of_curve)))
+    if ((is_edge && !km_surface_curves_add(curves, &input, saved, g->curve_reach)) ||
+        (is_turned && !km_surface_curves_add(curves, &output, saved, g->curve_reach)))
       return no_memory(error);
   }
+  for (int i = 0; i < tail; ++i)
+    if (!add_limits(g, curves, g->queue[i]))
+      return no_memory(error);
   if (tail < least)
     return KM_OK; /* grid points at the edge of another sheet */
   ++g->out->sheet_count;
@@ -364,50 +299,6 @@ static km_status follow_sheet(map_search *g, int sheet, int least, km_singularit
 }
 
 /* ---- Preparation. */
-
-static bool add_coordinate(const km_mechanism *m, km_table *table, int c) {
-  return km_table_add_joined_column(table, "q.", m->model->coordinates[c].label, "",
-                                    km_model_coordinate_unit(m->model, c));
-}
-
-/* x, y, z of the point. */
-static bool add_point(const map_search *g, km_table *table) {
-  static const char *const suffix[] = {".x", ".y", ".z"};
-  const char *unit = km_model_units(g->f.m->model).length->suffix;
-  bool is_ok = true;
-  for (int i = 0; is_ok && g->f.frame >= 0 && i < 3; ++i)
-    is_ok = km_table_add_joined_column(table, "point.", g->def->point_name, suffix[i], unit);
-  return is_ok;
-}
-
-static bool add_cell_columns(const map_search *g, km_table *table) {
-  const km_mechanism *m = g->f.m;
-  const km_map_figures *figures = g->def->figures;
-  int first = g->def->axis[0].coordinate, second = g->def->axis[1].coordinate;
-  bool is_ok = table && add_coordinate(m, table, first) && add_coordinate(m, table, second) &&
-               km_table_add_joined_column(table, "sheet", "", "", "") &&
-               km_table_add_joined_column(table, "aspect", "", "", "");
-  for (int c = 0; is_ok && c < m->coordinate_count; ++c)
-    is_ok = c == first || c == second || add_coordinate(m, table, c);
-  for (int c = 0; is_ok && c < m->coordinate_count; ++c)
-    is_ok = km_table_add_joined_column(table, "m.", m->model->coordinates[c].label, "", "");
-  is_ok = is_ok && km_table_add_joined_column(table, "sigma.input", "", "", "") &&
-          km_table_add_joined_column(table, "sigma.closure", "", "", "") && add_point(g, table);
-  if (is_ok && g->f.frame >= 0)
-    is_ok = km_table_add_joined_column(table, "sigma.output", "", "", "") &&
-            km_table_add_joined_column(table, "manipulability", "", "", "");
-  for (int i = 0; is_ok && figures && i < figures->count; ++i)
-    is_ok = km_table_add_joined_column(table, figures->names[i], "", "", figures->units[i]);
-  return is_ok;
-}
-
-static bool add_curve_columns(const map_search *g, km_table *table) {
-  bool is_ok = table && km_table_add_joined_column(table, "curve", "", "", "") &&
-               km_table_add_joined_column(table, "kind", "", "", "");
-  for (int c = 0; is_ok && c < g->f.m->coordinate_count; ++c)
-    is_ok = add_coordinate(g->f.m, table, c);
-  return is_ok && add_point(g, table);
-}
 
 static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, km_error *error) {
   for (int d = 0; d < 2; ++d) {
@@ -432,7 +323,7 @@ static km_status check_axes(const km_mechanism *m, const km_space_map_def *def, 
 }
 
 /* Prepares the surface and the grid. */
-static km_status prepare(map_search *g, km_error *error) {
+static km_status prepare(km_map_search *g, km_error *error) {
   km_driver_surface *f = &g->f;
   const km_space_map_def *def = g->def;
   const int drivers[2] = {def->axis[0].coordinate, def->axis[1].coordinate};
@@ -440,16 +331,19 @@ static km_status prepare(map_search *g, km_error *error) {
     f->low[d] = fmin(def->axis[d].from, def->axis[d].to);
     f->high[d] = fmax(def->axis[d].from, def->axis[d].to);
   }
+  f->keeps_limits = def->within_limits;
   km_status status = km_driver_surface_create(
       f, drivers, 2, "two freedoms and no redundant conditions (more freedoms: hold joints)", &g->arena, error);
   if (status)
     return status;
+  for (int d = 0; d < 2; ++d)
+    g->curve_reach = fmax(g->curve_reach, 3.0 * fabs(axis_value(g, d, 1) - axis_value(g, d, 0)));
   g->across = def->axis[0].steps + 1;
   g->down = def->axis[1].steps + 1;
   size_t cells = (size_t)g->across * (size_t)g->down;
   g->saved = KM_ARENA_NEW(&g->arena, double, cells * f->saved_size);
   g->N = KM_ARENA_NEW(&g->arena, double, cells * 2 * (size_t)f->columns);
-  g->known = KM_ARENA_NEW(&g->arena, const known_configuration *, cells);
+  g->known = KM_ARENA_NEW(&g->arena, km_known_configuration *, cells);
   g->sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->output_sign = KM_ARENA_NEW(&g->arena, signed char, cells);
   g->queue = KM_ARENA_NEW(&g->arena, int, 2 * cells); /* and the stack of number_aspect */
@@ -458,7 +352,8 @@ static km_status prepare(map_search *g, km_error *error) {
     return no_memory(error);
   g->out->cells = km_table_create();
   g->out->curves = km_table_create();
-  if (!add_cell_columns(g, g->out->cells) || !add_curve_columns(g, g->out->curves))
+  g->out->boundary = f->frame >= 0 ? km_table_create() : NULL;
+  if (!km_map_add_columns(g))
     return no_memory(error);
   g->rows = KM_ARENA_NEW(&g->arena, double, cells *km_table_columns(g->out->cells));
   g->is_written = KM_ARENA_NEW(&g->arena, bool, cells);
@@ -469,7 +364,7 @@ static km_status prepare(map_search *g, km_error *error) {
 }
 
 /* Closes the loops of an open configuration with all coordinates free. */
-static bool close_freely(map_search *g) {
+static bool close_freely(km_map_search *g) {
   for (int i = 0; i < g->f.part_count; ++i) {
     km_closure closure;
     int part = g->f.part[i].substructure;
@@ -484,24 +379,39 @@ static bool close_freely(map_search *g) {
 
 /* Follows the sheets on both sides of the drivers' singularity curves that no mode has led to. `sheet`: the last number
  * in use. */
-static km_status follow_sheets_of_curves(map_search *g, km_singularity_curves *curves, int sheet, double *N,
+static km_status follow_sheets_of_curves(km_map_search *g, km_surface_curves *curves, int sheet, double *N,
                                          km_progress progress, void *context, km_error *error) {
   km_status status = KM_OK;
   bool is_point = true;
   for (size_t i = 0; !status && is_point; i += CURVE_STRIDE)
     for (int side = -1; !status && side <= 1; side += 2) {
       int before = g->out->sheet_count;
-      if (km_singularity_curves_leave(curves, i, side * leaving_distance, &is_point) && close_freely(g))
+      if (km_surface_curves_leave(curves, i, side * leaving_distance, &is_point) && close_freely(g))
         status = follow_sheet(g, sheet + 1, LEAST_CELLS, curves, N, progress, context, error);
       sheet += g->out->sheet_count > before;
     }
   return status;
 }
 
-static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_progress progress, void *context,
+/* Adds the curves that cross known ones: some are no edge of a sheet, such as a point of the drivers' plane. */
+static bool add_crossing_curves(km_surface_curves *curves) {
+  bool is_ok = true;
+  size_t count;
+  km_surface_curves_points(curves, &count);
+  for (size_t i = 0; is_ok && i < count; ++i) {
+    const km_curve_point at = km_surface_curves_points(curves, &count)[i];
+    const km_surface_curve other = {.kind = at.crossing};
+    if (at.is_crossing && at.crossing != at.of.kind)
+      is_ok = km_surface_curves_add(curves, &other, at.saved, 0.0);
+    km_surface_curves_points(curves, &count);
+  }
+  return is_ok;
+}
+
+static km_status follow_sheets(km_map_search *g, const km_all_modes *modes, km_progress progress, void *context,
                                km_error *error) {
   km_driver_surface *f = &g->f;
-  km_singularity_curves *curves = km_singularity_curves_create(f, g->out->curves);
+  km_surface_curves *curves = km_surface_curves_create(f, g->out->curves);
   double *N = KM_ARENA_NEW(&g->arena, double, 2 * (size_t)f->columns);
   km_status status = curves && N ? KM_OK : no_memory(error);
   for (int i = 0; !status && i < modes->count; ++i) {
@@ -512,9 +422,13 @@ static km_status follow_sheets(map_search *g, const km_all_modes *modes, km_prog
   }
   if (!status && modes->count > 0 && !g->def->own_sheet)
     status = follow_sheets_of_curves(g, curves, modes->count, N, progress, context, error);
-  g->out->curve_count = km_singularity_curves_count(curves);
+  if (!status && !add_crossing_curves(curves))
+    status = no_memory(error);
+  g->out->curve_count = km_surface_curves_count(curves);
   g->out->aspect_count = g->aspect_count;
-  km_singularity_curves_free(curves);
+  if (!status && f->frame >= 0)
+    status = km_map_find_workspace(g, curves, error);
+  km_surface_curves_free(curves);
   return status;
 }
 
@@ -532,7 +446,7 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
     status = check_axes(m, def, error);
   if (status)
     return status;
-  map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1}, .def = def, .out = out};
+  km_map_search g = {.f = {.m = m, .frame = def->has_point ? def->frame : -1}, .def = def, .out = out};
   status = km_state_create(m, &g.f.s, error);
   if (!status) {
     km_state_copy(m, g.f.s, s);
@@ -546,8 +460,8 @@ km_status km_space_map_compute(const km_mechanism *m, const km_state *s, const k
   return status;
 }
 
-const char *km_singularity_kind_name(km_singularity_kind kind) {
-  return kind == KM_SINGULARITY_INPUT ? "input" : kind == KM_SINGULARITY_OUTPUT ? "output" : "";
+const char *km_curve_kind_name(km_curve_kind kind) {
+  return kind == KM_CURVE_INPUT ? "input" : kind == KM_CURVE_OUTPUT ? "output" : kind == KM_CURVE_LIMIT ? "limit" : "";
 }
 
 void km_space_map_free(km_space_map *map) {
@@ -555,5 +469,7 @@ void km_space_map_free(km_space_map *map) {
     return;
   km_table_free(map->cells);
   km_table_free(map->curves);
+  km_table_free(map->boundary);
+  km_free(map->workspaces);
   *map = (km_space_map){0};
 }

@@ -13,7 +13,7 @@
 #include "continuation/arc_motion.h"
 #include "kinematics/loop_closing.h"
 #include "kmech/continuation.h"
-#include "space/singularity_curves.h"
+#include "space/surface_curves.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -37,7 +37,7 @@ typedef struct turning_search {
   km_design_number number;
   const km_turning_def *def;
   km_arena arena;
-  km_singularity_curves *curves;
+  km_surface_curves *curves;
   double *starts; /* [MOST_STARTS × saved_size] dead points of the present circuit, and configurations near others */
   int start_count;
   double *rates;                   /* [coordinate] */
@@ -189,7 +189,7 @@ static km_status add_curves(turning_search *g, km_error *error) {
   driver_swing swing;
   km_status status = follow_circuit(g, &swing, error);
   for (int i = 0; !status && i < g->start_count; ++i)
-    if (!km_singularity_curves_add(g->curves, KM_SINGULARITY_INPUT, g->starts + (size_t)i * g->f.saved_size, 0.0))
+    if (!km_surface_curves_add(g->curves, &(km_surface_curve){.kind = KM_CURVE_INPUT}, g->starts + (size_t)i * g->f.saved_size, 0.0))
       status = km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
   km_driver_surface_restore(&g->f, g->place);
   return status;
@@ -234,7 +234,7 @@ static bool is_same_point(const turning_search *g, const km_turning_point *a, co
 
 static bool copy_points(turning_search *g, km_turning *out) {
   int count;
-  const km_turning_point *points = km_singularity_curves_critical(g->curves, &count);
+  const km_turning_point *points = km_surface_curves_critical(g->curves, &count);
   out->points = KM_NEW(km_turning_point, (size_t)count + 1);
   out->intervals = KM_NEW(km_turning_interval, 2 * (size_t)count + 3); /* an interval may be split at either end */
   if (!out->points || !out->intervals)
@@ -397,7 +397,7 @@ static km_status prepare(turning_search *g, const km_mechanism *m, const km_stat
   g->before = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   g->sample = KM_ARENA_NEW(&g->arena, double, f->saved_size);
   if (!g->arena.failed && add_columns(m, out->curves))
-    g->curves = km_singularity_curves_create(f, out->curves);
+    g->curves = km_surface_curves_create(f, out->curves);
   return g->curves ? KM_OK : km_fail(error, KM_MEMORY, "out of memory for the curves of dead points");
 }
 
@@ -426,7 +426,7 @@ static km_status search(turning_search *g, const km_all_modes *modes, km_progres
     if (!status)
       status = search_from(g, start, progress, context, error);
   }
-  out->curve_count = km_singularity_curves_count(g->curves);
+  out->curve_count = km_surface_curves_count(g->curves);
   out->modes = modes->count > 0 ? modes->count : 1;
   out->is_complete = modes->is_complete;
   if (!status && !copy_points(g, out))
@@ -452,7 +452,7 @@ km_status km_turning_find(const km_mechanism *m, const km_state *s, const km_tur
   if (!status)
     status = search(&g, &modes, progress, context, out, error);
   km_all_modes_free(&modes);
-  km_singularity_curves_free(g.curves);
+  km_surface_curves_free(g.curves);
   km_design_number_close(&g.number);
   km_arena_free(&g.arena);
   return status;

@@ -184,7 +184,7 @@ static void cranks_and_rods_are_in_line_where_the_output_is_singular(void **stat
       radius[k][1] = fabs(crank - rod);
     }
     for (size_t k = 0; k < km_table_rows(map.curves); ++k) {
-      if (cell(map.curves, k, "kind") != KM_SINGULARITY_OUTPUT)
+      if (cell(map.curves, k, "kind") != KM_CURVE_OUTPUT)
         continue;
       double x = cell(map.curves, k, "point.P.x"), y = cell(map.curves, k, "point.P.y"), least = HUGE_VAL;
       for (int pin = 0; pin < 2; ++pin)

@@ -126,7 +126,7 @@ static void print_sheet(const km_space_map *map, int sheet, size_t points, km_te
   km_text_add(out, "\n");
 }
 
-static int count_curves(const km_table *curves, km_singularity_kind kind) {
+static int count_curves(const km_table *curves, km_curve_kind kind) {
   int count = 0;
   for (size_t r = 0; r < km_table_rows(curves); ++r) {
     const double *row = km_table_row(curves, r);
@@ -135,10 +135,37 @@ static int count_curves(const km_table *curves, km_singularity_kind kind) {
   return count;
 }
 
+/* Largest circle and rectangle of the aspect in which each is largest, and the area of the whole. */
+static void print_workspace(const options *o, const km_model *model, const km_space_map *map, km_text *out) {
+  const char *length = km_model_units(model).length->suffix;
+  const km_aspect_workspace *circle = NULL, *rectangle = NULL;
+  for (int i = 0; i < map->workspace_count; ++i) {
+    const km_aspect_workspace *at = &map->workspaces[i];
+    if (at->radius > 0.0 && (!circle || at->radius > circle->radius))
+      circle = at;
+    if (at->width > 0.0 && (!rectangle || at->width * at->height > rectangle->width * rectangle->height))
+      rectangle = at;
+  }
+  if (isfinite(map->workspace_area))
+    km_text_format(out, "workspace of %s: area %.6g %s², %d hole%s\n", o->point, map->workspace_area, length,
+                   map->hole_count, map->hole_count == 1 ? "" : "s");
+  else
+    km_text_format(out, "workspace of %s: its outline isn't closed, so a curve is missing\n", o->point);
+  if (circle)
+    km_text_format(out, "  largest circle without a singularity: radius %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n",
+                   circle->radius, length, circle->circle[0], circle->circle[1], circle->circle[2], circle->aspect);
+  if (rectangle)
+    km_text_format(out, "  largest rectangle: %.6g by %.6g %s around %.6g, %.6g, %.6g, in aspect %d\n", rectangle->width,
+                   rectangle->height, length, rectangle->rectangle[0], rectangle->rectangle[1], rectangle->rectangle[2],
+                   rectangle->aspect);
+  if (map->unbounded > 0)
+    km_text_format(out, "  %d grid points lie outside the outline: a curve is missing\n", map->unbounded);
+}
+
 static void print_map(const options *o, const km_model *model, const km_space_map_def *def, const km_all_modes *modes,
                       const km_space_map *map, km_text *out) {
   size_t points = (size_t)(def->axis[0].steps + 1) * (size_t)(def->axis[1].steps + 1);
-  int inputs = count_curves(map->curves, KM_SINGULARITY_INPUT);
+  int inputs = count_curves(map->curves, KM_CURVE_INPUT);
   km_text_format(out, "%s: %d sheet%s over %s and %s, from %d assembly mode%s%s\n", o->model, map->sheet_count,
                  map->sheet_count == 1 ? "" : "s", km_model_coordinate_label(model, def->axis[0].coordinate),
                  km_model_coordinate_label(model, def->axis[1].coordinate), modes->count, modes->count == 1 ? "" : "s",
@@ -148,11 +175,13 @@ static void print_map(const options *o, const km_model *model, const km_space_ma
   km_text_format(out, "%d singularity curve%s of the drivers bound%s them", inputs, inputs == 1 ? "" : "s",
                  inputs == 1 ? "s" : "");
   if (def->has_point) {
-    int outputs = count_curves(map->curves, KM_SINGULARITY_OUTPUT);
+    int outputs = count_curves(map->curves, KM_CURVE_OUTPUT);
     km_text_format(out, "; %d of the output: %s can't move in some direction there", outputs, o->point);
     km_text_format(out, "; %d aspect%s free of both", map->aspect_count, map->aspect_count == 1 ? "" : "s");
   }
   km_text_format(out, "; %zu points\n", km_table_rows(map->curves));
+  if (def->has_point)
+    print_workspace(o, model, map, out);
 }
 
 static kt_exit compute(const options *o, const kt_pose *pose, const km_space_map_def *def, km_all_modes *modes,
@@ -205,6 +234,8 @@ static kt_exit write_files(const options *o, const kt_pose *pose, const km_space
     result = kspace_write_csv(&o->common, o->base, map->cells, "map");
     if (result == KT_DONE)
       result = kspace_write_csv(&o->common, o->base, map->curves, "singular");
+    if (result == KT_DONE && map->boundary)
+      result = kspace_write_csv(&o->common, o->base, map->boundary, "boundary");
   }
   return result;
 }

@@ -283,7 +283,7 @@ static void draw_curves(map_picture *p, const km_frame *frame) {
                                       fabs(row[p->curve_x] - before[p->curve_x]) > 0.25 * (p->x_high - p->x_low) ||
                                       fabs(row[p->curve_y] - before[p->curve_y]) > 0.25 * (p->y_high - p->y_low)));
     if (is_new && count > 1) {
-      bool is_output = before[1] == KM_SINGULARITY_OUTPUT;
+      bool is_output = before[1] == KM_CURVE_OUTPUT;
       const double dash[] = {3.0, 2.0};
       const km_pen halo = {.colour = {1, 1, 1, 0.8}, .width = 2.6},
                    pen = {.colour = is_output ? (km_colour){0.80, 0.10, 0.10, 1} : (km_colour){0, 0, 0, 1},
@@ -378,7 +378,7 @@ static void draw_page(map_picture *p, int columns, double width) {
                  (km_anchor){0, 0, 0});
   bool has_curve[2] = {false, false};
   for (size_t r = 0; r < km_table_rows(p->map->curves); ++r)
-    has_curve[km_table_row(p->map->curves, r)[1] == KM_SINGULARITY_OUTPUT] = true;
+    has_curve[km_table_row(p->map->curves, r)[1] == KM_CURVE_OUTPUT] = true;
   int parts = p->part == 2 ? p->map->sheet_count : p->map->aspect_count;
   km_text_format(&about, "%s%svalues beyond the colours have those of the ends%s",
                  has_curve[0] ? "black: the drivers are singular, on all sheets · " : "",

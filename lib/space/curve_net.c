@@ -1,0 +1,285 @@
+/* Curves in a plane, cut where they cross or join (space/outline.h).
+ *
+ *   crossing : p_a(u) = p_b(v) by Newton's method from the chords;   joint: an end of one curve on another
+ *   N(p)     : on the ray y = p_y, x > p_x, at each root of y(u): + jump where y grows, − jump where it falls */
+#include "space/outline.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_NEWTON = 12 };
+static const double parallel = 1e-5; /* sine of the angle of curves that run along each other */
+static const double same_place = 1e-7; /* part of the extent: ends on another curve, whose error is 1e-9 */
+
+typedef struct cut {
+  int piece;
+  double at;
+} cut;
+
+typedef struct cut_list {
+  cut *items;
+  size_t count, capacity;
+  bool is_ok;
+} cut_list;
+
+static void add_cut(cut_list *list, int piece, double at) {
+  void *items = list->items;
+  list->is_ok = list->is_ok && km_reserve(&items, &list->capacity, list->count + 1, sizeof *list->items);
+  if (!list->is_ok)
+    return;
+  list->items = items;
+  list->items[list->count++] = (cut){piece, at};
+}
+
+static double cubic(const double *c, double u) {
+  return c[0] + u * (c[1] + u * (c[2] + u * c[3]));
+}
+
+static double cubic_rate(const double *c, double u) {
+  return c[1] + u * (2.0 * c[2] + u * 3.0 * c[3]);
+}
+
+/* Coefficients of the cubic with these ends and derivatives by u. */
+static void hermite(double a, double da, double b, double db, double *c) {
+  c[0] = a;
+  c[1] = da;
+  c[2] = 3.0 * (b - a) - 2.0 * da - db;
+  c[3] = 2.0 * (a - b) + da + db;
+}
+
+/* Roots of the cubic's derivative within 0 … 1, ascending; 2 for those that are missing. */
+static void find_turns(const double *c, double *turn) {
+  double a = 3.0 * c[3], b = c[2], square = b * b - a * c[1];
+  turn[0] = turn[1] = 2.0;
+  if (!(square > 0.0))
+    return;
+  double q = -(b + copysign(sqrt(square), b));
+  double root[2] = {q != 0.0 ? c[1] / q : 2.0, a != 0.0 ? q / a : 2.0};
+  for (int i = 0; i < 2; ++i)
+    if (!(root[i] > 0.0 && root[i] < 1.0))
+      root[i] = 2.0;
+  turn[0] = fmin(root[0], root[1]);
+  turn[1] = fmax(root[0], root[1]);
+}
+
+/* Extends low and high by the cubic's values at the ends and turns. */
+static void extend(const double *c, double *low, double *high) {
+  double turn[2];
+  find_turns(c, turn);
+  const double at[4] = {0.0, 1.0, turn[0] < 1.0 ? turn[0] : 0.0, turn[1] < 1.0 ? turn[1] : 0.0};
+  *low = HUGE_VAL;
+  *high = -HUGE_VAL;
+  for (int i = 0; i < 4; ++i) {
+    *low = fmin(*low, cubic(c, at[i]));
+    *high = fmax(*high, cubic(c, at[i]));
+  }
+}
+
+static void fill_segment(const km_outline_point *p, int piece, km_outline_segment *s) {
+  double h = p[0].length;
+  hermite(p[0].place[0], h * p[0].rate[0], p[1].place[0], h * p[1].rate[0], s->x);
+  hermite(p[0].place[1], h * p[0].rate[1], p[1].place[1], h * p[1].rate[1], s->y);
+  extend(s->x, &s->low[0], &s->high[0]);
+  extend(s->y, &s->low[1], &s->high[1]);
+  find_turns(s->y, s->turn);
+  s->piece = piece;
+}
+
+/* Newton's method for p_a(u) = p_b(v) from the crossing of the chords. */
+static bool find_crossing(const km_outline_segment *a, const km_outline_segment *b, double *u, double *v) {
+  *u = *v = 0.5;
+  for (int i = 0; i < MOST_NEWTON; ++i) {
+    double ax = cubic_rate(a->x, *u), ay = cubic_rate(a->y, *u), bx = cubic_rate(b->x, *v), by = cubic_rate(b->y, *v);
+    double dx = cubic(b->x, *v) - cubic(a->x, *u), dy = cubic(b->y, *v) - cubic(a->y, *u);
+    double determinant = ax * by - ay * bx;
+    if (!(fabs(determinant) > parallel * hypot(ax, ay) * hypot(bx, by)))
+      return false;
+    double du = (dx * by - dy * bx) / determinant, dv = (dx * ay - dy * ax) / determinant;
+    *u += du;
+    *v += dv;
+    if (!(fabs(*u - 0.5) < 2.0 && fabs(*v - 0.5) < 2.0))
+      return false;
+    if (fabs(du) + fabs(dv) < 1e-13)
+      return *u >= 0.0 && *u < 1.0 && *v >= 0.0 && *v < 1.0;
+  }
+  return false;
+}
+
+/* Adds the cut where a place is on a segment: the foot of its perpendicular. */
+static void add_joint(const km_outline_segment *s, double first, const double *place, double tolerance,
+                      cut_list *list) {
+  double u = 0.5;
+  for (int i = 0; i < 2; ++i)
+    if (place[i] < s->low[i] - tolerance || place[i] > s->high[i] + tolerance)
+      return;
+  for (int i = 0; i < MOST_NEWTON; ++i) {
+    double dx = cubic_rate(s->x, u), dy = cubic_rate(s->y, u);
+    u += ((place[0] - cubic(s->x, u)) * dx + (place[1] - cubic(s->y, u)) * dy) / (dx * dx + dy * dy);
+  }
+  if (u >= 0.0 && u < 1.0 && hypot(place[0] - cubic(s->x, u), place[1] - cubic(s->y, u)) < tolerance)
+    add_cut(list, s->piece, first + u);
+}
+
+/* A segment by its least x. */
+typedef struct left_end {
+  double low;
+  int segment;
+} left_end;
+
+static int by_low(const void *a, const void *b) {
+  double x = ((const left_end *)a)->low, y = ((const left_end *)b)->low;
+  return (x > y) - (x < y);
+}
+
+static double parameter(const km_curve_net *net, int segment, double u) {
+  return segment - net->first_segment[net->segments[segment].piece] + u;
+}
+
+/* Cuts all pairs of segments whose boxes meet. */
+static void cut_crossings(const km_curve_net *net, const left_end *order, cut_list *list) {
+  for (int i = 0; i < net->segment_count; ++i)
+    for (int j = i + 1; j < net->segment_count; ++j) {
+      int first = order[i].segment, second = order[j].segment;
+      const km_outline_segment *a = &net->segments[first], *b = &net->segments[second];
+      double u, v;
+      if (b->low[0] > a->high[0])
+        break;
+      bool is_next = a->piece == b->piece && abs(first - second) < 2;
+      if (is_next || b->low[1] > a->high[1] || b->high[1] < a->low[1] || !find_crossing(a, b, &u, &v))
+        continue;
+      add_cut(list, a->piece, parameter(net, first, u));
+      add_cut(list, b->piece, parameter(net, second, v));
+    }
+}
+
+/* Cuts every curve at the ends of the others that are on it. */
+static void cut_joints(const km_curve_net *net, cut_list *list) {
+  for (int k = 0; k < net->piece_count; ++k)
+    for (int end = 0; end < 2; ++end) {
+      const km_outline_piece *piece = &net->pieces[k];
+      const double *place = net->points[piece->first + (end == 0 ? 0 : piece->count - 1)].place;
+      for (int i = 0; i < net->segment_count; ++i)
+        if (net->segments[i].piece != k)
+          add_joint(&net->segments[i], parameter(net, i, 0.0), place, same_place * net->size, list);
+    }
+}
+
+static int by_piece(const void *a, const void *b) {
+  const cut *x = a, *y = b;
+  return x->piece != y->piece ? x->piece - y->piece : (x->at > y->at) - (x->at < y->at);
+}
+
+static bool fill_segments(km_curve_net *net, km_arena *arena) {
+  size_t count = 0;
+  for (int k = 0; k < net->piece_count; ++k)
+    count += net->pieces[k].count - 1;
+  net->first_segment = KM_ARENA_NEW(arena, int, (size_t)net->piece_count + 1);
+  net->segments = KM_ARENA_NEW(arena, km_outline_segment, count + 1);
+  if (arena->failed)
+    return false;
+  double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+  for (int k = 0; k < net->piece_count; ++k) {
+    const km_outline_piece *piece = &net->pieces[k];
+    net->first_segment[k] = net->segment_count;
+    for (size_t i = 0; i + 1 < piece->count; ++i) {
+      km_outline_segment *s = &net->segments[net->segment_count++];
+      fill_segment(net->points + piece->first + i, k, s);
+      for (int d = 0; d < 2; ++d) {
+        low[d] = fmin(low[d], s->low[d]);
+        high[d] = fmax(high[d], s->high[d]);
+      }
+    }
+  }
+  net->first_segment[net->piece_count] = net->segment_count;
+  net->size = count > 0 ? hypot(high[0] - low[0], high[1] - low[1]) : 0.0;
+  return true;
+}
+
+/* Distributes the cuts to the pieces, both ends among them. */
+static bool keep_cuts(km_curve_net *net, cut_list *list, km_arena *arena) {
+  for (int k = 0; k < net->piece_count; ++k) {
+    add_cut(list, k, 0.0);
+    add_cut(list, k, (double)(net->pieces[k].count - 1));
+  }
+  net->cuts = KM_ARENA_NEW(arena, double *, (size_t)net->piece_count + 1);
+  net->cut_count = KM_ARENA_NEW(arena, int, (size_t)net->piece_count + 1);
+  double *all = KM_ARENA_NEW(arena, double, list->count + 1);
+  if (!list->is_ok || arena->failed)
+    return false;
+  qsort(list->items, list->count, sizeof *list->items, by_piece);
+  for (size_t i = 0; i < list->count; ++i) {
+    int k = list->items[i].piece;
+    if (net->cut_count[k] == 0)
+      net->cuts[k] = all + i;
+    all[i] = list->items[i].at;
+    ++net->cut_count[k];
+  }
+  return true;
+}
+
+bool km_curve_net_create(km_curve_net *net, const km_outline_point *points, const km_outline_piece *pieces,
+                         int piece_count, km_arena *arena) {
+  *net = (km_curve_net){.points = points, .pieces = pieces, .piece_count = piece_count};
+  if (!fill_segments(net, arena))
+    return false;
+  left_end *order = KM_ARENA_NEW(arena, left_end, (size_t)net->segment_count + 1);
+  if (!order)
+    return false;
+  for (int i = 0; i < net->segment_count; ++i)
+    order[i] = (left_end){net->segments[i].low[0], i};
+  qsort(order, (size_t)net->segment_count, sizeof *order, by_low);
+  cut_list list = {.is_ok = true};
+  cut_crossings(net, order, &list);
+  cut_joints(net, &list);
+  bool is_ok = keep_cuts(net, &list, arena);
+  km_free(list.items);
+  return is_ok;
+}
+
+void km_curve_net_place(const km_curve_net *net, int piece, double at, double *place, double *rate) {
+  int first = net->first_segment[piece], last = net->first_segment[piece + 1] - 1 - first;
+  int i = at < last ? (int)at : last;
+  const km_outline_segment *s = &net->segments[first + i];
+  place[0] = cubic(s->x, at - i);
+  place[1] = cubic(s->y, at - i);
+  rate[0] = cubic_rate(s->x, at - i);
+  rate[1] = cubic_rate(s->y, at - i);
+}
+
+/* x at the root of y(u) = y within from … to, where y(u) − y changes its sign. */
+static double place_of_root(const km_outline_segment *s, double y, double from, double to) {
+  bool grows = cubic(s->y, to) > cubic(s->y, from);
+  while (to - from > 1e-14) {
+    double u = 0.5 * (from + to);
+    if (u <= from || u >= to)
+      break;
+    if ((cubic(s->y, u) < y) == grows)
+      from = u;
+    else
+      to = u;
+  }
+  return cubic(s->x, 0.5 * (from + to));
+}
+
+/* Crossings of the ray from a place with a segment, upwards less downwards. */
+static int crossings(const km_outline_segment *s, const double *place) {
+  if (place[1] < s->low[1] || place[1] >= s->high[1] || place[0] > s->high[0])
+    return 0;
+  double at[4] = {0.0, fmin(s->turn[0], 1.0), fmin(s->turn[1], 1.0), 1.0};
+  int sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    bool from = cubic(s->y, at[i]) > place[1], to = cubic(s->y, at[i + 1]) > place[1];
+    if (from != to && (place[0] < s->low[0] || place_of_root(s, place[1], at[i], at[i + 1]) > place[0]))
+      sum += to ? 1 : -1;
+  }
+  return sum;
+}
+
+int km_curve_net_count(const km_curve_net *net, const int *jump, const double *place) {
+  int sum = 0;
+  for (int i = 0; i < net->segment_count; ++i)
+    if (jump[net->segments[i].piece])
+      sum += jump[net->segments[i].piece] * crossings(&net->segments[i], place);
+  return sum;
+}

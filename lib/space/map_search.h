@@ -1,0 +1,49 @@
+/* A map over two drivers while it is followed (docs/theory.md 4.19, 4.22). */
+#ifndef KM_SPACE_MAP_SEARCH_H
+#define KM_SPACE_MAP_SEARCH_H
+
+#include "base/memory.h"
+#include "space/surface_curves.h"
+
+/* A configuration that a sheet has at a grid point. */
+typedef struct km_known_configuration {
+  const double *saved;
+  int aspect; /* 0: none, or not numbered yet */
+  struct km_known_configuration *next;
+} km_known_configuration;
+
+typedef struct km_map_search {
+  km_driver_surface f;
+  const km_space_map_def *def;
+  km_arena arena;
+  int across, down;                  /* grid points along both drivers */
+  double *before;                    /* [3 · columns] start of a step */
+  double *saved, *N;                 /* [cell][3 · columns], [cell][2 · columns] */
+  signed char *sign;                 /* [cell] of det A; 0: not reached */
+  km_known_configuration **known; /* [cell] those of all sheets, the present one first */
+  int *queue;
+  signed char *output_sign; /* [cell] of det D; 0: no point */
+  double *rows;             /* [cell × columns of the table] of the present sheet */
+  bool *is_written;         /* [cell] it has a row */
+  int *aspect;              /* [cell] its aspect; 0: none yet */
+  int aspect_count;         /* aspects of all sheets so far */
+  double curve_reach;       /* largest distance of a curve from the grid point that leads to it */
+  bool is_ended;            /* the caller's figures end the map */
+  km_state *at;             /* state for the caller's figures; NULL: none */
+  km_space_map *out;
+} km_map_search;
+
+/* Moves the state from a configuration to the grid point nearest to it. *sign: that of det A; N: workspace for the
+ * tangents. Returns the cell; −1: it isn't reached. */
+int km_map_enter_grid(km_map_search *g, int *sign, double *N);
+/* The configuration that a sheet has at a cell, the state's; NULL: none, full turns of hinges left out. */
+km_known_configuration *km_map_find_known(const km_map_search *g, int cell);
+/* Adds the tables' columns. False when out of memory. */
+bool km_map_add_columns(km_map_search *g);
+/* Fills the row of the present cell, its aspect left open. N: tangents there. *output_sign: that of det D. False: the
+ * caller ends the map, or out of memory. */
+bool km_map_fill_row(km_map_search *g, int cell, int sheet, const double *N, int *output_sign);
+/* Finds the workspace of the map's point, with the sheets and curves. */
+km_status km_map_find_workspace(km_map_search *g, const km_surface_curves *curves, km_error *error);
+
+#endif

@@ -1,0 +1,75 @@
+/* The plane regions that oriented curves bound (docs/theory.md 4.22).
+ *
+ *   segment    : cubic of Hermite between two points of a curve, p(u), u = 0 … 1
+ *   N(p)       = Σ jump of each curve that a ray from p crosses, against the sense of the crossing
+ *   region     = { p : N(p) > 0 },   outline: parts of the curves with N > 0 on one side only
+ *   area       = ∮ x dy over the outline, the region on its left;   holes: loops of negative area */
+#ifndef KM_SPACE_OUTLINE_H
+#define KM_SPACE_OUTLINE_H
+
+#include "base/memory.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* A point of a curve. */
+typedef struct km_outline_point {
+  double place[2];
+  double rate[2]; /* derivative of the place by the length of the curve in the configuration space */
+  double length;  /* of the curve from this point to the next; 0 at the last one of a piece */
+} km_outline_point;
+
+/* A part of a curve whose sides don't change. */
+typedef struct km_outline_piece {
+  size_t first, count; /* its points */
+  int kind, curve;     /* what the caller calls it */
+} km_outline_piece;
+
+typedef struct km_outline_segment {
+  double x[4], y[4]; /* coefficients of u^0 to u^3 */
+  double low[2], high[2];
+  double turn[2]; /* where y' = 0, ascending; 2: nowhere */
+  int piece;
+} km_outline_segment;
+
+/* Curves cut where they cross or join. */
+typedef struct km_curve_net {
+  const km_outline_point *points;
+  const km_outline_piece *pieces;
+  int piece_count;
+  int segment_count, *first_segment; /* [piece_count + 1] */
+  km_outline_segment *segments;
+  double **cuts; /* [piece] parameters of its cuts, ascending: segment of the piece + u; both ends are cuts */
+  int *cut_count;
+  double size; /* extent of the points */
+} km_curve_net;
+
+/* A part of the outline, from cut to cut; `from` > `to` where the region is on the curve's right. */
+typedef struct km_outline_part {
+  int piece, loop;
+  double from, to;
+} km_outline_part;
+
+typedef struct km_outline {
+  km_outline_part *parts; /* [part_count] loop by loop */
+  int part_count, loop_count, hole_count;
+  double area;
+  bool is_closed; /* all loops close: else a curve is missing, and the area isn't known */
+} km_outline;
+
+/* Cuts the curves. False when out of memory. O(segments²) at worst. */
+bool km_curve_net_create(km_curve_net *net, const km_outline_point *points, const km_outline_piece *pieces,
+                         int piece_count, km_arena *arena);
+/* Place and derivative by u at a parameter of a piece. */
+void km_curve_net_place(const km_curve_net *net, int piece, double at, double *place, double *rate);
+/* N(p) with jump[piece], what N is on the left of the curve more than on its right. O(segments). */
+int km_curve_net_count(const km_curve_net *net, const int *jump, const double *place);
+/* Finds the outline of N > 0. False when out of memory. O(parts · segments). */
+bool km_outline_find(const km_curve_net *net, const int *jump, km_arena *arena, km_outline *out);
+/* Largest circle in N > 0 that no curve with a jump meets; radius 0: none. O(segments · log). */
+void km_largest_circle(const km_curve_net *net, const int *jump, double *centre, double *radius);
+/* Largest rectangle with sides along the axes in N > 0 that no curve with a jump meets, to 1/100 of the extent; width 0:
+ * none. False when out of memory. */
+bool km_largest_rectangle(const km_curve_net *net, const int *jump, km_arena *arena, double *low, double *high);
+
+#endif

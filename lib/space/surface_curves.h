@@ -1,0 +1,46 @@
+/* Curves on a surface of configurations with two controls (docs/theory.md 4.19, 4.20).
+ *
+ *   input, output: det K = 0, K of the surface (driver_surface.h)
+ *   limit        : a coordinate at a bound of its range */
+#ifndef KM_SPACE_SURFACE_CURVES_H
+#define KM_SPACE_SURFACE_CURVES_H
+
+#include "space/driver_surface.h"
+
+typedef struct km_surface_curves km_surface_curves;
+
+/* What a curve is. */
+typedef struct km_surface_curve {
+  km_curve_kind kind;
+  int column;   /* limit: the coordinate's column */
+  double bound; /* limit: its value, of the state's coordinate */
+} km_surface_curve;
+
+/* A point of a curve. */
+typedef struct km_curve_point {
+  double *saved;   /* configuration */
+  double *tangent; /* [columns] unit vector in the order of the points */
+  km_surface_curve of;
+  int curve;        /* number, from 1 */
+  bool is_crossing; /* another singularity curve crosses, of the kind */
+  km_curve_kind crossing;
+} km_curve_point;
+
+/* The table has the columns curve; kind, or with a number of the design number and critical; q. of all coordinates;
+ * with an output the x y z of its point. NULL when out of memory. */
+km_surface_curves *km_surface_curves_create(km_driver_surface *surface, km_table *table);
+void km_surface_curves_free(km_surface_curves *curves);
+/* Adds the curve nearest to the saved configuration, unless it is in the table. `reach`: largest distance of the curve.
+ * False when out of memory. */
+bool km_surface_curves_add(km_surface_curves *curves, const km_surface_curve *of, const double *saved, double reach);
+/* Moves the surface from point i of a curve of the drivers to its side, by `distance` along z; the loops are then open.
+ * False for another kind of curve. *is_point: there is a point i. */
+bool km_surface_curves_leave(km_surface_curves *curves, size_t i, double distance, bool *is_point);
+int km_surface_curves_count(const km_surface_curves *curves);
+/* The points of all curves, row by row of the table. Borrowed. */
+const km_curve_point *km_surface_curves_points(const km_surface_curves *curves, size_t *count);
+
+/* Critical points of the curves: extrema of the number. Borrowed. */
+const km_turning_point *km_surface_curves_critical(const km_surface_curves *curves, int *count);
+
+#endif
